@@ -1,10 +1,13 @@
 //! `toolroom calibrate`: a parameter set from what a shop knows.
 
+mod bake;
 mod data;
+mod decision;
 
 use crate::args::CalibrateArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
+use toolroom_calibrate::Process;
 use toolroom_output::Files;
 use toolroom_wear::{FirstSet, KnownLife};
 
@@ -12,8 +15,17 @@ use toolroom_wear::{FirstSet, KnownLife};
 const LIMIT: &str = "0.3 mm";
 
 pub fn run(args: &CalibrateArgs, voice: &Voice) -> Result<(), Failure> {
+    if let (Some(scenario), Some(tool)) = (&args.bake, &args.tool) {
+        return bake::run(scenario, tool, &args.out, voice);
+    }
+    let process =
+        if args.process.as_deref() == Some(Process::Milling.name()) { Process::Milling } else { Process::Turning };
     if let Some(records) = &args.measured.data {
-        return data::run(&args.measured, records, &args.out, args.limit.as_deref(), voice);
+        return data::run(&args.measured, process, records, &args.out, args.limit.as_deref(), voice);
+    }
+    if process == Process::Milling {
+        let reason = "--life states a life of turning; milling is calibrated on --data";
+        return Err(Failure::argument(reason, "give --data, or state the group `life` of a parameter set"));
     }
     let (Some(life), Some(at)) = (&args.life, &args.at) else {
         return Err(Failure::argument("neither --life with --at nor --data is given", "toolroom calibrate --help"));

@@ -134,3 +134,142 @@ fn draws_of_a_calibration_enter_a_shop_and_say_what_they_leave_open() {
         assert!(refused.status.code() == Some(2) && message.contains(reason), "{file}: {message}");
     }
 }
+
+/// Eight cutters as a shop may log them: minutes since the cutter was mounted, wear in um, two materials of which steel wears
+/// a cutter out in half the time.
+fn milling_log() -> String {
+    let mut table = String::from("cutter;no;stock;vc;fz;ae;t;VB\n");
+    let cutters = [
+        (150.0, 0.05, 3.0, "iron"),
+        (150.0, 0.08, 3.0, "steel"),
+        (190.0, 0.05, 6.0, "steel"),
+        (190.0, 0.08, 6.0, "iron"),
+        (230.0, 0.05, 3.0, "iron"),
+        (230.0, 0.08, 6.0, "steel"),
+    ];
+    for (cutter, (speed, feed, width, stock)) in cutters.into_iter().enumerate() {
+        let level = [1.05, 0.95, 1.0, 1.1, 0.9, 1.0][cutter] * if stock == "steel" { 2.0 } else { 1.0 };
+        let life =
+            40.0 * (190.0_f64 / speed).powi(3) * (0.05_f64 / feed).powf(0.5) * (3.0_f64 / width).powf(0.65) / level;
+        for reading in 1..=6_u32 {
+            let share = f64::from(reading) / 6.0;
+            let wear = 300.0 * share + [4.0, -6.0, 3.0][(cutter + reading as usize) % 3];
+            let _ = writeln!(table, "C{cutter};{reading};{stock};{speed};{feed};{width};{:.3};{wear:.1}", life * share);
+        }
+    }
+    table
+}
+
+#[test]
+fn a_log_of_milling_becomes_a_set_whose_draws_a_shop_takes() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("log.csv"), milling_log()).expect("a table");
+    let map = "schema = 1\nprocess = \"milling\"\ncolumn = [\n\
+               { name = \"machine\", constant = \"M1\" },\n{ name = \"tool_id\", from = \"cutter\" },\n\
+               { name = \"sequence\", from = \"no\" },\n{ name = \"material\", from = \"stock\" },\n\
+               { name = \"cutting_speed\", from = \"vc\", unit = \"m/min\" },\n\
+               { name = \"feed_per_tooth\", from = \"fz\", unit = \"mm\" },\n\
+               { name = \"depth_of_cut\", constant = \"12 mm\" },\n\
+               { name = \"width_of_cut\", from = \"ae\", unit = \"mm\" },\n\
+               { name = \"cutting_time\", from = \"t\", unit = \"min\", running = true },\n\
+               { name = \"flank_wear\", from = \"VB\", unit = \"um\" },\n]\n";
+    fs::write(folder.join("map.toml"), map).expect("a mapping");
+    let imported = toolroom(folder, &["import", "csv", "log.csv", "--map", "map.toml", "--out", "records"]);
+    assert_eq!(imported.status.code(), Some(0), "{}", text(&imported.stderr));
+    let command = ["calibrate", "milling", "--model", "c45_endmill_d12", "--data", "records", "--out", "mill.toml"];
+    let more = ["--by", "material", "--shape", "straight", "--draws", "200", "--json"];
+    let output = toolroom(folder, &[&command[..], &more[..]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let steel = answer["parameters"].as_array().expect("a list").iter().find(|own| own["name"] == "material=steel");
+    let ends = &steel.expect("a factor")["ci90"];
+    assert!(ends[0].as_f64() < Some(2.0) && Some(2.0) < ends[1].as_f64(), "{ends}");
+    let checked = toolroom(folder, &["check", "mill.toml"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/gap/milling.toml");
+    let shop = fs::read_to_string(shipped).expect("the shipped scenario");
+    let own = "parameter_set = \"./mill.toml\"\nparameters_from = \"mill-posterior.parquet\"";
+    fs::write(folder.join("shop.toml"), shop.replace("parameter_set = \"c45_endmill_d12\"", own)).expect("a scenario");
+    let ran = toolroom(folder, &["run", "shop.toml", "--out", "out"]);
+    assert_eq!(ran.status.code(), Some(0), "{}", text(&ran.stderr));
+    // What a scenario states beside the set becomes a set of its own.
+    let stated = own.replace(
+        "\nparameters_from = \"mill-posterior.parquet\"",
+        "\nparameters = { life = { speed_exponent = 4.0 } }",
+    );
+    fs::write(folder.join("stated.toml"), shop.replace("parameter_set = \"c45_endmill_d12\"", &stated))
+        .expect("a file");
+    let baked = toolroom(folder, &["calibrate", "--bake", "stated.toml", "--tool", "end mill", "--out", "baked.toml"]);
+    assert_eq!(baked.status.code(), Some(0), "{}", text(&baked.stderr));
+    assert!(text(&baked.stdout).contains("life.speed_exponent"), "{}", text(&baked.stdout));
+    let checked = toolroom(folder, &["check", "baked.toml"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    for (wrong, reason) in [
+        (["--by", "stock"], "no such column"),
+        (["--law", "usui"], "no wear law `usui` of milling"),
+        (["--shape", "bent"], "no shape `bent`"),
+        (["--holdout", "C9"], "no edge `C9`"),
+    ] {
+        let refused = toolroom(folder, &[&command[..6], &["--out", "none.toml"], &wrong[..]].concat());
+        let message = text(&refused.stderr);
+        assert!(refused.status.code() == Some(2) && message.contains(reason), "{wrong:?}: {message}");
+    }
+}
+
+#[test]
+fn a_decision_of_a_scenario_says_what_to_measure_and_edges_that_chip_give_a_rate() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    // The fourth edge chipped.
+    let whole = wear(1.0, "flank_wear [mm]");
+    let table = whole
+        .lines()
+        .map(|line| if line.starts_with("O3-8") { line.replace(",worn", ",chipped") } else { line.to_owned() });
+    fs::write(folder.join("wear.csv"), table.collect::<Vec<_>>().join("\n")).expect("a table");
+    fs::write(folder.join("priors.toml"), "[prior]\n\"extended_taylor.feed_exponent\" = { deviation = 0.2 }\n")
+        .expect("a file");
+    let shop = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/steel-shafts.toml");
+    let shop = shop.to_str().expect("a path");
+    let output = toolroom(
+        folder,
+        &[
+            "calibrate",
+            "turning",
+            "--model",
+            "c45_t15k6",
+            "--data",
+            "wear.csv",
+            "--limit",
+            "0.3 mm",
+            "--law",
+            "extended_taylor",
+            "--draws",
+            "500",
+            "--decision",
+            shop,
+            "--prior",
+            "priors.toml",
+            "--out",
+            "my.toml",
+            "--json",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let chips = &answer["scatter"]["chipping_rate [1/km]"];
+    assert!(chips["chips"] == 1 && chips["ci90"][0].as_f64() < chips["value"].as_f64(), "{chips}");
+    assert!(fs::read_to_string(folder.join("my.toml")).expect("a set").contains("[parameters.chipping]"));
+    let decision = &answer["decision"];
+    let share = decision["second_better"].as_f64().expect("a share");
+    assert!((0.0..=1.0).contains(&share) && decision["evpi_per_km"].as_f64() >= Some(0.0), "{decision}");
+    for test in decision["next_experiment"].as_array().expect("a list") {
+        assert!(test["sd_decision_after"].as_f64() < test["sd_decision_before"].as_f64(), "{test}");
+    }
+    let feed = answer["parameters"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .find(|own| own["name"] == "extended_taylor.feed_exponent");
+    assert_eq!(feed.expect("a parameter")["prior"]["sd"], 0.2);
+}

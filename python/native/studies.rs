@@ -251,7 +251,17 @@ pub fn calibrate(
         return Err(Failure::argument(format_args!("{draws} draws"), "from 100 to 1000000"));
     }
     through(py, move || {
-        let study = CalibrationStudy { data: data.clone(), map, model, limit, laws: law, fixed: fix, draws, seed };
+        let study = CalibrationStudy {
+            data: data.clone(),
+            map,
+            model,
+            limit,
+            laws: law,
+            fixed: fix,
+            draws,
+            seed,
+            ..CalibrationStudy::default()
+        };
         let result = study.run(&read_cells).map_err(|refusal| Failure::argument(&refusal.reason, &refusal.fix))?;
         let calibration = &result.calibration;
         let mut files = ResultFiles::default();

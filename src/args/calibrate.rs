@@ -9,10 +9,10 @@ use toolroom_wear::{ISO_513, ToolMaterial};
 #[derive(Args, Debug)]
 pub struct CalibrateArgs {
     /// Process
-    #[arg(value_parser = Words::new(["turning"]))]
-    pub process: String,
+    #[arg(value_parser = Words::new(["turning", "milling"]), required_unless_present = "bake")]
+    pub process: Option<String>,
     /// About how long an edge lasts, such as "15 min"
-    #[arg(long, value_name = "TIME", requires = "at", required_unless_present = "data")]
+    #[arg(long, value_name = "TIME", requires = "at", required_unless_present_any = ["data", "bake"])]
     pub life: Option<String>,
     /// Cutting speed at which it lasts that long
     #[arg(long, value_name = "SPEED", requires = "life")]
@@ -32,6 +32,12 @@ pub struct CalibrateArgs {
     /// Flank wear at which an edge is spent; 0.3 mm, or with --data that of the set
     #[arg(long, value_name = "LENGTH")]
     pub limit: Option<String>,
+    /// Scenario whose tool has values that it states or calibrates: they become a set
+    #[arg(long, value_name = "SCENARIO", requires = "tool", conflicts_with_all = ["data", "life", "process"])]
+    pub bake: Option<PathBuf>,
+    /// The tool of --bake
+    #[arg(long, value_name = "NAME", requires = "bake")]
+    pub tool: Option<String>,
     /// Parameter set to write
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 #[derive(Args, Debug)]
 pub struct CalibrationData {
-    /// Measured edges: records of turning operations, or a table of lives
+    /// Measured edges: records of operations, or a table of lives
     #[arg(long, value_name = "RECORDS", requires = "model", conflicts_with = "life")]
     pub data: Option<PathBuf>,
     /// Parameter set from which everything comes that the data do not say: a shipped name or a file
@@ -14,12 +14,36 @@ pub struct CalibrationData {
     /// Mapping file for a table of any layout
     #[arg(long, value_name = "MAP.toml", requires = "data")]
     pub map: Option<PathBuf>,
-    /// Wear law: all, or extended_taylor, takeyama_murata, usui, energy_balance; may be repeated
+    /// Wear law of turning: all, or extended_taylor, takeyama_murata, usui, energy_balance; may be repeated. Milling has `life`
     #[arg(long, value_name = "NAME", requires = "data", value_delimiter = ',')]
     pub law: Vec<String>,
+    /// Shape of the wear curve of laws that state lives: straight, curved, tilted, or all of them; may be repeated
+    #[arg(long, value_name = "WORD", requires = "data", value_delimiter = ',')]
+    pub shape: Vec<String>,
+    /// Column of words whose edges may wear at different rates, such as material; material=steel has the set carry steel
+    #[arg(long, value_name = "COLUMN", requires = "data")]
+    pub by: Option<String>,
     /// A parameter that is not fitted, such as stage_tilt=0; may be repeated
     #[arg(long, value_name = "KEY=VALUE", requires = "data")]
     pub fix: Vec<String>,
+    /// File whose [prior] goes before that of the set: a parameter set, or nothing but [prior]
+    #[arg(long, value_name = "FILE", requires = "data")]
+    pub prior: Option<PathBuf>,
+    /// Edges that take no part and are predicted: a share such as 0.2, or names such as E03,E07
+    #[arg(long, value_name = "SHARE|EDGES", requires = "data")]
+    pub holdout: Option<String>,
+    /// How edges begin: new, or unknown where their first reading is all that is known of what was before
+    #[arg(long, value_name = "WORD", requires = "data", default_value = "new", value_parser = ["new", "unknown"])]
+    pub start: String,
+    /// Let the wear rate wander within lives, and find by how much
+    #[arg(long, requires = "data")]
+    pub life_noise: bool,
+    /// Work out profile intervals too
+    #[arg(long, requires = "data")]
+    pub profile: bool,
+    /// Scenario whose choice between two speeds says what to measure next, by cost
+    #[arg(long, value_name = "SCENARIO", requires = "data")]
+    pub decision: Option<PathBuf>,
     /// Draws of the posterior
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = draws)]
     pub draws: usize,

@@ -1,20 +1,36 @@
 //! `toolroom calibrate --data`: a parameter set with uncertainty from measured edges.
 
+use super::decision;
 use crate::args::CalibrationData;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use std::path::{Path, PathBuf};
-use toolroom_calibrate::{CalibrationStudy, Verdict};
+use toolroom_calibrate::{CalibrationStudy, Clock, Process, Verdict};
 use toolroom_output::{Files, provenance};
 
-pub fn run(args: &CalibrationData, data: &Path, out: &Path, limit: Option<&str>, voice: &Voice) -> Result<(), Failure> {
+pub fn run(
+    args: &CalibrationData,
+    process: Process,
+    data: &Path,
+    out: &Path,
+    limit: Option<&str>,
+    voice: &Voice,
+) -> Result<(), Failure> {
     let study = CalibrationStudy {
+        process,
         data: data.to_owned(),
         map: args.map.clone(),
         model: args.model.clone().unwrap_or_default(),
         limit: limit.map(str::to_owned),
         laws: args.law.clone(),
+        shapes: args.shape.clone(),
+        by: args.by.clone(),
         fixed: args.fix.clone(),
+        prior: args.prior.clone(),
+        holdout: args.holdout.clone(),
+        begun: args.start == "unknown",
+        life_noise: args.life_noise,
+        profile: args.profile,
         draws: args.draws,
         seed: args.seed,
     };
@@ -28,29 +44,49 @@ pub fn run(args: &CalibrationData, data: &Path, out: &Path, limit: Option<&str>,
         study.run(&toolroom_parquet::read_cells).map_err(|refusal| Failure::argument(&refusal.reason, &refusal.fix))?;
     let calibration = &result.calibration;
     voice.say(result.read.to_string().trim_end());
+    let advice = args.decision.as_deref().map(|path| decision::advise(path, calibration)).transpose()?;
     if let Some(folder) = out.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
     }
-    files.put(&places[0], calibration.set_file(&stem, &result.based_on).as_bytes())?;
-    let draws = files.begin(&places[1])?;
-    let file = draws.file.try_clone().map_err(|source| Failure::Unwritable { path: places[1].clone(), source })?;
-    let written = result.write_draws(file, &toolroom_parquet::create);
-    written.map_err(|error| Failure::Work { message: format!("{}: {error}", places[1].display()) })?;
-    files.end(draws)?;
-    let json = calibration.json();
+    // A set holds minutes: lives in operations enter none.
+    let timed = calibration.measured.clock == Clock::Minutes;
+    if timed {
+        files.put(&places[0], calibration.set_file(&stem, &result.based_on).as_bytes())?;
+        let draws = files.begin(&places[1])?;
+        let file = draws.file.try_clone().map_err(|source| Failure::Unwritable { path: places[1].clone(), source })?;
+        let written = result.write_draws(file, &toolroom_parquet::create);
+        written.map_err(|error| Failure::Work { message: format!("{}: {error}", places[1].display()) })?;
+        files.end(draws)?;
+    }
+    let model = &calibration.carried().model;
+    let mut json = calibration.json();
+    if let Some(advice) = &advice {
+        json["decision"] = advice.json(model);
+    }
     let text = serde_json::to_string_pretty(&json).map_err(Failure::Json)? + "\n";
     files.put(&places[2], text.as_bytes())?;
     let bytes = std::fs::read(data).unwrap_or_default();
     let words = ["--model".to_owned(), study.model.clone()];
-    let origin =
-        provenance("calibrate turning --data", &[(data.display().to_string(), &bytes)], words, Some(args.seed));
+    let origin = provenance(
+        &format!("calibrate {} --data", process.name()),
+        &[(data.display().to_string(), &bytes)],
+        words,
+        Some(args.seed),
+    );
     files.put(&places[3], calibration.report().provenance(origin).html().as_bytes())?;
     if voice.json {
         voice.json(&json)?;
     } else {
         voice.data(calibration.text().trim_end())?;
+        if let Some(advice) = &advice {
+            voice.data(advice.text(model).trim_end())?;
+        }
     }
-    places.iter().for_each(|place| voice.say(format_args!("wrote {}", place.display())));
+    let written = if timed { &places[..] } else { &places[2..] };
+    written.iter().for_each(|place| voice.say(format_args!("wrote {}", place.display())));
+    if !timed {
+        voice.say(format_args!("no parameter set: its lives are minutes, and the records have no cutting_time"));
+    }
     if args.strict && calibration.undetermined() {
         let what = match calibration.choice.verdict {
             Verdict::CannotTell => "the law",

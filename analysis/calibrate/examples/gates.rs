@@ -35,8 +35,8 @@ fn design(edges: usize, speeds: &[f64]) -> (Vec<Cut>, Vec<Edge>) {
     };
     let conditions: Vec<Cut> = (0..edges).map(cut).collect();
     let edge = |index: usize| {
-        let stretches = vec![Stretch { condition: index, time: 1.0, wear: Some(UNREAD) }; READINGS as usize];
-        Edge { name: format!("E{index}"), stretches, life: None }
+        let stretches = vec![Stretch::read(index, 1.0, UNREAD); READINGS as usize];
+        Edge { name: format!("E{index}"), stretches, life: None, begun: None }
     };
     (conditions, (0..edges).map(edge).collect())
 }
@@ -65,14 +65,14 @@ fn made(
             let last = truth.len() - 1;
             (truth[last - 1], truth[last]) = (edge.ln(), reading.ln());
         }
-        let life = |speed: f64| empty.life(truth.as_slice(), &Cut::nominal(speed / 60.0, 0.3e-3, 1.5e-3));
+        let life = |speed: f64| empty.life(truth.as_slice(), Cut::nominal(speed / 60.0, 0.3e-3, 1.5e-3));
         if ![180.0, 320.0].iter().all(|speed| (0.5..2000.0).contains(&life(*speed))) {
             continue;
         }
         // Readings are spread over a life of median level, at most an hour.
         let mut planned = blank.clone();
         for (edge, cut) in planned.iter_mut().zip(&conditions) {
-            let total = (1.05 * empty.life(truth.as_slice(), cut)).min(60.0);
+            let total = (1.05 * empty.life(truth.as_slice(), *cut)).min(60.0);
             edge.stretches.iter_mut().for_each(|stretch| stretch.time = total / f64::from(READINGS));
         }
         let planned_model = WearModel::new(law, &base(), conditions.clone(), planned.clone(), LIMIT);
@@ -134,7 +134,7 @@ fn choice(sets: usize) {
                 })
                 .collect();
             let choice = Choice::of(&candidates, speeds);
-            match (choice.verdict, choice.law == truth) {
+            match (choice.verdict, choice.carried.law == truth) {
                 (Verdict::Chosen, true) => right += 1,
                 (Verdict::Chosen, false) => wrong += 1,
                 (Verdict::CannotTell | Verdict::Given, _) => open += 1,

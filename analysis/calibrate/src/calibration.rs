@@ -1,37 +1,44 @@
 //! A calibration from data to answers.
 
+use crate::base::{Base, Condition};
+use crate::chipping::{ChippingFit, Exposure};
 use crate::choice::{Choice, Verdict};
 use crate::fit::Maximum;
 use crate::force::{ForceModel, ForceReading};
 use crate::identify::Identifiability;
-use crate::law::Law;
-use crate::left_out::{Coverage, LeftOut, leave_edges_out};
+use crate::left_out::{Coverage, LeftOut, leave_edges_out, left_out};
 use crate::model::Model;
 use crate::parameter::Prior;
-use crate::sample::{Posterior, maxima, sample};
-use crate::treatment::Measured;
+use crate::profile::profiles;
+use crate::sample::{Posterior, maxima, sample, sample_around};
+use crate::shape::Candidate;
+use crate::treatment::{Clock, End, Measured};
 use crate::wear_model::{EDGE_SCATTER, WearModel};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use toolroom_numerics::order_quantile;
-use toolroom_wear::{Cut, Pair};
+use toolroom_wear::{Cut, Force};
 
 /// Least edges at which the coverage of left-out readings is judged.
 const JUDGED: usize = 8;
 /// Coverage of the 90 % band that is no reason for a warning.
 const COVERED: std::ops::RangeInclusive<f64> = 0.75..=0.99;
 
+/// Ratio of the fastest to the slowest speed below which speeds count as one, so that other conditions are listed.
+const ONE_SPEED: f64 = 1.02;
 /// Speeds at which lives are listed where more were cut.
 const LISTED: usize = 8;
 
 /// What a calibration is to do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// Laws to be compared; one is taken as given.
-    pub laws: Vec<Law>,
+    /// Laws and shapes of the wear curve to be compared; one is taken as given.
+    pub candidates: Vec<Candidate>,
     /// Flank wear at which an edge is worn out, mm.
     pub limit: f64,
+    /// Column of the words that tell groups of edges.
+    pub by: Option<String>,
     /// Parameters fixed at values in their units, by name.
     pub fixed: Vec<(String, f64)>,
     /// Priors in working coordinates, by name; a mean of NaN keeps the one that the set gives.
@@ -40,6 +47,40 @@ pub struct Request {
     pub draws: usize,
     /// Seed of the draws.
     pub seed: u64,
+    /// Correlation time in min of a wear rate that wanders within lives; it does not if none.
+    pub life_noise: Option<f64>,
+    /// Names of edges that take no part and are predicted.
+    pub held_out: Vec<String>,
+    /// Whether profile intervals are worked out.
+    pub profile: bool,
+}
+
+impl Default for Request {
+    fn default() -> Self {
+        Self {
+            candidates: Vec::new(),
+            limit: 0.3,
+            by: None,
+            fixed: Vec::new(),
+            priors: Vec::new(),
+            draws: 2000,
+            seed: 1,
+            life_noise: None,
+            held_out: Vec::new(),
+            profile: false,
+        }
+    }
+}
+
+/// Edges that took no part in a calibration, predicted by it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldOut {
+    /// Their names.
+    pub names: Vec<String>,
+    /// What was predicted of each.
+    pub left_out: Vec<LeftOut>,
+    /// How often the predictions hold.
+    pub coverage: Coverage,
 }
 
 /// Why nothing could be calibrated.
@@ -54,6 +95,9 @@ pub enum CalibrationError {
         /// What there is.
         known: String,
     },
+    /// An edge to be held out that the data do not have, or too few others.
+    #[error("--holdout: {0}")]
+    HeldOut(String),
     /// The density of no start is finite.
     #[error("the law {0} cannot describe these data at any start; check units and times")]
     NoDensity(&'static str),
@@ -88,7 +132,7 @@ pub struct ForceFit {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LifeAt {
     /// The cut.
-    pub cut: Cut,
+    pub condition: Condition,
     /// Median over the draws of the life of an edge of median level.
     pub median: f64,
     /// 5 % and 95 % points of the same.
@@ -118,6 +162,12 @@ pub struct Calibration {
     pub coverage: Coverage,
     /// Cutting force against wear, where forces were measured.
     pub force: Option<ForceFit>,
+    /// The rate of chipping, where it is told how edges ended.
+    pub chipping: Option<ChippingFit>,
+    /// Edges that took no part.
+    pub held_out: Option<HeldOut>,
+    /// 90 % profile intervals of the working coordinates, where they were asked for.
+    pub profiles: Option<Vec<[f64; 2]>>,
     /// Lives at the tested speeds and between them.
     pub lives: Vec<LifeAt>,
     /// Speed in m/min at which the life is known best, with the standard deviation of its logarithm there.
@@ -132,37 +182,79 @@ impl Calibration {
     ///
     /// # Panics
     /// Where the request names no law.
-    pub fn new(measured: Measured, base: &Pair, request: Request) -> Result<Self, CalibrationError> {
+    pub fn new(measured: Measured, base: impl Into<Base>, request: Request) -> Result<Self, CalibrationError> {
+        let base = base.into().referred_to(&usual_cut(&measured));
+        let whole = measured;
+        let measured = whole.without(&request.held_out).map_err(CalibrationError::HeldOut)?;
+        let by = request.by.as_deref().unwrap_or("group");
+        let groups: Vec<String> = measured.groups.iter().skip(1).map(|word| format!("{by}={word}")).collect();
         let mut models = Vec::new();
-        for law in &request.laws {
-            models.push(WearModel::new(*law, base, measured.conditions.clone(), measured.edges.clone(), request.limit));
+        for candidate in &request.candidates {
+            let (conditions, edges) = (measured.conditions.clone(), measured.edges.clone());
+            let model = WearModel::new(*candidate, base.clone(), conditions, edges, request.limit);
+            let model = model.with_groups(&groups);
+            models.push(match request.life_noise {
+                Some(correlation) => model.with_life_noise(correlation),
+                None => model,
+            });
+        }
+        if measured.clock == Clock::Operations {
+            let (life, usual) = (measured.usual_life(request.limit), usual_cut(&measured));
+            models = models.into_iter().map(|model| model.by_operations(life, &usual)).collect();
         }
         apply(&mut models, &request)?;
         let all: Vec<usize> = (0..measured.edges.len()).collect();
-        let mut fits = Vec::new();
+        let (mut fits, mut around) = (Vec::new(), Vec::new());
         for model in models {
             let found = maxima(&model, &all, request.seed);
-            let (maximum, _) = found.ok_or(CalibrationError::NoDensity(model.law.group()))?;
+            let (maximum, modes) = found.ok_or(CalibrationError::NoDensity(model.law.group()))?;
+            around.push(modes);
             let left_out = leave_edges_out(&model, &maximum, request.seed);
             fits.push(LawFit { model, maximum, left_out });
         }
-        let candidates: Vec<(Law, Vec<LeftOut>)> =
-            fits.iter().map(|fit| (fit.model.law, fit.left_out.clone())).collect();
+        let candidates: Vec<(Candidate, Vec<LeftOut>)> =
+            fits.iter().map(|fit| (fit.model.candidate(), fit.left_out.clone())).collect();
         let choice = Choice::of(&candidates, &measured.speeds());
-        let carried = fits.iter().find(|fit| fit.model.law == choice.law).expect("the choice is one of the laws");
-        let posterior = sample(&carried.model, &all, request.draws, request.seed);
-        let posterior = posterior.ok_or(CalibrationError::NoDensity(choice.law.group()))?;
+        let place = fits.iter().position(|fit| fit.model.candidate() == choice.carried);
+        let place = place.expect("the choice is one of the laws");
+        let carried = &fits[place];
+        let maxima = (carried.maximum.clone(), std::mem::take(&mut around[place]));
+        let posterior = sample_around(&carried.model, &all, maxima, request.draws, request.seed);
         let identifiability = Identifiability::of(&carried.model, &posterior);
         let coverage = Coverage::of(&carried.left_out);
         let lives = lives(&carried.model, &posterior, &measured, request.seed);
-        let force = force(&carried.model, &posterior, &measured, base, &request);
+        let force = match &base {
+            Base::Turning(pair) => force(&carried.model, &posterior, &measured, &pair.force, &request),
+            Base::Milling { .. } => None,
+        };
         let best_known = best_known(&carried.model, &posterior, &measured);
-        Ok(Self { measured, request, choice, fits, posterior, identifiability, coverage, force, lives, best_known })
+        let chipping = chipping(&carried.model, &posterior, &measured, &base);
+        let held_out =
+            (!request.held_out.is_empty()).then(|| held_out(&carried.model, &carried.maximum, &whole, &request));
+        let profiles = request.profile.then(|| profiles(&carried.model, &all, &posterior.map));
+        Ok(Self {
+            measured,
+            request,
+            choice,
+            fits,
+            posterior,
+            identifiability,
+            coverage,
+            force,
+            chipping,
+            held_out,
+            profiles,
+            lives,
+            best_known,
+        })
     }
 
     /// The fit of the law that the set carries.
     pub fn carried(&self) -> &LawFit {
-        self.fits.iter().find(|fit| fit.model.law == self.choice.law).expect("the choice is one of the laws")
+        self.fits
+            .iter()
+            .find(|fit| fit.model.candidate() == self.choice.carried)
+            .expect("the choice is one of the laws")
     }
 
     /// Whether the law or a parameter of the carried law is undetermined.
@@ -226,12 +318,38 @@ fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationE
     Ok(())
 }
 
+/// The rate of chipping of edges of which it is told how they ended.
+fn chipping(model: &WearModel, posterior: &Posterior, measured: &Measured, base: &Base) -> Option<ChippingFit> {
+    if !measured.ends_told || measured.clock == Clock::Operations {
+        return None;
+    }
+    let exposure = |(edge, end): (&crate::edge::Edge, &End)| Exposure {
+        course: model.exposure(posterior.map.u.as_slice(), edge),
+        chipped: matches!(end, End::Chipped | End::Broken),
+    };
+    // Of edges that were not new the path is not known.
+    let edges = measured.edges.iter().zip(&measured.ends).filter(|(edge, _)| edge.begun.is_none());
+    let edges: Vec<Exposure> = edges.map(exposure).collect();
+    let hazard = base.chipping();
+    ChippingFit::of(&edges, hazard.shape, hazard.reference_land * 1e3)
+}
+
+/// Edges that took no part, predicted by the others.
+fn held_out(model: &WearModel, maximum: &Maximum, whole: &Measured, request: &Request) -> HeldOut {
+    let all = model.measuring(whole.edges.clone());
+    let place = |edge: &crate::edge::Edge| request.held_out.contains(&edge.name);
+    let group: Vec<usize> = (0..whole.edges.len()).filter(|index| place(&whole.edges[*index])).collect();
+    let left_out = left_out(&all, maximum, &group, 0, request.seed);
+    let coverage = Coverage::of(&left_out);
+    HeldOut { names: group.iter().map(|index| whole.edges[*index].name.clone()).collect(), left_out, coverage }
+}
+
 /// The forces of all edges against their fitted wear; `None` with fewer readings than the model has parameters.
 fn force(
     model: &WearModel,
     posterior: &Posterior,
     measured: &Measured,
-    base: &Pair,
+    base: &Force,
     request: &Request,
 ) -> Option<ForceFit> {
     let u = posterior.map.u.as_slice();
@@ -249,7 +367,7 @@ fn force(
             edges.push(readings);
         }
     }
-    let mut model = ForceModel::new(&base.force, edges, None);
+    let mut model = ForceModel::new(base, edges, None);
     request.priors.iter().for_each(|(name, prior)| model.set_prior(name, *prior));
     let all: Vec<usize> = (0..model.edges()).collect();
     if all.iter().map(|edge| model.readings(*edge).len()).sum::<usize>() <= model.parameters().len() {
@@ -269,30 +387,45 @@ fn force(
 }
 
 /// Lives at every tested speed and at the middle between neighbours, at the feed and depth cut most often. Of many speeds
-/// [`LISTED`] stand for all.
+/// [`LISTED`] stand for all. Where there is one speed, the lives of all conditions.
 fn lives(model: &WearModel, posterior: &Posterior, measured: &Measured, seed: u64) -> Vec<LifeAt> {
     let reference = usual_cut(measured);
-    let mut speeds: Vec<f64> = measured.conditions.iter().map(|cut| cut.cutting_speed).collect();
+    let mut speeds: Vec<f64> = measured.conditions.iter().map(|condition| condition.cut.cutting_speed).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
+    let (low, high) = (speeds[0], speeds[speeds.len() - 1]);
+    let at = |condition: &Condition, tested| life_at(model, posterior, *condition, tested, seed);
+    if high < ONE_SPEED * low && measured.conditions.len() <= LISTED {
+        let mut conditions: Vec<Condition> = measured.conditions.clone();
+        conditions.sort_by(|a, b| {
+            let key = |condition: &Condition| condition.quantities();
+            let order = a.group.cmp(&b.group);
+            order.then(key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal))
+        });
+        return conditions.iter().map(|condition| at(condition, true)).collect();
+    }
     if speeds.len() > LISTED {
-        let (low, high) = (speeds[0], speeds[speeds.len() - 1]);
         let place = |step: usize| low * (high / low).powf(step as f64 / (LISTED - 1) as f64);
-        let few: Vec<f64> = (0..LISTED).map(place).collect();
-        return few.iter().map(|speed| life_at(model, posterior, &reference.at_speed(*speed), true, seed)).collect();
+        return (0..LISTED).map(|step| at(&reference.at_speed(place(step)), true)).collect();
     }
     let between: Vec<f64> = speeds.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-    let tested = |speed: &f64| speeds.contains(speed);
     let mut wanted: Vec<f64> = speeds.iter().chain(&between).copied().collect();
     wanted.sort_by(f64::total_cmp);
-    wanted.iter().map(|speed| life_at(model, posterior, &reference.at_speed(*speed), tested(speed), seed)).collect()
+    wanted.iter().map(|speed| at(&reference.at_speed(*speed), speeds.contains(speed))).collect()
 }
 
-/// Life at a cut over the draws of a posterior.
-pub fn life_at(model: &WearModel, posterior: &Posterior, cut: &Cut, tested: bool, seed: u64) -> LifeAt {
+/// Life at a condition over the draws of a posterior.
+pub fn life_at(
+    model: &WearModel,
+    posterior: &Posterior,
+    condition: impl Into<Condition>,
+    tested: bool,
+    seed: u64,
+) -> LifeAt {
+    let condition = condition.into();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let scatter = model.parameters().iter().position(|parameter| parameter.name == EDGE_SCATTER);
-    let mut levels: Vec<f64> = posterior.draws.iter().map(|draw| model.life(draw.as_slice(), cut)).collect();
+    let mut levels: Vec<f64> = posterior.draws.iter().map(|draw| model.life(draw.as_slice(), condition)).collect();
     let mut next: Vec<f64> = posterior
         .draws
         .iter()
@@ -306,7 +439,7 @@ pub fn life_at(model: &WearModel, posterior: &Posterior, cut: &Cut, tested: bool
     next.sort_by(f64::total_cmp);
     let at = order_quantile;
     LifeAt {
-        cut: *cut,
+        condition,
         median: at(&levels, 0.5),
         ci90: [at(&levels, 0.05), at(&levels, 0.95)],
         next_edge90: [at(&next, 0.05), at(&next, 0.95)],
@@ -314,14 +447,14 @@ pub fn life_at(model: &WearModel, posterior: &Posterior, cut: &Cut, tested: bool
     }
 }
 
-/// The feed and depth of most edges.
-fn usual_cut(measured: &Measured) -> Cut {
+/// The feed, depth and width of most edges, in group 0.
+fn usual_cut(measured: &Measured) -> Condition {
     let condition = |edge: &crate::edge::Edge| {
         edge.stretches.first().map(|stretch| stretch.condition).or(edge.life.map(|(condition, _)| condition))
     };
     let mut best = (0, 0);
-    for (index, cut) in measured.conditions.iter().enumerate() {
-        let same = |other: &Cut| other.feed_per_rev == cut.feed_per_rev && other.depth_of_cut == cut.depth_of_cut;
+    for (index, own) in measured.conditions.iter().enumerate() {
+        let same = |other: &Condition| other.quantities()[1..] == own.quantities()[1..];
         let count = measured
             .edges
             .iter()
@@ -331,7 +464,7 @@ fn usual_cut(measured: &Measured) -> Cut {
             best = (index, count);
         }
     }
-    measured.conditions[best.0]
+    Condition { group: 0, ..measured.conditions[best.0] }
 }
 
 /// The speed within a factor 1.5 of the tested range at which the life is known best.
@@ -343,7 +476,7 @@ fn best_known(model: &WearModel, posterior: &Posterior, measured: &Measured) -> 
     let few = &posterior.draws[..posterior.draws.len().min(200)];
     let spread = |speed: f64| {
         let cut = cut.at_speed(speed / 60.0);
-        let lives: Vec<f64> = few.iter().map(|draw| model.life(draw.as_slice(), &cut).ln()).collect();
+        let lives: Vec<f64> = few.iter().map(|draw| model.life(draw.as_slice(), cut).ln()).collect();
         let mean = lives.iter().sum::<f64>() / lives.len() as f64;
         (lives.iter().map(|life| (life - mean).powi(2)).sum::<f64>() / (lives.len() - 1) as f64).sqrt()
     };

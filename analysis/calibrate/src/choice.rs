@@ -3,6 +3,7 @@
 use crate::law::Law;
 use crate::left_out::LeftOut;
 use crate::normal::ln_sum;
+use crate::shape::Candidate;
 
 /// Least margin in logarithms of predictive density that names a law: below four the normal standard error of a difference
 /// is not reliable (Sivula, Magnusson, Vehtari, arXiv 2008.10296).
@@ -38,8 +39,8 @@ impl Verdict {
 /// A law with its score.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
-    /// The law.
-    pub law: Law,
+    /// The law and its shape.
+    pub candidate: Candidate,
     /// Sum over edges of the log predictive density of an edge left out.
     pub elpd: f64,
     /// How far the law is behind the best.
@@ -56,9 +57,9 @@ pub struct Choice {
     /// The verdict.
     pub verdict: Verdict,
     /// The law that the parameter set carries: the best one, or the simplest of those that cannot be told apart.
-    pub law: Law,
+    pub carried: Candidate,
     /// Laws that cannot be told from the best, the best first.
-    pub class: Vec<Law>,
+    pub class: Vec<Candidate>,
     /// Scores, the best first.
     pub scores: Vec<Score>,
     /// Why no law is named although the scores differ.
@@ -71,45 +72,52 @@ impl Choice {
     ///
     /// # Panics
     /// Without any law.
-    pub fn of(candidates: &[(Law, Vec<LeftOut>)], speeds: &[f64]) -> Self {
+    pub fn of<C: Copy + Into<Candidate>>(candidates: &[(C, Vec<LeftOut>)], speeds: &[f64]) -> Self {
+        let named = |index: usize| -> Candidate { candidates[index].0.into() };
         let sum = |left: &[LeftOut]| left.iter().map(|edge| edge.score).sum::<f64>();
         let mut order: Vec<usize> = (0..candidates.len()).collect();
         order.sort_by(|a, b| sum(&candidates[*b].1).total_cmp(&sum(&candidates[*a].1)));
         let best = &candidates[order[0]].1;
         let weights = stacking(candidates);
         let score = |index: &usize| {
-            let (law, left) = &candidates[*index];
+            let left = &candidates[*index].1;
             let differences: Vec<f64> = best.iter().zip(left).map(|(best, left)| best.score - left.score).collect();
             let count = differences.len() as f64;
             let margin = differences.iter().sum::<f64>();
             let squares = differences.iter().map(|difference| (difference - margin / count).powi(2)).sum::<f64>();
             let error = squares.sqrt();
-            Score { law: *law, elpd: sum(left), margin, error, weight: weights[*index] }
+            Score { candidate: named(*index), elpd: sum(left), margin, error, weight: weights[*index] }
         };
         let scores: Vec<Score> = order.iter().map(score).collect();
         let within = |score: &&Score| score.margin <= MARGIN.max(ERRORS * score.error);
-        let class: Vec<Law> = scores.iter().filter(within).map(|score| score.law).collect();
+        let class: Vec<Candidate> = scores.iter().filter(within).map(|score| score.candidate).collect();
         let (low, high) = speeds.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), speed| (a.min(*speed), b.max(*speed)));
-        let simplest = |class: &[Law]| Law::ALL.into_iter().find(|law| class.contains(law)).unwrap_or(class[0]);
+        let simplest = |class: &[Candidate]| {
+            let place =
+                |candidate: &&Candidate| (Law::ALL.iter().position(|law| *law == candidate.law), candidate.shape);
+            class.iter().min_by_key(place).copied().unwrap_or(class[0])
+        };
+        // Laws differ in what they say of other speeds; shapes of one law do not.
+        let laws = scores.iter().any(|score| score.candidate.law != scores[0].candidate.law);
         if candidates.len() == 1 {
-            return Self { verdict: Verdict::Given, law: candidates[0].0, class, scores, reason: None };
+            return Self { verdict: Verdict::Given, carried: named(0), class, scores, reason: None };
         }
-        if high < APART * low {
-            let law = simplest(&class);
+        if laws && high < APART * low {
+            let carried = simplest(&class);
             let reason = format!(
                 "there are no two cutting speeds a factor of {APART} apart: measure edges at a second speed; until then the shape \
                  of the wear curve would choose a law that is needed for other speeds"
             );
-            return Self { verdict: Verdict::CannotTell, law, class, scores, reason: Some(reason) };
+            return Self { verdict: Verdict::CannotTell, carried, class, scores, reason: Some(reason) };
         }
         let verdict = if class.len() == 1 { Verdict::Chosen } else { Verdict::CannotTell };
-        Self { verdict, law: simplest(&class), class, scores, reason: None }
+        Self { verdict, carried: simplest(&class), class, scores, reason: None }
     }
 }
 
 /// Weights of the mixture of predictions that has the best left-out score (Yao et al., Bayesian Analysis 13 (2018) 917), by
 /// the expectation-maximisation step.
-fn stacking(candidates: &[(Law, Vec<LeftOut>)]) -> Vec<f64> {
+fn stacking<C>(candidates: &[(C, Vec<LeftOut>)]) -> Vec<f64> {
     let laws = candidates.len();
     let mut weights = vec![1.0 / laws as f64; laws];
     for _ in 0..500 {
@@ -138,14 +146,14 @@ mod tests {
     fn a_law_is_named_only_with_a_clear_margin_and_two_speeds() {
         let clear = [(Law::Usui, left(&[1.0, 2.0, 1.5])), (Law::ExtendedTaylor, left(&[4.0, 5.2, 4.4]))];
         let choice = Choice::of(&clear, &[180.0, 320.0]);
-        assert_eq!((choice.verdict, choice.law), (Verdict::Chosen, Law::ExtendedTaylor));
+        assert_eq!((choice.verdict, choice.carried.law), (Verdict::Chosen, Law::ExtendedTaylor));
         assert!((choice.scores[1].margin - 9.1).abs() < 1e-12 && choice.scores[0].weight > 0.9);
         let slow = Choice::of(&clear, &[200.0, 220.0]);
         assert_eq!((slow.verdict, slow.class.len()), (Verdict::CannotTell, 1));
         assert!(slow.reason.is_some());
         let close = [(Law::Usui, left(&[1.0, 2.0, 1.5])), (Law::ExtendedTaylor, left(&[2.0, 3.0, 2.4]))];
         let choice = Choice::of(&close, &[180.0, 320.0]);
-        assert_eq!((choice.verdict, choice.law), (Verdict::CannotTell, Law::Usui));
+        assert_eq!((choice.verdict, choice.carried.law), (Verdict::CannotTell, Law::Usui));
         assert_eq!(Choice::of(&clear[..1], &[180.0]).verdict, Verdict::Given);
     }
 }

@@ -15,7 +15,38 @@ pub struct Stretch {
     pub time: f64,
     /// Flank wear read at its end, mm; none where it was not read.
     pub wear: Option<f64>,
+    /// Where `wear` stands for several readings, what else they say.
+    pub block: Option<Block>,
 }
+
+impl Stretch {
+    /// A stretch with a reading at its end.
+    pub fn read(condition: usize, time: f64, wear: f64) -> Self {
+        Self { condition, time, wear: Some(wear), block: None }
+    }
+
+    /// A stretch at whose end nothing was read.
+    pub fn unread(condition: usize, time: f64) -> Self {
+        Self { condition, time, wear: None, block: None }
+    }
+}
+
+/// Neighbouring readings that their mean stands for, at the mean of their times. Over so short a time wear rises evenly, so
+/// that the sums below hold all that the readings say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// Number of readings.
+    pub count: f64,
+    /// Sum of the squares of their deviations from the mean, mm².
+    pub squares: f64,
+    /// Sum of the products of the deviations of wear and time, mm·min.
+    pub mixed: f64,
+    /// Sum of the squares of the deviations of time, min².
+    pub times: f64,
+}
+
+/// A single reading as a block.
+const SINGLE: Block = Block { count: 1.0, squares: 0.0, mixed: 0.0, times: 0.0 };
 
 /// A life of an edge in min, at one condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +68,9 @@ pub struct Edge {
     pub stretches: Vec<Stretch>,
     /// A life without readings, with the index of its condition.
     pub life: Option<(usize, Life)>,
+    /// Flank wear in mm that was read when the record began, where the edge was not new then; none for a new edge. Nothing is
+    /// supposed of the time before.
+    pub begun: Option<f64>,
 }
 
 impl Edge {
@@ -94,9 +128,21 @@ const HERMITE: [(f64, f64); 5] = [
     (2.266_580_584_531_843, 4.943_624_275_536_947e-3),
     (3.190_993_201_781_527_6, 3.960_697_726_326_438e-5),
 ];
+/// Nodes in standard deviations and weights of the 5-point rule for a normal distribution (Abramowitz and Stegun, table 25.10).
+const FEW_NODES: [(f64, f64); 5] = [
+    (-2.856_970_013_872_806, 1.125_741_132_772_069e-2),
+    (-1.355_626_179_974_266, 2.220_759_220_056_126e-1),
+    (0.0, 5.333_333_333_333_333e-1),
+    (1.355_626_179_974_266, 2.220_759_220_056_126e-1),
+    (2.856_970_013_872_806, 1.125_741_132_772_069e-2),
+];
+/// Least flank wear of an edge that was not new, mm.
+const LEAST_BEGIN: f64 = 1e-4;
 /// The level of an edge is looked for from nine starts over three deviations either side: from its mean alone the search
 /// fails for edges that are far off.
 const STARTS: usize = 9;
+/// Starts for edges with very many readings: the density then falls evenly to both sides, and the search finds its way.
+const FEW_STARTS: usize = 3;
 /// Farthest start, in standard deviations of the level.
 const FARTHEST: f64 = 3.0;
 /// Readings by which the starts are compared (assumption): which of them is nearest shows already in a few readings spread
@@ -115,12 +161,13 @@ pub(crate) struct Predicted {
 }
 
 impl Common<'_> {
-    /// What would be read of an edge that wears by `level` faster, at the last of every `stride` readings.
-    pub(crate) fn predict(&self, edge: &Edge, level: f64, stride: usize, into: &mut Predicted) {
+    /// What would be read of an edge that begins at a flank wear of `begin` mm and wears by `level` faster, at the last of every
+    /// `stride` readings.
+    pub(crate) fn predict(&self, edge: &Edge, begin: f64, level: f64, stride: usize, into: &mut Predicted) {
         into.wear.clear();
         into.slope.clear();
         into.pace.clear();
-        let (mut wear, mut slope) = (0.0, 0.0);
+        let (mut wear, mut slope) = (begin, 0.0);
         // Condition and place on its curve.
         let (mut at, mut cell) = (usize::MAX, 0);
         // Time on the present curve, and its derivative by the logarithm of the level.
@@ -129,8 +176,13 @@ impl Common<'_> {
         for (index, stretch) in edge.stretches.iter().enumerate() {
             let curve = &self.curves[stretch.condition];
             if stretch.condition != at {
+                let before = self.curves.get(at);
                 (at, cell) = (stretch.condition, 0);
-                if wear > 0.0 {
+                if let Some(slower) = before.and_then(|before| curve.slower_than(before)) {
+                    // The curves are one but for their pace.
+                    time *= slower;
+                    stretch_of_time *= slower;
+                } else if wear > 0.0 {
                     time = curve.time(wear);
                     stretch_of_time = slope / curve.wear(time, &mut cell).1;
                 }
@@ -139,9 +191,19 @@ impl Common<'_> {
             stretch_of_time += level * stretch.time;
             reading += usize::from(stretch.wear.is_some());
             let read = stretch.wear.is_some() && reading % stride == 0;
-            if read || edge.stretches.get(index + 1).is_some_and(|next| next.condition != at) {
+            let next = edge.stretches.get(index + 1).filter(|next| next.condition != at);
+            if read || next.is_some_and(|next| self.curves[next.condition].slower_than(curve).is_none()) {
                 let rate;
-                (wear, rate) = curve.wear(time, &mut cell);
+                (wear, rate) = match stretch.block {
+                    // The mean of a curve is not the curve at the mean, but nearly that at one deviation of time either side.
+                    Some(block) if read => {
+                        let apart = level * (block.times / block.count).sqrt();
+                        let (before, after) =
+                            (curve.wear(time - apart, &mut cell), curve.wear(time + apart, &mut cell));
+                        (0.5 * (before.0 + after.0), 0.5 * (before.1 + after.1))
+                    }
+                    Some(_) | None => curve.wear(time, &mut cell),
+                };
                 slope = rate * stretch_of_time;
                 if read {
                     into.wear.push(wear);
@@ -167,32 +229,58 @@ impl Common<'_> {
     }
 
     fn ln_readings(&self, edge: &Edge) -> f64 {
-        let read: Vec<f64> = edge.stretches.iter().filter_map(|stretch| stretch.wear).collect();
+        let read = readings(edge);
         let times = self.in_life.map(|_| reading_times(edge));
         let mut predicted = Predicted::default();
-        let mut at = |z: f64, stride: usize| self.ln_joint(edge, &read, times.as_deref(), z, stride, &mut predicted);
-        ln_integral(&mut at, read.len())
+        let mut from = |begin: f64| {
+            let mut at =
+                |z: f64, stride: usize| self.ln_joint(edge, begin, &read, times.as_deref(), z, stride, &mut predicted);
+            if read.iter().any(|(_, block)| block.count > 1.0) {
+                ln_integral_of_many(&mut at, read.len())
+            } else {
+                ln_integral(&mut at, read.len())
+            }
+        };
+        let Some(begun) = edge.begun else { return from(0.0) };
+        // The reading at the beginning has the error of any other; every wear before is as good as another.
+        let terms = FEW_NODES.map(|(node, weight)| from(self.begin(begun, node)) + weight.ln());
+        ln_sum(&terms)
+    }
+
+    /// Flank wear of an edge whose reading at the beginning is off by `error` deviations.
+    fn begin(&self, begun: f64, error: f64) -> f64 {
+        (begun - error * self.noise).max(LEAST_BEGIN)
     }
 
     /// The level at which the readings of an edge are most probable together with the level itself.
     pub(crate) fn level(&self, edge: &Edge) -> f64 {
-        let read: Vec<f64> = edge.stretches.iter().filter_map(|stretch| stretch.wear).collect();
+        let read = readings(edge);
         let times = self.in_life.map(|_| reading_times(edge));
         let mut predicted = Predicted::default();
-        let mut at = |z: f64, stride: usize| self.ln_joint(edge, &read, times.as_deref(), z, stride, &mut predicted);
-        let (z, _) = mode(&mut at, read.len());
+        let begin = edge.begun.map_or(0.0, |begun| self.begin(begun, 0.0));
+        let mut at =
+            |z: f64, stride: usize| self.ln_joint(edge, begin, &read, times.as_deref(), z, stride, &mut predicted);
+        let (z, _) = mode(&mut at, read.len(), STARTS);
         (self.scatter * z).exp()
     }
 
-    /// Readings of another edge that is cut and read as this one.
+    /// Readings of another edge that is cut and read as this one; of a block their mean.
     pub fn replicate(&self, edge: &Edge, random: &mut ChaCha8Rng) -> Vec<f64> {
         if edge.readings() == 0 {
             return Vec::new();
         }
         let mut normal = || -> f64 { StandardNormal.sample(&mut *random) };
         let mut predicted = Predicted::default();
-        self.predict(edge, (self.scatter * normal()).exp(), 1, &mut predicted);
-        let mut readings: Vec<f64> = predicted.wear.iter().map(|wear| wear + self.noise * normal()).collect();
+        let begin = edge.begun.map_or(0.0, |begun| self.begin(begun, normal()));
+        self.predict(edge, begin, (self.scatter * normal()).exp(), 1, &mut predicted);
+        let blocks = edge.stretches.iter().filter(|stretch| stretch.wear.is_some());
+        let counts = blocks.map(|stretch| stretch.block.unwrap_or(SINGLE).count);
+        let mut readings: Vec<f64> = predicted
+            .wear
+            .iter()
+            .zip(counts)
+            .map(|(wear, count)| wear + self.noise / count.sqrt() * normal())
+            .collect();
         if let Some(noise) = &self.in_life {
             let times = reading_times(edge);
             let count = times.len();
@@ -214,45 +302,63 @@ impl Common<'_> {
 
     /// Log density of every `stride`-th reading and the standardised level `z`, its derivative by `z` and the Gauss–Newton
     /// curvature. Readings that noise within the life joins are never thinned.
+    #[allow(clippy::too_many_arguments)] // the state of one edge
     fn ln_joint(
         &self,
         edge: &Edge,
-        read: &[f64],
+        begin: f64,
+        read: &[(f64, Block)],
         times: Option<&[f64]>,
         z: f64,
         stride: usize,
         predicted: &mut Predicted,
     ) -> Joint {
         let stride = if times.is_some() { 1 } else { stride };
-        self.predict(edge, (self.scatter * z).exp(), stride, predicted);
+        self.predict(edge, begin, (self.scatter * z).exp(), stride, predicted);
         let prior = -0.5 * z * z - HALF_LN_TAU;
         if let (Some(noise), Some(times)) = (&self.in_life, times) {
-            let covariance = self.covariance(noise, times, &predicted.pace);
+            let covariance = self.covariance(noise, read, times, &predicted.pace);
             let Some(factor) = Cholesky::new(covariance) else { return (f64::NEG_INFINITY, 0.0, 1.0) };
             let off =
-                DVector::from_iterator(read.len(), read.iter().zip(&predicted.wear).map(|(read, wear)| read - wear));
+                DVector::from_iterator(read.len(), read.iter().zip(&predicted.wear).map(|(read, wear)| read.0 - wear));
             let slope = DVector::from_iterator(read.len(), predicted.slope.iter().map(|slope| slope * self.scatter));
             let solved = factor.solve(&slope);
-            let density = prior + ln_normal(&factor, &off);
+            let density = prior + ln_normal(&factor, &off) + self.within(read, &predicted.pace);
             return (density, solved.dot(&off) - z, 1.0 + solved.dot(&slope));
         }
         let weight = 1.0 / (self.noise * self.noise);
-        let (mut squares, mut gradient, mut curvature) = (0.0, 0.0, 0.0);
+        let (mut squares, mut gradient, mut curvature, mut count) = (0.0, 0.0, 0.0, 0.0);
         let compared = read.iter().skip(stride - 1).step_by(stride);
-        for ((read, wear), slope) in compared.zip(&predicted.wear).zip(&predicted.slope) {
-            let off = read - wear;
-            let slope = slope * self.scatter;
-            squares += off * off;
-            gradient += off * slope;
-            curvature += slope * slope;
+        for (place, (read, block)) in compared.enumerate() {
+            let (off, slope) = (read - predicted.wear[place], predicted.slope[place] * self.scatter);
+            let pace = predicted.pace[place];
+            squares += block.count * off * off + block.squares + pace * (pace * block.times - 2.0 * block.mixed);
+            // Within a block the level acts on the pace, to first order in proportion.
+            let turn = pace * self.scatter;
+            gradient += block.count * off * slope + turn * (block.mixed - pace * block.times);
+            curvature += block.count * slope * slope + turn * turn * block.times;
+            count += block.count;
         }
-        let density = prior - 0.5 * weight * squares - predicted.wear.len() as f64 * (self.noise.ln() + HALF_LN_TAU);
+        let density = prior - 0.5 * weight * squares - count * (self.noise.ln() + HALF_LN_TAU);
         (density, weight * gradient - z, 1.0 + weight * curvature)
     }
 
-    fn covariance(&self, noise: &InLife, times: &[f64], pace: &[f64]) -> DMatrix<f64> {
+    /// What the readings of blocks say beyond their means.
+    fn within(&self, read: &[(f64, Block)], pace: &[f64]) -> f64 {
+        let one = |((_, block), pace): (&(f64, Block), &f64)| {
+            if block.count <= 1.0 {
+                return 0.0;
+            }
+            let squares = block.squares + pace * (pace * block.times - 2.0 * block.mixed);
+            let others = (block.count - 1.0) * (self.noise.ln() + HALF_LN_TAU);
+            -0.5 * squares / (self.noise * self.noise) - others - 0.5 * block.count.ln()
+        };
+        read.iter().zip(pace).map(one).sum()
+    }
+
+    fn covariance(&self, noise: &InLife, read: &[(f64, Block)], times: &[f64], pace: &[f64]) -> DMatrix<f64> {
         DMatrix::from_fn(times.len(), times.len(), |i, j| {
-            let reading = if i == j { self.noise * self.noise } else { 0.0 };
+            let reading = if i == j { self.noise * self.noise / read[i].1.count } else { 0.0 };
             reading + pace[i] * pace[j] * noise.covariance(times[i], times[j])
         })
     }
@@ -264,7 +370,7 @@ pub(crate) type Joint = (f64, f64, f64);
 /// Logarithm of the integral of a density over the standardised level, by adaptive Gauss–Hermite quadrature. `at` takes the
 /// level and which of the `readings` are looked at: one is all of them, `n` every nth.
 pub(crate) fn ln_integral(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize) -> f64 {
-    let (z, (density, _, curvature)) = mode(at, readings);
+    let (z, (density, _, curvature)) = mode(at, readings, STARTS);
     let width = std::f64::consts::SQRT_2 / curvature.sqrt();
     let mut terms = [0.0; 9];
     for (index, (node, weight)) in HERMITE.iter().enumerate() {
@@ -277,9 +383,21 @@ pub(crate) fn ln_integral(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usi
     width.ln() + ln_sum(&terms)
 }
 
+/// The same of an edge with so many readings that its level is all but known: three nodes do, and fewer starts.
+fn ln_integral_of_many(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize) -> f64 {
+    let (z, (density, _, curvature)) = mode(at, readings, FEW_STARTS);
+    let width = std::f64::consts::SQRT_2 / curvature.sqrt();
+    // Abramowitz and Stegun, table 25.10.
+    let (node, middle, side): (f64, f64, f64) = (1.224_744_871_391_589, 1.181_635_900_603_677, 0.295_408_975_150_919_4);
+    let mut far = |z: f64| at(z, 1).0 + node * node + side.ln();
+    width.ln() + ln_sum(&[density + middle.ln(), far(z - width * node), far(z + width * node)])
+}
+
 /// The most probable standardised level of an edge, and the density there.
-fn mode(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize) -> (f64, Joint) {
-    let starts = (0..STARTS).map(|start| FARTHEST * (2.0 * start as f64 / (STARTS - 1) as f64 - 1.0));
+fn mode(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize, starts: usize) -> (f64, Joint) {
+    let last = (starts - 1) as f64;
+    let reach = if starts == STARTS { FARTHEST } else { 0.5 * FARTHEST };
+    let starts = (0..starts).map(|start| reach * (2.0 * start as f64 / last - 1.0));
     let stride = readings.div_ceil(COMPARED).max(1);
     let mut best = (0.0, (f64::NEG_INFINITY, 0.0, 1.0));
     for z in starts {
@@ -315,6 +433,12 @@ fn mode(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize) -> (f64, Joint
 fn ln_normal(factor: &Cholesky<f64, Dyn>, off: &DVector<f64>) -> f64 {
     let white = factor.l().solve_lower_triangular(off).map_or(f64::INFINITY, |white| white.norm_squared());
     -0.5 * white - factor.l().diagonal().map(f64::ln).sum() - off.len() as f64 * HALF_LN_TAU
+}
+
+/// Readings of an edge with the blocks that they stand for.
+fn readings(edge: &Edge) -> Vec<(f64, Block)> {
+    let read = |stretch: &Stretch| Some((stretch.wear?, stretch.block.unwrap_or(SINGLE)));
+    edge.stretches.iter().filter_map(read).collect()
 }
 
 /// Cutting time of the edge at each reading, min.

@@ -12,6 +12,9 @@ const ITERATIONS: usize = 200;
 /// Logarithms of density: a step that gains less ends the search.
 const ENOUGH: f64 = 1e-9;
 
+/// The same where a proposal is all that is wanted.
+const ROUGHLY: f64 = 0.05;
+
 /// A maximum of the posterior density.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Maximum {
@@ -80,18 +83,15 @@ impl Scaled<'_> {
     }
 }
 
-/// The maximum of the posterior of some edges nearest to a start, by the BFGS method (Nocedal and Wright, Numerical
-/// Optimization, 2006, algorithm 6.1), polished by Newton steps. `shape` is a covariance to begin with. `None` where no
-/// density is found.
-pub fn maximise(
-    model: &dyn Model,
-    edges: &[usize],
+/// The way up from a start, until a step gains less than `enough` logarithms.
+fn climb(
+    scaled: &Scaled<'_>,
     start: &DVector<f64>,
     shape: Option<&DMatrix<f64>>,
-) -> Option<Maximum> {
-    let scaled = Scaled { model, edges };
+    enough: f64,
+) -> Option<(DVector<f64>, f64, DVector<f64>)> {
     let size = start.len();
-    let deviation: Vec<f64> = model.parameters().iter().map(|parameter| parameter.prior.deviation).collect();
+    let deviation: Vec<f64> = scaled.model.parameters().iter().map(|parameter| parameter.prior.deviation).collect();
     let mut x = scaled.x(start);
     let mut density = scaled.density(&x);
     if !density.is_finite() {
@@ -138,10 +138,39 @@ pub fn maximise(
         }
         let gain = value - density;
         (x, density, gradient) = (next, value, next_gradient);
-        if gain < ENOUGH {
+        if gain < enough {
             break;
         }
     }
+    Some((x, density, gradient))
+}
+
+/// The maximum of the posterior of nearly all edges near that of all, roughly: where draws are weighted, the place of the
+/// proposal need not be exact. `shape` is the covariance that the result is given.
+pub(crate) fn maximise_near(
+    model: &dyn Model,
+    edges: &[usize],
+    full: &Maximum,
+    shape: DMatrix<f64>,
+) -> Option<Maximum> {
+    let scaled = Scaled { model, edges };
+    let (x, ln_density, _) = climb(&scaled, &full.u, Some(&shape), ROUGHLY)?;
+    Some(Maximum { u: scaled.u(&x), ln_density, covariance: shape })
+}
+
+/// The maximum of the posterior of some edges nearest to a start, by the BFGS method (Nocedal and Wright, Numerical
+/// Optimization, 2006, algorithm 6.1), polished by Newton steps. `shape` is a covariance to begin with. `None` where no
+/// density is found.
+pub fn maximise(
+    model: &dyn Model,
+    edges: &[usize],
+    start: &DVector<f64>,
+    shape: Option<&DMatrix<f64>>,
+) -> Option<Maximum> {
+    let scaled = Scaled { model, edges };
+    let size = start.len();
+    let deviation: Vec<f64> = model.parameters().iter().map(|parameter| parameter.prior.deviation).collect();
+    let (mut x, mut density, mut gradient) = climb(&scaled, start, shape, ENOUGH)?;
     let mut curvature = scaled.curvature(&x, density);
     for _ in 0..3 {
         let Some(factor) = curvature.clone().cholesky() else { break };

@@ -1,6 +1,8 @@
 //! The wear laws with their parameters and priors.
 
+use crate::base::{Base, Process};
 use crate::parameter::{Parameter, Prior, Scale};
+use toolroom_cutting::CutterLife;
 use toolroom_wear::{
     ASSUMED_DEVIATIONS, ASSUMED_EXPONENTS, EnergyBalance, ExtendedTaylor, Pair, SPEED_EXPONENT_DEVIATION,
     TakeyamaMurata, Usui, WearLaw,
@@ -17,6 +19,8 @@ pub enum Law {
     Usui,
     /// Two functionals, one of force and path, one of temperature and time.
     EnergyBalance,
+    /// Taylor's law of milling, with a wear curve.
+    CutterLife,
 }
 
 /// Standard deviation of the logarithm of a level that comes from a handbook (assumption: a factor of two).
@@ -27,11 +31,16 @@ const ENERGY: f64 = 0.25;
 const FEED: (f64, f64) = (ASSUMED_EXPONENTS[0], ASSUMED_DEVIATIONS[0]);
 /// Mean and standard deviation of the exponent of depth of cut.
 const DEPTH: (f64, f64) = (ASSUMED_EXPONENTS[1], ASSUMED_DEVIATIONS[1]);
+/// Mean and standard deviation of the exponent of width of cut in milling (mean: 0.24/0.37, handbook of Kosilova and
+/// Meshcheryakov, recalled; deviation: assumption).
+const WIDTH: (f64, f64) = (0.65, 0.3);
 /// Standard deviation of the coordinate of the contrast of the wear stages (assumption: two thirds lie between 0.37 and
 /// 0.78 where 0.6 is the median).
 const CONTRAST: f64 = 1.0;
 /// Standard deviation of the coordinate of the tilt of the wear stages, where it is free (assumption).
 const TILT: f64 = 1.0;
+/// Contrasts around which a prior may lie: at the ends of its range the coordinate is infinite.
+const CONTRASTS: (f64, f64) = (0.05, 0.90);
 /// Wear by path of Usui's law over the mechanical part of an energy balance at the reference cut (assumption).
 const WHOLE: f64 = 1.4;
 /// Seconds of a minute.
@@ -42,8 +51,16 @@ const MICRO: f64 = 1e6;
 const KILO: f64 = 1e3;
 
 impl Law {
-    /// Every law, those of fewest parameters first.
+    /// Every law of turning, those of fewest parameters first.
     pub const ALL: [Self; 4] = [Self::Usui, Self::TakeyamaMurata, Self::EnergyBalance, Self::ExtendedTaylor];
+
+    /// The laws of a process.
+    pub fn of(process: Process) -> &'static [Self] {
+        match process {
+            Process::Turning => &Self::ALL,
+            Process::Milling => &[Self::CutterLife],
+        }
+    }
 
     /// Name of its group in parameter files.
     pub fn group(self) -> &'static str {
@@ -52,17 +69,40 @@ impl Law {
             Self::TakeyamaMurata => "takeyama_murata",
             Self::Usui => "usui",
             Self::EnergyBalance => "energy_balance",
+            Self::CutterLife => "life",
         }
     }
 
     /// The law of a group.
     pub fn of_group(group: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|law| law.group() == group)
+        Self::ALL.into_iter().chain([Self::CutterLife]).find(|law| law.group() == group)
+    }
+
+    /// Whether the law states lives, so that its wear curve may have any [`Shape`](crate::Shape).
+    pub fn states_lives(self) -> bool {
+        match self {
+            Self::ExtendedTaylor | Self::CutterLife => true,
+            Self::TakeyamaMurata | Self::Usui | Self::EnergyBalance => false,
+        }
+    }
+
+    /// The set with this law and what it says of it, so that lives end at a flank wear of `limit` mm.
+    pub(crate) fn template(self, base: &Base, limit: f64) -> Base {
+        match base {
+            Base::Turning(pair) => {
+                let law = ending_at(self.of_pair(pair), limit);
+                Base::Turning(Box::new(Pair { law, ..pair.as_ref().clone() }))
+            }
+            Base::Milling { life, diameter, chipping } => {
+                let life = CutterLife { wear_limit: limit * 1e-3, ..*life };
+                Base::Milling { life, diameter: *diameter, chipping: *chipping }
+            }
+        }
     }
 
     /// The law with what `base` says of it: its own parameters where it is the law of the set, otherwise levels, run-in and
     /// reference temperature of the set's energy balance, and for Taylor's law the reference cut of the set.
-    pub(crate) fn template(self, base: &Pair) -> WearLaw {
+    fn of_pair(self, base: &Pair) -> WearLaw {
         let balance = match base.law {
             WearLaw::EnergyBalance(law) => law,
             WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) => EnergyBalance::default(),
@@ -73,7 +113,7 @@ impl Law {
             | (Self::TakeyamaMurata, law @ WearLaw::TakeyamaMurata(_))
             | (Self::Usui, law @ WearLaw::Usui(_))
             | (Self::EnergyBalance, law @ WearLaw::EnergyBalance(_)) => law,
-            (Self::ExtendedTaylor, _) => {
+            (Self::ExtendedTaylor | Self::CutterLife, _) => {
                 let cut = base.reference_cut();
                 WearLaw::ExtendedTaylor(ExtendedTaylor {
                     reference_speed: cut.cutting_speed,
@@ -105,7 +145,7 @@ impl Law {
     }
 
     /// Its parameters with what is known of them from a handbook, around the values of a template.
-    pub(crate) fn parameters(self, template: &WearLaw) -> Vec<Parameter> {
+    pub(crate) fn parameters(self, template: &Base) -> Vec<Parameter> {
         let named = |key: &str| format!("{}.{key}", self.group());
         let around = |key, unit, value: f64, deviation, lift| {
             let prior = Prior::new(value.ln(), deviation);
@@ -114,27 +154,43 @@ impl Law {
         let level = |key, unit, value| around(key, unit, value, LEVEL, "measure the wear of any edge");
         let energy =
             |key, unit, value| around(key, unit, value, ENERGY, "vary cutting_speed by a factor of 1.2 or more");
-        match template {
+        let exponent = |key, (mean, deviation), lift: &str| {
+            Parameter::new(named(key), "1", Scale::Plain, Prior::new(mean, deviation), lift)
+        };
+        let speed = |value| {
+            let lift = "vary cutting_speed by a factor of 1.2 or more";
+            around("speed_exponent", "1", value, SPEED_EXPONENT_DEVIATION, lift)
+        };
+        let stages = |contrast: f64| {
+            let lift = "read wear early, in the middle and late in the life of edges";
+            let prior = Prior::new(Scale::Contrast.coordinate(contrast.clamp(CONTRASTS.0, CONTRASTS.1)), CONTRAST);
+            let contrast = Parameter::new(named("stage_contrast"), "1", Scale::Contrast, prior, lift);
+            [contrast, Parameter::new(named("stage_tilt"), "1", Scale::Tilt, Prior::new(0.0, TILT), lift)]
+        };
+        let law = match template {
+            Base::Turning(pair) => &pair.law,
+            Base::Milling { life, .. } => {
+                let mut parameters = vec![
+                    level("reference_life", "min", life.reference_life / MINUTE),
+                    speed(life.speed_exponent),
+                    exponent("feed_exponent", FEED, "vary feed_per_tooth"),
+                    exponent("depth_exponent", DEPTH, "vary depth_of_cut"),
+                ];
+                parameters.extend(stages(life.stage_contrast));
+                parameters.push(exponent("width_exponent", WIDTH, "vary width_of_cut"));
+                return parameters;
+            }
+        };
+        match law {
             WearLaw::ExtendedTaylor(law) => {
-                let exponent = |key, (mean, deviation), lift| {
-                    Parameter::new(named(key), "1", Scale::Plain, Prior::new(mean, deviation), lift)
-                };
-                let contrast = Prior::new(Scale::Contrast.coordinate(law.stage_contrast), CONTRAST);
-                let lift = "read wear early, in the middle and late in the life of edges";
-                vec![
+                let mut parameters = vec![
                     level("reference_life", "min", law.reference_life / MINUTE),
-                    around(
-                        "speed_exponent",
-                        "1",
-                        law.speed_exponent,
-                        SPEED_EXPONENT_DEVIATION,
-                        "vary cutting_speed by a factor of 1.2 or more",
-                    ),
+                    speed(law.speed_exponent),
                     exponent("feed_exponent", FEED, "vary feed_per_rev"),
                     exponent("depth_exponent", DEPTH, "vary depth_of_cut"),
-                    Parameter::new(named("stage_contrast"), "1", Scale::Contrast, contrast, lift),
-                    Parameter::new(named("stage_tilt"), "1", Scale::Tilt, Prior::new(0.0, TILT), lift),
-                ]
+                ];
+                parameters.extend(stages(law.stage_contrast));
+                parameters
             }
             WearLaw::TakeyamaMurata(law) => vec![
                 level("abrasive_wear", "um/m", law.abrasive_wear * MICRO),
@@ -155,8 +211,30 @@ impl Law {
     }
 }
 
-/// The law of a template with other values of its parameters, in their units and the order of [`Law::parameters`].
-pub(crate) fn with_values(template: &WearLaw, values: &[f64]) -> WearLaw {
+/// A template with other values of the parameters of its law, in their units and the order of [`Law::parameters`].
+pub(crate) fn with_values(template: &Base, values: &[f64]) -> Base {
+    match template {
+        Base::Turning(pair) => {
+            let law = law_with(&pair.law, values);
+            Base::Turning(Box::new(Pair { law, ..pair.as_ref().clone() }))
+        }
+        Base::Milling { life, diameter, chipping } => {
+            let life = CutterLife {
+                reference_life: values[0] * MINUTE,
+                speed_exponent: values[1],
+                feed_exponent: values[2],
+                depth_exponent: values[3],
+                stage_contrast: values[4],
+                stage_tilt: values[5] * (1.0 - values[4]),
+                width_exponent: values[6],
+                ..*life
+            };
+            Base::Milling { life, diameter: *diameter, chipping: *chipping }
+        }
+    }
+}
+
+fn law_with(template: &WearLaw, values: &[f64]) -> WearLaw {
     match *template {
         WearLaw::ExtendedTaylor(law) => WearLaw::ExtendedTaylor(ExtendedTaylor {
             reference_life: values[0] * MINUTE,
@@ -188,7 +266,7 @@ pub(crate) fn with_values(template: &WearLaw, values: &[f64]) -> WearLaw {
 }
 
 /// The law with lives that end at a wear limit in mm.
-pub(crate) fn ending_at(template: WearLaw, limit: f64) -> WearLaw {
+fn ending_at(template: WearLaw, limit: f64) -> WearLaw {
     match template {
         WearLaw::ExtendedTaylor(law) => WearLaw::ExtendedTaylor(ExtendedTaylor { wear_limit: limit * 1e-3, ..law }),
         WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) | WearLaw::EnergyBalance(_) => template,

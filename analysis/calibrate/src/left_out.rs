@@ -1,6 +1,6 @@
 //! Predictions of edges by the other edges.
 
-use crate::fit::{Maximum, maximise};
+use crate::fit::{Maximum, maximise, maximise_near};
 use crate::model::Model;
 use crate::normal::ln_sum;
 use crate::sample::Weighted;
@@ -11,9 +11,11 @@ use rayon::prelude::*;
 
 /// Proposals for an edge left out: a third of them is effective usually, [`EFFECTIVE`] are wanted at least (assumption).
 const PROPOSALS: usize = 256;
-/// Fits without some of the edges (assumption): beyond so many edges several are left out at once, which makes each
-/// prediction that of a fit to a little less than all others.
-const FITS: usize = 24;
+/// Edges beyond which several are left out at once (assumption), which makes each prediction that of a fit to a little less
+/// than all others.
+const FEW: usize = 24;
+/// Fits to all but some of the edges where there are more.
+const FITS: usize = 12;
 /// Effective draws below which the proposal is made anew from the moments of the first (assumption).
 const EFFECTIVE: f64 = 64.0;
 
@@ -34,7 +36,7 @@ pub struct LeftOut {
 /// Single readings are not left out: readings of one edge share its level, and weights of the full fit would have to
 /// bridge its whole level (their tail shape is high by construction). Of more than 24 edges several are left out at once.
 pub fn leave_edges_out(model: &dyn Model, full: &Maximum, seed: u64) -> Vec<LeftOut> {
-    let fits = model.edges().min(FITS);
+    let fits = if model.edges() > FEW { FITS } else { model.edges() };
     let group = |fit: usize| (fit..model.edges()).step_by(fits.max(1)).collect::<Vec<usize>>();
     let groups: Vec<Vec<LeftOut>> =
         (0..fits).into_par_iter().map(|fit| left_out(model, full, &group(fit), fit, seed)).collect();
@@ -43,13 +45,20 @@ pub fn leave_edges_out(model: &dyn Model, full: &Maximum, seed: u64) -> Vec<Left
 }
 
 /// The edges of a group predicted by all others.
-fn left_out(model: &dyn Model, full: &Maximum, group: &[usize], stream: usize, seed: u64) -> Vec<LeftOut> {
+pub(crate) fn left_out(model: &dyn Model, full: &Maximum, group: &[usize], stream: usize, seed: u64) -> Vec<LeftOut> {
     let others: Vec<usize> = (0..model.edges()).filter(|other| !group.contains(other)).collect();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(stream as u64 + 1);
-    let fit = maximise(model, &others, &full.u, Some(&full.covariance));
+    let many = model.edges() > FEW;
+    let fit = if many {
+        let share = model.edges() as f64 / others.len() as f64;
+        maximise_near(model, &others, full, share * &full.covariance)
+    } else {
+        maximise(model, &others, &full.u, Some(&full.covariance))
+    };
     let fit = fit.as_ref().unwrap_or(full);
-    let mut found = Weighted::draw(model, &others, &fit.u, &fit.covariance, PROPOSALS, &mut random);
+    let proposals = if many { PROPOSALS / 2 } else { PROPOSALS };
+    let mut found = Weighted::draw(model, &others, &fit.u, &fit.covariance, proposals, &mut random);
     if found.weights.effective() < EFFECTIVE {
         let (mean, covariance) = found.moments();
         let again = Weighted::draw(model, &others, &mean, &covariance, 2 * PROPOSALS, &mut random);

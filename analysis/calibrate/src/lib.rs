@@ -12,17 +12,20 @@
 //! | type | what it is |
 //! |---|---|
 //! | [`Edge`], [`Stretch`], [`Life`] | what was measured of an edge |
-//! | [`Law`] | the wear laws with their parameters |
+//! | [`Law`], [`Shape`], [`Candidate`] | the wear laws with their parameters, and the shape of wear curves |
+//! | [`Base`], [`Condition`], [`Process`] | the set from which a calibration starts, and what an edge meets |
 //! | [`Parameter`], [`Prior`], [`Scale`] | a quantity that the data are to tell, in its working coordinate |
 //! | [`Curve`] | flank wear over time at one condition |
 //! | [`WearModel`] | readings and lives under a law |
 //! | [`ForceModel`] | cutting force against wear |
+//! | [`ChippingFit`], [`Exposure`] | the rate at which edges chip |
 //! | [`Model`] | what the inference needs of any model |
 //! | [`maximise`], [`sample`], [`Posterior`] | the maximum, draws, and how well they can be relied on |
 //! | [`Identifiability`] | what the data determine, and what only the prior says |
 //! | [`leave_edges_out`], [`Coverage`], [`Choice`] | predictions of edges by the others, and the law that they speak for |
-//! | [`Measured`] | records brought into this form, with what is to be said of them |
+//! | [`Measured`], [`Treatment`], [`Clock`] | records brought into this form, with what is to be said of them |
 //! | [`Calibration`], [`Request`] | all of it in one go: text, JSON, draws, the parameter set |
+//! | [`Advice`], [`Costs`], [`Test`] | a decision between two speeds, and what to measure for it |
 //! | [`CalibrationStudy`], [`StudyResult`] | the same from files |
 //!
 //! Times are in min, wear in mm, other values in the units of parameter files.
@@ -33,7 +36,10 @@
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
+mod advise;
+mod base;
 mod calibration;
+mod chipping;
 mod choice;
 mod curve;
 mod edge;
@@ -41,24 +47,32 @@ mod ensemble;
 mod fit;
 mod force;
 mod identify;
+mod joined;
 mod law;
 mod left_out;
 mod model;
 mod normal;
+mod packed;
 mod parameter;
 mod pareto;
+mod profile;
+mod remarks;
 mod report;
 mod sample;
 mod set_file;
+mod shape;
 mod study;
 mod summary;
 mod treatment;
 mod wear_model;
 
-pub use calibration::{Calibration, CalibrationError, ForceFit, LawFit, LifeAt, Request, life_at};
+pub use advise::{Advice, Costs, Test, deviation_after};
+pub use base::{Base, Condition, Process};
+pub use calibration::{Calibration, CalibrationError, ForceFit, HeldOut, LawFit, LifeAt, Request, life_at};
+pub use chipping::{ChippingFit, Exposure};
 pub use choice::{Choice, Score, Verdict};
 pub use curve::Curve;
-pub use edge::{Common, Edge, InLife, Life, Stretch};
+pub use edge::{Block, Common, Edge, InLife, Life, Stretch};
 pub use fit::{Maximum, maximise};
 pub use force::{FORCE_NOISE, FORCE_SCATTER, ForceModel, ForceReading};
 pub use identify::{Identifiability, Product, Undetermined};
@@ -67,7 +81,9 @@ pub use left_out::{Coverage, LeftOut, leave_edges_out};
 pub use model::Model;
 pub use parameter::{Parameter, Prior, Scale};
 pub use pareto::Weights;
+pub use profile::profiles;
 pub use sample::{Method, Posterior, sample};
+pub use shape::{Candidate, Shape};
 pub use study::{CalibrationStudy, Refusal, StudyResult};
-pub use treatment::{DataError, End, Measured};
-pub use wear_model::{EDGE_SCATTER, READING_NOISE, WearModel};
+pub use treatment::{Clock, DataError, End, Measured, Treatment};
+pub use wear_model::{EDGE_SCATTER, LIFE_NOISE_NAME, READING_NOISE, WearModel};

@@ -24,11 +24,11 @@ impl Calibration {
             format!("{} readings", self.measured.readings()),
         ));
         if let Some(life) = self.lives.get(self.lives.len() / 2) {
-            let speed = number(life.cut.cutting_speed * 60.0, 4);
+            let speed = number(life.condition.cut.cutting_speed * 60.0, 4);
             let band = format!("90 %: {} … {}", number(life.ci90[0], 3), number(life.ci90[1], 3));
             report = report.tile(Tile::new(
                 format!("life at {speed} m/min"),
-                format!("{} min", number(life.median, 3)),
+                format!("{} {}", number(life.median, 3), self.measured.clock.unit()),
                 band,
             ));
         }
@@ -68,20 +68,22 @@ impl Calibration {
 
     fn life_section(&self) -> Section {
         let model = &self.carried().model;
-        let speeds: Vec<f64> = self.lives.iter().map(|life| life.cut.cutting_speed * 60.0).collect();
+        let speeds: Vec<f64> = self.lives.iter().map(|life| life.condition.cut.cutting_speed * 60.0).collect();
         let (low, high) = (speeds[0], speeds[speeds.len() - 1]);
         let (from, to) = (low / 1.3, high * 1.3);
-        let cut = self.lives[0].cut;
+        let condition = self.lives[0].condition;
+        let cut = condition.cut;
+        let unit = self.measured.clock.unit();
         let steps: Vec<f64> = (0..=20).map(|step| from * (to / from).powf(f64::from(step) / 20.0)).collect();
         let at = |speed: &f64| {
-            let life = crate::calibration::life_at(model, &self.posterior, &cut.at_speed(speed / 60.0), false, 1);
+            let life = crate::calibration::life_at(model, &self.posterior, condition.at_speed(speed / 60.0), false, 1);
             (*speed, life)
         };
         let lives: Vec<_> = steps.iter().map(at).collect();
         let plot = Plot::new(
             "Life of an edge against cutting speed",
             Axis::log("Cutting speed", "m/min"),
-            Axis::log("Life", "min"),
+            Axis::log("Life", unit),
         )
         .describe("Median life with the 90 % bands of what is known and of the next edge; dotted lines bound the tested speeds.")
         .band("next edge, 90 %", lives.iter().map(|(v, life)| (*v, life.next_edge90[0], life.next_edge90[1])), Style::nth(2))
@@ -114,7 +116,7 @@ impl Calibration {
             let fitted = fit.model.fitted(self.posterior.map.u.as_slice(), edge, POINTS);
             let plot = Plot::new(
                 format!("Edge {}", edge.name),
-                Axis::linear("Cutting time", "min"),
+                Axis::linear("Cutting time", self.measured.clock.unit()),
                 Axis::linear("Flank wear VB", "mm"),
             )
             .height(180.0)
@@ -176,7 +178,7 @@ impl Calibration {
         let mut table = Table::new(["law", "score of edges left out", "behind the best", "standard error", "weight"]);
         for score in &self.choice.scores {
             table.push([
-                score.law.group().into(),
+                score.candidate.name().into(),
                 score.elpd.into(),
                 score.margin.into(),
                 score.error.into(),
@@ -188,7 +190,8 @@ impl Calibration {
                 .reference(0.0, "best");
         for score in &self.choice.scores {
             let half = 1.645 * score.error;
-            chart = chart.row(score.law.group(), Estimate::new(score.margin, score.margin - half, score.margin + half));
+            chart = chart
+                .row(score.candidate.name(), Estimate::new(score.margin, score.margin - half, score.margin + half));
         }
         Section::new("Choice of the law")
             .figure(Figure::new(

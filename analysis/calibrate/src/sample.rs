@@ -24,6 +24,8 @@ const EFFECTIVE: f64 = 400.0;
 const EFFICIENT: f64 = 0.3;
 /// Starts besides the prior mean (assumption).
 const STARTS: usize = 4;
+/// Edges that show which maxima there are (assumption).
+const MANY: usize = 12;
 /// A second maximum within so many logarithms of the best is a mode of its own; one further down has less than a
 /// hundredth of the best one's density (assumption).
 const MODE: f64 = 5.0;
@@ -101,34 +103,58 @@ pub fn maxima(model: &dyn Model, edges: &[usize], seed: u64) -> Option<(Maximum,
         })
     };
     let starts: Vec<DVector<f64>> = (0..STARTS).map(|_| jittered(&mut random)).collect();
-    let first = maximise(model, edges, &mean, None);
+    // Which maxima there are shows in a part of many edges; all of them then say where each one lies.
+    let some: Vec<usize> = edges.iter().copied().step_by(edges.len().div_ceil(MANY).max(1)).collect();
+    let few = if edges.len() > 2 * MANY { some.as_slice() } else { edges };
+    let first = maximise(model, few, &mean, None);
     // From a known maximum only the way there is left to do.
     let shape = first.as_ref().map(|maximum| &maximum.covariance);
-    let others: Vec<Option<Maximum>> = starts.par_iter().map(|start| maximise(model, edges, start, shape)).collect();
+    let others: Vec<Option<Maximum>> = starts.par_iter().map(|start| maximise(model, few, start, shape)).collect();
     let mut found: Vec<Maximum> = first.iter().cloned().chain(others.into_iter().flatten()).collect();
-    found.sort_by(|a, b| b.ln_density.total_cmp(&a.ln_density));
-    let mut distinct: Vec<Maximum> = Vec::new();
-    for maximum in found {
-        let apart = |other: &Maximum| {
-            let scale = other.covariance.diagonal();
-            (0..mean.len()).any(|i| (maximum.u[i] - other.u[i]).abs() > APART * scale[i].sqrt())
-        };
-        if distinct.iter().all(apart) {
-            distinct.push(maximum);
-        }
+    if few.len() < edges.len() {
+        let share = few.len() as f64 / edges.len() as f64;
+        let whole = |maximum: Maximum| maximise(model, edges, &maximum.u, Some(&(share * maximum.covariance)));
+        found = distinct(found).into_par_iter().filter_map(whole).collect();
     }
-    let mut distinct = distinct.into_iter();
+    let mut distinct = distinct(found).into_iter();
     let best = distinct.next()?;
     let modes = distinct.filter(|mode| mode.ln_density > best.ln_density - MODE).collect();
     Some((best, modes))
 }
 
+/// Maxima that are apart from each other, the greatest first.
+fn distinct(mut found: Vec<Maximum>) -> Vec<Maximum> {
+    found.sort_by(|a, b| b.ln_density.total_cmp(&a.ln_density));
+    let mut distinct: Vec<Maximum> = Vec::new();
+    for maximum in found {
+        let apart = |other: &Maximum| {
+            let scale = other.covariance.diagonal();
+            (0..maximum.u.len()).any(|i| (maximum.u[i] - other.u[i]).abs() > APART * scale[i].sqrt())
+        };
+        if distinct.iter().all(apart) {
+            distinct.push(maximum);
+        }
+    }
+    distinct
+}
+
 /// Draws of the posterior of some edges, `count` of them; the same seed gives the same draws. `None` where no density is
 /// found.
 pub fn sample(model: &dyn Model, edges: &[usize], count: usize, seed: u64) -> Option<Posterior> {
-    let (map, modes) = maxima(model, edges, seed)?;
+    Some(sample_around(model, edges, maxima(model, edges, seed)?, count, seed))
+}
+
+/// The same where the maxima are known.
+pub(crate) fn sample_around(
+    model: &dyn Model,
+    edges: &[usize],
+    (map, modes): (Maximum, Vec<Maximum>),
+    count: usize,
+    seed: u64,
+) -> Posterior {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x05ee_df0d_2a3a);
-    let proposals = (2 * count).max(1000);
+    // Of many edges the proposal is a good one, and more draws than are wanted tell little more.
+    let proposals = if edges.len() > 2 * MANY { count.max(1000) } else { (2 * count).max(1000) };
     if modes.is_empty() {
         let reliable = |found: &Weighted| found.weights.shape <= TAIL && found.weights.effective() >= EFFECTIVE;
         let first = Weighted::draw(model, edges, &map.u, &map.covariance, proposals, &mut random);
@@ -144,7 +170,7 @@ pub fn sample(model: &dyn Model, edges: &[usize], count: usize, seed: u64) -> Op
         let (method, found) = best;
         if reliable(&found) {
             let (mean, covariance) = found.moments();
-            return Some(Posterior {
+            return Posterior {
                 map,
                 modes,
                 draws: found.resampled(count, &mut random),
@@ -154,14 +180,14 @@ pub fn sample(model: &dyn Model, edges: &[usize], count: usize, seed: u64) -> Op
                 split_r: f64::NAN,
                 mean,
                 covariance,
-            });
+            };
         }
     }
     let spread: Vec<&Maximum> = std::iter::once(&map).chain(&modes).collect();
     let chain = ensemble::run(model, edges, &spread, count, &mut random);
     let equal = vec![1.0 / chain.draws.len() as f64; chain.draws.len()];
     let (mean, covariance) = moments(&chain.draws, &equal);
-    Some(Posterior {
+    Posterior {
         map: map.clone(),
         modes: modes.clone(),
         draws: chain.draws,
@@ -171,7 +197,7 @@ pub fn sample(model: &dyn Model, edges: &[usize], count: usize, seed: u64) -> Op
         split_r: chain.split_r,
         mean,
         covariance,
-    })
+    }
 }
 
 /// Draws with importance weights.

@@ -1,10 +1,11 @@
 //! The calibrated parameter set as a file.
 
+use crate::base::{Base, Process};
 use crate::calibration::Calibration;
 use crate::model::Model;
 use crate::parameter::{Parameter, Scale};
 use crate::sample::Posterior;
-use crate::wear_model::EDGE_SCATTER;
+use crate::wear_model::{EDGE_SCATTER, LIFE_NOISE_NAME};
 use std::fmt::Write as _;
 
 /// A number to the seven digits that files give.
@@ -32,13 +33,21 @@ impl Calibration {
             quoted(name),
             quoted(&format!("{source}, based on {based_on}"))
         );
-        let law = self.choice.law.group();
-        let _ = writeln!(text, "process = \"turning\"\nbased_on = {}\nlaw = \"{law}\"", quoted(based_on));
+        let law = self.choice.carried.law.group();
+        let process = self.measured.process;
+        let _ = writeln!(text, "process = \"{}\"\nbased_on = {}", process.name(), quoted(based_on));
+        if let Process::Turning = process {
+            let _ = writeln!(text, "law = \"{law}\"");
+        }
         let _ = writeln!(text, "\n[parameters.{law}]");
-        let mut pair = model.pair(u);
-        let mut based = model.base().law;
-        let same_law = based.group() == law;
-        let (record, based) = (pair.law.record_mut(), based.record_mut());
+        let (mut fitted, mut based) = (model.at(u), model.base().clone());
+        let same_law = match (&fitted, &based) {
+            (Base::Turning(fitted), Base::Turning(based)) => fitted.law.group() == based.law.group(),
+            // Its level is stated at another cut than that of the set.
+            (Base::Milling { .. }, Base::Milling { .. }) => false,
+            (Base::Turning(_), Base::Milling { .. }) | (Base::Milling { .. }, Base::Turning(_)) => false,
+        };
+        let (record, based) = (fitted.law_mut(), based.law_mut());
         for (index, field) in record.fields().iter().enumerate() {
             let value = record.value(index).unwrap_or(field.start);
             let name = format!("{law}.{}", field.name);
@@ -53,9 +62,17 @@ impl Calibration {
             let source = if calibrated { source.as_str() } else { "not fitted: value of this calibration" };
             let _ = writeln!(text, "{} = {{ value = {value}, source = {} }}", field.name, quoted(source));
         }
-        let _ = writeln!(text, "\n[parameters.limits]");
         let limit = self.request.limit;
-        let _ = writeln!(text, "wear_limit = {{ value = \"{limit:?} mm\", source = \"limit of the calibration\" }}");
+        match process {
+            Process::Turning => {
+                let _ = writeln!(
+                    text,
+                    "\n[parameters.limits]\nwear_limit = {{ value = \"{limit:?} mm\", source = \"limit of the calibration\" }}"
+                );
+            }
+            // The group `life` holds it.
+            Process::Milling => {}
+        }
         if let Some(force) = &self.force {
             let _ = writeln!(text, "\n[parameters.force]");
             let readings: usize = (0..force.model.edges()).map(|edge| force.model.readings(edge).len()).sum();
@@ -71,6 +88,17 @@ impl Calibration {
                 let _ = writeln!(text, "{name} = {{ value = {value}, source = {source} }}");
             }
         }
+        if let Some(fit) = self.chips() {
+            let source = quoted(&format!("calibrated: {} of {} edges", fit.chips, self.measured.edges.len()));
+            let _ = writeln!(
+                text,
+                "\n[parameters.chipping]\nrate = {{ value = \"{:?} 1/km\", source = {source} }}",
+                rounded(fit.rate)
+            );
+            if fit.shaped {
+                let _ = writeln!(text, "shape = {{ value = {:?}, source = {source} }}", rounded(fit.shape));
+            }
+        }
         let _ = writeln!(text, "\n[prior]");
         priors(&mut text, model.parameters(), &self.posterior);
         if let Some(force) = &self.force {
@@ -82,6 +110,12 @@ impl Calibration {
                 text,
                 "mechanical_wear = 0.0\nthermal_wear = 0.0\nbatch_hardness = 0.0\npiece_hardness = 0.0\nallowance = \"0 mm\""
             );
+            if let Some(index) = model.parameters().iter().position(|parameter| parameter.name == LIFE_NOISE_NAME) {
+                let _ = writeln!(text, "life_noise = {:?}", rounded(u[index].exp()));
+            }
+            if self.chips().is_some() {
+                let _ = writeln!(text, "chipped_share = 0.0 # chips come by the rate");
+            }
         }
         text
     }
@@ -89,7 +123,7 @@ impl Calibration {
 
 /// Posterior deviations as priors of the next round; what no set has a name for is left out.
 fn priors(text: &mut String, parameters: &[Parameter], posterior: &Posterior) {
-    for (index, parameter) in parameters.iter().enumerate().filter(|(_, parameter)| parameter.name.contains('.')) {
+    for (index, parameter) in parameters.iter().enumerate().filter(|(_, parameter)| is_of_set(parameter)) {
         let (u, deviation) = (posterior.map.u[index], posterior.deviation(index));
         let spread = match parameter.scale {
             Scale::Logarithm => format!("factor = {:?}", rounded(deviation.exp())),
@@ -103,4 +137,9 @@ fn priors(text: &mut String, parameters: &[Parameter], posterior: &Posterior) {
         };
         let _ = writeln!(text, "\"{}\" = {{ {spread} }}", parameter.name);
     }
+}
+
+/// Whether a parameter set has a name for a parameter: scatter, noise and groups of edges belong to none.
+fn is_of_set(parameter: &Parameter) -> bool {
+    parameter.name.contains('.') && !parameter.name.contains('=')
 }

@@ -1,18 +1,25 @@
 //! A calibration from files: what is read, and what it makes.
 
+use crate::base::{Base, Process};
 use crate::calibration::{Calibration, CalibrationError, Request};
 use crate::law::Law;
 use crate::parameter::Prior;
-use crate::treatment::Measured;
+use crate::shape::{Candidate, Shape};
+use crate::treatment::{Clock, Measured, Treatment};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use toolroom_cutting::{MILLING_CATALOGUE, Milling};
+use toolroom_form::Outline;
 use toolroom_process::unit;
 use toolroom_records::import::{Combine, Mapped, Mapping, Origin, import};
 use toolroom_records::table::{Kind, NewTable, TableError, Value};
 use toolroom_records::{OtherTable, ReadReport, RecordError, RecordKind, Records};
-use toolroom_wear::{Pair, ParameterSet, Spread, TURNING_SETS, is_path};
+use toolroom_wear::{Catalogue, Pair, ParameterSet, Scatter, Spread, TURNING_SETS, is_path, read_priors};
 
 /// Flank wear in m that may be a limit of wear: from the resolution of a microscope to what no edge survives (assumption).
 const LIMITS: std::ops::RangeInclusive<f64> = 1e-6..=5e-3;
@@ -20,7 +27,9 @@ const LIMITS: std::ops::RangeInclusive<f64> = 1e-6..=5e-3;
 /// What is to be calibrated on which files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationStudy {
-    /// Records of turning operations, or a table of lives.
+    /// The process that cut.
+    pub process: Process,
+    /// Records of operations, or a table of lives.
     pub data: PathBuf,
     /// Mapping file for a table of another layout.
     pub map: Option<PathBuf>,
@@ -28,14 +37,52 @@ pub struct CalibrationStudy {
     pub model: String,
     /// Flank wear at which an edge is worn out, with its unit; that of the set if none.
     pub limit: Option<String>,
-    /// Names of wear laws; all of them if empty or `all`.
+    /// Names of wear laws; all of the process if empty or `all`.
     pub laws: Vec<String>,
+    /// Words of the shapes of wear curves of laws that state lives; `all` of them; the usual ones if empty.
+    pub shapes: Vec<String>,
+    /// Column of words whose edges may wear at different rates, `column` or `column=word` with the word whose level the set
+    /// is to carry.
+    pub by: Option<String>,
     /// Parameters that are not fitted, `name=value`.
     pub fixed: Vec<String>,
+    /// File whose `[prior]` goes before that of the set: a parameter set, or nothing but `[prior]`.
+    pub prior: Option<PathBuf>,
+    /// Edges that take no part and are predicted: a share of them, `0.2`, or names with commas.
+    pub holdout: Option<String>,
+    /// Whether edges were not new when their records began.
+    pub begun: bool,
+    /// Whether the wear rate may wander within lives.
+    pub life_noise: bool,
+    /// Whether profile intervals are worked out.
+    pub profile: bool,
     /// Draws of the posterior.
     pub draws: usize,
     /// Seed of the draws.
     pub seed: u64,
+}
+
+impl Default for CalibrationStudy {
+    fn default() -> Self {
+        Self {
+            process: Process::Turning,
+            data: PathBuf::new(),
+            map: None,
+            model: String::new(),
+            limit: None,
+            laws: Vec::new(),
+            shapes: Vec::new(),
+            by: None,
+            fixed: Vec::new(),
+            prior: None,
+            holdout: None,
+            begun: false,
+            life_noise: false,
+            profile: false,
+            draws: 2000,
+            seed: 1,
+        }
+    }
 }
 
 /// Why a study has no result, and what helps.
@@ -67,14 +114,75 @@ pub struct StudyResult {
 impl CalibrationStudy {
     /// The parameter set that is calibrated.
     fn set(&self) -> Result<ParameterSet, Refusal> {
-        ParameterSet::load(&self.model, Path::new(""), &TURNING_SETS)
+        ParameterSet::load(&self.model, Path::new(""), self.catalogue())
             .map_err(|error| refuse(error, "--model names a shipped set or a file of one"))
+    }
+
+    fn catalogue(&self) -> &'static Catalogue {
+        match self.process {
+            Process::Turning => &TURNING_SETS,
+            Process::Milling => &MILLING_CATALOGUE,
+        }
+    }
+
+    /// Spreads of parameters: those of `prior` before those of the set.
+    fn spreads(&self, set: &ParameterSet) -> Result<BTreeMap<String, Spread>, Refusal> {
+        let mut spreads = set.prior.clone();
+        let Some(path) = &self.prior else { return Ok(spreads) };
+        let wrong = |error: &dyn Display| refuse(error, "--prior takes a file with [prior], see docs/calibration.md");
+        let outline = Outline::read(path).map_err(|error| wrong(&error))?;
+        let own = if outline.has("name") {
+            let path = std::path::absolute(path).map_err(|error| wrong(&error))?;
+            ParameterSet::load(&path.display().to_string(), Path::new(""), self.catalogue())
+                .map_err(|error| wrong(&error))?
+                .prior
+        } else {
+            read_priors(path, self.catalogue()).map_err(|error| wrong(&error))?
+        };
+        spreads.extend(own);
+        Ok(spreads)
+    }
+
+    /// Names of the edges to be held out.
+    fn held_out(&self, measured: &Measured) -> Result<Vec<String>, Refusal> {
+        let Some(text) = &self.holdout else { return Ok(Vec::new()) };
+        let Ok(share) = text.trim().parse::<f64>() else {
+            return Ok(text.split(',').map(|name| name.trim().to_owned()).collect());
+        };
+        if !(share > 0.0 && share < 1.0) {
+            let named = measured.edges.iter().any(|edge| edge.name == text.trim());
+            return if named {
+                Ok(vec![text.trim().to_owned()])
+            } else {
+                let fix = "a share lies between 0 and 1, such as --holdout 0.2; or name edges, --holdout E03,E07";
+                Err(refuse(format_args!("--holdout {text}: neither a share nor an edge"), fix))
+            };
+        }
+        let mut names: Vec<String> = measured.edges.iter().map(|edge| edge.name.clone()).collect();
+        names.shuffle(&mut ChaCha8Rng::seed_from_u64(self.seed));
+        names.truncate(((share * names.len() as f64).round() as usize).max(1));
+        Ok(names)
+    }
+
+    fn base(&self, set: &ParameterSet) -> Result<Base, Refusal> {
+        let wrong = |error: &dyn Display| refuse(error, "mend the set that --model names");
+        match self.process {
+            Process::Turning => {
+                let pair = Pair::of_set(set).map_err(|error| wrong(&error))?;
+                Ok(Base::Turning(Box::new(pair)))
+            }
+            Process::Milling => {
+                let milling = Milling::of_set(set).map_err(|error| wrong(&error))?;
+                let Milling { life, cutter, chipping, .. } = milling;
+                Ok(Base::Milling { life, diameter: cutter.diameter, chipping })
+            }
+        }
     }
 
     /// Files that are read.
     pub fn inputs(&self) -> Vec<PathBuf> {
         let of_set = self.set().map_or_else(|_| Vec::new(), |set| set.files);
-        std::iter::once(self.data.clone()).chain(self.map.clone()).chain(of_set).collect()
+        std::iter::once(self.data.clone()).chain(self.map.clone()).chain(self.prior.clone()).chain(of_set).collect()
     }
 
     /// Reads the files and calibrates; `parquet` reads tables in that format.
@@ -83,12 +191,12 @@ impl CalibrationStudy {
     /// [`Refusal`]: a file that cannot be read, data that cannot be calibrated on, an unknown name, a limit that is none.
     pub fn run(&self, parquet: OtherTable<'_>) -> Result<StudyResult, Refusal> {
         let set = self.set()?;
-        let base = Pair::of_set(&set).map_err(|error| refuse(error, "mend the set that --model names"))?;
+        let base = self.base(&set)?;
         let limit = match &self.limit {
             Some(text) => unit::quantity(text, "m").map_err(|reason| {
                 refuse(format_args!("--limit \"{text}\": {reason}"), "write for example --limit \"0.3 mm\"")
             })?,
-            None => base.limits.wear_limit,
+            None => base.wear_limit(),
         };
         if !LIMITS.contains(&limit) {
             return Err(refuse(format_args!("--limit: {limit} m is no flank wear"), "look at its unit"));
@@ -96,14 +204,37 @@ impl CalibrationStudy {
         let limit = limit * 1e3;
         let laws = self.laws()?;
         let fixed = self.fixed.iter().map(|text| fixed(text)).collect::<Result<Vec<_>, _>>()?;
-        let priors = set.prior.iter().filter_map(|(name, spread)| prior(name, spread, &laws)).collect();
+        let by = self.by.as_deref().map(|text| match text.split_once('=') {
+            Some((column, word)) => (column.trim().to_owned(), Some(word.trim().to_owned())),
+            None => (text.trim().to_owned(), None),
+        });
         let (records, read) = self.records(parquet)?;
-        let measured = Measured::of(&records, limit).map_err(|error| {
+        let treatment = Treatment { by: by.clone(), begun: self.begun, ..Treatment::of(&base) };
+        let measured = Measured::treated(&records, limit, &treatment).map_err(|error| {
             refuse(error, "docs/calibration.md lists the columns; `toolroom import csv` maps other tables to records")
         })?;
-        let request = Request { laws, limit, fixed, priors, draws: self.draws, seed: self.seed };
-        let calibration = Calibration::new(measured, &base, request).map_err(|error| match &error {
+        let candidates = self.candidates(&laws, measured.clock)?;
+        let of_candidates: Vec<Law> = candidates.iter().map(|candidate| candidate.law).collect();
+        let spreads = self.spreads(&set)?;
+        let priors = spreads.iter().filter_map(|(name, spread)| prior(name, spread, &of_candidates)).collect();
+        let by = by.map(|(column, _)| column);
+        let held_out = self.held_out(&measured)?;
+        let noise_time = set.scatter.unwrap_or_else(Scatter::shop).life_noise_time / 60.0;
+        let request = Request {
+            candidates,
+            limit,
+            by,
+            fixed,
+            priors,
+            held_out,
+            draws: self.draws,
+            seed: self.seed,
+            life_noise: self.life_noise.then_some(noise_time),
+            profile: self.profile,
+        };
+        let calibration = Calibration::new(measured, base, request).map_err(|error| match &error {
             CalibrationError::Parameter { .. } => refuse(error, "names are group.key or key"),
+            CalibrationError::HeldOut(_) => refuse(error, "--holdout 0.2, or names of edges with commas"),
             CalibrationError::NoDensity(_) => refuse(error, "look at the units of the records"),
         })?;
         // A path counts from the file that names it, which may stand elsewhere.
@@ -113,15 +244,51 @@ impl CalibrationStudy {
     }
 
     fn laws(&self) -> Result<Vec<Law>, Refusal> {
+        let all = Law::of(self.process);
         if self.laws.is_empty() || self.laws.iter().any(|word| word == "all") {
-            return Ok(Law::ALL.to_vec());
+            return Ok(all.to_vec());
         }
         let law = |word: &String| {
-            let known = || Law::ALL.map(Law::group).join(", ");
-            Law::of_group(word)
-                .ok_or_else(|| refuse(format_args!("no wear law `{word}`"), format_args!("there are all, {}", known())))
+            let known = || all.iter().map(|law| law.group()).collect::<Vec<_>>().join(", ");
+            Law::of_group(word).filter(|law| all.contains(law)).ok_or_else(|| {
+                let reason = format!("no wear law `{word}` of {}", self.process.name());
+                refuse(reason, format_args!("there are all, {}", known()))
+            })
         };
         self.laws.iter().map(law).collect()
+    }
+
+    /// The laws with the shapes that are to be compared. Without a word of the user a single law that states lives is tried in
+    /// every shape where nothing else is to be chosen, and is curved among others.
+    fn candidates(&self, laws: &[Law], clock: Clock) -> Result<Vec<Candidate>, Refusal> {
+        let named = !self.laws.is_empty() && self.laws.iter().all(|word| word != "all");
+        let mut laws = laws.to_vec();
+        if clock == Clock::Operations {
+            if let Some(law) = laws.iter().find(|law| named && !law.states_lives()) {
+                let reason = format!("the law {} needs minutes, and the records have no cutting_time", law.group());
+                return Err(refuse(reason, "give cutting_time, or --law extended_taylor"));
+            }
+            laws.retain(|law| law.states_lives());
+        }
+        let shape = |word: &String| {
+            Shape::named(word)
+                .ok_or_else(|| refuse(format_args!("no shape `{word}`"), "there are straight, curved, tilted and all"))
+        };
+        let shapes = if self.shapes.iter().any(|word| word == "all") {
+            Shape::ALL.to_vec()
+        } else if self.shapes.is_empty() {
+            let many = self.process == Process::Milling || clock == Clock::Operations;
+            if many { Shape::ALL.to_vec() } else { vec![Shape::Curved] }
+        } else {
+            self.shapes.iter().map(shape).collect::<Result<_, _>>()?
+        };
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for law in laws {
+            let own: &[Shape] = if law.states_lives() { &shapes } else { &[Shape::Curved] };
+            candidates.extend(own.iter().map(|shape| Candidate { law, shape: *shape }));
+        }
+        candidates.dedup();
+        Ok(candidates)
     }
 
     /// Records of wear readings, or a table of lives, by its own headers or by a mapping.
@@ -130,14 +297,19 @@ impl CalibrationStudy {
             let mapping = Mapping::read(map, &[]).map_err(|error| refuse(error, "mend the mapping"))?;
             return import(&self.data, &mapping, parquet).map_err(|error| refuse(error, "mend the mapping"));
         }
-        match toolroom_records::read(&self.data, RecordKind::Turning, parquet) {
+        let kind = match self.process {
+            Process::Turning => RecordKind::Turning,
+            Process::Milling => RecordKind::Milling,
+        };
+        match toolroom_records::read(&self.data, kind, parquet) {
             Ok(read) => Ok(read),
-            Err(error @ RecordError::MissingColumn { .. }) => match lives(&self.data) {
-                Some(mapping) => {
-                    import(&self.data, &mapping, parquet).map_err(|error| refuse(error, "mend the table of lives"))
+            Err(error @ RecordError::MissingColumn { .. }) => {
+                if let Some(mapping) = lives(&self.data) {
+                    return import(&self.data, &mapping, parquet)
+                        .map_err(|error| refuse(error, "mend the table of lives"));
                 }
-                None => Err(refuse(error, "`toolroom import csv` maps other tables to records; or give --map")),
-            },
+                Err(refuse(error, "`toolroom import csv` maps other tables to records; or give --map"))
+            }
             Err(error) => Err(refuse(error, "check the path and the columns")),
         }
     }
@@ -153,7 +325,7 @@ impl StudyResult {
         let columns = names.iter().map(|name| (name.as_str(), Kind::Real));
         let columns: Vec<(&str, Kind)> = columns.chain([("law", Kind::Text), ("weight", Kind::Real)]).collect();
         let mut table = new_table(file, &columns)?;
-        let law = self.calibration.choice.law.group();
+        let law = self.calibration.choice.carried.law.group();
         for draw in self.calibration.draws() {
             let numbers = draw.into_iter().map(|value| Value::Real(Some(value)));
             let cells: Vec<Value<'_>> = numbers.chain([Value::Text(law), Value::Real(Some(1.0))]).collect();

@@ -1,11 +1,15 @@
 //! A calibration as JSON and as text.
 
+use crate::base::Process;
 use crate::calibration::Calibration;
+use crate::chipping::ChippingFit;
 use crate::choice::Verdict;
 use crate::identify::Identifiability;
 use crate::model::Model;
 use crate::parameter::{Parameter, Scale};
 use crate::sample::Posterior;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -71,11 +75,11 @@ impl Calibration {
             .map(|score| {
                 let value =
                     json!({ "elpd": score.elpd, "margin": score.margin, "se": score.error, "weight": score.weight });
-                (score.law.group().to_owned(), value)
+                (score.candidate.name(), value)
             })
             .collect();
         let densities: Map<String, Value> =
-            self.fits.iter().map(|fit| (fit.model.law.group().to_owned(), json!(fit.maximum.ln_density))).collect();
+            self.fits.iter().map(|fit| (fit.model.candidate().name(), json!(fit.maximum.ln_density))).collect();
         let of_law = listed(parameters, &self.posterior, &self.identifiability);
         let undetermined: Vec<Value> = self
             .identifiability
@@ -111,13 +115,21 @@ impl Calibration {
             .lives
             .iter()
             .map(|life| {
-                json!({
-                    "cutting_speed [m/min]": life.cut.cutting_speed * 60.0,
-                    "feed_per_rev [mm]": life.cut.feed_per_rev * 1e3,
-                    "depth_of_cut [mm]": life.cut.depth_of_cut * 1e3,
-                    "median [min]": life.median, "ci90": life.ci90, "next_edge90": life.next_edge90,
-                    "tested": life.tested,
-                })
+                let [speed, feed, depth, width] = life.condition.quantities();
+                let unit = self.measured.clock.unit();
+                let mut value = json!({
+                    "cutting_speed [m/min]": speed * 60.0, "depth_of_cut [mm]": depth * 1e3, "ci90": life.ci90,
+                    "next_edge90": life.next_edge90, "tested": life.tested,
+                });
+                value[format!("{} [mm]", self.measured.process.feed())] = json!(feed * 1e3);
+                value[format!("median [{unit}]")] = json!(life.median);
+                if life.condition.width.is_some() {
+                    value["width_of_cut [mm]"] = json!(width * 1e3);
+                }
+                if let Some(word) = self.measured.groups.get(life.condition.group) {
+                    value["group"] = json!(word);
+                }
+                value
             })
             .collect();
         let force = self.force.as_ref().map(|force| {
@@ -130,11 +142,12 @@ impl Calibration {
         let notes: Vec<&String> = self.measured.notes.iter().collect();
         let worst = self.coverage.worst.map(|edge| self.measured.edges[edge].name.clone());
         json!({
-            "schema": 1, "process": "turning", "law": self.choice.law.group(),
+            "schema": 1, "process": self.measured.process.name(), "law": self.choice.carried.law.group(),
+            "shape": self.choice.carried.shape.name(), "time": self.measured.clock.unit(), "groups": self.measured.groups,
             "wear_limit [mm]": self.request.limit,
             "choice": {
                 "verdict": self.choice.verdict.name(),
-                "class": self.choice.class.iter().map(|law| law.group()).collect::<Vec<_>>(),
+                "class": self.choice.class.iter().map(|candidate| candidate.name()).collect::<Vec<_>>(),
                 "reason": self.choice.reason, "scores": scores, "ln_posterior": densities,
             },
             "edges": self.measured.edges.len(), "readings": self.measured.readings(), "ends": ends,
@@ -150,29 +163,30 @@ impl Calibration {
                 "inside50": finite(self.coverage.inside50), "inside90": finite(self.coverage.inside90),
                 "histogram": self.coverage.histogram, "worst_edge": worst,
             },
-            "scatter": { "common_wear": scatter }, "force": force,
+            "scatter": { "common_wear": scatter, "chipping_rate [1/km]": self.chipping_json() }, "force": force,
+            "held_out": self.held_out_json(), "profiles": self.profiles_json(),
             "life": life, "refusals": self.measured.refusals, "warnings": self.warnings(), "notes": notes,
         })
     }
 
     /// The verdict in a sentence.
     pub fn sentence(&self) -> String {
-        let law = self.choice.law.group();
+        let law = self.choice.carried.name();
         match self.choice.verdict {
             Verdict::Given => format!("law given: {law}"),
             Verdict::Chosen => {
                 let second = &self.choice.scores[1];
                 format!(
                     "law chosen: {law}, ahead of {} by {:.1} ± {:.1} logarithms on edges left out",
-                    second.law.group(),
+                    second.candidate.name(),
                     second.margin,
                     second.error
                 )
             }
             Verdict::CannotTell => {
-                let class: Vec<&str> = self.choice.class.iter().map(|law| law.group()).collect();
+                let class: Vec<String> = self.choice.class.iter().map(|candidate| candidate.name()).collect();
                 let reason = self.choice.reason.as_ref().map(|reason| format!("; {reason}")).unwrap_or_default();
-                format!("law: cannot tell among {}; the set carries {law}, the simplest{reason}", class.join(", "))
+                format!("law: cannot tell among {}; the set carries {law}, the simplest{reason}", class.join("; "))
             }
         }
     }
@@ -186,6 +200,15 @@ impl Calibration {
             let _ = writeln!(text, "warning: {warning}");
         }
         let _ = writeln!(text, "{}", self.sentence());
+        if self.choice.scores.len() > 1 {
+            let of = |score: &crate::choice::Score| {
+                let behind = format!(" (behind by {:.1} ± {:.1})", score.margin, score.error);
+                let behind = if score.margin > 0.0 { behind } else { String::new() };
+                format!("{} {:.1}{behind}", score.candidate.name(), score.elpd)
+            };
+            let scores: Vec<String> = self.choice.scores.iter().map(of).collect();
+            let _ = writeln!(text, "log scores of edges left out: {}", scores.join("; "));
+        }
         for refusal in &measured.refusals {
             let _ = writeln!(text, "cannot tell: {refusal}");
         }
@@ -228,37 +251,14 @@ impl Calibration {
             "the life is known best at {speed:.0} m/min, to ±{:.0} % (one deviation)",
             100.0 * deviation
         );
-        let cut = self.lives[0].cut;
-        let _ = writeln!(
-            text,
-            "\nlife at {} mm/rev and {} mm, to a flank wear of {} mm\n{:>8}  {:>9}  {:>19}  {:>19}",
-            number(cut.feed_per_rev * 1e3, 3),
-            number(cut.depth_of_cut * 1e3, 3),
-            number(self.request.limit, 3),
-            "m/min",
-            "life, min",
-            "90 %",
-            "next edge, 90 %"
-        );
-        for life in &self.lives {
-            let _ = writeln!(
-                text,
-                "{:>8.0}  {:>9.1}  {:>8.1} … {:>8.1}  {:>8.1} … {:>8.1}{}",
-                life.cut.cutting_speed * 60.0,
-                life.median,
-                life.ci90[0],
-                life.ci90[1],
-                life.next_edge90[0],
-                life.next_edge90[1],
-                if life.tested { "" } else { "  not tested" }
-            );
-        }
+        self.life_table(&mut text);
         if let Some(force) = &self.force {
             table(&mut text, force.model.parameters(), &force.posterior, &force.identifiability);
             let (gain, error) = force.gain;
             let _ =
                 writeln!(text, "wear in the force predicts edges left out better by {gain:.1} ± {error:.1} logarithms");
         }
+        self.further_text(&mut text);
         if self.coverage.readings > 0 {
             let _ = writeln!(
                 text,
@@ -269,10 +269,142 @@ impl Calibration {
         text
     }
 
+    fn chipping_json(&self) -> Option<Value> {
+        self.chipping.as_ref().map(|fit| {
+            json!({
+                "value": fit.rate, "ci90": fit.ci90, "chips": fit.chips, "shape": fit.shape, "shape_fitted": fit.shaped,
+            })
+        })
+    }
+
+    fn held_out_json(&self) -> Option<Value> {
+        let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
+        self.held_out.as_ref().map(|held| {
+            let scores: Map<String, Value> = held
+                .names
+                .iter()
+                .zip(&held.left_out)
+                .map(|(name, left)| (name.clone(), json!({ "score": left.score, "bands": left.bands })))
+                .collect();
+            let coverage = &held.coverage;
+            json!({
+                "edges": scores, "readings": coverage.readings, "inside50": finite(coverage.inside50),
+                "inside90": finite(coverage.inside90),
+            })
+        })
+    }
+
+    /// Profile intervals in units of files, by name.
+    fn profiles_json(&self) -> Option<Value> {
+        let parameters = self.carried().model.parameters();
+        self.profiles.as_ref().map(|profiles| {
+            let one = |(parameter, ends): (&Parameter, &[f64; 2])| {
+                let ends =
+                    ends.map(|end| Some(end).filter(|end| end.is_finite()).map(|end| parameter.scale.value(end)));
+                (parameter.name.clone(), json!(ends))
+            };
+            Value::Object(parameters.iter().zip(profiles).map(one).collect())
+        })
+    }
+
+    /// Chipping, held-out edges and profiles for people.
+    fn further_text(&self, text: &mut String) {
+        if let Some(fit) = &self.chipping {
+            let [low, high] = fit.ci90;
+            let edges = self.measured.edges.len();
+            let _ = match fit.chips {
+                0 => writeln!(
+                    text,
+                    "no edge of {edges} chipped: the rate is below {high:.3} /km (95 %); the set keeps its own"
+                ),
+                chips => writeln!(
+                    text,
+                    "{chips} of {edges} edges chipped or broke: {:.3} /km ({low:.3} … {high:.3}), shape {:.2}{}",
+                    fit.rate,
+                    fit.shape,
+                    if fit.shaped { "" } else { " of the set" }
+                ),
+            };
+        }
+        if let Some(held) = &self.held_out {
+            let coverage = &held.coverage;
+            let score: f64 = held.left_out.iter().map(|left| left.score).sum();
+            let _ = writeln!(
+                text,
+                "held out: {}; {} of {} readings within their 90 % band, log score {score:.1}",
+                held.names.join(", "),
+                (coverage.inside90 * coverage.readings as f64).round(),
+                coverage.readings
+            );
+        }
+        if let Some(profiles) = &self.profiles {
+            let _ = writeln!(text, "\n{:40}  {:>23}", "profile", "90 %");
+            for (parameter, ends) in self.carried().model.parameters().iter().zip(profiles) {
+                let end = |end: f64| {
+                    if end.is_finite() { format!("{:.4}", parameter.scale.value(end)) } else { "unbounded".to_owned() }
+                };
+                let _ = writeln!(text, "{:40}  {:>10} … {:>10}", with_unit(parameter), end(ends[0]), end(ends[1]));
+            }
+        }
+    }
+
+    /// Lives at the conditions of interest for people.
+    fn life_table(&self, text: &mut String) {
+        let (measured, unit) = (&self.measured, self.measured.clock.unit());
+        let _ = writeln!(
+            text,
+            "\nlife in {unit} to a flank wear of {} mm\n{:>8}  {:>8}  {:>8}{}  {:>9}  {:>19}  {:>19}",
+            number(self.request.limit, 3),
+            "m/min",
+            match measured.process {
+                Process::Turning => "mm/rev",
+                Process::Milling => "mm/tooth",
+            },
+            "depth mm",
+            match measured.process {
+                Process::Turning => "",
+                Process::Milling => "  width mm",
+            },
+            "life",
+            "90 %",
+            "next edge, 90 %"
+        );
+        for life in &self.lives {
+            let [speed, feed, depth, width] = life.condition.quantities();
+            let width = match life.condition.width {
+                Some(_) => format!("  {:>8}", number(width * 1e3, 3)),
+                None => String::new(),
+            };
+            let group = match measured.groups.get(life.condition.group) {
+                Some(word) => format!("  {word}"),
+                None => String::new(),
+            };
+            let _ = writeln!(
+                text,
+                "{:>8.0}  {:>8}  {:>8}{width}  {:>9.1}  {:>8.1} … {:>8.1}  {:>8.1} … {:>8.1}{group}{}",
+                speed * 60.0,
+                number(feed * 1e3, 3),
+                number(depth * 1e3, 3),
+                life.median,
+                life.ci90[0],
+                life.ci90[1],
+                life.next_edge90[0],
+                life.next_edge90[1],
+                if life.tested { "" } else { "  not tested" }
+            );
+        }
+    }
+
     /// Header of the table of draws: one column a parameter in its unit, the law, and the weight.
     pub fn draw_columns(&self) -> Vec<String> {
         let of_force = self.force.iter().flat_map(|force| shared_columns(force.model.parameters()));
-        self.carried().model.parameters().iter().chain(of_force).map(with_unit).collect()
+        let own = self.carried().model.parameters().iter().chain(of_force).map(with_unit);
+        own.chain(self.chips().map(|_| "chipping.rate [1/km]".to_owned())).collect()
+    }
+
+    /// The rate of chipping where some edge chipped; a bound enters no set.
+    pub(crate) fn chips(&self) -> Option<&ChippingFit> {
+        self.chipping.as_ref().filter(|fit| fit.chips > 0)
     }
 
     /// The draws in units of files, in the order of [`Calibration::draw_columns`].
@@ -286,6 +418,11 @@ impl Calibration {
                 let parameters: Vec<&Parameter> = shared_columns(force.model.parameters()).collect();
                 let draw = &force.posterior.draws[number % force.posterior.draws.len()];
                 values.extend(parameters.into_iter().zip(draw.iter()).map(value));
+            }
+            if let Some(fit) = self.chips() {
+                let mut random = ChaCha8Rng::seed_from_u64(self.request.seed);
+                random.set_stream(number as u64);
+                values.push(fit.draw(&mut random));
             }
             values
         })

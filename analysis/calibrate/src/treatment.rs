@@ -1,20 +1,10 @@
-//! From records to edges: what is used, and what is said of it.
+//! From records to edges: what is used.
 
+use crate::base::{Base, Condition, Process};
 use crate::edge::{Edge, Life, Stretch};
 use std::collections::BTreeMap;
 use toolroom_records::Records;
 use toolroom_wear::Cut;
-
-/// Fall of wear from one reading to the next that is worth a line, in standard deviations of a reading.
-const FALL: f64 = 3.0;
-/// Usual standard deviation of a wear reading, mm (0.010 mm of reading, 0.005 mm of repeatability).
-const READING: f64 = 0.011;
-/// Share of the wear limit at a first reading beyond which the edge was probably not new when its record began.
-const WORN_ALREADY: f64 = 0.5;
-/// Share of the wear limit that readings have to reach for a life to be measured rather than extrapolated (assumption).
-const REACHED: f64 = 0.8;
-/// Flank wear in mm below which readings only show the run-in.
-const RUN_IN: f64 = 0.1;
 
 /// Flank wear in mm that a reading microscope just resolves (assumption: a third of the usual error of a reading). Where no
 /// reading reaches it, the unit is wrong.
@@ -29,16 +19,81 @@ const UNUSED: [&str; 4] = ["feed_force", "spindle_power", "temperature", "thermo
 const SPEED_DIGITS: usize = 4;
 const LENGTH_DIGITS: usize = 3;
 
-/// Conditions beyond which neighbours are joined (assumption): designed tests have fewer, recorded shops a new one with every
-/// pass.
-const MANY: usize = 24;
-/// Ratio of the greatest to the least speed, feed and depth of joined conditions (assumption): at exponents of 5, 1.5 and 0.75
-/// the rate of a pass then differs by at most 4 % from that of its condition, either way, which evens out over an edge.
-const JOINED: [f64; 3] = [1.015, 1.05, 1.10];
+/// Groups of edges that wear at rates of their own (assumption: each is a parameter, and edges are few).
+const MOST_GROUPS: usize = 8;
 
 /// A number to so many digits.
 fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
+/// Columns of speed, feed, depth and width of cut.
+fn columns(process: Process) -> [Option<&'static str>; 4] {
+    let width = match process {
+        Process::Turning => None,
+        Process::Milling => Some("width_of_cut"),
+    };
+    [Some("cutting_speed"), Some(process.feed()), Some("depth_of_cut"), width]
+}
+
+/// Words of groups, that of group 0 first, and the group of each row.
+type Groups = (Vec<String>, Vec<usize>);
+
+/// The groups of records.
+fn groups(records: &Records, treatment: &Treatment) -> Result<Option<Groups>, DataError> {
+    let Some((column, first)) = &treatment.by else { return Ok(None) };
+    let wrong = |what: String| DataError::Groups { column: column.clone(), what };
+    let (mut words, mut of) =
+        records.levels(column).ok_or_else(|| wrong("the records have no such column of words".to_owned()))?;
+    if words.len() < 2 {
+        return Err(wrong(format!("every row has the same word `{}`: leave --by out", words.join(""))));
+    }
+    if words.len() > MOST_GROUPS {
+        return Err(wrong(format!("{} different words; at most {MOST_GROUPS} groups can be told", words.len())));
+    }
+    // The order of first appearance, after the word that the set is to carry.
+    let mut order: Vec<usize> = Vec::new();
+    of.iter().for_each(|group| {
+        if !order.contains(group) {
+            order.push(*group);
+        }
+    });
+    if let Some(word) = first {
+        let place = words.iter().position(|known| known == word);
+        let place = place.ok_or_else(|| wrong(format!("no row has `{word}`; there are {}", words.join(", "))))?;
+        order.retain(|group| *group != place);
+        order.insert(0, place);
+    }
+    of.iter_mut().for_each(|group| *group = order.iter().position(|place| place == group).unwrap_or(0));
+    words = order.iter().map(|place| words[*place].clone()).collect();
+    Ok(Some((words, of)))
+}
+
+/// Time of each row of an edge: minutes of cutting, or without them the operations since the row before, counted by
+/// `sequence`.
+fn times(records: &Records, rows: &[usize], edge: &str) -> Result<Vec<f64>, DataError> {
+    let value = |what: String| DataError::Value { edge: edge.to_owned(), what };
+    if let Some(time) = records.numbers("cutting_time").filter(|time| time.iter().any(|time| time.is_finite())) {
+        let minutes = rows.iter().map(|row| time[*row] / 60.0);
+        return minutes
+            .map(|minutes| {
+                let usable = minutes >= 0.0 && minutes.is_finite();
+                usable
+                    .then_some(minutes)
+                    .ok_or_else(|| value(format!("a cutting time of {minutes} min cannot be used")))
+            })
+            .collect();
+    }
+    let sequence = records.numbers("sequence").ok_or_else(|| DataError::NoColumn("cutting_time".to_owned()))?;
+    let mut before = 0.0;
+    rows.iter()
+        .map(|row| {
+            let passed = sequence[*row] - before;
+            before = sequence[*row];
+            let usable = passed > 0.0 && passed.is_finite();
+            usable.then_some(passed).ok_or_else(|| value(format!("sequence {before} twice, or below 1")))
+        })
+        .collect()
 }
 
 /// Why records cannot be calibrated on.
@@ -47,7 +102,15 @@ fn rounded(value: f64, digits: usize) -> f64 {
 pub enum DataError {
     /// A column without which nothing can be told.
     #[error("the records have no column `{0}`")]
-    NoColumn(&'static str),
+    NoColumn(String),
+    /// A column of words that is to tell groups of edges.
+    #[error("--by {column}: {what}")]
+    Groups {
+        /// What was wanted.
+        column: String,
+        /// What is wrong.
+        what: String,
+    },
     /// A word in `edge_end` that means nothing.
     #[error("edge `{edge}`: edge_end is `{read}`; it is one of worn, chipped, broken, stopped, changed")]
     End {
@@ -107,17 +170,65 @@ impl End {
     }
 }
 
+/// How records are to be read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Treatment {
+    /// The process that cut.
+    pub process: Process,
+    /// The cut that is taken for columns that the records lack.
+    pub reference: Condition,
+    /// Column of words whose edges may wear at different rates, with the word to whose edges the level belongs; that of the
+    /// first row if none.
+    pub by: Option<(String, Option<String>)>,
+    /// Whether edges were not new when their records began: their first reading is then where they start.
+    pub begun: bool,
+}
+
+impl Treatment {
+    /// That of records of the process of a set.
+    pub fn of(base: &Base) -> Self {
+        Self { process: base.process(), reference: base.reference(), by: None, begun: false }
+    }
+}
+
+/// What the time of edges counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// Minutes of cutting.
+    Minutes,
+    /// Operations: the records have no cutting time.
+    Operations,
+}
+
+impl Clock {
+    /// Its unit in texts and keys.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Minutes => "min",
+            Self::Operations => "operations",
+        }
+    }
+}
+
 /// Edges as they were measured, and what is to be said of the data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
+    /// The process that cut.
+    pub process: Process,
+    /// What the time counts.
+    pub clock: Clock,
+    /// Words of the groups of edges, from group 0 on; none without groups.
+    pub groups: Vec<String>,
     /// Conditions that occur.
-    pub conditions: Vec<Cut>,
+    pub conditions: Vec<Condition>,
     /// Edges in the order of the records.
     pub edges: Vec<Edge>,
     /// Cutting force in N at the end of each stretch of each edge, with the cut as it was recorded.
     pub forces: Vec<Vec<Option<(Cut, f64)>>>,
     /// How each ended.
     pub ends: Vec<End>,
+    /// Whether the records tell how edges ended.
+    pub ends_told: bool,
     /// Remarks.
     pub notes: Vec<String>,
     /// What the data cannot tell, each with what would lift it.
@@ -130,9 +241,29 @@ impl Measured {
     /// # Errors
     /// [`DataError`]: a column that is missing, a word or a number that cannot be, nothing measured.
     pub fn of(records: &Records, limit: f64) -> Result<Self, DataError> {
-        let number = |name: &'static str| records.numbers(name).ok_or(DataError::NoColumn(name));
-        let (speed, feed, depth) = (number("cutting_speed")?, number("feed_per_rev")?, number("depth_of_cut")?);
-        let names = records.texts("tool_id").ok_or(DataError::NoColumn("tool_id"))?;
+        let reference = Cut::default().into();
+        Self::treated(records, limit, &Treatment { process: Process::Turning, reference, by: None, begun: false })
+    }
+
+    /// The same of records of any process.
+    ///
+    /// # Errors
+    /// As [`Measured::of`].
+    pub fn treated(records: &Records, limit: f64, treatment: &Treatment) -> Result<Self, DataError> {
+        let process = treatment.process;
+        let there = |name: &str| records.numbers(name).filter(|values| values.iter().any(|value| value.is_finite()));
+        let mut notes = Vec::new();
+        let [speed, feed, depth, width] = columns(process).map(|name| name.and_then(there));
+        let lacking: Vec<&str> = columns(process).into_iter().flatten().filter(|name| there(name).is_none()).collect();
+        if !lacking.is_empty() {
+            notes.push(format!("no {}: that of the set is taken, the same for all edges", lacking.join(", ")));
+        }
+        let groups = groups(records, treatment)?;
+        let clock = match there("cutting_time").or(there("life")) {
+            Some(_) => Clock::Minutes,
+            None => Clock::Operations,
+        };
+        let names = records.texts("tool_id").ok_or_else(|| DataError::NoColumn("tool_id".to_owned()))?;
         let mut rows: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         let mut order: Vec<&str> = Vec::new();
         for (row, name) in names.iter().map(String::as_str).enumerate() {
@@ -145,31 +276,58 @@ impl Measured {
             rows.values_mut().for_each(|rows| rows.sort_by(|a, b| sequence[*a].total_cmp(&sequence[*b])));
         }
         let mut measured = Self {
+            process,
+            clock,
+            groups: groups.as_ref().map(|(words, _)| words.clone()).unwrap_or_default(),
             conditions: Vec::new(),
             edges: Vec::new(),
             forces: Vec::new(),
             ends: Vec::new(),
-            notes: Vec::new(),
+            ends_told: false,
+            notes,
             refusals: Vec::new(),
         };
         let mut unsaid = 0;
         for name in order {
             let rows = &rows[name];
+            let reference = treatment.reference.quantities();
+            let quantities = |row: usize| {
+                let value = |(place, column): (usize, Option<&[f64]>)| match column {
+                    Some(values) if place == 0 => rounded(values[row] * 60.0, SPEED_DIGITS) / 60.0,
+                    Some(values) => rounded(values[row] * 1e3, LENGTH_DIGITS) * 1e-3,
+                    None => reference[place],
+                };
+                [(0, speed), (1, feed), (2, depth), (3, width)].map(value)
+            };
+            if let Some((row, values)) = rows
+                .iter()
+                .map(|row| (*row, quantities(*row)))
+                .find(|(_, values)| values.iter().any(|value| !(value.is_finite() && *value > 0.0)))
+            {
+                let names = columns(process).into_iter().flatten();
+                let wrong = names.zip(values).find(|(_, value)| !(value.is_finite() && *value > 0.0));
+                let what = format!("row {} has no usable {}", row + 1, wrong.map_or("width_of_cut", |(name, _)| name));
+                return Err(DataError::Value { edge: name.to_owned(), what });
+            }
             let mut condition = |row: usize| {
-                let cut = Cut::nominal(
-                    rounded(speed[row] * 60.0, SPEED_DIGITS) / 60.0,
-                    rounded(feed[row] * 1e3, LENGTH_DIGITS) * 1e-3,
-                    rounded(depth[row] * 1e3, LENGTH_DIGITS) * 1e-3,
-                );
-                measured.conditions.iter().position(|known| *known == cut).unwrap_or_else(|| {
-                    measured.conditions.push(cut);
+                let [speed, feed, depth, width] = quantities(row);
+                let at = Condition {
+                    cut: Cut::nominal(speed, feed, depth),
+                    width: (process == Process::Milling).then_some(width),
+                    group: groups.as_ref().map_or(0, |(_, of)| of[row]),
+                };
+                measured.conditions.iter().position(|known| *known == at).unwrap_or_else(|| {
+                    measured.conditions.push(at);
                     measured.conditions.len() - 1
                 })
             };
             let last = *rows.last().expect("an edge has a row");
             let word = records.texts("edge_end").map_or("", |ends| ends[last].trim());
             let end = match End::ALL.into_iter().find(|end| end.name() == word) {
-                Some(end) => end,
+                Some(end) => {
+                    measured.ends_told = true;
+                    end
+                }
                 None if word.is_empty() => {
                     unsaid += 1;
                     End::Stopped
@@ -179,6 +337,7 @@ impl Measured {
             let at = |column: &str, row: usize| records.numbers(column).map_or(f64::NAN, |values| values[row]);
             let force = |row: &usize| {
                 let force = Some(at("cutting_force", *row)).filter(|force| force.is_finite() && *force > 0.0);
+                let (Some(speed), Some(feed), Some(depth)) = (speed, feed, depth) else { return None };
                 force.map(|force| (Cut::nominal(speed[*row], feed[*row], depth[*row]), force))
             };
             let mut forces = Vec::new();
@@ -201,23 +360,33 @@ impl Measured {
                 };
                 unsaid -= i32::from(word.is_empty());
                 measured.ends.push(if worn { End::Worn } else { end });
-                Edge { name: name.to_owned(), stretches: Vec::new(), life: Some((condition(last), life)) }
+                Edge { name: name.to_owned(), stretches: Vec::new(), life: Some((condition(last), life)), begun: None }
             } else {
-                let time = number("cutting_time")?;
+                let times = times(records, rows, name)?;
                 forces = rows.iter().map(force).collect();
                 let mut stretches = Vec::new();
-                for row in rows {
-                    let minutes = time[*row] / 60.0;
-                    if !(minutes >= 0.0 && minutes.is_finite()) {
-                        let what = format!("a cutting time of {minutes} min cannot be used");
-                        return Err(DataError::Value { edge: name.to_owned(), what });
-                    }
+                for (row, time) in rows.iter().zip(times) {
                     let wear = Some(at("flank_wear", *row) * 1e3).filter(|wear| wear.is_finite());
-                    stretches.push(Stretch { condition: condition(*row), time: minutes, wear });
+                    stretches.push(Stretch { condition: condition(*row), time, wear, block: None });
                 }
                 measured.ends.push(end);
-                let mut edge = Edge { name: name.to_owned(), stretches, life: None };
-                if edge.readings() == 0 {
+                let mut begun = None;
+                if treatment.begun
+                    && let Some(first) = stretches.iter().position(|stretch| stretch.wear.is_some())
+                {
+                    begun = stretches[first].wear;
+                    stretches.drain(..=first);
+                    forces.drain(..=first);
+                    if stretches.is_empty() {
+                        return Err(DataError::Value {
+                            edge: name.to_owned(),
+                            what: "one reading tells nothing of an edge that was not new: leave the edge out"
+                                .to_owned(),
+                        });
+                    }
+                }
+                let mut edge = Edge { name: name.to_owned(), stretches, life: None, begun };
+                if edge.readings() == 0 && begun.is_none() {
                     // Without readings the end of the edge is all there is.
                     let total: f64 = edge.stretches.iter().map(|stretch| stretch.time).sum();
                     let life = if end == End::Worn { Life::Exact(total) } else { Life::Censored(total) };
@@ -247,148 +416,59 @@ impl Measured {
         }
         measured.remark(limit);
         measured.refuse(limit);
+        measured.pack();
         measured.join();
         Ok(measured)
     }
 
     /// Number of wear readings.
     pub fn readings(&self) -> usize {
-        self.edges.iter().map(Edge::readings).sum()
+        let stretches = self.edges.iter().flat_map(|edge| &edge.stretches).filter(|stretch| stretch.wear.is_some());
+        stretches.map(|stretch| stretch.block.map_or(1, |block| block.count as usize)).sum()
+    }
+
+    /// The same without some edges, whose conditions stay.
+    ///
+    /// # Errors
+    /// In words: an edge that is not there, fewer than two edges left.
+    pub(crate) fn without(&self, names: &[String]) -> Result<Self, String> {
+        if let Some(name) = names.iter().find(|name| self.edges.iter().all(|edge| edge.name != **name)) {
+            let known: Vec<&str> = self.edges.iter().take(12).map(|edge| edge.name.as_str()).collect();
+            return Err(format!("no edge `{name}`; there are {}", known.join(", ")));
+        }
+        let kept: Vec<usize> =
+            (0..self.edges.len()).filter(|index| !names.contains(&self.edges[*index].name)).collect();
+        if kept.len() < 2 {
+            return Err(format!("{} of {} edges would be left: hold out fewer", kept.len(), self.edges.len()));
+        }
+        Ok(Self {
+            edges: kept.iter().map(|index| self.edges[*index].clone()).collect(),
+            forces: kept.iter().map(|index| self.forces[*index].clone()).collect(),
+            ends: kept.iter().map(|index| self.ends[*index]).collect(),
+            ..self.clone()
+        })
     }
 
     /// Greatest flank wear read, mm; zero without readings.
-    fn greatest(&self) -> f64 {
+    pub(crate) fn greatest(&self) -> f64 {
         let stretches = self.edges.iter().flat_map(|edge| &edge.stretches);
         stretches.filter_map(|stretch| stretch.wear).fold(0.0, f64::max)
     }
 
+    /// Median time of the edges, scaled to a flank wear of `limit` mm where wear was read.
+    pub(crate) fn usual_life(&self, limit: f64) -> f64 {
+        let life = |edge: &Edge| {
+            let time: f64 = edge.stretches.iter().map(|stretch| stretch.time).sum();
+            let last = edge.stretches.iter().rev().find_map(|stretch| stretch.wear).filter(|wear| *wear > 0.0);
+            time * last.map_or(1.0, |wear| limit / wear)
+        };
+        let mut lives: Vec<f64> = self.edges.iter().map(life).filter(|life| *life > 0.0).collect();
+        lives.sort_by(f64::total_cmp);
+        lives.get(lives.len() / 2).copied().unwrap_or(1.0)
+    }
+
     /// Cutting speeds, m/min.
     pub fn speeds(&self) -> Vec<f64> {
-        self.conditions.iter().map(|cut| cut.cutting_speed * 60.0).collect()
-    }
-
-    /// Joins neighbouring conditions where there are many, each class at its mean over cutting time.
-    fn join(&mut self) {
-        if self.conditions.len() <= MANY {
-            return;
-        }
-        let quantities = |cut: &Cut| [cut.cutting_speed, cut.feed_per_rev, cut.depth_of_cut];
-        let least = self.conditions.iter().map(quantities).reduce(|a, b| [0, 1, 2].map(|i| a[i].min(b[i])));
-        let most = self.conditions.iter().map(quantities).reduce(|a, b| [0, 1, 2].map(|i| a[i].max(b[i])));
-        let (Some(least), Some(most)) = (least, most) else { return };
-        // Classes of equal ratio between the least and the greatest value.
-        let class = |cut: &Cut| {
-            let values = quantities(cut);
-            [0, 1, 2].map(|i| {
-                let whole = (most[i] / least[i]).ln();
-                let classes = (whole / JOINED[i].ln()).ceil().max(1.0);
-                let place = if whole > 0.0 { (values[i] / least[i]).ln() / whole * classes } else { 0.0 };
-                place.min(classes - 1.0) as usize
-            })
-        };
-        let mut time = vec![0.0; self.conditions.len()];
-        for edge in &self.edges {
-            edge.stretches.iter().for_each(|stretch| time[stretch.condition] += stretch.time);
-            if let Some((condition, Life::Exact(life) | Life::Censored(life) | Life::Between(_, life))) = edge.life {
-                time[condition] += life;
-            }
-        }
-        let mut classes: BTreeMap<[usize; 3], Vec<usize>> = BTreeMap::new();
-        self.conditions.iter().enumerate().for_each(|(index, cut)| classes.entry(class(cut)).or_default().push(index));
-        let mut joined = vec![0; self.conditions.len()];
-        let mut conditions = Vec::new();
-        for members in classes.into_values() {
-            let total: f64 = members.iter().map(|member| time[*member]).sum();
-            let weight = |member: usize| if total > 0.0 { time[member] / total } else { 1.0 / members.len() as f64 };
-            let mean = |i: usize| {
-                // From the first, so that equal values stay what they are.
-                let first = quantities(&self.conditions[members[0]])[i];
-                let off =
-                    members.iter().map(|member| weight(*member) * (quantities(&self.conditions[*member])[i] - first));
-                first + off.sum::<f64>()
-            };
-            members.iter().for_each(|member| joined[*member] = conditions.len());
-            conditions.push(Cut::nominal(mean(0), mean(1), mean(2)));
-        }
-        for edge in &mut self.edges {
-            edge.stretches.iter_mut().for_each(|stretch| stretch.condition = joined[stretch.condition]);
-            if let Some((condition, _)) = &mut edge.life {
-                *condition = joined[*condition];
-            }
-        }
-        let (before, after) = (self.conditions.len(), conditions.len());
-        self.notes.push(format!("{before} conditions were joined to {after}: neighbours wear at their mean"));
-        self.conditions = conditions;
-    }
-
-    fn remark(&mut self, limit: f64) {
-        for edge in &self.edges {
-            let wear: Vec<f64> = edge.stretches.iter().filter_map(|stretch| stretch.wear).collect();
-            if let Some(place) = wear.windows(2).position(|pair| pair[0] - pair[1] > FALL * READING) {
-                let (from, to) = (wear[place], wear[place + 1]);
-                self.notes.push(format!(
-                    "edge {}: wear falls from {from:.3} to {to:.3} mm; the readings are kept. Was another edge or corner \
-                     read? Then give it a tool_id of its own",
-                    edge.name
-                ));
-            }
-            if wear.first().is_some_and(|first| *first > WORN_ALREADY * limit) && wear.len() > 1 {
-                let early = edge.stretches.first().is_some_and(|first| first.wear.is_some());
-                if early && wear[1] - wear[0] < 0.5 * wear[0] {
-                    self.notes.push(format!(
-                        "edge {}: the first reading is {:.3} mm already and the next only {:.3} mm: it was probably not \
-                         new when its record began, and its time before that is not known",
-                        edge.name, wear[0], wear[1]
-                    ));
-                }
-            }
-        }
-    }
-
-    fn refuse(&mut self, limit: f64) {
-        let span = |of: &dyn Fn(&Cut) -> f64| {
-            let values = self.conditions.iter().map(of);
-            values.fold((f64::INFINITY, 0.0_f64), |(a, b), value| (a.min(value), b.max(value)))
-        };
-        let (slow, fast) = span(&|cut| cut.cutting_speed * 60.0);
-        let mut refusals = Vec::new();
-        if fast < 1.2 * slow {
-            refusals.push(format!(
-                "one cutting speed ({slow:.0} m/min): no exponent of speed, no activation energy, no choice of a law; \
-                 measure edges at a second speed, 1.2 times as fast or more"
-            ));
-        }
-        for (name, (least, greatest)) in
-            [("feed_per_rev", span(&|cut| cut.feed_per_rev)), ("depth_of_cut", span(&|cut| cut.depth_of_cut))]
-        {
-            if greatest < 1.05 * least {
-                refusals.push(format!("one {name}: its exponent is the prior; vary {name}"));
-            }
-        }
-        if self.edges.len() < 3 {
-            let edges = self.edges.len();
-            refusals.push(format!("{edges} edge(s): the scatter of edges is the prior; measure three or more"));
-        }
-        let lives: Vec<&Life> = self.edges.iter().filter_map(|edge| edge.life.as_ref().map(|(_, life)| life)).collect();
-        if !lives.is_empty()
-            && lives.len() == self.edges.len()
-            && lives.iter().all(|life| matches!(life, Life::Censored(_)))
-        {
-            refusals.push(
-                "every life is censored: only a lower bound of the level; wait until edges are worn out".to_owned(),
-            );
-        }
-        let greatest = self.greatest();
-        if self.readings() > 0 && greatest < RUN_IN {
-            refusals.push(format!(
-                "readings up to {greatest:.3} mm only show the run-in: the life is extrapolated; read edges beyond {RUN_IN} mm"
-            ));
-        } else if self.readings() > 0 && greatest < REACHED * limit {
-            refusals.push(format!(
-                "readings end at {greatest:.3} mm: the life to {limit:.3} mm is extrapolated; read edges up to the limit, or \
-                 give the limit at which edges are changed (--limit)"
-            ));
-        }
-        self.refusals = refusals;
+        self.conditions.iter().map(|condition| condition.cut.cutting_speed * 60.0).collect()
     }
 }

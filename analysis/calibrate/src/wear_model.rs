@@ -1,12 +1,14 @@
 //! The model of wear readings and lives.
 
+use crate::base::{Base, Condition};
 use crate::curve::Curve;
-use crate::edge::{Common, Edge, InLife, Predicted};
-use crate::law::{Law, ending_at, with_values};
+use crate::edge::{Common, Edge, InLife, Life, Predicted, Stretch};
+use crate::law::{Law, with_values};
 use crate::model::Model;
 use crate::parameter::{Parameter, Prior, Scale};
+use crate::shape::{Candidate, Shape};
 use rand_chacha::ChaCha8Rng;
-use toolroom_wear::{Cut, Pair, WearLaw};
+use toolroom_wear::wear_stage;
 
 /// Median of an edge's scatter beforehand, and the standard deviation of its logarithm. The prior keeps away from zero: a
 /// half-normal one lets the maximum collapse there with few edges (Chung et al. 2013).
@@ -16,6 +18,23 @@ const SCATTER: (f64, f64) = (0.20, 0.6);
 const NOISE: (f64, f64) = (0.011, 0.5);
 /// The tables reach this much beyond the greatest wear read, or the limit.
 const BEYOND: f64 = 1.25;
+
+/// Standard deviation of the logarithm of how much faster edges of another group wear (assumption: a factor of two, as of a
+/// level from a handbook).
+const GROUP: f64 = 0.7;
+
+/// Median noise of the rate within a life, and the standard deviation of its logarithm (assumption, as of a shop).
+const LIFE_NOISE: (f64, f64) = (0.10, 0.5);
+/// Name of the noise of the rate within a life among the parameters.
+pub const LIFE_NOISE_NAME: &str = "life_noise";
+
+/// Standard deviation of the logarithm of a level in operations, of which no set knows anything (assumption: a factor of 4.5
+/// around what the edges of the data lasted).
+const OPERATIONS: f64 = 1.5;
+/// Exponent of speed of lives in operations (assumption: anything between rising and falling steeply).
+const PER_OPERATION: Prior = Prior { mean: 1.0, deviation: 2.0 };
+/// Points along the life of an edge at which its wear is worked out for the hazard of chipping.
+const FINE: usize = 64;
 
 /// mm/min of a rate in m/s.
 const MM_PER_MIN: f64 = 6e4;
@@ -34,15 +53,21 @@ enum Slot {
 pub struct WearModel {
     /// The law.
     pub law: Law,
-    base: Pair,
-    template: WearLaw,
+    /// The shape of its wear curve.
+    pub shape: Shape,
+    base: Base,
+    template: Base,
     parameters: Vec<Parameter>,
     slots: Vec<Slot>,
-    conditions: Vec<Cut>,
+    /// Names of the parameters of groups of edges, from group 1 on.
+    groups: Vec<String>,
+    conditions: Vec<Condition>,
     edges: Vec<Edge>,
     limit: f64,
     in_life: Option<InLife>,
     greatest: f64,
+    /// Whether the exponent of speed may be anything, since lives do not count time.
+    any_speed: bool,
 }
 
 /// Name of the scatter of edges among the parameters.
@@ -52,10 +77,17 @@ pub const READING_NOISE: &str = toolroom_wear::READING_NOISE_NAME;
 
 impl WearModel {
     /// The model of `edges`, which were cut at `conditions`. What the law does not say is taken from `base`; `limit` in
-    /// mm is the flank wear at which lives end. The tilt of Taylor's wear curve is fixed at zero: with the contrast
+    /// mm is the flank wear at which lives end. The tilt of a wear curve is free for [`Shape::Tilted`] only: with the contrast
     /// free as well, few designs tell the two apart.
-    pub fn new(law: Law, base: &Pair, conditions: Vec<Cut>, edges: Vec<Edge>, limit: f64) -> Self {
-        let template = ending_at(law.template(base), limit);
+    pub fn new(
+        candidate: impl Into<Candidate>,
+        base: impl Into<Base>,
+        conditions: impl IntoIterator<Item = impl Into<Condition>>,
+        edges: Vec<Edge>,
+        limit: f64,
+    ) -> Self {
+        let (Candidate { law, shape }, base) = (candidate.into(), base.into());
+        let template = law.template(&base, limit);
         let mut parameters = law.parameters(&template);
         let slots = (0..parameters.len()).map(Slot::Free).collect();
         let ln = |(median, deviation): (f64, f64)| Prior::new(f64::ln(median), deviation);
@@ -68,17 +100,52 @@ impl WearModel {
             let lift = "read the wear of an edge more than once";
             parameters.push(Parameter::new(READING_NOISE, "mm", Scale::Logarithm, ln(NOISE), lift));
         }
-        let base = base.clone();
-        let mut model =
-            Self { law, base, template, parameters, slots, conditions, edges, limit, in_life: None, greatest };
-        if law == Law::ExtendedTaylor {
-            model.fix("extended_taylor.stage_tilt", 0.0);
-            if !curved {
-                // Lives alone say nothing of the way to them.
-                model.fix("extended_taylor.stage_contrast", 0.0);
+        let conditions = conditions.into_iter().map(Into::into).collect();
+        let (groups, in_life) = (Vec::new(), None);
+        let mut model = Self {
+            law,
+            shape,
+            base,
+            template,
+            parameters,
+            slots,
+            groups,
+            conditions,
+            edges,
+            limit,
+            in_life,
+            greatest,
+            any_speed: false,
+        };
+        if law.states_lives() {
+            let fix = |model: &mut Self, key: &str| model.fix(&format!("{}.{key}", law.group()), 0.0);
+            // Lives alone say nothing of the way to them.
+            if shape != Shape::Tilted || !curved {
+                fix(&mut model, "stage_tilt");
+            }
+            if shape == Shape::Straight || !curved {
+                fix(&mut model, "stage_contrast");
             }
         }
         model
+    }
+
+    /// The same with groups of edges that wear faster than those of group 0 by factors to be found; `names` are those of the
+    /// factors, from group 1 on.
+    #[must_use]
+    pub fn with_groups(mut self, names: &[String]) -> Self {
+        for name in names {
+            let lift = "measure edges of both groups under the same conditions";
+            let prior = Prior::new(0.0, GROUP);
+            self.parameters.push(Parameter::new(name.clone(), "1", Scale::Logarithm, prior, lift));
+        }
+        self.groups = names.to_vec();
+        self
+    }
+
+    /// The law with the shape of its wear curve.
+    pub fn candidate(&self) -> Candidate {
+        Candidate { law: self.law, shape: self.shape }
     }
 
     /// Fixes a parameter of the law at a value in its unit; `false` where none of this name is free.
@@ -119,9 +186,43 @@ impl WearModel {
         found.map(set).is_some()
     }
 
+    /// Lets lives count operations instead of minutes: their level is around `life` at `condition`, and they may rise or fall
+    /// with speed, since a faster operation is a shorter one.
+    #[must_use]
+    pub(crate) fn by_operations(mut self, life: f64, condition: &Condition) -> Self {
+        self.template.taylor_referred_to(condition);
+        let group = self.law.group();
+        for parameter in &mut self.parameters {
+            if parameter.name == format!("{group}.reference_life") {
+                (parameter.unit, parameter.prior) = ("operations", Prior::new(life.ln(), OPERATIONS));
+            } else if parameter.name == format!("{group}.speed_exponent") {
+                (parameter.scale, parameter.prior) = (Scale::Plain, PER_OPERATION);
+                self.any_speed = true;
+            }
+        }
+        self
+    }
+
+    /// Lets the wear rate wander within a life with this correlation time in min, by how much is to be found.
+    #[must_use]
+    pub fn with_life_noise(mut self, correlation: f64) -> Self {
+        let prior = Prior::new(LIFE_NOISE.0.ln(), LIFE_NOISE.1);
+        let lift = "read the wear of six edges four times or more each";
+        self.parameters.push(Parameter::new(LIFE_NOISE_NAME, "1", Scale::Logarithm, prior, lift));
+        self.in_life = Some(InLife { deviation: LIFE_NOISE.0, correlation });
+        self
+    }
+
     /// Sets the noise of the rate within a life.
     pub fn set_in_life(&mut self, noise: Option<InLife>) {
         self.in_life = noise;
+    }
+
+    /// The same with other edges under the same conditions.
+    pub(crate) fn measuring(&self, edges: Vec<Edge>) -> Self {
+        let read = edges.iter().flat_map(|edge| edge.stretches.iter().filter_map(|stretch| stretch.wear));
+        let greatest = read.fold(self.greatest / BEYOND, f64::max) * BEYOND;
+        Self { edges, greatest, ..self.clone() }
     }
 
     /// The edges.
@@ -130,7 +231,7 @@ impl WearModel {
     }
 
     /// The set from which everything comes that the law does not say.
-    pub(crate) fn base(&self) -> &Pair {
+    pub(crate) fn base(&self) -> &Base {
         &self.base
     }
 
@@ -143,40 +244,110 @@ impl WearModel {
                 needed[condition] = true;
             }
         }
-        let pair = self.pair(u);
-        let curve = |(cut, needed): (&Cut, bool)| if needed { self.curve(cut, &pair) } else { Curve::default() };
-        self.conditions.iter().zip(needed).map(curve).collect()
+        let base = self.at(u);
+        let mut curves: Vec<Curve> = Vec::with_capacity(needed.len());
+        for (index, condition) in self.conditions.iter().enumerate() {
+            if !needed[index] {
+                curves.push(Curve::default());
+                continue;
+            }
+            let known = (0..index).find(|other| {
+                needed[*other] && (self.law.states_lives() || self.conditions[*other].same_cut(condition))
+            });
+            let known = known.map(|other| (&curves[other], &self.conditions[other]));
+            let curve = self.curve(u, condition, &base, known);
+            curves.push(curve);
+        }
+        curves
     }
 
-    fn curve(&self, cut: &Cut, pair: &Pair) -> Curve {
-        let contact = pair.contact(cut);
-        Curve::new(self.greatest, |wear| MM_PER_MIN * contact.steady_wear(wear * 1e-3).rate(cut.cutting_speed))
+    /// The curve of a condition; `known` is one whose table it may share, with its condition.
+    fn curve(&self, u: &[f64], condition: &Condition, base: &Base, known: Option<(&Curve, &Condition)>) -> Curve {
+        let group = |condition: &Condition| self.group(u, condition.group);
+        if let Some((life, contrast, tilt)) = base.taylor(condition) {
+            let pace = group(condition) / life;
+            if let Some((curve, other)) = known
+                && let Some((other_life, ..)) = base.taylor(other)
+            {
+                return curve.faster(pace / (group(other) / other_life));
+            }
+            // One table for a life of one minute: other lives only stretch it.
+            let table = Curve::new(self.greatest, |wear| self.limit / wear_stage(wear / self.limit, contrast, tilt));
+            return table.faster(pace);
+        }
+        match (base, known) {
+            (_, Some((curve, other))) => curve.faster(group(condition) / group(other)),
+            (Base::Turning(pair), None) => {
+                let (cut, contact) = (&condition.cut, pair.contact(&condition.cut));
+                let rate = |wear: f64| MM_PER_MIN * contact.steady_wear(wear * 1e-3).rate(cut.cutting_speed);
+                Curve::new(self.greatest, rate).faster(group(condition))
+            }
+            (Base::Milling { .. }, None) => Curve::default(),
+        }
     }
 
-    /// The base set with the law at some working coordinates.
-    pub fn pair(&self, u: &[f64]) -> Pair {
-        let all = self.law.parameters(&self.template);
-        let value = |(slot, parameter): (&Slot, &Parameter)| match slot {
-            Slot::Free(index) => parameter.scale.value(u[*index]),
+    /// How much faster than those of group 0 edges of a group wear.
+    fn group(&self, u: &[f64], group: usize) -> f64 {
+        let name = group.checked_sub(1).and_then(|place| self.groups.get(place));
+        name.and_then(|name| self.index(name)).map_or(1.0, |index| u[index].exp())
+    }
+
+    /// The set with the law at some working coordinates.
+    pub fn at(&self, u: &[f64]) -> Base {
+        let value = |slot: &Slot| match slot {
+            Slot::Free(index) => self.parameters[*index].scale.value(u[*index]),
             Slot::Fixed(value) => *value,
         };
-        let values: Vec<f64> = self.slots.iter().zip(&all).map(value).collect();
-        Pair { law: with_values(&self.template, &values), ..self.base.clone() }
+        let values: Vec<f64> = self.slots.iter().map(value).collect();
+        with_values(&self.template, &values)
+    }
+
+    /// The wear of an edge along its cutting path, km and mm, at the level that fits it best.
+    pub(crate) fn exposure(&self, u: &[f64], edge: &Edge) -> Vec<(f64, f64)> {
+        let base = self.at(u);
+        let (mut path, mut course, mut fine) = (0.0, vec![(0.0, 0.0)], Vec::new());
+        let whole = edge.life.iter().map(|(condition, life)| {
+            let (Life::Exact(time) | Life::Censored(time) | Life::Between(_, time)) = life;
+            Stretch::unread(*condition, *time)
+        });
+        let stretches: Vec<Stretch> = if edge.stretches.is_empty() { whole.collect() } else { edge.stretches.clone() };
+        for stretch in &stretches {
+            let condition = &self.conditions[stretch.condition];
+            let pieces = FINE.div_ceil(stretches.len()).max(1);
+            let time = stretch.time / pieces as f64;
+            for _ in 0..pieces {
+                // m/s and min make 60 m.
+                path += condition.cut.cutting_speed * base.share_in_cut(condition) * time * 0.06;
+                course.push((path, f64::NAN));
+                fine.push(Stretch::read(stretch.condition, time, 0.0));
+            }
+        }
+        let read = Edge { stretches: fine, ..edge.clone() };
+        let level = if edge.readings() > 0 { self.level(u, edge) } else { 1.0 };
+        let wear = self.course(u, &read, level);
+        course.iter_mut().skip(1).zip(wear).for_each(|(point, wear)| point.1 = wear);
+        course
     }
 
     /// Whether every value of the law lies in its range, so that parameter files and shops take it.
     fn possible(&self, u: &[f64]) -> bool {
-        let mut pair = self.pair(u);
-        let record = pair.law.record_mut();
+        let mut base = self.at(u);
+        let record = base.law_mut();
         let within = |(index, field): (usize, &toolroom_process::Field)| {
-            record.value(index).is_some_and(|value| field.check(value).is_ok())
+            let free = self.any_speed && field.name == "speed_exponent";
+            free || record.value(index).is_some_and(|value| field.check(value).is_ok())
         };
         record.fields().iter().enumerate().all(within)
     }
 
-    /// Life in min of an edge of median level under a cut.
-    pub fn life(&self, u: &[f64], cut: &Cut) -> f64 {
-        self.curve(cut, &self.pair(u)).time(self.limit)
+    /// Life in min of an edge of median level under a condition.
+    pub fn life(&self, u: &[f64], condition: impl Into<Condition>) -> f64 {
+        let condition = condition.into();
+        let base = self.at(u);
+        match base.taylor(&condition) {
+            Some((life, ..)) => life / self.group(u, condition.group),
+            None => self.curve(u, &condition, &base, None).time(self.limit),
+        }
     }
 
     /// The level of an edge at which its readings are most probable together with the level itself.
@@ -191,7 +362,7 @@ impl WearModel {
         let all = self.edges.iter().position(|other| other.name == edge.name);
         let curves = self.curves(u, &all.into_iter().collect::<Vec<_>>());
         let mut predicted = Predicted::default();
-        self.common(u, &curves).predict(edge, level, 1, &mut predicted);
+        self.common(u, &curves).predict(edge, edge.begun.unwrap_or(0.0), level, 1, &mut predicted);
         predicted.wear
     }
 
@@ -200,7 +371,10 @@ impl WearModel {
             curves,
             scatter: self.index(EDGE_SCATTER).map_or(f64::NAN, |index| u[index].exp()),
             noise: self.index(READING_NOISE).map_or(f64::NAN, |index| u[index].exp()),
-            in_life: self.in_life,
+            in_life: self.in_life.map(|noise| InLife {
+                deviation: self.index(LIFE_NOISE_NAME).map_or(noise.deviation, |index| u[index].exp()),
+                ..noise
+            }),
             limit: self.limit,
         }
     }

@@ -30,8 +30,9 @@ fn made(speeds: &[f64]) -> String {
         let time = 4.0 * (220.0 / speed).powi(5);
         let edge = Edge {
             name: format!("E{index}"),
-            stretches: vec![Stretch { condition: index, time, wear: Some(0.0) }; 8],
+            stretches: vec![Stretch::read(index, time, 0.0); 8],
             life: None,
+            begun: None,
         };
         let model = WearModel::new(Law::ExtendedTaylor, &base(), conditions.clone(), vec![edge], 0.3);
         let names: Vec<&str> = model.parameters().iter().map(|parameter| parameter.name.as_str()).collect();
@@ -51,7 +52,13 @@ fn made(speeds: &[f64]) -> String {
 }
 
 fn request(laws: &[Law]) -> Request {
-    Request { laws: laws.to_vec(), limit: 0.3, fixed: Vec::new(), priors: Vec::new(), draws: 1000, seed: 3 }
+    Request {
+        candidates: laws.iter().map(|law| (*law).into()).collect(),
+        limit: 0.3,
+        draws: 1000,
+        seed: 3,
+        ..Request::default()
+    }
 }
 
 #[test]
@@ -79,7 +86,7 @@ fn edges_that_did_not_wear_out_are_censored_and_the_rest_is_said() {
 fn a_calibration_finds_what_made_the_records_and_says_what_it_cannot_know() {
     let measured = Measured::of(&records(&made(&[180.0, 180.0, 220.0, 220.0, 300.0, 300.0])), 0.3).expect("edges");
     let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor, Law::Usui])).expect("a calibration");
-    assert_eq!((found.choice.verdict, found.choice.law), (Verdict::Chosen, Law::ExtendedTaylor));
+    assert_eq!((found.choice.verdict, found.choice.carried.law), (Verdict::Chosen, Law::ExtendedTaylor));
     let json = found.json();
     let named = |name: &str| {
         let list = json["parameters"].as_array().expect("a list");

@@ -110,7 +110,7 @@ pub use set::{
     EDGE_SCATTER_NAME, FORCE_DEVIATION, FirstSet, FittedLives, Group, HandbookTaylor, ISO_513, Kienzle, KnownLife,
     KnownLifeError, MATERIAL_GROUPS, MaterialGroup, OneLife, Origin, PARAMETER_SET, ParameterSet, ParameterValue,
     READING_NOISE_NAME, ReferenceLife, SPEED_EXPONENT_DEVIATION, ScatterWord, SetError, Spread, TestedLife,
-    ToolMaterial, is_path,
+    ToolMaterial, is_path, read_priors,
 };
 pub use speed::{RateOptimum, SetSpeed};
 pub use speed_table::SpeedTable;

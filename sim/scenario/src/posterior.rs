@@ -11,7 +11,9 @@ use toolroom_process::{AnyRecord, Process as _, unit};
 const EDGE_SCATTER: &str = toolroom_wear::EDGE_SCATTER_NAME;
 /// Name of the error of wear readings among the columns; a shop has its own sensor sheet.
 const READING_NOISE: &str = toolroom_wear::READING_NOISE_NAME;
-/// Greatest scatter of edges, as in [`toolroom_wear::Scatter`].
+/// Name of the noise of the wear rate within a life among the columns.
+const LIFE_NOISE: &str = "life_noise";
+/// Greatest scatter of edges and noise within a life, as in [`toolroom_wear::Scatter`].
 const MOST_SCATTER: f64 = 2.0;
 /// Parts of the draws of which each round takes one (assumption: a comparison seldom has fewer than eight draws).
 const PARTS: usize = 8;
@@ -50,6 +52,8 @@ enum Column {
     Parameter(&'static str, usize),
     /// The scatter of edges.
     EdgeScatter,
+    /// The noise of the wear rate within a life.
+    LifeNoise,
 }
 
 /// Equally likely values of the parameters of a tool.
@@ -84,6 +88,10 @@ impl Posterior {
             };
             let column = match name {
                 "law" | READING_NOISE => continue,
+                // The factor of a group of edges that is not the one of the set.
+                _ if name.contains('=') => continue,
+                LIFE_NOISE if scatter_stated => continue,
+                LIFE_NOISE => Column::LifeNoise,
                 "weight" => {
                     equal(table, place)?;
                     continue;
@@ -94,7 +102,7 @@ impl Posterior {
             };
             let field = match column {
                 Column::Parameter(group, index) => with_group(&mut process, group, |record| &record.fields()[index]),
-                Column::EdgeScatter => None,
+                Column::EdgeScatter | Column::LifeNoise => None,
             };
             if let Some(field) = field
                 && !unit::convert(1.0, unit, field.unit).is_finite()
@@ -170,6 +178,7 @@ impl Posterior {
                     with_group(bare, group, |record| record.set_value(*index, *value));
                 }
                 Column::EdgeScatter => scatter.common_wear = *value,
+                Column::LifeNoise => scatter.life_noise = *value,
             }
         }
     }

@@ -154,7 +154,7 @@ static PARAMETERS: Content = Content {
     entry: None,
 };
 
-static PRIOR: Content = Content {
+pub(super) static PRIOR: Content = Content {
     expected: "a table of parameters with a factor or a deviation",
     example: "{ \"extended_taylor.speed_exponent\" = { factor = 1.35 } }",
     schema: || {

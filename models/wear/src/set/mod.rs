@@ -32,7 +32,7 @@ pub use material::{FORCE_DEVIATION, ISO_513, MATERIAL_GROUPS, MaterialGroup};
 pub use one_life::{
     ABOUT, Band, EDGE_SCATTER, EDGE_SCATTER_DEVIATION, OneLife, SPEED_EXPONENT_DEVIATION, ToolMaterial,
 };
-pub use prior::{EDGE_SCATTER_NAME, READING_NOISE_NAME};
+pub use prior::{EDGE_SCATTER_NAME, READING_NOISE_NAME, read_priors};
 pub use scatter::ScatterWord;
 
 use crate::Scatter;

@@ -1,15 +1,35 @@
-//! The section `[prior]` of a set: how well its values are known.
+//! The section `[prior]` of a set or of a file of its own: how well values are known.
 
 use super::fault::SetFault;
 use super::{Catalogue, Spread};
 use std::collections::BTreeMap;
+use std::path::Path;
 use toml::de::DeValue;
-use toolroom_form::{Fault, Section, Value, Walk, nearest};
+use toolroom_form::{Fault, Form, Key, Kind, ReadError, Section, Value, Walk, nearest};
 
 /// Name of the scatter of edges, which `[prior]` may state although it is no parameter of a group.
 pub const EDGE_SCATTER_NAME: &str = "edge_scatter";
 /// Name of the noise of wear readings, which `[prior]` may state although it is no parameter of a group.
 pub const READING_NOISE_NAME: &str = "reading_noise";
+
+/// A file that holds nothing but `[prior]`.
+static PRIORS: Form = Form {
+    title: "the priors",
+    doc: "How well parameters are known before a calibration",
+    keys: &[
+        Key::default("schema", Kind::Count { min: 1, max: u64::MAX }, "1", "Version of the format, 1"),
+        Key::required("prior", Kind::Content(&super::form::PRIOR), "How well values are known, by group.name"),
+    ],
+};
+
+/// Spreads by `group.name` of a file with nothing but `[prior]`.
+///
+/// # Errors
+/// Every fault of the file, with its place.
+pub fn read_priors(path: &Path, catalogue: &'static Catalogue) -> Result<BTreeMap<String, Spread>, ReadError> {
+    let resolve = |walk: &mut Walk, root: &Section<'_>| Some(priors(walk, root, catalogue));
+    toolroom_form::read(path, &[], &PRIORS, resolve).map(|file| file.content)
+}
 
 /// The section `[prior]`: spreads by `group.name`.
 pub(super) fn priors(walk: &mut Walk, root: &Section<'_>, catalogue: &'static Catalogue) -> BTreeMap<String, Spread> {

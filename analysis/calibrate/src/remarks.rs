@@ -1,0 +1,118 @@
+//! What is to be said of data before anything is fitted.
+
+use crate::base::{Condition, Process};
+use crate::edge::Life;
+use crate::treatment::{Clock, Measured};
+
+/// Fall of wear from one reading to the next that is worth a line, in standard deviations of a reading.
+const FALL: f64 = 3.0;
+/// Usual standard deviation of a wear reading, mm (0.010 mm of reading, 0.005 mm of repeatability).
+const READING: f64 = 0.011;
+/// Share of the wear limit at a first reading beyond which the edge was probably not new when its record began.
+const WORN_ALREADY: f64 = 0.5;
+/// Share of the wear limit that readings have to reach for a life to be measured rather than extrapolated (assumption).
+const REACHED: f64 = 0.8;
+/// Flank wear in mm below which readings only show the run-in.
+const RUN_IN: f64 = 0.1;
+
+impl Measured {
+    pub(crate) fn remark(&mut self, limit: f64) {
+        let (mut notes, mut used) = (Vec::new(), Vec::new());
+        for edge in &self.edges {
+            let wear: Vec<f64> = edge.stretches.iter().filter_map(|stretch| stretch.wear).collect();
+            if let Some(place) = wear.windows(2).position(|pair| pair[0] - pair[1] > FALL * READING) {
+                let (from, to) = (wear[place], wear[place + 1]);
+                notes.push(format!(
+                    "edge {}: wear falls from {from:.3} to {to:.3} mm; the readings are kept. Was another edge or corner \
+                     read? Then give it a tool_id of its own",
+                    edge.name
+                ));
+            }
+            if wear.first().is_some_and(|first| *first > WORN_ALREADY * limit) && wear.len() > 1 {
+                let early = edge.stretches.first().is_some_and(|first| first.wear.is_some());
+                if early && wear[1] - wear[0] < 0.5 * wear[0] {
+                    used.push((edge.name.as_str(), wear[0]));
+                }
+            }
+        }
+        let begun = self.edges.iter().filter(|edge| edge.begun.is_some()).count();
+        if begun > 0 {
+            notes.push(format!(
+                "{begun} edges begin at their first reading: nothing is supposed of the wear and the time before"
+            ));
+        }
+        if let Some((name, wear)) = used.first().filter(|_| begun == 0) {
+            let who = match used.len() {
+                1 => format!("edge {name}"),
+                many => format!("{many} edges, {name} first"),
+            };
+            notes.push(format!(
+                "{who}: the first reading is {wear:.3} mm already and wear rises slowly from there: probably not new when the \
+                 record began, and the time before that is not known; with --start unknown nothing is supposed of it"
+            ));
+        }
+        // What was worn already comes first: every answer below depends on it.
+        notes.append(&mut self.notes);
+        self.notes = notes;
+    }
+
+    pub(crate) fn refuse(&mut self, limit: f64) {
+        let span = |of: &dyn Fn(&Condition) -> f64| {
+            let values = self.conditions.iter().map(of);
+            values.fold((f64::INFINITY, 0.0_f64), |(a, b), value| (a.min(value), b.max(value)))
+        };
+        let (slow, fast) = span(&|condition| condition.cut.cutting_speed * 60.0);
+        let mut refusals = Vec::new();
+        if fast < 1.2 * slow {
+            let what = match self.process {
+                Process::Turning => "no exponent of speed, no activation energy, no choice of a law",
+                Process::Milling => "no exponent of speed",
+            };
+            refusals.push(format!(
+                "one cutting speed ({slow:.0} m/min): {what}; measure edges at a second speed, 1.2 times as fast or more"
+            ));
+        } else if self.clock == Clock::Operations {
+            refusals.push(
+                "the records have no cutting_time, so that lives count operations: how they fall with speed is no exponent \
+                 of Taylor's law until the time of an operation is known; give cutting_time, or map one from the length of \
+                 an operation"
+                    .to_owned(),
+            );
+        }
+        let feed = span(&|condition| condition.cut.feed_per_rev);
+        let depth = span(&|condition| condition.cut.depth_of_cut);
+        let width = self.conditions.iter().any(|condition| condition.width.is_some());
+        let width = width.then(|| ("width_of_cut", span(&|condition| condition.width.unwrap_or(1.0))));
+        for (name, (least, greatest)) in [(self.process.feed(), feed), ("depth_of_cut", depth)].into_iter().chain(width)
+        {
+            if greatest < 1.05 * least {
+                refusals.push(format!("one {name}: its exponent is the prior; vary {name}"));
+            }
+        }
+        if self.edges.len() < 3 {
+            let edges = self.edges.len();
+            refusals.push(format!("{edges} edge(s): the scatter of edges is the prior; measure three or more"));
+        }
+        let lives: Vec<&Life> = self.edges.iter().filter_map(|edge| edge.life.as_ref().map(|(_, life)| life)).collect();
+        if !lives.is_empty()
+            && lives.len() == self.edges.len()
+            && lives.iter().all(|life| matches!(life, Life::Censored(_)))
+        {
+            refusals.push(
+                "every life is censored: only a lower bound of the level; wait until edges are worn out".to_owned(),
+            );
+        }
+        let greatest = self.greatest();
+        if self.readings() > 0 && greatest < RUN_IN {
+            refusals.push(format!(
+                "readings up to {greatest:.3} mm only show the run-in: the life is extrapolated; read edges beyond {RUN_IN} mm"
+            ));
+        } else if self.readings() > 0 && greatest < REACHED * limit {
+            refusals.push(format!(
+                "readings end at {greatest:.3} mm: the life to {limit:.3} mm is extrapolated; read edges up to the limit, or \
+                 give the limit at which edges are changed (--limit)"
+            ));
+        }
+        self.refusals = refusals;
+    }
+}

@@ -1,0 +1,103 @@
+//! `toolroom calibrate --bake`: a parameter set from the set of a scenario's tool and what the scenario moves in it.
+
+use crate::failure::Failure;
+use crate::speak::Voice;
+use serde_json::json;
+use std::path::Path;
+use std::sync::Arc;
+use toolroom_cutting::MILLING_CATALOGUE;
+use toolroom_output::Files;
+use toolroom_process::{AnyRecord, Process as _};
+use toolroom_scenario::{Moved, ProcessModel, Target, ToolType};
+use toolroom_wear::{Origin, ParameterSet, Spread, TURNING_SETS};
+
+/// Writes the set of `tool` of the scenario `path` with the values that the scenario states or calibrates everywhere.
+pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Failure> {
+    let scenario = toolroom_scenario::file::read(path, &[])?.scenario;
+    let place = path.display();
+    let named = scenario.tools.iter().find(|own| own.name == tool).ok_or_else(|| {
+        let known: Vec<&str> = scenario.tools.iter().map(|own| own.name.as_str()).collect();
+        Failure::argument(format_args!("{place}: no tool `{tool}`"), format!("there are {}", known.join(", ")))
+    })?;
+    let catalogue = match named.process {
+        ProcessModel::Turning(_) => &TURNING_SETS,
+        ProcessModel::Milling(_) => &MILLING_CATALOGUE,
+        ProcessModel::Infeed(_) | ProcessModel::Other(_) => {
+            let reason = format!("{place}: the tool `{tool}` neither turns nor mills");
+            return Err(Failure::argument(reason, "sets of turning and milling can be baked"));
+        }
+    };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut set = ParameterSet::load(&named.parameter_set, folder, catalogue)
+        .map_err(|error| Failure::argument(&error, "mend the set of the tool"))?;
+    let mut told = stated(&mut set, named, &place.to_string());
+    let mut left = Vec::new();
+    for calibration in &scenario.calibrations {
+        let own = matches!(&calibration.target, Target::Tool(name) if name == tool);
+        let value = set.values.iter_mut().find(|value| value.key() == calibration.parameter);
+        let (true, true, Some(value)) = (own, calibration.scope.is_everywhere(), value) else {
+            left.push(format!("{} of {}", calibration.parameter, calibration.target.words()));
+            continue;
+        };
+        let before = value.shown();
+        let (moved, spread) = match calibration.moved {
+            Moved::Factor(factor) => {
+                value.value *= factor;
+                (format!("times {factor:.5}"), calibration.standard_error.map(|error| Spread::Factor(error.exp())))
+            }
+            Moved::Summand(summand) => {
+                value.value += summand;
+                let shown = |error: f64| Spread::Deviation(value.field.to_display(error));
+                (
+                    format!("moved by {:.5} {}", value.field.to_display(summand), value.field.display),
+                    calibration.standard_error.map(shown),
+                )
+            }
+        };
+        value.origin = Origin::Given;
+        value.source = format!("{}; {moved} by {} in {place}", value.source, calibration.by);
+        if let Some(spread) = spread {
+            set.prior.insert(calibration.parameter.clone(), spread);
+        }
+        told.push(format!("{}: {before} {moved}", calibration.parameter));
+    }
+    if told.is_empty() {
+        let reason = format!("{place}: nothing of the tool `{tool}` is stated or calibrated everywhere");
+        return Err(Failure::argument(reason, "`gap apply` writes [[calibration]] into a scenario"));
+    }
+    set.name = out.file_stem().map_or_else(|| "baked".into(), |stem| stem.to_string_lossy().into_owned());
+    set.title = format!("{}, as {place} calibrates it", set.title);
+    let files = Files::new([path], voice.force);
+    files.check(out)?;
+    files.put(out, set.to_toml().as_bytes())?;
+    if voice.json {
+        return voice.json(&json!({ "schema": 1, "out": out.display().to_string(), "moved": told, "left_out": left }));
+    }
+    told.iter().try_for_each(|line| voice.data(line))?;
+    left.iter().for_each(|line| voice.say(format_args!("left out, no value of this set everywhere: {line}")));
+    voice.say(format_args!("wrote {}; leave the baked entries out of the scenario that uses it", out.display()));
+    Ok(())
+}
+
+/// Values of the tool that the scenario states beside the set (`parameters`).
+fn stated(set: &mut ParameterSet, tool: &ToolType, place: &str) -> Vec<String> {
+    let mut bare = tool.bare().clone();
+    let groups: Vec<(&str, &mut dyn AnyRecord)> = match &mut bare {
+        ProcessModel::Turning(process) => Arc::make_mut(process).parameters_mut(),
+        ProcessModel::Milling(process) => Arc::make_mut(process).parameters_mut(),
+        ProcessModel::Infeed(_) | ProcessModel::Other(_) => Vec::new(),
+    };
+    let mut told = Vec::new();
+    for (group, record) in groups {
+        for (index, field) in record.fields().iter().enumerate() {
+            let Some(now) = record.value(index) else { continue };
+            let own = set.values.iter_mut().find(|value| value.group == group && value.field.name == field.name);
+            let Some(value) = own.filter(|value| value.value != now) else { continue };
+            let before = value.shown();
+            (value.value, value.origin) = (now, Origin::Given);
+            value.source = format!("stated in {place}");
+            told.push(format!("{}: {before} is {}", value.key(), value.shown()));
+        }
+    }
+    told
+}
