@@ -70,7 +70,7 @@ enum Speed {
     Schedule(SpeedSchedule),
     /// A law of flank wear, and its speed for nominal edges.
     Planned {
-        law: Law,
+        law: SpeedLaw,
         table: SpeedTable,
     },
     /// The wear left, shared out over what is left of this path, m.
