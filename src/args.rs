@@ -83,7 +83,7 @@ pub enum Command {
     #[command(before_help = "Examples:
   toolroom compare shop.toml
   toolroom compare shop.toml --axis variant                    [[variant]] against the shop as it is
-  toolroom compare shop.toml --select "late_orders 1"           the best variant, with a guarantee
+  toolroom compare shop.toml --select \"late_orders 1\"           the best variant, with a guarantee
   toolroom compare shop.toml --until \"half-width 2%\" --replications 1000
   toolroom compare shop.toml --replications 1000 --resume      goes on after Ctrl-C
   toolroom compare shop.toml --set machine.L.tool_change_time=\"1 min\" --json

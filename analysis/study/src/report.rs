@@ -158,7 +158,7 @@ fn variants_section(source: &Source<'_>) -> Option<Section> {
     if tables.is_empty() {
         return None;
     }
-    let mut section = Section::new("Variants of the shop").paragraph(sentence(variants::MEANING));
+    let mut section = Section::new("Variants of the shop").paragraph(variants::MEANING.map(sentence).join(" "));
     for own in tables {
         let mut table = Table::new(own.head.iter().map(|title| if title.is_empty() { "shop" } else { title.as_str() }));
         own.rows.into_iter().for_each(|row| table.push(row.into_iter().map(Cell::Text)));
@@ -166,7 +166,9 @@ fn variants_section(source: &Source<'_>) -> Option<Section> {
         section = section.table(title, table);
     }
     if let Some(selection) = &source.study.selection {
-        section = section.note(sentence(&selection.sentence()));
+        for line in selection.sentences() {
+            section = section.note(sentence(line.trim()));
+        }
     }
     Some(section)
 }

@@ -287,10 +287,14 @@ fn varied(scenario: &Scenario, study: &Study, out: &mut String) {
         align(&rows, &[0], Style::default(), out);
     }
     if !study.variants.is_empty() {
-        let _ = writeln!(out, "  {}", variants::MEANING);
+        for line in variants::MEANING {
+            let _ = writeln!(out, "  {line}");
+        }
     }
     if let Some(selection) = &study.selection {
-        let _ = writeln!(out, "{}", selection.sentence());
+        for line in selection.sentences() {
+            let _ = writeln!(out, "{line}");
+        }
     }
 }
 

@@ -203,7 +203,10 @@ pub(crate) fn tables(scenario: &Scenario, study: &Study) -> Vec<VariantTable> {
                 if runs.name == AS_IT_IS {
                     return plain(value.mean, decimals(value.mean, value.half_width));
                 }
-                let digits = decimals(change.mean, change.half_width);
+                // What does not vary, or is known once only, says nothing about the digits.
+                let varies = change.half_width > 0.0;
+                let digits = if varies { change } else { value };
+                let digits = decimals(digits.mean, digits.half_width);
                 let mut text = format!("{} ({}", plain(value.mean, digits), signed(change.mean, digits));
                 if change.half_width.is_finite() {
                     let _ = write!(text, " ±{}", plain(change.half_width, digits));
@@ -221,9 +224,11 @@ pub(crate) fn tables(scenario: &Scenario, study: &Study) -> Vec<VariantTable> {
     (0..study.policies.len()).map(table).collect()
 }
 
-/// What the tables mean, in a sentence or two.
-pub(crate) const MEANING: &str = "variants of the shop; in brackets the difference to the shop as it is, paired by \
-replication, ± half the width of its 95 % interval; * where all variants together are certain of a difference at 95 %";
+/// What the tables mean, a line each.
+pub(crate) const MEANING: [&str; 2] = [
+    "in brackets the difference to the shop as it is, paired by replication, \u{b1} half the width of its 95 % interval",
+    "* all variants together are certain of a difference at 95 %",
+];
 
 /// `variants` of the summary: differences of every figure of the shop under every policy.
 pub(crate) fn json(scenario: &Scenario, study: &Study) -> Option<Value> {

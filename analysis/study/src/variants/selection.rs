@@ -171,24 +171,29 @@ impl Found {
         self.names.len() as u32 * self.replications.iter().copied().max().unwrap_or(0)
     }
 
-    /// In words.
-    pub(crate) fn sentence(&self) -> String {
+    /// In words: what was selected, what that means, and what it took.
+    pub(crate) fn sentences(&self) -> Vec<String> {
         let each: Vec<String> =
             self.names.iter().zip(&self.replications).map(|(name, count)| format!("{name} {count}")).collect();
         let runs: u32 = self.replications.iter().sum();
         let cost =
-            format!("{runs} runs ({}); the same number of each would have been {}", each.join(", "), self.equal());
+            format!("{runs} runs: {}; the same number of each would have been {}", each.join(", "), self.equal());
         match self.best {
-            Some(best) => format!(
-                "selected by {}: {}; with a probability of at least {} % it is the best of them, if it is better than all \
-                 others by that much (Kim and Nelson). {cost}",
-                self.asked,
-                self.names[best],
-                100.0 * CONFIDENCE
-            ),
+            Some(best) => vec![
+                format!("selected by {}: {}", self.asked, self.names[best]),
+                format!(
+                    "  with a probability of at least {} % the best, if it is better than all others by that much (Kim and \
+                     Nelson)",
+                    100.0 * CONFIDENCE
+                ),
+                format!("  {cost}"),
+            ],
             None => {
                 let left: Vec<&str> = self.survivors.iter().map(|&place| self.names[place].as_str()).collect();
-                format!("selected by {}: nothing, {} could not be told apart. {cost}", self.asked, left.join(", "))
+                vec![
+                    format!("selected by {}: nothing, {} cannot be told apart", self.asked, left.join(", ")),
+                    format!("  {cost}"),
+                ]
             }
         }
     }
