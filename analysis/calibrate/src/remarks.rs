@@ -46,12 +46,11 @@ impl Measured {
                 1 => format!("edge {name}"),
                 many => format!("{many} edges, {name} first"),
             };
-            notes.push(format!(
+            self.refusals.push(format!(
                 "{who}: the first reading is {wear:.3} mm already and wear rises slowly from there: probably not new when the \
                  record began, and the time before that is not known; with --start unknown nothing is supposed of it"
             ));
         }
-        // What was worn already comes first: every answer below depends on it.
         notes.append(&mut self.notes);
         self.notes = notes;
     }
@@ -62,7 +61,8 @@ impl Measured {
             values.fold((f64::INFINITY, 0.0_f64), |(a, b), value| (a.min(value), b.max(value)))
         };
         let (slow, fast) = span(&|condition| condition.cut.cutting_speed * 60.0);
-        let mut refusals = Vec::new();
+        // What was worn already comes first: every answer below depends on it.
+        let mut refusals = std::mem::take(&mut self.refusals);
         if fast < 1.2 * slow {
             let what = match self.process {
                 Process::Turning => "no exponent of speed, no activation energy, no choice of a law",
