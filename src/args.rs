@@ -396,6 +396,11 @@ fn platforms() -> PossibleValuesParser {
 
 #[derive(Subcommand, Debug)]
 pub enum SspCommand {
+    /// Package a lathe of a scenario and the policy that controls it as two units with the signals between them
+    #[command(before_help = "Examples:
+  toolroom ssp export scenarios/fmu-lathe-native.toml --machine L1 --policy adaptive --out cell.ssp
+  toolroom ssp export shop.toml --machine L1 --operation ring.turn --fmi 3 --stop \"2 h\" --out cell.ssp")]
+    Export(SspExportArgs),
     /// What a system is made of: units, signals, start values
     #[command(before_help = "Examples:
   toolroom ssp info cell.ssp
@@ -408,6 +413,33 @@ pub enum SspCommand {
   toolroom ssp sim cell.ssp --order jacobi
   toolroom ssp sim cell.ssp --order controller,lathe --start lathe.tool.set=c45_t15k6")]
     Sim(SspSimArgs),
+}
+
+#[derive(Args, Debug)]
+pub struct SspExportArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    /// Machine, by its name in the scenario
+    #[arg(long, value_name = "NAME")]
+    pub machine: String,
+    /// Policy; the first one, if left out
+    #[arg(long, value_name = "NAME")]
+    pub policy: Option<String>,
+    /// Operation, as OPERATION or PART.OPERATION; the first one that the machine cuts, if left out
+    #[arg(long, value_name = "NAME")]
+    pub operation: Option<String>,
+    /// Version of the standard of both units; 2 is read by every tool
+    #[arg(long, value_name = "VERSION", default_value_t = 2, value_parser = clap::value_parser!(u32).range(2..=3))]
+    pub fmi: u32,
+    /// Platform to run on, repeatable, as with `fmu export`
+    #[arg(long, value_name = "PLATFORM", value_parser = platforms())]
+    pub platforms: Vec<String>,
+    /// End of the default experiment
+    #[arg(long, value_name = "TIME", default_value = "1 h")]
+    pub stop: String,
+    /// The package
+    #[arg(long, value_name = "FILE.ssp")]
+    pub out: PathBuf,
 }
 
 #[derive(Args, Debug)]

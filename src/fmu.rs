@@ -1,7 +1,7 @@
 //! `toolroom fmu`: FMI units.
 
 mod check;
-mod export;
+pub mod export;
 mod info;
 #[cfg(feature = "fmu-import")]
 pub mod sim;
@@ -11,6 +11,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use std::path::Path;
 use toolroom_fmu_import::{Archive, ArchiveError};
+use toolroom_process::unit::quantity;
 
 pub fn run(command: &FmuCommand, voice: &Voice) -> Result<(), Failure> {
     match command {
@@ -36,6 +37,14 @@ pub fn no_import() -> Failure {
         "this toolroom was built without the import of units",
         "build it with `cargo build --release --features fmu-import`; docs/guide/fmu-import.md says what that needs",
     )
+}
+
+/// A time of an argument, s.
+pub fn seconds(flag: &str, text: Option<&str>) -> Result<Option<f64>, Failure> {
+    let read = |text| {
+        quantity(text, "s").map_err(|error| Failure::argument(format_args!("{flag}: {error}"), "such as \"0.1 s\""))
+    };
+    text.map(read).transpose()
 }
 
 fn open(path: &Path) -> Result<Archive, Failure> {

@@ -35,6 +35,7 @@
 pub use toolroom_apply as apply;
 pub use toolroom_blind as blind;
 pub use toolroom_calibrate as calibrate;
+pub use toolroom_cell as cell;
 pub use toolroom_chart as chart;
 pub use toolroom_chatter as chatter;
 pub use toolroom_contour as contour;

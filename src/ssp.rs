@@ -1,13 +1,21 @@
 //! `toolroom ssp`: systems of FMI units.
 
-use crate::args::SspCommand;
+use crate::args::{SspCommand, SspExportArgs};
 use crate::failure::Failure;
+use crate::fmu::export::binaries;
+use crate::fmu::seconds;
 use crate::speak::Voice;
+use serde_json::json;
 use std::path::Path;
+use toolroom_cell::{Cell, Choice};
+use toolroom_fmu::Version;
+use toolroom_output::Files;
+use toolroom_scenario::file::read;
 use toolroom_ssp::{Package, SspError};
 
 pub fn run(command: &SspCommand, voice: &Voice) -> Result<(), Failure> {
     match command {
+        SspCommand::Export(args) => export(args, voice),
         SspCommand::Info(args) => {
             let package = open(&args.file)?;
             if voice.json { voice.json(&package.json()) } else { voice.data(package.listing()) }
@@ -19,6 +27,45 @@ pub fn run(command: &SspCommand, voice: &Voice) -> Result<(), Failure> {
     }
 }
 
+/// `toolroom ssp export`: a machine of a scenario and its controller as a package.
+fn export(args: &SspExportArgs, voice: &Voice) -> Result<(), Failure> {
+    let refused = |error| Failure::argument(error, "`toolroom check` lists machines, operations and policies");
+    let stop = seconds("--stop", Some(&args.stop))?.filter(|stop| *stop > 0.0);
+    let stop = stop.ok_or_else(|| Failure::argument("--stop: it has to be above 0", "such as \"1 h\""))?;
+    let files = Files::new([args.scenario.file.as_path()], voice.force);
+    files.check(&args.out)?;
+    let file = read(&args.scenario.file, &args.scenario.changes.overrides())?;
+    let choice =
+        Choice { machine: args.machine.clone(), policy: args.policy.clone(), operation: args.operation.clone() };
+    let cell = Cell::of(&file.scenario, &choice).map_err(|error| refused(error.to_string()))?;
+    let version = if args.fmi == 3 { Version::Three } else { Version::Two };
+    let bytes = cell
+        .package(version, &binaries(&args.platforms, voice)?, stop)
+        .map_err(|error| Failure::Work { message: error.to_string() })?;
+    files.put(&args.out, &bytes)?;
+    if voice.json {
+        return voice.json(&json!({
+            "schema": 1,
+            "file": args.out,
+            "name": cell.name,
+            "title": cell.title,
+            "fmi": args.fmi,
+            "bytes": bytes.len(),
+            "notes": cell.notes,
+        }));
+    }
+    voice.data(format_args!(
+        "{}  {}, FMI {}.0, {} kB",
+        args.out.display(),
+        cell.title,
+        args.fmi,
+        bytes.len() / 1000
+    ))?;
+    cell.notes.iter().for_each(|note| voice.say(note));
+    voice.say(format_args!("next: toolroom ssp sim {}", args.out.display()));
+    Ok(())
+}
+
 fn open(path: &Path) -> Result<Package, Failure> {
     Package::open(path).map_err(|error: SspError| {
         Failure::argument(error, "a package of SSP is a zip file with SystemStructure.ssd at its root")
@@ -27,10 +74,9 @@ fn open(path: &Path) -> Result<Package, Failure> {
 
 #[cfg(feature = "fmu-import")]
 fn sim(args: &crate::args::SspSimArgs, voice: &Voice) -> Result<(), Failure> {
-    use crate::fmu::sim::seconds;
     use toolroom_ssp::{Experiment, MasterError, Order, System};
 
-    let files = toolroom_output::Files::new([args.file.as_path()], voice.force);
+    let files = Files::new([args.file.as_path()], voice.force);
     args.run.check(&files, voice)?;
     let stop = seconds("--stop", args.run.stop.as_deref())?;
     let experiment = Experiment { stop, step: seconds("--step", args.run.step.as_deref())? };

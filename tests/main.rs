@@ -23,6 +23,7 @@ mod planning;
 mod programs;
 mod report;
 mod self_null;
+mod ssp_cell;
 mod tuning;
 mod withheld;
 mod withheld_grinding_milling;

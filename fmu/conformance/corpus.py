@@ -5,8 +5,9 @@
     venv/bin/python fmu/conformance/corpus.py --toolroom target/release/toolroom Reference-FMUs/b2/fmus Reference-FMUs/b3/fmus
 
 and any other folder of units, such as toolroom's own. Prints a table in Markdown, one row a unit, version and interface:
-what `fmu check` and FMPy's validation say, and the largest difference of the outputs at the communication points between
-toolroom and FMPy, relative to the largest value of each output. Exit code 1 where the two checks disagree, or where toolroom
+what `fmu check` and FMPy's validation say; the largest difference of the outputs at the communication points between
+toolroom and FMPy, relative to the largest value of each output; and what Ecos and libcosim, which read Co-Simulation only,
+make of the first real output at the end, where they are installed. Exit code 1 where the two checks disagree, or where toolroom
 cannot run what FMPy can.
 """
 
@@ -14,8 +15,10 @@ import argparse
 import csv
 import json
 import math
+import os
 import subprocess
 import sys
+import sysconfig
 import tempfile
 from pathlib import Path
 
@@ -42,11 +45,40 @@ for name in result.dtype.names:
             columns[name + (f"[{','.join(map(str, index))}]" if shape else "")] = flat[:, i].tolist()
 print(json.dumps(columns))
 """
+# Other importers: time and value of an output after a number of steps, each in a process of its own.
+OTHERS = {
+    "Ecos": r"""
+import json, sys
+from ecospy.EcosSimulation import EcosSimulation
+from ecospy.EcosSimulationStructure import EcosSimulationStructure
+path, step, count, name = sys.argv[1], float(sys.argv[2]), int(sys.argv[3]), sys.argv[4]
+structure = EcosSimulationStructure()
+structure.add_model("unit", path)
+simulation = EcosSimulation(structure=structure, step_size=step)
+simulation.init()
+simulation.step(count)
+print("\nresult", json.dumps([simulation.get_time(), simulation.get_real("unit::" + name)]))
+""",
+    "libcosim": r"""
+import json, sys
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimObserver import CosimObserver
+from libcosimpy.CosimSlave import CosimLocalSlave
+path, step, count, name = sys.argv[1], float(sys.argv[2]), int(sys.argv[3]), sys.argv[4]
+execution = CosimExecution.from_step_size(round(step * 1e9))
+unit = execution.add_local_slave(CosimLocalSlave(path, "unit"))
+observer = CosimObserver.create_last_value()
+execution.add_observer(observer)
+reference = {each.name.decode(): each.reference for each in execution.slave_variables(unit)}[name]
+execution.step(count)
+print("\nresult", json.dumps([step * count, observer.last_real_values(slave_index=unit, variable_references=[reference])[0]]))
+""",
+}
 
 
-def run(command, seconds=60):
+def run(command, seconds=60, **options):
     try:
-        return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=seconds)
+        return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=seconds, **options)
     except subprocess.TimeoutExpired:
         return None
 
@@ -62,10 +94,18 @@ def validated(path):
     return problems
 
 
-def simulated(toolroom, path, kind, stop, step, folder):
+def with_python():
+    """The environment for units that want a program with Python in it."""
+    library = Path(sysconfig.get_config_var("LIBDIR")) / str(sysconfig.get_config_var("INSTSONAME"))
+    return {**os.environ, "LD_PRELOAD": str(library), "PYTHONPATH": sysconfig.get_path("purelib")}
+
+
+def simulated(toolroom, path, kind, stop, step, folder, environment=None):
     table = Path(folder) / "rows.csv"
     command = [toolroom, "fmu", "sim", path, "--interface", NAMES[kind], "--stop", f"{stop} s", "--step", f"{step} s"]
-    done = run([*command, "--output", table, "--force"])
+    done = run([*command, "--output", table, "--force"], env=environment)
+    if done and "needs the library of Python" in done.stderr and environment is None:
+        return simulated(toolroom, path, kind, stop, step, folder, with_python())
     if done is None:
         return None, "no end within a minute"
     if done.returncode:
@@ -98,6 +138,32 @@ def difference(ours, theirs):
     return worst
 
 
+def elsewhere(importer, path, step, steps, name, theirs):
+    """What another importer makes of an output: its difference to FMPy, relative to the largest value, or how it failed."""
+    environment = dict(os.environ)
+    # The wheel of Ecos lacks libtbb; that of tbb puts it into lib of the environment.
+    libraries = [str(Path(sys.prefix) / "lib"), environment.get("LD_LIBRARY_PATH", "")]
+    environment["LD_LIBRARY_PATH"] = ":".join(each for each in libraries if each)
+    done = run([sys.executable, "-c", OTHERS[importer], path, step, steps, name], env=environment)
+    if done is None:
+        return "no end within a minute"
+    if done.returncode < 0:
+        return f"crashes (signal {-done.returncode})"
+    if done.returncode:
+        said = (done.stderr.strip().splitlines() or ["fails"])[-1]
+        return "not installed" if "ModuleNotFoundError" in said else "refuses"
+    told = [line for line in done.stdout.splitlines() if line.startswith("result ")]
+    if not told:
+        return "refuses"
+    time, value = json.loads(told[-1].removeprefix("result "))
+    near = [i for i, other in enumerate(theirs["time"]) if abs(other - time) < 1e-6 * max(1.0, time)]
+    if not near:
+        return f"ends at {time:g} s"
+    scale = max(abs(each) for each in theirs[name]) or 1.0
+    worst = min(abs(value - theirs[name][i]) for i in near) / scale
+    return "0" if worst == 0 else f"{worst:.0e}"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--toolroom", required=True)
@@ -106,8 +172,8 @@ def main():
     import fmpy
 
     failed = []
-    print("| unit | FMI | interface | `fmu check`, FMPy validate | `fmu sim` | largest difference to FMPy |")
-    print("|---|---|---|---|---|---|")
+    print("| unit | FMI | interface | `fmu check`, FMPy validate | `fmu sim` | difference to FMPy | Ecos | libcosim |")
+    print("|---|---|---|---|---|---|---|---|")
     for path in sorted(each for folder in arguments.folders for each in folder.glob("*.fmu")):
         problems = validated(path)
         checked = run([arguments.toolroom, "fmu", "check", path, "--json"])
@@ -118,7 +184,7 @@ def main():
         description = fmpy.read_model_description(str(path), validate=False)
         kinds = {"CoSimulation": description.coSimulation, "ModelExchange": description.modelExchange}
         if not any(kinds.values()):
-            print(f"| {path.stem} | {description.fmiVersion} | Scheduled Execution | {verdict} | not driven | – |")
+            print(f"| {path.stem} | {description.fmiVersion} | Scheduled Execution | {verdict} | not driven | – | – | – |")
         for kind in (kind for kind, there in kinds.items() if there):
             own = description.defaultExperiment
             stop = float(own.stopTime or 1.0) if own else 1.0
@@ -139,7 +205,17 @@ def main():
                 shown = "0" if worst == 0 else f"{worst:.0e}"
                 if not worst <= LIMITS[kind] or math.isnan(worst):
                     failed.append(f"{path} {kind}: {worst}")
-            print(f"| {path.stem} | {description.fmiVersion} | {SHOWN[kind]} | {verdict} | {ran} | {shown} |", flush=True)
+            others = ["–"] * len(OTHERS)
+            real = [
+                each.name
+                for each in description.modelVariables
+                if each.causality == "output" and each.type in ("Real", "Float64") and each.name in (theirs or {})
+            ]
+            if kind == "CoSimulation" and real:
+                steps = round(stop / step)
+                others = [elsewhere(each, path, step, steps, real[0], theirs) for each in OTHERS]
+            row = [path.stem, description.fmiVersion, SHOWN[kind], verdict, ran, shown, *others]
+            print("| " + " | ".join(row) + " |", flush=True)
     for each in failed:
         print(f"failed: {each}", file=sys.stderr)
     return 1 if failed else 0

@@ -200,6 +200,20 @@ def speed(path, output):
     return {"step_us": 1e6 * step, "get_us": 1e6 * (time.perf_counter() - start) / count}
 
 
+def cell(path, stop, step):
+    """Time, wear, speed and edges of a system of units (SSP) by FMPy's own master, which is Jacobi's."""
+    import fmpy
+    from fmpy.ssp.simulation import simulate_ssp
+    from fmpy.ssp.ssd import read_ssd, read_ssv
+
+    read_ssd(path)  # by the schemas of the standard
+    folder = fmpy.extract(path)
+    values = read_ssv(f"{folder}/resources/parameters.ssv")
+    rows = simulate_ssp(path, stop_time=float(stop), step_size=float(step), parameter_set=values)
+    names = ["time", "flank_wear", "cutting_speed", "edges"]
+    return [[float(row[name]) for name in names] for row in rows]
+
+
 def validate(path):
     from fmpy.validation import validate_fmu
 
@@ -207,6 +221,7 @@ def validate(path):
 
 
 ACTIONS = {
+    "cell": cell,
     "validate": validate,
     "cs": lambda path, step: fmpy_run(path, "CoSimulation", float(step)),
     "me": lambda path, speed: fmpy_run(path, "ModelExchange", 1.0, start_values={"process.cutting_speed": float(speed) / 60.0}),

@@ -26,7 +26,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 VERSIONS = (2, 3)
-MODELS = ("turning", "milling", "infeed")
+MODELS = ("turning", "milling", "infeed", "controller")
 WEAR = "process.flank_wear"
 
 
@@ -122,7 +122,7 @@ class Matrix:
         if clang:
             raise Failed(f"compiling needs libclang: {clang}")
         network = "network cut off" if alone else "network not cut off: needs unshare and root"
-        return f"six packages in {wall:.1f} s, {network}; nothing that is compiled for them asks for libclang"
+        return f"{2 * len(MODELS)} packages in {wall:.1f} s, {network}; nothing that is compiled for them asks for libclang"
 
     def symbols(self, version):
         entry = "binaries/linux64/toolroom_turning.so" if version == 2 else "binaries/x86_64-linux/toolroom_turning.so"
@@ -140,13 +140,13 @@ class Matrix:
             raise Failed("; ".join(problems))
         for model in MODELS:
             self.run(self.toolroom, "fmu", "check", self.unit(version, model))
-        return "FMPy: no problems found; fmu check of all three units: no error"
+        return "FMPy: no problems found; fmu check of all units: no error"
 
     def validate_in_rust(self, version):
         problems = [f"{model}: {problem}" for model in MODELS for problem in self.in_rust("validate", self.unit(version, model))]
         if problems:
             raise Failed("; ".join(problems[:5]))
-        return "fmi-rs: no problem in any of the three units"
+        return "fmi-rs: no problem in any of the units"
 
     def trajectory(self, version):
         # Up to its change of the edge the reference is the native core at the steps of the experiment.
@@ -303,6 +303,31 @@ class Matrix:
             said.append(f"{name} " + ", ".join(f"{what} {nanoseconds:.0f} ns" for what, nanoseconds in found.items()))
         return "through fmi-rs: " + "; ".join(said)
 
+    def cell(self):
+        """The lathe of a shop with its controller, in FMPy's master and in our own."""
+        package, table = self.folder / "cell.ssp", self.folder / "cell.csv"
+        scenario = HERE.parent.parent / "scenarios" / "lathe-cell.toml"
+        self.run(self.toolroom, "ssp", "export", scenario, "--machine", "L", "--out", package)
+        # FMPy begins with inputs of 0 in its first step and hands signals on after each.
+        step, stop = 0.5, 1800.0
+        rows = self.importer("cell", package, stop, step)
+        sim = [self.toolroom, "ssp", "sim", package, "--order", "jacobi", "--stop", f"{stop} s", "--step", f"{step} s"]
+        done = subprocess.run([*map(str, sim), "--output", str(table)], capture_output=True, text=True)
+        if "built without" in done.stderr:
+            raise Skipped("this toolroom was built without --features fmu-import")
+        if done.returncode:
+            raise Failed(done.stderr.strip())
+        with open(table, newline="") as source:
+            own = [(float(row["lathe.process.flank_wear [m]"]), float(row["lathe.tool.count"])) for row in csv.DictReader(source)]
+        edges = rows[-1][3]
+        # At the change of an edge one of the two may be a step ahead.
+        same = [abs(row[1] - wear) for row, (wear, edge) in zip(rows, own[1:]) if row[3] == edge]
+        if len(same) < 0.99 * len(rows) or edges < 2:
+            raise Failed(f"{len(same)} of {len(rows)} points with the same edge, {edges:.0f} edges")
+        worst = max(same) / max(wear for wear, _ in own)
+        near(worst, 1e-2, "of the greatest wear against the own master")
+        return f"FMPy's master {worst:.1e} of the greatest wear from the own one over {stop:.0f} s and {edges:.0f} edges"
+
     def on_path(self, program, *runs):
         if not shutil.which(program):
             raise Skipped(f"{program} is not on PATH")
@@ -372,6 +397,7 @@ def main():
         matrix.row("T13", "speed", matrix.speeds)
         matrix.row("T13", "speed", matrix.speeds_in_rust)
         matrix.row("T14", "package", matrix.package_twice)
+        matrix.row("T16", "cell as SSP", matrix.cell)
         simulate = "simulate --interface-type cs --stop-time 600 F"
         matrix.row("T15", "fmusim", lambda: matrix.on_path("fmusim", "validate F", simulate))
         run = "--mode=cs --suppressPath=true --stopTime=600 F"

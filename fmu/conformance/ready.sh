@@ -1,5 +1,5 @@
 #!/bin/sh
-# The six ready units, three processes in FMI 2.0 and 3.0, each with the libraries of every platform that can be compiled for:
+# The eight ready units, three processes and the controller in FMI 2.0 and 3.0, each with the libraries of every platform that can be compiled for:
 #
 #     fmu/conformance/ready.sh target/release/toolroom dist
 #
@@ -7,7 +7,7 @@
 # SOURCE_DATE_EPOCH for a date in the descriptions: the same sources and date give the same bytes.
 set -eu
 toolroom=${1:?the program that exports} out=${2:?folder of the units}
-for model in turning milling infeed; do
+for model in turning milling infeed controller; do
   "$toolroom" --force fmu export "$model" --platforms all --out "$out"
 done
 for unit in "$out"/*.fmu; do

@@ -8,6 +8,7 @@ use crate::unit::Unit;
 use crate::variable::{Variable, variables};
 use std::path::PathBuf;
 use std::sync::OnceLock;
+use toolroom_control::SpeedController;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_infeed::InfeedProfile;
 
@@ -64,14 +65,18 @@ impl Entry {
     }
 }
 
-static ENTRIES: [Entry; 3] =
-    [Entry::of::<Turning>("turning"), Entry::of::<Milling>("milling"), Entry::of::<InfeedProfile>("infeed")];
+static ENTRIES: [Entry; 4] = [
+    Entry::of::<Turning>("turning"),
+    Entry::of::<Milling>("milling"),
+    Entry::of::<InfeedProfile>("infeed"),
+    Entry::of::<SpeedController>("controller"),
+];
 
 /// The units that are shipped.
 ///
 /// ```
 /// let names: Vec<_> = toolroom_fmu::units().map(|unit| unit.name).collect();
-/// assert_eq!(names, ["turning", "milling", "infeed"]);
+/// assert_eq!(names, ["turning", "milling", "infeed", "controller"]);
 /// ```
 pub fn units() -> impl Iterator<Item = &'static Entry> {
     ENTRIES.iter()

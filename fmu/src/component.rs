@@ -88,6 +88,10 @@ pub trait Component: Send {
     fn read(&mut self, value_type: ValueType, references: &[u32], values: &mut [f64]) -> Outcome;
     /// Sets variables of one type, all or none.
     fn write(&mut self, value_type: ValueType, references: &[u32], values: &[f64]) -> Outcome;
+    /// Whether a variable is an enumeration, which is read and set as an integer.
+    fn is_enumeration(&self, _reference: u32) -> bool {
+        false
+    }
     /// Reads a string; it stays valid until the next one is read.
     fn read_text(&mut self, reference: u32) -> Outcome<&std::ffi::CStr>;
     /// Sets a string.

@@ -34,6 +34,28 @@ pub(crate) struct Configured<U: Unit> {
     chosen: Vec<(usize, f64)>,
 }
 
+/// Name of a parameter in its unit; `effects` are the groups that are effects.
+fn parameter_name(effects: &[&str], group: &str, field: &str) -> String {
+    match (effects.contains(&group), field) {
+        (false, name) => format!("{group}.{name}"),
+        (true, "size") => format!("effect.{group}"),
+        (true, name) => format!("shape.{group}.{name}"),
+    }
+}
+
+/// The parameters of a process by the names that they have in its unit, with their values in SI; of effects those that are
+/// switched on.
+pub fn parameter_values<U: Unit>(process: &U) -> Vec<(String, f64)> {
+    let mut process = process.clone();
+    let effects: Vec<&str> = process.effects_mut().iter().map(|effect| effect.entry().id).collect();
+    let groups = process.parameters_mut().into_iter();
+    let values = groups.flat_map(|(group, record)| {
+        let values = record.fields().iter().enumerate().filter_map(|(i, field)| Some((field.name, record.value(i)?)));
+        values.map(|(field, value)| (parameter_name(&effects, group, field), value)).collect::<Vec<_>>()
+    });
+    values.collect()
+}
+
 /// Default sets that were read, by unit. Emptied when the library is unloaded, which would leave them behind.
 struct Shipped {
     sets: Vec<(TypeId, Arc<dyn Any + Send + Sync>)>,
@@ -102,12 +124,7 @@ impl<U: Unit> Configured<U> {
         let effects: Vec<&str> = self.every.effects_mut().iter().map(|effect| effect.entry().id).collect();
         for (group, record) in self.every.parameters_mut() {
             for field in record.fields() {
-                let name = match (effects.contains(&group), field.name) {
-                    (false, name) => format!("{group}.{name}"),
-                    (true, "size") => format!("effect.{group}"),
-                    (true, name) => format!("shape.{group}.{name}"),
-                };
-                all.push((name, *field));
+                all.push((parameter_name(&effects, group, field.name), *field));
             }
         }
         if U::VIBRATES {

@@ -25,6 +25,7 @@
 //! | [`Variable`], [`Slot`], [`Role`], [`ValueType`] | the variables and their value references |
 //! | [`Description`], [`Dependencies`] | what the package says |
 //! | [`package()`], [`Platform`], [`Binary`] | the file that importers open |
+//! | [`archive`], [`Xml`], [`parameter_values`] | parts of other packages that hold units |
 //! | [`libraries()`], [`Compiler`] | the shared library for this platform and others |
 //!
 //! ```
@@ -67,14 +68,15 @@ mod variable;
 
 pub use catalogue::{Entry, units};
 pub use component::{Component, Interface, Stepped, Update};
+pub use configured::parameter_values;
 pub use cross::{Compiler, CrossError};
-pub use description::{Dependencies, Description};
+pub use description::{Attributes, Dependencies, Description, Xml, unit_powers};
 pub use fault::{Fault, Outcome};
 pub use instance::Instance;
 pub use libraries::{LibraryError, libraries, library_beside_program};
 pub use log::{Category, Log, Sink, Status};
 pub use mode::Mode;
-pub use package::{Binary, OwnSet, OwnSetError, PackageError, Platform, Version, file_name, own_set, package};
+pub use package::{Binary, OwnSet, OwnSetError, PackageError, Platform, Version, archive, file_name, own_set, package};
 pub use unit::{AdaptivePolicy, Renewal, Unit};
 pub use units::{MillingMachine, TurningMachine};
 pub use variable::{Role, Slot, ValueType, Variable, variables};

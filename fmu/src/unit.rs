@@ -30,6 +30,8 @@ pub trait Unit: Process + Clone + 'static {
     const STATE_GROUP: &'static str;
     /// Shipped parameter sets, name and file; the first is the default.
     const SETS: &'static [(&'static str, &'static str)];
+    /// Parameters that choose one of several: name, and names of the choices from the least value on.
+    const ENUMERATIONS: &'static [(&'static str, &'static [&'static str])] = &[];
     /// Boolean inputs whose rising edge renews a part of the state.
     const RENEWALS: &'static [Renewal<Self>];
     /// Whether the unit is an ordinary differential equation and offers Model Exchange.
@@ -66,6 +68,11 @@ pub trait Unit: Process + Clone + 'static {
         _memory: &mut Self::Memory,
     ) -> Result<Advance, ModelError> {
         self.advance(x, u, dt)
+    }
+
+    /// [`Process::output`] with what the last step kept, which makes it cheaper and changes no result.
+    fn observe(&self, x: &Self::State, u: &Self::Input, _memory: &Self::Memory) -> Self::Output {
+        self.output(x, u)
     }
 
     /// Longest step under input `u` that is worked out within a second, s, and what takes the time.

@@ -56,7 +56,7 @@ const BLOCK: u32 = 1000;
 
 impl Slot {
     /// The value reference.
-    pub fn reference(self) -> u32 {
+    pub const fn reference(self) -> u32 {
         let (block, index) = match self {
             Self::Time => (0, 0),
             Self::Input(i) => (1, i),
@@ -173,11 +173,13 @@ pub struct Variable {
     pub role: Role,
     /// Unit, range, start, meaning, number of elements.
     pub field: Field,
+    /// Of an enumeration, which is an integer of a few values: their names from the least one on.
+    pub items: &'static [&'static str],
 }
 
 impl Variable {
     fn new(name: String, slot: Slot, role: Role, field: Field) -> Self {
-        Self { name, slot, value_type: field.kind.into(), role, field }
+        Self { name, slot, value_type: field.kind.into(), role, field, items: &[] }
     }
 
     /// Whether the value changes at events only.
@@ -285,13 +287,16 @@ pub fn variables<U: Unit>() -> Vec<Variable> {
         ..Variable::new("tool.set".to_owned(), Slot::Set, Role::Fixed, field("set", Kind::Real, 0.0, doc))
     });
     let parameters = Configured::<U>::shipped().fields.to_vec();
-    all.extend(
-        parameters
-            .into_iter()
-            .enumerate()
-            .map(|(i, (name, field))| Variable::new(name, Slot::Parameter(i), Role::Tunable, field)),
-    );
+    all.extend(parameters.into_iter().enumerate().map(|(i, (name, field))| Variable {
+        items: items::<U>(&name),
+        ..Variable::new(name, Slot::Parameter(i), Role::Tunable, field)
+    }));
     all
+}
+
+/// Names of the values of a parameter that is an enumeration; none of any other.
+pub(crate) fn items<U: Unit>(parameter: &str) -> &'static [&'static str] {
+    U::ENUMERATIONS.iter().find(|(name, _)| *name == parameter).map_or(&[], |(_, items)| items)
 }
 
 /// SI unit of a rate; state fields use these units only, which a test holds.

@@ -237,6 +237,31 @@ fn references_that_do_not_exist_or_have_another_type_are_refused() {
 }
 
 #[test]
+fn enumerations_are_integers_of_64_bits_in_fmi_3_and_plain_ones_in_fmi_2() {
+    let (two, three) = (ready2("turning"), ready3(&token("turning")));
+    let (mode, count) = (reference("turning", "adaptive.mode"), reference("turning", "tool.count"));
+    let (mut narrow, mut wide) = (0, 0);
+    // SAFETY: the arguments are what the standards ask for.
+    unsafe {
+        assert_eq!((fmi2GetInteger(two, &mode, 1, &mut narrow), narrow), (OK, 1));
+        assert_eq!((fmi3GetInt64(three, &mode, 1, &mut wide, 1), wide), (OK, 1));
+        assert_eq!(fmi3SetInt64(three, &mode, 1, &3, 1), OK);
+        assert_eq!((fmi3GetInt64(three, &mode, 1, &mut wide, 1), wide), (OK, 3));
+        assert_eq!(fmi3SetInt64(three, &mode, 1, &4, 1), ERROR, "there are three modes");
+        assert_eq!(fmi3GetInt32(three, &mode, 1, &mut narrow, 1), ERROR);
+        assert_eq!(fmi3GetInt64(three, &count, 1, &mut wide, 1), ERROR);
+        assert_eq!((fmi3GetInt32(three, &count, 1, &mut narrow, 1), narrow), (OK, 1));
+        fmi2FreeInstance(two);
+        fmi3FreeInstance(three);
+    }
+    let turning = units().next().expect("turning").describe();
+    for (xml, items) in [(turning.fmi2(), 3), (turning.fmi3(), 3)] {
+        assert_eq!(xml.matches("<Item name=").count(), items, "{xml}");
+        assert!(xml.contains("declaredType=\"Choice of adaptive.mode\""));
+    }
+}
+
+#[test]
 fn functions_out_of_order_are_refused() {
     let two = make2("turning", 1);
     // SAFETY: the arguments are what the standards ask for.

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use std::path::Path;
 use toolroom_calibrate::{Advice, Calibration, Clock, Condition, Costs, Process};
-use toolroom_scenario::{Operation, Scenario, SpeedChoice, SpeedRule, Work};
+use toolroom_scenario::{Course, Operation, Scenario, SpeedChoice, Work};
 use toolroom_wear::Cut;
 
 /// The decision of a scenario between two constant speeds: those of its first two policies with one, else the present speed
@@ -51,21 +51,20 @@ pub fn advise(path: &Path, calibration: &Calibration) -> Result<Advice, Failure>
 
 /// Speeds of policies that state one, m/s.
 fn constants(scenario: &Scenario) -> Vec<f64> {
-    let stated = scenario.policies.iter().filter_map(|policy| match policy.speed {
-        SpeedRule::Constant(SpeedChoice::Given(speed)) => Some(speed * policy.speed_factor),
-        SpeedRule::Constant(
+    let stated = scenario.policies.iter().filter_map(|policy| match policy.speed.entry().course {
+        Course::Constant(SpeedChoice::Given(speed)) => Some(speed * policy.speed_factor),
+        Course::Constant(
             SpeedChoice::BestPath
             | SpeedChoice::BestLife
             | SpeedChoice::BestRate
             | SpeedChoice::BestCost
             | SpeedChoice::Makarov(_),
         )
-        | SpeedRule::Programmed
-        | SpeedRule::Schedule
-        | SpeedRule::MinimumWear { .. }
-        | SpeedRule::SetIncrement { .. }
-        | SpeedRule::Productivity { .. }
-        | SpeedRule::Oracle => None,
+        | Course::Programmed
+        | Course::Schedule
+        | Course::Law(_)
+        | Course::Price(_)
+        | Course::SetIncrement(_) => None,
     });
     stated.collect()
 }

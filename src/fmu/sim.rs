@@ -1,6 +1,6 @@
 //! `toolroom fmu sim F.fmu`.
 
-use super::refused;
+use super::{refused, seconds};
 use crate::args::{FmuInterface, FmuIsolation, FmuSimArgs, UnitRunArgs};
 use crate::failure::Failure;
 use crate::speak::Voice;
@@ -14,7 +14,6 @@ use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, lef
 use toolroom_fmu_import::{Driven, Isolation, LoadError, Unit};
 use toolroom_output::Files;
 use toolroom_process::UnitIsolation;
-use toolroom_process::unit::quantity;
 
 pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
     let files = Files::new(std::iter::once(args.file.as_path()).chain(args.input.as_deref()), voice.force);
@@ -141,11 +140,4 @@ fn failed(error: SimulateError, output: Option<&PathBuf>) -> Failure {
         return Failure::Work { message: error.to_string() };
     }
     Failure::argument(error, "see toolroom fmu sim --help")
-}
-
-pub fn seconds(flag: &str, text: Option<&str>) -> Result<Option<f64>, Failure> {
-    let read = |text| {
-        quantity(text, "s").map_err(|error| Failure::argument(format_args!("{flag}: {error}"), "such as \"0.1 s\""))
-    };
-    text.map(read).transpose()
 }

@@ -2,8 +2,16 @@
 
 use super::*;
 
-const SHIPPED: [&str; 7] =
-    ["template", "demo", "constant-vs-adaptive", "steel-shafts", "adverse", "grinder-bottleneck", "fmu-lathe-native"];
+const SHIPPED: [&str; 8] = [
+    "template",
+    "demo",
+    "constant-vs-adaptive",
+    "steel-shafts",
+    "adverse",
+    "grinder-bottleneck",
+    "fmu-lathe-native",
+    "lathe-cell",
+];
 
 #[test]
 fn every_shipped_scenario_is_valid() {

@@ -1,6 +1,6 @@
 //! FMI 3.0: reading and setting variables of every type.
 //!
-//! Units have Float64, Int32, Boolean and String variables. The functions of the other types
+//! Units have Float64, Int32, Boolean, String and Enumeration variables. The functions of the other types
 //! exist and refuse every value reference.
 
 use super::call;
@@ -93,6 +93,7 @@ pub unsafe extern "C" fn fmi3GetInt32(
 ) -> Status {
     // SAFETY: as the standard demands of the importer.
     call(instance, "fmi3GetInt32", |unit| unsafe {
+        are_enumerations(unit, (references, count), false)?;
         read(unit, ValueType::Integer, (references, count), (values, length), |value| value as i32)
     })
 }
@@ -107,7 +108,55 @@ pub unsafe extern "C" fn fmi3SetInt32(
 ) -> Status {
     // SAFETY: as the standard demands of the importer.
     call(instance, "fmi3SetInt32", |unit| unsafe {
+        are_enumerations(unit, (references, count), false)?;
         write(unit, ValueType::Integer, (references, count), (values, length), f64::from)
+    })
+}
+
+/// That all variables are enumerations, or none is: those are 64-bit integers in FMI 3.0, all others here have 32 bits.
+///
+/// # Safety
+/// As the standard demands of the importer.
+unsafe fn are_enumerations(
+    unit: &dyn Component,
+    (references, count): (*const u32, usize),
+    wanted: bool,
+) -> Outcome<()> {
+    // SAFETY: the caller's promise.
+    let references = unsafe { slice(references, count, "valueReferences") }?;
+    match references.iter().find(|reference| unit.is_enumeration(**reference) != wanted) {
+        Some(&reference) => Err(Fault::Reference { reference }.into()),
+        None => Ok(()),
+    }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetInt64(
+    instance: *mut c_void,
+    references: *const u32,
+    count: usize,
+    values: *mut i64,
+    length: usize,
+) -> Status {
+    // SAFETY: as the standard demands of the importer.
+    call(instance, "fmi3GetInt64", |unit| unsafe {
+        are_enumerations(unit, (references, count), true)?;
+        read(unit, ValueType::Integer, (references, count), (values, length), |value| value as i64)
+    })
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetInt64(
+    instance: *mut c_void,
+    references: *const u32,
+    count: usize,
+    values: *const i64,
+    length: usize,
+) -> Status {
+    // SAFETY: as the standard demands of the importer.
+    call(instance, "fmi3SetInt64", |unit| unsafe {
+        are_enumerations(unit, (references, count), true)?;
+        write(unit, ValueType::Integer, (references, count), (values, length), |value: i64| value as f64)
     })
 }
 
@@ -224,7 +273,6 @@ absent! {
     fmi3GetInt16(values: *mut i16, length: usize);
     fmi3GetUInt16(values: *mut u16, length: usize);
     fmi3GetUInt32(values: *mut u32, length: usize);
-    fmi3GetInt64(values: *mut i64, length: usize);
     fmi3GetUInt64(values: *mut u64, length: usize);
     fmi3GetBinary(sizes: *mut usize, values: *mut *const u8, length: usize);
     fmi3GetClock(values: *mut u8);
@@ -234,7 +282,6 @@ absent! {
     fmi3SetInt16(values: *const i16, length: usize);
     fmi3SetUInt16(values: *const u16, length: usize);
     fmi3SetUInt32(values: *const u32, length: usize);
-    fmi3SetInt64(values: *const i64, length: usize);
     fmi3SetUInt64(values: *const u64, length: usize);
     fmi3SetBinary(sizes: *const usize, values: *const *const u8, length: usize);
     fmi3SetClock(values: *const u8);

@@ -48,6 +48,11 @@ pub(super) fn write(description: &Description) -> String {
                     xml.leaf("Real", &attributes);
                 });
             }
+            for variable in enumerations(description) {
+                xml.element("SimpleType", &[("name", choice_type(variable))], |xml| {
+                    xml.element("Enumeration", &[], |xml| items(xml, variable));
+                });
+            }
         });
         xml.element("LogCategories", &[], categories);
         experiment(xml, description);
@@ -96,6 +101,23 @@ pub(super) fn definitions(xml: &mut Xml, description: &Description) {
                 xml.leaf("DisplayUnit", &attributes);
             }
         });
+    }
+}
+
+/// The variables that are enumerations; each is a type of its own.
+pub(super) fn enumerations(description: &Description) -> impl Iterator<Item = &Variable> {
+    description.variables.iter().filter(|variable| !variable.items.is_empty())
+}
+
+/// Name of the type of an enumeration, which no variable may have.
+pub(super) fn choice_type(variable: &Variable) -> String {
+    format!("Choice of {}", variable.name)
+}
+
+/// The values of an enumeration; the same in both versions.
+pub(super) fn items(xml: &mut Xml, variable: &Variable) {
+    for (value, item) in (variable.field.min as i64..).zip(variable.items) {
+        xml.leaf("Item", &[("name", (*item).to_owned()), ("value", value.to_string())]);
     }
 }
 
@@ -188,6 +210,10 @@ fn scalar(xml: &mut Xml, variable: &Variable, description: &Description, index: 
         match (variable.value_type, variable.slot) {
             (ValueType::String, _) => xml.leaf("String", &[("start", description.sets[0].0.to_owned())]),
             (ValueType::Boolean, _) => xml.leaf("Boolean", &attributes),
+            (ValueType::Integer, _) if !variable.items.is_empty() => {
+                attributes.insert(0, ("declaredType", choice_type(variable)));
+                xml.leaf("Enumeration", &attributes);
+            }
             (ValueType::Integer, _) => xml.leaf("Integer", &attributes),
             (ValueType::Real, slot) => {
                 if let Slot::Derivative(i) = slot {

@@ -1,6 +1,6 @@
 //! `modelDescription.xml` of FMI 3.0.
 
-use super::fmi2::{categories, definitions, experiment, kinds, role, value};
+use super::fmi2::{categories, choice_type, definitions, enumerations, experiment, items, kinds, role, value};
 use super::quantity::{quantity, type_name, types};
 use super::xml::Xml;
 use super::{AUTHOR, COPYRIGHT, Description, LICENCE, TOOL, VERSION};
@@ -32,6 +32,9 @@ pub(super) fn write(description: &Description) -> String {
                     attributes.push(("displayUnit", display.to_owned()));
                 }
                 xml.leaf("Float64Type", &attributes);
+            }
+            for variable in enumerations(description) {
+                xml.element("EnumerationType", &[("name", choice_type(variable))], |xml| items(xml, variable));
             }
         });
         xml.element("LogCategories", &[], categories);
@@ -89,8 +92,9 @@ fn element(xml: &mut Xml, variable: &Variable, description: &Description) {
             xml.leaf("Boolean", &attributes);
         }
         ValueType::Integer => {
+            attributes.extend((!variable.items.is_empty()).then(|| ("declaredType", choice_type(variable))));
             attributes.extend(value(variable));
-            xml.leaf("Int32", &attributes);
+            xml.leaf(if variable.items.is_empty() { "Int32" } else { "Enumeration" }, &attributes);
         }
         ValueType::Real => {
             if variable.role != Role::Independent {

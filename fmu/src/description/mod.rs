@@ -8,8 +8,10 @@ mod structure;
 mod terminals;
 mod xml;
 
+pub use quantity::unit_powers;
 pub use structure::Dependencies;
 pub(crate) use xml::escaped;
+pub use xml::{Attributes, Xml};
 
 use crate::unit::Unit;
 use crate::variable::{Variable, variables};
@@ -102,7 +104,7 @@ pub(crate) fn token<U: Unit>() -> u128 {
     feed(U::IDENTIFIER);
     feed(VERSION);
     for variable in variables::<U>() {
-        let Variable { name, slot, value_type, role, field } = variable;
+        let Variable { name, slot, value_type, role, field, items } = variable;
         feed(&format!(
             "{name} {} {value_type:?} {role:?} {} {} {:?}",
             slot.reference(),
@@ -110,6 +112,7 @@ pub(crate) fn token<U: Unit>() -> u128 {
             field.len,
             field.start
         ));
+        items.iter().for_each(|item| feed(item));
     }
     hash
 }

@@ -44,7 +44,7 @@ pub(super) fn units(description: &Description) -> Vec<UnitDefinition> {
     for variable in description.variables.iter().filter(|variable| variable.value_type == ValueType::Real) {
         let field = &variable.field;
         let at = units.iter().position(|unit| unit.name == field.unit).unwrap_or_else(|| {
-            units.push(UnitDefinition { name: field.unit, base: base(field.unit), display: Vec::new() });
+            units.push(UnitDefinition { name: field.unit, base: unit_powers(field.unit), display: Vec::new() });
             units.len() - 1
         });
         let display = &mut units[at].display;
@@ -56,8 +56,12 @@ pub(super) fn units(description: &Description) -> Vec<UnitDefinition> {
     units
 }
 
-/// Powers of the base units. A revolution of the unit system is a radian of FMI.
-fn base(si: &str) -> Vec<(&'static str, String)> {
+/// Powers of the base units of FMI and SSP in an SI unit, name and power. A revolution of the unit system is a radian there.
+///
+/// ```
+/// assert_eq!(toolroom_fmu::unit_powers("m/s"), [("m", "1".to_owned()), ("s", "-1".to_owned())]);
+/// ```
+pub fn unit_powers(si: &str) -> Vec<(&'static str, String)> {
     const NAMES: [&str; 7] = ["m", "kg", "s", "K", "A", "mol", "rad"];
     let dimension = unit::parse(si).map_or([0; 8], |unit| unit.dimension);
     NAMES

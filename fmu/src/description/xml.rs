@@ -3,15 +3,17 @@
 use std::fmt::Write as _;
 
 /// XML under construction; two blanks a level.
-pub(super) struct Xml {
+pub struct Xml {
     text: String,
     open: Vec<&'static str>,
 }
 
 /// Attributes in order.
-pub(super) type Attributes<'a> = &'a [(&'a str, String)];
+pub type Attributes<'a> = &'a [(&'a str, String)];
 
 impl Xml {
+    /// An empty file.
+    #[allow(clippy::new_without_default)] // a file without a root element is no file
     pub fn new() -> Self {
         Self { text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(), open: Vec::new() }
     }
@@ -39,6 +41,7 @@ impl Xml {
         self.text.push_str("/>\n");
     }
 
+    /// The text.
     pub fn finish(self) -> String {
         self.text
     }

@@ -58,22 +58,26 @@ impl<U: Unit> Instance<U> {
     #[inline]
     fn real(&mut self, reference: u32) -> Option<f64> {
         let is_real = |fields: &[Field], i: usize| fields.get(i).is_some_and(|field| field.kind == Kind::Real);
-        let slot = Slot::of(reference)?;
-        if let Slot::Output(i) = slot
-            && is_real(U::Output::FIELDS, i)
-        {
-            return self.outputs().get(i).copied();
+        // A block of references is longer than every record.
+        let output = reference.wrapping_sub(const { Slot::Output(0).reference() }) as usize;
+        if is_real(U::Output::FIELDS, output) {
+            return self.outputs().get(output).copied();
         }
-        if let Slot::State(i) = slot
-            && U::State::LEN == U::State::FIELDS.len()
-            && is_real(U::State::FIELDS, i)
-        {
-            return self.states().get(i).copied();
+        let state = reference.wrapping_sub(const { Slot::State(0).reference() }) as usize;
+        if U::State::LEN == U::State::FIELDS.len() && is_real(U::State::FIELDS, state) {
+            return self.states().get(state).copied();
         }
         None
     }
 
     pub(super) fn read_values(&mut self, value_type: ValueType, references: &[u32], values: &mut [f64]) -> Outcome {
+        // One real value is what importers ask for most.
+        if let (ValueType::Real, [reference], [target]) = (value_type, references, &mut *values)
+            && let Some(value) = self.real(*reference)
+        {
+            *target = value;
+            return Ok(Status::Ok);
+        }
         let (mut at, total) = (0, values.len());
         for &reference in references {
             if let (ValueType::Real, Some(value)) = (value_type, self.real(reference))
@@ -162,6 +166,19 @@ impl<U: Unit> Instance<U> {
     }
 
     pub(super) fn write_values(&mut self, value_type: ValueType, references: &[u32], values: &[f64]) -> Outcome {
+        // One real input is what importers set most.
+        if let (ValueType::Real, [reference], [value]) = (value_type, references, values)
+            && let Some(Slot::Input(i)) = Slot::of(*reference)
+            && let Some(field) = U::Input::FIELDS.get(i).filter(|field| field.kind == Kind::Real)
+            && self.setting(Settable::Input(i), false) == Set::Now
+        {
+            if let Err(source) = field.check(*value) {
+                return Err(Fault::Value { variable: self.name_of(Slot::Input(i)), source }.into());
+            }
+            self.core.input.set(i, *value);
+            self.outputs_valid = false;
+            return Ok(Status::Ok);
+        }
         // First whether all can be set, then all of it.
         let mut at = 0;
         for &reference in references {

@@ -6,7 +6,7 @@ use crate::fault::Outcome;
 use crate::log::{Log, Status};
 use crate::mode::Mode;
 use crate::unit::Unit;
-use crate::variable::ValueType;
+use crate::variable::{Slot, ValueType, items};
 use std::ffi::CStr;
 use toolroom_process::Record;
 
@@ -82,6 +82,12 @@ impl<U: Unit> Component for Instance<U> {
     }
     fn write(&mut self, value_type: ValueType, references: &[u32], values: &[f64]) -> Outcome {
         self.write_values(value_type, references, values)
+    }
+    fn is_enumeration(&self, reference: u32) -> bool {
+        match Slot::of(reference) {
+            Some(Slot::Parameter(i)) => self.parameters.get(i).is_some_and(|(name, _)| !items::<U>(name).is_empty()),
+            _ => false,
+        }
     }
     fn read_text(&mut self, reference: u32) -> Outcome<&CStr> {
         self.read_set(reference)

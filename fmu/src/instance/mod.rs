@@ -197,7 +197,7 @@ impl<U: Unit> Instance<U> {
             // An importer that looks for the instant ends its step a hair after it.
             let cuts = lost && self.core.time - lost_at <= step::ROUNDING * lost_at.abs().max(1.0);
             let input = if cuts { self.commanded_input() } else { self.effective_input() };
-            let output = self.core.model.process.output(&self.core.state, &input);
+            let output = self.core.model.process.observe(&self.core.state, &input, &self.memory);
             output.write_to(&mut self.outputs);
             self.outputs_valid = true;
         }

@@ -100,6 +100,16 @@ pub fn package(unit: &Entry, version: Version, binaries: &[Binary], own: &[OwnSe
     Ok(zip.0.finish()?.into_inner())
 }
 
+/// A zip file of entries in this order, whose bytes depend on nothing but them: name and content.
+///
+/// # Errors
+/// [`PackageError`] of a name that a zip file cannot hold.
+pub fn archive(entries: &[(String, Vec<u8>)]) -> Result<Vec<u8>, PackageError> {
+    let mut zip = Zip(ZipWriter::new(Cursor::new(Vec::new())));
+    entries.iter().try_for_each(|(name, content)| zip.add(name, content))?;
+    Ok(zip.0.finish()?.into_inner())
+}
+
 /// A zip file whose bytes depend on nothing but its content.
 struct Zip(ZipWriter<Cursor<Vec<u8>>>);
 

@@ -51,7 +51,7 @@ impl OwnSetError {
 /// [`OwnSetError`].
 pub fn own_set(unit: &Entry, path: &Path) -> Result<OwnSet, OwnSetError> {
     let catalogue = match unit.name {
-        "turning" => &TURNING_SETS,
+        "turning" | "controller" => &TURNING_SETS,
         "milling" => &MILLING_CATALOGUE,
         _ => return Err(OwnSetError::Unit(unit.name)),
     };

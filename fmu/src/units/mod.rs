@@ -1,5 +1,6 @@
 //! The units that are shipped.
 
+mod controller;
 mod infeed;
 mod machine;
 mod milling;

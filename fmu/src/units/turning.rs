@@ -50,6 +50,8 @@ impl Unit for Turning {
         count_doc: "Edges mounted so far, the first one included.",
         renew: |turning, _| turning.initial(),
     }];
+    const ENUMERATIONS: &'static [(&'static str, &'static [&'static str])] =
+        &[("adaptive.mode", &["least wear", "productivity at a shadow price", "set wear per path"])];
     const CONTINUOUS: bool = true;
     const VIBRATES: bool = true;
     const ADAPTIVE: bool = true;
@@ -72,6 +74,10 @@ impl Unit for Turning {
         memory: &mut TurningMemory,
     ) -> Result<Advance, ModelError> {
         Turning::step(self, x, u, dt, memory)
+    }
+
+    fn observe(&self, x: &TurningState, u: &TurningInput, memory: &TurningMemory) -> TurningOutput {
+        self.output_after(x, u, memory)
     }
 
     fn mount(&mut self, machine: &TurningMachine, regeneration: Regeneration) -> Result<(), String> {

@@ -121,6 +121,9 @@ functions! {
     fmi3GetFloat64(*const u32, usize, *mut f64, usize);
     fmi3SetFloat64(*const u32, usize, *const f64, usize);
     fmi3GetInt32(*const u32, usize, *mut i32, usize);
+    fmi3GetInt64(*const u32, usize, *mut i64, usize);
+    fmi3SetInt64(*const u32, usize, *const i64, usize);
+    fmi2GetInteger(*const u32, usize, *mut i32);
     fmi3GetBoolean(*const u32, usize, *mut u8, usize);
     fmi3SetBoolean(*const u32, usize, *const u8, usize);
     fmi3GetString(*const u32, usize, *mut *const c_char, usize);

@@ -103,6 +103,10 @@ impl WearLevel {
 /// Numbers that the filter estimates.
 const STATES: usize = 5;
 
+/// Numbers of [`Observer::belief`]: means, the covariance of each with itself and those after it, mean and variance of
+/// the level of edges.
+pub const BELIEF: usize = STATES + STATES * (STATES + 1) / 2 + 2;
+
 /// Extended Kalman filter on (flank wear, ln force factor, ln wear factor, ln gain of the feed force, ln gain of the
 /// thermo-EMF).
 ///
@@ -190,6 +194,37 @@ impl Observer {
         let Estimate { flank_wear, ln_force_factor, ln_wear_factor } = estimate;
         let [_, _, _, gains @ ..] = self.mean;
         self.mean = [flank_wear, ln_force_factor, ln_wear_factor, gains[0], gains[1]];
+        self
+    }
+
+    /// Everything that the observer has learnt, as numbers: for those who keep it elsewhere.
+    ///
+    /// ```
+    /// use toolroom_wear::{Observer, ObserverNoise, Pair};
+    /// let pair = Pair::default();
+    /// let new = Observer::new(&pair, ObserverNoise::default());
+    /// let mut worn = new.clone();
+    /// worn.predict(&pair.reference_cut(), 60.0);
+    /// assert_eq!(new.with_belief(&worn.belief()).estimate(), worn.estimate());
+    /// ```
+    pub fn belief(&self) -> [f64; BELIEF] {
+        let triangle = (0..STATES).flat_map(|i| (i..STATES).map(move |j| self.covariance[i][j]));
+        let mut numbers = self.mean.into_iter().chain(triangle).chain([self.level.mean, self.level.variance]);
+        std::array::from_fn(|_| numbers.next().unwrap_or(0.0))
+    }
+
+    /// The same observer with what another one of its pair has learnt.
+    pub fn with_belief(mut self, belief: &[f64; BELIEF]) -> Self {
+        let mut numbers = belief.iter().copied();
+        let mut next = || numbers.next().unwrap_or(0.0);
+        self.mean = std::array::from_fn(|_| next());
+        for i in 0..STATES {
+            for j in i..STATES {
+                let value = next();
+                (self.covariance[i][j], self.covariance[j][i]) = (value, value);
+            }
+        }
+        self.level = WearLevel { mean: next(), variance: next() };
         self
     }
 

@@ -238,7 +238,7 @@ def export_fmu(
     library: Optional[PathLike] = None,
     overwrite: bool = False,
 ) -> list[Path]:
-    """Packages ``turning``, ``milling`` or ``infeed`` as FMI units for this machine; returns their paths.
+    """Packages ``turning``, ``milling``, ``infeed`` or ``controller`` as FMI units for this machine; returns their paths.
 
     `parameters` are files of sets that are packed beside the shipped ones, `library` is the compiled library of
     units where the package was built without its own.

@@ -64,7 +64,7 @@ pub use policy::{Knowledge, PolicyRule, SensorSheet, ToolChangeRule};
 pub use posterior::{DrawReader, DrawTable, Posterior, set_draw_reader};
 pub use resource::{Attendance, Operator, SetupMatrix};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
-pub use speed::{Course, Law, SpeedChoice, SpeedEntry, SpeedPart, SpeedRule};
+pub use speed::{Course, SpeedChoice, SpeedEntry, SpeedPart, SpeedRule};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{FailureClock, FailureMode, MachineType, ProcessModel, ToolType};
 pub use toolroom_calendar::{

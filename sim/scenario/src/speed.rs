@@ -8,7 +8,7 @@
 use crate::Setting;
 use crate::file::{PATH, PRICE, SPEED, WEAR};
 use toolroom_form::{Key, Section};
-use toolroom_wear::{Cut, Pair};
+use toolroom_wear::SpeedLaw;
 
 /// Everything that is known of a speed rule beside its name and its numbers.
 #[derive(Clone, Copy, Debug)]
@@ -31,43 +31,11 @@ pub enum Course {
     /// Speed against the path that an edge has cut, worked out once.
     Schedule,
     /// Speed against flank wear, planned anew for every pass.
-    Law(Law),
-    /// The law of [`Law::price`] at this shadow price of edges, s/m; `None`: at the price of the rate optimum.
+    Law(SpeedLaw),
+    /// The law of [`SpeedLaw::ShadowPrice`] at this price, s/m; `None`: at the price of the rate optimum.
     Price(Option<f64>),
     /// The wear that is left, shared out evenly over what is left of this path, m.
     SetIncrement(f64),
-}
-
-/// A law of speed against flank wear.
-#[derive(Clone, Copy, Debug)]
-pub struct Law {
-    /// The number of the law, SI; a law without one passes over it.
-    pub number: f64,
-    /// The speed (m/s) of a pair for a cut at a flank wear (m), by the number of the law.
-    pub speed: fn(&Pair, &Cut, f64, f64) -> f64,
-}
-
-impl Law {
-    /// Least wear per path.
-    pub const MINIMUM_WEAR: Self =
-        Self { number: 0.0, speed: |pair, cut, flank_wear, _| pair.minimum_wear_speed(cut, flank_wear) };
-
-    /// Path weighed against time at a shadow price, s/m.
-    pub fn price(price: f64) -> Self {
-        let speed = |pair: &Pair, cut: &Cut, flank_wear, price| pair.shadow_price_speed(cut, flank_wear, price);
-        Self { number: price, speed }
-    }
-
-    /// The speed of a pair for a cut at a flank wear (m), m/s.
-    pub fn at(&self, pair: &Pair, cut: &Cut, flank_wear: f64) -> f64 {
-        (self.speed)(pair, cut, flank_wear, self.number)
-    }
-}
-
-impl PartialEq for Law {
-    fn eq(&self, other: &Self) -> bool {
-        self.number == other.number && std::ptr::fn_addr_eq(self.speed, other.speed)
-    }
 }
 
 /// A constant speed and what it is best for, on the believed model of an edge in continuous cut.
@@ -225,16 +193,13 @@ speed_rules! {
     /// Paper's mode 1: minimum wear per path at the estimated wear. In a shop, a new edge starts within one step (15 % of the
     /// pair's reference speed) of the programmed speed.
     MinimumWear = "minimum_wear" observes => SpeedEntry {
-        course: Course::Law(Law::MINIMUM_WEAR),
+        course: Course::Law(SpeedLaw::MinimumWear),
         setting: Some(Setting::SpeedFactor),
         part: SpeedPart::Adaptive,
     };
     /// The paper's literal rule of mode 1, both functionals equal, instead of the exact balance.
     MinimumWearLiteral = "minimum_wear_literal" observes => SpeedEntry {
-        course: Course::Law(Law {
-            number: 0.0,
-            speed: |pair, cut, flank_wear, _| pair.literal_balance_speed(cut, flank_wear),
-        }),
+        course: Course::Law(SpeedLaw::LiteralBalance),
         setting: Some(Setting::SpeedFactor),
         part: SpeedPart::Adaptive,
     };
@@ -258,7 +223,7 @@ speed_rules! {
     };
     /// Mode 1 with the true wear, the bound for every observer.
     Oracle = "oracle" => SpeedEntry {
-        course: Course::Law(Law::MINIMUM_WEAR),
+        course: Course::Law(SpeedLaw::MinimumWear),
         setting: Some(Setting::SpeedFactor),
         part: SpeedPart::Adaptive,
     };
@@ -318,14 +283,5 @@ mod tests {
             let says = SpeedRule::OBSERVING.contains(&rule.word()) || rule == SpeedRule::Oracle;
             assert_eq!(says, follows, "{}", rule.word());
         }
-    }
-
-    #[test]
-    fn laws_are_those_of_the_pair() {
-        let pair = Pair::default();
-        let cut = pair.reference_cut();
-        assert!((Law::MINIMUM_WEAR.at(&pair, &cut, 0.2e-3) * 60.0 - 39.99782).abs() < 1e-5); // as in toolroom-wear
-        assert_eq!(Law::price(1.3).at(&pair, &cut, 0.2e-3), pair.shadow_price_speed(&cut, 0.2e-3, 1.3));
-        assert_ne!(Law::price(1.3), Law::price(2.0));
     }
 }

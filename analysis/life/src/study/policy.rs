@@ -3,10 +3,10 @@
 use super::Passes;
 use super::edge::rehearsed;
 use std::sync::Arc;
-use toolroom_scenario::policies::ramp_limits;
-use toolroom_scenario::{Course, Knowledge, Law, SensorSheet, SpeedChoice, SpeedRule};
+use toolroom_scenario::{Course, Knowledge, SensorSheet, SpeedChoice, SpeedRule};
 use toolroom_wear::{
-    Coefficients, Contact, Cut, Measurement, Objective, Observer, Pair, RampLimits, SetSpeed, SpeedSchedule, SpeedTable,
+    Coefficients, Contact, Cut, Measurement, Objective, Observer, Pair, RampLimits, SetSpeed, SpeedLaw, SpeedSchedule,
+    SpeedTable, ramp_limits,
 };
 
 /// A speed rule of a shop, and what a shop would add to it, before it is worked out for a cut.
@@ -70,7 +70,7 @@ enum Speed {
     Schedule(SpeedSchedule),
     /// A law of flank wear, and its speed for nominal edges.
     Planned {
-        law: Law,
+        law: SpeedLaw,
         table: SpeedTable,
     },
     /// The wear left, shared out over what is left of this path, m.
@@ -122,8 +122,8 @@ impl Policy {
         (sensors, reading): (SensorSheet, Reading),
     ) -> Self {
         let limits = pair.limits;
-        let planned = |law: Law| {
-            let speed = |wear: f64| limits.clip(law.at(pair, cut, wear));
+        let planned = |law: SpeedLaw| {
+            let speed = |wear: f64| limits.clip(pair.speed_by_law(cut, law, wear));
             Speed::Planned { law, table: SpeedTable::tabulate(limits.wear_limit, speed) }
         };
         let speed = match rule.speed.entry().course {
@@ -133,7 +133,7 @@ impl Policy {
             Course::Law(law) => planned(law),
             Course::Price(price) => {
                 let optimum = || pair.rate_optimum(cut, rule.change.worth()).shadow_price;
-                planned(Law::price(price.unwrap_or_else(optimum)))
+                planned(SpeedLaw::ShadowPrice(price.unwrap_or_else(optimum)))
             }
             Course::SetIncrement(path_per_edge) => Speed::SetIncrement(path_per_edge),
         };
@@ -190,7 +190,8 @@ impl Pilot<'_> {
             Speed::Planned { law, table } => {
                 let (contact, known) = self.known(policy, true_wear);
                 let nominal = |wear: f64| (table.speed_at(wear), true);
-                let of_edge = |wear: f64| (policy.pair.limits.clip(law.at(self.pair, &self.cut, wear)), true);
+                let of_edge =
+                    |wear: f64| (policy.pair.limits.clip(self.pair.speed_by_law(&self.cut, *law, wear)), true);
                 match policy.knows {
                     Knowledge::Edge => policy.planned(of_edge, contact, known, length, self.last_speed),
                     Knowledge::Sensors | Knowledge::Wear => {

@@ -1,9 +1,9 @@
 //! Steps that remember what the step before worked out.
 
 use super::equations::{Engagement, Kept};
-use super::{ACCURACY, STATES, Turning, TurningInput, TurningState, lost_at_once};
+use super::{ACCURACY, STATES, Turning, TurningInput, TurningOutput, TurningState, lost_at_once};
 use toolroom_process::ode::{self, Autonomous, Tolerance};
-use toolroom_process::{Advance, ModelError, Record};
+use toolroom_process::{Advance, ModelError, Process, Record};
 use toolroom_wear::WEAR_EVENTS;
 
 /// What a step under held input works out and the next one under the same input need not work out
@@ -20,6 +20,14 @@ struct Known {
     engagement: Kept,
     tolerance: Tolerance<STATES>,
     last: Option<Last>,
+}
+
+impl Known {
+    /// Whether an input differs in nothing but the cutting speed. Speeds on either side of 0 have nothing in common.
+    fn changes_speed_only(&self, u: &TurningInput) -> bool {
+        let at_speed = TurningInput { cutting_speed: u.cutting_speed, ..self.input };
+        at_speed == *u && u.cutting_speed > 0.0 && self.input.cutting_speed > 0.0
+    }
 }
 
 /// Where the last step ended.
@@ -82,6 +90,13 @@ impl Turning {
         }
         let known = match &mut memory.known {
             Some(known) if known.input == *u => known,
+            // A policy that commands another speed changes nothing else.
+            Some(known) if known.changes_speed_only(u) => {
+                TurningInput::FIELDS[0].check(u.cutting_speed)?;
+                let engagement = self.engagement_of(&known.engagement).at_speed(&self.pair, u.cutting_speed);
+                (known.input, known.engagement, known.last) = (*u, engagement.keep(), None);
+                known
+            }
             known => {
                 u.check()?;
                 let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
@@ -111,6 +126,24 @@ impl Turning {
             }
         }
         self.integrate(x, u, dt, &[], &mut |_, _, _| ())
+    }
+
+    /// [`Process::output`] with the memory of a step: coefficients of the input. The result is the same to the bit.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_cutting::{Turning, TurningInput, TurningMemory};
+    /// use toolroom_process::Process;
+    /// let (turning, u) = (Turning::default(), TurningInput::default());
+    /// let (mut x, mut memory) = (turning.initial(), TurningMemory::default());
+    /// turning.step(&mut x, &u, 0.1, &mut memory).unwrap();
+    /// assert_eq!(turning.output_after(&x, &u, &memory), turning.output(&x, &u));
+    /// ```
+    pub fn output_after(&self, x: &TurningState, u: &TurningInput, memory: &TurningMemory) -> TurningOutput {
+        match &memory.known {
+            Some(known) if known.input == *u => self.observe_in(&self.engagement_of(&known.engagement), x, u),
+            _ => self.output(x, u),
+        }
     }
 
     /// Whether nothing but the edge's wear changes in a step: no ramp, no effect, no chatter, no

@@ -19,7 +19,7 @@
 //! A controller sees what a machine can measure: the commanded pass, path and time of the edge,
 //! the observer's estimate from noisy channels. Only a policy that [knows](crate::Knowledge) more is shown the true wear.
 //!
-//! Tool-life studies plan passes by the same rule ([`toolroom_wear::RampLimits::ramp`], [`ramp_limits`]) and read the same
+//! Tool-life studies plan passes by the same rule ([`toolroom_wear::RampLimits::ramp`], [`toolroom_wear::ramp_limits`]) and read the same
 //! sensors ([`SensorSheet::observer_noise`](crate::SensorSheet::observer_noise)).
 //!
 //! # What is not modelled
@@ -34,14 +34,15 @@ mod planned;
 mod resolve;
 mod schedule;
 mod set_increment;
+mod settings;
 mod stability;
 mod tool_change;
 
 pub use contour::{ContourPlan, ContourSection, PlanError};
 pub use grinding::{ForceReading, GrindingController, WheelEstimate};
 pub use observer::{Observer, Sample};
-pub use planned::ramp_limits;
 pub use resolve::ResolvedPolicy;
+pub use settings::{Settings, SpeedSetting};
 pub use stability::{Stability, nominal_limit};
 pub use tool_change::ChangeRule;
 
@@ -212,33 +213,11 @@ struct Believed {
     edge_scatter: f64,
 }
 
-/// Share of the temperature rise that a controller keeps between itself and the collapse of the
-/// edge: two and a half standard deviations of what the hardness of the work adds to it, which
-/// goes with the square root of hardness (assumption).
-const COLLAPSE_MARGIN: f64 = 0.05;
-/// Bisections of the speed of collapse: a millionth of the speed range.
-const BISECTIONS: u32 = 20;
-
 impl Believed {
     /// The highest speed of the pair's range at which an edge keeps clear of thermal collapse,
     /// m/s; `flank_wear` is that of the edge at a speed, m.
     fn safe_speed(&self, flank_wear: impl Fn(f64) -> f64) -> f64 {
-        let (pair, limits) = (&self.pair, &self.pair.limits);
-        let (ambient, collapse) = (pair.temperature.ambient_temperature, pair.temperature.collapse_temperature);
-        let hottest = collapse - COLLAPSE_MARGIN * (collapse - ambient);
-        let safe = |speed: f64| {
-            let contact = pair.contact(&self.cut.at_speed(speed));
-            contact.steady_temperature(flank_wear(speed)) <= hottest
-        };
-        let (mut low, mut high) = (limits.lowest_speed, limits.highest_speed);
-        if safe(high) {
-            return high;
-        }
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + high);
-            *(if safe(middle) { &mut low } else { &mut high }) = middle;
-        }
-        low
+        self.pair.safe_speed(&self.cut, flank_wear)
     }
 }
 

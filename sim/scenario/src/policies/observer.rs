@@ -16,7 +16,7 @@ const LEAST_NOISE: f64 = 0.01;
 const MODEL_ERROR: f64 = 0.08;
 /// Error of a flank wear reading beside that of the instrument, m: the land is not a straight band, of which a model knows one
 /// number (assumption).
-const LAND_ERROR: f64 = 0.005e-3;
+pub(super) const LAND_ERROR: f64 = 0.005e-3;
 /// Least deviation of the level of the logarithm of wear of all edges from the believed model.
 const LEAST_LEVEL: f64 = 0.1;
 /// Inflation of the thermo-EMF noise for its bias, relative; with a sensor of 1.5 % it gives the
@@ -57,6 +57,25 @@ pub struct Sample {
 /// sensor averages over a tenth of a second does not see all of it.
 const ALIASED: f64 = 0.1;
 
+/// What the filter of a new edge reckons with. `read` says whether wear is read from now on: only readings tell the gain of
+/// a sensor from wear.
+pub(super) fn noise(believed: &Believed, sensors: &SensorSheet, read: bool) -> ObserverNoise {
+    let mut new = ObserverNoise {
+        edge_rate: believed.edge_scatter,
+        // The level of all edges is never known better than this (assumption).
+        initial_rate: ObserverNoise::default().initial_rate.max(believed.edge_scatter.hypot(LEAST_LEVEL)),
+        ..sensors.observer_noise(believed.allowance)
+    };
+    if read {
+        new.feed_force_gain = sensors.feed_force_gain;
+        new.emf_gain = sensors.thermo_emf_gain;
+        new.power_noise = sensors.spindle_power.hypot(MODEL_ERROR);
+        new.feed_force_noise = sensors.feed_force.hypot(MODEL_ERROR);
+        new.emf_noise = sensors.thermo_emf.hypot(MODEL_ERROR);
+    }
+    new
+}
+
 /// The Kalman filter of one edge, fed with samples when a stretch of cutting is over.
 #[derive(Clone, Debug)]
 pub struct Observer {
@@ -70,22 +89,9 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// For a new edge, or for one whose flank wear, m, was read. `read` says whether wear is read from now on: only readings
-    /// tell the gain of a sensor from wear.
+    /// For a new edge, or for one whose flank wear, m, was read; `read` as in [`noise`].
     pub(super) fn new(believed: &Believed, sensors: &SensorSheet, read: bool, reading: Option<f64>) -> Self {
-        let mut new = ObserverNoise {
-            edge_rate: believed.edge_scatter,
-            // The level of all edges is never known better than this (assumption).
-            initial_rate: ObserverNoise::default().initial_rate.max(believed.edge_scatter.hypot(LEAST_LEVEL)),
-            ..sensors.observer_noise(believed.allowance)
-        };
-        if read {
-            new.feed_force_gain = sensors.feed_force_gain;
-            new.emf_gain = sensors.thermo_emf_gain;
-            new.power_noise = sensors.spindle_power.hypot(MODEL_ERROR);
-            new.feed_force_noise = sensors.feed_force.hypot(MODEL_ERROR);
-            new.emf_noise = sensors.thermo_emf.hypot(MODEL_ERROR);
-        }
+        let new = noise(believed, sensors, read);
         let initial_wear = if reading.is_some() { sensors.flank_wear } else { new.initial_wear };
         let noise = ObserverNoise { initial_wear, ..new };
         let mut filter = toolroom_wear::Observer::new(&believed.pair, noise);

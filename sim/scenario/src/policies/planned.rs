@@ -2,29 +2,21 @@
 //! literal form, the productivity rule, and what they would do if they knew more.
 
 use super::{Believed, Conditions, Observation};
-use crate::Law;
-use toolroom_wear::{Cut, Pair, RampLimits, SpeedTable};
-
-/// Greatest change of speed from pass to pass, share of the pair's reference speed.
-/// Postnov & Shafikov restrict it; the size is an assumption.
-const LARGEST_STEP: f64 = 0.15;
-/// Greatest acceleration within a pass, share of the pair's reference speed per second:
-/// 20 m/min per minute at 40 m/min (assumption).
-const LARGEST_ACCELERATION: f64 = 0.5 / 60.0;
+use toolroom_wear::{Cut, SpeedLaw, SpeedTable, ramp_limits};
 
 /// One law for all passes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Planned {
-    law: Law,
+    pub law: SpeedLaw,
     /// Factor on the speed of the law.
-    factor: f64,
+    pub factor: f64,
     /// Its speed for nominal edges.
     table: SpeedTable,
 }
 
 impl Planned {
-    pub fn new(believed: &Believed, law: Law, factor: f64) -> Self {
-        let speed = |flank_wear: f64| speed(believed, &believed.cut, law, factor, flank_wear);
+    pub fn new(believed: &Believed, law: SpeedLaw, factor: f64) -> Self {
+        let speed = |flank_wear: f64| believed.pair.law_speed(&believed.cut, law, factor, flank_wear);
         Self { law, factor, table: SpeedTable::tabulate(believed.pair.limits.wear_limit, speed) }
     }
 
@@ -32,15 +24,8 @@ impl Planned {
         if seen.true_edge.is_none() {
             return plan(believed, seen, |_, flank_wear| (self.table.speed_at(flank_wear), true));
         }
-        plan(believed, seen, |cut, flank_wear| (speed(believed, cut, self.law, self.factor, flank_wear), true))
+        plan(believed, seen, |cut, flank_wear| (believed.pair.law_speed(cut, self.law, self.factor, flank_wear), true))
     }
-}
-
-/// The speed of a law at a flank wear (m), clear of thermal collapse, m/s.
-fn speed(believed: &Believed, cut: &Cut, law: Law, factor: f64, flank_wear: f64) -> f64 {
-    let pair = &believed.pair;
-    let speed = law.at(pair, cut, flank_wear);
-    (factor * speed).min(believed.safe_speed(|_| flank_wear))
 }
 
 /// Plans one pass at the wear known; an edge of which nothing is known counts as new. A new edge
@@ -60,10 +45,4 @@ pub(super) fn plan(
     let law = |flank_wear: f64| speed_at(&cut, flank_wear);
     let plan = pair.plan_pass_along(&cut, flank_wear, seen.path, &ramp_limits(pair), last_speed, law);
     Conditions::ramp(plan.start_speed, plan.end_speed)
-}
-
-/// How fast a policy may change the speed of a pair, in passes of shops and of tool-life studies alike.
-pub fn ramp_limits(pair: &Pair) -> RampLimits {
-    let reference = pair.limits.reference_speed;
-    RampLimits { largest_acceleration: LARGEST_ACCELERATION * reference, largest_step: LARGEST_STEP * reference }
 }

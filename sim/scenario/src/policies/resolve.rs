@@ -8,11 +8,10 @@ use super::{
 };
 use crate::policies::ResolveError;
 use crate::{
-    Course, Cut, Knowledge, Law, MachineType, Operation, PolicyRule, ProcessModel, Scenario, ToolChangeRule, ToolType,
-    Work,
+    Course, Cut, Knowledge, MachineType, Operation, PolicyRule, ProcessModel, Scenario, ToolChangeRule, ToolType, Work,
 };
 use std::sync::Arc;
-use toolroom_wear::Pair;
+use toolroom_wear::{Pair, SpeedLaw};
 
 /// A policy worked out for a scenario: resolve once, share over all replications.
 #[derive(Clone, Debug, PartialEq)]
@@ -241,7 +240,7 @@ fn speed(
 ) -> Speed {
     let on_model = |plan: &dyn Fn(&Believed) -> Speed| believed.map_or(Speed::Fixed(programmed), plan);
     let factor = rule.speed_factor;
-    let planned = |law: &dyn Fn(&Believed) -> Law| {
+    let planned = |law: &dyn Fn(&Believed) -> SpeedLaw| {
         on_model(&|believed| Speed::Planned(Arc::new(Planned::new(believed, law(believed), factor))))
     };
     match rule.speed.entry().course {
@@ -254,9 +253,9 @@ fn speed(
             on_model(&|_| Speed::SetIncrement(SetIncrement { path_per_edge, factor }))
         }
         Course::Law(law) => planned(&|_| law),
-        Course::Price(price) => {
-            planned(&|believed| Law::price(price.unwrap_or_else(|| shadow_price(believed, cost.worth(), edges.limit))))
-        }
+        Course::Price(price) => planned(&|believed| {
+            SpeedLaw::ShadowPrice(price.unwrap_or_else(|| shadow_price(believed, cost.worth(), edges.limit)))
+        }),
     }
 }
 

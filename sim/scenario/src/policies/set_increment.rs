@@ -2,7 +2,6 @@
 
 use super::planned::plan;
 use super::{Believed, Conditions, Observation};
-use toolroom_wear::SetSpeed;
 
 /// The wear left is shared out evenly over the path left.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,11 +18,7 @@ impl SetIncrement {
         let path_left = (self.path_per_edge - seen.edge_path).max(seen.path);
         let pair = &believed.pair;
         plan(believed, seen, |cut, flank_wear| {
-            let intensity = wear_left / path_left;
-            let highest = believed.safe_speed(|_| flank_wear);
-            let SetSpeed { cutting_speed, feasible } =
-                pair.set_intensity_speed_up_to(cut, flank_wear, intensity, highest);
-            ((self.factor * cutting_speed).min(highest), feasible)
+            pair.intensity_speed(cut, flank_wear, wear_left / path_left, self.factor)
         })
     }
 }

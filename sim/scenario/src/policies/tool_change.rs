@@ -16,9 +16,6 @@ pub enum ChangeRule {
     Predicted(f64),
 }
 
-/// Midpoint steps over a pass of the predicted growth of wear.
-const STEPS: u32 = 8;
-
 impl Controller {
     /// Whether the edge is changed before the pass that was just planned and takes `duration`
     /// seconds. [`ChangeRule::WearLimit`] is decided by the reading after a pass.
@@ -45,14 +42,7 @@ pub(super) fn wear_after(
     path: f64,
     planned: &Conditions,
 ) -> f64 {
-    let duration = planned.duration(path);
-    let step = duration / f64::from(STEPS);
-    let acceleration = (planned.end_speed - planned.start_speed) / duration;
-    let contact = believed.pair.contact(cut);
-    (0..STEPS).fold(flank_wear, |worn, i| {
-        let speed = planned.start_speed + acceleration * (f64::from(i) + 0.5) * step;
-        let contact = contact.at_speed(speed);
-        let rate = |wear: f64| factor * contact.steady_wear(wear).rate(speed);
-        worn + rate(worn + 0.5 * step * rate(worn)) * step
-    })
+    // Layers follow one another at the same speeds.
+    let path = path * f64::from(planned.layers);
+    believed.pair.wear_after_pass(cut, flank_wear, factor, path, (planned.start_speed, planned.end_speed))
 }
