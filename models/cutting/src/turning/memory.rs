@@ -156,3 +156,21 @@ impl Turning {
             && self.structure.is_none()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_after_a_change_of_speed_are_those_without_memory_to_the_bit() {
+        let turning = Turning::default();
+        let (mut x, mut y, mut memory) = (turning.initial(), turning.initial(), TurningMemory::default());
+        for i in 0..200 {
+            let u = TurningInput { cutting_speed: 0.5 + 0.001 * f64::from(i), ..TurningInput::default() };
+            turning.step(&mut x, &u, 0.1, &mut memory).unwrap();
+            turning.advance(&mut y, &u, 0.1).unwrap();
+            assert_eq!(x, y);
+            assert_eq!(turning.output_after(&x, &u, &memory), turning.output(&y, &u));
+        }
+    }
+}
