@@ -186,8 +186,27 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> CycleFile {
         }
         Infeed::default()
     });
+    let p = &grinding.parameters;
+    if p.internal >= 0.5 && p.wheel_diameter >= p.work_diameter {
+        let (wheel, bore) = (1e3 * p.wheel_diameter, 1e3 * p.work_diameter);
+        walk.fault(root.span_of("parameters"), Fault::Content(Arc::new(WheelInBore { wheel, bore })));
+    }
     let title = root.text("title").unwrap_or_default().to_owned();
     CycleFile { title, grinding, input, limits, dressing }
+}
+
+/// A wheel that does not fit into the bore.
+#[derive(Debug, thiserror::Error)]
+#[error("a wheel of {wheel} mm does not fit into a bore of {bore} mm; give a smaller wheel_diameter, or internal = 0")]
+struct WheelInBore {
+    wheel: f64,
+    bore: f64,
+}
+
+impl ContentFault for WheelInBore {
+    fn code(&self) -> &'static str {
+        "out-of-range"
+    }
 }
 
 /// An effect that these parameters do not admit.
