@@ -118,11 +118,6 @@ impl<N: Number> Infeed<N> {
         ]
     }
 
-    /// Specific removal rate Q'_w = v_w·h, m²/s.
-    pub(crate) fn removal_rate(&self, x: &State<N>, u: &Input<N>) -> N {
-        x.depth_of_cut * u.work_rotation_speed * self.parameters.work_diameter * 0.5
-    }
-
     /// Infeed that is commanded before contact.
     pub(crate) fn start_offset(&self, x: &State<N>, u: &Input<N>) -> N {
         self.terms(x, u).start_offset

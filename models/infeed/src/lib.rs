@@ -83,8 +83,7 @@ mod waves;
 pub use claims::claims;
 pub use cycle::{
     CYCLE, Cycle, CycleError, CycleFile, CycleLimits, CyclePhase, CyclePoint, DressingInterval, DressingPlan,
-    cycle_time_estimate, depth_at_temperature, dressing_interval, fastest_cycle, fastest_cycle_while_dulling,
-    grind_cycle,
+    cycle_time_estimate, depth_at_temperature, dressing_interval, fastest_cycle, grind_cycle,
 };
 pub use first_order::{FirstOrderState, InfeedFirstOrder, TimeConstant};
 pub use identify::{

@@ -60,10 +60,6 @@ impl CycleDesign {
                 "roundness_error [um]": cycle.roundness_error * UM,
                 "finish_stock [um]": cycle.finish_stock * UM,
                 "peak_temperature_rise [K]": cycle.peak_temperature_rise,
-                "peak_power [W]": cycle.peak_power,
-                "peak_normal_force [N]": cycle.peak_normal_force,
-                "peak_removal_rate [mm2/s]": cycle.peak_removal_rate * 1e6,
-                "wheel_removed_volume [mm3/mm]": self.removed_volume * 1e6,
                 "rough_depth_limit [um]": cycle.rough_depth_limit * UM,
                 "finish_depth_limit [um]": cycle.finish_depth_limit * UM,
             },
@@ -87,11 +83,8 @@ fn course(design: &CycleDesign) -> String {
         "size_error [um]",
         "normal_force [N]",
         "temperature_rise [K]",
-        "power [W]",
-        "removal_rate [mm2/s]",
-        "specific_energy [J/mm3]",
     ];
-    let row = |(revolution, point): (usize, &CyclePoint)| -> [Cell<'_>; 11] {
+    let row = |(revolution, point): (usize, &CyclePoint)| -> [Cell<'_>; 8] {
         [
             revolution.into(),
             point.time.into(),
@@ -101,9 +94,6 @@ fn course(design: &CycleDesign) -> String {
             (point.size_error * UM).into(),
             point.normal_force.into(),
             point.temperature_rise.into(),
-            point.power.into(),
-            (point.removal_rate * 1e6).into(),
-            (point.specific_energy * 1e-9).into(),
         ]
     };
     table(columns, design.cycle.course.iter().enumerate().map(row))

@@ -28,8 +28,6 @@ pub struct CycleDesign {
     /// When to dress, by estimated cycles and by the exact cycle of every part; `None` where the file does not
     /// describe dressing.
     pub dressing: Option<[DressingInterval; 2]>,
-    /// Volume per width that the wheel has removed since dressing where the cycle begins, m².
-    pub removed_volume: f64,
 }
 
 impl CycleDesign {
@@ -49,22 +47,18 @@ impl CycleDesign {
     /// # Errors
     /// [`CycleError`]: limits that no cycle meets, or values out of range.
     pub fn new(name: impl Into<String>, file: CycleFile) -> Result<Self, CycleError> {
+        let cycle = file.fastest_cycle()?;
         let dressing = file.dressing_intervals()?;
-        let wheel = file.wheel(dressing.as_ref().map(|[_, exact]| exact));
-        let cycle = file.cycle_on(&wheel)?;
-        Ok(Self { name: name.into(), file, cycle, dressing, removed_volume: wheel.removed_volume })
+        Ok(Self { name: name.into(), file, cycle, dressing })
     }
 
-    /// Limits that the cycle breaks in the process itself. Dulling within the part is part of the search; warm gauging and
-    /// what else effects change within the part come on top.
+    /// Limits that the cycle breaks in the process itself. The search takes the wheel as it is at
+    /// the start of the part; dulling within the part and warm gauging come on top.
     pub fn broken(&self) -> Vec<&'static str> {
         let (cycle, limits) = (&self.cycle, &self.file.limits);
         let above = |value: f64, limit: f64| value > limit * (1.0 + 1e-9);
         [
             ("rough_temperature_rise", above(cycle.peak_temperature_rise, limits.rough_temperature_rise)),
-            ("power", above(cycle.peak_power, limits.power)),
-            ("normal_force", above(cycle.peak_normal_force, limits.normal_force)),
-            ("material_removal", above(cycle.peak_removal_rate, limits.material_removal)),
             ("finish_stock", above(limits.finish_stock, cycle.finish_stock)),
             ("last_depth", above(cycle.last_depth, limits.last_depth)),
             ("size_error", above(cycle.size_error, limits.size_error)),
@@ -80,7 +74,7 @@ impl CycleDesign {
         let broken = self.broken();
         (!broken.is_empty()).then(|| {
             format!(
-                "what the wheel does within the part breaks {}: the search knows its dulling and nothing else; tighten \
+                "what the wheel does within the part breaks {}: the search takes the wheel as it is at the start; tighten \
                  the limit by what is missing",
                 broken.join(", ")
             )

@@ -24,12 +24,6 @@ impl CycleDesign {
         let period = std::f64::consts::TAU / self.file.input.work_rotation_speed;
         let title = if self.file.title.is_empty() { &self.name } else { &self.file.title };
         let mut text = format!("{title}\n  {} revolutions, {:.3} s\n", cycle.revolutions, cycle.time);
-        let wheel = if self.removed_volume > 0.0 {
-            format!("a wheel that has removed {:.1} mm3/mm since dressing", self.removed_volume * 1e6)
-        } else {
-            "a dressed wheel".to_owned()
-        };
-        let _ = writeln!(text, "  designed for {wheel}");
         let _ = writeln!(text, "  {:10} {:>12} {:>12} {:>10} {:>12}", "phase", "infeed", "revolutions", "time", "feed");
         for (name, phase) in phase_names(cycle).into_iter().zip(&cycle.phases) {
             let _ = writeln!(
@@ -50,10 +44,6 @@ impl CycleDesign {
         row("roundness error", cycle.roundness_error * UM, rounded(limits.roundness_error * UM), "um", false);
         row("stock after roughing", cycle.finish_stock * UM, rounded(limits.finish_stock * UM), "um", true);
         row("greatest temperature rise", cycle.peak_temperature_rise, limits.rough_temperature_rise, "K", false);
-        row("greatest power", cycle.peak_power * 1e-3, rounded(limits.power * 1e-3), "kW", false);
-        row("greatest normal force", cycle.peak_normal_force, rounded(limits.normal_force), "N", false);
-        let removal = rounded(limits.material_removal * 1e6);
-        row("greatest removal rate, mm2/s", cycle.peak_removal_rate * 1e6, removal, "", false);
         if let Some([estimate, exact]) = &self.dressing {
             let edge = if exact.parts as usize == exact.course.len() { ", the most looked at" } else { "" };
             let _ = writeln!(

@@ -30,12 +30,6 @@ pub struct CyclePoint {
     pub normal_force: f64,
     /// Temperature rise, K.
     pub temperature_rise: f64,
-    /// Power of the wheel spindle, W.
-    pub power: f64,
-    /// Specific removal rate Q'_w = v_w·h, m²/s.
-    pub removal_rate: f64,
-    /// Specific energy, J/m³; 0 where nothing is cut.
-    pub specific_energy: f64,
 }
 
 /// A cycle and what it leaves.
@@ -57,15 +51,9 @@ pub struct Cycle {
     pub finish_stock: f64,
     /// Greatest temperature rise, K.
     pub peak_temperature_rise: f64,
-    /// Greatest power of the wheel spindle, W.
-    pub peak_power: f64,
-    /// Greatest normal force, N.
-    pub peak_normal_force: f64,
-    /// Greatest specific removal rate, m²/s.
-    pub peak_removal_rate: f64,
-    /// Greatest depth that the limits of the rough phase allow at its start, m.
+    /// Greatest depth that the rough limit allows, m.
     pub rough_depth_limit: f64,
-    /// Greatest depth that the limits of the finish phase allow at the start of the part, m.
+    /// Greatest depth that the finish limit allows, m.
     pub finish_depth_limit: f64,
     /// The cycle revolution by revolution, from first contact.
     pub course: Vec<CyclePoint>,
@@ -90,14 +78,6 @@ pub enum CycleError {
         allowed: f64,
         /// Least temperature rise at any depth, K.
         least: f64,
-    },
-    /// A limit that the threshold force alone breaks.
-    #[error("{limit} conflicts with the threshold force of {threshold:.4} N: it leaves no depth of cut")]
-    NoDepth {
-        /// The limit.
-        limit: &'static str,
-        /// The threshold force, N.
-        threshold: f64,
     },
     /// The finish limit lies below the first infeed that can be set.
     #[error(
@@ -155,8 +135,6 @@ impl CycleError {
             Self::Model(_) => &[],
             Self::TooHotAtAnyDepth { limit: "finish_temperature_rise", .. } => &["finish_temperature_rise"],
             Self::TooHotAtAnyDepth { .. } => &["rough_temperature_rise"],
-            Self::NoDepth { limit: "power", .. } => &["power"],
-            Self::NoDepth { .. } => &["normal_force"],
             Self::FinishBelowStep { .. } => &["finish_temperature_rise", "infeed_step"],
             Self::FinishStockBeyondStock { .. } => &["finish_stock", "stock"],
             Self::SizeBeyondReach { .. } => &["size_error"],
@@ -169,8 +147,6 @@ impl CycleError {
 
 /// Revolutions beyond which no cycle is sought.
 const LONGEST: u32 = 100_000;
-/// Revolutions of spark-out beyond which a cycle on a wheel that becomes blunter is given up (assumption).
-const MOST_SPARK_OUT: u32 = 10_000;
 /// Share by which a limit may be passed in rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -247,9 +223,6 @@ pub fn grind_cycle(
                 size_error: output.size_error,
                 normal_force: output.normal_force,
                 temperature_rise: output.temperature_rise,
-                power: output.spindle_power,
-                removal_rate: grinding.removal_rate(&part, &input),
-                specific_energy: output.specific_energy,
             });
         }
     }
@@ -262,8 +235,8 @@ pub fn grind_cycle(
 ///
 /// The search is exact: it visits every finish infeed and every number of finish and rough
 /// revolutions that could beat the best cycle so far, each with its least spark-out. It takes the
-/// process stiffness as it is at the start of the part ([`fastest_cycle_while_dulling`] does not); the numbers of the
-/// cycle found are those of the process itself, with dulling within the part. `wheel` says how blunt the wheel is.
+/// process stiffness as it is at the start of the part; the numbers of the cycle found are those
+/// of the process itself, with dulling within the part. `wheel` says how blunt the wheel is.
 ///
 /// # Errors
 /// [`CycleError`] names the limits that conflict.
@@ -280,53 +253,13 @@ pub fn fastest_cycle(
     input: &Input,
     limits: &CycleLimits,
 ) -> Result<Cycle, CycleError> {
-    designed(grinding, wheel, input, limits, false)
-}
-
-/// [`fastest_cycle`] with the process stiffness of every revolution: each limit holds at the end of each revolution, on the
-/// wheel that has become blunter within the part. Candidates are run through the process itself.
-///
-/// # Errors
-/// As [`fastest_cycle`].
-///
-/// ```
-/// use toolroom_infeed::{CycleLimits, Infeed, Input, State, fastest_cycle_while_dulling};
-/// let mut grinding = Infeed::default();
-/// grinding.parameters.dulling_rate = 1.0 / 300e-6; // 300 mm³/mm double the process stiffness
-/// let found = fastest_cycle_while_dulling(&grinding, &State::default(), &Input::default(), &CycleLimits::default()).unwrap();
-/// assert_eq!(found.revolutions, 28);
-/// assert!(found.peak_temperature_rise < 650.0);
-/// ```
-pub fn fastest_cycle_while_dulling(
-    grinding: &Infeed,
-    wheel: &State,
-    input: &Input,
-    limits: &CycleLimits,
-) -> Result<Cycle, CycleError> {
-    designed(grinding, wheel, input, limits, grinding.parameters.dulling_rate > 0.0)
-}
-
-fn designed(
-    grinding: &Infeed,
-    wheel: &State,
-    input: &Input,
-    limits: &CycleLimits,
-    dulling: bool,
-) -> Result<Cycle, CycleError> {
     input.check()?;
     limits.check()?;
     if input.work_rotation_speed == 0.0 {
         return Err(ModelError::NoSolution { quantity: "cycle", reason: "the work does not rotate" }.into());
     }
     let law = Law::of(grinding, wheel, input);
-    // The machine may be slower than the setting of its infeed.
-    let per_second = input.work_rotation_speed / std::f64::consts::TAU;
-    let greatest_infeed = limits.greatest_infeed.min(limits.infeed_speed / per_second);
-    let limits = &CycleLimits { greatest_infeed, ..*limits };
-    let mut search = Search::new(grinding, wheel, input, limits, law)?;
-    if dulling {
-        search.process = Some((grinding, State { wheel_wear: 0.0, ..grinding.new_part(wheel) }, *input));
-    }
+    let search = Search::new(grinding, wheel, input, limits, law)?;
     let found = search.best()?;
     let phases: Vec<CyclePhase> =
         [(found.rough_infeed, found.rough), (found.finish_infeed, found.finish), (0.0, found.spark_out)]
@@ -336,7 +269,6 @@ fn designed(
             .collect();
     let (part, course) = grind_cycle(grinding, wheel, input, &phases)?;
     let last = course.last().copied().unwrap_or_default();
-    let peak = |of: fn(&CyclePoint) -> f64| course.iter().map(of).fold(0.0, f64::max);
     let revolutions = found.revolutions();
     Ok(Cycle {
         phases,
@@ -347,32 +279,10 @@ fn designed(
         roundness_error: last.depth_of_cut + limits.blank_roundness_error * law.decay.powf(revolutions.into()),
         finish_stock: last.stock_removed - course[found.rough as usize].stock_removed,
         peak_temperature_rise: part.peak_temperature_rise,
-        peak_power: peak(|point| point.power),
-        peak_normal_force: peak(|point| point.normal_force),
-        peak_removal_rate: peak(|point| point.removal_rate),
         rough_depth_limit: search.rough_depth,
         finish_depth_limit: search.finish_depth,
         course,
     })
-}
-
-/// The greatest depth that the limits of power, force and removal rate allow on the wheel as it is, m.
-fn depth_at_loads(grinding: &Infeed, wheel: &State, input: &Input, limits: &CycleLimits) -> Result<f64, CycleError> {
-    // The force rises with the depth in a straight line, and the power with the force.
-    let at = |depth: f64| grinding.output_in_cut(&State { depth_of_cut: depth, ..*wheel }, input);
-    let unit = limits.greatest_infeed;
-    let (one, two) = (at(unit), at(2.0 * unit));
-    let slope = (two.normal_force - one.normal_force) / unit;
-    let threshold = one.normal_force - slope * unit;
-    let per_force = one.spindle_power / one.normal_force;
-    let mut least = limits.material_removal / (0.5 * input.work_rotation_speed * grinding.parameters.work_diameter);
-    for (limit, force) in [("power", limits.power / per_force), ("normal_force", limits.normal_force)] {
-        if force <= threshold {
-            return Err(CycleError::NoDepth { limit, threshold });
-        }
-        least = least.min((force - threshold) / slope);
-    }
-    Ok(least)
 }
 
 /// The revolution recursion in closed form: `h' = decay h + infeed/give`.
@@ -440,14 +350,12 @@ struct Search<'a> {
     finish_depth: f64,
     /// Last depth allowed by size, finish and roundness.
     last_depth: f64,
-    /// The process, the part at its start and the conditions, where the wheel becomes blunter within the part.
-    process: Option<(&'a Infeed, State, Input)>,
 }
 
 impl<'a> Search<'a> {
     /// The depths that the limits allow, or the limits that conflict.
     fn new(
-        grinding: &'a Infeed,
+        grinding: &Infeed,
         wheel: &State,
         input: &Input,
         limits: &'a CycleLimits,
@@ -458,8 +366,7 @@ impl<'a> Search<'a> {
             depth_at_temperature(grinding, wheel, input, allowed, limits.greatest_infeed)
                 .map_err(|least| CycleError::TooHotAtAnyDepth { limit, allowed, least })
         };
-        let loads = depth_at_loads(grinding, wheel, input, limits)?;
-        let rough_depth = coolest("rough_temperature_rise", limits.rough_temperature_rise)?.min(loads);
+        let rough_depth = coolest("rough_temperature_rise", limits.rough_temperature_rise)?;
         let finish_depth = coolest("finish_temperature_rise", limits.finish_temperature_rise)?.min(rough_depth);
         if limits.finish_stock > 0.0 && finish_depth * (1.0 + law.wear) < limits.infeed_step {
             let (depth_limit, step) = (finish_depth * (1.0 + law.wear) * UM, limits.infeed_step * UM);
@@ -479,7 +386,7 @@ impl<'a> Search<'a> {
         // size = (u − c h − F0/J)/(1 + g): what the last depth adds to the size error.
         let by_size = left * (1.0 + law.wear) / law.compliance;
         let last_depth = limits.last_depth.min(by_size).min(limits.roundness_error);
-        let search = Self { limits, law, rough_depth, finish_depth, last_depth, process: None };
+        let search = Self { limits, law, rough_depth, finish_depth, last_depth };
         let spark_out = (last_depth / finish_depth).ln() / law.decay.ln();
         for (limit, revolutions) in [
             ("stock", limits.stock / rough_depth),
@@ -519,11 +426,7 @@ impl<'a> Search<'a> {
             }
             // The rough depth never passes infeed/(1 + g), and comes close to it.
             let steady_limit = (self.rough_depth * (1.0 + law.wear)).min(limits.greatest_infeed);
-            let mut least = self.fewest_rough(rough_stock, steady_limit);
-            if self.process.is_some() {
-                // A blunter wheel comes to its depth later.
-                least = least.saturating_sub(2).max(1);
-            }
+            let least = self.fewest_rough(rough_stock, steady_limit);
             let most = self.most_rough(rough_stock, f64::from(finish) * finish_infeed);
             let bound = |best: &Option<Candidate>| best.map_or(LONGEST, |best| best.revolutions());
             if least.saturating_add(finish) > bound(best) {
@@ -568,8 +471,7 @@ impl<'a> Search<'a> {
         let depth = law.towards(0.0, infeed, rough.into()) - law.threshold / law.give;
         let finish_depth = law.towards(depth.max(0.0), finish_infeed, finish.into());
         // One less for rounding.
-        let margin = if self.process.is_some() { 2.0 } else { 1.0 };
-        let exact = (self.last_depth / finish_depth).ln() / law.decay.ln() - margin;
+        let exact = (self.last_depth / finish_depth).ln() / law.decay.ln() - 1.0;
         exact.clamp(0.0, f64::from(LONGEST)) as u32
     }
 
@@ -591,9 +493,6 @@ impl<'a> Search<'a> {
 
     /// Most rough revolutions that leave enough deflection for the finish stock.
     fn most_rough(&self, rough_stock: f64, finish_infeeds: f64) -> u32 {
-        if self.process.is_some() {
-            return LONGEST;
-        }
         let wanted = self.limits.finish_stock * (1.0 + self.law.wear) - finish_infeeds;
         let infeed = wanted * (1.0 + self.law.wear) / self.law.compliance;
         if infeed <= 0.0 { LONGEST } else { (rough_stock / infeed).floor().min(f64::from(LONGEST)) as u32 }
@@ -603,13 +502,6 @@ impl<'a> Search<'a> {
     fn complete(&self, rough_stock: f64, finish_infeed: f64, rough: u32, finish: u32) -> Option<Candidate> {
         let (law, limits) = (&self.law, self.limits);
         let rough_infeed = rough_stock / f64::from(rough);
-        if let Some((grinding, part, input)) = &self.process {
-            if rough_infeed < finish_infeed {
-                return None;
-            }
-            let candidate = Candidate { rough_infeed, finish_infeed, rough, finish, spark_out: 0, last_depth: 0.0 };
-            return self.run(grinding, *part, input, candidate);
-        }
         if rough_infeed < finish_infeed || !self.rough_is_cool(rough_stock, rough) {
             return None;
         }
@@ -640,56 +532,5 @@ impl<'a> Search<'a> {
         }
         let last_depth = depth_after(spark_out);
         Some(Candidate { rough_infeed, finish_infeed, rough, finish, spark_out, last_depth })
-    }
-
-    /// Runs a cycle through the process with the least spark-out; `None` where it breaks a limit.
-    fn run(&self, grinding: &Infeed, mut part: State, input: &Input, found: Candidate) -> Option<Candidate> {
-        let limits = self.limits;
-        let below = |value: f64, limit: f64| value <= limit * (1.0 + ROUNDING);
-        let turn = |part: &mut State, infeed_per_rev: f64| {
-            let input = Input { infeed_per_rev, engaged: 1.0, ..*input };
-            part.commanded_infeed += infeed_per_rev;
-            *part = grinding.revolution(part, &input);
-            let output = grinding.output_in_cut(part, &input);
-            let keeps = below(output.spindle_power, limits.power)
-                && below(output.normal_force, limits.normal_force)
-                && below(grinding.removal_rate(part, &input), limits.material_removal);
-            keeps.then_some(output)
-        };
-        for _ in 0..found.rough {
-            let output = turn(&mut part, found.rough_infeed)?;
-            if !below(output.temperature_rise, limits.rough_temperature_rise) {
-                return None;
-            }
-        }
-        let roughed = part.stock_removed;
-        for _ in 0..found.finish {
-            turn(&mut part, found.finish_infeed)?;
-        }
-        if found.finish > 0 {
-            let depth_of_cut = found.finish_infeed / (1.0 + self.law.wear);
-            let tends = grinding.output_in_cut(&State { depth_of_cut, ..part }, input);
-            if !below(tends.temperature_rise, limits.finish_temperature_rise) {
-                return None;
-            }
-        }
-        for spark_out in 0..MOST_SPARK_OUT {
-            let revolutions = f64::from(found.rough + found.finish + spark_out);
-            let lag = grinding.output_in_cut(&part, input).lag;
-            let blank = limits.blank_roundness_error * lag.powf(revolutions);
-            let size_error = part.commanded_infeed - part.stock_removed;
-            if part.depth_of_cut <= limits.last_depth
-                && size_error <= limits.size_error
-                && part.depth_of_cut + blank <= limits.roundness_error
-            {
-                let enough = part.stock_removed - roughed >= limits.finish_stock;
-                // More spark-out adds next to nothing once the depth is this small.
-                if enough || part.depth_of_cut < 1e-3 * limits.last_depth {
-                    return enough.then_some(Candidate { spark_out, last_depth: part.depth_of_cut, ..found });
-                }
-            }
-            turn(&mut part, 0.0)?;
-        }
-        None
     }
 }

@@ -1,9 +1,6 @@
 //! Cycle files.
 
-use super::{
-    Cycle, CycleError, CycleLimits, DressingInterval, cycle_time_estimate, dressing_interval,
-    fastest_cycle_while_dulling,
-};
+use super::{Cycle, CycleError, CycleLimits, DressingInterval, cycle_time_estimate, dressing_interval, fastest_cycle};
 use crate::{Infeed, Input, Parameters, SetError, State};
 use std::path::Path;
 use std::sync::Arc;
@@ -61,8 +58,6 @@ pub struct CycleFile {
     pub limits: CycleLimits,
     /// Dressing, where it is asked for.
     pub dressing: Option<DressingPlan>,
-    /// Whether the cycle is designed for a dressed wheel instead of the bluntest one before the next dressing.
-    pub dressed: bool,
 }
 
 static PARAMETERS: Form = Form {
@@ -89,9 +84,6 @@ static DRESSING: Form = Form {
     keys: &record_keys::<{ DressingPlan::<f64>::FIELDS.len() }>(DressingPlan::FIELDS),
 };
 
-/// Words of `wheel`.
-const WHEELS: [&str; 2] = ["dressed", "worst"];
-
 /// Keys of a cycle file.
 pub static CYCLE: Form = Form {
     title: "the cycle file",
@@ -101,12 +93,6 @@ pub static CYCLE: Form = Form {
         Key::default("title", Kind::Text, "", "One line for people"),
         Key::optional("parameter_set", Kind::Text, "Shipped set of the process"),
         Key::optional("effects", Kind::Content(&EFFECT_LIST), "Effects that the parameter set leaves out"),
-        Key::default(
-            "wheel",
-            Kind::Choice(&WHEELS),
-            "worst",
-            "Wheel for which the cycle is designed: dressed, or as blunt as it is for the last part before the next dressing",
-        ),
         Key::optional("parameters", Kind::Table(&PARAMETERS), "Deviations from the parameter set"),
         Key::optional("conditions", Kind::Table(&CONDITIONS), "What the machine does and what surrounds the cut"),
         Key::optional("limits", Kind::Table(&LIMITS), "What the cycle has to keep"),
@@ -141,38 +127,12 @@ impl CycleFile {
         parse(file, text, overrides, &CYCLE, |walk, root| Some(resolve(walk, root)))
     }
 
-    /// Volume of a part per width, m².
-    fn part_volume(&self) -> f64 {
-        std::f64::consts::PI * self.grinding.parameters.work_diameter * self.limits.stock
-    }
-
-    /// The wheel for which the cycle is designed: dressed, or as it is for the last part before the next dressing, which
-    /// comes behind the parts of `interval`, or else at the dressing limit of the parameters.
-    pub fn wheel(&self, interval: Option<&DressingInterval>) -> State {
-        let volume = self.part_volume();
-        let parts = match interval {
-            Some(interval) => f64::from(interval.parts),
-            None => (self.grinding.parameters.dressing_limit / volume).floor().max(1.0),
-        };
-        let removed_volume = if self.dressed { 0.0 } else { volume * (parts - 1.0) };
-        State { removed_volume, ..State::default() }
-    }
-
-    /// The fastest cycle on a wheel in this state.
-    ///
-    /// # Errors
-    /// [`CycleError`].
-    pub fn cycle_on(&self, wheel: &State) -> Result<Cycle, CycleError> {
-        fastest_cycle_while_dulling(&self.grinding, wheel, &self.input, &self.limits)
-    }
-
-    /// The fastest cycle on the wheel for which it is designed.
+    /// The fastest cycle on a dressed wheel.
     ///
     /// # Errors
     /// [`CycleError`].
     pub fn fastest_cycle(&self) -> Result<Cycle, CycleError> {
-        let intervals = if self.dressed { None } else { self.dressing_intervals()? };
-        self.cycle_on(&self.wheel(intervals.as_ref().map(|[_, exact]| exact)))
+        fastest_cycle(&self.grinding, &State::default(), &self.input, &self.limits)
     }
 
     /// The dressing interval by estimated cycles, and by the exact cycle of every part; none
@@ -183,11 +143,11 @@ impl CycleFile {
     pub fn dressing_intervals(&self) -> Result<Option<[DressingInterval; 2]>, CycleError> {
         let Some(plan) = &self.dressing else { return Ok(None) };
         let (grinding, input, limits) = (&self.grinding, &self.input, &self.limits);
-        let volume = self.part_volume();
+        let volume = std::f64::consts::PI * grinding.parameters.work_diameter * limits.stock;
         let wheel = |removed_volume| State { removed_volume, ..State::default() };
         let most = plan.most_parts as u32;
         let estimate = |v: f64| cycle_time_estimate(grinding, &wheel(v), input, limits, plan.finish_infeed);
-        let exact = |v: f64| Ok(self.cycle_on(&wheel(v))?.time);
+        let exact = |v: f64| Ok(fastest_cycle(grinding, &wheel(v), input, limits)?.time);
         Ok(Some([
             dressing_interval(estimate, volume, plan.dressing_time, most)?,
             dressing_interval(exact, volume, plan.dressing_time, most)?,
@@ -232,8 +192,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> CycleFile {
         walk.fault(root.span_of("parameters"), Fault::Content(Arc::new(WheelInBore { wheel, bore })));
     }
     let title = root.text("title").unwrap_or_default().to_owned();
-    let dressed = root.text("wheel") == Some(WHEELS[0]);
-    CycleFile { title, grinding, input, limits, dressing, dressed }
+    CycleFile { title, grinding, input, limits, dressing }
 }
 
 /// A wheel that does not fit into the bore.

@@ -4,10 +4,7 @@ mod design;
 mod dressing;
 mod file;
 
-pub use design::{
-    Cycle, CycleError, CyclePhase, CyclePoint, depth_at_temperature, fastest_cycle, fastest_cycle_while_dulling,
-    grind_cycle,
-};
+pub use design::{Cycle, CycleError, CyclePhase, CyclePoint, depth_at_temperature, fastest_cycle, grind_cycle};
 pub use dressing::{DressingInterval, cycle_time_estimate, dressing_interval};
 pub use file::{CYCLE, CycleFile, DressingPlan};
 
@@ -18,12 +15,10 @@ record! {
     ///
     /// Temperature limits hold for the greatest depth of the rough phase and for the depth to
     /// which the finish phase tends: what the rough phase heats beyond the finish limit, the
-    /// finish stock takes away. Power, force and removal rate are those of every revolution, with the process stiffness
-    /// of that revolution.
+    /// finish stock takes away.
     ///
     /// # Source
-    /// Defaults: assumption. A removal rate of 6 mm²/s is usual for vitrified corundum wheels (assumption); without it a
-    /// soft process would be ground in a few revolutions that no wheel could take.
+    /// Defaults: assumption.
     pub struct CycleLimits {
         /// Radial stock to remove, Z.
         stock: Real["m" => "um"] = 100e-6, 1e-7..=1e-2;
@@ -44,14 +39,6 @@ record! {
         blank_roundness_error: Real["m" => "um"] = 0.0, 0.0..=1e-2;
         /// Greatest infeed per revolution of the machine.
         greatest_infeed: Real["m" => "um"] = 1e-4, 1e-9..=1e-3;
-        /// Greatest power of the wheel spindle, at every revolution.
-        power: Real["W" => "kW"] = 1e6, 1.0..=1e6;
-        /// Greatest normal force, at every revolution.
-        normal_force: Real["N" => "N"] = 1e6, 0.1..=1e6;
-        /// Greatest specific removal rate Q'_w = v_w·h, at every revolution: beyond it the pores of the wheel are full.
-        material_removal: Real["m2/s" => "mm2/s"] = 6e-6, 1e-9..=1e-2;
-        /// Greatest speed of the infeed of the machine.
-        infeed_speed: Real["m/s" => "mm/min"] = 1.0, 1e-9..=1.0;
         /// Step in which the finish infeed can be set.
         infeed_step: Real["m" => "um"] = 0.1e-6, 1e-9..=1e-4;
     }
