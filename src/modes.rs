@@ -65,9 +65,18 @@ fn update(args: &ModesArgs, cuts: &Path, lobes: &Path, voice: &Voice) -> Result<
         voice.data(update.text())?;
     }
     let Some(out) = &args.out else { return Ok(()) };
-    let inputs = [(&args.file, structure.text.as_bytes()), (&cuts.to_owned(), &records), (&lobes.to_owned(), file.text.as_bytes())]
-        .map(|(path, bytes)| (path.display().to_string(), bytes));
-    let changes = ["--coefficients".to_owned(), args.coefficients.to_string(), "--particles".to_owned(), args.particles.to_string()];
+    let inputs = [
+        (&args.file, structure.text.as_bytes()),
+        (&cuts.to_owned(), &records),
+        (&lobes.to_owned(), file.text.as_bytes()),
+    ]
+    .map(|(path, bytes)| (path.display().to_string(), bytes));
+    let changes = [
+        "--coefficients".to_owned(),
+        args.coefficients.to_string(),
+        "--particles".to_owned(),
+        args.particles.to_string(),
+    ];
     let made = provenance("modes", &inputs, changes, None);
     let digests = made.inputs.iter().map(|(name, digest)| format!("{name} ({digest})"));
     let source = format!("{} of {}", made.command, digests.collect::<Vec<_>>().join(", "));

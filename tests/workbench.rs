@@ -277,7 +277,8 @@ fn cuts_of_the_shop_bring_a_structure_file_up_to_date() {
     assert!(speed("new.toml") < speed("lathe.toml"));
     // The same draws, the same text.
     assert_eq!(stdout(&toolroom(&base)), stdout(&toolroom(&base)));
-    fs::write(folder.join("bad.csv"), "spindle_speed [rpm],depth_of_cut [mm],chatter\n3400,0.30,yes\n").expect("writable");
+    fs::write(folder.join("bad.csv"), "spindle_speed [rpm],depth_of_cut [mm],chatter\n3400,0.30,yes\n")
+        .expect("writable");
     let bad = toolroom(&["modes", &old, "--cuts", &place("bad.csv"), "--lobes", &chart]);
     assert!(bad.status.code() == Some(2) && stderr(&bad).contains("bad.csv:2"), "{}", stderr(&bad));
 }

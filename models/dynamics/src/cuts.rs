@@ -89,9 +89,9 @@ pub fn read_shop_cuts(file: &str, text: &str) -> Result<Vec<ShopCut>, ShopCutErr
         let factor = match (place, unit) {
             (0, Some("rpm")) => Some(TAU / 60.0),
             (0, Some("rad/s")) => Some(1.0),
-            (1, Some(unit)) => unit::motion(unit)
-                .filter(|(_, motion)| *motion == Motion::Displacement)
-                .map(|(factor, _)| factor),
+            (1, Some(unit)) => {
+                unit::motion(unit).filter(|(_, motion)| *motion == Motion::Displacement).map(|(factor, _)| factor)
+            }
             (2 | 3, None | Some("1")) => Some(1.0),
             (4, Some(unit)) => unit::frequency(unit),
             (_, _) => None,

@@ -143,12 +143,7 @@ impl Question<'_> {
     }
 
     /// Whether a cut is unstable, and the frequency (Hz) of its limit where one was observed.
-    fn judge(
-        &self,
-        modes: &[Mode],
-        factor: f64,
-        cut: &ShopCut,
-    ) -> Result<(bool, Option<f64>), UpdateError> {
+    fn judge(&self, modes: &[Mode], factor: f64, cut: &ShopCut) -> Result<(bool, Option<f64>), UpdateError> {
         let (speed, depth) = (cut.spindle_speed, cut.depth);
         let answer = match &self.file.cut {
             LobesCut::Milling(milling) => {
@@ -320,10 +315,8 @@ impl ModesUpdate {
         let mut line = |name: String, learnt: &Learnt, scale: f64, unit: &str| {
             let [value, sd, before, sd_before] =
                 [learnt.after[0], learnt.after[1], learnt.before[0], learnt.before[1]].map(|value| value * scale);
-            let _ = writeln!(
-                text,
-                "  {name:22} {value:>10.4} ± {sd:<9.4} {unit:5}  before {before:.4} ± {sd_before:.4}"
-            );
+            let _ =
+                writeln!(text, "  {name:22} {value:>10.4} ± {sd:<9.4} {unit:5}  before {before:.4} ± {sd_before:.4}");
         };
         for (i, (_, [f, zeta, k])) in self.modes.iter().enumerate() {
             line(format!("m{} natural frequency", i + 1), f, 1.0, "Hz");
@@ -474,10 +467,7 @@ fn surprise(prior: &[Particle], cuts: &[ShopCut], seed: u64) -> f64 {
 }
 
 /// The cut of the chart that would tell most: where the particles agree least.
-fn next(
-    question: &Question<'_>,
-    values: &[(Vec<Mode>, f64)],
-) -> Result<Option<(f64, f64, f64)>, UpdateError> {
+fn next(question: &Question<'_>, values: &[(Vec<Mode>, f64)]) -> Result<Option<(f64, f64, f64)>, UpdateError> {
     let chart = &question.file.chart;
     let ([columns, rows], judges) = NEXT;
     let step = (values.len() / judges).max(1);
@@ -566,7 +556,8 @@ mod tests {
         let (structure, file) = case();
         let options = UpdateOptions { particles: 1500, seed: 3, coefficients: 0.0 };
         let found = ModesUpdate::new(&structure, &file, &cuts(&CUTS), &options).unwrap();
-        for (learnt, [mean, sd]) in found.modes[0].1.iter().zip([[579.08, 7.15], [0.02913, 0.00449], [10.54e6, 0.92e6]]) {
+        for (learnt, [mean, sd]) in found.modes[0].1.iter().zip([[579.08, 7.15], [0.02913, 0.00449], [10.54e6, 0.92e6]])
+        {
             // Within 0.15 standard deviations, and the noise of so many particles; the grid ends at three.
             assert!((learnt.after[0] - mean).abs() < 0.2 * sd, "{learnt:?} {mean}");
             assert!((learnt.after[1] / sd - 1.0).abs() < 0.15, "{learnt:?} {sd}");
