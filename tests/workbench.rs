@@ -133,7 +133,11 @@ fn maps_show_what_a_point_tells() {
     };
     let at = |name: &str, speed: &str, depth: &str| -> Option<f64> {
         let rows = rows(name);
-        let row = rows.iter().find(|row| row[0] == speed && row[1] == depth).expect("the point is on the grid");
+        let is = |cell: &str, value: &str| {
+            let [cell, value] = [cell, value].map(|text| text.parse::<f64>().expect("a number"));
+            (cell - value).abs() < 1e-9 * value
+        };
+        let row = rows.iter().find(|row| is(&row[0], speed) && is(&row[1], depth)).expect("the point is on the grid");
         row[2].parse().ok()
     };
     // A stable point of the grid, and an unstable one.
