@@ -232,8 +232,10 @@ fn columns(
             (cap, bound) = (stable[i], Bound::Stability);
         }
         for (limited, depths) in limits {
-            if depths[i] < cap {
-                (cap, bound) = (depths[i], Bound::Limit(*limited));
+            // Within the limit by more than rounding.
+            let kept = depths[i] * (1.0 - 1e-9);
+            if kept < cap {
+                (cap, bound) = (kept, Bound::Limit(*limited));
             }
         }
         if cap > 0.0 {
