@@ -55,14 +55,15 @@ fn an_inner_corner_engages_a_right_angle_more() {
         let text = text.replace("G1 X60\nY80\n", &format!("G1 X{end}\n"));
         let (cuts, _) = run(&text, stock, 5e-3);
         let degrees = cuts[2].sampled.to_degrees();
-        assert!((degrees - angle).abs() < 2e-3, "{before}: {degrees}");
+        // The reference counts points of the rim, to 0.003 deg.
+        assert!((degrees - angle).abs() < 3e-3, "{before}: {degrees}");
     }
 }
 
 #[test]
 fn what_is_engaged_is_what_is_gone() {
     let (radius, stock) = (4e-3, block(0.06, 0.04));
-    let text = "G0 X-6 Y0 Z-3\nG1 X66 F500\nG0 Z5\nX-6 Y5 Z5\nZ-3\nG1 X30\nG2 X44 Y19 R14\nG1 Y50\nG0 Z5\nX15 Y25\nG1 Z-6\nG3 I5\nX20 Y30 Z-2\n";
+    let text = "G0 X-6 Y0 Z-3\nG1 X66 F500\nG0 Z5\nX-6 Y5 Z5\nZ-3\nG1 X30\nG2 X44 Y19 R14\nG1 Y50\nG0 Z5\nX15 Y25\nG1 Z-6\nG3 I5\nG1 X20 Y30 Z-2\n";
     let (cuts, cutting) = run(text, stock, radius);
     let sum: f64 = cuts.iter().map(|cut| cut.removed).sum();
     assert!((sum - cutting.removed()).abs() < 1e-15);
