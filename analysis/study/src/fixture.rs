@@ -91,6 +91,7 @@ pub(crate) fn scenario() -> Scenario {
         name: "fixture".to_owned(),
         title: "Two lathes <and> a grinder".to_owned(),
         start: None,
+        defined: Vec::new(),
         seed: 42,
         replications: 20,
         horizon: 3600.0,

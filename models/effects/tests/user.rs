@@ -1,6 +1,6 @@
 //! Effects that users write as formulas.
 
-use num_dual::{Dual64, DualNum};
+use num_dual::Dual64;
 use toolroom_effects::{Context, Definition, Effect, Effects, Terms, UserEffect, parse_definitions, vocabulary};
 use toolroom_form::ReadError;
 use toolroom_process::AnyRecord;

@@ -89,6 +89,7 @@ fn scenario() -> Scenario {
         name: "bench".to_owned(),
         title: "bench".to_owned(),
         start: None,
+        defined: Vec::new(),
         seed: 1,
         replications: 1,
         horizon: 28_800.0,

@@ -275,7 +275,7 @@ fn the_phase_of_a_varying_speed_counts() {
     let cut = Milling {
         modes: vec![Mode { direction: [1.0, 0.0], natural_frequency: 922.0, damping_ratio: 0.011, stiffness: 1.34e6 }],
         cutter: Cutter::straight(2, 0.02),
-        engagement: Engagement::new(0.25, Direction::Down).unwrap(),
+        engagement: Engagement::new(0.25, Down).unwrap(),
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
     };

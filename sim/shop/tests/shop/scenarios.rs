@@ -192,6 +192,7 @@ pub fn scenario() -> Scenario {
         name: "test".to_owned(),
         title: "test".to_owned(),
         start: None,
+        defined: Vec::new(),
         seed: 11,
         replications: 1,
         horizon: 1000.0,
