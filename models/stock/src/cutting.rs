@@ -9,6 +9,10 @@ use toolroom_program::{Motion, Path};
 
 /// Difference between bound and samples that is not refined further, rad.
 const FINE: f64 = 0.5 * PI / 180.0;
+/// Sections of chips of one step differ by no more than this share.
+const ALIKE: f64 = 0.1;
+/// Half a step is no longer than this share of the cutter's radius.
+const LONGEST: f64 = 0.25;
 /// Steps are not halved below this share of the cutter's radius.
 const SHORTEST: f64 = 0.02;
 /// Share of the axial depth by which the floor may change within a piece of a ramp.
@@ -95,7 +99,7 @@ impl Cutting {
     ///
     /// The engaged angle of a step is measured at its ends and its middle, and bounded in between: every point of the rim is
     /// taken to be deeper in material by the way that it moves from the middle. Steps are halved until both differ by less than
-    /// half a degree, or to a fiftieth of the cutter's radius.
+    /// half a degree and the sections of the chips by less than a tenth, or to a fiftieth of the cutter's radius.
     pub fn motion(&mut self, motion: &Motion, tool: &Tool, speed: f64) -> Cut {
         let mut cut = Cut::default();
         if motion.rapid && motion.unknown {
@@ -180,7 +184,12 @@ impl Cutting {
             }
             let samples = [from, middle, to].map(|way| at(way, middle_height, 0.0));
             let sampled = samples.iter().map(Engaged::angle).fold(0.0, f64::max);
-            if bound.angle() - sampled > FINE && half * moves > SHORTEST * tool.radius {
+            let [first, second, third] = [&samples[0], &samples[1], &samples[2]].map(|own| own.area(tool.radius));
+            let [most, least] = [first.max(second).max(third), first.min(second).min(third)];
+            // The angle needs its bound close; volume and air need sections of chips that are alike, and near each other.
+            let coarse =
+                bound.angle() - sampled > FINE || most - least > ALIKE * most || half * moves > LONGEST * tool.radius;
+            if coarse && half * moves > SHORTEST * tool.radius {
                 open.extend([(middle, to), (from, middle)]);
                 continue;
             }
@@ -188,7 +197,6 @@ impl Cutting {
             cut.bound = cut.bound.max(bound.angle());
             cut.depth = cut.depth.max(bound.depth());
             // Simpson's rule over the step.
-            let [first, second, third] = [&samples[0], &samples[1], &samples[2]].map(|own| own.area(tool.radius));
             cut.removed += (to - from) * (first + 4.0 * second + third) / 6.0;
             if sampled == 0.0 {
                 *air += to - from;

@@ -55,8 +55,8 @@ fn an_inner_corner_engages_a_right_angle_more() {
         let text = text.replace("G1 X60\nY80\n", &format!("G1 X{end}\n"));
         let (cuts, _) = run(&text, stock, 5e-3);
         let degrees = cuts[2].sampled.to_degrees();
-        // The reference counts points of the rim, to 0.003 deg.
-        assert!((degrees - angle).abs() < 3e-3, "{before}: {degrees}");
+        // The reference counts points of the rim, to 0.003 deg, and is printed to 0.001.
+        assert!((degrees - angle).abs() < 4e-3, "{before}: {degrees}");
     }
 }
 
