@@ -23,18 +23,6 @@ pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
     }
 }
 
-/// A confidence between 50 and 99.9 %: `0.9`, `90 %`.
-pub fn confidence(text: &str) -> Result<f64, String> {
-    let share = match text.trim().strip_suffix('%') {
-        Some(percent) => percent.trim().parse::<f64>().map(|percent| percent / 100.0),
-        None => text.trim().parse(),
-    };
-    match share {
-        Ok(share) if (0.5..=0.999).contains(&share) => Ok(share),
-        _ => Err("a confidence from 0.5 to 0.999 is due, such as 0.9 or 90%".to_owned()),
-    }
-}
-
 /// What the arguments ask for; `costs` are those of a study file.
 fn request(statistics: &Statistics, costs: Option<Costs>) -> Result<Request, Failure> {
     let costs = match statistics.costs[..] {
@@ -54,15 +42,4 @@ fn request(statistics: &Statistics, costs: Option<Costs>) -> Result<Request, Fai
         seed: statistics.seed.unwrap_or(1),
         ..Request::default()
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_confidence_is_read_as_people_write_it() {
-        assert_eq!([confidence("0.9"), confidence("90%"), confidence("90 %")], [Ok(0.9), Ok(0.9), Ok(0.9)]);
-        assert!(["0", "1", "9", "x"].iter().all(|text| confidence(text).is_err()));
-    }
 }

@@ -6,7 +6,6 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
-mod args;
 mod calibrate;
 mod check;
 mod coefficients;
@@ -49,6 +48,7 @@ use clap::Parser;
 use failure::Failure;
 use speak::Voice;
 use std::process::ExitCode;
+use toolroom_arguments as args;
 use toolroom_output::{memory, signals};
 
 fn main() -> ExitCode {

@@ -81,7 +81,7 @@ fn effects() -> String {
         | id | what it is | size | processes | shows in | source |\n|---|---|---|---|---|---|\n"
         .to_owned();
     let word = |value: &Value| value.as_str().unwrap_or_default().replace('|', "\\|");
-    for effect in catalogue_json()["effects"].as_array().into_iter().flatten() {
+    for effect in catalogue_json(&[])["effects"].as_array().into_iter().flatten() {
         let list = |value: &Value, of: &dyn Fn(&Value) -> String| {
             value.as_array().into_iter().flatten().map(of).collect::<Vec<_>>().join(", ")
         };

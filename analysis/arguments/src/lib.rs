@@ -1,7 +1,8 @@
-//! The command line as clap reads it.
+//! The command line as clap reads it: verbs, options and their help.
 
-// Doc comments are help texts here: `time [s]` is a column, not a link.
-#![allow(rustdoc::broken_intra_doc_links)]
+#![deny(clippy::wildcard_enum_match_arm)]
+// Doc comments are help texts here: `time [s]` is a column, not a link, and what groups options has no text of its own.
+#![allow(rustdoc::broken_intra_doc_links, missing_docs)]
 
 mod calibrate;
 mod calibration_data;
@@ -34,6 +35,7 @@ use toolroom_fmu::{Entry, Platform, units};
 /// Constant against adaptive cutting speed in a simulated machining shop.
 #[derive(Parser, Debug)]
 #[command(
+    name = "toolroom",
     version,
     before_help = "Examples:
   toolroom demo                                   the shipped shop, every policy, in seconds
@@ -678,7 +680,7 @@ pub struct Statistics {
     #[arg(long, num_args = 2, value_names = ["PLANNED", "FAILURE"])]
     pub costs: Vec<f64>,
     /// Confidence of intervals and bands
-    #[arg(long, default_value_t = 0.9, value_parser = crate::life::confidence)]
+    #[arg(long, default_value_t = 0.9, value_parser = confidence)]
     pub confidence: f64,
     /// Resampled refits behind the bands
     #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u32).range(20..=100_000))]
@@ -819,4 +821,27 @@ pub struct DiffArgs {
     pub one: PathBuf,
     /// Directory of another
     pub two: PathBuf,
+}
+
+/// A confidence between 50 and 99.9 %: `0.9`, `90 %`.
+pub fn confidence(text: &str) -> Result<f64, String> {
+    let share = match text.trim().strip_suffix('%') {
+        Some(percent) => percent.trim().parse::<f64>().map(|percent| percent / 100.0),
+        None => text.trim().parse(),
+    };
+    match share {
+        Ok(share) if (0.5..=0.999).contains(&share) => Ok(share),
+        _ => Err("a confidence from 0.5 to 0.999 is due, such as 0.9 or 90%".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_confidence_is_read_as_people_write_it() {
+        assert_eq!([confidence("0.9"), confidence("90%"), confidence("90 %")], [Ok(0.9), Ok(0.9), Ok(0.9)]);
+        assert!(["0", "1", "9", "x"].iter().all(|text| confidence(text).is_err()));
+    }
 }
