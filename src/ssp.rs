@@ -74,10 +74,12 @@ fn open(path: &Path) -> Result<Package, Failure> {
 
 #[cfg(feature = "fmu-import")]
 fn sim(args: &crate::args::SspSimArgs, voice: &Voice) -> Result<(), Failure> {
+    use crate::fmu::sim::UnitRun;
     use toolroom_ssp::{Experiment, MasterError, Order, System};
 
     let files = Files::new([args.file.as_path()], voice.force);
-    args.run.check(&files, voice)?;
+    let run = UnitRun(&args.run);
+    run.check(&files, voice)?;
     let stop = seconds("--stop", args.run.stop.as_deref())?;
     let experiment = Experiment { stop, step: seconds("--step", args.run.step.as_deref())? };
     let order = match args.order.as_str() {
@@ -93,7 +95,7 @@ fn sim(args: &crate::args::SspSimArgs, voice: &Voice) -> Result<(), Failure> {
         Failure::argument(error, "`toolroom ssp info` shows units, signals and start values")
     };
     let mut package = open(&args.file)?;
-    let system = System::load(&mut package, &args.run.start_values()?, &args.run.isolation()?).map_err(failed)?;
-    let done = args.run.table(&files, voice, |table| system.simulate(&experiment, &order, table))?;
-    args.run.report(&args.file, ("ssp_version", &package.structure().version), done.map_err(failed)?, voice)
+    let system = System::load(&mut package, &run.start_values()?, &run.isolation()?).map_err(failed)?;
+    let done = run.table(&files, voice, |table| system.simulate(&experiment, &order, table))?;
+    run.report(&args.file, ("ssp_version", &package.structure().version), done.map_err(failed)?, voice)
 }

@@ -22,48 +22,52 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
         Some(FmuInterface::CoSimulation) => Driven::CoSimulation,
         Some(FmuInterface::ModelExchange) => Driven::ModelExchange,
     };
-    args.run.check(&files, voice)?;
-    let unit = Unit::load_driven(&args.file, &args.run.isolation()?, driven).map_err(not_loaded)?;
+    let run = UnitRun(&args.run);
+    run.check(&files, voice)?;
+    let unit = Unit::load_driven(&args.file, &run.isolation()?, driven).map_err(not_loaded)?;
     let unit = Arc::new(unit);
     let experiment = Experiment {
         start: None,
         stop: seconds("--stop", args.run.stop.as_deref())?,
         step: seconds("--step", args.run.step.as_deref())?,
-        start_values: args.run.start_values()?,
+        start_values: run.start_values()?,
     };
     let inputs = args.input.as_deref().map(|path| inputs(&unit, &experiment.start_values, path)).transpose()?;
     let left_out = left_out(unit.description(), &experiment.start_values);
     if !left_out.is_empty() {
         voice.say(format_args!("left out, since no table can hold it: {}", left_out.join(", ")));
     }
-    let done = args.run.table(&files, voice, |table| simulate(&unit, &experiment, inputs.as_ref(), table))?;
+    let done = run.table(&files, voice, |table| simulate(&unit, &experiment, inputs.as_ref(), table))?;
     let done = done.map_err(|error| failed(error, args.run.output.as_ref()))?;
-    args.run.report(&args.file, ("fmi_version", &unit.description().fmi_version), done, voice)
+    run.report(&args.file, ("fmi_version", &unit.description().fmi_version), done, voice)
 }
 
-impl UnitRunArgs {
+/// A simulation of units, as the options that all such verbs share ask for it.
+pub struct UnitRun<'a>(pub &'a UnitRunArgs);
+
+impl UnitRun<'_> {
     /// That the table has a place, before anything runs.
     pub fn check(&self, files: &Files, voice: &Voice) -> Result<(), Failure> {
-        if voice.json && self.output.is_none() {
+        if voice.json && self.0.output.is_none() {
             return Err(Failure::argument("--json and the table both go to standard output", "give --output CSV"));
         }
-        self.output.as_ref().map_or(Ok(()), |path| Ok(files.check(path)?))
+        self.0.output.as_ref().map_or(Ok(()), |path| Ok(files.check(path)?))
     }
 
     /// Where the code of units runs.
     pub fn isolation(&self) -> Result<Isolation, Failure> {
-        let isolation = match self.isolation {
+        let isolation = match self.0.isolation {
             FmuIsolation::Process => UnitIsolation::Process,
             FmuIsolation::None => UnitIsolation::None,
         };
-        let limit = seconds("--call-limit", Some(&self.call_limit))?.filter(|limit| *limit > 0.0);
+        let limit = seconds("--call-limit", Some(&self.0.call_limit))?.filter(|limit| *limit > 0.0);
         let limit = limit.ok_or_else(|| Failure::argument("--call-limit has to be above 0 s", "such as \"10 s\""))?;
         Ok(Isolation::of(isolation, Some(limit)))
     }
 
     /// Start values by name.
     pub fn start_values(&self) -> Result<BTreeMap<String, String>, Failure> {
-        named_values(&self.start).map_err(|error| Failure::argument(error, "such as --start tool.set=ni_vk6om"))
+        named_values(&self.0.start).map_err(|error| Failure::argument(error, "such as --start tool.set=ni_vk6om"))
     }
 
     /// Runs `simulate` with the place of the table; what came before a failure stays.
@@ -73,7 +77,7 @@ impl UnitRunArgs {
         voice: &Voice,
         simulate: impl FnOnce(&mut dyn Write) -> Result<D, E>,
     ) -> Result<Result<D, E>, Failure> {
-        let Some(path) = &self.output else {
+        let Some(path) = &self.0.output else {
             let mut table = Vec::new();
             let done = simulate(&mut table);
             voice.raw(String::from_utf8_lossy(&table).trim_end())?;
@@ -101,10 +105,10 @@ impl UnitRunArgs {
                 "step [s]": step,
                 "steps": steps,
                 "ended_by_unit": ended,
-                "output": self.output,
+                "output": self.0.output,
             }));
         }
-        let to = self.output.as_ref().map_or(String::new(), |path| format!("wrote {}: ", path.display()));
+        let to = self.0.output.as_ref().map_or(String::new(), |path| format!("wrote {}: ", path.display()));
         let end = if ended { ", where a unit ended the simulation" } else { "" };
         voice.say(format_args!("{to}{steps} steps of {step} s from {start} s to {stop} s{end}"));
         Ok(())
