@@ -136,7 +136,7 @@ pub static KINDS: &[FileKind] = &[
     FileKind {
         word: "lobes",
         doc: "A stability chart, for lobes",
-        signs: &["chart", "mode", "engagement", "chuck", "lathe", "point"],
+        signs: &["chart", "mode", "chuck", "lathe", "point"],
         read: Some(readers::chart),
         form: Described::By(&LOBES),
     },
