@@ -114,7 +114,9 @@ fn arguments(asked: &LobesArgs) -> Vec<String> {
 fn workbench(study: &mut ChartStudy<'_>, asked: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     let failed = |error: MapError| match error {
         MapError::Refused(error) => refused(error),
-        error => Failure::argument(error, "see docs/dynamics.md"),
+        error @ (MapError::Process { .. } | MapError::NoFeed { .. }) => {
+            Failure::argument(error, "see docs/dynamics.md")
+        }
     };
     if let Some(depth) = &asked.robust {
         let speed = study.file.cut.axes().speed;
@@ -165,7 +167,7 @@ fn pitch(file: &LobesFile, window: [&String; 2], voice: &Voice) -> Result<(), Fa
     }
     let best = file.best_pitch(speeds).map_err(|error| match error {
         PitchError::Refused(error) => refused(error),
-        error => Failure::argument(error, FIX),
+        error @ (PitchError::Process | PitchError::Window) => Failure::argument(error, FIX),
     })?;
     if voice.json { voice.json(&best.json()) } else { voice.data(best.text()) }
 }
@@ -185,7 +187,9 @@ fn history(
     let out = OutputDir::create(target, HISTORY_NAMES, inputs, voice.force)?;
     let history = file.content.history(place).map_err(|error| match error {
         HistoryError::Refused(error) => refused(error),
-        error => Failure::argument(error, "see docs/dynamics.md"),
+        error @ (HistoryError::Process | HistoryError::NoFeed { .. }) => {
+            Failure::argument(error, "see docs/dynamics.md")
+        }
     })?;
     let inputs = [(path.display().to_string(), file.text.as_bytes())];
     let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);

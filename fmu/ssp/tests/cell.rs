@@ -94,10 +94,6 @@ fn compared(policy: &str, version: Version, bound: f64) {
     let late = simulated(&path, &Order::Jacobi, 1.0);
     let used = shop.iter().take_while(|row| row[0] < STOP).last().expect("passes")[2];
     let [fine_error, coarse_error, late_error] = [&fine, &coarse, &late].map(|rows| difference(&shop, rows));
-    println!(
-        "{policy}: {fine_error:.1e} at 0.25 s, {coarse_error:.1e} at 1 s, by Jacobi {late_error:.1e}, {used} edges of {}",
-        fine.last().expect("rows")[2]
-    );
     assert!(used >= 2.0 && (fine.last().expect("rows")[2] - used).abs() <= 1.0, "{policy}: {used} edges");
     // A pass ends between two communication points: the next one, and an edge, begin up to a step early.
     assert!(fine_error < bound && fine_error < coarse_error, "{policy}: {fine_error}, {coarse_error}");

@@ -230,9 +230,9 @@ impl Effect {
     /// The same effect at size zero in the shape that it has by default.
     #[must_use]
     pub fn default_shape(&self) -> Self {
-        match self {
-            Self::User(own) => Self::User(UserEffect::new(own.definition())),
-            other => Self::named(other.entry().id).unwrap_or(*other),
+        match self.definition() {
+            Some(definition) => Self::User(UserEffect::new(definition)),
+            None => Self::named(self.entry().id).unwrap_or(*self),
         }
     }
 

@@ -88,7 +88,7 @@ const TAPPING: f64 = 175.0 / 60.0 * std::f64::consts::TAU;
 
 impl Drives {
     /// Time of the spindle from rest to `speed`, rad/s, or back to rest, s.
-    fn from_rest(&self, speed: f64, braking: bool) -> f64 {
+    fn time_from_rest(&self, speed: f64, braking: bool) -> f64 {
         let (constant, base) = if braking && self.braking_constant > 0.0 {
             (self.braking_constant, self.braking_base_speed)
         } else {
@@ -115,19 +115,19 @@ impl Drives {
     /// ```
     pub fn spindle_ramp(&self, from: f64, to: f64) -> f64 {
         if from * to < 0.0 {
-            return self.from_rest(from.abs(), true) + self.from_rest(to.abs(), false);
+            return self.time_from_rest(from.abs(), true) + self.time_from_rest(to.abs(), false);
         }
         let (from, to) = (from.abs(), to.abs());
         if to >= from {
-            self.from_rest(to, false) - self.from_rest(from, false)
+            self.time_from_rest(to, false) - self.time_from_rest(from, false)
         } else {
-            self.from_rest(from, true) - self.from_rest(to, true)
+            self.time_from_rest(from, true) - self.time_from_rest(to, true)
         }
     }
 
     /// Time of a reversal in rigid tapping at `speed`, rad/s, in s.
     pub(crate) fn tap_reversal(&self, speed: f64) -> f64 {
-        let ramp = |speed: f64| self.from_rest(speed, false);
+        let ramp = |speed: f64| self.time_from_rest(speed, false);
         if self.tap_reversal <= 0.0 {
             self.spindle_ramp(speed, -speed)
         } else if ramp(TAPPING) > 0.0 {

@@ -232,7 +232,7 @@ impl Timer {
     }
 
     /// A motion from the place of the tool change or from the reference point, which the program does not know.
-    fn from_machine(&mut self, key: usize, motion: &Motion, done: &mut Vec<Spent>) -> bool {
+    fn leaves_machine_place(&mut self, key: usize, motion: &Motion, done: &mut Vec<Spent>) -> bool {
         let drives = self.drives;
         let time = match self.place {
             Place::Work => 0.0,
@@ -256,7 +256,7 @@ impl Timer {
     fn motion(&mut self, key: usize, motion: &Motion, done: &mut Vec<Spent>) {
         let drives = self.drives;
         if motion.rapid {
-            if self.from_machine(key, motion, done) {
+            if self.leaves_machine_place(key, motion, done) {
                 return;
             }
             let ways = drives.rapid_ways(motion);

@@ -9,7 +9,7 @@ use super::program::{Block, Program};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::ChangeReason;
-use toolroom_contour::{EdgeForce, Engagement, HelicalCut};
+use toolroom_contour::{EdgeForce, HelicalCut};
 use toolroom_cutting::{Milling, MillingInput, MillingState};
 use toolroom_process::Record;
 use toolroom_scenario::ProcessModel;
@@ -93,7 +93,7 @@ fn program(plan: &ContourPlan, allowance: f64, ports: &Ports) -> Program {
     };
     let idle = Block { duration: plan.idle_time, commands: commands(&[(ports.engaged, 0.0)]) };
     let sections = plan.sections.iter().map(|section| {
-        let immersion = Engagement::new(section.shape, plan.cutter_radius, allowance).immersion;
+        let immersion = section.engagement(plan.cutter_radius, allowance).immersion;
         Block {
             duration: section.time,
             commands: commands(&[
@@ -132,7 +132,7 @@ fn form_error(
     };
     let mut greatest = plan.corner_error;
     for section in &plan.sections {
-        let engagement = Engagement::new(section.shape, plan.cutter_radius, allowance);
+        let engagement = section.engagement(plan.cutter_radius, allowance);
         let input = MillingInput {
             cutting_speed: section.cutting_speed,
             feed_per_tooth: section.feed_per_tooth,

@@ -32,7 +32,6 @@ const WIDE: usize = 2;
 
 /// Why the vibration at a point cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum HistoryError {
     /// A cut that is not simulated.
     #[error("a vibration over time is simulated of milling and turning at constant speed")]

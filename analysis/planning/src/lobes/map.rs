@@ -69,7 +69,6 @@ impl MapKind {
 
 /// Why a map cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum MapError {
     /// The cut has no such quantity.
     #[error("a map of {map} is drawn of {of}")]
@@ -222,8 +221,11 @@ fn equal_rates(mut map: HeatMap, of: &ChartMap) -> HeatMap {
     map
 }
 
-/// The limits of the file over the chart: label, points in shown units and style of every stretch.
-pub(super) fn limit_lines(study: &ChartStudy<'_>) -> Vec<(String, Vec<(f64, f64)>, Style)> {
+/// A stretch of a line: label, points in shown units and style.
+pub(super) type Stretch = (String, Vec<(f64, f64)>, Style);
+
+/// The limits of the file over the chart.
+pub(super) fn limit_lines(study: &ChartStudy<'_>) -> Vec<Stretch> {
     let file = study.file;
     let axes = file.cut.axes();
     let greatest = file.chart.depth.end;

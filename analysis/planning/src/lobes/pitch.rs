@@ -30,7 +30,6 @@ const STEPS: usize = 24;
 
 /// Why no pitch is searched.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum PitchError {
     /// A cut of another kind.
     #[error("a pitch is searched of milling at constant speed with two teeth and more, without runout")]
@@ -119,7 +118,7 @@ enum Family {
 
 impl Family {
     fn of(teeth: usize) -> Vec<Self> {
-        match (teeth % 2 == 0, teeth > 2) {
+        match (teeth.is_multiple_of(2), teeth > 2) {
             (true, true) => vec![Self::Alternating, Self::Linear],
             (true, false) => vec![Self::Alternating],
             (false, _) => vec![Self::Linear],
@@ -139,7 +138,7 @@ impl Family {
         let equal = TAU / teeth as f64;
         let middle = 0.5 * (teeth - 1) as f64;
         let angle = |j: usize| match self {
-            Self::Alternating => equal + if j % 2 == 0 { apart } else { -apart },
+            Self::Alternating => equal + if j.is_multiple_of(2) { apart } else { -apart },
             Self::Linear => equal + apart * (j as f64 - middle),
         };
         (0..teeth).map(angle).collect()

@@ -20,6 +20,9 @@ use toolroom_chatter::{ChatterError, Direction, Draw, Engagement, Milling, Mode,
 use toolroom_dynamics::ShopCut;
 use toolroom_lobes::{LobesCut, LobesFile, Structure};
 
+/// Modes and the factor of the force coefficients that one particle stands for.
+type Values = (Vec<Mode>, f64);
+
 /// Probability that a record of chatter is wrong (assumption).
 const WRONG: f64 = 0.05;
 /// Relative standard deviation of an observed chatter frequency about that of the limit (assumption).
@@ -234,8 +237,8 @@ impl ModesUpdate {
         let prior: Vec<Particle> = (0..count).into_par_iter().map(draw).collect::<Result<_, _>>()?;
         let (posterior, evidence) = tempered(&question, prior.clone(), options.seed)?;
         let old = question.particle(vec![0.0; size])?;
-        let values: Vec<(Vec<Mode>, f64)> = posterior.iter().map(|particle| question.values(&particle.z)).collect();
-        let learnt = |median: f64, sd: f64, of: &dyn Fn(&(Vec<Mode>, f64)) -> f64| {
+        let values: Vec<Values> = posterior.iter().map(|particle| question.values(&particle.z)).collect();
+        let learnt = |median: f64, sd: f64, of: &dyn Fn(&Values) -> f64| {
             let mean = values.iter().map(of).sum::<f64>() / values.len() as f64;
             let square = values.iter().map(|value| (of(value) - mean).powi(2)).sum::<f64>();
             Learnt { before: [median, sd * median], after: [mean, (square / values.len() as f64).sqrt()] }

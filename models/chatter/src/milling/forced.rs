@@ -28,6 +28,10 @@ pub struct Forced {
 
 /// Harmonics of the tooth-passing frequency that are summed.
 const HARMONICS: usize = 200;
+
+/// Origin and span of the angle (rad), and the coefficients of the force in it (N).
+type ForceSeries = (f64, f64, Vec<Vector2<Complex<f64>>>);
+
 /// Samples of the displacement over a period.
 const SAMPLES: usize = 1000;
 
@@ -108,7 +112,7 @@ impl Milling {
         let column = |speed: &f64| {
             positive("spindle_speed", *speed)?;
             let responses: Vec<_> = (0..=HARMONICS).map(|r| self.frequency_response(r as f64 * speed / span)).collect();
-            let left = |series: &Option<(f64, f64, Vec<Vector2<Complex<f64>>>)>| {
+            let left = |series: &Option<ForceSeries>| {
                 series.as_ref().map_or(0.0, |(origin, base, forces)| {
                     let motion: Vec<_> = forces.iter().zip(&responses).map(|(force, g)| g * force).collect();
                     sign * sum(&motion, (self.wall() - origin) / base)[1]

@@ -1,8 +1,10 @@
 //! Contours: spindle speed and feed for every section, planned once for machine and tool.
 
 use crate::{ContourRule, ContourWork, MachineType, ProcessModel, ToolType};
+use std::f64::consts::PI;
 use toolroom_contour::{
-    ContourError, CornerPolicy, Economics, Machine, Milling, Objective, Parameters, Planner, Shape, corner_undershoot,
+    ContourError, CornerPolicy, Economics, Engagement, Machine, Milling, Objective, Parameters, Planner, Shape,
+    corner_undershoot,
 };
 
 /// Why a contour cannot be planned for a tool.
@@ -48,6 +50,21 @@ pub struct ContourSection {
     pub path_error: f64,
     /// Deflection that the programme takes back, m.
     pub compensation: f64,
+    /// Angle by which the cutter is engaged further than by the wall of the section alone, rad: near a hollow wall, where
+    /// the plan holds limits along the path.
+    pub engaged_further: f64,
+}
+
+impl ContourSection {
+    /// Engagement of a cutter of a radius (m) in an allowance (m), which may differ from the planned one.
+    pub fn engagement(&self, cutter_radius: f64, allowance: f64) -> Engagement {
+        let alone = Engagement::new(self.shape, cutter_radius, allowance);
+        if self.engaged_further == 0.0 {
+            return alone;
+        }
+        let angle = (alone.angle + self.engaged_further).clamp(0.0, PI);
+        Engagement { angle, immersion: cutter_radius * (1.0 - angle.cos()) }
+    }
 }
 
 /// A pass around a contour as it is run.
@@ -119,13 +136,18 @@ impl ContourPlan {
         }
         .map_err(refuse)?;
         let compensated = pass.deflection_compensation / cutter.stiffness();
-        let sections = planner.contour().sections.iter().zip(&plan.sections).map(|(section, planned)| ContourSection {
-            shape: content.contour.shape(section),
-            cutting_speed: planned.evaluation.cutting_speed,
-            feed_per_tooth: planned.setting.feed_per_tooth,
-            time: planned.time,
-            path_error: planned.evaluation.path_error,
-            compensation: compensated * planned.evaluation.forces.normal,
+        let pieces = planner.contour().sections.iter().zip(planner.pieces());
+        let sections = pieces.zip(&plan.sections).map(|((section, piece), planned)| {
+            let shape = content.contour.shape(section);
+            ContourSection {
+                shape,
+                cutting_speed: planned.evaluation.cutting_speed,
+                feed_per_tooth: planned.setting.feed_per_tooth,
+                time: planned.time,
+                path_error: planned.evaluation.path_error,
+                compensation: compensated * planned.evaluation.forces.normal,
+                engaged_further: piece.engagement.angle - Engagement::new(shape, cutter.radius(), pass.allowance).angle,
+            }
         });
         let gain = parameters.machine.position_gain;
         let undershoot = |corner: &toolroom_contour::CornerMove| match content.models.corners {
