@@ -368,7 +368,7 @@ fn bad_contours_are_refused_with_reason_and_place() {
         "{SETUP}[[section]]\narc_to = [\"20 mm\", \"0 mm\"]\ncenter = [\"11 mm\", \"0 mm\"]\ndirection = \"left\"\n"
     );
     let (code, line, message) = refused(&missed, &[]);
-    assert_eq!((code.as_str(), line), ("arc-misses-end", 13));
+    assert_eq!((code.as_str(), line), ("arc-misses-end", 14));
     assert!(message.contains("2.0000 mm"), "{message}");
     let tight = format!("{SETUP}{DRAWN}").replace("radius = \"25 mm\"", "radius = \"15 mm\"");
     let (code, line, message) = refused(&tight, &[]);

@@ -38,7 +38,7 @@ pub fn point(
     let Some(life_model) = models.into_iter().find(|model| model.name() == life_model) else {
         return Err(Failure::argument(format_args!("there is no life model \"{life_model}\""), "quasi_steady, ode"));
     };
-    let options = PointOptions { tool, changes, effects, advance, life_model };
+    let options = PointOptions { tool, changes, effects, defined: Vec::new(), advance, life_model };
     through(py, move || {
         let numbers: Vec<Vec<f64>> = axes.iter().map(|(_, bytes, _)| numbers(bytes)).collect();
         let axes: Vec<Axis<'_>> =

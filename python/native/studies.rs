@@ -362,6 +362,7 @@ pub fn apply(
     let diagnosis: Value = serde_json::from_str(diagnosis).map_err(Failure::work)?;
     let text = std::fs::read_to_string(&model).map_err(|error| Failure::file(&model, &error))?;
     let request = ApplyRequest {
+        empirical: false,
         text: &text,
         overrides: &set,
         diagnosis: &diagnosis,
