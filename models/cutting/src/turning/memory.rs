@@ -60,11 +60,11 @@ fn array(x: &TurningState) -> [f64; STATES] {
 }
 
 impl Turning {
-    /// [`Process::advance`](toolroom_process::Process::advance) with a memory of the step before:
+    /// [`Process::advance`] with a memory of the step before:
     /// coefficients of the input and the right-hand side at the end of the step.
     ///
     /// # Errors
-    /// As [`Process::advance`](toolroom_process::Process::advance).
+    /// As [`Process::advance`].
     ///
     /// # Examples
     /// ```
