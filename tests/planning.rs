@@ -372,16 +372,16 @@ fn bad_contours_are_refused_with_reason_and_place() {
     assert!(message.contains("2.0000 mm"), "{message}");
     let tight = format!("{SETUP}{DRAWN}").replace("radius = \"25 mm\"", "radius = \"15 mm\"");
     let (code, line, message) = refused(&tight, &[]);
-    assert_eq!((code.as_str(), line), ("cutter-too-large", 15));
+    assert_eq!((code.as_str(), line), ("cutter-too-large", 16));
     assert!(message.contains("15.0000 mm") && message.contains("16.0000 mm"), "{message}");
     // What no feed can hold: the least feed of the machine against the tolerance on the hollow.
     let drawn = format!("{SETUP}{DRAWN}");
     let (code, line, message) =
         refused(&drawn, &["--set", "pass.tolerance=0.045 mm", "--set", "machine.lowest_feed=900 mm/min"]);
-    assert_eq!((code.as_str(), line), ("limits-conflict", 15));
+    assert_eq!((code.as_str(), line), ("limits-conflict", 16));
     assert!(message.contains("lowest_feed") && message.contains("accuracy"), "{message}");
     let (code, line, _) = refused(&drawn.replace("allowance =", "alowance ="), &[]);
-    assert_eq!((code.as_str(), line), ("unknown-key", 9));
+    assert_eq!((code.as_str(), line), ("unknown-key", 10));
     for (more, word) in [
         (["--pass", "finish"], "semi"),
         (["--set", "economics.edge_price=1 EUR"], "edge_cost"),
