@@ -11,6 +11,9 @@ const APART: f64 = 1e-9;
 /// Roots of moduli that differ by more than this are told apart without dividing out.
 const SURELY_APART: f64 = 1e-3;
 
+/// Intervals of the half circle at whose ends the root of a known modulus is sought.
+const STARTS: usize = 32;
+
 /// A simple root.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Root {
@@ -26,8 +29,15 @@ pub(crate) struct Root {
 ///
 /// A root is found (Halley's method), divided out, and Jury's criterion counts whether the rest has
 /// one in the disc of the least so far; if so the next is found. So the answer does not hang on the
-/// guess. `rest` is working storage.
+/// guess. Where that stalls or loses its digits, Jury's criterion alone gives the modulus by bisection,
+/// and the root is sought on that circle. `rest` is working storage.
 pub(crate) fn least_root(coefficients: &[f64], guess: Option<Complex<f64>>, rest: &mut Vec<f64>) -> Option<Root> {
+    let least = by_division(coefficients, guess, rest).or_else(|| on_the_circle(coefficients))?;
+    polish(coefficients, least)
+}
+
+/// Finds and divides out roots until the rest has none in the disc of the least.
+fn by_division(coefficients: &[f64], guess: Option<Complex<f64>>, rest: &mut Vec<f64>) -> Option<Complex<f64>> {
     rest.clear();
     rest.extend_from_slice(coefficients);
     let mut least: Option<Complex<f64>> = None;
@@ -47,8 +57,24 @@ pub(crate) fn least_root(coefficients: &[f64], guess: Option<Complex<f64>>, rest
         }
     }
     // Dividing out a root that was not the least can spoil the rest: the whole has the last word.
-    let least = least.filter(|least| is_clear(coefficients, least.norm() * (1.0 - SURELY_APART)))?;
-    polish(coefficients, least)
+    least.filter(|least| is_clear(coefficients, least.norm() * (1.0 - SURELY_APART)))
+}
+
+/// The root on the greatest circle whose disc is clear.
+fn on_the_circle(coefficients: &[f64]) -> Option<Complex<f64>> {
+    let degree = coefficients.iter().rposition(|a| *a != 0.0).filter(|degree| *degree > 0)?;
+    // The moduli of all roots multiply to this ratio, so the least is not above their geometric mean.
+    let mean = (coefficients[0] / coefficients[degree]).abs().powf(1.0 / degree as f64);
+    let (mut clear, mut taken) = (0.0, mean * (1.0 + SURELY_APART));
+    while taken - clear > 0.5 * SURELY_APART * taken {
+        let middle = 0.5 * (clear + taken);
+        if middle == 0.0 {
+            return None;
+        }
+        *if is_clear(coefficients, middle) { &mut clear } else { &mut taken } = middle;
+    }
+    let starts = (0..=STARTS).map(|k| Complex::from_polar(taken, std::f64::consts::PI * k as f64 / STARTS as f64));
+    starts.filter_map(|start| find(coefficients, Some(start))).find(|root| root.norm() <= taken * (1.0 + SURELY_APART))
 }
 
 /// Value, slope and half the curvature at `x`.
@@ -221,6 +247,23 @@ mod tests {
             }
             prop_assert!(least_root(&polynomial, None, &mut Vec::new()).is_some());
         }
+    }
+
+    /// Every search from the first three terms stalls here, or dividing out costs the digits.
+    #[test]
+    fn the_circle_finds_what_dividing_out_does_not() {
+        let pi = std::f64::consts::PI;
+        let hard = [
+            (4.817518905978091, pi),
+            (1.4496246321099626, 0.75 * pi),
+            (3.5221389966960825, 0.375 * pi),
+            (2.533818468830427, 0.25 * pi),
+            (2.4271263564781795, 0.25 * pi),
+        ];
+        let polynomial = product(&hard);
+        assert!(by_division(&polynomial, None, &mut Vec::new()).is_none());
+        let root = least_root(&polynomial, None, &mut Vec::new()).unwrap();
+        assert!((root.at.norm() / hard[1].0 - 1.0).abs() < 1e-9, "{}", root.at);
     }
 
     #[test]
