@@ -197,10 +197,14 @@ fn the_shipped_cycle_is_the_reference_cycle_and_follows_the_coolant() {
     let sharp = result("cycle", "grind", &file, &["--set", "parameters.dulling_rate=0 mm/mm3"]);
     close(&sharp["cycle"]["last_depth [um]"], 0.251515, 3e-5);
     close(&sharp["cycle"]["size_error [um]"], 0.311158, 3e-5);
-    for (factor, revolutions) in [("0.75", 18), ("1.25", 36), ("1.5", 48)] {
+    // Of a wheel that dulls within the part, the reference cycle of a dull wheel would break the limit of temperature.
+    for (factor, revolutions, dulling) in [("0.75", 18, 18), ("1.25", 36, 38), ("1.5", 48, 49)] {
         let change = format!("conditions.coolant_factor={factor}");
-        let other = result("cycle", "grind", &file, &["--set", &change]);
-        assert_eq!(other["cycle"]["revolutions"], revolutions, "{factor}");
+        let set = ["--set", &change, "--set", "parameters.dulling_rate=0 mm/mm3"];
+        assert_eq!(result("cycle", "grind", &file, &set)["cycle"]["revolutions"], revolutions, "{factor}");
+        let other = result("cycle", "grind", &file, &set[..2]);
+        assert_eq!(other["cycle"]["revolutions"], dulling, "{factor}");
+        assert!(other["cycle"]["peak_temperature_rise [K]"].as_f64().expect("a number") <= 650.0, "{other}");
     }
 }
 
@@ -216,8 +220,8 @@ fn fresh_cycles_with_and_without_effects_are_those_of_an_independent_enumeration
     let with = TASK.replace("[conditions]", "effects = [{ id = \"threshold_force\", size = \"5 N\" }]\n[conditions]");
     let with = result("fresh-cycle", "grind", &written("fresh-cycle", "task.toml", &with), &[]);
     assert_eq!(with["cycle"]["revolutions"], 32);
-    close(&with["cycle"]["last_depth [um]"], 0.172_880_822_7, 1e-4);
-    close(&with["cycle"]["size_error [um]"], 0.375_068_495_0, 1e-4);
+    close(&with["cycle"]["last_depth [um]"], 0.175_630_810_7, 1e-4);
+    close(&with["cycle"]["size_error [um]"], 0.378_470_604_2, 1e-4);
     let file = written("fresh-cycle", "task.toml", TASK);
     let by_flag = result("fresh-cycle", "grind", &file, &["--set", "effects.threshold_force=5 N"]);
     assert_eq!(by_flag["cycle"], with["cycle"]);
