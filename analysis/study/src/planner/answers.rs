@@ -173,7 +173,11 @@ fn order_answer(scenario: &Scenario, figures: &Figures, runs: &[&[f64]], order: 
             _ => Finish::After(scenario.horizon),
         }
     };
-    let lost = if finished.is_empty() { 0.0 } else { f64::from(own.quantity) - mean(&good) };
+    let lost = if finished.is_empty() {
+        0.0
+    } else {
+        f64::from(own.quantity - own.finished_before(&scenario.parts[own.part])) - mean(&good)
+    };
     OrderAnswer {
         order,
         mean: mean(&finished),
