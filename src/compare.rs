@@ -55,7 +55,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let out = default_out(&file.scenario.name);
     let variants = variants::shops(&args.scenario.file, &args.scenario.changes.overrides(), variants)
-        .map_err(|error| Failure::argument(error, "change its `set`: each path is one that --set takes"))?;
+        .map_err(|error| Failure::argument(&error, error.fix()))?;
     let select = args.select.as_deref().map(|text| Wanted::parse(&file.scenario, text)).transpose();
     let select = select.map_err(|error| Failure::argument(error, "see `toolroom compare --help`"))?;
     if select.is_some() && variants.is_empty() {

@@ -224,6 +224,33 @@ fn fresh_cycles_with_and_without_effects_are_those_of_an_independent_enumeration
 }
 
 #[test]
+fn a_cycle_keeps_what_machine_and_wheel_can_bear() {
+    let file = shipped("grinding/cycle.toml");
+    let cycle = |set: &[&str]| {
+        let set: Vec<&str> = set.iter().flat_map(|change| ["--set", change]).collect();
+        result("limits", "grind", &file, &set)["cycle"].clone()
+    };
+    let number = |cycle: &Value, key: &str| cycle[key].as_f64().expect("a number");
+    let sharp = "parameters.dulling_rate=0 mm/mm3";
+    let weak = cycle(&[sharp, "limits.power=2 kW"]);
+    assert_eq!(weak["revolutions"], 38);
+    close(&weak["peak_power [W]"], 1996.5, 3e-5);
+    // A soft process stays cool at any depth: the wheel limits it.
+    let soft = cycle(&["parameters.process_stiffness=8 N/um"]);
+    assert!(number(&soft, "peak_removal_rate [mm2/s]") <= 8.0 + 1e-6, "{soft}");
+    assert!(number(&soft, "revolutions") > 10.0, "{soft}");
+    let dulling = cycle(&["parameters.dulling_rate=0.00333333333333 mm/mm3"]);
+    assert_eq!(dulling["revolutions"], 28);
+    close(&dulling["peak_temperature_rise [K]"], 639.3, 1e-4);
+    let worst = cycle(&["wheel=worst"]);
+    close(&worst["wheel_removed_volume [mm3/mm]"], 43.0 * std::f64::consts::PI * 5.0, 1e-6);
+    assert!(number(&worst, "revolutions") > 27.0 && number(&worst, "peak_temperature_rise [K]") <= 650.0, "{worst}");
+    let (code, _, message) = problem("grind", &file, &["--set", "limits.roughness=0.3 um"]);
+    assert_eq!(code, "limits-conflict");
+    assert!(message.contains("[roughness]"), "{message}");
+}
+
+#[test]
 fn a_cycle_that_no_limit_admits_names_the_limits_and_their_place() {
     let file = written("conflict", "task.toml", &TASK.replace("0.6 um", "0.1 um"));
     let (code, line, message) = problem("grind", &file, &["--set", "effects.threshold_force=5 N"]);

@@ -360,7 +360,7 @@ pub fn apply(
 ) -> Result<(String, Vec<String>), Failure> {
     let nominal = NominalModel::read(&model, &set).map_err(|error| Failure::from(GapStudyError::from(error)))?;
     let diagnosis: Value = serde_json::from_str(diagnosis).map_err(Failure::work)?;
-    let text = std::fs::read_to_string(&model).map_err(|error| Failure::file(&model, &error))?;
+    let text = toolroom::form::text(&model)?;
     let request = ApplyRequest {
         empirical: false,
         text: &text,

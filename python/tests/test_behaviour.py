@@ -4,6 +4,7 @@ import _thread
 import os
 import pickle
 import re
+import signal
 import threading
 import time
 import zipfile
@@ -58,6 +59,15 @@ def test_a_scenario_is_changed_by_key(shipped):
         scenario.compare(1, policies=["none"])
 
 
+@pytest.fixture
+def heard():
+    """Ctrl-C is heard, also where the tests run in the background and were started to ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heard")
 def test_ctrl_c_ends_a_comparison_and_others_go_on(shipped):
     ticks = []
     stop = threading.Event()

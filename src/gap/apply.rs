@@ -56,7 +56,7 @@ fn one(args: &ApplyArgs, model: &Path, files: &Files, diagnosis: &Value, voice: 
     let nominal = nominal_of(model, &args.set)?;
     let changes = changed(args, model, &nominal, diagnosis).map_err(|error| refused(&error))?;
     if args.diff {
-        return voice.raw(toolroom_apply::changed_lines(&read(model)?, &changes.text).trim_end());
+        return voice.raw(toolroom_apply::changed_lines(&toolroom_form::text(model)?, &changes.text).trim_end());
     }
     put(files, out, &changes.text)?;
     for note in &changes.notes {

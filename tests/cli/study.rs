@@ -21,6 +21,7 @@ fn compare_prints_the_table_and_leaves_a_complete_directory() {
         "operations.parquet",
         "report.html",
         "run.json",
+        "schedule.html",
         "states.parquet",
         "study.json",
         "summary.json",

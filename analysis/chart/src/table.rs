@@ -5,7 +5,7 @@
 pub enum Cell {
     /// Words.
     Text(String),
-    /// A number, printed with up to six significant digits and aligned to the right.
+    /// A number, aligned to the right: four significant digits in a table of results, six in the data of a chart.
     Number(f64),
 }
 

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::fmt::Write as _;
 use toolroom_chart::page::{Provenance, Report, Section, Tile};
 use toolroom_chart::{Cell, Table, number};
-use toolroom_gap::{Closure, Diagnosis, GapVerdict};
+use toolroom_gap::{Diagnosis, GapVerdict};
 
 /// Channels that are drawn one by one; the others are in the tables.
 const DRAWN: usize = 6;
@@ -60,16 +60,15 @@ impl Page {
             Table::new(["channel", "unit", "values", "mean before", "mean after", "rms before", "rms after"]);
         for channel in self.order() {
             let about = &self.readings.channels[channel];
-            let scale = if about.relative { 100.0 } else { 1.0 };
             let [before, after] = [0, self.readings.stages.len()].map(|stage| self.readings.residuals(channel, stage));
             table.push([
                 words(&about.name).into(),
-                Cell::from(if about.relative { "%" } else { about.unit.as_str() }),
+                about.residual_unit().into(),
                 (self.readings.of(channel).count() as f64).into(),
-                (scale * before[0]).into(),
-                (scale * after[0]).into(),
-                (scale * before[1]).into(),
-                (scale * after[1]).into(),
+                about.residual_shown(before[0]).into(),
+                about.residual_shown(after[0]).into(),
+                about.residual_shown(before[1]).into(),
+                about.residual_shown(after[1]).into(),
             ]);
         }
         table
@@ -109,6 +108,7 @@ impl Page {
     fn closures(&self) -> Table {
         let mut table = Table::new([
             "channel",
+            "unit",
             "before",
             "after",
             "closed, %",
@@ -120,15 +120,16 @@ impl Page {
             "of the rms, %",
             "robust, %",
         ]);
-        let all = self.diagnosis.channels.iter().map(|(name, closure)| (words(name), closure));
-        let all: Vec<(String, &Closure)> =
-            all.chain([("all, in units of noise".to_owned(), &self.diagnosis.total)]).collect();
-        for (name, closure) in all {
+        let channels = self.diagnosis.channels.iter().map(|(name, closure)| (&**name, closure));
+        for (name, closure) in channels.chain([("all, in units of noise", &self.diagnosis.total)]) {
+            let about = self.readings.channels.iter().find(|about| about.name == name);
+            let shown = |value: f64| Cell::from(about.map_or(value, |about| about.residual_shown(value)));
             let percent = |share: f64| Cell::from(100.0 * share);
             table.push([
-                name.into(),
-                closure.before.into(),
-                closure.after.into(),
+                words(name).into(),
+                about.map_or("", |about| about.residual_unit()).into(),
+                shown(closure.before),
+                shown(closure.after),
                 percent(closure.closed),
                 percent(closure.ci90[0]),
                 percent(closure.ci90[1]),
@@ -147,7 +148,9 @@ impl Page {
         let mut table = Table::new(["what", "least size that would have been seen", "what would show it"]);
         for row in &self.diagnosis.masked {
             let least = row.minimal_detectable;
-            let size = if least.is_finite() { format!("{} {}", number(least, 3), row.unit) } else { "none".to_owned() };
+            let unit = if row.unit == "1" { "" } else { row.unit };
+            let size = if least.is_finite() { format!("{} {unit}", number(least, 3)) } else { "none".to_owned() };
+            let size = size.trim_end().to_owned();
             table.push([row.id.into(), size.into(), row.separating_test.into()]);
         }
         for fact in &self.diagnosis.facts {

@@ -94,7 +94,12 @@ mod tests {
             stages: vec![100.0, 101.0, 107.0],
         };
         let readings = Readings {
-            channels: vec![ReadChannel { name: "cycle_time".to_owned(), unit: "s".to_owned(), relative: true }],
+            channels: vec![ReadChannel {
+                name: "cycle_time".to_owned(),
+                unit: "s".to_owned(),
+                display: "s".to_owned(),
+                relative: true,
+            }],
             stages: vec!["calibration".to_owned(), "feed_override".to_owned()],
             list: vec![reading(0.0, 108.0), reading(7.0, 107.0)],
         };

@@ -24,7 +24,8 @@ pub fn equality(readings: &Readings, channel: usize) -> Option<Figure> {
     let all: Vec<_> = readings.of(channel).collect();
     let step = all.len().div_ceil(CLOUD).max(1);
     let cloud = |stage: usize| -> Vec<(f64, f64)> {
-        all.iter().step_by(step).map(|reading| (reading.stages[stage], reading.measured)).collect()
+        let shown = |value: f64| about.shown(value);
+        all.iter().step_by(step).map(|reading| (shown(reading.stages[stage]), shown(reading.measured))).collect()
     };
     let (before, after) = (cloud(0), cloud(last));
     let values = before.iter().chain(&after).flat_map(|(x, y)| [*x, *y]);
@@ -34,14 +35,16 @@ pub fn equality(readings: &Readings, channel: usize) -> Option<Figure> {
     }
     let [mean, rms] = readings.residuals(channel, last);
     let half = NINETY * (rms * rms - mean * mean).max(0.0).sqrt();
-    let band = |x: f64| if about.relative { (x, x * (-half).exp(), x * half.exp()) } else { (x, x - half, x + half) };
-    let unit = if about.unit == "1" { "" } else { about.unit.as_str() };
+    let band = |x: f64| {
+        let wide = about.difference_shown(half);
+        if about.relative { (x, x * (-half).exp(), x * half.exp()) } else { (x, x - wide, x + wide) }
+    };
     let name = words(&about.name);
     let title = format!("{name}, measured against predicted");
     let plot = Plot::new(
         title,
-        Axis::linear(format!("Predicted {name}"), unit),
-        Axis::linear(format!("Measured {name}"), unit),
+        Axis::linear(format!("Predicted {name}"), about.label()),
+        Axis::linear(format!("Measured {name}"), about.label()),
     )
     .describe("Points on the line of equality are predicted exactly.")
     .band("90 % of what is left", [band(low), band(high)], Style::nth(2))
@@ -72,19 +75,14 @@ pub fn course(readings: &Readings, channel: usize) -> Option<Figure> {
             let part = parts.entry((reading.place.time / width).floor() as i64).or_default();
             *part = (part.0 + reading.residual(stage, about.relative), part.1 + 1.0);
         }
-        let scale = if about.relative { 100.0 } else { 1.0 };
-        parts.iter().map(|(part, (sum, count))| ((*part as f64 + 0.5) * width / DAY, scale * sum / count)).collect()
+        let middle = |part: i64| (part as f64 + 0.5) * width / DAY;
+        parts.iter().map(|(part, (sum, count))| (middle(*part), about.residual_shown(sum / count))).collect()
     };
     let name = words(&about.name);
-    let unit = match (about.relative, about.unit.as_str()) {
-        (true, _) => "%",
-        (false, "1") => "",
-        (false, unit) => unit,
-    };
     let plot = Plot::new(
         format!("{name}: measured less predicted"),
         Axis::linear("Time", "day"),
-        Axis::linear("Residual", unit),
+        Axis::linear("Residual", about.residual_unit()),
     )
     .describe("Mean residual over time; zero is where the model is right.")
     .horizontal(0.0, "no gap")

@@ -1,6 +1,7 @@
 //! Measured values beside what the model says of them.
 
 use toolroom_gap::{Diagnosis, Forward, Point, Transform, report_units};
+use toolroom_process::unit::convert;
 
 /// Where and when a row of a model belongs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,8 +34,37 @@ pub struct ReadChannel {
     pub name: String,
     /// SI unit.
     pub unit: String,
+    /// Unit in which people are answered.
+    pub display: String,
     /// Whether errors are relative.
     pub relative: bool,
+}
+
+impl ReadChannel {
+    /// An SI value in the unit in which people are answered.
+    pub fn shown(&self, value: f64) -> f64 {
+        convert(value, &self.unit, &self.display)
+    }
+
+    /// A difference of SI values in that unit.
+    pub fn difference_shown(&self, difference: f64) -> f64 {
+        self.shown(difference) - self.shown(0.0)
+    }
+
+    /// Residuals as people are answered: percent where errors are relative, else the channel's unit.
+    pub fn residual_shown(&self, residual: f64) -> f64 {
+        if self.relative { 100.0 * residual } else { self.difference_shown(residual) }
+    }
+
+    /// Unit of [`Self::residual_shown`]; empty for a number.
+    pub fn residual_unit(&self) -> &str {
+        if self.relative { "%" } else { self.label() }
+    }
+
+    /// Unit of [`Self::shown`] on an axis; empty for a number.
+    pub fn label(&self) -> &str {
+        if self.display == "1" { "" } else { &self.display }
+    }
 }
 
 /// All readings of a process.
@@ -95,6 +125,7 @@ impl Readings {
         self.channels.extend(frame.measured.channels.iter().map(|channel| ReadChannel {
             name: channel.name.to_owned(),
             unit: channel.unit.to_owned(),
+            display: channel.display.to_owned(),
             relative: channel.transform == Transform::Log,
         }));
         for (i, observation) in frame.measured.observations.iter().enumerate() {

@@ -183,7 +183,7 @@ impl Diagnosis {
             table.push([
                 named(ranked.id, &ranked.shape).into(),
                 ranked.size.into(),
-                ranked.unit.into(),
+                written(ranked.unit).into(),
                 ranked.z.into(),
                 ranked.gain.into(),
                 ranked.left_out[0].into(),
@@ -215,11 +215,16 @@ impl Diagnosis {
                 named(masked.id, &masked.shape).into(),
                 masked.masking.into(),
                 masked.minimal_detectable.into(),
-                masked.unit.into(),
+                written(masked.unit).into(),
                 masked.separating_test.into(),
                 masked.bias.clone().into(),
             ]);
         }
         Section::new(heading).table("Effects that hide behind calibration in such data", table)
     }
+}
+
+/// A unit beside a number; that of a pure number is not written.
+fn written(unit: &'static str) -> &'static str {
+    if unit == "1" { "" } else { unit }
 }

@@ -20,6 +20,7 @@ fn machine(name: &str, process: &str, rate: f64, handling: f64) -> MachineType {
         setup_time: 0.0,
         setup_matrix: None,
         setup_at_start: None,
+        edges_at_start: Vec::new(),
         input_buffer: None,
         output_buffer: None,
         location: name.to_owned(),
@@ -142,6 +143,7 @@ pub(crate) fn scenario() -> Scenario {
         deviations: Vec::new(),
         calibrations: Vec::new(),
         currency: "EUR".to_owned(),
+        branch: None,
     }
 }
 
@@ -241,6 +243,7 @@ pub(crate) fn operation(
         start,
         end,
         time_left: 0.0,
+        time_before: 0.0,
         work: 1.0,
         next: operation + 1,
         result,

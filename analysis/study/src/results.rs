@@ -8,6 +8,7 @@
 //! | `operations`, `tools`, `jobs`, `states`, `events` | logs, Parquet or CSV | yes |
 //! | `trace.json` | first replication for Perfetto | yes |
 //! | `report.html` | the pictures | yes |
+//! | `schedule.html` | the machines over the whole run, to zoom | yes |
 //! | `study.json` | the figures to the last bit, to go on or draw the report again | yes |
 //! | `run.json` | how it was made, wall time and threads included | no |
 //!
@@ -21,6 +22,7 @@ use crate::compare::Comparison;
 use crate::logs::{Format, LogError, LogWriter};
 use crate::planner;
 use crate::report::report;
+use crate::schedule;
 use crate::study::{
     Finished, FinishedError, Progress, StoppedShop, Study, StudyError, StudyOptions, run_study, run_study_as_far,
 };
@@ -56,7 +58,7 @@ pub struct RunInfo {
 }
 
 /// The files of every study, beside its log tables.
-pub const NAMES: [&str; 10] = [
+pub const NAMES: [&str; 11] = [
     Finished::FILE,
     "kpi.csv",
     planner::FILES[0],
@@ -66,6 +68,7 @@ pub const NAMES: [&str; 10] = [
     "trace.json",
     "summary.json",
     "report.html",
+    schedule::FILE,
     "run.json",
 ];
 
@@ -216,7 +219,7 @@ pub(crate) fn write_files(
     comparison: &Comparison,
     info: &RunInfo,
 ) -> Result<(), ResultError> {
-    in_file(directory, Finished::FILE, |out| Ok(serde_json::to_writer(out, &Finished::of(study))?))?;
+    in_file(directory, Finished::FILE, |out| Finished::write(study, out))?;
     in_file(directory, "kpi.csv", |out| write_kpis(scenario, study, out))?;
     if !scenario.orders.is_empty() {
         for name in planner::FILES {
@@ -227,6 +230,10 @@ pub(crate) fn write_files(
         in_file(directory, variants::FILE, |out| variants::write(scenario, study, out))?;
     }
     in_file(directory, "trace.json", |out| trace::write(scenario, study, out))?;
+    if let (Some(log), Some(&policy)) = (study.first_logs.first(), study.policies.first()) {
+        let name = &scenario.policies[policy].name;
+        in_file(directory, schedule::FILE, |out| schedule::write(scenario, name, log, out))?;
+    }
     in_file(directory, "summary.json", |out| pretty(out, &summary(scenario, study, comparison)))?;
     in_file(directory, "report.html", |out| out.write_all(report(scenario, study, comparison, info).html().as_bytes()))
 }
@@ -255,8 +262,8 @@ fn pretty(out: &mut impl Write, value: &Value) -> io::Result<()> {
 fn write_kpis(scenario: &Scenario, study: &Study, out: impl Write) -> io::Result<()> {
     let mut csv = CsvWriter::new(out, ["policy", "replication", "machine", "kpi", "unit", "value"])?;
     for (position, &policy) in study.policies.iter().enumerate() {
-        for replication in 0..study.replications {
-            for (kpi, value) in study.kpis.iter().zip(study.replication(position, replication)) {
+        for (replication, values) in (0..study.replications).zip(study.replications(position)) {
+            for (kpi, value) in study.kpis.iter().zip(values) {
                 let unit = match kpi.definition.file_unit() {
                     "currency" => scenario.currency.as_str(),
                     unit => unit,

@@ -3,8 +3,10 @@
 //! Every variant runs the replications of the shop as it is, on the same random numbers: they belong to the names of
 //! orders, operations and machines, not to their number. Differences are therefore paired by replication.
 
+mod branch;
 mod selection;
 
+pub use branch::{NoBranch, POSSIBLE, branched};
 pub use selection::{Found, NoSelection, Wanted};
 
 use crate::figure::{decimals, label, plain, shown, signed};
@@ -33,28 +35,60 @@ pub struct VariantShop {
     pub scenario: Arc<Scenario>,
 }
 
-/// A variant whose changes the file does not take.
+/// A variant that cannot be run.
 #[derive(Debug, thiserror::Error)]
 #[error("variant \"{name}\": {source}")]
 pub struct VariantError {
     /// Name of the variant.
     pub name: String,
     /// What is wrong.
-    pub source: Box<ReadError>,
+    pub source: Wrong,
+}
+
+/// What is wrong with a variant.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Wrong {
+    /// The file does not take its changes.
+    #[error(transparent)]
+    Read(#[from] Box<ReadError>),
+    /// The shop cannot be changed that way while it runs.
+    #[error(transparent)]
+    Branch(#[from] NoBranch),
+}
+
+impl VariantError {
+    /// The way out.
+    pub fn fix(&self) -> &'static str {
+        match &self.source {
+            Wrong::Read(_) => "change its `set`: each path is one that --set takes",
+            Wrong::Branch(_) => POSSIBLE,
+        }
+    }
 }
 
 /// The shops of all variants of a file, which was read with `changes`.
 ///
 /// # Errors
-/// [`VariantError`] of the first whose changes are at fault.
+/// [`VariantError`] of the first that cannot be run.
 pub fn shops(path: &Path, changes: &[String], variants: &[ShopVariant]) -> Result<Vec<VariantShop>, VariantError> {
+    let read = |changes: &[String]| Ok::<_, Wrong>(read(path, changes).map_err(Box::new)?.scenario);
     let shop = |variant: &ShopVariant| {
-        let changes: Vec<String> = changes.iter().chain(&variant.set).cloned().collect();
-        let file = read(path, &changes)
-            .map_err(|source| VariantError { name: variant.name.clone(), source: Box::new(source) })?;
-        Ok(VariantShop { name: variant.name.clone(), scenario: Arc::new(file.scenario) })
+        let all: Vec<String> = changes.iter().chain(&variant.set).cloned().collect();
+        let scenario = read(&all)?;
+        match variant.from {
+            Some(at) => Ok(branched(&read(changes)?, &scenario, at, &variant.set)?),
+            None => Ok(scenario),
+        }
     };
-    variants.iter().map(shop).collect()
+    let named = |variant: &ShopVariant| {
+        let name = variant.name.clone();
+        match shop(variant) {
+            Ok(scenario) => Ok(VariantShop { name, scenario: Arc::new(scenario) }),
+            Err(source) => Err(VariantError { name, source }),
+        }
+    };
+    variants.iter().map(named).collect()
 }
 
 /// Figures of a variant in every replication.
@@ -84,12 +118,12 @@ impl VariantRuns {
 fn figures(scenario: &Scenario, study: &Study, policy: usize) -> Vec<Vec<Option<f64>>> {
     let count = shop_figures(study).len();
     let late = late(scenario, study, policy);
-    let own = |replication: u32| {
-        let values = study.replication(policy, replication)[..count].iter().copied();
-        let late = late.get(replication as usize).copied();
+    let own = |(replication, values): (usize, Vec<f64>)| {
+        let values = values[..count].iter().copied();
+        let late = late.get(replication).copied();
         values.chain(late).map(|value| Some(value).filter(|value| value.is_finite())).collect()
     };
-    (0..study.replications).map(own).collect()
+    study.replications(policy).enumerate().map(own).collect()
 }
 
 /// Figures of the shop; they stand before those of machines.

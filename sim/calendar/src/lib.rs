@@ -3,9 +3,11 @@
 
 pub mod date;
 mod dated;
+mod joined;
 mod periodic;
 
 pub use dated::{Dated, WeekPlan};
+pub use joined::{Hours, Joined};
 pub use periodic::Periodic;
 
 use toolroom_form::vocabulary;
@@ -45,6 +47,8 @@ pub enum WorkingTime {
     Periodic(Periodic),
     /// Of dates: by weekday, with holidays and overtime.
     Dated(Dated),
+    /// One until an instant, another from it on.
+    Joined(Box<Joined>),
 }
 
 /// One working interval, s from the start of a period or of the run.
@@ -74,10 +78,7 @@ impl ShiftCalendar {
 
     /// Whether work goes on at `time`, s.
     pub fn works_at(&self, time: f64) -> bool {
-        match &self.time {
-            WorkingTime::Periodic(shifts) => shifts.works_at(time),
-            WorkingTime::Dated(shifts) => shifts.works_at(time),
-        }
+        self.time.works_at(time)
     }
 
     /// Working time from `start` to `end`, s. Shifts that overlap count once.
@@ -90,43 +91,77 @@ impl ShiftCalendar {
     /// assert_eq!((early.working_time(0.0, 48.0), early.working_time(10.0, 31.0)), (16.0, 5.0));
     /// ```
     pub fn working_time(&self, start: f64, end: f64) -> f64 {
-        let until = |time| match &self.time {
-            WorkingTime::Periodic(shifts) => shifts.worked_until(time),
-            WorkingTime::Dated(shifts) => shifts.worked_until(time),
-        };
-        (until(end) - until(start)).max(0.0)
+        (self.time.worked_until(end) - self.time.worked_until(start)).max(0.0)
     }
 
     /// The next change strictly after `time`; shifts that touch are one. `None` where work never
     /// stops or never begins.
     pub fn next_boundary(&self, time: f64) -> Option<Boundary> {
-        match &self.time {
-            WorkingTime::Periodic(shifts) => shifts.next_boundary(time),
-            WorkingTime::Dated(shifts) => shifts.next_boundary(time),
-        }
+        self.time.next_boundary(time)
     }
 
     /// Name of the shift that is on or was last on, `S1`, `S2` … ; `None` without shifts.
     pub fn shift_at(&self, time: f64) -> Option<String> {
-        match &self.time {
-            WorkingTime::Periodic(shifts) => shifts.shift_at(time),
-            WorkingTime::Dated(shifts) => shifts.shift_at(time),
-        }
+        self.time.shift_at(time)
     }
 
     /// Most shifts of one period or day.
     pub fn shift_count(&self) -> usize {
-        match &self.time {
-            WorkingTime::Periodic(shifts) => shifts.shifts.len(),
-            WorkingTime::Dated(shifts) => shifts.shift_count(),
-        }
+        self.time.shift_count()
     }
 
     /// Time after which shifts repeat, s; of dates it is a week, holidays and overtime aside.
     pub fn period(&self) -> f64 {
-        match &self.time {
-            WorkingTime::Periodic(shifts) => shifts.period,
-            WorkingTime::Dated(_) => dated::WEEK,
+        self.time.period()
+    }
+}
+
+impl WorkingTime {
+    fn works_at(&self, time: f64) -> bool {
+        match self {
+            Self::Periodic(shifts) => shifts.works_at(time),
+            Self::Dated(shifts) => shifts.works_at(time),
+            Self::Joined(both) => both.works_at(time),
+        }
+    }
+
+    fn worked_until(&self, time: f64) -> f64 {
+        match self {
+            Self::Periodic(shifts) => shifts.worked_until(time),
+            Self::Dated(shifts) => shifts.worked_until(time),
+            Self::Joined(both) => both.worked_until(time),
+        }
+    }
+
+    fn next_boundary(&self, time: f64) -> Option<Boundary> {
+        match self {
+            Self::Periodic(shifts) => shifts.next_boundary(time),
+            Self::Dated(shifts) => shifts.next_boundary(time),
+            Self::Joined(both) => both.next_boundary(time),
+        }
+    }
+
+    fn shift_at(&self, time: f64) -> Option<String> {
+        match self {
+            Self::Periodic(shifts) => shifts.shift_at(time),
+            Self::Dated(shifts) => shifts.shift_at(time),
+            Self::Joined(both) => both.shift_at(time),
+        }
+    }
+
+    fn shift_count(&self) -> usize {
+        match self {
+            Self::Periodic(shifts) => shifts.shifts.len(),
+            Self::Dated(shifts) => shifts.shift_count(),
+            Self::Joined(both) => both.shift_count(),
+        }
+    }
+
+    fn period(&self) -> f64 {
+        match self {
+            Self::Periodic(shifts) => shifts.period,
+            Self::Dated(_) => dated::WEEK,
+            Self::Joined(both) => both.period(),
         }
     }
 }

@@ -21,6 +21,7 @@
 
 mod assembly;
 mod batch;
+mod branch;
 mod calibration;
 mod contour;
 mod deviation;
@@ -49,6 +50,7 @@ mod variants;
 
 pub use assembly::Component;
 pub use batch::{Batch, BatchFamily, BatchUnit, WorkPer};
+pub use branch::{Branch, Urgency};
 pub use calibration::{Calibration, Moved, ShopConstant, Target, calibrated, calibrated_channel};
 pub use contour::{ContourRule, ContourWork};
 pub use deviation::{Deviation, MICRO_STOP, ShopEffect};
@@ -58,7 +60,7 @@ pub use flow::{Blocking, Buffer, Deadlock};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use inspection::{InspectedTo, InspectedUnit, Inspection, InspectionOutcome};
-pub use order::{MachineChoice, Order};
+pub use order::{InProcess, MachineChoice, Order};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
 pub use policy::{Knowledge, PolicyRule, SensorSheet, ToolChangeRule};
 pub use posterior::{DrawReader, DrawTable, Posterior, set_draw_reader};
@@ -68,7 +70,7 @@ pub use speed::{Course, SpeedChoice, SpeedEntry, SpeedPart, SpeedRule};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{FailureClock, FailureMode, MachineType, ProcessModel, ToolType};
 pub use toolroom_calendar::{
-    Boundary, Dated, Interruption, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime, date,
+    Boundary, Dated, Hours, Interruption, Joined, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime, date,
 };
 pub use transport::{Crew, Parking, Transport, TransportRule};
 pub use tuning::{Setting, SettingRange, Tunable, TuneRequest};
@@ -143,6 +145,8 @@ pub struct Scenario {
     pub defined: Vec<&'static toolroom_effects::Definition>,
     /// Currency code of all costs.
     pub currency: String,
+    /// How it was ruled before it was changed; `None`: it is not changed while it runs.
+    pub branch: Option<Branch>,
 }
 
 impl Scenario {

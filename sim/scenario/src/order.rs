@@ -1,6 +1,6 @@
 //! Orders: a quantity of one part with dates, and who takes them.
 
-use super::{Part, Work};
+use super::{Part, Urgency, Work};
 use toolroom_form::vocabulary;
 
 /// A quantity of one part that is released together and due together.
@@ -24,9 +24,31 @@ pub struct Order {
     pub customer: String,
     /// Pieces that move on together; `None`: all of them.
     pub transfer: Option<u32>,
+    /// How far it has come when the run begins; `None`: it is released in the run.
+    pub in_process: Option<InProcess>,
+}
+
+/// An order that is in the shop when the run begins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InProcess {
+    /// The operation for which it waits or in which it is, by index.
+    pub operation: usize,
+    /// The machine that works on it or is kept for it, by index; `None`: it waits.
+    pub machine: Option<usize>,
+    /// Share of the operation that is done, 0 to below 1; of its pieces where they move apart.
+    pub done: f64,
+    /// What the machine still has to be set up for it, s.
+    pub setup_left: f64,
+    /// When it came to where it is, s, not after 0: who came first stands in front.
+    pub since: f64,
 }
 
 impl Order {
+    /// What makes it go before others.
+    pub fn urgency(&self) -> Urgency {
+        Urgency { priority: self.priority, weight: self.weight, due: self.due }
+    }
+
     /// Pieces that make one job: all that move on together where all work is plain, else one.
     pub fn job_size(&self, part: &Part) -> u32 {
         let plain = part.operations.iter().all(|operation| matches!(operation.work, Work::Plain(_)));
@@ -36,6 +58,31 @@ impl Order {
     /// Whether it goes through the shop as several jobs.
     pub fn is_divided(&self, part: &Part) -> bool {
         self.quantity > self.job_size(part)
+    }
+
+    /// Of the jobs in which it goes through the shop, those that have passed the operation at which it is when the
+    /// run begins. An order that is one job has not.
+    pub fn jobs_passed(&self, part: &Part) -> u32 {
+        let jobs = self.quantity.div_ceil(self.job_size(part));
+        // Whole pieces: 0.3 of 10 are 3.
+        let done = |own: &InProcess| (own.done * f64::from(self.quantity) + 1e-9) as u32 / self.job_size(part);
+        self.in_process.as_ref().filter(|_| jobs > 1).map_or(0, |own| done(own).min(jobs - 1))
+    }
+
+    /// Share of the operation at which it is when the run begins that is done of its job number `index`, from 0: all of it
+    /// up to those that have passed, and nothing from the one after that in work on.
+    pub fn share_done(&self, part: &Part, index: u32) -> f64 {
+        let Some(own) = &self.in_process else { return 0.0 };
+        let size = self.job_size(part);
+        let (before, pieces) = (index * size, size.min(self.quantity - index * size));
+        let share = (own.done * f64::from(self.quantity) - f64::from(before)) / f64::from(pieces);
+        if share < 1e-9 { 0.0 } else { share.min(1.0) }
+    }
+
+    /// Pieces that had left the shop before the run began.
+    pub fn finished_before(&self, part: &Part) -> u32 {
+        let last = self.in_process.as_ref().is_some_and(|own| own.operation + 1 == part.operations.len());
+        if last { self.jobs_passed(part) * self.job_size(part) } else { 0 }
     }
 }
 

@@ -31,6 +31,8 @@ pub struct MachineType {
     pub setup_matrix: Option<usize>,
     /// Setup group for which it stands ready at the start, empty for none; `None`: for whatever comes first.
     pub setup_at_start: Option<String>,
+    /// Tools, by index, whose edge is worn at the start, and its flank wear, m.
+    pub edges_at_start: Vec<(usize, f64)>,
     /// Edges in the magazine before an operator has to refill it. It is full at the start and
     /// gives the first edge of every tool, which is mounted beforehand and costs no time.
     pub magazine: u32,

@@ -23,6 +23,7 @@ fn machine(name: &str, process: &str, load_time: Distribution) -> MachineType {
         setup_time: 600.0,
         setup_matrix: None,
         setup_at_start: None,
+        edges_at_start: Vec::new(),
         input_buffer: None,
         output_buffer: None,
         location: name.to_owned(),
@@ -117,6 +118,7 @@ fn scenario() -> Scenario {
         deviations: Vec::new(),
         calibrations: Vec::new(),
         currency: "EUR".to_owned(),
+        branch: None,
     }
 }
 

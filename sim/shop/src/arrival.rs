@@ -9,7 +9,7 @@ use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, JobRow};
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose, SimTime};
-use toolroom_scenario::{ArrivalPattern, Work};
+use toolroom_scenario::{ArrivalPattern, InProcess, Work};
 
 impl<R: Recorder> Shop<'_, R> {
     /// Schedules the first release of every source; constant work enters at once.
@@ -129,11 +129,17 @@ impl<R: Recorder> Shop<'_, R> {
         self.enqueue(slot, None)
     }
 
-    /// Schedules the release of every order.
+    /// Schedules the release of every order; those that are in the shop already come to their places first.
     pub(super) fn open_orders(&mut self) -> Result<(), ShopError> {
-        for (order, own) in self.scenario.orders.iter().enumerate() {
-            let at = SimTime::from_seconds(own.release)?;
-            self.schedule(at, Event::Release { order: order as u32 })?;
+        let all = || (0..).zip(&self.scenario.orders);
+        let mut inside: Vec<(u32, f64)> =
+            all().filter_map(|(order, own)| Some((order, own.in_process.as_ref()?.since))).collect();
+        inside.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let inside = inside.into_iter().map(|(order, _)| (order, 0.0));
+        let later = all().filter(|(_, own)| own.in_process.is_none()).map(|(order, own)| (order, own.release));
+        let releases: Vec<(u32, f64)> = inside.chain(later).collect();
+        for (order, release) in releases {
+            self.schedule(SimTime::from_seconds(release)?, Event::Release { order })?;
         }
         Ok(())
     }
@@ -142,7 +148,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// pieces or in as many as are transferred at a time.
     pub(super) fn release_order(&mut self, order: usize) -> Result<(), ShopError> {
         let scenario = self.scenario;
-        let (own, now) = (&scenario.orders[order], self.now());
+        let (own, now, urgency) = (&scenario.orders[order], self.now(), self.urgency(order));
         let part = &scenario.parts[own.part];
         let owner = Entity::named(&format!("order {}", own.id));
         let (size, together) = (own.job_size(part), own.transfer.unwrap_or(own.quantity).min(own.quantity));
@@ -150,6 +156,10 @@ impl<R: Recorder> Shop<'_, R> {
         if count > 1 {
             let moving = together.div_ceil(size);
             self.world.lots[order] = Some(Lot::new(count, moving, part.operations.len()));
+        }
+        let passed = own.jobs_passed(part);
+        if let Some(inside) = &own.in_process {
+            self.set_lot_at_start(order, inside, passed);
         }
         // One rank of every operation for the whole order.
         let mut drawn = vec![0.0; part.operations.len()];
@@ -163,6 +173,10 @@ impl<R: Recorder> Shop<'_, R> {
         for index in 0..count {
             let quantity = size.min(left);
             left -= quantity;
+            let operation = own.in_process.as_ref().map_or(0, |inside| inside.operation + usize::from(index < passed));
+            if operation == part.operations.len() {
+                continue; // it has left the shop before the start
+            }
             let entity = if count > 1 { owner.part(PIECES).part(u64::from(index)) } else { owner };
             let number = self.world.jobs.released;
             let row = JobRow {
@@ -170,10 +184,10 @@ impl<R: Recorder> Shop<'_, R> {
                 order: Some(order as u32),
                 quantity,
                 lot: order as u32 + 1,
-                arrival: now.seconds(),
+                arrival: if own.in_process.is_some() { own.release } else { now.seconds() },
                 start: f64::NAN,
                 finish: f64::NAN,
-                due: own.due,
+                due: urgency.due,
                 divided_from: None,
                 outcome: JobOutcome::InProcess,
             };
@@ -182,10 +196,10 @@ impl<R: Recorder> Shop<'_, R> {
                 number,
                 entity,
                 origin: Origin::Order(order as u32),
-                priority: own.priority,
-                weight: own.weight,
+                priority: urgency.priority,
+                weight: urgency.weight,
                 row,
-                operation: 0,
+                operation: operation as u32,
                 waiting: false,
                 queued: now,
                 buffer: None,
@@ -205,7 +219,14 @@ impl<R: Recorder> Shop<'_, R> {
             }
             self.recorder.arrival(number, row);
             self.log_event("arrival", None, Some(number), None);
-            self.enqueue(slot, None)?;
+            match &own.in_process {
+                Some(inside) => {
+                    let machine = inside.machine.filter(|_| index == passed);
+                    let own = InProcess { machine, done: own.share_done(part, index), ..inside.clone() };
+                    self.come_at_start(slot, &own)?;
+                }
+                None => self.enqueue(slot, None)?,
+            }
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Which waiting job a free machine takes.
 
+use super::branch;
 use super::job::Jobs;
-use super::kinetic;
 use super::layout::Layout;
 use super::machine::Readiness;
 use super::queue::{Facts, Keys, Queue, QueueKind, Waiting};
@@ -35,7 +35,7 @@ pub(super) fn queue_kind(rules: &[DispatchRule]) -> QueueKind {
     } else if rules.iter().all(|rule| rule.stands()) {
         QueueKind::Heap
     } else if let [first, others @ ..] = rules
-        && kinetic::knows(*first)
+        && !first.stands()
         && others.iter().all(|rule| rule.stands())
     {
         QueueKind::Kinetic(*first)
@@ -116,7 +116,13 @@ fn is_here(jobs: &Jobs, waiting: &Waiting) -> bool {
 }
 
 /// What the rules of a machine look at of a job that comes to its queue.
-fn facts(scenario: &Scenario, layout: &Layout, streams: &Streams, jobs: &Jobs, slot: u32, machine: usize) -> Facts {
+fn facts(
+    scenario: &Scenario,
+    layout: &Layout,
+    streams: &Streams,
+    (jobs, slot): (&Jobs, u32),
+    (machine, rules): (usize, &[DispatchRule]),
+) -> Facts {
     let job = jobs.at(slot);
     let (part, index) = (job.row.part as usize, job.operation as usize);
     let plans = &layout.operations[part];
@@ -125,7 +131,7 @@ fn facts(scenario: &Scenario, layout: &Layout, streams: &Streams, jobs: &Jobs, s
     let total = work(0..count);
     let share = if total > 0.0 { work(0..index + 1) / total } else { 1.0 };
     let setup = scenario.parts[part].operations[index].setup_time.unwrap_or(scenario.machines[machine].setup_time);
-    let draws = scenario.rules(machine).contains(&DispatchRule::Random);
+    let draws = rules.contains(&DispatchRule::Random);
     let rank = || streams.open(job.entity.part(index as u64), Purpose::Policy).random();
     let next = plans.get(index + 1);
     Facts {
@@ -148,9 +154,10 @@ fn facts(scenario: &Scenario, layout: &Layout, streams: &Streams, jobs: &Jobs, s
 /// Keys of a job in a machine under the machine's rules, at this moment.
 pub(super) fn keys_of<R: Recorder>(shop: &Shop<'_, R>, machine: usize, slot: u32) -> Keys {
     let (scenario, jobs) = (shop.scenario, &shop.world.jobs);
-    let facts = facts(scenario, &shop.layout, &shop.streams, jobs, slot, machine);
+    let rules = shop.rules(machine);
+    let facts = facts(scenario, &shop.layout, &shop.streams, (jobs, slot), (machine, rules));
     let moment = Moment { now: shop.now().seconds(), mean_time: facts.time, ..Moment::default() };
-    keys(scenario.rules(machine), jobs.at(slot).queued.seconds(), &facts, &moment)
+    keys(rules, jobs.at(slot).queued.seconds(), &facts, &moment)
 }
 
 impl<R: Recorder> Shop<'_, R> {
@@ -258,9 +265,10 @@ impl<R: Recorder> Shop<'_, R> {
             return machine;
         }
         let group = self.layout.operations[part][index].setup_group;
+        let choice = self.machine_choice();
         let dislike = |candidate: usize| {
             let state = &self.world.machines[candidate];
-            match self.scenario.machine_choice {
+            match choice {
                 MachineChoice::First => 0.0,
                 MachineChoice::LeastSetup => {
                     let usual = operation.setup_time.unwrap_or(self.scenario.machines[candidate].setup_time);
@@ -288,11 +296,16 @@ impl<R: Recorder> Shop<'_, R> {
         if scenario.preemption != Preemption::None {
             self.world.challengers.push(slot);
         }
+        self.weigh(slot, Weighing::Comes);
+        self.join_all(slot);
+    }
+
+    /// A job joins the queues of its operation, which may choose.
+    pub(super) fn join_all(&mut self, slot: u32) {
         let job = self.world.jobs.at(slot);
         // A job in a buffer waits for the machines behind it only.
         let (limited, buffer) = (self.world.flow.is_limited(), job.buffer);
-        let machines = &scenario.parts[job.row.part as usize].operations[job.operation as usize].machines;
-        self.weigh(slot, Weighing::Comes);
+        let machines = &self.scenario.parts[job.row.part as usize].operations[job.operation as usize].machines;
         for &machine in machines {
             if !limited || self.input(machine) == buffer {
                 self.join(machine, slot);
@@ -306,10 +319,10 @@ impl<R: Recorder> Shop<'_, R> {
         let (scenario, layout, streams, jobs) = (self.scenario, &self.layout, &self.streams, &self.world.jobs);
         let job = jobs.at(slot);
         let waiting = Waiting { since: job.queued, number: job.number, slot, operation: job.operation };
-        let rules = scenario.rules(machine);
+        let rules = branch::rules(scenario, self.world.branched, machine);
         self.world.machines[machine].queue.join(
             waiting,
-            || facts(scenario, layout, streams, jobs, slot, machine),
+            || facts(scenario, layout, streams, (jobs, slot), (machine, rules)),
             |facts| keys(rules, waiting.since.seconds(), facts, &Moment::default()),
             |waiting| is_here(jobs, waiting),
         );
@@ -356,9 +369,10 @@ impl<R: Recorder> Shop<'_, R> {
     fn look(&mut self, machine: usize) -> (&mut Queue, Look<'_>) {
         let now = self.now().seconds();
         let (scenario, layout, world) = (self.scenario, &*self.layout, &mut self.world);
+        let rules = branch::rules(scenario, world.branched, machine);
         let state = &mut world.machines[machine];
         let (ready, jobs, waiting_work) = (state.ready, &world.jobs, world.waiting_work.as_slice());
-        (&mut state.queue, Look { scenario, layout, jobs, waiting_work, machine, ready, now })
+        (&mut state.queue, Look { scenario, layout, jobs, waiting_work, machine, rules, ready, now })
     }
 }
 
@@ -369,6 +383,7 @@ struct Look<'a> {
     jobs: &'a Jobs,
     waiting_work: &'a [(u32, f64)],
     machine: usize,
+    rules: &'a [DispatchRule],
     ready: Readiness,
     now: f64,
 }
@@ -386,7 +401,7 @@ impl Look<'_> {
             next_work: facts.next_station.filter(|_| self.layout.looks_ahead).map_or(0.0, work_at),
             setup: self.layout.setup(self.scenario, self.machine, self.ready, group, usual).unwrap_or(0.0),
         };
-        keys(self.scenario.rules(self.machine), waiting.since.seconds(), facts, &moment)
+        keys(self.rules, waiting.since.seconds(), facts, &moment)
     }
 }
 

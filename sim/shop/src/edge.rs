@@ -33,6 +33,8 @@ pub struct Edge {
     pub wheel: WheelEstimate,
     /// Sensor samples taken: index of the next noise.
     pub samples: u64,
+    /// Whether it had cut before the run began.
+    pub worn_at_start: bool,
     /// Speed at the end of its last pass, m/s.
     pub last_speed: Option<f64>,
 }

@@ -186,6 +186,7 @@ impl<R: Recorder> Shop<'_, R> {
             return; // no part in the machine yet
         }
         task.begun = now;
+        task.before = 0.0;
         match &mut task.content {
             Content::Plain(_) => {} // the same time again
             Content::Machining(machining) => machining.piece = Piece::default(),

@@ -45,38 +45,6 @@ const EARLY: Common = (0, 0);
 /// Those without.
 const LATE: Common = (1, 0);
 
-/// Whether a rule is known here. The rules after it have to keep the order of jobs as it is.
-pub(super) fn knows(rule: DispatchRule) -> bool {
-    match rule {
-        DispatchRule::SlackPerOperation
-        | DispatchRule::CriticalRatio
-        | DispatchRule::ModifiedDueDate
-        | DispatchRule::ModifiedOperationDue
-        | DispatchRule::WorkInNextQueue
-        | DispatchRule::TimeAndNextQueue
-        | DispatchRule::TimesAndNextQueue
-        | DispatchRule::TimeNextQueueAndSlack
-        | DispatchRule::Atc
-        | DispatchRule::Covert
-        | DispatchRule::LeastSetup => true,
-        DispatchRule::Fifo
-        | DispatchRule::Lifo
-        | DispatchRule::Random
-        | DispatchRule::FirstReleased
-        | DispatchRule::Priority
-        | DispatchRule::ShortestProcessingTime
-        | DispatchRule::WeightedShortestTime
-        | DispatchRule::LongestProcessingTime
-        | DispatchRule::ShortestRemaining
-        | DispatchRule::LongestRemaining
-        | DispatchRule::EarliestDueDate
-        | DispatchRule::EarliestOperationDue
-        | DispatchRule::Slack
-        | DispatchRule::FewestOperations
-        | DispatchRule::MostOperations => false,
-    }
-}
-
 impl Kinetic {
     pub fn of(rule: DispatchRule) -> Self {
         Self {

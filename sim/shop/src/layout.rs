@@ -139,7 +139,8 @@ impl Layout {
             (0..).zip(&stations).filter(shares).map(|(station, _)| station).collect()
         };
         let overlapping = stations.iter().map(shared).collect();
-        let mut rules = (0..scenario.machines.len()).flat_map(|machine| scenario.rules(machine));
+        let before = scenario.branch.iter().flat_map(|branch| branch.rules.iter().flatten());
+        let mut rules = (0..scenario.machines.len()).flat_map(|machine| scenario.rules(machine)).chain(before);
         let looks_ahead = rules.any(|rule| rule.looks_ahead());
         let mut modes_of = vec![Vec::new(); scenario.machines.len()];
         for (mode, failure) in scenario.failures.iter().enumerate() {

@@ -36,6 +36,7 @@
 mod arrival;
 mod assembly;
 mod batch;
+mod branch;
 mod chatter;
 mod claims;
 mod contour;
@@ -50,6 +51,7 @@ mod error;
 mod event;
 mod flow;
 mod grinding;
+mod in_process;
 mod inspection;
 mod interruption;
 mod job;
@@ -174,7 +176,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
         let streams = Streams::new(scenario.seed, u64::from(replication));
         let machine = |(index, kind): (usize, &MachineType)| {
             let ready = layout.readiness(kind.setup_at_start.as_deref());
-            Machine::new(scenario.tools.len(), kind, scenario.rules(index), ready)
+            let queue = branch::queue_of(scenario, index, branch::rules(scenario, false, index));
+            Machine::new(scenario.tools.len(), kind, queue, ready)
         };
         let machines = scenario.machines.iter().enumerate().map(machine).collect();
         let source = |index| {
@@ -199,6 +202,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             flow: Flow::of(scenario),
             stock: vec![VecDeque::new(); scenario.parts.len()],
             challengers: Vec::new(),
+            branched: false,
         };
         let pairs = scenario.tools.iter().map(|tool| draws::pair(&tool.scatter, &streams, &tool.name)).collect();
         let mut shop = Self {
@@ -254,6 +258,14 @@ impl<'a, R: Recorder> Shop<'a, R> {
     /// # Errors
     /// [`ShopError`]; the shop is then of no further use.
     pub fn run_until(&mut self, time: SimTime) -> Result<(), ShopError> {
+        if let Some(at) = self.change_until(time)? {
+            self.settle_until(at)?;
+            self.change();
+        }
+        self.settle_until(time)
+    }
+
+    fn settle_until(&mut self, time: SimTime) -> Result<(), ShopError> {
         let (mut instant, mut count) = (self.now(), 0);
         while let Some(now) = self.calendar.peek_time().filter(|next| *next <= time) {
             while let Some(event) = self.calendar.pop_before(now, Class::Observe) {

@@ -47,6 +47,19 @@ impl World {
         self.lots[order as usize].as_mut()
     }
 
+    /// The jobs of an order, where several are in the shop, have passed all operations before `operation`, and `passed`
+    /// of them that one, for which `machine` is kept.
+    pub(super) fn set_lot(&mut self, order: u32, operation: u32, passed: u32, machine: Option<u32>) {
+        let Some(lot) = self.lot_mut(order) else { return };
+        let at = operation as usize;
+        lot.steps[..at].iter_mut().for_each(|step| step.left = 0);
+        lot.steps[at].left -= passed;
+        lot.steps[at].machine = machine;
+        if let Some(machine) = machine {
+            self.machines[machine as usize].kept_for = Some((order, operation));
+        }
+    }
+
     /// One more job of an order has to pass the operations from `from` on, where several are in the shop.
     pub(super) fn join_lot(&mut self, order: u32, from: u32) {
         let Some(lot) = self.lot_mut(order) else { return };

@@ -4,14 +4,13 @@ use super::batch::BatchState;
 use super::chatter::{Reaction, Surface};
 use super::cut::Segment;
 use super::deviation::Moved;
-use super::dispatch::queue_kind;
 use super::draws::Blank;
 use super::edge::Edge;
-use super::queue::{Queue, QueueKind};
+use super::queue::Queue;
 use crate::runlog::{MachineState, PassRow};
 use toolroom_kernel::{EventKey, SimTime};
+use toolroom_scenario::MachineType;
 use toolroom_scenario::policies::{ForceReading, Observer};
-use toolroom_scenario::{DispatchRule, MachineType};
 
 /// A machine of the shop.
 #[derive(Clone, Debug)]
@@ -107,6 +106,8 @@ pub struct Task {
     pub unload_time: f64,
     /// What is done to the part.
     pub content: Content,
+    /// Time of its work that lies before the start of the run, s.
+    pub before: f64,
     /// Other jobs that are worked on together with it.
     pub riders: Vec<u32>,
 }
@@ -303,9 +304,9 @@ impl Step {
 
 impl Machine {
     /// A machine with a full magazine, ready at time zero.
-    pub(super) fn new(tools: usize, kind: &MachineType, rules: &[DispatchRule], ready: Readiness) -> Self {
+    pub(super) fn new(tools: usize, kind: &MachineType, queue: Queue, ready: Readiness) -> Self {
         Self {
-            queue: Queue::of(if kind.batch.is_some() { QueueKind::Scan } else { queue_kind(rules) }),
+            queue,
             task: None,
             edges: vec![None; tools],
             learnt: vec![None; tools],

@@ -30,25 +30,38 @@ impl Piece {
 impl<R: Recorder> Shop<'_, R> {
     /// A machine takes a job, and in a batch others with it.
     pub(super) fn begin(&mut self, machine: usize, slot: u32, riders: Vec<u32>) -> Result<(), ShopError> {
-        let now = self.now();
+        let asked = self.asked(machine, slot);
+        let task = self.task_of(machine, slot, riders, &asked);
         let job = self.world.jobs.at(slot);
         let (number, part, index) = (job.number, job.row.part as usize, job.operation as usize);
-        let kind = &self.scenario.machines[machine];
-        let plan = self.layout.operations[part][index];
-        let asked = self.asked(machine, slot);
-        let [mut load_time, mut unload_time] = self.handling(machine, slot, &asked);
+        let (kind, group) = (&self.scenario.machines[machine], self.layout.operations[part][index].setup_group);
+        let state = &mut self.world.machines[machine];
+        let setup = self.scenario.parts[part].operations[index].setup_time.unwrap_or(kind.setup_time);
+        let needed = self.layout.setup(self.scenario, machine, state.ready, group, setup);
+        let setup = asked.calibrated(self.scenario, ShopConstant::SetupTime, needed.unwrap_or(0.0));
+        state.task = Some(Task { left: if needed.is_some() { setup } else { 0.0 }, ..task });
+        if needed.is_some() {
+            self.log_event("setup", Some(machine), Some(number), None);
+        }
+        self.start_clocks(machine)?;
+        self.drive(machine, true)
+    }
+
+    /// An operation in a machine as it begins, without setup.
+    pub(super) fn task_of(&mut self, machine: usize, slot: u32, riders: Vec<u32>, asked: &Asked) -> Task {
+        let now = self.now();
+        let job = self.world.jobs.at(slot);
+        let plan = self.layout.operations[job.row.part as usize][job.operation as usize];
+        let [mut load_time, mut unload_time] = self.handling(machine, slot, asked);
         for &rider in &riders {
-            let own = self.handling(machine, rider, &asked);
+            let own = self.handling(machine, rider, asked);
             load_time += own[0];
             unload_time += own[1];
         }
         let content = match plan.content {
             ContentPlan::Plain => {
                 // All that is worked on together is done when the longest work is.
-                let own = |slot: u32| {
-                    let (times, drawn) = self.plain_work(machine, slot);
-                    times * self.plain_time(&asked, drawn)
-                };
+                let own = |slot: u32| self.whole_work(machine, slot, asked);
                 let whole = riders.iter().map(|rider| own(*rider)).fold(own(slot), f64::max);
                 Content::Plain(self.world.jobs.at_mut(slot).rest.take().unwrap_or(whole))
             }
@@ -56,8 +69,8 @@ impl<R: Recorder> Shop<'_, R> {
                 let moved = asked.moved(self.scenario, cutting_time);
                 Content::Machining(Machining {
                     tool,
-                    delay: self.delay(&asked, slot, moved.pace * cutting_time),
-                    hold: self.hold(&asked, slot),
+                    delay: self.delay(asked, slot, moved.pace * cutting_time),
+                    hold: self.hold(asked, slot),
                     moved,
                     acting: asked.acting(self.scenario, tool as usize),
                     lost_edges: 0,
@@ -65,16 +78,11 @@ impl<R: Recorder> Shop<'_, R> {
                 })
             }
         };
-        let state = &mut self.world.machines[machine];
-        let setup = self.scenario.parts[part].operations[index].setup_time.unwrap_or(kind.setup_time);
-        let needed = self.layout.setup(self.scenario, machine, state.ready, plan.setup_group, setup);
-        let change = needed.is_some();
-        let setup = asked.calibrated(self.scenario, ShopConstant::SetupTime, needed.unwrap_or(0.0));
-        state.task = Some(Task {
+        Task {
             slot,
             begun: now,
             step: Step::Setup,
-            left: if change { setup } else { 0.0 },
+            left: 0.0,
             since: now,
             end: None,
             operator: None,
@@ -82,13 +90,15 @@ impl<R: Recorder> Shop<'_, R> {
             load_time,
             unload_time,
             content,
+            before: 0.0,
             riders,
-        });
-        if change {
-            self.log_event("setup", Some(machine), Some(number), None);
         }
-        self.start_clocks(machine)?;
-        self.drive(machine, true)
+    }
+
+    /// All of the plain work of a job in a machine, s.
+    pub(super) fn whole_work(&self, machine: usize, slot: u32, asked: &Asked) -> f64 {
+        let (times, drawn) = self.plain_work(machine, slot);
+        times * self.plain_time(asked, drawn)
     }
 
     /// Times of loading and unloading a job, s.
@@ -337,6 +347,7 @@ impl<R: Recorder> Shop<'_, R> {
             start: task.begun.seconds(),
             end: f64::NAN,
             time_left: 0.0,
+            time_before: task.before,
             work: own / (1 + task.riders.len()) as f64,
             next: job.operation,
             result: OperationResult::InProcess,

@@ -98,6 +98,15 @@ impl<R: Recorder> Shop<'_, R> {
         }
     }
 
+    /// A part of which passes are cut already is in the machine when the run begins.
+    pub(super) fn clamp_at_start(&mut self, machine: usize) {
+        let place = self.place(machine);
+        if self.world.machines[machine].edges[place.tool].is_none() {
+            self.mount(machine, place.tool);
+        }
+        self.clamp_new_part(machine, place, self.layout.passes(place.part, place.operation).first_pass);
+    }
+
     /// A part comes before the edge: its lot and hardness show, a wheel finds it untouched.
     fn clamp_new_part(&mut self, machine: usize, place: Place, first_pass: u32) {
         let tool = &self.scenario.tools[place.tool];
@@ -120,7 +129,7 @@ impl<R: Recorder> Shop<'_, R> {
         if edge.observer.is_none() {
             // An edge that has cut before the policy came is measured once.
             let worn = read(&edge.state, flank_wear, 0.0);
-            let reading = (edge.row.passes > 0).then(|| {
+            let reading = (edge.row.passes > 0 || edge.worn_at_start).then(|| {
                 let mut stream = self.streams.at(edge.entity.part(owner::READINGS), Purpose::Measurement, u64::MAX);
                 worn + controller.reading_error(&mut stream)
             });

@@ -297,6 +297,8 @@ pub struct OperationRow {
     /// Time in cut and in handling that it would still take, s, later passes as programmed; 0 unless
     /// it is in process.
     pub time_left: f64,
+    /// Time of its work that lies before the start of the run, s; 0 unless it was in process then.
+    pub time_before: f64,
     /// Times of plain work, or of passes, that it stands for: pieces, or its share of what a lot or a batch took once.
     pub work: f64,
     /// Operation to which its job goes; the same one where it is not completed.

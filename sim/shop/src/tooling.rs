@@ -18,12 +18,19 @@ impl<R: Recorder> Shop<'_, R> {
         let process = self.scenario.tools[tool].process.machine_process();
         let state = &mut self.world.machines[machine];
         let entity = self.layout.machines[machine].part(1 << 32 | tool as u64).part(state.mounted[tool]);
+        let first = state.mounted[tool] == 0;
         state.mounted[tool] += 1;
         state.magazine = state.magazine.saturating_sub(1);
         let scatter = draws::edge(&self.scenario.tools[tool].scatter, &self.streams, entity);
         let mut x = process.initial();
         if scatter.initial_flank_wear > 0.0 {
             write(&mut x, self.layout.tools[tool].ports.flank_wear_state, scatter.initial_flank_wear);
+        }
+        // The first edge of a tool is in the machine when the run begins.
+        let at_start = &self.scenario.machines[machine].edges_at_start;
+        let worn = at_start.iter().find(|(worn, _)| first && *worn == tool).map(|(_, wear)| *wear);
+        if let Some(wear) = worn {
+            write(&mut x, self.layout.tools[tool].ports.flank_wear_state, wear);
         }
         let number = self.world.edges_mounted;
         self.world.edges_mounted += 1;
@@ -55,6 +62,7 @@ impl<R: Recorder> Shop<'_, R> {
             observer: None,
             wheel: WheelEstimate::default(),
             samples: 0,
+            worn_at_start: worn.is_some(),
             last_speed: None,
         };
         self.world.machines[machine].edges[tool] = Some(edge);

@@ -37,6 +37,8 @@ pub struct World {
     pub flow: Flow,
     /// Finished components that are not built in yet, by part, the first come in front.
     pub stock: Vec<VecDeque<Stocked>>,
+    /// Whether the shop has been changed as its scenario says.
+    pub(super) branched: bool,
     /// Waiting jobs that may interrupt others.
     pub(super) challengers: Vec<u32>,
     /// Edges mounted so far.

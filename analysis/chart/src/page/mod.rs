@@ -95,10 +95,12 @@ impl Report {
         self
     }
 
-    /// Adds a section.
+    /// Adds a section; one with nothing below its heading is left out.
     #[must_use]
     pub fn section(mut self, section: Section) -> Self {
-        self.sections.push(section);
+        if !section.is_empty() {
+            self.sections.push(section);
+        }
         self
     }
 

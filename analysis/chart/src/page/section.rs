@@ -199,6 +199,11 @@ impl Section {
         }
     }
 
+    /// Whether there is nothing below the heading.
+    pub(super) fn is_empty(&self) -> bool {
+        self.items.is_empty()
+    }
+
     pub(super) fn heading(&self) -> &str {
         &self.heading
     }
@@ -254,9 +259,10 @@ fn write_table(out: &mut String, table: &Table, caption: Option<&str>, rows: usi
     out.push_str("</tbody></table></div>");
 }
 
-/// A number in a table of results: six significant digits, the typographic minus.
+/// A number in a table of results: four significant digits, a count in full, the typographic minus.
 fn readable(value: f64) -> String {
-    crate::number(value, 6)
+    let is_count = value.fract() == 0.0 && value.abs() < 1e6;
+    crate::number(value, if is_count { 6 } else { 4 })
 }
 
 /// A number that a spreadsheet understands when the table is copied: six significant digits.

@@ -122,7 +122,7 @@ impl<'a> Counting<'a> {
             let since = |from: f64| during.clone().map(|(start, over)| (over - start.max(from)).max(0.0)).sum::<f64>();
             let (done, inside) = (since(row.start), since(row.start.max(warm_up)));
             let completed = row.end >= warm_up;
-            let whole = done + row.time_left;
+            let whole = row.time_before + done + row.time_left;
             let share = if whole > 0.0 { inside / whole } else { f64::from(u8::from(completed)) };
             let programmed = self.programmed[row.part as usize][row.operation as usize];
             self.tally.add_operation(self.scenario, programmed, row, share, completed);

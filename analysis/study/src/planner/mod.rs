@@ -13,7 +13,7 @@ pub(crate) use files::ticks;
 pub use files::{FILES, json, late_orders, write};
 
 use toolroom_scenario::{Scenario, date};
-use toolroom_shop::runlog::{JobOutcome, MachineState, RunLog, StateRow};
+use toolroom_shop::runlog::{JobOutcome, JobRow, MachineState, RunLog, StateRow};
 
 /// Length of a week, s.
 const WEEK: f64 = 7.0 * 86_400.0;
@@ -220,9 +220,11 @@ impl Figures {
             machines.sort_unstable();
             self.stations.iter().position(|own| *own == machines).unwrap_or(0)
         };
-        // When every job was ready for its next operation, and which one that is.
-        let mut ready: Vec<(f64, u32)> =
-            log.jobs.iter().map(|job| (if job.divided_from.is_some() { f64::NAN } else { job.arrival }, 0)).collect();
+        // When every job was ready for its next operation, and which one that is; waits before the start are not counted.
+        let first =
+            |order: u32| scenario.orders[order as usize].in_process.as_ref().map_or(0, |own| own.operation as u32);
+        let from = |job: &JobRow| if job.divided_from.is_some() { f64::NAN } else { job.arrival.max(0.0) };
+        let mut ready: Vec<(f64, u32)> = log.jobs.iter().map(|job| (from(job), job.order.map_or(0, first))).collect();
         let mut waits: Vec<Vec<(f64, f64)>> = vec![Vec::new(); self.stations.len()];
         let mut begun = vec![0.0; self.stations.len()];
         for row in &log.operations {

@@ -105,7 +105,9 @@ fn gantt(source: &Source<'_>, position: usize) -> Option<Figure> {
 }
 
 pub(super) fn section(source: &Source<'_>) -> Section {
-    let section = Section::new("What the machines did").paragraph(
+    let section = Section::new("What the machines did")
+        .paragraph("schedule.html beside this page shows every machine over the whole run, to zoom and to search.")
+        .paragraph(
         "OEE = availability · effectiveness · quality ratio by ISO 22400-2: production time (cutting and handling) \
          over planned busy time, the working time of the calendar and overtime; programmed time of the operations over \
          production time; programmed time of the good over that of all operations completed. An operation over an end \

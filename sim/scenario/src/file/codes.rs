@@ -65,7 +65,7 @@ pub const CODES: &[(&str, &str)] = &[
     ),
     (
         "order-beyond-horizon",
-        "An order that is released before second 0 or after the horizon would silently be missing from the results. `start` in [shop] is the date of second 0, `horizon` the length of the run. What is already in work at the start cannot be given yet.",
+        "An order that is released before second 0 or after the horizon would silently be missing from the results. `start` in [shop] is the date of second 0, `horizon` the length of the run. What is in the shop at the start is said by a [[wip]], and may then be released before.",
     ),
     (
         "skill-nobody",

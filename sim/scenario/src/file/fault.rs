@@ -295,7 +295,10 @@ impl ContentFault for ScenarioFault {
             }
             Self::NoDate { example, .. } => format!("such as {example}"),
             Self::CalendarEmpty { .. } => "give a day of `week` its shifts, or overtime".to_owned(),
-            Self::OrderOutside { .. } => "lengthen `horizon`, move `start`, or take the order out".to_owned(),
+            Self::OrderOutside { .. } => {
+                "lengthen `horizon`, move `start`, take the order out, or say by a [[wip]] where it is at the start"
+                    .to_owned()
+            }
             Self::TableCell { fix, .. } => return fix.clone(),
             Self::Draws { .. } => "`toolroom calibrate --data` writes such a table beside the set".to_owned(),
             Self::SkillNobody { nearest: Some(nearest), known, .. } => {

@@ -193,6 +193,12 @@ pub(super) fn check(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) {
             }
         }
     }
+    if blocking == Blocking::BeforeService
+        && let Some(order) = orders.iter().find(|order| order.in_process.is_some())
+    {
+        let reason = format!("order \"{}\" is in process at the start with blocking before service", order.id);
+        refuse("dispatch", reason, "use blocking = \"after_service\": which places are reserved is not known");
+    }
     for order in orders {
         let Some(part) = parts.get(order.part) else { continue };
         let size = order.job_size(part);

@@ -7,7 +7,7 @@ mod resource;
 mod transport;
 
 use flow::{BATCH, COMPONENT, OUTCOME, VARIANT};
-use order::{CALENDAR, ORDER, TABLES};
+use order::{CALENDAR, EDGE_AT_START, ORDER, TABLES, WIP};
 pub use policy::SENSORS;
 use resource::{ATTENDANCE, BUFFER, OPERATOR, PLACES, SETUP_MATRIX};
 use serde_json::{Map, Value, json};
@@ -162,6 +162,11 @@ static MACHINE: Form = Form {
             "setup_at_start",
             Kind::Text,
             "Setup group for which it stands ready at the start, \"\" for none; left out: for whatever comes first",
+        ),
+        Key::optional(
+            "edge_at_start",
+            Kind::Tables(&EDGE_AT_START),
+            "Worn edges that are in it at the start; left out: new ones",
         ),
         Key::default(
             "magazine",
@@ -583,6 +588,7 @@ pub static SCENARIO: Form = Form {
         Key::optional("part", Kind::Tables(&PART), "Parts with their routings"),
         Key::optional("arrivals", Kind::Tables(&ARRIVALS), "Where jobs come from"),
         Key::optional("order", Kind::Tables(&ORDER), "Orders: quantities of parts with dates"),
+        Key::optional("wip", Kind::Tables(&WIP), "Orders that are in the shop when the run begins"),
         Key::optional("tables", Kind::Table(&TABLES), "Tables in files beside this one"),
         Key::optional("dispatch", Kind::Table(&DISPATCH), "Which waiting job a free machine takes"),
         Key::optional("failure", Kind::Tables(&FAILURE), "Breakdowns"),

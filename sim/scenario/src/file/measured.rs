@@ -363,6 +363,3 @@ pub(super) fn deviations(walk: &mut Walk, root: &Section<'_>, names: &Names) -> 
     }
     deviations
 }
-
-#[cfg(test)]
-mod tests;

@@ -31,6 +31,7 @@ mod routing;
 mod rules;
 mod speed;
 mod stability;
+mod table;
 mod transport;
 mod tune;
 mod variants;

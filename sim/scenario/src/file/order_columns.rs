@@ -23,6 +23,11 @@ struct Column {
 const DATES: [&str; 2] = ["release", "due"];
 
 impl Columns {
+    /// Columns under the names of their keys.
+    pub fn own() -> Self {
+        Self { listed: Vec::new() }
+    }
+
     /// The sections `column` of `[tables]`.
     pub fn read(walk: &mut Walk, tables: &Section<'_>, form: &Form) -> Self {
         let mut listed: Vec<Column> = Vec::new();

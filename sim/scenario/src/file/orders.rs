@@ -1,64 +1,83 @@
-//! Orders: sections of the scenario and rows of a table beside it.
+//! Orders: sections of the scenario and rows of tables beside it, and how far they are when the run begins.
 
 use super::calendars::moment;
 use super::fault::ScenarioFault;
-use super::keys::SCENARIO;
 use super::order_columns::Columns;
 use super::resolve::{Names, reference};
-use crate::{Order, Part, date};
-use std::borrow::Cow;
+use super::table::{Table, form_of};
+use crate::{InProcess, MachineType, Order, Part, Work, date};
 use std::collections::BTreeSet;
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
-use toolroom_form::{Fault, Form, Kind, Section, Span, Walk, nearest};
+use toolroom_form::{Fault, Section, Span, Walk};
 
 /// What the orders of a file are read against.
+pub(super) struct Around<'a> {
+    pub names: &'a Names,
+    pub machines: &'a [MachineType],
+    pub parts: &'a [Part],
+    /// The date of second 0.
+    pub start: Option<f64>,
+    pub horizon: f64,
+}
+
+/// Orders that have been read.
 struct Reader<'a> {
-    names: &'a Names,
-    parts: &'a [Part],
-    start: Option<f64>,
-    horizon: f64,
+    around: &'a Around<'a>,
+    orders: Vec<Order>,
+    /// Where the release of every order stands.
+    places: Vec<Place>,
     seen: BTreeSet<String>,
+    /// Machines that have work when the run begins, and the order.
+    taken: Vec<(usize, usize)>,
+}
+
+/// A place in the scenario, or a row of a table that it names there.
+struct Place {
+    span: Span,
+    row: Option<(String, u64)>,
 }
 
 /// All orders: those of `[[order]]` first, then those of the table.
-pub(super) fn orders(
-    walk: &mut Walk,
-    root: &Section<'_>,
-    names: &Names,
-    parts: &[Part],
-    start: Option<f64>,
-    horizon: f64,
-) -> Vec<Order> {
-    let mut reader = Reader { names, parts, start, horizon, seen: BTreeSet::new() };
-    let sections = walk.sections(root, "order", None);
-    let mut orders: Vec<Order> = sections.iter().map(|section| reader.order(walk, section)).collect();
-    if let Some(tables) = walk.table(root, "tables")
-        && let Some(path) = tables.text("orders")
-        && let Some(text) = walk.file(&tables, "orders", path)
-    {
-        let mapping = Columns::read(walk, &tables, order_form());
-        orders.extend(reader.table(walk, path, &text, (&tables.span_of("orders"), &mapping)));
+pub(super) fn orders(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) -> Vec<Order> {
+    let (orders, places, seen) = (Vec::new(), Vec::new(), BTreeSet::new());
+    let mut reader = Reader { around, orders, places, seen, taken: Vec::new() };
+    for section in walk.sections(root, "order", None) {
+        reader.order(walk, &section, None);
     }
-    orders
+    let tables = walk.table(root, "tables");
+    if let Some(tables) = &tables
+        && let Some(file) = tables.text("orders")
+        && let Some(text) = walk.file(tables, "orders", file)
+    {
+        let mapping = &Columns::read(walk, tables, form_of("order"));
+        let table = Table { file, text: &text, place: tables.span_of("orders"), kind: "order", mapping };
+        table.rows(walk, |walk, section, line| reader.order(walk, section, Some((file.to_owned(), line))));
+    }
+    for section in walk.sections(root, "wip", None) {
+        reader.in_process(walk, &section);
+    }
+    if let Some(tables) = &tables
+        && let Some(file) = tables.text("wip")
+        && let Some(text) = walk.file(tables, "wip", file)
+    {
+        let table = Table { file, text: &text, place: tables.span_of("wip"), kind: "wip", mapping: &Columns::own() };
+        table.rows(walk, |walk, section, _| reader.in_process(walk, section));
+    }
+    reader.check_releases(walk);
+    reader.orders
 }
 
 impl Reader<'_> {
-    fn order(&mut self, walk: &mut Walk, section: &Section<'_>) -> Order {
+    fn order(&mut self, walk: &mut Walk, section: &Section<'_>, row: Option<(String, u64)>) {
         let id = section.text("id").unwrap_or_default().to_owned();
         if !id.is_empty() && !self.seen.insert(id.clone()) {
             walk.fault(section.span_of("id"), Fault::DuplicateName { kind: "order", name: id.clone() });
         }
-        let known = self.names.parts.iter().map(String::as_str);
+        let &Around { names, parts, start, .. } = self.around;
+        let known = names.parts.iter().map(String::as_str);
         let part = reference(walk, "part", section.got("part"), known).unwrap_or(0);
-        let release = moment(walk, section, "release", self.start).unwrap_or(0.0);
-        if !(0.0..=self.horizon).contains(&release) {
-            let run = format!("from {} to {}", self.shown(0.0), self.shown(self.horizon));
-            let fault = ScenarioFault::OrderOutside { id: id.clone(), release: self.shown(release), run };
-            walk.fault(section.span_of("release"), fault);
-        }
-        let allowance = self.parts.get(part).map_or(0.0, |part| part.flow_allowance);
-        let due = match moment(walk, section, "due", self.start) {
+        let release = moment(walk, section, "release", start).unwrap_or(0.0);
+        let allowance = parts.get(part).map_or(0.0, |part| part.flow_allowance);
+        let due = match moment(walk, section, "due", start) {
             Some(due) => due,
             None => release + allowance,
         };
@@ -72,7 +91,8 @@ impl Reader<'_> {
             };
             walk.fault(section.span_of("due"), fault);
         }
-        Order {
+        self.places.push(Place { span: section.span_of("release"), row });
+        self.orders.push(Order {
             id,
             part,
             quantity: section.count32("quantity"),
@@ -82,108 +102,122 @@ impl Reader<'_> {
             weight: section.required("weight"),
             customer: section.text("customer").unwrap_or_default().to_owned(),
             transfer: section.count("transfer").and_then(|pieces| u32::try_from(pieces).ok()),
+            in_process: None,
+        });
+    }
+
+    /// How far an order has come when the run begins.
+    fn in_process(&mut self, walk: &mut Walk, section: &Section<'_>) {
+        let &Around { names, machines, parts, start, .. } = self.around;
+        let ids = self.orders.iter().map(|order| order.id.as_str());
+        let Some(index) = reference(walk, "order", section.got("order"), ids) else { return };
+        let Some(part) = parts.get(self.orders[index].part) else { return };
+        let operations = part.operations.iter().map(|operation| operation.name.as_str());
+        let Some(place) = reference(walk, "operation", section.got("operation"), operations) else { return };
+        let operation = &part.operations[place];
+        let known = names.each_machine.iter().map(String::as_str);
+        let machine = reference(walk, "machine", section.got("machine"), known);
+        let order = &self.orders[index];
+        let whole = f64::from(order.quantity);
+        let done = match section.count("pieces") {
+            Some(pieces) => pieces as f64 / whole,
+            None => section.si("done").unwrap_or(0.0),
+        };
+        let own = InProcess {
+            operation: place,
+            machine,
+            done,
+            setup_left: section.si("setup_left").unwrap_or(0.0),
+            since: moment(walk, section, "since", start).unwrap_or(0.0),
+        };
+        let done_at = if section.given("pieces") { "pieces" } else { "done" };
+        let divided = order.is_divided(part);
+        let batch = machine.and_then(|machine| machines[machine].batch);
+        let mut refuse = |key: &str, reason: String, fix: String| {
+            walk.fault(section.span_of(key), ScenarioFault::Arrangement { reason, fix });
+        };
+        let id = &order.id;
+        if order.in_process.is_some() {
+            refuse("order", format!("order \"{id}\" is in two places"), "take out one of them".to_owned());
+        }
+        if let Some(machine) = machine {
+            let name = &machines[machine].name;
+            if !operation.machines.contains(&machine) {
+                let may: Vec<&str> = operation.machines.iter().map(|own| machines[*own].name.as_str()).collect();
+                let reason = format!("machine \"{name}\" does not do operation \"{}\"", operation.name);
+                refuse("machine", reason, format!("its machines: {}", may.join(", ")));
+            }
+            let other = self.taken.iter().find(|(taken, _)| *taken == machine).filter(|_| batch.is_none());
+            if let Some(other) = other.and_then(|(_, other)| self.orders.get(*other)) {
+                let reason = format!("machine \"{name}\" has order \"{}\" already", other.id);
+                refuse("machine", reason, format!("take out `machine`: then \"{id}\" waits"));
+            }
+        }
+        if section.given("done") && section.given("pieces") {
+            refuse("pieces", "`done` and `pieces` say the same".to_owned(), "take out one of them".to_owned());
+        }
+        if done >= 1.0 {
+            let reason = format!("order \"{id}\" has all of operation \"{}\" behind it", operation.name);
+            refuse(
+                done_at,
+                reason,
+                "name the operation that comes next; leave out orders that are finished".to_owned(),
+            );
+        } else if done > 0.0 && !divided && machine.is_none() {
+            let reason = format!("order \"{id}\" waits as a whole, but a part of it is done");
+            let fix = "name the machine that works on it, or give the order the quantity that is left and take out \
+                       what is done";
+            refuse(done_at, reason, fix.to_owned());
+        } else if done > 0.0 && matches!(operation.work, Work::Grinding { .. } | Work::Cycle(_)) && !divided {
+            let reason = format!("operation \"{}\" is ground, and cannot begin in the middle", operation.name);
+            refuse(done_at, reason, format!("take out `{done_at}`: the piece is ground from the start"));
+        }
+        if own.setup_left > 0.0 && (machine.is_none() || done > 0.0) {
+            let reason = format!("order \"{id}\" has a setup in progress, but no machine, or work done");
+            refuse("setup_left", reason, "take out `setup_left`, or what contradicts it".to_owned());
+        }
+        if own.since > 0.0 {
+            let reason = format!("order \"{id}\" comes after the start: {}", self.shown(own.since));
+            refuse("since", reason, "give a date or a time that is not after the start".to_owned());
+        }
+        self.taken.extend(machine.map(|machine| (machine, index)));
+        self.orders[index].in_process = Some(own);
+    }
+
+    /// An order is released in the run, or is in the shop when it begins.
+    fn check_releases(&self, walk: &mut Walk) {
+        let horizon = self.around.horizon;
+        for (order, Place { span, row }) in self.orders.iter().zip(&self.places) {
+            let from = if order.in_process.is_some() { f64::NEG_INFINITY } else { 0.0 };
+            let to = if order.in_process.is_some() { 0.0 } else { horizon };
+            if (from..=to).contains(&order.release) {
+                continue;
+            }
+            let run = format!("from {} to {}", self.shown(0.0), self.shown(horizon));
+            let (id, release) = (order.id.clone(), self.shown(order.release));
+            let fault = if order.in_process.is_some() {
+                let reason = format!("order {id} is in the shop at the start, but released at {release}");
+                ScenarioFault::Arrangement {
+                    reason,
+                    fix: "take it out of the [[wip]], or release it before".to_owned(),
+                }
+            } else {
+                ScenarioFault::OrderOutside { id, release, run }
+            };
+            let fault: Fault = match row {
+                None => fault.into(),
+                Some((file, line)) => {
+                    let fault: Fault = fault.into();
+                    let (reason, fix) = (fault.to_string(), fault.fix());
+                    ScenarioFault::TableCell { file: file.clone(), line: *line, reason, fix }.into()
+                }
+            };
+            walk.fault(span.clone(), fault);
         }
     }
 
     /// A time as people read it.
     fn shown(&self, time: f64) -> String {
-        self.start.map_or_else(|| format!("{} h", time / 3600.0), |start| date::show(start + time))
+        self.around.start.map_or_else(|| format!("{} h", time / 3600.0), |start| date::show(start + time))
     }
-
-    /// Rows of a comma-separated table; a semicolon separates where the first line has no comma.
-    fn table(&mut self, walk: &mut Walk, file: &str, text: &str, (place, mapping): (&Span, &Columns)) -> Vec<Order> {
-        let form = order_form();
-        let first_line = text.lines().next().unwrap_or_default();
-        let delimiter = if first_line.contains(';') && !first_line.contains(',') { b';' } else { b',' };
-        let mut rows = csv::ReaderBuilder::new()
-            .delimiter(delimiter)
-            .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .from_reader(text.as_bytes());
-        let fault = |line: u64, reason: String, fix: Option<String>| ScenarioFault::TableCell {
-            file: file.to_owned(),
-            line,
-            reason,
-            fix,
-        };
-        let header: Vec<String> = match rows.headers() {
-            Ok(header) => header.iter().map(str::to_owned).collect(),
-            Err(error) => {
-                walk.fault(place.clone(), fault(1, error.to_string(), None));
-                return Vec::new();
-            }
-        };
-        let noted = walk.problems.len();
-        // A column that no mapping names has an empty name and is passed over.
-        let columns = mapping.named(walk, &header, file);
-        for (i, column) in columns.iter().enumerate().filter(|(_, column)| !column.is_empty()) {
-            let known = || form.keys.iter().map(|key| key.name);
-            if columns[..i].contains(column) {
-                walk.fault(place.clone(), fault(1, format!("two columns are called \"{column}\""), None));
-            } else if form.key(column).is_none() {
-                let nearest = nearest(column, known()).map(|near| format!("did you mean `{near}`? "));
-                let fix = format!(
-                    "{}columns: {}; [[tables.column]] says what columns with other names are",
-                    nearest.unwrap_or_default(),
-                    known().collect::<Vec<_>>().join(", ")
-                );
-                walk.fault(place.clone(), fault(1, format!("there is no column \"{column}\""), Some(fix)));
-            }
-        }
-        for column in ["id", "part"].into_iter().filter(|column| !columns.iter().any(|own| own == column)) {
-            walk.fault(place.clone(), fault(1, format!("the column `{column}` is missing"), None));
-        }
-        if walk.problems.len() > noted {
-            return Vec::new();
-        }
-        let mut orders = Vec::new();
-        for row in rows.records() {
-            let row = match row {
-                Ok(row) => row,
-                Err(error) => {
-                    let line = error.position().map_or(0, csv::Position::line);
-                    walk.fault(place.clone(), fault(line, error.to_string(), None));
-                    continue;
-                }
-            };
-            let line = row.position().map_or(0, csv::Position::line);
-            let noted = walk.problems.len();
-            let cells: Vec<Cow<'_, str>> =
-                columns.iter().zip(row.iter()).map(|(column, cell)| mapping.cell(walk, column, cell, place)).collect();
-            let cells = columns.iter().zip(&cells).map(|(column, cell)| (column.as_str(), cell.as_ref()));
-            let cells = cells.filter(|(column, cell)| !column.is_empty() && !cell.is_empty());
-            let table: DeTable<'_> = cells.map(|(column, cell)| entry(form, column, cell, place)).collect();
-            let echoed = walk.echo.len();
-            let section = walk.section(form, "order", &table, place.clone(), None);
-            orders.push(self.order(walk, &section));
-            walk.echo.truncate(echoed); // what a table says is read there
-            for problem in &mut walk.problems[noted..] {
-                let told = fault(line, problem.fault.to_string(), problem.fault.fix());
-                problem.fault = told.into();
-                problem.span = place.clone();
-            }
-        }
-        orders
-    }
-}
-
-/// The form of `[[order]]`, which rows of a table have too.
-fn order_form() -> &'static Form {
-    match SCENARIO.key("order").map(|key| key.kind) {
-        Some(Kind::Tables(form)) => form,
-        _ => unreachable!("a scenario has tables of orders"),
-    }
-}
-
-/// A cell as the value of a key.
-fn entry<'d>(
-    form: &Form,
-    column: &'d str,
-    cell: &'d str,
-    place: &Span,
-) -> (Spanned<Cow<'d, str>>, Spanned<DeValue<'d>>) {
-    let whole = matches!(form.key(column).map(|key| key.kind), Some(Kind::Count { .. }));
-    let number = if whole { DeValue::parse(cell).ok().map(Spanned::into_inner) } else { None };
-    let value = number.filter(DeValue::is_integer).unwrap_or(DeValue::String(cell.into()));
-    (Spanned::new(place.clone(), column.into()), Spanned::new(place.clone(), value))
 }

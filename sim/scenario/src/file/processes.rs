@@ -3,8 +3,9 @@
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::imported;
+use super::resolve::NamedTool;
 use super::stability;
-use crate::{Posterior, ProcessModel, SwitchedEffect};
+use crate::{MachineType, Posterior, ProcessModel, SwitchedEffect};
 use std::fmt::Display;
 use std::sync::Arc;
 use toolroom_cutting::{MILLING_CATALOGUE, Milling, MillingInput, Turning};
@@ -14,6 +15,25 @@ use toolroom_infeed::{Infeed, Parameters};
 use toolroom_lobes::LobesCut;
 use toolroom_process::{ModelError, Process};
 use toolroom_wear::{Catalogue, Chipping, Pair, ParameterSet, Scatter, SetError, TURNING_SETS, check_tilt};
+
+/// Edges that are worn at the start can wear further.
+pub(super) fn check_edges(walk: &mut Walk, root: &Section<'_>, tools: &[NamedTool], machines: &[MachineType]) {
+    for machine in machines {
+        for &(tool, wear) in &machine.edges_at_start {
+            let Some(tool) = tools.get(tool).and_then(|own| own.tool.as_ref()) else { continue };
+            let limit = tool.process.wear_limit();
+            let (reason, fix) = if limit.is_infinite() {
+                ("has no flank wear", "take out `edge_at_start`: only edges of turning and milling have one".to_owned())
+            } else if wear >= limit {
+                ("is worn out at the start", format!("below its limit of {} mm", limit * 1e3))
+            } else {
+                continue;
+            };
+            let reason = format!("tool \"{}\" on machine \"{}\" {reason}", tool.name, machine.name);
+            walk.fault(root.span_of("machine"), ScenarioFault::Arrangement { reason, fix });
+        }
+    }
+}
 
 /// The process of a tool with its structure around it; `None` where a problem was noted.
 pub(super) fn process(

@@ -102,9 +102,11 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let transports = transport::transports(walk, root, &machines);
     names.defined = read_definitions(walk, root);
     let tools = tools(walk, root, &mut names);
+    processes::check_edges(walk, root, &tools, &machines);
     let parts = routing::parts(walk, root, &mut names, &machines, &tools);
     let arrivals = rules::arrivals(walk, root, &names);
-    let orders = orders::orders(walk, root, &names, &parts, start, horizon);
+    let around = orders::Around { names: &names, machines: &machines, parts: &parts, start, horizon };
+    let orders = orders::orders(walk, root, &around);
     let dispatch = rules::dispatch(walk, root);
     let failures = failures(walk, root, &names);
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
@@ -131,7 +133,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     };
     jobs::check(walk, root, &around);
     transport::check(walk, root, &transports, &machines, &parts, &buffers);
-    let variants = variants(walk, root);
+    let variants = variants(walk, root, (start, horizon));
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
         && warm_up >= horizon
@@ -183,6 +185,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         calibrations,
         defined: names.defined,
         currency,
+        branch: None,
     };
     planned::policies(walk, &scenario, &places);
     Some(Resolved { scenario, output, gap, tune, variants })
@@ -256,6 +259,11 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<Mach
         let speed_range = speed_range(walk, &section);
         let own_rules = rules::queue_rules(walk, &section);
         let batch = jobs::batch(walk, &section);
+        let worn = walk.sections(&section, "edge_at_start", None);
+        let known = || names.all.tools.iter().map(String::as_str);
+        let mut edge =
+            |own: &Section<'_>| Some((reference(walk, "tool", own.got("tool"), known())?, own.required("flank_wear")));
+        let edges_at_start: Vec<(usize, f64)> = worn.iter().filter_map(&mut edge).collect();
         let count = section.count("count");
         let mut indices = Vec::new();
         for i in 1..=count.unwrap_or(1) {
@@ -279,6 +287,7 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<Mach
                 setup_time: section.required("setup_time"),
                 setup_matrix,
                 setup_at_start: section.text("setup_at_start").map(str::to_owned),
+                edges_at_start: edges_at_start.clone(),
                 magazine: section.count32("magazine"),
                 refill_time: section.required("refill_time"),
                 speed_range,

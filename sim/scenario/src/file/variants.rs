@@ -1,24 +1,27 @@
 //! Variants of a shop: named changes of its file.
 
+use super::calendars::moment;
 use super::fault::ScenarioFault;
 use super::resolve::named;
 use toml::de::DeValue;
 use toolroom_form::{Section, Value, Walk};
 
 /// A shop with some values changed.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ShopVariant {
     /// Name, unique.
     pub name: String,
     /// Changes of the file, `path=value` as after `--set`.
     pub set: Vec<String>,
+    /// From when on it is changed, s; `None`: from the start.
+    pub from: Option<f64>,
 }
 
 /// Name of the shop as it is, among its variants.
 pub const AS_IT_IS: &str = "as it is";
 
 /// The sections `[[variant]]`.
-pub(super) fn variants(walk: &mut Walk, root: &Section<'_>) -> Vec<ShopVariant> {
+pub(super) fn variants(walk: &mut Walk, root: &Section<'_>, (start, horizon): (Option<f64>, f64)) -> Vec<ShopVariant> {
     let mut variants = Vec::new();
     for (name, section) in named(walk, root, "variant", None) {
         if name == AS_IT_IS {
@@ -39,7 +42,13 @@ pub(super) fn variants(walk: &mut Walk, root: &Section<'_>) -> Vec<ShopVariant> 
                 walk.wrong_type("set", value, "a table of paths and values", section.span_of("set"), example);
             }
         }
-        variants.push(ShopVariant { name, set });
+        let from = moment(walk, &section, "from", start);
+        if from.is_some_and(|from| !(0.0..horizon).contains(&from)) {
+            let reason = format!("variant \"{name}\" is changed before the start or after the horizon");
+            let fix = "give a time in the run; left out, it is changed from the start".to_owned();
+            walk.fault(section.span_of("from"), ScenarioFault::Arrangement { reason, fix });
+        }
+        variants.push(ShopVariant { name, set, from });
     }
     variants
 }

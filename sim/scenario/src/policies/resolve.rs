@@ -294,6 +294,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         setup_time: 0.0,
         setup_matrix: None,
         setup_at_start: None,
+        edges_at_start: Vec::new(),
         input_buffer: None,
         output_buffer: None,
         location: "lathe".to_owned(),

@@ -1,5 +1,6 @@
 //! Good files are understood, bad ones are answered with every fault in its place.
 
+mod measured;
 mod orders;
 
 use proptest::prelude::*;

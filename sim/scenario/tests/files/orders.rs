@@ -69,6 +69,51 @@ fn bad_orders_and_dates_are_told_in_their_place() {
     assert!(without.iter().filter(|(code, ..)| *code == "date-without-start").count() == 3, "{without:#?}");
 }
 
+const WIP: &str = "[[wip]]\norder = \"A\"\noperation = \"saw\"\nmachine = \"saw\"\ndone = \"25 %\"\nsince = \"-2 h\"\n";
+
+#[test]
+fn work_in_the_shop_at_the_start_is_understood() {
+    let early = ORDER.replace("2026-03-30 06:00", "2026-03-27 06:00");
+    let file = parse("dated.toml", &format!("{SHOP}{early}{WIP}"), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let order = &file.scenario.orders[0];
+    assert_eq!(order.release, -66.0 * 3600.0);
+    let own = order.in_process.as_ref().expect("it is in the shop");
+    assert_eq!((own.operation, own.machine, own.done, own.since), (0, Some(0), 0.25, -7200.0));
+    let pieces = WIP.replace("done = \"25 %\"", "pieces = 1");
+    let same = parse("dated.toml", &format!("{SHOP}{early}{pieces}"), &[]).unwrap().scenario;
+    assert_eq!(same.orders, file.scenario.orders);
+}
+
+#[test]
+fn impossible_work_at_the_start_is_told_in_its_place() {
+    let early = ORDER.replace("2026-03-30 06:00", "2026-03-27 06:00");
+    let line = SHOP.lines().count() + early.lines().count();
+    let cases = [
+        ("order = \"A\"", "order = \"B\"", "unknown-name", 2, "did you mean `A`"),
+        ("operation = \"saw\"", "operation = \"sew\"", "unknown-name", 3, "did you mean `saw`"),
+        ("machine = \"saw\"", "machine = \"lathe\"", "unknown-name", 4, "lathe"),
+        ("machine = \"saw\"\n", "", "arrangement", 4, "waits as a whole"),
+        ("25 %", "100 %", "arrangement", 5, "behind it"),
+        ("25 %", "140 %", "out-of-range", 5, "done"),
+        ("done = \"25 %\"", "pieces = 4", "arrangement", 5, "behind it"),
+        ("done = \"25 %\"", "done = \"25 %\"\npieces = 1", "arrangement", 6, "say the same"),
+        ("since", "setup_left = \"5 min\"\nsince", "arrangement", 6, "setup in progress"),
+        ("-2 h", "2 h", "arrangement", 6, "after the start"),
+    ];
+    for (from, to, code, place, words) in cases {
+        let told = faults_of(&format!("{SHOP}{early}{}", WIP.replace(from, to)), &[]);
+        assert!(
+            told.iter().any(|(own, at, text)| *own == code && *at == line + place && text.contains(words)),
+            "{to}: {told:#?}"
+        );
+    }
+    let twice = only(faults_of(&format!("{SHOP}{early}{WIP}{WIP}"), &[]).into_iter().take(1).collect());
+    assert!(twice.2.contains("is in two places"), "{twice:?}");
+    let late = only(faults_of(&format!("{SHOP}{ORDER}{WIP}"), &[]));
+    assert_eq!((late.0, late.1), ("arrangement", SHOP.lines().count() + 5));
+    assert!(late.2.contains("released at 2026-03-30 06:00"), "{late:?}");
+}
+
 #[test]
 fn impossible_calendars_are_told() {
     let cases = [

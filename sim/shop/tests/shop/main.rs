@@ -12,6 +12,7 @@ mod cycles;
 mod dispatching;
 mod draws;
 mod grinding;
+mod in_process;
 #[path = "../../../kernel/tests/kernel/instances.rs"]
 mod instances;
 mod interruptions;

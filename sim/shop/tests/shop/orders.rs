@@ -52,6 +52,16 @@ fn the_order_table_by_hand_comes_out_to_the_second() {
 }
 
 #[test]
+fn a_shop_that_runs_goes_on_to_the_same_second() {
+    // The state of the shop above on Tuesday at 12:47, written as work in process.
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/shop/running.toml");
+    let scenario = read(file.as_ref(), &[]).unwrap_or_else(|error| panic!("{error}")).scenario;
+    let log = run(&scenario, 0, 0).unwrap();
+    assert_eq!(finishes(&scenario, &log), ["2026-03-31 22:15", "2026-04-01 13:15", "2026-04-07 12:40"]);
+    assert_eq!(setups(&log), 2, "for O5 at C and for O6 at T2: what is in the machines is set up");
+}
+
+#[test]
 fn a_permuted_table_gives_the_same_finishes() {
     let scenario = shipped(&["dispatch.rule=edd"]);
     let mut turned = scenario.clone();
@@ -137,6 +147,7 @@ fn pieces_of_an_order_are_cut_one_by_one_and_move_on_together() {
         weight: 1.0,
         customer: String::new(),
         transfer: None,
+        in_process: None,
     };
     scenario.orders = vec![order("first", 6.0 * 3600.0), order("second", 6.0 * 3600.0)];
     let log = run(&scenario, 0, 0).unwrap();

@@ -122,6 +122,7 @@ pub fn machine(name: &str) -> MachineType {
         setup_time: 0.0,
         setup_matrix: None,
         setup_at_start: None,
+        edges_at_start: Vec::new(),
         input_buffer: None,
         output_buffer: None,
         location: name.to_owned(),
@@ -220,6 +221,7 @@ pub fn scenario() -> Scenario {
         deviations: Vec::new(),
         calibrations: Vec::new(),
         currency: "EUR".to_owned(),
+        branch: None,
     }
 }
 

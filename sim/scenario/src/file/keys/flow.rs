@@ -52,6 +52,11 @@ pub(super) static VARIANT: Form = Form {
     keys: &[
         Key::required("name", Kind::Name, "Unique name"),
         Key::required("set", Kind::Content(&SET), "Values by their paths, as after `--set`"),
+        Key::optional(
+            "from",
+            Kind::Text,
+            "When a shop that runs as it is gets these values, a date or the time since the start; left out: it has them from the start",
+        ),
     ],
 };
 

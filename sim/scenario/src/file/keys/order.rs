@@ -103,6 +103,42 @@ pub(super) static ORDER: Form = Form {
     ],
 };
 
+pub(super) static WIP: Form = Form {
+    title: "[[wip]]",
+    doc: "An order that is in the shop when the run begins: where it is and how far",
+    keys: &[
+        Key::required("order", Kind::Name, "The order, which may be released before the start"),
+        Key::required("operation", Kind::Name, "Operation for which it waits or in which it is; those before are done"),
+        Key::optional(
+            "machine",
+            Kind::Reference("machine"),
+            "The machine that works on it, set up and loaded; left out: it waits",
+        ),
+        Key::default("done", Kind::quantity("1", "1", 0.0, 1.0, "40 %"), "0 %", "Share of the operation that is done"),
+        Key::optional(
+            "pieces",
+            Kind::Count { min: 0, max: 1_000_000 },
+            "The same in pieces that have passed the operation, in the place of `done`",
+        ),
+        Key::default("setup_left", TIME, "0 min", "Setup that the machine still needs for it; nothing is done then"),
+        Key::default(
+            "since",
+            Kind::Text,
+            "0 h",
+            "When it came there, a date or a time before the start: who came first stands in front",
+        ),
+    ],
+};
+
+pub(super) static EDGE_AT_START: Form = Form {
+    title: "edge_at_start",
+    doc: "A worn edge that is in the machine when the run begins",
+    keys: &[
+        Key::required("tool", Kind::Reference("tool"), "Its tool"),
+        Key::required("flank_wear", crate::file::WEAR, "Its flank wear"),
+    ],
+};
+
 pub(super) static TABLES: Form = Form {
     title: "[tables]",
     doc: "Tables in files beside this one: comma-separated, the first line names the columns",
@@ -113,9 +149,14 @@ pub(super) static TABLES: Form = Form {
             "Orders, a row each: id, part, quantity, release, due, priority, weight, customer, transfer as in [[order]]",
         ),
         Key::optional(
+            "wip",
+            Kind::Text,
+            "Orders in the shop at the start, a row each: order, operation, machine, done, pieces, setup_left, since as in [[wip]]",
+        ),
+        Key::optional(
             "column",
             Kind::Tables(&COLUMN),
-            "What the columns of a table with other names are; columns that are not listed are passed over",
+            "What the columns of a table of orders with other names are; columns that are not listed are passed over",
         ),
     ],
 };

@@ -1,10 +1,12 @@
-use super::super::parse;
-use crate::{Moved, Occasion, ProcessModel, Target, calibrated};
+//! Calibrations, effects and deviations of a file act where they say.
+
 use toolroom_process::{AnyRecord, Process};
+use toolroom_scenario::file::parse;
+use toolroom_scenario::{Moved, Occasion, ProcessModel, Target, calibrated};
 
-const SHOP: &str = include_str!("../../../../../scenarios/gap/turning.toml");
+const SHOP: &str = include_str!("../../../../scenarios/gap/turning.toml");
 
-fn with(more: &str) -> Result<crate::Scenario, String> {
+fn with(more: &str) -> Result<toolroom_scenario::Scenario, String> {
     let (head, tail) = SHOP.split_once("scatter = \"lab\"").expect("the tool");
     let (tool, rest) = more.split_once("---").unwrap_or(("", more));
     let text = format!("{head}scatter = \"lab\"\n{tool}{tail}\n{rest}");
@@ -77,7 +79,7 @@ fn factors_and_summands_of_the_shop_meet_in_an_operation() {
         occasion.set("machine", machine.to_owned());
         occasion.set("part", "part");
         occasion.set("operation", "turn");
-        calibrated(&scenario.calibrations, crate::ShopConstant::HandlingTime, &occasion, 100.0)
+        calibrated(&scenario.calibrations, toolroom_scenario::ShopConstant::HandlingTime, &occasion, 100.0)
     };
     assert!((time("L1") - 110.8).abs() < 1e-12 && (time("L2") - 113.8).abs() < 1e-12);
     assert!((time("X") - 110.0).abs() < 1e-12);
@@ -92,7 +94,7 @@ fn deviations_take_numbers_scopes_and_the_old_shift() {
     .unwrap();
     assert_eq!((scenario.deviations[0].size, scenario.deviations[1].size), (-0.167, 12.0));
     assert_eq!(scenario.deviations[0].scope.words(), "machine=L1, shift=S2");
-    assert_eq!(scenario.deviations[1].scope, crate::Scope::shift("S1"));
+    assert_eq!(scenario.deviations[1].scope, toolroom_scenario::Scope::shift("S1"));
 }
 
 #[test]

@@ -1,0 +1,126 @@
+//! Tables in files beside a scenario: a row is a section.
+
+use super::fault::ScenarioFault;
+use super::keys::SCENARIO;
+use super::order_columns::Columns;
+use std::borrow::Cow;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+use toolroom_form::{Form, Kind, Need, Section, Span, Walk, nearest};
+
+/// What else columns of orders may be called.
+const MAPPED: &str = "; [[tables.column]] says what columns with other names are";
+
+/// A table beside the scenario.
+pub(super) struct Table<'a> {
+    /// The file, as the scenario names it.
+    pub file: &'a str,
+    /// What it says.
+    pub text: &'a str,
+    /// Where the scenario names it.
+    pub place: Span,
+    /// The sections that its rows are: `order`.
+    pub kind: &'static str,
+    /// What its columns are.
+    pub mapping: &'a Columns,
+}
+
+impl Table<'_> {
+    /// Hands every row as a section, with its line, to `row`. A semicolon separates where the first line has no comma.
+    pub fn rows(&self, walk: &mut Walk, mut row: impl FnMut(&mut Walk, &Section<'_>, u64)) {
+        let &Self { file, text, ref place, kind, mapping } = self;
+        let form = form_of(kind);
+        let first_line = text.lines().next().unwrap_or_default();
+        let delimiter = if first_line.contains(';') && !first_line.contains(',') { b';' } else { b',' };
+        let mut rows = csv::ReaderBuilder::new()
+            .delimiter(delimiter)
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .from_reader(text.as_bytes());
+        let fault = |line: u64, reason: String, fix: Option<String>| ScenarioFault::TableCell {
+            file: file.to_owned(),
+            line,
+            reason,
+            fix,
+        };
+        let header: Vec<String> = match rows.headers() {
+            Ok(header) => header.iter().map(str::to_owned).collect(),
+            Err(error) => {
+                walk.fault(place.clone(), fault(1, error.to_string(), None));
+                return;
+            }
+        };
+        let noted = walk.problems.len();
+        // A column that no mapping names has an empty name and is passed over.
+        let columns = mapping.named(walk, &header, file);
+        for (i, column) in columns.iter().enumerate().filter(|(_, column)| !column.is_empty()) {
+            let known = || form.keys.iter().map(|key| key.name);
+            if columns[..i].contains(column) {
+                walk.fault(place.clone(), fault(1, format!("two columns are called \"{column}\""), None));
+            } else if form.key(column).is_none() {
+                let nearest = nearest(column, known()).map(|near| format!("did you mean `{near}`? "));
+                let other = if kind == "order" { MAPPED } else { "" };
+                let known = known().collect::<Vec<_>>().join(", ");
+                let fix = format!("{}columns: {known}{other}", nearest.unwrap_or_default());
+                walk.fault(place.clone(), fault(1, format!("there is no column \"{column}\""), Some(fix)));
+            }
+        }
+        let due = form.keys.iter().filter(|key| matches!(key.need, Need::Required)).map(|key| key.name);
+        for column in due.filter(|column| !columns.iter().any(|own| own == column)) {
+            walk.fault(place.clone(), fault(1, format!("the column `{column}` is missing"), None));
+        }
+        if walk.problems.len() > noted {
+            return;
+        }
+        for record in rows.records() {
+            let record = match record {
+                Ok(record) => record,
+                Err(error) => {
+                    let line = error.position().map_or(0, csv::Position::line);
+                    walk.fault(place.clone(), fault(line, error.to_string(), None));
+                    continue;
+                }
+            };
+            let line = record.position().map_or(0, csv::Position::line);
+            let noted = walk.problems.len();
+            let cells: Vec<Cow<'_, str>> = columns
+                .iter()
+                .zip(record.iter())
+                .map(|(column, cell)| mapping.cell(walk, column, cell, place))
+                .collect();
+            let cells = columns.iter().zip(&cells).map(|(column, cell)| (column.as_str(), cell.as_ref()));
+            let cells = cells.filter(|(column, cell)| !column.is_empty() && !cell.is_empty());
+            let table: DeTable<'_> = cells.map(|(column, cell)| entry(form, column, cell, place)).collect();
+            let echoed = walk.echo.len();
+            let section = walk.section(form, kind, &table, place.clone(), None);
+            row(walk, &section, line);
+            walk.echo.truncate(echoed); // what a table says is read there
+            for problem in &mut walk.problems[noted..] {
+                let told = fault(line, problem.fault.to_string(), problem.fault.fix());
+                problem.fault = told.into();
+                problem.span = place.clone();
+            }
+        }
+    }
+}
+
+/// The form of the sections of a kind, which rows of a table have too.
+pub(super) fn form_of(kind: &str) -> &'static Form {
+    match SCENARIO.key(kind).map(|key| key.kind) {
+        Some(Kind::Tables(form)) => form,
+        _ => unreachable!("a scenario has tables of that kind"),
+    }
+}
+
+/// A cell as the value of a key.
+fn entry<'d>(
+    form: &Form,
+    column: &'d str,
+    cell: &'d str,
+    place: &Span,
+) -> (Spanned<Cow<'d, str>>, Spanned<DeValue<'d>>) {
+    let whole = matches!(form.key(column).map(|key| key.kind), Some(Kind::Count { .. }));
+    let number = if whole { DeValue::parse(cell).ok().map(Spanned::into_inner) } else { None };
+    let value = number.filter(DeValue::is_integer).unwrap_or(DeValue::String(cell.into()));
+    (Spanned::new(place.clone(), column.into()), Spanned::new(place.clone(), value))
+}
