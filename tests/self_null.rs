@@ -264,3 +264,31 @@ fn holds_that_were_found_are_applied_from_the_diagnosis_alone() {
     assert_eq!(second["effects"], Value::Array(Vec::new()), "{}", second["notes"]);
     assert_eq!(second["verdict"], "no_gap", "{}", second["notes"]);
 }
+
+/// Short stops of one machine are named there; a log of ten days knows their number to about a seventh.
+#[test]
+fn short_stops_of_one_machine_are_named_there() {
+    let text = shipped("shop");
+    let stopped = "[[deviation]]\nid = \"micro_stops\"\nsize = \"3 1/h\"\nscope = { machine = \"M1\" }\n";
+    let found = diagnosis(&format!("{text}\n{stopped}"), &text, "events", 11);
+    let named = &found["effects"][0];
+    assert_eq!(named["id"], "micro_stops", "{}", found["notes"]);
+    assert_eq!(named["scope"], serde_json::json!({ "machine": ["M1"] }), "{named}");
+    let size = named["size"]["value"].as_f64().expect("a size");
+    assert!((2.1..3.9).contains(&size), "{size} 1/h");
+}
+
+/// What an applied file states of its times explains its queues and its handling: constants as well as a delay.
+#[test]
+fn an_applied_file_explains_its_own_queues_and_handling() {
+    let text = shipped("shop");
+    for (deviation, named) in [
+        ("id = \"operator_delay\"\nsize = \"20 s\"\nscope = { shift = \"S2\" }", 1),
+        ("id = \"feed_override\"\nsize = 0.15\nscope = { machine = [\"M1\", \"M2\"] }", 0),
+    ] {
+        let shop = format!("{text}\n[[deviation]]\n{deviation}\n");
+        let [first, second] = twice(&shop, &text, "events", 11);
+        assert_eq!(first["effects"].as_array().map(Vec::len), Some(named), "{deviation}: {}", first["notes"]);
+        assert_eq!(second["verdict"], "no_gap", "{deviation}: {} {}", second["notes"], second["facts"]);
+    }
+}
