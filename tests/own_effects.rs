@@ -177,3 +177,57 @@ changes = [{ term = "temperature_offset", summand = "size * 100 K * step(flank_w
     assert_eq!(text.matches("[[effect]]").count(), 1, "{text}");
     done(&["check", &better]);
 }
+
+/// A shop of two lathes and three parts, each with conditions of its own.
+fn varied(hours: u32) -> String {
+    let text = shop(hours).replace("count = 3", "count = 2");
+    let (before, rest) = text.split_once("[[part]]").expect("a part");
+    let (_, after) = rest.split_once("[dispatch]").expect("rules");
+    let part = |name: &str, speed: u32, feed: f64, depth: f64, diameter: u32, length: u32| {
+        format!(
+            "[[part]]\nname = \"{name}\"\n\n[[part.operation]]\nname = \"turn\"\nmachines = \"L\"\ntool = \"insert\"\n\
+             cutting_speed = \"{speed} m/min\"\nfeed_per_rev = \"{feed} mm/rev\"\ndepth_of_cut = \"{depth} mm\"\n\
+             diameter = \"{diameter} mm\"\nlength = \"{length} mm\"\nsize_tolerance = \"100 um\"\n\n\
+             [[arrivals]]\npart = \"{name}\"\npattern = \"batch\"\ninterval = \"8 h\"\nsize = 60\n\n"
+        )
+    };
+    let parts = [
+        part("slow", 150, 0.3, 1.5, 55, 120),
+        part("mid", 220, 0.2, 2.5, 70, 180),
+        part("fast", 250, 0.3, 1.0, 55, 220),
+    ];
+    format!("{before}{}[dispatch]{after}", parts.concat())
+}
+
+/// The diagnosis of a model over records.
+fn diagnosed(folder: &Folder, model: &str, data: &str, out: &str) -> Value {
+    done(&["gap", "diagnose", "--model", model, "--data", data, "--out", &folder.at(out)]);
+    json(&fs::read_to_string(folder.at(&format!("{out}/diagnosis.json"))).expect("a diagnosis"))
+}
+
+#[test]
+fn an_effect_everywhere_is_not_named_on_the_part_where_it_is_largest() {
+    let folder = Folder::new();
+    let plain = varied(16);
+    let model = folder.put("model.toml", &plain);
+    let data = records(&folder, &with(&plain, "id = \"spindle_loss\", size = \"0.3 kW\""), 11);
+    let found = diagnosed(&folder, &model, &data, "d");
+    let named = &found["effects"][0];
+    assert_eq!((&named["id"], &named["scope"]), (&"spindle_loss".into(), &serde_json::json!({})), "{}", found["notes"]);
+    let size = named["size"]["value"].as_f64().expect("a size");
+    assert!((0.27..0.33).contains(&size), "{size} kW");
+}
+
+/// Hotter worn edges wear faster and are hotter still: from the nominal point no step leads to the fit.
+#[test]
+fn what_is_applied_of_an_effect_under_which_wear_runs_away_was_fitted() {
+    let folder = Folder::new();
+    let plain = varied(16);
+    let model = folder.put("model.toml", &plain);
+    let data = records(&folder, &with(&plain, "id = \"wear_temperature\", size = 0.15"), 11);
+    let found = diagnosed(&folder, &model, &data, "d");
+    assert_eq!(found["effects"][0]["id"], "wear_temperature", "{}", found["notes"]);
+    let size = found["applied"]["effects"][0]["size"]["value"].as_f64().expect("a size");
+    assert!((0.12..0.18).contains(&size), "{size}");
+    assert!(found["applied"]["calibration"].as_array().is_some_and(|list| list.len() > 5), "{}", found["applied"]);
+}

@@ -191,3 +191,76 @@ fn a_grinding_shop_has_no_gap_to_its_own_trials_and_a_wrong_noise_is_seen() {
     assert_eq!(found["verdict"], "unknown", "{}", found["fit"]);
     assert_eq!(found["fit"]["parts"][0]["what"], "normal_force", "{}", found["fit"]);
 }
+
+/// The shipped grinders with three parts whose infeeds differ.
+fn three_infeeds(hours: u32) -> String {
+    let text = lasting(&shipped("grinding"), hours);
+    let (before, rest) = text.split_once("[[part]]").expect("a part");
+    let (_, after) = rest.split_once("[dispatch]").expect("rules");
+    let part = |name: &str, speed: u32, infeed: f64, revolutions: u32, spark_out: u32| {
+        format!(
+            "[[part]]\nname = \"{name}\"\n\n[[part.operation]]\nname = \"grind\"\nmachines = \"G\"\ntool = \"wheel\"\n\
+             work_rotation_speed = \"{speed} rpm\"\nsize_tolerance = \"100 um\"\nphase = [\n    \
+             {{ infeed_per_rev = \"{infeed} um/rev\", revolutions = {revolutions} }},\n    \
+             {{ infeed_per_rev = \"0 um/rev\", revolutions = {spark_out} }},\n]\n\n\
+             [[arrivals]]\npart = \"{name}\"\npattern = \"batch\"\ninterval = \"8 h\"\nsize = 60\n\n"
+        )
+    };
+    let parts = [part("a", 292, 4.43, 16, 4), part("b", 292, 2.5, 20, 8), part("c", 220, 6.0, 12, 2)];
+    format!("{before}{}[dispatch]{after}", parts.concat())
+}
+
+/// What a run of a shop says, diagnosed and applied, and what further records of the same shop then say.
+fn twice(shop: &str, model: &str, table: &str, seed: u64) -> [Value; 2] {
+    let dir = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| Path::join(dir.path(), name).display().to_string();
+    fs::write(at("shop.toml"), shop).expect("a writable folder");
+    fs::write(at("model.toml"), model).expect("a writable folder");
+    for (records, seed) in [("r1", seed), ("r2", seed + 500)] {
+        let out = at(&format!("o{records}"));
+        done(&["run", &at("shop.toml"), "--seed", &seed.to_string(), "--records", &at(records), "--out", &out]);
+    }
+    let diagnosed = |model: &str, records: &str, out: &str| -> Value {
+        let data = at(&format!("{records}/{table}.csv"));
+        done(&["gap", "diagnose", "--model", &at(model), "--data", &data, "--out", &at(out)]);
+        let text = fs::read_to_string(at(&format!("{out}/diagnosis.json"))).expect("a diagnosis");
+        serde_json::from_str(&text).expect("JSON")
+    };
+    let first = diagnosed("model.toml", "r1", "d1");
+    let document = at("d1/diagnosis.json");
+    done(&["gap", "apply", "--model", &at("model.toml"), "--diagnosis", &document, "--out", &at("applied.toml")]);
+    [first, diagnosed("applied.toml", "r2", "d2")]
+}
+
+#[test]
+fn a_grinder_of_several_infeeds_has_no_gap_before_and_after_it_was_calibrated() {
+    let text = three_infeeds(16);
+    for found in twice(&text, &text, "trials", 11) {
+        assert_eq!(found["verdict"], "no_gap", "{}", found["fit"]);
+    }
+}
+
+#[test]
+fn a_wheel_that_dulls_on_one_machine_is_named_there_and_applied_there() {
+    let text = three_infeeds(16);
+    let effect = "effects = [{ id = \"wheel_dulling\", size = 0.3, scope = { machine = \"G1\" } }]\n";
+    let shop = text.replacen("scatter = \"none\"", &format!("{effect}scatter = \"none\""), 1);
+    let [first, second] = twice(&shop, &text, "trials", 11);
+    let named = &first["effects"][0];
+    assert_eq!(named["id"], "wheel_dulling", "{}", first["notes"]);
+    assert_eq!(named["scope"], serde_json::json!({ "machine": ["G1"] }), "{named}");
+    let size = first["applied"]["effects"][0]["size"]["value"].as_f64().expect("a size");
+    assert!((0.27..0.33).contains(&size), "{size}");
+    assert_eq!(second["verdict"], "no_gap", "{}", second["fit"]);
+}
+
+/// Holds of the feed are written with the share of operations that was held, without the records.
+#[test]
+fn holds_that_were_found_are_applied_from_the_diagnosis_alone() {
+    let text = shipped("shop");
+    let held = format!("{text}\n[[deviation]]\nid = \"feed_hold\"\nsize = \"15 s\"\nshare = 0.05\n");
+    let [first, second] = twice(&held, &text, "events", 11);
+    assert_eq!(first["effects"][0]["id"], "feed_hold", "{}", first["notes"]);
+    assert_eq!(second["effects"], Value::Array(Vec::new()), "{}", second["notes"]);
+    assert_eq!(second["verdict"], "no_gap", "{}", second["notes"]);
+}

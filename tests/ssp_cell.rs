@@ -14,7 +14,7 @@ fn a_lathe_and_its_policy_become_a_package_that_ssp_info_reads() {
     assert_eq!((&info["ssp_version"], &info["stop [s]"]), (&"1.0".into(), &3600.0.into()), "{info}");
     let names: Vec<_> = info["components"].as_array().expect("units").iter().map(|each| each["name"].clone()).collect();
     assert_eq!(names, ["controller", "lathe"]);
-    assert_eq!(info["connections"].as_array().map(Vec::len), Some(7), "{info}");
+    assert_eq!(info["connections"].as_array().map(Vec::len), Some(8), "{info}");
     assert_eq!(info["boundary"].as_array().map(Vec::len), Some(4), "{info}");
 
     let unknown = toolroom(&["ssp", "export", &file, "--machine", "L9", "--out", &format!("{package}.other")]);

@@ -84,6 +84,10 @@ pub trait Component: Send {
     fn terminate(&mut self) -> Outcome;
     /// Back to where instantiation left it.
     fn reset(&mut self) -> Outcome;
+    /// A real output that is worked out already. What this does cannot panic.
+    fn peek(&self, _reference: u32) -> Option<f64> {
+        None
+    }
     /// Reads variables of one type; arrays take several values.
     fn read(&mut self, value_type: ValueType, references: &[u32], values: &mut [f64]) -> Outcome;
     /// Sets variables of one type, all or none.

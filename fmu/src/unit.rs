@@ -75,6 +75,12 @@ pub trait Unit: Process + Clone + 'static {
         self.output(x, u)
     }
 
+    /// One real output by its name, where it costs less by itself than [`Unit::observe`] costs; the same to the bit. It is
+    /// asked for the first value that an importer reads after a step.
+    fn observe_one(&self, _name: &str, _x: &Self::State, _u: &Self::Input, _memory: &Self::Memory) -> Option<f64> {
+        None
+    }
+
     /// Longest step under input `u` that is worked out within a second, s, and what takes the time.
     fn longest_step(&self, _u: &Self::Input) -> (f64, &'static str) {
         (f64::INFINITY, "")

@@ -12,7 +12,8 @@ pub struct Constant {
     pub movable: Movable,
     /// Factor on the value of the model that was read, or summand, SI.
     pub value: f64,
-    /// Standard error of the logarithm of the factor, or of the summand.
+    /// Root mean square distance of the logarithm of the factor, or of the summand, from this value over what the
+    /// data leave open where the equations may be off by the form allowance.
     pub standard_error: f64,
     /// Standard deviation of the same before any data.
     pub prior: f64,
@@ -53,19 +54,23 @@ pub struct Applied {
 }
 
 /// The applied point of a model with the named effects `active`; `aside` is the calibration of the file that was not
-/// counted because these records had been seen by it, and `nominal` the model that does count it.
+/// counted because these records had been seen by it, and `nominal` the model that does count it. `near` are the points
+/// of the diagnosis without and with the effects, where it has come to any: an effect under which wear runs away is not
+/// found again from the nominal point.
 pub fn applied_to(
     model: &dyn Forward,
     nominal: &dyn Forward,
     aside: &[Calibration],
     basis: &Basis,
     active: &[usize],
+    near: Option<[&Point; 2]>,
 ) -> Applied {
     let frame = model.frame();
     let keep = |name: &str, allowance: bool| !allowance && frame.words.of(name).is_some();
     let bare = Bare::keeping(model, keep);
-    let (calibrated, _) = fitted(&bare, basis, &[]);
-    let (point, linear) = fitted(&bare, basis, active);
+    let [without, with] = near.map_or([None, None], |points| points.map(Some));
+    let (calibrated, _) = fitted(&bare, basis, &[], without.map(|near| bare.part(near)));
+    let (point, linear) = fitted(&bare, basis, active, with.map(|near| bare.part(near)));
     let own = bare.frame();
     let names: Vec<(&str, f64)> = own
         .parameters
@@ -81,6 +86,7 @@ pub fn applied_to(
     let spread = posterior(&bare, basis, &linear, active);
     let covariance = DMatrix::from_fn(scales.len(), scales.len(), |i, j| spread[(i, j)] * scales[i] * scales[j]);
     let moved: Vec<f64> = point.parameters.iter().chain(&point.surfaces).copied().collect();
+    let open = left_open(model, basis, active, with);
     let constant = |(i, (name, deviation)): (usize, &(&str, f64))| {
         let movable = frame.words.of(name)?.clone();
         let shift = deviation * moved[i];
@@ -89,6 +95,9 @@ pub fn applied_to(
             (false, false) => shift.exp(),
             (false, true) => (-shift).exp(),
         };
+        // What the file states of it already is part of the way to the end of its range.
+        let stated = stated_shift(frame, name).exp();
+        let value = if movable.summand { value } else { clamped(value, movable.range.map(|end| end / stated)) };
         let before = aside.iter().find(|own| {
             own.parameter == movable.parameter && own.target == movable.target && own.scope == movable.scope
         });
@@ -97,7 +106,9 @@ pub fn applied_to(
             Some(Moved::Summand(summand)) if movable.summand => value - summand,
             Some(Moved::Factor(_) | Moved::Summand(_)) | None => value,
         };
-        let standard_error = covariance[(i, i)].max(0.0).sqrt();
+        let own = open.iter().find(|(own, ..)| own == name);
+        let standard_error =
+            own.map_or(covariance[(i, i)].max(0.0).sqrt(), |(_, x, error)| deviation * (x - moved[i]).hypot(*error));
         let prior = before.and_then(|own| own.prior).unwrap_or(*deviation);
         (shift != 0.0).then_some(Constant { movable, value, standard_error, prior, moved: moved[i] })
     };
@@ -129,14 +140,50 @@ pub fn applied_to(
     Applied { calibration, effects, names: words, covariance, predictions, left }
 }
 
-/// The posterior mode of a model with the `active` candidates, started from its nominal point and from where edges are
-/// near their readings.
-fn fitted(model: &dyn Forward, basis: &Basis, active: &[usize]) -> (Point, Linear) {
+/// A factor within a range.
+fn clamped(value: f64, [least, greatest]: [f64; 2]) -> f64 {
+    if least <= greatest { value.clamp(least, greatest) } else { value }
+}
+
+/// Logarithm of the factor that the file states of the parameter called `name`.
+fn stated_shift(frame: &toolroom_gap::Frame, name: &str) -> f64 {
+    let index = frame.parameters.iter().position(|own| own.name == name);
+    let stated = frame.words.parameters.iter().find(|(own, _)| Some(*own) == index);
+    stated.map_or(0.0, |(own, x)| frame.parameters[*own].deviation * x)
+}
+
+/// Parameters and surfaces by name, with their place and its standard error, in prior standard deviations, where the
+/// form allowance takes part. The applied point has the allowance at zero: a constant may stand in for it there, and
+/// other records will not let it.
+fn left_open(model: &dyn Forward, basis: &Basis, active: &[usize], near: Option<&Point>) -> Vec<(String, f64, f64)> {
+    // A discrepancy that the diagnosis added stands behind the surfaces of the model.
+    let own = |near: &Point| {
+        let surfaces = near.surfaces[..model.frame().surfaces.len().min(near.surfaces.len())].to_vec();
+        Point { surfaces, ..near.clone() }
+    };
+    let (point, linear) = fitted(model, basis, active, near.map(own));
+    let spread = posterior(model, basis, &linear, active);
+    let frame = model.frame();
+    let names = frame.parameters.iter().map(|own| &own.name).chain(frame.surfaces.iter().map(|own| &own.name));
+    let places = point.parameters.iter().chain(&point.surfaces);
+    let one = |(i, (name, x)): (usize, (&String, &f64))| (name.clone(), *x, spread[(i, i)].max(0.0).sqrt());
+    names.zip(places).enumerate().map(one).collect()
+}
+
+/// The posterior mode of a model with the `active` candidates, started from its nominal point, from where edges are
+/// near their readings, and from `near`.
+fn fitted(model: &dyn Forward, basis: &Basis, active: &[usize], near: Option<Point>) -> (Point, Linear) {
     let mut starts = vec![Point::nominal(model)];
     starts.push(Point { locals: basis.nominal.point.locals.clone(), ..Point::nominal(model) });
     for index in active {
         starts.iter_mut().for_each(|start| start.effects[*index] = model.frame().candidates[*index].typical);
     }
+    starts.extend(near.map(|mut near| {
+        // What the diagnosis tried and does not name stays out.
+        let others = (0..near.effects.len()).filter(|index| !active.contains(index));
+        others.for_each(|index| near.effects[index] = 0.0);
+        near
+    }));
     let fits = starts
         .into_iter()
         .map(|start| fit(model, &basis.noise, Linear::with(model, start, active), active, &basis.local_scale));

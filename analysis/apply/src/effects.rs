@@ -181,10 +181,6 @@ pub fn of_shop(document: &mut DocumentMut, effect: &Value) -> Result<(), ApplyEr
     let recorded = effect["recorded"].as_f64();
     let share = (id == "feed_hold").then_some(recorded).flatten();
     let recorded = recorded.filter(|_| id == "feed_override");
-    if id == "feed_hold" && share.is_none() {
-        let reason = "the diagnosis does not say in which share of the operations".to_owned();
-        return Err(ApplyError::Effect { id, reason });
-    }
     let entries = tables(document, "deviation")?;
     let same = |entry: &Table| {
         entry.get("id").and_then(Item::as_str) == Some(&id)
@@ -193,6 +189,10 @@ pub fn of_shop(document: &mut DocumentMut, effect: &Value) -> Result<(), ApplyEr
     };
     let found = entries.iter().position(same);
     let mut table = found.and_then(|index| entries.get(index)).cloned().unwrap_or_default();
+    if id == "feed_hold" && share.is_none() && table.get("share").is_none() {
+        let reason = "the diagnosis does not say in which share of the operations".to_owned();
+        return Err(ApplyError::Effect { id, reason });
+    }
     let total = fill(&mut table, effect, &serde_json::Map::new(), found.is_none())?;
     if let Some(share) = share {
         put(&mut table, "share", value(share.min(1.0)));

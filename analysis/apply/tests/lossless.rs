@@ -29,7 +29,7 @@ fn over(text: &str, records: &Records) -> Box<dyn Forward> {
 fn diagnosed(text: &str, records: &Records, active: &[usize]) -> (Value, Applied) {
     let forward = over(text, records);
     let basis = Basis::of_sheet(forward.as_ref(), Method::default());
-    let applied = applied_to(forward.as_ref(), forward.as_ref(), &[], &basis, active);
+    let applied = applied_to(forward.as_ref(), forward.as_ref(), &[], &basis, active, None);
     let nominal = model(text);
     let (name, target) = (nominal.kind().name(), nominal.target());
     let hash = model_hash(text, &[]).expect("TOML");
@@ -206,7 +206,7 @@ fn an_effect_of_a_user_beside_the_model_is_written_into_it_with_its_definition()
         (0..forward.frame().candidates.len()).filter(|i| own(&forward.frame().candidates[*i])).collect();
     assert_eq!(all.len(), 4, "its own speed and three over the range");
     let basis = Basis::of_sheet(forward.as_ref(), Method::default());
-    let mut applied = applied_to(forward.as_ref(), forward.as_ref(), &[], &basis, &[all[1]]);
+    let mut applied = applied_to(forward.as_ref(), forward.as_ref(), &[], &basis, &[all[1]], None);
     let hash = model_hash(TURNING, &[]).expect("TOML");
     let one = |applied: Applied| {
         let parts = [applied];

@@ -208,6 +208,7 @@ A lobes file takes the result by coefficients = \"al7075.toml\" in [force] or [c
     #[command(before_help = "Examples:
   toolroom grind scenarios/grinding/cycle.toml
   toolroom grind scenarios/grinding/cycle.toml --set conditions.coolant_factor=0.75
+  toolroom grind scenarios/grinding/cycle.toml --set limits.power=\"2 kW\" --set wheel=worst
   toolroom grind scenarios/grinding/cycle.toml --set effects.threshold_force=\"5 N\" --json")]
     Grind(GrindArgs),
     /// Spindle speeds and feeds along a milled contour: least time, least cost, against handbook regimes

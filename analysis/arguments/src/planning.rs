@@ -38,9 +38,9 @@ fn basis() -> impl TypedValueParser<Value = Basis> {
 
 #[derive(Args, Debug)]
 pub struct GrindArgs {
-    /// Cycle file
+    /// Cycle file: machine, limits of heat, finish, size, power, force, removal rate, burn and roughness, the wheel, its dressing
     pub file: PathBuf,
-    /// Replace a value of the file: table.key=value with unit, or effects.ID=SIZE, repeatable
+    /// Replace a value of the file: table.key=value with unit, as in limits.power="2 kW", wheel=worst, or effects.ID=SIZE, repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
     /// Directory of the results, out/NAME if left out

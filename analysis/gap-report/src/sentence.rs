@@ -124,6 +124,9 @@ fn unknown(diagnosis: &Diagnosis, minutes: Option<&Minutes>) -> String {
 }
 
 fn masked(diagnosis: &Diagnosis) -> String {
+    if let Some(suspected) = &diagnosis.suspected {
+        return format!("Calibration may have taken up a cause. {}.", capital(suspected));
+    }
     let hidden: Vec<&str> = diagnosis.masked.iter().take(3).map(|row| title(row.id)).collect();
     let hidden = if hidden.is_empty() { "nothing in particular".to_owned() } else { hidden.join("; ") };
     format!("What may be missing cannot be seen in such data, since calibration takes it up: {hidden}.")
@@ -207,6 +210,13 @@ mod tests {
                 rms_before: 0.04,
                 rms_after: 0.04,
             });
+            if verdict == GapVerdict::Masked {
+                own.suspected = Some("stock_offset would explain the records better (gain 9.0)".to_owned());
+                let text = sentence(&own, &Readings::default(), None);
+                let words = "a cause. Stock_offset would explain the records better (gain 9.0). Next";
+                assert!(text.contains(words), "{text}");
+                own.suspected = None;
+            }
             let text = sentence(&own, &Readings::default(), None);
             assert!(text.to_lowercase().contains(&words.to_lowercase()), "{verdict:?}: {text}");
             assert!(text.ends_with("Next: two speeds on one edge (60 min of machine time)."), "{text}");

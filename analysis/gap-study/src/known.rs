@@ -68,7 +68,8 @@ impl Known {
         parts
             .map(|(i, (part, own))| {
                 let nominal = self.nominal.as_ref().and_then(|nominal| nominal.parts.get(i)).unwrap_or(part);
-                applied_to(part.as_ref(), nominal.as_ref(), &self.aside, &own.basis, own.named())
+                let near = [&own.decision.base, own.decision.model()].map(|trial| &trial.fit.linear.point);
+                applied_to(part.as_ref(), nominal.as_ref(), &self.aside, &own.basis, own.named(), Some(near))
             })
             .collect()
     }

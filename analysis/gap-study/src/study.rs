@@ -135,7 +135,7 @@ fn prepared(
     Ok(Prepared { asked, known, table: Some((model, records)) })
 }
 
-/// The models of turning and milling in which what was found, or what the data ask for where nothing was named, is
+/// The models of turning, milling and grinding in which what was found, or what the data ask for where nothing was named, is
 /// tried on parts of the records as well; nothing where there is no such effect.
 fn split(
     answers: &Answers,
@@ -171,7 +171,7 @@ fn fitted(asked: &Asked, name: &str) -> bool {
 
 /// Effects of a diagnosis, by id and shape, of which it is asked where they act.
 fn asked_for(process: &str, diagnosis: &Diagnosis) -> Vec<(String, String)> {
-    if !matches!(process, "turning" | "milling") {
+    if !SPLIT.contains(&process) {
         return Vec::new();
     }
     let named = || diagnosis.effects.iter().map(|own| (own.id.to_owned(), own.shape.clone()));
@@ -186,7 +186,7 @@ fn asked_for(process: &str, diagnosis: &Diagnosis) -> Vec<(String, String)> {
 /// Levels of columns that the strongest structure follows, where it has no cause: every effect is tried there.
 fn places(process: &str, diagnosis: &Diagnosis) -> Vec<(String, String)> {
     let told = matches!(diagnosis.verdict, GapVerdict::Unknown | GapVerdict::Effect);
-    if !told || !matches!(process, "turning" | "milling") {
+    if !told || !SPLIT.contains(&process) {
         return Vec::new();
     }
     let mut list: Vec<(String, String)> = Vec::new();
@@ -201,6 +201,9 @@ fn places(process: &str, diagnosis: &Diagnosis) -> Vec<(String, String)> {
     list
 }
 
+/// Processes whose effects are tried on parts of the records in a second run: the model of a shop has those parts from the
+/// first on, and stretches of programs and power laws have none.
+const SPLIT: [&str; 3] = ["turning", "milling", "grinding"];
 /// Gain of a single effect from which on it is tried on parts of the records although it was not named: the gate of a
 /// name.
 const LIKELY: f64 = 4.0;
@@ -257,7 +260,7 @@ fn completed(
             own.operation_id = ids.and_then(|ids| ids.get(own.row)).cloned().unwrap_or_default();
         }
         if let NominalProcess::Shop(shop) = &model.process {
-            add_facts(shop, &records, &model.stated.deviations, diagnosis, request.seed);
+            add_facts(shop, &records, &model.stated, diagnosis, request.seed);
         }
         if request.pages {
             let readings = Readings::of_process(&model, &records, &asked.parts, diagnosis);

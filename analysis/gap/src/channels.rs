@@ -90,6 +90,7 @@ fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Dia
         notes: each().flat_map(|own| own.notes.clone()).collect(),
         fit: Fitness::together(each().filter_map(|own| own.fit.as_ref())),
         fit_with_effects: Fitness::together(each().filter_map(|own| own.fit_with_effects.as_ref())),
+        suspected: each().find_map(|own| own.suspected.clone()).filter(|_| verdict == GapVerdict::Masked),
         not_named: each().flat_map(|own| own.not_named.clone()).collect(),
         facts: Vec::new(),
         findings: Vec::new(),

@@ -158,9 +158,12 @@ fn shape(context: Diagnosing<'_>, decision: &Decision, index: usize, closed: &Cl
     let model = context.model;
     let candidates = &model.frame().candidates;
     let [own] = decision.trials[index].fit.active[..] else { return None };
+    let scope = model.written(own).scope;
     let stands = |other: usize| {
         let trial = &decision.trials[other];
-        let alike = other != index && matches!(trial.fit.active[..], [one] if candidates[one].id == candidates[own].id);
+        // Where an effect acts is no shape of it: a part of the records has to be asked for by itself.
+        let same = |one: usize| candidates[one].id == candidates[own].id && model.written(one).scope == scope;
+        let alike = other != index && matches!(trial.fit.active[..], [one] if same(one));
         alike && trial.evidence.admissible && stands(&Judged::against_nominal(context, decision, trial))
     };
     // Group by group against the first shape: what both leave of a group, they leave alike.

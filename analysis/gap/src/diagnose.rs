@@ -121,6 +121,7 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
         notes,
         fit: None,
         fit_with_effects: None,
+        suspected: None,
         not_named: decision.not_named.clone(),
         facts: Vec::new(),
         findings: Vec::new(),

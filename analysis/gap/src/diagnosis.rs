@@ -201,6 +201,8 @@ pub struct Diagnosis {
     pub fit: Option<Fitness>,
     /// The same test with the named effects; `None` where none is named.
     pub fit_with_effects: Option<Fitness>,
+    /// Which effects calibration may have taken up, in words; `None` unless the verdict is `masked`.
+    pub suspected: Option<String>,
     /// Best models that were not named, and why.
     pub not_named: Vec<NotNamed>,
     /// What was counted and no channel predicts.
@@ -333,6 +335,7 @@ impl Diagnosis {
             notes: vec![why],
             fit: None,
             fit_with_effects: None,
+            suspected: None,
             not_named: Vec::new(),
             facts: Vec::new(),
             findings: Vec::new(),

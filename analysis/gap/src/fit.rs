@@ -17,6 +17,8 @@ const FAR: f64 = 0.5;
 /// Damping of shared numbers that is tried, in prior precisions: none first, more where a model far
 /// from linear makes the full step worse.
 const DAMPING: [f64; 5] = [0.0, 1.0, 10.0, 100.0, 1000.0];
+/// Shares of the undamped step that are tried where no damping helps: the direction still leads down.
+const SHORTER: [f64; 3] = [0.5, 0.2, 0.05];
 /// Greatest move of a group's own factor in a round, in prior standard deviations: an edge whose
 /// model runs away has no slope that could bring it back.
 const FARTHEST: f64 = 1.5;
@@ -107,8 +109,11 @@ pub(super) fn fit_within(
     for _ in 0..ROUNDS {
         let accepted = {
             let normal = Normal::new(model, noise, &linear, active, local_scale);
-            DAMPING.iter().find_map(|damping| {
-                let target = normal.step(*damping, reach);
+            // Old derivatives are taken anew before a step is shortened.
+            let shorter: &[f64] = if fresh { &SHORTER } else { &[] };
+            let damped = DAMPING.iter().map(|damping| normal.step(*damping, reach));
+            let shortened = shorter.iter().map(|share| towards(&linear.point, &normal.step(0.0, reach), *share));
+            damped.chain(shortened).find_map(|target| {
                 let moved = distance(model, &linear.point, &target);
                 let (prediction, raw) = predict(model, &target);
                 let residual = residual(model, &prediction);
@@ -144,6 +149,17 @@ pub(super) fn fit_within(
         }
     }
     Fit { linear, active: active.to_vec(), cost, stale: !fresh }
+}
+
+/// The point at a share of the way from one to another.
+fn towards(from: &Point, to: &Point, share: f64) -> Point {
+    let part = |from: &[f64], to: &[f64]| from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
+    Point {
+        parameters: part(&from.parameters, &to.parameters),
+        surfaces: part(&from.surfaces, &to.surfaces),
+        effects: part(&from.effects, &to.effects),
+        locals: from.locals.iter().zip(&to.locals).map(|(from, to)| part(from, to)).collect(),
+    }
 }
 
 /// Half the sum of squares of noise and priors.

@@ -71,6 +71,16 @@ impl<'a> Bare<'a> {
         Self { model, frame, kept: [parameters, surfaces] }
     }
 
+    /// The point of this model at a point of the whole one; what was left out is dropped.
+    pub fn part(&self, whole: &Point) -> Point {
+        let of = |kept: &[usize], all: &[f64]| kept.iter().map(|i| all.get(*i).copied().unwrap_or(0.0)).collect();
+        Point {
+            parameters: of(&self.kept[0], &whole.parameters),
+            surfaces: of(&self.kept[1], &whole.surfaces),
+            ..whole.clone()
+        }
+    }
+
     /// The point of the whole model: what was left out is zero.
     pub fn whole(&self, at: &Point) -> Point {
         let mut whole = Point::nominal(self.model);

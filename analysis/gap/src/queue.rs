@@ -16,8 +16,9 @@ use super::{Diagnosis, NamedEffect};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, BTreeSet};
+use toolroom_nominal::Stated;
 use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score, scope_names};
-use toolroom_scenario::{Deviation, MICRO_STOP, Scope};
+use toolroom_scenario::{Deviation, MICRO_STOP, Occasion, Scope, ShopConstant, calibrated};
 use toolroom_statistics::Moments;
 
 /// Replications of a log.
@@ -65,9 +66,9 @@ struct Call<'a> {
     known: bool,
 }
 
-/// Scores the waits before every pool of machines whose jobs come from another machine. What the file states of the shop
-/// acts with and without the named effects.
-pub fn queues(shop: &Shop, seen: &Visits, stated: &[Deviation], diagnosis: &Diagnosis, seed: u64) -> Vec<QueueScore> {
+/// Scores the waits before every pool of machines whose jobs come from another machine. What the file states of the shop,
+/// effects and calibration, acts with and without the named effects.
+pub fn queues(shop: &Shop, seen: &Visits, stated: &Stated, diagnosis: &Diagnosis, seed: u64) -> Vec<QueueScore> {
     let calls = calls(seen);
     let model = Occupation::new(shop, seen, stated, diagnosis);
     let one = |pool: &Vec<usize>| {
@@ -144,10 +145,25 @@ fn calls(seen: &Visits) -> Vec<Call<'_>> {
     calls
 }
 
+/// An operation of a log as scopes see it. A log has no tools, lots and people: what is scoped by them holds nowhere.
+pub(super) fn occasion<'a>(shop: &Shop, seen: &'a Visits, visit: &Visit) -> Occasion<'a> {
+    let (program, machine) = (&seen.programs[visit.program], &seen.machines[visit.machine]);
+    let mut place = Occasion::at(visit.start);
+    place.set("machine", machine.as_str());
+    place.set("shift", shop.shift(machine, visit.start));
+    if let Some((part, operation)) = program.split_once('/') {
+        place.set("part", part);
+        place.set("operation", operation);
+    }
+    place
+}
+
 /// How long operations occupy a machine.
 struct Occupation<'a> {
     shop: &'a Shop,
     seen: &'a Visits,
+    /// The file, whose calibration the factors are counted from.
+    file: &'a Stated,
     /// Calibration factors by the name of the parameter.
     factors: BTreeMap<&'a str, f64>,
     stated: Vec<Acting>,
@@ -177,25 +193,11 @@ impl Acting {
 }
 
 impl<'a> Occupation<'a> {
-    fn new(shop: &'a Shop, seen: &'a Visits, stated: &[Deviation], diagnosis: &'a Diagnosis) -> Self {
+    fn new(shop: &'a Shop, seen: &'a Visits, file: &'a Stated, diagnosis: &'a Diagnosis) -> Self {
         let factors = diagnosis.calibration.iter().map(|own| (own.parameter.as_str(), own.value)).collect();
         let named = diagnosis.effects.iter().map(Acting::named).collect();
-        Self { shop, seen, factors, stated: stated.iter().map(Acting::stated).collect(), named }
-    }
-
-    /// Whether a scope holds for an operation. A log has no tools, lots and people: what is scoped by them is not replayed.
-    fn holds(&self, scope: &Scope, visit: &Visit) -> bool {
-        let (program, machine) = (&self.seen.programs[visit.program], &self.seen.machines[visit.machine]);
-        let (part, operation) = program.split_once('/').unwrap_or((program, ""));
-        let fits = |(key, names): &(&str, Vec<String>)| match *key {
-            "machine" => names.contains(machine),
-            "part" => names.iter().any(|name| name == part),
-            "operation" => names.iter().any(|name| name == operation),
-            "shift" => names.iter().any(|name| *name == self.shop.shift(machine, visit.start)),
-            _ => false,
-        };
-        let after = scope.from.is_none_or(|from| visit.start >= from);
-        after && scope.until.is_none_or(|until| visit.start < until) && scope.names.iter().all(fits)
+        let stated = file.deviations.iter().map(Acting::stated).collect();
+        Self { shop, seen, file, factors, stated, named }
     }
 
     /// Product of the calibrated factors; a constant that the records did not move stays at 1.
@@ -218,14 +220,19 @@ impl<'a> Occupation<'a> {
             Change, ChangeAtMachine, Handling, HandlingAtMachine, HandlingOfProgram, MachineGain, ProgrammedTime,
             ProgrammedTimes,
         };
-        let time = nominal.time * self.factor(&[ProgrammedTimes, ProgrammedTime(program), MachineGain(machine)]);
+        let place = occasion(self.shop, self.seen, visit);
+        let stated = |constant, value: f64| calibrated(&self.file.calibrations, constant, &place, value);
+        let time = stated(ShopConstant::ProgrammedTime, nominal.time);
+        let time = time * self.factor(&[ProgrammedTimes, ProgrammedTime(program), MachineGain(machine)]);
         let handling = station.handling[(u * station.handling.len() as f64) as usize];
+        let handling = stated(ShopConstant::HandlingTime, handling);
         let handling = handling * self.factor(&[Handling, HandlingOfProgram(program), HandlingAtMachine(machine)]);
-        let change = station.tool_change * self.factor(&[Change, ChangeAtMachine(machine)]);
+        let change = stated(ShopConstant::ToolChangeTime, station.tool_change);
+        let change = change * self.factor(&[Change, ChangeAtMachine(machine)]);
         let [changes, holds] = [visit.changes.len() as f64, visit.holds.len() as f64];
         let mut all = time + handling + visit.setup + changes * change;
         for effect in self.stated.iter().chain(self.named.iter().filter(|_| with_effects)) {
-            if !self.holds(&effect.scope, visit) {
+            if !effect.scope.holds(&place) {
                 continue;
             }
             all += match effect.id {

@@ -3,7 +3,7 @@
 //! Handling, edge changes and programmed times are channels with a calibration of their own, and are no facts here, but
 //! for the scatter of handling.
 
-use super::queue::{QueueScore, queues};
+use super::queue::{QueueScore, occasion, queues};
 use super::{Diagnosis, GapVerdict};
 use std::collections::BTreeMap;
 use toolroom_facts::failures::{History, shape, time_between};
@@ -12,9 +12,10 @@ use toolroom_facts::survival::{Life, lives};
 use toolroom_facts::times::{share_above, times};
 use toolroom_facts::waits::waits;
 use toolroom_facts::{Fact, Quantity, findings, slight};
-use toolroom_nominal::shop::{Breakdowns, SHORT_STOP, Shop, Station, Visits, visits};
+use toolroom_nominal::Stated;
+use toolroom_nominal::shop::{Breakdowns, SHORT_STOP, Shop, Station, Visit, Visits, visits};
 use toolroom_records::Records;
-use toolroom_scenario::{Deviation, Distribution, FailureClock, FailureMode};
+use toolroom_scenario::{Distribution, FailureClock, FailureMode};
 
 /// Prior standard deviation of the logarithm of the life of edges on one machine: that of the wear rate and that of a
 /// machine, as in the calibration of the channel `edge_life`.
@@ -25,9 +26,9 @@ const LIFE: f64 = 0.18;
 const UNEXPLAINED: f64 = 5.0;
 
 /// Tests the facts of a log, adds them to what is said of it, and takes back what they contradict: a constant of
-/// the file that the log rejects, or a queue that nothing explains, leaves no `no_gap`. `stated` are the effects of the
-/// shop that its file has.
-pub fn add_facts(shop: &Shop, records: &Records, stated: &[Deviation], diagnosis: &mut Diagnosis, seed: u64) {
+/// the file that the log rejects, or a queue that nothing explains, leaves no `no_gap`. `stated` is what its file
+/// says beside the plan.
+pub fn add_facts(shop: &Shop, records: &Records, stated: &Stated, diagnosis: &mut Diagnosis, seed: u64) {
     let seen = visits(records);
     let scores = queues(shop, &seen, stated, diagnosis, seed);
     let named = |id: &str| diagnosis.effects.iter().any(|effect| effect.id == id);
@@ -38,7 +39,7 @@ pub fn add_facts(shop: &Shop, records: &Records, stated: &[Deviation], diagnosis
     }
     // What adds to every handling makes its relative scatter smaller.
     if !named("operator_delay") {
-        facts.extend(of_handling(shop, &seen));
+        facts.extend(of_handling(shop, &seen, stated));
     }
     facts.extend(scores.iter().filter_map(|score| of_queue(score, explained)));
     diagnosis.notes.extend(scores.iter().map(|score| score.words(explained)));
@@ -138,12 +139,21 @@ fn of_edges(shop: &Shop, seen: &Visits) -> Vec<Fact> {
     seen.machines.iter().enumerate().filter_map(of).collect()
 }
 
-/// How loading and unloading scatters at every machine, among operations of one program in one shift.
-fn of_handling(shop: &Shop, seen: &Visits) -> Vec<Fact> {
+/// How loading and unloading scatters at every machine, among operations of one program in one shift. Delays of operators
+/// that the file states are no part of it.
+fn of_handling(shop: &Shop, seen: &Visits, stated: &Stated) -> Vec<Fact> {
+    let late = |visit: &Visit| -> f64 {
+        let place = occasion(shop, seen, visit);
+        let delays = stated.deviations.iter().filter(|own| own.id == "operator_delay" && own.scope.holds(&place));
+        delays.map(|own| own.size).sum()
+    };
     let of = |(machine, name): (usize, &String)| {
         let mut alike: BTreeMap<(usize, String), Vec<f64>> = BTreeMap::new();
-        for visit in seen.list.iter().filter(|visit| visit.machine == machine && visit.handling > 0.0) {
-            alike.entry((visit.program, shop.shift(name, visit.start))).or_default().push(visit.handling);
+        for visit in seen.list.iter().filter(|visit| visit.machine == machine) {
+            let handling = visit.handling - late(visit);
+            if handling > 0.0 {
+                alike.entry((visit.program, shop.shift(name, visit.start))).or_default().push(handling);
+            }
         }
         let recorded: Vec<Vec<f64>> = alike.into_values().collect();
         spread(Quantity::HandlingScatter, name, &recorded, &shop.station(name)?.handling)

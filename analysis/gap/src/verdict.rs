@@ -48,14 +48,13 @@ pub(super) fn backed(
             && let Some((ids, gain)) = asked()
         {
             diagnosis.verdict = GapVerdict::Masked;
-            diagnosis.notes.insert(
-                0,
-                format!(
-                    "{ids} would explain the records better (gain {gain:.1}), but constants within what is believed of \
-                     them explain them as well (p = {:.3}): the next experiment tells",
-                    fit.p
-                ),
+            let why = format!(
+                "{ids} would explain the records better (gain {gain:.1}), but constants within what is believed of \
+                 them explain them as well (p = {:.3}): the next experiment tells",
+                fit.p
             );
+            diagnosis.suspected = Some(why.clone());
+            diagnosis.notes.insert(0, why);
         }
         return;
     }
@@ -70,6 +69,7 @@ pub(super) fn backed(
     diagnosis.notes.insert(0, rejected(Some(&fit)));
     if let Some(why) = pushed() {
         diagnosis.verdict = GapVerdict::Masked;
+        diagnosis.suspected = Some(why.clone());
         diagnosis.notes.push(why);
     } else if !small
         && let Some(constant) = diagnosis.constant()
@@ -86,6 +86,7 @@ pub(super) fn unrejected(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<
     diagnosis.verdict = GapVerdict::NoGap;
     if let Some(why) = pushed() {
         diagnosis.verdict = GapVerdict::Masked;
+        diagnosis.suspected = Some(why.clone());
         diagnosis.notes.push(why);
     } else if let Some(constant) = diagnosis.constant() {
         diagnosis.verdict = GapVerdict::Constant;

@@ -24,6 +24,7 @@ mod forward;
 pub mod grinding;
 mod measured;
 mod nominal;
+mod parts;
 mod plausible;
 mod predict;
 pub mod program;

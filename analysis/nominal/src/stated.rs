@@ -1,6 +1,7 @@
 //! What a model file states beside its parameter sets, and how a fit starts from there.
 
-use super::{Direction, Forward, Frame, Point, Transform, WrittenEffect};
+use super::parts::Part;
+use super::{Candidate, Direction, Forward, Frame, Point, Transform, WrittenEffect};
 use toolroom_effects::Definition;
 use toolroom_innovations::Chain;
 use toolroom_records::Records;
@@ -51,6 +52,16 @@ impl Stated {
             split: Vec::new(),
             places: Vec::new(),
         }
+    }
+
+    /// Whether effects are tried on parts of the records.
+    pub(crate) fn is_split(&self) -> bool {
+        !self.split.is_empty() || !self.places.is_empty()
+    }
+
+    /// Whether an effect is tried on this part of the records.
+    pub(crate) fn tries(&self, effect: &Candidate, part: &Part) -> bool {
+        part.is_asked_for(self) || self.split.iter().any(|(id, shape)| effect.id == id && effect.shape == *shape)
     }
 
     /// Rows of `records` on which something with this scope acts, 1 or 0 each.
@@ -125,12 +136,27 @@ pub struct Movable {
     pub summand: bool,
     /// Whether the factor of the file is the inverse of that of the frame: a life against a rate.
     pub inverse: bool,
+    /// Least and greatest factor of the file on the value of the parameter set, by the range of the constant (1).
+    pub range: [f64; 2],
 }
+
+/// Relative distance to the end of a range at which a constant stays, so that rounding does not take it beyond (1).
+const WITHIN: f64 = 1e-12;
 
 impl Movable {
     /// A factor everywhere.
     pub fn factor(parameter: impl Into<String>, target: Target) -> Self {
-        Self { parameter: parameter.into(), target, scope: Scope::default(), summand: false, inverse: false }
+        let (scope, range) = (Scope::default(), [0.0, f64::INFINITY]);
+        Self { parameter: parameter.into(), target, scope, summand: false, inverse: false, range }
+    }
+
+    /// The same for a constant whose value in the parameter set is `value` and whose range is `least` to `greatest`.
+    #[must_use]
+    pub fn between(self, value: f64, least: f64, greatest: f64) -> Self {
+        if !(value > 0.0 && least <= value && value <= greatest) {
+            return self;
+        }
+        Self { range: [least / value * (1.0 + WITHIN), greatest / value * (1.0 - WITHIN)], ..self }
     }
 }
 

@@ -12,6 +12,10 @@ use toolroom_scenario::{GrindingPhase, ProcessModel, Work};
 const CHANNELS: [&str; 5] =
     ["stock_removed", "normal_force", "tangential_force", "rise_revolutions", "force_after_spark_out"];
 
+/// Share of the depth of the last revolution by which the mean radius lags behind the radius at the wheel: half of it,
+/// since infeed does not stop within a turn.
+const MEAN_LAG: f64 = 0.5;
+
 /// A part in its dressing cycle.
 struct Trial<'a> {
     visit: usize,
@@ -120,8 +124,12 @@ fn ground(trial: &Trial<'_>, stiffness: f64, wheel: &mut State) -> [f64; CHANNEL
     };
     turn(&mut part, u.infeed_per_rev, trial.infeed.revolutions);
     let steady = trial.wheel.output(&part, &u);
+    // Heat comes in under infeed and stays until the part is gauged.
+    let warm = part.stock_removed - steady.stock_removed;
     turn(&mut part, 0.0, trial.spark_out);
     let end = trial.wheel.output(&part, &Input { infeed_per_rev: 0.0, ..u });
     *wheel = part;
-    [end.stock_removed, steady.normal_force, steady.tangential_force, steady.rise_revolutions, end.normal_force]
+    // The last revolution leaves a spiral, and a gauge reads the mean radius.
+    let stock_removed = part.stock_removed - warm - MEAN_LAG * part.depth_of_cut;
+    [stock_removed, steady.normal_force, steady.tangential_force, steady.rise_revolutions, end.normal_force]
 }

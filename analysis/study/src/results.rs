@@ -219,7 +219,7 @@ pub(crate) fn write_files(
     comparison: &Comparison,
     info: &RunInfo,
 ) -> Result<(), ResultError> {
-    in_file(directory, Finished::FILE, |out| Ok(serde_json::to_writer(out, &Finished::of(study))?))?;
+    in_file(directory, Finished::FILE, |out| Finished::write(study, out))?;
     in_file(directory, "kpi.csv", |out| write_kpis(scenario, study, out))?;
     if !scenario.orders.is_empty() {
         for name in planner::FILES {
@@ -262,8 +262,8 @@ fn pretty(out: &mut impl Write, value: &Value) -> io::Result<()> {
 fn write_kpis(scenario: &Scenario, study: &Study, out: impl Write) -> io::Result<()> {
     let mut csv = CsvWriter::new(out, ["policy", "replication", "machine", "kpi", "unit", "value"])?;
     for (position, &policy) in study.policies.iter().enumerate() {
-        for replication in 0..study.replications {
-            for (kpi, value) in study.kpis.iter().zip(study.replication(position, replication)) {
+        for (replication, values) in (0..study.replications).zip(study.replications(position)) {
+            for (kpi, value) in study.kpis.iter().zip(values) {
                 let unit = match kpi.definition.file_unit() {
                     "currency" => scenario.currency.as_str(),
                     unit => unit,

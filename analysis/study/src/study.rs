@@ -12,8 +12,10 @@ mod finished;
 
 pub use finished::{Finished, FinishedError};
 
+mod rows;
 mod stored;
 
+use rows::Rows;
 pub use stored::{KnownRuns, StoredRun, known_of, stored_digest, stored_runs};
 
 use crate::kpi::{self, Counting, Kpi};
@@ -156,6 +158,17 @@ impl EdgeLife {
         (self.cutting_time, self.reason.name().to_owned())
     }
 
+    /// Time in cut, s, and number of the reason.
+    fn numbers(&self) -> [f64; 2] {
+        [self.cutting_time, f64::from(self.reason as u8)]
+    }
+
+    fn of_numbers(numbers: &[f64]) -> Option<Self> {
+        let &[cutting_time, number] = numbers else { return None };
+        let reason = ChangeReason::ALL.into_iter().find(|reason| f64::from(*reason as u8) == number)?;
+        Some(Self { cutting_time, reason })
+    }
+
     fn of_named((cutting_time, name): &NamedLife) -> Option<Self> {
         let reason = ChangeReason::ALL.into_iter().find(|reason| reason.name() == name)?;
         Some(Self { cutting_time: *cutting_time, reason })
@@ -177,8 +190,6 @@ pub struct Study {
     pub digest: u64,
     /// Logs of the first replication, by policy.
     pub first_logs: Vec<RunLog>,
-    /// Edges of the lathes over all replications, by policy.
-    pub edge_lives: Vec<Vec<EdgeLife>>,
     /// How the settings of the policies were found.
     pub tuning: Option<Arc<Tuning>>,
     /// Variants of the shop, run as often on the same random numbers.
@@ -186,7 +197,9 @@ pub struct Study {
     /// The best of them, where that was asked for.
     pub(crate) selection: Option<Found>,
     /// By policy and replication: key figures, then what a planner asks.
-    values: Vec<Vec<Vec<f64>>>,
+    values: Vec<Rows>,
+    /// Edges of the lathes over all replications, by policy, as [`EdgeLife::numbers`].
+    edge_lives: Vec<Rows>,
 }
 
 impl Study {
@@ -203,17 +216,25 @@ impl Study {
     /// Value of a figure in each replication, SI, NaN where it is not defined. `policy` counts
     /// within [`policies`](Self::policies).
     pub fn values(&self, policy: usize, kpi: usize) -> Vec<f64> {
-        self.values[policy].iter().map(|values| values[kpi]).collect()
+        self.values[policy].column(kpi)
     }
 
-    /// Values of all key figures in one replication.
-    pub fn replication(&self, policy: usize, replication: u32) -> &[f64] {
-        &self.values[policy][replication as usize][..self.kpis.len()]
+    /// Values of all key figures in each replication.
+    pub fn replications(&self, policy: usize) -> impl Iterator<Item = Vec<f64>> + '_ {
+        self.values[policy].iter().map(move |mut values| {
+            values.truncate(self.kpis.len());
+            values
+        })
     }
 
-    /// What a planner asks, in one replication, as [`Figures`] says.
-    pub(crate) fn planner_figures(&self, policy: usize, replication: u32) -> &[f64] {
-        &self.values[policy][replication as usize][self.kpis.len()..]
+    /// What a planner asks, in each replication, as [`Figures`] says.
+    pub(crate) fn planner_figures(&self, policy: usize) -> impl Iterator<Item = Vec<f64>> + '_ {
+        self.values[policy].iter().map(move |mut values| values.split_off(self.kpis.len()))
+    }
+
+    /// Edges of the lathes over all replications.
+    pub fn edge_lives(&self, policy: usize) -> impl Iterator<Item = EdgeLife> + '_ {
+        self.edge_lives[policy].iter().filter_map(|numbers| EdgeLife::of_numbers(&numbers))
     }
 }
 
@@ -483,11 +504,11 @@ where
         complete: true,
         digest: FNV_OFFSET,
         first_logs: Vec::new(),
-        edge_lives: vec![Vec::new(); count],
         tuning: options.tuning.clone(),
         variants: Vec::new(),
         selection: None,
-        values: vec![Vec::new(); count],
+        values: vec![Rows::default(); count],
+        edge_lives: vec![Rows::default(); count],
     };
     if let Some(earlier) = &options.earlier {
         let first =
@@ -567,8 +588,8 @@ impl Study {
         logs: Option<&mut LogWriter>,
     ) -> Result<(), StudyError> {
         self.digest = fnv(self.digest, &run.digest.to_le_bytes());
-        self.values[position].push(run.values);
-        self.edge_lives[position].extend(run.lives);
+        self.values[position].push(&run.values);
+        run.lives.iter().for_each(|life| self.edge_lives[position].push(&life.numbers()));
         if let Some(log) = run.log {
             if let Some(writer) = logs {
                 writer.write(self.policies[position], replication, &log)?;

@@ -118,12 +118,12 @@ impl VariantRuns {
 fn figures(scenario: &Scenario, study: &Study, policy: usize) -> Vec<Vec<Option<f64>>> {
     let count = shop_figures(study).len();
     let late = late(scenario, study, policy);
-    let own = |replication: u32| {
-        let values = study.replication(policy, replication)[..count].iter().copied();
-        let late = late.get(replication as usize).copied();
+    let own = |(replication, values): (usize, Vec<f64>)| {
+        let values = values[..count].iter().copied();
+        let late = late.get(replication).copied();
         values.chain(late).map(|value| Some(value).filter(|value| value.is_finite())).collect()
     };
-    (0..study.replications).map(own).collect()
+    study.replications(policy).enumerate().map(own).collect()
 }
 
 /// Figures of the shop; they stand before those of machines.

@@ -32,6 +32,7 @@ const SIGNALS: &[[&str; 4]] = &[
     ["lathe", "process.thermo_emf", "controller", "process.thermo_emf"],
     ["lathe", "process.flank_wear", "controller", "process.flank_wear"],
     ["lathe", "tool.lost", "controller", "process.tool_lost"],
+    ["lathe", "event.wear_limit", "controller", "process.tool_worn"],
 ];
 
 /// Outputs of the system: component and variable, and the name of the connector.

@@ -1,6 +1,7 @@
 //! `modelDescription.xml` of FMI 2.0 and 3.0, as far as an importer needs it.
 
 mod read;
+mod schema;
 
 use std::collections::BTreeMap;
 use std::fmt;

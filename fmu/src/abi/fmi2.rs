@@ -1,7 +1,7 @@
 //! The 44 functions of FMI 2.0.
 
 use super::pointer::{folder_of_uri, put, slice, slice_mut, target, text, texts};
-use super::{Callback, call, handles, instantiate};
+use super::{Callback, call, handles, instantiate, read_reals};
 use crate::component::{Component, Interface};
 use crate::fault::{Fault, Outcome};
 use crate::log::{Category, Log, Sink, Status};
@@ -165,11 +165,8 @@ unsafe fn read<T>(
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetReal(c: *mut c_void, vr: *const c_uint, count: usize, value: *mut f64) -> Status {
-    call(c, "fmi2GetReal", |unit| {
-        // SAFETY: as the standard demands of the importer.
-        let (vr, value) = unsafe { (slice(vr, count, "vr")?, slice_mut(value, count, "value")?) };
-        unit.read(ValueType::Real, vr, value)
-    })
+    // SAFETY: as the standard demands of the importer.
+    unsafe { read_reals(c, "fmi2GetReal", (vr, count), (value, count)) }
 }
 
 #[unsafe(no_mangle)]

@@ -3,8 +3,8 @@
 //! Units have Float64, Int32, Boolean, String and Enumeration variables. The functions of the other types
 //! exist and refuse every value reference.
 
-use super::call;
 use super::pointer::{slice, slice_mut, text};
+use super::{call, read_reals};
 use crate::component::Component;
 use crate::fault::{Fault, Outcome};
 use crate::log::Status;
@@ -19,12 +19,8 @@ pub unsafe extern "C" fn fmi3GetFloat64(
     values: *mut f64,
     length: usize,
 ) -> Status {
-    call(instance, "fmi3GetFloat64", |unit| {
-        // SAFETY: as the standard demands of the importer.
-        let (references, values) =
-            unsafe { (slice(references, count, "valueReferences")?, slice_mut(values, length, "values")?) };
-        unit.read(ValueType::Real, references, values)
-    })
+    // SAFETY: as the standard demands of the importer.
+    unsafe { read_reals(instance, "fmi3GetFloat64", (references, count), (values, length)) }
 }
 
 #[unsafe(no_mangle)]

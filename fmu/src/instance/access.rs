@@ -61,7 +61,7 @@ impl<U: Unit> Instance<U> {
         // A block of references is longer than every record.
         let output = reference.wrapping_sub(const { Slot::Output(0).reference() }) as usize;
         if is_real(U::Output::FIELDS, output) {
-            return self.outputs().get(output).copied();
+            return self.glance(output).or_else(|| self.outputs().get(output).copied());
         }
         let state = reference.wrapping_sub(const { Slot::State(0).reference() }) as usize;
         if U::State::LEN == U::State::FIELDS.len() && is_real(U::State::FIELDS, state) {
@@ -176,7 +176,7 @@ impl<U: Unit> Instance<U> {
                 return Err(Fault::Value { variable: self.name_of(Slot::Input(i)), source }.into());
             }
             self.core.input.set(i, *value);
-            self.outputs_valid = false;
+            self.input_changed();
             return Ok(Status::Ok);
         }
         // First whether all can be set, then all of it.

@@ -77,6 +77,10 @@ impl<U: Unit> Component for Instance<U> {
     fn reset(&mut self) -> Outcome {
         self.begin_anew()
     }
+    #[inline]
+    fn peek(&self, reference: u32) -> Option<f64> {
+        self.known_output(reference)
+    }
     fn read(&mut self, value_type: ValueType, references: &[u32], values: &mut [f64]) -> Outcome {
         self.read_values(value_type, references, values)
     }

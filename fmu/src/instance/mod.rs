@@ -16,12 +16,12 @@ use crate::configured::Configured;
 use crate::log::{Category, Log, Status};
 use crate::mode::Mode;
 use crate::unit::Unit;
-use crate::variable::Settable;
+use crate::variable::{Settable, Slot};
 use saved::Saved;
 use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
-use toolroom_process::{Field, Record};
+use toolroom_process::{Field, Kind, Record};
 
 /// Most events, and most renewals, of a process.
 const MOST: usize = 8;
@@ -116,6 +116,8 @@ pub struct Instance<U: Unit> {
     /// Outputs at the present state and input, where they are worked out.
     outputs: Vec<f64>,
     outputs_valid: bool,
+    /// Whether an output was read by itself since they were valid.
+    glanced: bool,
     /// The state as numbers, where they are up to date.
     states: Vec<f64>,
     states_valid: bool,
@@ -149,6 +151,7 @@ impl<U: Unit> Instance<U> {
             resources,
             outputs: vec![0.0; U::Output::LEN],
             outputs_valid: false,
+            glanced: false,
             states: vec![0.0; U::State::LEN],
             states_valid: false,
             waiting: Vec::new(),
@@ -170,11 +173,19 @@ impl<U: Unit> Instance<U> {
     /// The input that the process meets: commanded by the policy, out of cut where the edge is
     /// lost.
     fn effective_input(&self) -> U::Input {
-        let mut input = self.commanded_input();
-        if let Some(i) = self.engaged.filter(|_| self.core.discrete.lost) {
-            input.set(i, 0.0);
-        }
-        input
+        self.replaced_input().unwrap_or(self.core.input)
+    }
+
+    /// The same where it is not the input as it was set.
+    fn replaced_input(&self) -> Option<U::Input> {
+        let lost = self.core.discrete.lost;
+        (lost || self.is_adaptive()).then(|| {
+            let mut input = self.commanded_input();
+            if let Some(i) = self.engaged.filter(|_| lost) {
+                input.set(i, 0.0);
+            }
+            input
+        })
     }
 
     /// The input as commanded by the policy.
@@ -196,12 +207,31 @@ impl<U: Unit> Instance<U> {
             let Discrete { lost, lost_at, .. } = self.core.discrete;
             // An importer that looks for the instant ends its step a hair after it.
             let cuts = lost && self.core.time - lost_at <= step::ROUNDING * lost_at.abs().max(1.0);
-            let input = if cuts { self.commanded_input() } else { self.effective_input() };
-            let output = self.core.model.process.observe(&self.core.state, &input, &self.memory);
+            let replaced = if cuts { Some(self.commanded_input()) } else { self.replaced_input() };
+            let input = replaced.as_ref().unwrap_or(&self.core.input);
+            let output = self.core.model.process.observe(&self.core.state, input, &self.memory);
             output.write_to(&mut self.outputs);
             self.outputs_valid = true;
         }
         &self.outputs
+    }
+
+    /// One output by itself, where that costs less than all of them. A second one after the same step costs less with all.
+    fn glance(&mut self, output: usize) -> Option<f64> {
+        if self.outputs_valid || self.glanced || self.core.discrete.lost || self.is_adaptive() {
+            return None;
+        }
+        self.glanced = true;
+        let Core { model, state, input, .. } = &self.core;
+        model.process.observe_one(U::Output::FIELDS.get(output)?.name, state, input, &self.memory)
+    }
+
+    /// A real output that is worked out.
+    #[inline]
+    fn known_output(&self, reference: u32) -> Option<f64> {
+        let output = reference.wrapping_sub(const { Slot::Output(0).reference() }) as usize;
+        let is_real = U::Output::FIELDS.get(output).is_some_and(|field| field.kind == Kind::Real);
+        if self.outputs_valid && is_real { self.outputs.get(output).copied() } else { None }
     }
 
     /// The elements of the state.
@@ -215,8 +245,14 @@ impl<U: Unit> Instance<U> {
 
     /// What was worked out of state and input is no longer true.
     fn changed(&mut self) {
-        self.outputs_valid = false;
+        self.input_changed();
         self.states_valid = false;
+    }
+
+    /// The same where the state is still what it was.
+    fn input_changed(&mut self) {
+        self.outputs_valid = false;
+        self.glanced = false;
     }
 
     /// The same where the process itself may be another one.

@@ -61,10 +61,12 @@ impl<U: Unit> Instance<U> {
         if step > longest { Err(Fault::LongStep { step, longest, reason }.into()) } else { Ok(()) }
     }
 
-    /// Advances the process by `part` seconds, or up to the instant at which the edge is worn out.
-    fn part(&mut self, held: &U::Input, part: f64) -> Outcome<(Advance, bool)> {
+    /// Advances the process by `part` seconds, or up to the instant at which the edge is worn out; under the input as it was
+    /// set, where nothing replaces that.
+    fn part(&mut self, held: Option<&U::Input>, part: f64) -> Outcome<(Advance, bool)> {
         let before = self.core.state;
         let process = &self.core.model.process;
+        let held = held.unwrap_or(&self.core.input);
         let advance = process.step(&mut self.core.state, held, part, &mut self.memory)?;
         if !process.worn_out(&self.core.state) || process.worn_out(&before) {
             return Ok((advance, false));
@@ -88,20 +90,21 @@ impl<U: Unit> Instance<U> {
         let stops_early = matches!(self.interface, Interface::CoSimulation { event_mode: true, early_return: true });
         self.core.time = time;
         self.settle_edges();
-        let mut held = self.effective_input();
+        let mut held = self.replaced_input();
         let mut event = false;
         let mut left = step;
         self.changed();
         while left > 0.0 {
             let due = if self.is_adaptive() { self.core.discrete.next_sample - self.core.time } else { f64::INFINITY };
             let part = left.min(due.max(0.0)).min(LONGEST_PART);
-            let (advance, worn_out) = self.part(&held, part)?;
+            let (advance, worn_out) = self.part(held.as_ref(), part)?;
             // What remains is counted down, so that the end of the step is met exactly.
             let whole = advance.event.is_none() && !worn_out && part == left;
             left = if whole { 0.0 } else { left - advance.elapsed };
             self.core.time = end - left;
             if left > 0.0 {
-                held = self.core.model.process.input_after(&held, advance.elapsed);
+                let before = held.as_ref().unwrap_or(&self.core.input);
+                held = Some(self.core.model.process.input_after(before, advance.elapsed));
             }
             if let Some(happened) = advance.event {
                 let index = U::EVENTS.iter().position(|each| *each == happened);
@@ -124,7 +127,7 @@ impl<U: Unit> Instance<U> {
             if event || left > 0.0 {
                 let ramp = self.core.input;
                 self.settle();
-                self.keep_ramp(&mut held, &ramp);
+                self.keep_ramp(held.get_or_insert(ramp), &ramp);
             }
         }
         self.core.time = end;

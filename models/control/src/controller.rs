@@ -199,7 +199,9 @@ impl SpeedController {
         }
         let duration = self.duration(x);
         let ended = x.pass_time >= duration * (1.0 - ROUNDING);
-        let mut lost = u.tool_lost > 0.5 && !changed;
+        let mut lost = u.tool_lost > 0.5 && !changed || ended && u.tool_worn > 0.5;
+        // An edge that is spent already is taken out without a reading, as in the shop: the next filter starts from what
+        // the sensors alone have taught.
         if ended && !lost && self.is_read() && (x.edge_passes % self.sensing.read_every) == 0.0 {
             if self.estimates() {
                 let mut filter = self.filter(&pair, x);

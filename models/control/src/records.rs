@@ -25,6 +25,8 @@ record! {
         flank_wear: Real["m" => "mm"] = 0.0, -1.0..=1.0;
         /// Whether the edge has collapsed or chipped: it is changed at the next sample.
         tool_lost: Boolean = 0.0;
+        /// Whether the wear limit of the edge itself has been passed: the edge is changed after the pass, without a reading.
+        tool_worn: Boolean = 0.0;
     }
 }
 

@@ -181,10 +181,16 @@ fn position_after(u: &TurningInput, path: f64) -> f64 {
 /// The event that keeps an edge in this state from cutting at all. A worn edge may go on past
 /// its wear limit; a collapsed or chipped one may not.
 fn lost_at_once(at: &Engagement<'_>, x: &TurningState, u: &TurningInput) -> Option<ProcessEvent> {
+    lost_at(&at.event_indicators(x, u.chipping_resistance), u)
+}
+
+/// The same by the event functions.
+#[inline]
+fn lost_at(indicators: &[f64; WEAR_EVENTS.len()], u: &TurningInput) -> Option<ProcessEvent> {
     WEAR_EVENTS
         .into_iter()
-        .zip(at.event_indicators(x, u.chipping_resistance))
-        .find(|(event, at)| u.engaged > 0.0 && event.ends_cut() && *at >= 0.0)
+        .zip(indicators)
+        .find(|(event, at)| u.engaged > 0.0 && event.ends_cut() && **at >= 0.0)
         .map(|(event, _)| event)
 }
 

@@ -1,8 +1,8 @@
 //! Published numbers that this crate reproduces.
 
 use crate::{
-    IdentifyOptions, Infeed, Input, State, identify, lag_from_stock, paper_eq8_contradicts_eq3, paper_trials,
-    stiffness_from_k,
+    CycleLimits, IdentifyOptions, Infeed, Input, State, fastest_cycle_while_dulling, identify, lag_from_stock,
+    paper_eq8_contradicts_eq3, paper_trials, stiffness_from_k,
 };
 use toolroom_process::{Claim, ModelError, Process};
 
@@ -61,7 +61,32 @@ pub fn claims() -> Result<Vec<Claim>, ModelError> {
         burn_constant(&grinding, &input, &output),
         0.01,
     );
+    limited_cycles(&mut claim);
     Ok(claims)
+}
+
+/// Cycles within limits, beside those of an independent search.
+fn limited_cycles(claim: &mut impl FnMut(&str, &str, f64, f64, f64)) {
+    let source = "independent search over the revolution recursion";
+    let (wheel, input) = (State::default(), Input::default());
+    let revolutions = |grinding: &Infeed, limits: &CycleLimits| {
+        let cycle = fastest_cycle_while_dulling(grinding, &wheel, &input, limits, None);
+        cycle.map_or(f64::NAN, |cycle| f64::from(cycle.revolutions))
+    };
+    let (sharp, mut dulling, mut soft) = (Infeed::default(), Infeed::default(), Infeed::default());
+    dulling.parameters.dulling_rate = 1.0 / 300e-6;
+    soft.parameters.process_stiffness = 3e6;
+    let limits = CycleLimits::default();
+    let weak = CycleLimits { power: 2000.0, ..limits };
+    let free = CycleLimits { material_removal: 1e-2, ..weak };
+    for (name, published, computed) in [
+        ("revolutions of the fastest cycle for 100 um", 27.0, revolutions(&sharp, &limits)),
+        ("revolutions of the fastest cycle below 2 kW", 38.0, revolutions(&sharp, &weak)),
+        ("revolutions of the fastest cycle on a wheel that dulls in the part", 28.0, revolutions(&dulling, &limits)),
+        ("revolutions of a soft process without limit of the removal rate", 7.0, revolutions(&soft, &free)),
+    ] {
+        claim(name, source, published, computed, 1e-9);
+    }
 }
 
 /// Both readings of the system stiffness: eq. (3) solved for J agrees with the force over the lag

@@ -1,6 +1,7 @@
 //! First-order approximations of the recursion, for drivers that want a differential equation.
 
 use crate::infeed::positive;
+use crate::law::{REFERENCE_DEPTH, depth_of_chip};
 use crate::{Infeed, Input, Output, State};
 use toolroom_process::ode::{Tolerance, integrate, unless_passed};
 use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessEvent, Record, record};
@@ -75,7 +76,13 @@ impl<N: Number> Infeed<N> {
             TimeConstant::Lag => compliance,
             TimeConstant::Decay => -(wear + 1.0) / (compliance / (compliance + wear + 1.0)).ln(),
         };
-        positive(x.commanded_infeed - x.wheel_wear - threshold - x.stock_removed) / revolutions
+        let deflection = positive(x.commanded_infeed - x.wheel_wear - threshold - x.stock_removed);
+        let exponent = self.parameters.force_exponent;
+        if exponent.re() == 1.0 {
+            return deflection / revolutions;
+        }
+        // The deflection tells the force, and the force the depth; the time constant scales as in the linear law.
+        depth_of_chip(deflection / compliance, exponent, REFERENCE_DEPTH) * compliance / revolutions
     }
 
     /// Right-hand side of the first-order form.

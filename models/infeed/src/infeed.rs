@@ -1,5 +1,6 @@
 //! The process.
 
+use crate::law::{REFERENCE_DEPTH, chip, depth_of_chip, share_out};
 use crate::{Input, Output, Parameters, State, revolutions_to};
 use toolroom_effects::{Context, Effect, EffectError, Effects, Terms};
 use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessEvent, Record};
@@ -35,6 +36,11 @@ struct Pressed<N> {
 /// # Source
 /// Sizyi, Fesenko & Lyubimyi, eqs. (1)–(4); wheel wear, threshold force and dulling as in King &
 /// Hahn (recalled).
+///
+/// # Force exponent
+/// With a force exponent m below one the depth is the root of
+/// `J (u − w − r − h) = F0 + Cp h0 (h/h0)^m`, `h0 = 1 um`, of which `w = g h` belongs to the same revolution; then
+/// `F_n = F0 + Cp h0 (h/h0)^m`. The equations above are those of m = 1.
 ///
 /// ```
 /// use toolroom_infeed::{Infeed, Input};
@@ -118,6 +124,38 @@ impl<N: Number> Infeed<N> {
         ]
     }
 
+    /// Growth of the normal force with the depth, N/m: the process stiffness for a force exponent of 1, and where nothing
+    /// is cut.
+    fn tangent(&self, process_stiffness: N, depth: N) -> N {
+        let exponent = self.parameters.force_exponent;
+        if exponent.re() == 1.0 || depth.re() <= 0.0 {
+            return process_stiffness;
+        }
+        process_stiffness * exponent * chip(depth, exponent, REFERENCE_DEPTH) / depth
+    }
+
+    /// Normal force that a depth of cut adds to the threshold force, N, on the wheel of `x`.
+    ///
+    /// ```
+    /// use toolroom_infeed::{Infeed, Input, State};
+    /// let mut grinding = Infeed::default();
+    /// (grinding.parameters.process_stiffness, grinding.parameters.force_exponent) = (50e6, 0.8);
+    /// let force = grinding.cutting_force(&State::default(), &Input::default(), 2e-6);
+    /// assert!((force - 87.055).abs() < 1e-3);
+    /// ```
+    pub fn cutting_force(&self, x: &State<N>, u: &Input<N>, depth: N) -> N {
+        let terms = self.terms(x, u);
+        self.process_stiffness(x, u, &terms) * chip(depth, self.parameters.force_exponent, REFERENCE_DEPTH)
+    }
+
+    /// Share of a waviness of the part that a revolution leaves at the depth of `x`: `c/(1 + c + g)`, the lag where the
+    /// wheel does not wear.
+    pub(crate) fn decay(&self, x: &State<N>, u: &Input<N>) -> N {
+        let [compliance, wear, _] = self.shares(x, u);
+        let compliance = self.tangent(compliance, x.depth_of_cut);
+        compliance / (compliance + wear + 1.0)
+    }
+
     /// Infeed that is commanded before contact.
     pub(crate) fn start_offset(&self, x: &State<N>, u: &Input<N>) -> N {
         self.terms(x, u).start_offset
@@ -138,7 +176,7 @@ impl<N: Number> Infeed<N> {
         let p = &self.parameters;
         let [compliance, wear, threshold] = self.shares(x, u);
         let engagement = x.commanded_infeed - x.wheel_wear - threshold - x.stock_removed;
-        let depth = positive(engagement) / (compliance + wear + 1.0);
+        let (depth, _) = share_out(positive(engagement), compliance, wear, p.force_exponent, REFERENCE_DEPTH);
         State {
             stock_removed: x.stock_removed + depth,
             depth_of_cut: depth,
@@ -160,7 +198,7 @@ impl<N: Number> Infeed<N> {
         let pressed = positive(deflection * system_stiffness);
         let rubbing = if pressed.re() < threshold.re() { pressed } else { threshold };
         let uncut = if x.depth_of_cut.re() > 0.0 { threshold } else { rubbing };
-        let normal_force = uncut + process_stiffness * x.depth_of_cut;
+        let normal_force = uncut + process_stiffness * chip(x.depth_of_cut, p.force_exponent, REFERENCE_DEPTH);
         Pressed { terms, process_stiffness, system_stiffness, uncut, normal_force }
     }
 
@@ -172,12 +210,12 @@ impl<N: Number> Infeed<N> {
     /// Outputs while the wheel touches the part.
     ///
     /// Temperature: `rise = (2/√π) ε q √(l_c/(v_w k ρ c))`, `q = F_t v_s/(b l_c)`,
-    /// `l_c = √(d_e F_n/Cp)`, `d_e = d_w d_s/(d_w ± d_s)`, in a bore with minus; `ε = (u − share·u_ch)/u` of the specific
-    /// energy u stays in the work, all of it where the wheel only rubs. Without a threshold force
-    /// `F_n/Cp` is the depth h; with one it keeps the contact from shrinking to nothing with h.
+    /// `l_c = √(h d_e)`, `d_e = d_w d_s/(d_w ± d_s)`, in a bore with minus; `ε = (u − share·u_ch)/u` of the specific
+    /// energy u stays in the work, all of it where the wheel only rubs. The contact is no shorter than that of the depth
+    /// whose force is the threshold force: else it would shrink to nothing with h under a force that stays.
     ///
     /// # Source
-    /// Jaeger's moving band at high Péclet number; energy partition by Malkin (recalled); contact
+    /// Jaeger's moving band at high Péclet number; energy partition by Malkin (recalled); least contact
     /// length under a threshold force: assumption.
     pub(crate) fn output_in_cut(&self, x: &State<N>, u: &Input<N>) -> Output<N> {
         let p = &self.parameters;
@@ -197,12 +235,15 @@ impl<N: Number> Infeed<N> {
         }
         if normal_force.re() > 0.0 && work_speed.re() > 0.0 {
             let equivalent_diameter = p.equivalent_diameter();
-            let contact_length = ((depth + uncut / process_stiffness) * equivalent_diameter).sqrt();
+            // No shorter than the contact that the threshold force alone presses on.
+            let rubbed = depth_of_chip(uncut / process_stiffness, p.force_exponent, REFERENCE_DEPTH);
+            let pressed = if depth.re() > rubbed.re() { depth } else { rubbed };
+            let contact_length = (pressed * equivalent_diameter).sqrt();
             let flux = spindle_power / (p.width * contact_length);
             let spread = (contact_length / (work_speed * p.conductivity * p.density * p.heat_capacity)).sqrt();
             temperature_rise = into_work * flux * spread * std::f64::consts::FRAC_2_SQRT_PI * terms.temperature_rise;
         }
-        let lag = crate::lag(process_stiffness, system_stiffness);
+        let lag = crate::lag(self.tangent(process_stiffness, depth), system_stiffness);
         // Revolutions from the commanded start to contact.
         let feeds = u.infeed_per_rev.re() > 0.0;
         let late = if feeds { terms.start_offset / u.infeed_per_rev } else { zero };

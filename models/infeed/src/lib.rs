@@ -24,7 +24,9 @@
 //! | [`lag_time_constant`], [`decay_time_constant`] | its continuous equivalents |
 //! | [`Trial`], [`read_trials`], [`read_force_traces`] | plunge trials and their tables |
 //! | [`identify`], [`Identification`], [`Advice`] | K, Cp, J with intervals; what is wrong with the protocol |
-//! | [`fastest_cycle`], [`CycleLimits`], [`CycleFile`] | rough–finish–spark-out cycles by exact search |
+//! | [`Load`] | power, removal rate, specific energy and burn of a revolution |
+//! | [`Surface`], [`DressingPlan`] | roughness, overlap, life of the wheel |
+//! | [`fastest_cycle_while_dulling`], [`CycleLimits`], [`CycleFile`] | rough–finish–spark-out cycles by exact search |
 //! | [`dressing_interval`] | parts between dressings |
 //! | [`PlungeDeviations`], [`PlungeShape`], [`separability`] | what hidden effects leave in trials |
 //! | [`wave`], [`fastest_growing_wave`] | which waves die out and which grow to chatter |
@@ -55,12 +57,10 @@
 //!
 //! # What is not modelled
 //! In the recursion: the angle within a revolution, which [`InfeedProfile`] has. Waves on the wheel
-//! and waves shorter than the contact. A contact stiffness that grows with load; a force exponent
-//! below one and thermal growth of part and machine, but for [`PlungeDeviations`]; drift of the
-//! stiffness. Heat at low Péclet number (below 10 the moving band is a few per cent high); the film
-//! boiling of the coolant. Loss of wheel diameter by dressing. The scatter of a roughness: the
-//! finish limit of a cycle is its last depth. In the design of a cycle: dulling within the part, and
-//! work rotation that changes between phases.
+//! and waves shorter than the contact. A contact stiffness that grows with load; thermal growth of part
+//! and machine, but for [`PlungeDeviations`]; drift of the stiffness. Heat at low Péclet number (below 10 the moving band is a few per cent high); the film
+//! boiling of the coolant. The scatter of a roughness. In the design of a cycle: work rotation that changes
+//! between phases.
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
@@ -69,6 +69,8 @@ mod cycle;
 mod first_order;
 mod identify;
 mod infeed;
+mod law;
+mod load;
 mod parameters;
 mod profile;
 mod records;
@@ -82,16 +84,18 @@ mod waves;
 
 pub use claims::claims;
 pub use cycle::{
-    CYCLE, Cycle, CycleError, CycleFile, CycleLimits, CyclePhase, CyclePoint, DressingInterval, DressingPlan,
-    cycle_time_estimate, depth_at_temperature, dressing_interval, fastest_cycle, grind_cycle,
+    CYCLE, Cycle, CycleError, CycleFile, CycleLimits, CyclePhase, CyclePoint, DressingInterval, DressingPlan, Surface,
+    WheelLife, WheelState, cycle_time_estimate, depth_at_temperature, dressing_interval, fastest_cycle,
+    fastest_cycle_while_dulling, grind_cycle,
 };
 pub use first_order::{FirstOrderState, InfeedFirstOrder, TimeConstant};
 pub use identify::{
     Advice, Basis, BestRevolutions, Bootstrap, Estimate, ForceFit, Identification, IdentifyError, IdentifyOptions,
-    ImpossibleTrial, MeasurementErrors, Pooled, Scatter, Shifted, TrialLag, fit_force_trace, identify, lag_from_rise,
-    lag_from_spark_out, lag_from_stock, lag_sd, paper_trials, revolutions_of_least_error,
+    ImpossibleTrial, Joint, MeasurementErrors, Pooled, Scatter, Shifted, TrialLag, fit_force_trace, identify,
+    lag_from_rise, lag_from_spark_out, lag_from_stock, lag_sd, paper_trials, revolutions_of_least_error,
 };
 pub use infeed::Infeed;
+pub use load::Load;
 pub use parameters::{PARAMETER_SETS, Parameters, SetError};
 pub use profile::{InfeedProfile, ProfileState, STATIONS};
 pub use records::{Input, Output, State};

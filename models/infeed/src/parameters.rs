@@ -7,6 +7,12 @@ use toolroom_process::{Number, record};
 pub const PARAMETER_SETS: &[(&str, &str)] =
     &[("zb153u_40kh", include_str!("../../../scenarios/parameters/infeed/zb153u_40kh.toml"))];
 
+/// Fields that a set may leave out: name, value, what that value means.
+const LATER: &[(&str, f64, &str)] = &[
+    ("internal", 0.0, "outside where not given"),
+    ("force_exponent", 1.0, "force in proportion to depth where not given"),
+];
+
 record! {
     /// Machine, wheel and work of plunge grinding.
     ///
@@ -22,11 +28,17 @@ record! {
     /// | k, ρ, c | `conductivity`, `density`, `heat_capacity` |
     /// | u_ch | `chip_formation_energy` |
     /// | 1/V0 | `dulling_rate` |
+    /// | m | `force_exponent` |
+    ///
+    /// The normal force is `F_n = F0 + Cp h0 (h/h0)^m` at the depth h, `h0 = 1 um`; for m = 1 it is `F0 + Cp h`. An
+    /// exponent below one is the size effect: thin chips take more force per depth.
     ///
     /// Wheel wear and dulling are given by their inverses, so that zero means none.
     pub struct Parameters {
-        /// Normal force per depth of cut.
+        /// Normal force per depth of cut; with a force exponent other than 1 at a depth of 1 um.
         process_stiffness: Real["N/m" => "N/um"] = 38.3747e6, 1e4..=1e10;
+        /// Exponent of the normal force in the depth of cut; 1 is force in proportion to depth.
+        force_exponent: Real = 1.0, 0.5..=1.0;
         /// Stiffness of wheel head, work and supports in series.
         system_stiffness: Real["N/m" => "N/um"] = 31.019e6, 1e4..=1e11;
         /// Normal force below which the wheel rubs without cutting.
@@ -134,10 +146,18 @@ impl Parameters {
             return Err(SetError::UnknownGroup { group: group.clone() });
         }
         let mut parameters = Self::default();
-        // Sets from before bores could be ground do not say that they are none.
-        if file.groups.get("infeed").is_some_and(|group| !group.contains_key("internal")) {
-            let whole =
-                format!("{text}\n[parameters.infeed.internal]\nvalue = 0.0\nsource = \"outside where not given\"\n");
+        // Sets from before a field was known do not give it.
+        let group = file.groups.get("infeed");
+        let lacks = |name: &str| group.is_some_and(|group| !group.contains_key(name));
+        let added: String = LATER
+            .iter()
+            .filter(|(name, ..)| lacks(name))
+            .map(|(name, value, source)| {
+                format!("\n[parameters.infeed.{name}]\nvalue = {value:?}\nsource = \"{source}\"\n")
+            })
+            .collect();
+        if !added.is_empty() {
+            let whole = format!("{text}{added}");
             ParameterFile::read(&whole)?.fill(&whole, "infeed", &mut parameters)?;
             return Ok(parameters);
         }

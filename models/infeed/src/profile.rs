@@ -1,6 +1,7 @@
 //! The delay equation: the profile of the part, station by station.
 
 use crate::infeed::positive;
+use crate::law::{REFERENCE_DEPTH, share_out};
 use crate::{Infeed, Input, Output, State};
 use toolroom_effects::EffectError;
 use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessEvent, Record, record};
@@ -111,7 +112,8 @@ impl<N: Number> Infeed<N> {
         let next = (last + 1) % STATIONS;
         let [compliance, wear, threshold] = self.shares(&at_station(x, last), u);
         let engagement = x.commanded_infeed - x.wheel_wear - threshold - x.profile[next];
-        let depth = positive(engagement) / (compliance + wear * share + 1.0);
+        let exponent = self.parameters.force_exponent;
+        let (depth, _) = share_out(positive(engagement), compliance, wear * share, exponent, REFERENCE_DEPTH);
         x.station = N::from(next as f64);
         x.profile[next] += depth;
         x.depth_of_cut = depth;

@@ -82,9 +82,10 @@ record! {
         burn_margin: Real = 1.0, -1e3..=1.0;
         /// Radial wear of the wheel since dressing, w.
         wheel_wear: Real["m" => "um"] = 0.0, 0.0..=1.0;
-        /// Process stiffness Cp now: dulling, coolant and effects included.
+        /// Process stiffness Cp now: dulling, coolant and effects included; with a force exponent below 1 at 1 um.
         process_stiffness: Real["N/m" => "N/um"] = 0.0, 0.0..=1e14;
-        /// Lag K = Cp/(J + Cp): share of the deflection that a revolution leaves.
+        /// Lag K = Cp/(J + Cp): share of the deflection that a revolution leaves; with a force exponent below 1 that of
+        /// a small change at this depth.
         lag: Real = 0.0, 0.0..=1.0;
         /// Revolutions after which the force has risen to 95 %, ln 0.05 / ln K.
         rise_revolutions: Real = 0.0, 0.0..=1e12;

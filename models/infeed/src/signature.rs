@@ -3,6 +3,7 @@
 use crate::cycle::CyclePhase;
 use crate::identify::least;
 use crate::infeed::positive;
+use crate::law::{REFERENCE_DEPTH, share_out};
 use crate::{Infeed, Input, MeasurementErrors, State, stock_after};
 use toolroom_process::{Number, record};
 
@@ -66,7 +67,14 @@ impl<N: Number> Infeed<N> {
                 let growth = d.thermal_growth * warm;
                 let engagement =
                     positive(part.commanded_infeed + growth - part.wheel_wear - threshold - part.stock_removed);
-                let exponent = -d.force_exponent_loss + 1.0;
+                // The parameters know the force at 1 um, the deviation at the first infeed.
+                let whole = p.force_exponent;
+                let compliance = if whole.re() == 1.0 || first_infeed <= 0.0 {
+                    compliance
+                } else {
+                    compliance * N::from(first_infeed / REFERENCE_DEPTH).powd(whole - 1.0)
+                };
+                let exponent = whole - d.force_exponent_loss;
                 let loaded = threshold - self.start_offset(&part, u);
                 let (depth, deflection) = share_out(engagement, compliance, wear, exponent, first_infeed);
                 part.stock_removed += depth;
@@ -80,24 +88,6 @@ impl<N: Number> Infeed<N> {
         }
         readings
     }
-}
-
-/// Depth h and deflection by cutting of an engagement: the root of
-/// `h (1 + g) + c S (h/S)^exponent = engagement`.
-fn share_out<N: Number>(engagement: N, compliance: N, wear: N, exponent: N, infeed: f64) -> (N, N) {
-    let mut depth = engagement / (compliance + wear + 1.0);
-    if exponent.re() == 1.0 || depth.re() <= 0.0 || infeed <= 0.0 {
-        return (depth, compliance * depth);
-    }
-    let deflection = |depth: N| compliance * (depth / infeed).powd(exponent) * infeed;
-    // The left side rises and is concave: Newton's method comes from below once it is there.
-    for _ in 0..60 {
-        let bent = deflection(depth);
-        let slope = wear + 1.0 + bent * exponent / depth;
-        let step = (engagement - depth * (wear + 1.0) - bent) / slope;
-        depth = if (depth + step).re() > 0.0 { depth + step } else { depth * 0.5 };
-    }
-    (depth, deflection(depth))
 }
 
 /// The shape of plunge trials of constant infeed with a spark-out: what a nominal model fitted

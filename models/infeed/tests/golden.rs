@@ -216,7 +216,7 @@ fn the_wheel_dulls_as_the_dressing_study_says() {
 #[test]
 fn every_claim_passes() {
     let claims = claims().expect("shipped parameters are inside the domain");
-    assert_eq!(claims.len(), 16);
+    assert_eq!(claims.len(), 20);
     for claim in claims {
         assert!(claim.pass(), "{claim:?}");
     }

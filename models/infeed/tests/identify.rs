@@ -2,9 +2,10 @@
 
 use proptest::prelude::*;
 use toolroom_infeed::{
-    Advice, Basis, ForceSample, Identification, IdentifyError, IdentifyOptions, Infeed, Input, MeasurementErrors,
-    TableNote, TableReason, Trial, TrialFault, fit_force_trace, identify, lag, lag_from_stock, lag_sd, paper_trials,
-    read_force_traces, read_trials, revolutions_of_least_error, stiffness_from_k, stock_after,
+    Advice, Basis, CyclePhase, ForceSample, Identification, IdentifyError, IdentifyOptions, Infeed, Input,
+    MeasurementErrors, Scatter, State, TableNote, TableReason, Trial, TrialFault, fit_force_trace, grind_cycle,
+    identify, lag, lag_from_stock, lag_sd, paper_trials, read_force_traces, read_trials, revolutions_of_least_error,
+    stiffness_from_k, stock_after,
 };
 use toolroom_process::Process;
 
@@ -443,4 +444,70 @@ proptest! {
         let _ = read_trials("t.csv", text.as_bytes());
         let _ = read_force_traces("t.csv", text.as_bytes(), &mut paper_trials());
     }
+}
+
+/// Readings of trials ground by the process itself, with a spark-out.
+fn ground(grinding: &Infeed, infeeds: &[f64], revolutions: &[u32]) -> Vec<Trial> {
+    let phase = |infeed_per_rev: f64, revolutions| CyclePhase { infeed_per_rev, revolutions };
+    let cases = infeeds.iter().flat_map(|infeed| revolutions.iter().map(move |revolutions| (*infeed, *revolutions)));
+    cases
+        .enumerate()
+        .map(|(index, (infeed, revolutions))| {
+            let phases = [phase(infeed * 1e-6, revolutions), phase(0.0, 3)];
+            let input = Input::default();
+            let (_, course) = grind_cycle(grinding, &State::default(), &input, &phases).expect("inside the domain");
+            let (steady, end) = (&course[revolutions as usize], &course[course.len() - 1]);
+            Trial {
+                trial_id: index.to_string(),
+                infeed_per_rev: infeed * 1e-6,
+                revolutions: f64::from(revolutions),
+                spark_out_revolutions: 3.0,
+                stock_removed: Some(end.stock_removed),
+                normal_force: Some(steady.load.normal_force),
+                force_after_spark_out: Some(end.load.normal_force),
+                ..Trial::default()
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn a_joint_fit_tells_threshold_force_and_exponent_where_the_trials_do() {
+    let close = |found: Option<f64>, expected: f64| {
+        let found = found.expect("told");
+        assert!((found / expected - 1.0).abs() < 2e-3, "{found} instead of {expected}");
+    };
+    for (threshold_force, force_exponent) in [(0.0, 1.0), (18.0, 1.0), (0.0, 0.8), (15.0, 0.85)] {
+        let mut grinding = Infeed::default();
+        (grinding.parameters.threshold_force, grinding.parameters.force_exponent) = (threshold_force, force_exponent);
+        let trials = ground(&grinding, &[1.5, 3.0, 6.0], &[6, 16]);
+        let joint = identify(&trials, &IdentifyOptions::default()).expect("possible").joint.expect("told");
+        close(Some(joint.process_stiffness.value), grinding.parameters.process_stiffness);
+        close(Some(joint.system_stiffness.value), grinding.parameters.system_stiffness);
+        assert_eq!(joint.threshold_force.is_some(), threshold_force > 0.0, "{joint:?}");
+        assert_eq!(joint.force_exponent.is_some(), force_exponent < 1.0, "{joint:?}");
+        if threshold_force > 0.0 {
+            close(joint.threshold_force.map(|force| force.value), threshold_force);
+        }
+        if force_exponent < 1.0 {
+            close(joint.force_exponent.map(|exponent| exponent.value), force_exponent);
+        }
+        assert!(joint.misfit < 1e-3 && joint.readings == 18);
+    }
+}
+
+#[test]
+fn a_joint_fit_of_the_paper_is_one_of_two_stiffnesses() {
+    let joint = identify(&paper_trials(), &IdentifyOptions::default()).expect("possible").joint.expect("told");
+    assert_eq!((joint.threshold_force, joint.force_exponent, joint.readings), (None, None, 10));
+    let [process, system] = [joint.process_stiffness, joint.system_stiffness].map(|each| each.value * 1e-6);
+    assert!((36.0..39.0).contains(&process) && (27.0..34.0).contains(&system), "{process} {system}");
+}
+
+#[test]
+fn one_stray_trial_moves_the_robust_means_little() {
+    let scatter = Scatter::of(&[0.55, 0.56, 0.54, 0.555, 0.9]);
+    assert!(scatter.mean > 0.62 && scatter.median == 0.555 && (scatter.huber - 0.556).abs() < 0.012, "{scatter:?}");
+    let even = Scatter::of(&[1.0, 2.0, 3.0]);
+    assert!((even.huber - 2.0).abs() < 1e-12);
 }

@@ -49,6 +49,26 @@ pub struct Coefficients<N: Copy = f64> {
     damage_gain: N,
 }
 
+impl<N: Number> Coefficients<N> {
+    /// Brings them to another cutting speed (m/s), as [`Contact::at_speed`] does; `pair` is that of their contact.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::Pair;
+    /// let pair = Pair::default();
+    /// let contact = pair.contact(&pair.reference_cut());
+    /// let mut kept = contact.coefficients();
+    /// kept.change_speed(&pair, 0.4);
+    /// assert_eq!(pair.contact_of(kept).rise(0.2e-3), contact.at_speed(0.4).rise(0.2e-3));
+    /// ```
+    #[inline]
+    pub fn change_speed(&mut self, pair: &Pair<N>, cutting_speed: N) {
+        self.cut.cutting_speed = cutting_speed;
+        self.heating = pair.temperature.at_speed(&self.heating, cutting_speed);
+        self.level = pair.law.level_at_speed(self.level, &self.cut);
+    }
+}
+
 impl<N: Number> Pair<N> {
     /// The contact under `cut`.
     pub fn contact(&self, cut: &Cut<N>) -> Contact<'_, N> {
@@ -105,14 +125,9 @@ impl<'a, N: Number> Contact<'a, N> {
     /// ```
     #[inline]
     pub fn at_speed(&self, cutting_speed: N) -> Self {
-        let cut = Cut { cutting_speed, ..self.at.cut };
-        let coefficients = Coefficients {
-            heating: self.pair.temperature.at_speed(&self.at.heating, cutting_speed),
-            level: self.pair.law.level_at_speed(self.at.level, &cut),
-            cut,
-            ..self.at
-        };
-        Contact { at: coefficients, ..*self }
+        let mut contact = *self;
+        contact.at.change_speed(self.pair, cutting_speed);
+        contact
     }
 
     /// [`Contact::at_speed`] within 1e-9, at less cost where the speed is within 3 % of the present one.
@@ -256,6 +271,24 @@ impl<'a, N: Number> Contact<'a, N> {
     /// Everything at a state of the edge under the forces of the same cut; `body` is the tool
     /// body's temperature rise.
     pub fn point(&self, load: &Load<N>, flank_wear: N, body: N, damage: N) -> Point<N> {
+        self.point_of_chip(load, flank_wear, body, damage, self.pair.force.chip_thickness(&self.at.cut))
+    }
+
+    /// The same with the chip thickness (m) of this cut, [`Force::chip_thickness`](crate::Force::chip_thickness), for whoever
+    /// knows it already.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::Pair;
+    /// let pair = Pair::default();
+    /// let cut = pair.reference_cut();
+    /// let (contact, load, chip) = (pair.contact(&cut), pair.force.load(&cut), pair.force.chip_thickness(&cut));
+    /// assert_eq!(
+    ///     contact.point_of_chip(&load, 0.2e-3, 700.0, 0.0, chip).thermo_emf,
+    ///     contact.point(&load, 0.2e-3, 700.0, 0.0).thermo_emf
+    /// );
+    /// ```
+    pub fn point_of_chip(&self, load: &Load<N>, flank_wear: N, body: N, damage: N, chip_thickness: N) -> Point<N> {
         let cut = &self.at.cut;
         let temperature = self.temperature(self.rise(flank_wear), body);
         let wear = self.wear(flank_wear, temperature, damage);
@@ -278,7 +311,7 @@ impl<'a, N: Number> Contact<'a, N> {
             cutting_force,
             feed_force: load.feed(flank_wear) * cut.engaged,
             spindle_power: cutting_force * cut.cutting_speed,
-            thermo_emf: self.thermo_emf(flank_wear, temperature),
+            thermo_emf: self.thermo_emf_of_chip(flank_wear, temperature, chip_thickness),
         }
     }
 
@@ -296,12 +329,16 @@ impl<'a, N: Number> Contact<'a, N> {
 
     /// Thermo-EMF at a contact temperature, V.
     pub(crate) fn thermo_emf(&self, flank_wear: N, temperature: N) -> N {
+        self.thermo_emf_of_chip(flank_wear, temperature, self.pair.force.chip_thickness(&self.at.cut))
+    }
+
+    fn thermo_emf_of_chip(&self, flank_wear: N, temperature: N, chip_thickness: N) -> N {
         let pair = self.pair;
         let junction = Junction {
             ambient: pair.temperature.ambient_temperature,
             chip: self.at.heating.chip,
             temperature,
-            chip_thickness: pair.force.chip_thickness(&self.at.cut),
+            chip_thickness,
             land: flank_wear + pair.temperature.land_offset,
         };
         pair.emf.value(junction) * self.at.cut.engaged

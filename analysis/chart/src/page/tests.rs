@@ -85,9 +85,12 @@ fn the_page_needs_neither_script_nor_network() {
 
 #[test]
 fn contents_appear_above_four_sections() {
-    let with = |n: usize| (0..n).fold(Report::new("r"), |r, _| r.section(Section::new("s"))).html();
+    let section = || Section::new("s").paragraph("p");
+    let with =
+        |n: usize| (0..n).fold(Report::new("r"), |r, _| r.section(section()).section(Section::new("empty"))).html();
     assert!(!with(4).contains("<nav"));
     assert!(with(5).contains("<nav") && with(5).contains("href=\"#section-5\""));
+    assert!(!with(5).contains("empty"), "a heading without anything below is left out");
 }
 
 #[test]

@@ -230,7 +230,10 @@ impl<P: Nominal> Cutting<P> {
                     && let Some(i) = record.fields().iter().position(|field| field.name == *name)
                     && let Some(value) = record.value(i)
                 {
-                    record.set_value(i, value * (parameter.deviation * x).exp());
+                    // A constant that left its range would be a model that no file can state.
+                    let moved = value * (parameter.deviation * x).exp();
+                    let field = &record.fields()[i];
+                    record.set_value(i, moved.clamp(field.min.min(value), field.max.max(value)));
                 }
             }
         }

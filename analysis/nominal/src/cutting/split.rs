@@ -1,65 +1,27 @@
-//! Effects on parts of the records: machines, parts, materials, lots, shifts, operators, and from a date on.
+//! Effects on parts of the records.
 
 use super::{Action, Cutting, Nominal};
 use crate::Candidate;
+use crate::parts::{MOST, Part, parts};
 use crate::stated::Stated;
 use toolroom_records::Records;
-use toolroom_scenario::Scope;
-
-/// Keys of scopes with the columns of records that tell them.
-const COLUMNS: [(&str, &str); 6] = [
-    ("machine", "machine"),
-    ("part", "part_type"),
-    ("material", "material"),
-    ("lot", "lot"),
-    ("shift", "shift"),
-    ("operator", "operator"),
-];
-/// Most levels of a column that are tried one by one (assumption): each takes its share of the evidence.
-const MOST_LEVELS: usize = 12;
-/// Fewest groups within a scope and outside it: one alone cannot be told from its scatter.
-const FEWEST_GROUPS: usize = 2;
-/// Shares of the rows before the dates from which on an effect may act.
-const DATES: [f64; 7] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
-/// Scoped effects of a model at most: each is a bit of a mask, and those of the file need some.
-const MOST: usize = 48;
-
-/// A part of the records: 1 on its rows, 0 elsewhere.
-struct Part {
-    scope: Scope,
-    rows: Vec<f64>,
-}
 
 impl<P: Nominal> Cutting<P> {
     /// Adds the effects that are to be split, on every part of the records that two groups at least lie in.
     pub(super) fn split(&mut self, records: &Records, stated: &Stated) {
-        if stated.split.is_empty() && stated.places.is_empty() {
+        if !stated.is_split() {
             return;
         }
-        let parts = self.parts(records);
         let effects = self.frame.candidates.len();
-        let at = |part: &Part| {
-            let here = |(column, name): &(String, String)| {
-                let key = COLUMNS.iter().find(|(_, own)| own == column).map(|(key, _)| *key);
-                let own = |key: &'static str| Scope { names: vec![(key, vec![name.clone()])], ..Scope::default() };
-                key.is_some_and(|key| part.scope == own(key))
-            };
-            stated.places.iter().any(here)
-        };
-        for part in &parts {
-            let here = at(part);
+        for part in &parts(records, &self.frame.measured.group_of_row) {
             for index in 0..effects {
                 let base = self.frame.candidates[index].clone();
-                let wanted = stated.split.iter().any(|(id, shape)| base.id == id && base.shape == *shape);
                 let full = self.actions.iter().filter(|own| matches!(own, Action::Scoped(..))).count() >= MOST;
-                if (!here && !wanted) || full {
+                if !stated.tries(&base, part) || full {
                     continue;
                 }
                 if let Some(action) = self.on(index, part) {
-                    let scope = part.scope.words();
-                    let words: Vec<&str> =
-                        [base.shape.as_str(), &scope].into_iter().filter(|own| !own.is_empty()).collect();
-                    self.frame.candidates.push(Candidate { shape: words.join(", "), ..base });
+                    self.frame.candidates.push(Candidate { shape: part.words(&base.shape), ..base });
                     self.actions.push(action);
                 }
             }
@@ -83,57 +45,5 @@ impl<P: Nominal> Cutting<P> {
             }
             Action::Reading { .. } | Action::Scoped(..) | Action::Lot(..) => None,
         }
-    }
-
-    /// Parts of the records in which an effect may act alone: levels of a column, all levels but one, and what follows a
-    /// date.
-    fn parts(&self, records: &Records) -> Vec<Part> {
-        let mut parts = Vec::new();
-        let groups = &self.frame.measured.group_of_row;
-        let told = |rows: &[f64]| {
-            [1.0, 0.0].into_iter().all(|side| {
-                let mut inside: Vec<usize> =
-                    groups.iter().zip(rows).filter(|(_, on)| **on == side).map(|(group, _)| *group).collect();
-                inside.sort_unstable();
-                inside.dedup();
-                inside.len() >= FEWEST_GROUPS
-            })
-        };
-        let mut add = |scope: Scope, rows: Vec<f64>| {
-            // Two columns that tell the same are one.
-            if told(&rows) && parts.iter().all(|own: &Part| own.rows != rows) {
-                parts.push(Part { scope, rows });
-            }
-        };
-        for (key, column) in COLUMNS {
-            let Some((names, of_row)) = records.levels(column) else { continue };
-            let named = |level: &usize| !names[*level].is_empty();
-            let levels: Vec<usize> = (0..names.len()).filter(named).collect();
-            if levels.len() < 2 || levels.len() > MOST_LEVELS {
-                continue;
-            }
-            let of = |names: Vec<String>| Scope { names: vec![(key, names)], ..Scope::default() };
-            for level in &levels {
-                let rows = of_row.iter().map(|own| f64::from(u8::from(own == level))).collect();
-                add(of(vec![names[*level].clone()]), rows);
-            }
-            if levels.len() > 2 {
-                for level in &levels {
-                    let others = levels.iter().filter(|own| *own != level).map(|own| names[*own].clone()).collect();
-                    let rows = of_row.iter().map(|own| f64::from(u8::from(own != level && named(own)))).collect();
-                    add(of(others), rows);
-                }
-            }
-        }
-        if let Some(times) = records.numbers("start_time") {
-            let mut sorted: Vec<f64> = times.iter().copied().filter(|time| time.is_finite()).collect();
-            sorted.sort_by(f64::total_cmp);
-            for share in DATES {
-                let Some(from) = sorted.get((share * sorted.len() as f64) as usize) else { continue };
-                let rows = times.iter().map(|time| f64::from(u8::from(time >= from))).collect();
-                add(Scope { from: Some(*from), ..Scope::default() }, rows);
-            }
-        }
-        parts
     }
 }

@@ -31,7 +31,12 @@ impl<P: Nominal> Cutting<P> {
         for (parameter, change) in self.frame.parameters.iter().zip(&self.changes) {
             match change {
                 Change::Constant { group, name } => {
-                    list.push((parameter.name.clone(), Movable::factor(format!("{group}.{name}"), tool())));
+                    let movable = Movable::factor(format!("{group}.{name}"), tool());
+                    let movable = match self.constant(group, name) {
+                        Some((value, least, greatest)) => movable.between(value, least, greatest),
+                        None => movable,
+                    };
+                    list.push((parameter.name.clone(), movable));
                 }
                 Change::Wear => list.push((parameter.name.clone(), Movable::factor("wear_rate", tool()))),
                 // No scenario has a word for these.
@@ -65,6 +70,16 @@ impl<P: Nominal> Cutting<P> {
             list.push((name.clone(), movable));
         }
         self.frame.words.movable = list;
+    }
+
+    /// Value of a constant in the parameter set, and its range.
+    fn constant(&self, group: &str, name: &str) -> Option<(f64, f64, f64)> {
+        let mut process = self.process.clone();
+        let groups = process.parameters_mut();
+        let (_, record) = groups.into_iter().find(|(own, _)| *own == group)?;
+        let i = record.fields().iter().position(|field| field.name == name)?;
+        let field = &record.fields()[i];
+        Some((record.value(i)?, field.min, field.max))
     }
 
     /// Effects of the tool: sizes of their candidates, which are added where the records asked for none.

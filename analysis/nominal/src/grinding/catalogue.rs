@@ -2,16 +2,21 @@
 
 use super::Grinding;
 use crate::Candidate;
+use crate::parts::{MOST, parts};
 use crate::search::{self, Rows, Shape, Sought, Untried, Way};
+use crate::stated::Stated;
 use toolroom_effects::{Definition, Effect};
 use toolroom_infeed::Infeed;
 use toolroom_process::Process;
 use toolroom_records::Records;
+use toolroom_scenario::Scope;
 
 /// How a candidate acts.
 pub(super) enum Action {
     /// By the process; what the wheel has worn may be missing from the infeed of later parts.
     Effect { effect: Effect, by_command: bool },
+    /// By the process, on a part of the trials: 1 on its rows.
+    Scoped { effect: Effect, scope: Scope, rows: Vec<f64> },
     /// By the process, on the rows of one coolant.
     Coolant(Vec<f64>),
 }
@@ -56,6 +61,28 @@ impl Grinding {
                     Rows::All => Action::Effect { effect, by_command: false },
                     Rows::Lot(_) => unreachable!("the way of lots is not offered"),
                 });
+            }
+        }
+    }
+
+    /// Adds the effects that are to be split, on every part of the trials that two dressings at least lie in.
+    pub(super) fn split(&mut self, records: &Records, stated: &Stated) {
+        if !stated.is_split() {
+            return;
+        }
+        let effects = self.frame.candidates.len();
+        for part in &parts(records, &self.frame.measured.group_of_row) {
+            for index in 0..effects {
+                let base = self.frame.candidates[index].clone();
+                // Where a wheel is positioned by command, and what another coolant does, is told by rows already.
+                let Action::Effect { effect, by_command: false } = &self.actions[index] else { continue };
+                let full = self.actions.len() >= effects + MOST;
+                if !stated.tries(&base, part) || full {
+                    continue;
+                }
+                let action = Action::Scoped { effect: *effect, scope: part.scope.clone(), rows: part.rows.clone() };
+                self.frame.candidates.push(Candidate { shape: part.words(&base.shape), ..base });
+                self.actions.push(action);
             }
         }
     }

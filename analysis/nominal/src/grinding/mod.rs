@@ -97,7 +97,8 @@ impl Grinding {
         model.calibration(records, settings);
         model.allowance(records);
         model.catalogue(records, &stated.defined);
-        model.state(&mut stated.clone());
+        model.split(records, stated);
+        model.state(records, &mut stated.clone());
         let groups = &model.frame.measured.group_of_row;
         let conditions = ["infeed_per_rev", "revolutions", "work_rotation_speed"];
         model.frame.covariates = features::covariates(records, groups, &conditions, None);
@@ -154,6 +155,7 @@ impl Grinding {
         moves.map(|((change, x), parameter)| of(change) * parameter.deviation * x).sum()
     }
 
+    /// The process at a point, with the effects that act on all trials.
     fn process_at(&self, at: &Point) -> Infeed {
         let mut process = self.process.clone();
         let stiffness = self.moved(at, |change| f64::from(u8::from(matches!(change, Change::ProcessStiffness))));
@@ -170,6 +172,19 @@ impl Grinding {
         }
         process.effects = Effects::overlaid(effects);
         process
+    }
+
+    /// The process on one trial, where an effect acts on a part of them.
+    fn process_on(&self, process: &Infeed, at: &Point, row: usize) -> Option<Infeed> {
+        let acting = |(action, size): (&Action, &f64)| match action {
+            Action::Scoped { effect, rows, .. } if *size != 0.0 && rows[row] != 0.0 => Some(effect.with_size(*size)),
+            Action::Scoped { .. } | Action::Effect { .. } | Action::Coolant(_) => None,
+        };
+        let more: Vec<Effect> = self.actions.iter().zip(&at.effects).filter_map(acting).collect();
+        (!more.is_empty()).then(|| {
+            let effects = Effects::overlaid(process.effects.iter().copied().chain(more).collect());
+            Infeed { effects, ..process.clone() }
+        })
     }
 
     /// Readings of all trials after one dressing, each of a workpiece that is harder by the share `harder` than those
@@ -189,11 +204,13 @@ impl Grinding {
         let by_command =
             self.actions.iter().zip(&at.effects).any(|(action, size)| *size != 0.0 && action.is_by_command());
         let p = &process.parameters;
-        let worn = process.effects.iter().filter(|effect| effect.entry().id == "wheel_wear").map(Effect::size);
-        let wear = (p.wheel_wear_ratio + worn.sum::<f64>()) * p.work_diameter / p.wheel_diameter;
         let mut wheel = process.initial();
         let mut readings = Vec::with_capacity(self.rows[group].len());
         for row in &self.rows[group] {
+            let scoped = self.process_on(&process, at, *row);
+            let process = scoped.as_ref().unwrap_or(&process);
+            let worn = process.effects.iter().filter(|effect| effect.entry().id == "wheel_wear").map(Effect::size);
+            let wear = (p.wheel_wear_ratio + worn.sum::<f64>()) * p.work_diameter / p.wheel_diameter;
             // Parts that were ground between recorded ones took an ordinary stock.
             let stock = c.between[*row] * c.ordinary_stock;
             wheel.removed_volume += p.work_diameter * stock * std::f64::consts::PI;
@@ -215,8 +232,7 @@ impl Grinding {
                 // Each trial finds its own contact: what the wheel has worn is not missing.
                 part.commanded_infeed = part.wheel_wear;
             }
-            let ground =
-                |u: &Input| plunge(&process, part, u, [c.revolutions[*row], c.spark_out[*row]], exponent, ramp);
+            let ground = |u: &Input| plunge(process, part, u, [c.revolutions[*row], c.spark_out[*row]], exponent, ramp);
             let (read, end) = ground(&u);
             wheel = end;
             readings.push(if harder == 0.0 {

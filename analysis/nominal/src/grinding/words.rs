@@ -4,11 +4,12 @@ use super::catalogue::Action;
 use super::{Change, Grinding};
 use crate::stated::{Movable, Stated, Words};
 use crate::{Candidate, WrittenEffect};
+use toolroom_records::Records;
 use toolroom_scenario::{Scope, Target, move_constant};
 
 impl Grinding {
     /// Takes over what the file states about these rows.
-    pub(super) fn state(&mut self, stated: &mut Stated) {
+    pub(super) fn state(&mut self, records: &Records, stated: &mut Stated) {
         let Some(tool) = stated.tool.clone() else { return };
         let tool = || Target::Tool(tool.clone());
         let mut list: Vec<(String, Movable)> = Vec::new();
@@ -33,7 +34,7 @@ impl Grinding {
             let channel = surface.channels.first().map_or("", |index| self.frame.measured.channels[*index].name);
             list.push((surface.name.clone(), Movable::factor(format!("gain.{channel}"), tool())));
         }
-        self.switch_on(stated);
+        self.switch_on(records, stated);
         // Other constants of the process are moved and do not move further.
         for own in stated.calibrations.clone() {
             let known = list.iter().any(|(_, word)| word.parameter == own.parameter);
@@ -54,7 +55,7 @@ impl Grinding {
     }
 
     /// Effects of the wheel: sizes of their candidates, which are added where the records asked for none.
-    fn switch_on(&mut self, stated: &Stated) {
+    fn switch_on(&mut self, records: &Records, stated: &Stated) {
         for own in &stated.effects {
             let (effect, scope) = (own.effect, stated.normal(&own.scope));
             let same = |index: usize| {
@@ -65,26 +66,25 @@ impl Grinding {
             let found = (0..self.actions.len()).find(|index| same(*index));
             let index = match found {
                 Some(index) => index,
-                None if scope.is_everywhere() => {
+                None => {
                     let entry = effect.entry();
                     let typical = if effect.size() > 0.0 { effect.size() } else { 1e-3 * entry.size.max };
-                    let candidate = Candidate {
+                    let everywhere = scope.is_everywhere();
+                    self.frame.candidates.push(Candidate {
                         id: entry.id,
-                        shape: "of the file".to_owned(),
+                        shape: if everywhere { "of the file".to_owned() } else { scope.words() },
                         typical,
                         greatest: entry.size.max,
                         least: entry.size.min.min(0.0),
-                    };
-                    self.frame.candidates.push(candidate);
-                    self.actions.push(Action::Effect { effect: effect.with_size(0.0), by_command: false });
+                    });
+                    let effect = effect.with_size(0.0);
+                    self.actions.push(if everywhere {
+                        Action::Effect { effect, by_command: false }
+                    } else {
+                        let rows = stated.rows(records, &scope);
+                        Action::Scoped { effect, scope, rows }
+                    });
                     self.actions.len() - 1
-                }
-                None => {
-                    let words = scope.words();
-                    self.frame
-                        .notes
-                        .push(format!("{} with scope {words} is not predicted in grinding", effect.entry().id));
-                    continue;
                 }
             };
             self.frame.words.effects.push((index, effect.size()));
@@ -102,6 +102,7 @@ impl Grinding {
                 }
                 written
             }
+            Action::Scoped { effect, scope, .. } => WrittenEffect::of(effect, scope),
             Action::Coolant(_) => {
                 let name = &self.frame.candidates[candidate].shape;
                 let name = name.strip_prefix("coolant ").unwrap_or(name).to_owned();

@@ -14,6 +14,7 @@ use super::visit::{Visits, visits};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::gamma::gamma;
+use std::collections::BTreeMap;
 use toolroom_effects::CatalogueEntry;
 use toolroom_innovations::Chain;
 use toolroom_records::{Records, Sensor};
@@ -61,12 +62,12 @@ pub(super) enum Action {
     Delay(Vec<f64>),
     /// Longer changes of edges.
     Change(Vec<f64>),
-    /// Short stops that show in cutting times only.
-    Stops,
+    /// Short stops that show in cutting times only, on blocks by weight.
+    Stops(Vec<f64>),
     /// Short stops that are booked.
     Booked,
-    /// Time per hold.
-    Hold,
+    /// Time per hold; the holds of an operation in the mean.
+    Hold(f64),
     /// Inverse of the acceleration, by program.
     Acceleration(Vec<f64>),
     /// Later changes of edges.
@@ -88,6 +89,9 @@ pub struct ShopModel {
     /// Channel of [`CHANNELS`] by channel of the frame.
     kinds: Vec<usize>,
 }
+
+/// Shapes of blocks by program and class, by the bits of a rate of stops; none without stops.
+type Shapes = BTreeMap<u64, Vec<Vec<Shape>>>;
 
 /// Change of the time in cut, as a share, at the greatest feed override: controls go up to 200 %.
 const FASTEST: f64 = -0.5;
@@ -309,7 +313,10 @@ impl ShopModel {
             ));
         }
         if has(1) {
-            list.push(("micro_stops", String::new(), 1.0 / 3600.0, Action::Stops));
+            list.push(("micro_stops", String::new(), 1.0 / 3600.0, Action::Stops(vec![1.0; blocks.len()])));
+            for (scope, on) in &scopes {
+                list.push(("micro_stops", scope.clone(), 1.0 / 3600.0, Action::Stops(on.clone())));
+            }
         }
         if has(8) {
             list.push(("micro_stops", "booked".to_owned(), 1.0 / 3600.0, Action::Booked));
@@ -328,7 +335,9 @@ impl ShopModel {
             }
         }
         if has(7) {
-            list.push(("feed_hold", String::new(), 10.0, Action::Hold));
+            let holds: usize = seen.list.iter().map(|visit| visit.holds.len()).sum();
+            let share = holds as f64 / seen.list.len().max(1) as f64;
+            list.push(("feed_hold", String::new(), 10.0, Action::Hold(share)));
         }
         if has(9) {
             list.push(("tool_change_policy", String::new(), 0.1e-3, Action::Policy));
@@ -380,17 +389,27 @@ impl ShopModel {
 }
 
 impl ShopModel {
-    /// Rate of stops that nobody books, 1/s.
-    fn rate(&self, at: &Point) -> f64 {
-        let sizes = self.actions.iter().zip(&at.effects);
-        sizes.filter(|(action, _)| matches!(action, Action::Stops)).map(|(_, size)| *size).sum()
+    /// Rate of stops that nobody books in each block, 1/s.
+    fn rates(&self, at: &Point) -> Vec<f64> {
+        let mut rates = vec![0.0; self.blocks.list.len()];
+        for (action, size) in self.actions.iter().zip(&at.effects) {
+            if let (Action::Stops(weights), true) = (action, *size != 0.0) {
+                rates.iter_mut().zip(weights).for_each(|(rate, weight)| *rate += size * weight);
+            }
+        }
+        rates
     }
 
-    /// Shape of the blocks of each program and class under a rate of stops; nothing without stops.
-    fn shapes(&self, rate: f64) -> Vec<Vec<Shape>> {
-        if rate <= 0.0 {
-            return Vec::new();
-        }
+    /// Shapes of the blocks at all rates of `points`.
+    fn shapes(&self, points: &[&Point]) -> Shapes {
+        let mut rates: Vec<f64> = points.iter().flat_map(|at| self.rates(at)).filter(|rate| *rate > 0.0).collect();
+        rates.sort_by(f64::total_cmp);
+        rates.dedup();
+        rates.into_iter().map(|rate| (rate.to_bits(), self.shapes_at(rate))).collect()
+    }
+
+    /// Shape of the blocks of each program and class under a rate of stops.
+    fn shapes_at(&self, rate: f64) -> Vec<Vec<Shape>> {
         let blocks = &self.blocks;
         let of = |program: usize| {
             let mut classes = [false; SIZES];
@@ -406,13 +425,14 @@ impl ShopModel {
         (0..blocks.times.len()).into_par_iter().map(of).collect()
     }
 
-    /// Raw values of every observation, given the shapes of [`ShopModel::shapes`] at the rate of `at`.
-    fn simulated(&self, at: &Point, shapes: &[Vec<Shape>]) -> Vec<f64> {
+    /// Raw values of every observation, given the shapes of [`ShopModel::shapes`] at the rates of `at`.
+    fn simulated(&self, at: &Point, shapes: &Shapes) -> Vec<f64> {
+        let rates = self.rates(at);
         let of = |wanted: &dyn Fn(&Action) -> bool| -> f64 {
             self.actions.iter().zip(&at.effects).filter(|(action, _)| wanted(action)).map(|(_, size)| *size).sum()
         };
         let booked = of(&|action| matches!(action, Action::Booked));
-        let hold = of(&|action| matches!(action, Action::Hold));
+        let hold = of(&|action| matches!(action, Action::Hold(_)));
         let policy = of(&|action| matches!(action, Action::Policy));
         let regular = breakdown_scores(of(&|action| matches!(action, Action::Breakdowns)));
         let measured = &self.frame.measured;
@@ -420,7 +440,8 @@ impl ShopModel {
             let (row, kind) = (observation.row, self.kinds[observation.channel]);
             let block = &self.blocks.list[row];
             let nominal = self.nominal[row][kind];
-            let shape = block.program.and_then(|program| shapes.get(program)?.get(block.class)).copied();
+            let own = shapes.get(&rates[row].to_bits());
+            let shape = block.program.and_then(|program| own?.get(program)?.get(block.class)).copied();
             let shape = shape.unwrap_or_default();
             let group = measured.group_of_row[row];
             let local = |kind: usize| (self.frame.locals[kind].deviation * at.locals[kind][group]).exp();
@@ -432,7 +453,7 @@ impl ShopModel {
                     Action::Delay(weights) => delay += size * weights[row],
                     Action::Change(weights) => change += size * weights[row],
                     Action::Acceleration(speeds) => blocks += size * speeds[row],
-                    Action::Stops | Action::Booked | Action::Hold | Action::Policy | Action::Breakdowns => {} // acts on the channel that logs it
+                    Action::Stops(_) | Action::Booked | Action::Hold(_) | Action::Policy | Action::Breakdowns => {} // acts on the channel that logs it
                 }
             }
             match kind {
@@ -459,7 +480,7 @@ impl Forward for ShopModel {
     }
 
     fn simulate(&self, at: &Point) -> Vec<f64> {
-        self.simulated(at, &self.shapes(self.rate(at)))
+        self.simulated(at, &self.shapes(&[at]))
     }
 
     fn scatter_is_known(&self, _channel: usize) -> bool {
@@ -475,22 +496,30 @@ impl Forward for ShopModel {
     }
 
     fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
-        let shapes = self.shapes(self.rate(at));
+        // Over a twentieth of an ordinary rate a handful of replications would decide: one rate less and one more.
+        let around = |index: usize| -> [Point; 2] {
+            let (typical, size) = (self.frame.candidates[index].typical, at.effects[index]);
+            [(size - typical).max(0.0), size + typical].map(|size| {
+                let mut point = at.clone();
+                point.effects[index] = size;
+                point
+            })
+        };
+        let stops = |direction: &Direction| match direction {
+            Direction::Effect(index) if matches!(self.actions[*index], Action::Stops(_)) => Some(*index),
+            Direction::Effect(_) | Direction::Parameter(_) | Direction::Local(_) => None,
+        };
+        let ends: Vec<Point> = along.iter().filter_map(stops).flat_map(around).collect();
+        let shapes = self.shapes(&ends.iter().chain([at]).collect::<Vec<_>>());
         let difference = |(from, to): (&[f64], Vec<f64>), step: f64| -> Vec<f64> {
             to.iter().zip(from).map(|(to, from)| (to - from) / step).collect()
         };
         let slope = |direction: &Direction| match direction {
-            Direction::Effect(index) if matches!(self.actions[*index], Action::Stops) => {
-                // Over a twentieth of an ordinary rate a handful of replications would decide.
-                let typical = self.frame.candidates[*index].typical;
-                let size = at.effects[*index];
-                let to = |size: f64| {
-                    let mut point = at.clone();
-                    point.effects[*index] = size;
-                    self.simulate(&point)
-                };
-                let (low, high) = ((size - typical).max(0.0), size + typical);
-                difference((&to(low), to(high)), (high - low) / typical)
+            Direction::Effect(index) if matches!(self.actions[*index], Action::Stops(_)) => {
+                let [low, high] = around(*index);
+                let [from, to] = [&low, &high].map(|point| self.simulated(point, &shapes));
+                let reach = high.effects[*index] - low.effects[*index];
+                difference((&from, to), reach / self.frame.candidates[*index].typical)
             }
             Direction::Parameter(_) | Direction::Effect(_) | Direction::Local(_) => {
                 let (ahead, step) = direction.ahead(&self.frame, at);

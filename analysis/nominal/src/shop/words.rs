@@ -73,6 +73,7 @@ impl ShopModel {
             "feed_override" => Action::Slower(weights),
             "operator_delay" => Action::Delay(weights),
             "tool_change_delay" => Action::Change(weights),
+            "micro_stops" => Action::Stops(weights),
             _ => return None,
         };
         Some((entry.id, action))
@@ -82,13 +83,12 @@ impl ShopModel {
     pub(super) fn written_effect(&self, candidate: usize) -> WrittenEffect {
         let scope = Scope { names: scope_names(&self.frame.candidates[candidate].shape), ..Scope::default() };
         let recorded = match &self.actions[candidate] {
-            Action::Overridden(mean) => Some(*mean),
+            Action::Overridden(mean) | Action::Hold(mean) => Some(*mean),
             Action::Slower(_)
             | Action::Delay(_)
             | Action::Change(_)
-            | Action::Stops
+            | Action::Stops(_)
             | Action::Booked
-            | Action::Hold
             | Action::Acceleration(_)
             | Action::Policy
             | Action::Breakdowns => None,

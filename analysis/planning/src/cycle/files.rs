@@ -11,6 +11,7 @@ use toolroom_infeed::{CyclePoint, DressingInterval};
 use toolroom_process::table::Cell;
 
 const UM: f64 = 1e6;
+const MM2: f64 = 1e6;
 
 impl CycleDesign {
     /// `cycle.csv`, `dressing.csv` where the file describes dressing, `grind.json` and `report.html`.
@@ -60,6 +61,14 @@ impl CycleDesign {
                 "roundness_error [um]": cycle.roundness_error * UM,
                 "finish_stock [um]": cycle.finish_stock * UM,
                 "peak_temperature_rise [K]": cycle.peak_temperature_rise,
+                "peak_power [W]": cycle.peak_power,
+                "peak_normal_force [N]": cycle.peak_normal_force,
+                "peak_removal_rate [mm2/s]": cycle.peak_removal_rate * MM2,
+                "burn_margin_by_temperature": cycle.least_burn_margin,
+                "burn_margin_by_specific_energy": cycle.least_energy_margin,
+                "burn_margin_binding": self.binding_burn(),
+                "roughness [um]": cycle.roughness.map(|roughness| roughness * UM),
+                "wheel_removed_volume [mm3/mm]": self.removed_volume * MM2,
                 "rough_depth_limit [um]": cycle.rough_depth_limit * UM,
                 "finish_depth_limit [um]": cycle.finish_depth_limit * UM,
             },
@@ -67,7 +76,20 @@ impl CycleDesign {
             "dressing": self.dressing.as_ref().map(|[estimate, exact]| json!({
                 "exact_cycles": interval(exact),
                 "estimated_cycles": interval(estimate),
+                "overlap": self.file.dressing.map(|plan| plan.overlap()),
+                "wheel": self.wheel_life.as_ref().map(|(life, last)| json!({
+                    "radius_lost_per_dressing [um]": life.lost * UM,
+                    "dressings": life.dressings,
+                    "parts": life.parts,
+                    "last_diameter [mm]": life.diameter * 1e3,
+                    "last_wheel_speed [m/s]": life.wheel_speed,
+                    "last_cycle_revolutions": last.as_ref().map(|cycle| cycle.revolutions),
+                })),
             })),
+            "roughness_constant": self.file.surface.map(|surface| {
+                surface.constant(self.file.grinding.parameters.wheel_speed)
+            }),
+            "warnings": self.warnings(),
         })
     }
 }
@@ -83,8 +105,17 @@ fn course(design: &CycleDesign) -> String {
         "size_error [um]",
         "normal_force [N]",
         "temperature_rise [K]",
+        "tangential_force [N]",
+        "power [W]",
+        "removal_rate [mm2/s]",
+        "specific_energy [J/mm3]",
+        "burn_energy [J/mm3]",
+        "equivalent_chip_thickness [um]",
+        "contact_length [mm]",
+        "wheel_removed_volume [mm3/mm]",
     ];
-    let row = |(revolution, point): (usize, &CyclePoint)| -> [Cell<'_>; 8] {
+    let row = |(revolution, point): (usize, &CyclePoint)| -> [Cell<'_>; 16] {
+        let load = &point.load;
         [
             revolution.into(),
             point.time.into(),
@@ -92,8 +123,16 @@ fn course(design: &CycleDesign) -> String {
             (point.stock_removed * UM).into(),
             (point.depth_of_cut * UM).into(),
             (point.size_error * UM).into(),
-            point.normal_force.into(),
-            point.temperature_rise.into(),
+            load.normal_force.into(),
+            load.temperature_rise.into(),
+            load.tangential_force.into(),
+            load.power.into(),
+            (load.removal_rate * MM2).into(),
+            (load.specific_energy * 1e-9).into(),
+            load.burn_energy.map(|energy| energy * 1e-9).into(),
+            (load.equivalent_chip_thickness * UM).into(),
+            (load.contact_length * 1e3).into(),
+            (point.removed_volume * MM2).into(),
         ]
     };
     table(columns, design.cycle.course.iter().enumerate().map(row))

@@ -39,9 +39,9 @@ pub(super) fn report(design: &CycleDesign, provenance: Provenance) -> Report {
         let note = format!("{:.2} s a part with its share", exact.time_per_part);
         report = report.tile(Tile::new("dress after", format!("{} parts", exact.parts), note));
     }
-    let [infeed, size, force, temperature] = courses(design);
+    let [infeed, size, force, temperature, power] = courses(design);
     let mut section = Section::new("The cycle").table("Phases", phases(design));
-    if let Some(warning) = design.warning() {
+    for warning in design.warnings() {
         section = section.warning(warning);
     }
     report = report.section(
@@ -49,6 +49,7 @@ pub(super) fn report(design: &CycleDesign, provenance: Provenance) -> Report {
             .figure(Figure::new(&infeed, "The stock follows the command and catches up in spark-out.").data_in("cycle.csv"))
             .figure(Figure::new(&size, "Radius left above the command: deflection, wheel wear and threshold force.").data_in("cycle.csv"))
             .figure(Figure::new(&force, "Normal force at the end of each revolution.").data_in("cycle.csv"))
+            .figure(Figure::new(&power, "Power of the wheel spindle at the end of each revolution.").data_in("cycle.csv"))
             .figure(
                 Figure::new(
                     &temperature,
@@ -91,8 +92,8 @@ pub(super) fn report(design: &CycleDesign, provenance: Provenance) -> Report {
         .provenance(provenance)
 }
 
-/// Infeed, size, force and temperature over time.
-fn courses(design: &CycleDesign) -> [Plot; 4] {
+/// Infeed, size, force, temperature and power over time.
+fn courses(design: &CycleDesign) -> [Plot; 5] {
     let (cycle, limits) = (&design.cycle, &design.file.limits);
     let over = |value: fn(&CyclePoint) -> f64| cycle.course.iter().map(move |point| (point.time, value(point)));
     let time = || Axis::linear("Time since first contact", "s");
@@ -123,15 +124,21 @@ fn courses(design: &CycleDesign) -> [Plot; 4] {
         .describe("Radius left above the commanded size, and depth of cut, over time.");
     let force = Plot::new("Normal force", time(), Axis::linear("Normal force", "N").include(0.0))
         .height(200.0)
-        .step("normal force", over(|point| point.normal_force), Style::nth(0))
+        .step("normal force", over(|point| point.load.normal_force), Style::nth(0))
         .describe("Normal force over time.");
     let temperature = Plot::new("Temperature rise", time(), Axis::linear("Temperature rise", "K").include(0.0))
         .height(240.0)
-        .step("grinding zone", over(|point| point.temperature_rise), Style::nth(1).dash(Dash::Solid))
+        .step("grinding zone", over(|point| point.load.temperature_rise), Style::nth(1).dash(Dash::Solid))
         .horizontal(limits.rough_temperature_rise, "rough limit")
         .horizontal(limits.finish_temperature_rise, "finish limit")
         .describe("Temperature rise of the grinding zone over time, with both limits.");
-    [infeed, size, force, temperature].map(phased)
+    let power = Plot::new("Power", time(), Axis::linear("Power of the wheel spindle", "kW").include(0.0))
+        .height(200.0)
+        .step("power", over(|point| point.load.power * 1e-3), Style::nth(2))
+        .describe("Power of the wheel spindle over time.");
+    // A limit that limits nothing would only flatten the picture.
+    let power = if limits.power < 1e6 { power.horizontal(limits.power * 1e-3, "limit") } else { power };
+    [infeed, size, force, temperature, power].map(phased)
 }
 
 fn phases(design: &CycleDesign) -> Table {
@@ -168,6 +175,9 @@ fn inputs(design: &CycleDesign) -> Table {
     push_record(&mut table, "limits", &file.limits);
     if let Some(dressing) = &file.dressing {
         push_record(&mut table, "dressing", dressing);
+    }
+    if let Some(surface) = &file.surface {
+        push_record(&mut table, "roughness", surface);
     }
     for effect in file.grinding.effects.iter() {
         push_record(&mut table, &format!("effect {}", effect.entry().id), effect.parameters());

@@ -56,6 +56,7 @@ impl IdentificationStudy {
             "mean": {
                 "K": found.lag.mean,
                 "median": found.lag.median,
+                "huber": found.lag.huber,
                 "sd": found.lag.sd,
                 "standard_error": standard_error,
                 "ci95": found.lag.ci95,
@@ -74,6 +75,14 @@ impl IdentificationStudy {
                 "sd_stock [um]": pooled.sd_stock.map(|sd| sd * UM),
                 "residuals [um]": pooled.residuals.iter().map(|each| each * UM).collect::<Vec<_>>(),
             })),
+            "joint": found.joint.as_ref().map(|joint| json!({
+                "process_stiffness [N/um]": scaled(joint.process_stiffness, N_PER_UM),
+                "system_stiffness [N/um]": scaled(joint.system_stiffness, N_PER_UM),
+                "threshold_force [N]": estimate(joint.threshold_force),
+                "force_exponent": estimate(joint.force_exponent),
+                "misfit": joint.misfit,
+                "readings": joint.readings,
+            })),
             "process_stiffness [N/um]": found.process_stiffness.as_ref().map(stiffness),
             "system_stiffness [N/um]": found.system_stiffness.as_ref().map(stiffness),
             "half_revolution": half_revolution(&found.half_revolution),
@@ -88,10 +97,16 @@ fn estimate(estimate: Option<Estimate>) -> Value {
     estimate.map_or(Value::Null, |estimate| json!({ "value": estimate.value, "sd": estimate.sd }))
 }
 
+fn scaled(Estimate { value, sd }: Estimate, scale: f64) -> Value {
+    estimate(Some(Estimate { value: value * scale, sd: sd * scale }))
+}
+
 fn stiffness(scatter: &Scatter) -> Value {
     let both = |interval: [f64; 2]| interval.map(|value| value * N_PER_UM);
     json!({
         "mean": scatter.mean * N_PER_UM,
+        "median": scatter.median * N_PER_UM,
+        "huber": scatter.huber * N_PER_UM,
         "sd": scatter.sd.map(|sd| sd * N_PER_UM),
         "ci95": scatter.ci95.map(both),
         "prediction95": scatter.prediction95.map(both),

@@ -2,7 +2,7 @@
 
 use super::IdentificationStudy;
 use std::fmt::Write;
-use toolroom_infeed::Scatter;
+use toolroom_infeed::{Estimate, Scatter};
 
 const UM: f64 = 1e6;
 /// N/m to N/um.
@@ -39,6 +39,9 @@ impl IdentificationStudy {
             let _ = writeln!(text, "  {name:34} {value}");
         };
         row("mean K", interval(found.lag.mean, found.lag.ci95, 5, "95 % by Student's t"));
+        if self.trials.len() > 2 {
+            row("median, Huber's mean", format!("{:.5}, {:.5}", found.lag.median, found.lag.huber));
+        }
         if let Some(bootstrap) = &found.bootstrap {
             let how = format!(
                 "95 % by bootstrap, {} {} resamples",
@@ -64,6 +67,17 @@ impl IdentificationStudy {
             if let Some(scatter) = scatter {
                 row(name, stiffness(scatter));
             }
+        }
+        if let Some(joint) = &found.joint {
+            let one = |name: &str, estimate: Estimate, scale: f64, digits: usize| {
+                format!("{name} {:.digits$} ± {:.digits$}", estimate.value * scale, estimate.sd * scale)
+            };
+            let mut words =
+                vec![one("Cp", joint.process_stiffness, N_PER_UM, 2), one("J", joint.system_stiffness, N_PER_UM, 2)];
+            words.extend(joint.threshold_force.map(|force| one("F0", force, 1.0, 2)));
+            words.extend(joint.force_exponent.map(|exponent| one("m", exponent, 1.0, 4)));
+            let end = format!("  (sd; {} readings, misfit {:.2})", joint.readings, joint.misfit);
+            row("all readings together", words.join(", ") + &end);
         }
         if let Some([less, more]) = found.half_revolution_range() {
             let by_force = found.trials.iter().any(|trial| trial.from_force.is_some());

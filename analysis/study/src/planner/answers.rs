@@ -76,7 +76,7 @@ pub(crate) fn late(scenario: &Scenario, study: &Study, policy: usize) -> Vec<f64
     if scenario.orders.is_empty() {
         return Vec::new();
     }
-    (0..study.replications).map(|own| late_in(scenario, study.planner_figures(policy, own))).collect()
+    study.planner_figures(policy).map(|figures| late_in(scenario, &figures)).collect()
 }
 
 /// The same of one run, from its figures.
@@ -139,7 +139,8 @@ pub fn answers(scenario: &Scenario, study: &Study, position: usize) -> Option<An
     if figures.is_empty() || study.replications == 0 {
         return None;
     }
-    let runs: Vec<&[f64]> = (0..study.replications).map(|each| study.planner_figures(position, each)).collect();
+    let runs: Vec<Vec<f64>> = study.planner_figures(position).collect();
+    let runs: Vec<&[f64]> = runs.iter().map(Vec::as_slice).collect();
     let mut orders: Vec<OrderAnswer> =
         (0..scenario.orders.len()).map(|order| order_answer(scenario, &figures, &runs, order)).collect();
     let due = |answer: &OrderAnswer| scenario.orders[answer.order].due;

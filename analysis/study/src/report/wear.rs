@@ -200,7 +200,7 @@ fn fan(source: &Source<'_>, position: usize, longest: f64, deepest: f64) -> Opti
 fn lives(source: &Source<'_>) -> Option<Figure> {
     let pictured = source.pictured();
     let worn = |position: usize| -> Vec<f64> {
-        let lives = source.study.edge_lives[position].iter();
+        let lives = source.study.edge_lives(position);
         lives
             .filter(|life| !matches!(life.reason, ChangeReason::Chipping | ChangeReason::ThermalCollapse))
             .map(|life| convert(life.cutting_time, "s", "min"))
@@ -218,7 +218,7 @@ fn lives(source: &Source<'_>) -> Option<Figure> {
     let mut words = Vec::new();
     for position in pictured {
         let lives = worn(position);
-        let failed = source.study.edge_lives[position].len() - lives.len();
+        let failed = source.study.edge_lives(position).count() - lives.len();
         let mut counts = vec![0_u32; classes.len()];
         for life in &lives {
             let class = ((life - low) / (high - low) * classes.len() as f64) as usize;

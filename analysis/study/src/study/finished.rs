@@ -3,16 +3,15 @@
 
 use super::{EdgeLife, NamedLife, Run, Study, StudyError};
 use crate::variants::{Found, VariantRuns};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use toolroom_scenario::Scenario;
 
 /// Figures and edges of every finished replication.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Finished {
-    schema: u32,
     /// Replications that all policies finished.
     pub replications: u32,
     /// Whether that is all of them.
@@ -22,14 +21,56 @@ pub struct Finished {
     values: Vec<Vec<Vec<Option<f64>>>>,
     edge_lives: Vec<Vec<NamedLife>>,
     /// Variants of the shop.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     variants: Vec<VariantRuns>,
     /// The best of them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     selection: Option<Found>,
     /// Where it was read, with the log tables of the same replications.
     #[serde(skip)]
     pub directory: PathBuf,
+}
+
+/// [`Finished`] as it is written.
+#[derive(Serialize)]
+struct Told<'a> {
+    schema: u32,
+    replications: u32,
+    complete: bool,
+    digest: u64,
+    values: Vec<Figures<'a>>,
+    edge_lives: Vec<Lives<'a>>,
+    #[serde(skip_serializing_if = "<[VariantRuns]>::is_empty")]
+    variants: &'a [VariantRuns],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    selection: Option<&'a Found>,
+}
+
+/// Figures of every replication of a policy.
+struct Figures<'a> {
+    study: &'a Study,
+    policy: usize,
+}
+
+impl Serialize for Figures<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let defined = |values: Vec<f64>| -> Vec<Option<f64>> {
+            values.into_iter().map(|value| value.is_finite().then_some(value)).collect()
+        };
+        serializer.collect_seq(self.study.values[self.policy].iter().map(defined))
+    }
+}
+
+/// Edges of every replication of a policy.
+struct Lives<'a> {
+    study: &'a Study,
+    policy: usize,
+}
+
+impl Serialize for Lives<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.study.edge_lives(self.policy).map(|life| life.named()))
+    }
 }
 
 /// Why the finished part of a study cannot be used.
@@ -58,20 +99,20 @@ impl Finished {
     /// Name of its file beside the other results.
     pub(crate) const FILE: &str = "study.json";
 
-    /// What a study has finished.
-    pub(crate) fn of(study: &Study) -> Self {
-        let defined = |values: &Vec<f64>| values.iter().map(|value| value.is_finite().then_some(*value)).collect();
-        Self {
+    /// Writes what a study has finished, row by row.
+    pub(crate) fn write(study: &Study, out: impl io::Write) -> io::Result<()> {
+        let policies = 0..study.policies.len();
+        let told = Told {
             schema: 1,
             replications: study.replications,
             complete: study.complete,
             digest: study.digest,
-            values: study.values.iter().map(|policy| policy.iter().map(defined).collect()).collect(),
-            edge_lives: study.edge_lives.iter().map(|lives| lives.iter().map(EdgeLife::named).collect()).collect(),
-            variants: study.variants.clone(),
-            selection: study.selection.clone(),
-            directory: PathBuf::new(),
-        }
+            values: policies.clone().map(|policy| Figures { study, policy }).collect(),
+            edge_lives: policies.map(|policy| Lives { study, policy }).collect(),
+            variants: &study.variants,
+            selection: study.selection.as_ref(),
+        };
+        Ok(serde_json::to_writer(out, &told)?)
     }
 
     /// Reads what a study left in its directory.
@@ -100,9 +141,11 @@ impl Finished {
                 let policy = scenario.policies[study.policies[position]].name.clone();
                 return Err(StudyError::NotRepeated { policy });
             };
-            let numbers = |values: &Vec<Option<f64>>| values.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
-            study.values[position] = self.values[position].iter().map(numbers).collect();
-            study.edge_lives[position] = lives;
+            for values in &self.values[position] {
+                let values: Vec<f64> = values.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+                study.values[position].push(&values);
+            }
+            lives.iter().for_each(|life| study.edge_lives[position].push(&life.numbers()));
             study.first_logs.extend(run.log);
         }
         study.digest = self.digest;

@@ -1,8 +1,8 @@
 //! Variables: names, units, ranges, start values, combinations that the standard allows.
 
 use super::{Findings, Rule, Severity};
-use crate::description::{ModelDescription, ValueType, Variable};
-use std::collections::HashMap;
+use crate::description::{Dimension, ModelDescription, ValueType, Variable};
+use std::collections::{BTreeMap, HashMap};
 
 pub(super) fn check(description: &ModelDescription, findings: &mut Findings) {
     for variable in &description.variables {
@@ -63,6 +63,15 @@ fn combination(description: &ModelDescription, variable: &Variable) -> Vec<Strin
     if !allowed.contains(&variability.as_str()) {
         faults.push(format!("a variable of causality {causality} cannot be {variability}"));
     }
+    let initials: &[&str] = match (causality.as_str(), variability.as_str()) {
+        ("parameter" | "structuralParameter" | "input", _) | ("output" | "local", "constant") => &["exact"],
+        ("calculatedParameter", _) | ("local", "fixed" | "tunable") => &["calculated", "approx"],
+        _ => &["exact", "calculated", "approx"],
+    };
+    if let Some(initial) = variable.initial.as_deref().filter(|initial| !initials.contains(initial)) {
+        let due = initials.join(" or ");
+        faults.push(format!("a {variability} variable of causality {causality} is {due} at first, not {initial}"));
+    }
     let float = matches!(variable.value_type, ValueType::Float64 | ValueType::Float32);
     if variability == "continuous" && !float {
         faults.push(format!("only reals are continuous, this is a {}", variable.value_type));
@@ -78,6 +87,7 @@ fn combination(description: &ModelDescription, variable: &Variable) -> Vec<Strin
         faults.push("a calculated variable has no start value".to_owned());
     }
     faults.extend(start(variable));
+    faults.extend(size(description, variable));
     faults
 }
 
@@ -86,11 +96,36 @@ fn start(variable: &Variable) -> Option<String> {
     let text = variable.start.as_deref()?;
     let fits = |each: &str| match variable.value_type {
         ValueType::Float64 | ValueType::Float32 => each.parse::<f64>().is_ok_and(f64::is_finite),
-        ValueType::Integer(..) | ValueType::Enumeration => each.parse::<i128>().is_ok(),
+        ValueType::Integer(bits, signed) => {
+            let least = if signed { -(1i128 << (bits - 1)) } else { 0 };
+            let values = least..least + (1i128 << bits);
+            each.parse::<i128>().is_ok_and(|value| values.contains(&value))
+        }
+        ValueType::Enumeration => each.parse::<i64>().is_ok(),
         ValueType::Boolean => matches!(each, "true" | "false" | "1" | "0"),
         ValueType::String | ValueType::Binary | ValueType::Clock => true,
     };
     (!text.split_whitespace().all(fits)).then(|| format!("start = \"{text}\" is no {}", variable.value_type))
+}
+
+/// Dimensions of no known size, and start values that are not as many as the array has elements.
+fn size(description: &ModelDescription, variable: &Variable) -> Option<String> {
+    for dimension in &variable.dimensions {
+        let Dimension::Of(reference) = *dimension else { continue };
+        let of = description.variables.iter().find(|each| each.reference == reference);
+        let sizes = |of: &&Variable| of.causality == "structuralParameter" || of.variability == "constant";
+        if !of.is_some_and(|of| sizes(&of) && of.value_type == ValueType::Integer(64, false)) {
+            return Some(format!("the dimension {reference} is no structural parameter or constant of type UInt64"));
+        }
+    }
+    // A text may hold spaces, and a binary value is one word.
+    if matches!(variable.value_type, ValueType::String | ValueType::Binary | ValueType::Clock) {
+        return None;
+    }
+    let given = variable.start.as_deref()?.split_whitespace().count() as u64;
+    let elements: u64 = description.extents(variable, &BTreeMap::new())?.iter().product();
+    (given != elements && (given != 1 || variable.dimensions.is_empty()))
+        .then(|| format!("{given} start values for {elements}"))
 }
 
 fn range(variable: &Variable) -> Vec<String> {

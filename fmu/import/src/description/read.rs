@@ -4,13 +4,19 @@ use super::{
     BaseUnit, Dimension, Experiment, Fault, Interface, ModelDescription, Reading, Unit, Unknown, ValueType, Variable,
 };
 use roxmltree::{Document, Node};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::str::FromStr;
 
 pub(super) fn description(text: &str) -> Reading {
     let mut reader = Reader { faults: Vec::new(), lines: Lines::of(text) };
     let description = match Document::parse(text.strip_prefix('\u{FEFF}').unwrap_or(text)) {
-        Ok(document) => reader.root(document.root_element()),
+        Ok(document) => {
+            let description = reader.root(document.root_element());
+            if let Some(description) = &description {
+                reader.schema(document.root_element(), description.major);
+            }
+            description
+        }
         Err(error) => {
             reader.faults.push(Fault { line: error.pos().row, message: format!("not well-formed XML: {error}") });
             None
@@ -47,6 +53,16 @@ impl Reader {
     fn fault(&mut self, node: Node<'_, '_>, message: impl Into<String>) {
         let line = self.line(node);
         self.faults.push(Fault { line, message: message.into() });
+    }
+
+    /// What the schema of the standard says against lines on which nothing else is wrong.
+    fn schema(&mut self, root: Node<'_, '_>, major: u8) {
+        let told: BTreeSet<u32> = self.faults.iter().map(|fault| fault.line).collect();
+        for (node, message) in super::schema::faults(root, major) {
+            if !told.contains(&self.line(node)) {
+                self.fault(node, message);
+            }
+        }
     }
 
     /// An attribute that has to be there.
@@ -134,16 +150,7 @@ impl Reader {
 
     fn interface(&mut self, node: Node<'_, '_>) -> Interface {
         let identifier = self.required(node, "modelIdentifier").unwrap_or_default().to_owned();
-        let attributes = attributes(node);
-        for (name, value) in &attributes {
-            let flag =
-                ["can", "needs", "has", "might", "provides", "recommended"].iter().any(|start| name.starts_with(start));
-            let number = name.contains("Order") || name.contains("Size") || name.contains("Steps");
-            if flag && !number && !matches!(value.as_str(), "true" | "false" | "1" | "0") {
-                self.fault(node, format!("{name} = \"{value}\" is neither true nor false"));
-            }
-        }
-        Interface { identifier, attributes }
+        Interface { identifier, attributes: attributes(node) }
     }
 
     fn units(&mut self, node: Node<'_, '_>) -> BTreeMap<String, Unit> {
@@ -254,6 +261,16 @@ impl Reader {
                 derivatives.push((description.variables.len(), of.to_owned(), line));
             }
             let unit = typed.attribute("unit").map(str::to_owned).or_else(type_unit);
+            let shown = std::iter::once(typed)
+                .chain(elements(element))
+                .filter_map(|each| Some((each, each.attribute("displayUnit")?)));
+            for (each, display) in shown.filter(|(each, _)| *each == typed || each.tag_name().name() == "Alias") {
+                let known = unit.as_ref().and_then(|unit| description.units.get(unit));
+                if !known.is_some_and(|unit| unit.display.iter().any(|known| known == display)) {
+                    let of = unit.as_deref().map_or_else(String::new, |unit| format!(" of unit \"{unit}\""));
+                    self.fault(each, format!("displayUnit \"{display}\" is not among those{of}"));
+                }
+            }
             description.variables.push(Variable {
                 name: name.to_owned(),
                 reference,

@@ -25,25 +25,45 @@ pub(crate) struct Sensed<N> {
     pub temperature: N,
 }
 
-/// What is kept of an [`Engagement`] that nothing changes but the edge's wear.
+/// What is kept of an [`Engagement`] without effects, that nothing changes but the edge's wear.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kept {
     contact: Coefficients,
     load: Load<f64>,
-    terms: Terms<f64>,
 }
 
 impl Engagement<'_> {
+    /// What is kept of it where there are no effects.
     pub(super) fn keep(&self) -> Kept {
-        Kept { contact: self.contact.coefficients(), load: self.load, terms: self.terms }
+        debug_assert!(self.terms == Terms::neutral(), "without effects");
+        Kept { contact: self.contact.coefficients(), load: self.load }
     }
+}
+
+impl Kept {
+    /// The same at another speed, m/s.
+    #[inline]
+    pub fn change_speed(&mut self, pair: &Pair, cutting_speed: f64) {
+        self.contact.change_speed(pair, cutting_speed);
+        self.load = pair.force.at_speed(&self.load, cutting_speed);
+    }
+}
+
+/// What the angles of the edge make of a cut, whatever its speed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Angles<N> {
+    /// Uncut chip thickness, m.
+    chip_thickness: N,
+    /// Tangents of the cutting edge angle and of the clearance angle.
+    cutting_edge: N,
+    clearance: N,
 }
 
 impl Turning {
     /// The engagement of which something was kept.
     #[inline]
     pub(super) fn engagement_of(&self, kept: &Kept) -> Engagement<'_> {
-        Engagement::settled(self.pair.contact_of(kept.contact), kept.load, kept.terms)
+        Engagement::settled(self.pair.contact_of(kept.contact), kept.load, Terms::neutral())
     }
 }
 
@@ -228,20 +248,40 @@ impl<N: Number> Turning<N> {
         x: &TurningState<N>,
         u: &TurningInput<N>,
     ) -> TurningOutput<N> {
+        self.observe_at(at, &self.angles(at), x, u)
+    }
+
+    /// The angles of an engagement.
+    pub(super) fn angles(&self, at: &Engagement<'_, N>) -> Angles<N> {
+        Angles {
+            chip_thickness: self.pair.force.chip_thickness(at.contact.cut()),
+            cutting_edge: self.pair.force.cutting_edge_angle.tan(),
+            clearance: self.finish.clearance_angle.tan(),
+        }
+    }
+
+    /// The same with its angles, which are known as well.
+    pub(super) fn observe_at(
+        &self,
+        at: &Engagement<'_, N>,
+        angles: &Angles<N>,
+        x: &TurningState<N>,
+        u: &TurningInput<N>,
+    ) -> TurningOutput<N> {
         let Engagement { contact, load, terms, .. } = at;
         let cut = contact.cut();
-        let point = contact.point(load, x.flank_wear, x.tool_body_temperature_rise, x.thermal_damage);
+        let (wear, body, damage) = (x.flank_wear, x.tool_body_temperature_rise, x.thermal_damage);
+        let point = contact.point_of_chip(load, wear, body, damage, angles.chip_thickness);
         let warm = at.softened(point.temperature);
         let forces = at.forces(x.flank_wear, warm);
         let sensed = at.readings(point.temperature, forces, u.cutting_speed);
         let [_, feed_force] = forces;
-        let edge_angle = self.pair.force.cutting_edge_angle.tan();
         let new_feed_force = load.feed(N::from(0.0)) * cut.engaged;
-        let deflection = (feed_force - new_feed_force) / edge_angle / self.finish.static_stiffness;
+        let deflection = (feed_force - new_feed_force) / angles.cutting_edge / self.finish.static_stiffness;
         let runs_true = N::NDERIV == 0 && terms.runout.re() == 0.0;
         let eccentric = Cut { depth_of_cut: cut.depth_of_cut + terms.runout, ..*cut };
         let peak = if runs_true { *load } else { self.pair.force.load(&eccentric) };
-        let passive_force = feed_force / edge_angle;
+        let passive_force = feed_force / angles.cutting_edge;
         let shaken = self.shaken(x, u, terms, passive_force);
         let marks = u.feed_per_rev * u.feed_per_rev / self.finish.corner_radius / 32.0;
         TurningOutput {
@@ -261,7 +301,7 @@ impl<N: Number> Turning<N> {
             spindle_speed: u.cutting_speed / u.workpiece_diameter * 2.0,
             material_removal_rate: u.cutting_speed * u.feed_per_rev * u.depth_of_cut * u.engaged,
             roughness_ra: if shaken.roughness > 0.0 { hypotenuse(marks, shaken.roughness) } else { marks },
-            size_error: x.flank_wear * self.finish.clearance_angle.tan() + deflection,
+            size_error: x.flank_wear * angles.clearance + deflection,
             stable: N::from(f64::from(u8::from(shaken.verdict.stable()))),
             stability_margin: N::from(shaken.verdict.margin),
             vibration_amplitude: shaken.amplitude,

@@ -1,7 +1,8 @@
 //! Steps that remember what the step before worked out.
 
-use super::equations::{Engagement, Kept};
-use super::{ACCURACY, STATES, Turning, TurningInput, TurningOutput, TurningState, lost_at_once};
+use super::equations::{Angles, Engagement, Kept};
+use super::{ACCURACY, STATES, Turning, TurningInput, TurningOutput, TurningState, lost_at};
+use std::cell::OnceCell;
 use toolroom_process::ode::{self, Autonomous, Tolerance};
 use toolroom_process::{Advance, ModelError, Process, Record};
 use toolroom_wear::WEAR_EVENTS;
@@ -18,15 +19,19 @@ pub struct TurningMemory {
 struct Known {
     input: TurningInput,
     engagement: Kept,
+    /// Worked out with the first outputs.
+    angles: OnceCell<Angles<f64>>,
     tolerance: Tolerance<STATES>,
     last: Option<Last>,
 }
 
 impl Known {
-    /// Whether an input differs in nothing but the cutting speed. Speeds on either side of 0 have nothing in common.
-    fn changes_speed_only(&self, u: &TurningInput) -> bool {
+    /// Whether an input differs in nothing but the cutting speed, or not at all. Speeds on either side of 0 have nothing in
+    /// common.
+    fn differs_in_speed_at_most(&self, u: &TurningInput) -> bool {
         let at_speed = TurningInput { cutting_speed: u.cutting_speed, ..self.input };
-        at_speed == *u && u.cutting_speed > 0.0 && self.input.cutting_speed > 0.0
+        let (own, speed) = (self.input.cutting_speed, u.cutting_speed);
+        (own == speed || own > 0.0 && speed > 0.0) && at_speed == *u
     }
 }
 
@@ -89,28 +94,31 @@ impl Turning {
             return self.integrate(x, u, dt, &[], &mut |_, _, _| ());
         }
         let known = match &mut memory.known {
-            Some(known) if known.input == *u => known,
-            // A policy that commands another speed changes nothing else.
-            Some(known) if known.changes_speed_only(u) => {
-                TurningInput::FIELDS[0].check(u.cutting_speed)?;
-                let engagement = self.engagement_of(&known.engagement).at_speed(&self.pair, u.cutting_speed);
-                (known.input, known.engagement, known.last) = (*u, engagement.keep(), None);
+            Some(known) if known.differs_in_speed_at_most(u) => {
+                // A policy that commands another speed changes nothing else.
+                if known.input.cutting_speed != u.cutting_speed {
+                    TurningInput::FIELDS[0].check(u.cutting_speed)?;
+                    known.engagement.change_speed(&self.pair, u.cutting_speed);
+                    known.input.cutting_speed = u.cutting_speed;
+                    known.last = None;
+                }
                 known
             }
             known => {
                 u.check()?;
                 let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
-                known.insert(Known { input: *u, engagement: self.engagement(x, u).keep(), tolerance, last: None })
+                let engagement = self.engagement(x, u).keep();
+                known.insert(Known { input: *u, engagement, angles: OnceCell::new(), tolerance, last: None })
             }
         };
         let engagement = self.engagement_of(&known.engagement);
         let last = match &mut known.last {
             Some(last) if last.state == *x => last,
             last => {
-                if let Some(event) = lost_at_once(&engagement, x, u) {
+                let indicators = engagement.event_indicators(x, u.chipping_resistance);
+                if let Some(event) = lost_at(&indicators, u) {
                     return Ok(Advance { elapsed: 0.0, event: Some(event) });
                 }
-                let indicators = engagement.event_indicators(x, u.chipping_resistance);
                 last.insert(Last { state: *x, slope: first_slope(&engagement, x), indicators })
             }
         };
@@ -141,8 +149,50 @@ impl Turning {
     /// ```
     pub fn output_after(&self, x: &TurningState, u: &TurningInput, memory: &TurningMemory) -> TurningOutput {
         match &memory.known {
-            Some(known) if known.input == *u => self.observe_in(&self.engagement_of(&known.engagement), x, u),
+            Some(known) if known.input == *u => {
+                let engagement = self.engagement_of(&known.engagement);
+                let angles = known.angles.get_or_init(|| self.angles(&engagement));
+                self.observe_at(&engagement, angles, x, u)
+            }
             _ => self.output(x, u),
+        }
+    }
+
+    /// One of the outputs that cost little by themselves, by its name: flank wear, forces, power and temperature, the same to
+    /// the bit as [`Turning::output_after`] has them. `None` for the others, and for all but flank wear where the memory is
+    /// not of this input.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_cutting::{Turning, TurningInput, TurningMemory};
+    /// use toolroom_process::Process;
+    /// let (turning, u) = (Turning::default(), TurningInput::default());
+    /// let (mut x, mut memory) = (turning.initial(), TurningMemory::default());
+    /// turning.step(&mut x, &u, 0.1, &mut memory).unwrap();
+    /// assert_eq!(turning.one_output_after("feed_force", &x, &u, &memory), Some(turning.output(&x, &u).feed_force));
+    /// assert_eq!(turning.one_output_after("roughness_ra", &x, &u, &memory), None);
+    /// ```
+    pub fn one_output_after(
+        &self,
+        name: &str,
+        x: &TurningState,
+        u: &TurningInput,
+        memory: &TurningMemory,
+    ) -> Option<f64> {
+        if name == "flank_wear" {
+            return Some(x.flank_wear);
+        }
+        if !matches!(name, "cutting_force" | "feed_force" | "spindle_power" | "temperature") {
+            return None;
+        }
+        let known = memory.known.as_ref().filter(|known| known.input == *u)?;
+        let sensed = self.engagement_of(&known.engagement).sensed(x, u);
+        match name {
+            "cutting_force" => Some(sensed.cutting_force),
+            "feed_force" => Some(sensed.feed_force),
+            "spindle_power" => Some(sensed.spindle_power),
+            "temperature" => Some(sensed.temperature),
+            _ => None,
         }
     }
 
@@ -160,6 +210,7 @@ impl Turning {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use toolroom_process::Field;
 
     #[test]
     fn steps_after_a_change_of_speed_are_those_without_memory_to_the_bit() {
@@ -170,7 +221,15 @@ mod tests {
             turning.step(&mut x, &u, 0.1, &mut memory).unwrap();
             turning.advance(&mut y, &u, 0.1).unwrap();
             assert_eq!(x, y);
-            assert_eq!(turning.output_after(&x, &u, &memory), turning.output(&y, &u));
+            let output = turning.output(&y, &u);
+            assert_eq!(turning.output_after(&x, &u, &memory), output);
+            let alone = |field: &Field| Some((field.name, turning.one_output_after(field.name, &x, &u, &memory)?));
+            let alone: Vec<(&str, f64)> = TurningOutput::<f64>::FIELDS.iter().filter_map(alone).collect();
+            assert_eq!(alone.len(), 5, "{alone:?}");
+            for (name, value) in alone {
+                let index = TurningOutput::<f64>::index_of(name).expect("a field");
+                assert_eq!(Some(value), output.get(index), "{name}");
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod advice;
 mod force;
+mod joint;
 mod scatter;
 mod stock;
 
@@ -9,6 +10,7 @@ pub(crate) use force::least;
 
 pub use advice::{Advice, lag_sd, revolutions_of_least_error};
 pub use force::{ForceFit, fit_force_trace, lag_from_rise, lag_from_spark_out};
+pub use joint::Joint;
 pub use scatter::{Bootstrap, Scatter};
 pub use stock::{Pooled, lag_from_stock};
 
@@ -135,6 +137,8 @@ pub struct Identification {
     pub jackknife: Vec<f64>,
     /// One lag for the stock of all trials; none where a trial has no stock.
     pub pooled: Option<Pooled>,
+    /// One machine and one process fitted to every stock and force; none where they do not tell both stiffnesses.
+    pub joint: Option<Joint>,
     /// The systematic error of stock: half a revolution less and half a revolution more; none
     /// where the lag is not from stock, or where a trial would become impossible.
     pub half_revolution: [Option<Shifted>; 2],
@@ -225,12 +229,19 @@ pub fn identify(trials: &[Trial], options: &IdentifyOptions) -> Result<Identific
         Some(Scatter::of(&values?))
     };
     let by_stock = lags.iter().all(|trial| trial.from_stock.is_some());
+    let (process, system) = (all(|trial| trial.process_stiffness), all(|trial| trial.system_stiffness));
+    // With one sort of readings left out, not every reading counts.
+    let joint = process
+        .zip(system)
+        .filter(|_| options.basis == Basis::Both)
+        .and_then(|(process, system)| joint::joint(trials, [process.median, system.median], &options.errors));
     let lag = Scatter::of(&values);
     let shifted = |revolutions| if by_stock { shifted(trials, revolutions) } else { None };
     let infeed_per_rev = trials.iter().map(|trial| trial.infeed_per_rev).sum::<f64>() / trials.len() as f64;
     let mut found = Identification {
-        process_stiffness: all(|trial| trial.process_stiffness),
-        system_stiffness: all(|trial| trial.system_stiffness),
+        process_stiffness: process,
+        system_stiffness: system,
+        joint,
         bootstrap: scatter::bootstrap(&values, options.resamples, options.seed),
         jackknife: scatter::jackknife(&values),
         pooled: if by_stock { stock::pooled(trials) } else { None },

@@ -12,6 +12,8 @@ pub struct Scatter {
     pub mean: f64,
     /// Median.
     pub median: f64,
+    /// Huber's robust mean: trials beyond 1.345 robust standard deviations count less the farther they are.
+    pub huber: f64,
     /// Standard deviation of one trial; none for a single trial.
     pub sd: Option<f64>,
     /// 95 % interval of the mean, `mean ± t sd/√n`.
@@ -38,15 +40,43 @@ impl Scatter {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
         let median = order_quantile(&sorted, 0.5);
+        let huber = huber(values, median);
         if values.len() < 2 {
-            return Self { mean, median, sd: None, ci95: None, prediction95: None };
+            return Self { mean, median, huber, sd: None, ci95: None, prediction95: None };
         }
         let sd = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
         let about_mean = |half: f64| Some([mean - half, mean + half]);
         let t = student(values.len() - 1);
         let ci95 = about_mean(t * sd / n.sqrt());
-        Self { mean, median, sd: Some(sd), ci95, prediction95: about_mean(t * sd * (1.0 + 1.0 / n).sqrt()) }
+        Self { mean, median, huber, sd: Some(sd), ci95, prediction95: about_mean(t * sd * (1.0 + 1.0 / n).sqrt()) }
     }
+}
+
+/// Huber's mean, by weights anew from the median on; the scale is the median distance from the median.
+///
+/// # Source
+/// Huber, Robust estimation of a location parameter (1964): 1.345 keeps 95 % of the efficiency at a normal distribution.
+fn huber(values: &[f64], median: f64) -> f64 {
+    let mut distances: Vec<f64> = values.iter().map(|value| (value - median).abs()).collect();
+    distances.sort_by(f64::total_cmp);
+    let reach = 1.345 * 1.4826 * order_quantile(&distances, 0.5);
+    if reach <= 0.0 {
+        return median;
+    }
+    let mut centre = median;
+    for _ in 0..100 {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for value in values {
+            let weight = (reach / (value - centre).abs()).min(1.0);
+            (sum, weights) = (sum + weight * value, weights + weight);
+        }
+        let next = sum / weights;
+        if (next - centre).abs() <= 1e-14 * centre.abs() {
+            return next;
+        }
+        centre = next;
+    }
+    centre
 }
 
 /// Quantiles of the mean over trials drawn with replacement.

@@ -121,8 +121,7 @@ impl GrindingController {
             let more = steps.take_while(|each| *each <= dulling * GREATEST).map_while(|each| work.design(each).ok());
             cycles.extend(more.map(|cycle| cycle.to_vec()));
         }
-        let dressed = believed.output(&State::default(), conditions);
-        let (process_stiffness, system_stiffness) = (dressed.process_stiffness, believed.parameters.system_stiffness);
+        let system_stiffness = believed.parameters.system_stiffness;
         let threshold = believed.parameters.threshold_force;
         // What the wear of the wheel on this part takes of the size cannot be seen in the force.
         let p = &believed.parameters;
@@ -147,10 +146,11 @@ impl GrindingController {
                             allowed,
                             least,
                         })?;
-                        process_stiffness * depth
+                        believed.cutting_force(&State::default(), conditions, depth)
                     }
                 };
-                let end = (system_stiffness * deflection).min(process_stiffness * limits.last_depth);
+                let last = believed.cutting_force(&State::default(), conditions, limits.last_depth);
+                let end = (system_stiffness * deflection).min(last);
                 Adaptation::Force { rough, end }
             }
             GrindingRule::TimeConstantAdaptive { .. } => {
