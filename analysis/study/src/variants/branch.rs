@@ -191,7 +191,7 @@ operation = [{ name = "saw", machines = "A", work = "1 min" }]
         let rest = at(15.0, &["machine.A.calendar=short"]);
         assert_eq!((rest[0], rest[1]), (40.0, 70.0), "by `shift`, what is in the machine is finished");
         assert!(rest[2].is_nan() && rest[3].is_nan());
-        let urgent = ["dispatch.rule=priority", "order.c.priority=1"];
+        let urgent = ["dispatch.rule=priority", "order.3.priority=1"];
         assert_eq!(at(15.0, &urgent), [40.0, 90.0, 60.0, 100.0]);
     }
 
@@ -224,7 +224,7 @@ operation = [{ name = "saw", machines = "A", work = "1 min" }]
     fn what_a_running_shop_cannot_take_is_told() {
         let told = |changes: &[&str]| changed(15.0, changes).expect_err("it cannot").to_string();
         assert!(told(&["part.plate.operation.saw.work=\"2 min\""]).contains("part.plate.operation.saw.work"));
-        assert!(told(&["order.b.quantity=31"]).contains("order \"b\" is in the shop since 0 h"));
+        assert!(told(&["order.2.quantity=31"]).contains("order \"b\" is in the shop since 0 h"));
         let two = branched(&shop(&["machine.A.count=2"]), &shop(&[]), 900.0, &["machine.A.count=1".to_owned()]);
         assert!(two.expect_err("it cannot").to_string().contains("\"A2\" cannot go"));
     }
