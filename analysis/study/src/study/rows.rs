@@ -40,11 +40,6 @@ enum Place {
 }
 
 impl Rows {
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.count
-    }
-
     /// Adds a row, as wide as those before it.
     pub fn push(&mut self, row: &[f64]) {
         assert!(self.count == 0 || row.len() == self.width, "a row of {} beside {} numbers", row.len(), self.width);
@@ -140,7 +135,7 @@ mod tests {
     }
 
     fn assert_holds(rows: &Rows, count: usize) {
-        assert_eq!(rows.len(), count);
+        assert_eq!(rows.count, count);
         let expected: Vec<Vec<f64>> = (0..count).map(row).collect();
         assert_eq!(bits(rows.iter().collect::<Vec<_>>().iter().flatten()), bits(expected.iter().flatten()));
         for column in 0..3 {

@@ -100,7 +100,7 @@ pub enum CycleError {
 }
 
 impl CycleError {
-    /// The limits that conflict, as keys of [`CycleLimits`]; none where the fault is another one.
+    /// The limits that conflict, as keys of [`super::CycleLimits`]; none where the fault is another one.
     pub fn limits(&self) -> &'static [&'static str] {
         match self {
             Self::Model(_) => &[],

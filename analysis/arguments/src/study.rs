@@ -1,0 +1,167 @@
+//! Studies of a scenario and their results.
+
+use clap::Args;
+use std::path::PathBuf;
+
+/// A scenario and changes to it.
+#[derive(Args, Clone, Debug)]
+pub struct ScenarioArgs {
+    /// Scenario file
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub changes: Changes,
+}
+
+/// Changes to the values of a scenario.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Changes {
+    /// Replace a value of the scenario: path=value with unit, repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Seed of every random stream
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Independent repetitions
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub replications: Option<u32>,
+}
+
+impl Changes {
+    /// All changes as `path=value`, the flags last so that they win.
+    pub fn overrides(&self) -> Vec<String> {
+        let mut overrides = self.set.clone();
+        overrides.extend(self.seed.map(|seed| format!("shop.seed={seed}")));
+        overrides.extend(self.replications.map(|count| format!("shop.replications={count}")));
+        overrides
+    }
+}
+
+/// How a study is run and where it goes.
+#[derive(Args, Clone, Debug, Default)]
+pub struct StudyArgs {
+    /// Only this policy, repeatable; the first is the baseline
+    #[arg(long, value_name = "NAME")]
+    pub policy: Vec<String>,
+    /// Directory of the results, out/NAME if left out
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads, 0 for one per processor; the results do not depend on it
+    #[arg(long, default_value_t = 0)]
+    pub threads: usize,
+    /// Stop when parts per shift and cost per part are known this well: "half-width 2%"
+    #[arg(long, value_name = "PRECISION")]
+    pub until: Option<toolroom_study::study::Precision>,
+    /// Format of the log tables, instead of the scenario's
+    #[arg(long, value_enum)]
+    pub format: Option<LogFormat>,
+    /// Replications whose full logs are written
+    #[arg(long, value_name = "COUNT")]
+    pub logged: Option<u32>,
+    /// Also write what sensors and controls would have recorded of the first run: operations, cuts, trials, events
+    #[arg(long, value_name = "DIR", conflicts_with = "resume")]
+    pub records: Option<PathBuf>,
+    /// Go on with the same study where it was interrupted; refused where anything but threads differs
+    #[arg(long)]
+    pub resume: bool,
+    /// Stop after so many replications as Ctrl-C does, with exit code 1
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
+    pub stop_after: Option<u32>,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LogFormat {
+    Parquet,
+    Csv,
+}
+
+#[derive(Args, Debug)]
+pub struct DemoArgs {
+    #[command(flatten)]
+    pub changes: Changes,
+    #[command(flatten)]
+    pub study: StudyArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    #[command(flatten)]
+    pub study: StudyArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct CompareArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    #[command(flatten)]
+    pub study: StudyArgs,
+    /// Repeat the comparison at several values of a key; nothing is written
+    #[arg(
+        short = 'P',
+        num_args = 4,
+        value_names = ["KEY", "LO", "HI", "STEP"],
+        allow_negative_numbers = true,
+        conflicts_with_all = ["resume", "stop_after"]
+    )]
+    pub sweep: Vec<String>,
+    /// Write a plan of the replications instead of running them
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["sweep", "resume", "stop_after"])]
+    pub plan: Option<PathBuf>,
+    /// Number of shards, one a replication if left out
+    #[arg(long, requires = "plan", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub shards: Option<u64>,
+    /// Tune the policies on a seed of their own before they are compared, as [tune] of the scenario says
+    #[arg(long, conflicts_with = "plan")]
+    pub tune: bool,
+    /// Compare the settings of the file even where it has a section [tune]
+    #[arg(long, conflicts_with = "tune")]
+    pub no_tune: bool,
+    /// What is compared: policies of the shop as it is, variants of the shop under its first policy, or variants under
+    /// every policy; left out: all that the scenario has
+    #[arg(long, value_enum, conflicts_with = "sweep")]
+    pub axis: Option<Axis>,
+    /// Select the best of the shop and its variants under the first policy, by a figure and the least difference that
+    /// matters, such as "lead_time 5 min" or "late_orders 1"; runs as often as that needs
+    #[arg(long, value_name = "FIGURE DIFFERENCE", conflicts_with_all = ["sweep", "plan"])]
+    pub select: Option<String>,
+}
+
+/// What `compare` compares.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Policies of the shop as it is
+    Policy,
+    /// Variants of the shop under the first policy
+    Variant,
+    /// Variants under every policy
+    Both,
+}
+
+impl Axis {
+    /// As it was typed, with a space before it.
+    pub fn typed(self) -> &'static str {
+        match self {
+            Self::Policy => " --axis policy",
+            Self::Variant => " --axis variant",
+            Self::Both => " --axis both",
+        }
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct ReportArgs {
+    /// Directory of a finished run
+    pub dir: PathBuf,
+    /// Open it in a browser
+    #[arg(long)]
+    pub open: bool,
+}
+
+#[derive(Args, Debug)]
+pub struct DiffArgs {
+    /// Directory of a finished run
+    pub one: PathBuf,
+    /// Directory of another
+    pub two: PathBuf,
+}
