@@ -255,10 +255,10 @@ fn siemens(line: &str) -> Option<&'static str> {
         }
     }
     // R1=…, and a label of at least two letters.
-    for (at, _) in line.match_indices('R') {
-        let digits = bytes[at + 1..].iter().take_while(|b| b.is_ascii_digit()).count();
-        let clear = at == 0 || !(bytes[at - 1].is_ascii_alphanumeric() || bytes[at - 1] == b'_');
-        if clear && digits > 0 && bytes.get(at + 1 + digits) == Some(&b'=') {
+    for (index, _) in line.match_indices('R') {
+        let digits = bytes[index + 1..].iter().take_while(|b| b.is_ascii_digit()).count();
+        let clear = index == 0 || !(bytes[index - 1].is_ascii_alphanumeric() || bytes[index - 1] == b'_');
+        if clear && digits > 0 && bytes.get(index + 1 + digits) == Some(&b'=') {
             return Some("R parameters");
         }
     }

@@ -198,8 +198,8 @@ mod tests {
         for (speed, time) in
             [(1000.0, 0.3120), (3436.0, 1.0720), (6000.0, 2.1704), (8000.0, 3.4416), (12_000.0, 7.0736)]
         {
-            let own = drives.spindle_ramp(0.0, speed * rpm);
-            assert!((own - time).abs() < 1e-4, "{speed} rpm: {own}");
+            let ramp = drives.spindle_ramp(0.0, speed * rpm);
+            assert!((ramp - time).abs() < 1e-4, "{speed} rpm: {ramp}");
         }
         assert!((drives.spindle_ramp(12_000.0 * rpm, 0.0) - 7.9958).abs() < 1e-3);
     }

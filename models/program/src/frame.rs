@@ -18,23 +18,23 @@ impl Frame {
 
     /// Scales about `centre`; -1 mirrors.
     pub fn scaled(factors: [f64; 3], centre: [f64; 3]) -> Self {
-        let mut own = Self::IDENTITY;
+        let mut frame = Self::IDENTITY;
         for axis in 0..3 {
-            own.matrix[axis][axis] = factors[axis];
-            own.shift[axis] = centre[axis] * (1.0 - factors[axis]);
+            frame.matrix[axis][axis] = factors[axis];
+            frame.shift[axis] = centre[axis] * (1.0 - factors[axis]);
         }
-        own
+        frame
     }
 
     /// Turns from the first axis of `plane` to the second about `centre`, degrees.
     pub fn turned(degrees: f64, plane: [usize; 3], centre: [f64; 2]) -> Self {
         let [u, v, _] = plane;
         let (sin, cos) = turn(degrees);
-        let mut own = Self::IDENTITY;
-        (own.matrix[u][u], own.matrix[u][v], own.matrix[v][u], own.matrix[v][v]) = (cos, -sin, sin, cos);
-        own.shift[u] = centre[0] - cos * centre[0] + sin * centre[1];
-        own.shift[v] = centre[1] - sin * centre[0] - cos * centre[1];
-        own
+        let mut frame = Self::IDENTITY;
+        (frame.matrix[u][u], frame.matrix[u][v], frame.matrix[v][u], frame.matrix[v][v]) = (cos, -sin, sin, cos);
+        frame.shift[u] = centre[0] - cos * centre[0] + sin * centre[1];
+        frame.shift[v] = centre[1] - sin * centre[0] - cos * centre[1];
+        frame
     }
 
     /// First `inner`, then this.

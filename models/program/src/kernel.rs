@@ -44,9 +44,9 @@ impl Target {
 
     /// One axis at a place.
     pub fn one(axis: usize, place: f64) -> Self {
-        let mut own = Self::default();
-        own.absolute[axis] = Some(place);
-        own
+        let mut modes = Self::default();
+        modes.absolute[axis] = Some(place);
+        modes
     }
 }
 
@@ -106,7 +106,7 @@ pub(crate) struct Kernel {
 impl Kernel {
     pub fn new(control: Control, lathe: bool) -> Self {
         let scale = control.units.map(|units| units.scale());
-        let mut own = Self {
+        let mut kernel = Self {
             at: control.start.map(|place| place.unwrap_or(0.0)),
             known: control.start.map(|place| place.is_some()),
             feed: control.feed,
@@ -138,9 +138,9 @@ impl Kernel {
         };
         // X of a lathe is a diameter in the program and a radius here.
         if lathe {
-            own.at[0] *= 0.5;
+            kernel.at[0] *= 0.5;
         }
-        own
+        kernel
     }
 
     pub fn push(&mut self, kind: EventKind) {
@@ -470,12 +470,12 @@ impl Kernel {
         if axes.is_empty() {
             return Ok(());
         }
-        let at = self.at;
+        let position = self.at;
         self.emit(Motion {
             rapid: true,
             path: Path::Line,
-            start: at,
-            end: at,
+            start: position,
+            end: position,
             time: 0.0,
             length: 0.0,
             unknown: true,

@@ -307,71 +307,71 @@ fn shares(values: [f64; 3]) -> (f64, [f64; 3]) {
 }
 
 /// Sets the drives that a section of [`DRIVES`] gives; its preset comes first.
-pub fn drives(walk: &mut Walk, section: &Section<'_>, own: &mut Drives) {
+pub fn drives(walk: &mut Walk, section: &Section<'_>, drives: &mut Drives) {
     if section.given("preset") {
-        *own = preset(section).drives;
+        *drives = preset(section).drives;
     }
     let axes = |section: &Section<'_>| ["X", "Y", "Z"].map(|axis| section.required(axis));
     if let Some(table) = walk.table(section, "rapid_speed") {
         let (speed, ratios) = shares(axes(&table));
-        own.rapid_speed = speed;
-        [own.rapid_ratio_x, own.rapid_ratio_y, own.rapid_ratio_z] = ratios;
-        own.rotary_rapid_speed = table.si("A").unwrap_or(own.rotary_rapid_speed);
+        drives.rapid_speed = speed;
+        [drives.rapid_ratio_x, drives.rapid_ratio_y, drives.rapid_ratio_z] = ratios;
+        drives.rotary_rapid_speed = table.si("A").unwrap_or(drives.rotary_rapid_speed);
     } else if let Some(speed) = section.si("rapid_speed") {
-        own.rapid_speed = speed;
-        [own.rapid_ratio_x, own.rapid_ratio_y, own.rapid_ratio_z] = [1.0; 3];
+        drives.rapid_speed = speed;
+        [drives.rapid_ratio_x, drives.rapid_ratio_y, drives.rapid_ratio_z] = [1.0; 3];
     }
-    let each = walk.table(section, "acceleration").map(|table| axes(&table));
-    if let Some(values) = each.or_else(|| section.si("acceleration").map(|value| [value; 3])) {
+    let by_axis = walk.table(section, "acceleration").map(|table| axes(&table));
+    if let Some(values) = by_axis.or_else(|| section.si("acceleration").map(|value| [value; 3])) {
         let (acceleration, ratios) = shares(values);
-        own.inverse_rapid_acceleration = 1.0 / acceleration;
-        [own.acceleration_ratio_x, own.acceleration_ratio_y, own.acceleration_ratio_z] = ratios;
-        own.inverse_acceleration = 1.0 / values.into_iter().fold(f64::INFINITY, f64::min);
+        drives.inverse_rapid_acceleration = 1.0 / acceleration;
+        [drives.acceleration_ratio_x, drives.acceleration_ratio_y, drives.acceleration_ratio_z] = ratios;
+        drives.inverse_acceleration = 1.0 / values.into_iter().fold(f64::INFINITY, f64::min);
     }
     if let Some(acceleration) = section.si("feed_acceleration") {
-        own.inverse_acceleration = 1.0 / acceleration;
+        drives.inverse_acceleration = 1.0 / acceleration;
     }
-    fill_record(section, own);
+    fill_record(section, drives);
     if let Some(jerk) = section.si("jerk") {
-        if own.inverse_acceleration > 0.0 {
-            own.jerk_time = 1.0 / (own.inverse_acceleration * jerk);
+        if drives.inverse_acceleration > 0.0 {
+            drives.jerk_time = 1.0 / (drives.inverse_acceleration * jerk);
         } else {
             walk.fault(section.span_of("jerk"), MachineFault::Jerk);
         }
     }
     if section.given("look_ahead") {
-        own.look_ahead = f64::from(section.count32("look_ahead"));
+        drives.look_ahead = f64::from(section.count32("look_ahead"));
     }
     if let Some(word) = section.text("rapid") {
-        own.independent_rapid = f64::from(u8::from(word == RAPID[1]));
+        drives.independent_rapid = f64::from(u8::from(word == RAPID[1]));
     }
     if let Some(table) = walk.table(section, "corner") {
         let rule = table.text("rule");
         // The least step is a stop.
-        own.corner_step = if rule == Some(CORNER_RULES[2]) { STOP } else { 0.0 };
+        drives.corner_step = if rule == Some(CORNER_RULES[2]) { STOP } else { 0.0 };
         let field = if rule == Some(CORNER_RULES[1]) { "corner_step" } else { "corner_deviation" };
-        fill(own, &table, &[("value", field)]);
+        fill(drives, &table, &[("value", field)]);
     }
     if let Some(table) = walk.table(section, "settling") {
-        fill(own, &table, SETTLING_FIELDS);
+        fill(drives, &table, SETTLING_FIELDS);
     }
     if let Some(table) = walk.table(section, "spindle") {
-        fill(own, &table, SPINDLE_FIELDS);
+        fill(drives, &table, SPINDLE_FIELDS);
         if let Some(word) = table.text("waits") {
-            own.spindle_block_wait = f64::from(u8::from(word == WAITS[1]));
+            drives.spindle_block_wait = f64::from(u8::from(word == WAITS[1]));
         }
         if let Some(braking) = walk.table(&table, "braking") {
-            fill(own, &braking, BRAKING_FIELDS);
+            fill(drives, &braking, BRAKING_FIELDS);
         }
     }
     if let Some(table) = walk.table(section, "changer") {
-        fill(own, &table, CHANGER_FIELDS);
+        fill(drives, &table, CHANGER_FIELDS);
     }
 }
 
-fn control(walk: &mut Walk, section: &Section<'_>, own: &mut Control) {
+fn control(walk: &mut Walk, section: &Section<'_>, control: &mut Control) {
     let mut set = |walk: &mut Walk, key: &str, name: &str, value: &str| {
-        if let Err(reason) = own.set(name, value) {
+        if let Err(reason) = control.set(name, value) {
             walk.fault(section.span_of(key), MachineFault::Control(reason));
         }
     };
@@ -413,20 +413,20 @@ mod tests {
         let text = "[drives]\nrapid_speed = { X = \"30 m/min\", Y = \"30 m/min\", Z = \"24 m/min\" }\n\
                     acceleration = { X = \"3 m/s2\", Y = \"2 m/s2\", Z = \"1.5 m/s2\" }\nfeed_acceleration = \"0.5 m/s2\"\n\
                     jerk = \"10 m/s3\"\n[control.m]\n29 = \"0.3 s\"\n";
-        let own = machine_of(text).expect("a machine");
-        assert_eq!(own.drives.rapid_speed, 0.5);
-        assert!((own.drives.rapid_ratio_z - 0.8).abs() < 1e-12);
-        assert!((own.drives.acceleration_ratio_y - 2.0 / 3.0).abs() < 1e-12);
-        assert!((own.drives.jerk_time - 0.05).abs() < 1e-12);
-        assert_eq!(own.control.m[&29], 0.3);
+        let machine = machine_of(text).expect("a machine");
+        assert_eq!(machine.drives.rapid_speed, 0.5);
+        assert!((machine.drives.rapid_ratio_z - 0.8).abs() < 1e-12);
+        assert!((machine.drives.acceleration_ratio_y - 2.0 / 3.0).abs() < 1e-12);
+        assert!((machine.drives.jerk_time - 0.05).abs() < 1e-12);
+        assert_eq!(machine.control.m[&29], 0.3);
     }
 
     #[test]
     fn a_preset_is_the_ground_for_what_a_file_gives() {
-        let own = machine_of("[drives]\npreset = \"hurco-winmax\"\n[drives.changer]\nchange_time = \"4 s\"\n")
+        let machine = machine_of("[drives]\npreset = \"hurco-winmax\"\n[drives.changer]\nchange_time = \"4 s\"\n")
             .expect("a machine");
         let preset = Machine::preset("hurco-winmax").expect("a preset");
-        assert_eq!(own.drives, Drives { tool_change_time: 4.0, ..preset.drives });
+        assert_eq!(machine.drives, Drives { tool_change_time: 4.0, ..preset.drives });
     }
 
     #[test]

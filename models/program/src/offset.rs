@@ -87,9 +87,9 @@ impl Offsetting {
     fn directions(&self, motion: &Motion) -> (Point, Point) {
         let (a, b) = motion.directions();
         let flat = |d: [f64; 3]| {
-            let own = [d[self.plane[0]], d[self.plane[1]]];
-            let size = length(own).max(f64::MIN_POSITIVE);
-            [own[0] / size, own[1] / size]
+            let in_plane = [d[self.plane[0]], d[self.plane[1]]];
+            let size = length(in_plane).max(f64::MIN_POSITIVE);
+            [in_plane[0] / size, in_plane[1] / size]
         };
         (flat(a), flat(b))
     }
@@ -175,11 +175,11 @@ impl Offsetting {
     }
 
     /// Gives what was held, at the place where the cutter stands.
-    fn release(&mut self, out: &mut Vec<Event>, at: Point) {
+    fn release(&mut self, out: &mut Vec<Event>, end: Point) {
         let [u, v, _] = self.plane;
         for mut event in self.held.drain(..) {
             if let EventKind::Motion(motion) = &mut event.kind {
-                for (axis, place) in [(u, at[0]), (v, at[1])] {
+                for (axis, place) in [(u, end[0]), (v, end[1])] {
                     (motion.start[axis], motion.end[axis]) = (place, place);
                 }
             }
@@ -199,13 +199,13 @@ impl Offsetting {
 
     /// A straight motion between other points of the plane, at the same feed.
     fn between(&self, motion: &Motion, start: Point, end: Point) -> Motion {
-        let mut own = *motion;
+        let mut straight = *motion;
         let [u, v, _] = self.plane;
-        (own.start[u], own.start[v], own.end[u], own.end[v]) = (start[0], start[1], end[0], end[1]);
-        own.path = Path::Line;
-        own.length = norm(std::array::from_fn(|i| own.end[i] - own.start[i]));
-        own.time = if motion.length > 0.0 { motion.time * own.length / motion.length } else { 0.0 };
-        own
+        (straight.start[u], straight.start[v], straight.end[u], straight.end[v]) = (start[0], start[1], end[0], end[1]);
+        straight.path = Path::Line;
+        straight.length = norm(std::array::from_fn(|i| straight.end[i] - straight.start[i]));
+        straight.time = if motion.length > 0.0 { motion.time * straight.length / motion.length } else { 0.0 };
+        straight
     }
 
     /// The motion moved sideways by the radius.
@@ -221,21 +221,22 @@ impl Offsetting {
                 if radius <= SAME {
                     return Err(self.tight(before, line));
                 }
-                let mut own = *motion;
+                let mut arc_motion = *motion;
                 let [u, v, _] = self.plane;
-                (own.start[u], own.start[v], own.end[u], own.end[v]) = (start[0], start[1], end[0], end[1]);
-                Ok(self.paced(own, Arc { radius, ..arc }, motion))
+                (arc_motion.start[u], arc_motion.start[v], arc_motion.end[u], arc_motion.end[v]) =
+                    (start[0], start[1], end[0], end[1]);
+                Ok(self.paced(arc_motion, Arc { radius, ..arc }, motion))
             }
         }
     }
 
     /// An arc with the feed of `motion`.
-    fn paced(&self, mut own: Motion, arc: Arc, motion: &Motion) -> Motion {
+    fn paced(&self, mut result: Motion, arc: Arc, motion: &Motion) -> Motion {
         let w = self.plane[2];
-        own.path = Path::Arc(arc);
-        own.length = (arc.radius * arc.angle).hypot(own.end[w] - own.start[w]);
-        own.time = if motion.length > 0.0 { motion.time * own.length / motion.length } else { 0.0 };
-        own
+        result.path = Path::Arc(arc);
+        result.length = (arc.radius * arc.angle).hypot(result.end[w] - result.start[w]);
+        result.time = if motion.length > 0.0 { motion.time * result.length / motion.length } else { 0.0 };
+        result
     }
 
     /// The motion from `start` or to `end` instead; `None` where nothing is left of it.
@@ -248,12 +249,12 @@ impl Offsetting {
                 (dot(less(to, from), direction) > -SAME).then(|| self.between(motion, from, to))
             }
             Path::Arc(arc) => {
-                let mut own = *motion;
+                let mut part = *motion;
                 let [u, v, _] = self.plane;
-                (own.start[u], own.start[v], own.end[u], own.end[v]) = (from[0], from[1], to[0], to[1]);
+                (part.start[u], part.start[v], part.end[u], part.end[v]) = (from[0], from[1], to[0], to[1]);
                 let full = std::f64::consts::TAU * (arc.angle / std::f64::consts::TAU - 1e-12).floor().max(0.0);
                 let angle = sweep(from, to, arc.centre, arc.left) + full;
-                (angle <= arc.angle + 1e-7).then(|| self.paced(own, Arc { angle, ..arc }, motion))
+                (angle <= arc.angle + 1e-7).then(|| self.paced(part, Arc { angle, ..arc }, motion))
             }
         }
     }
@@ -308,18 +309,18 @@ impl Offsetting {
         flat.end = motion.start;
         if self.corner == Corner::Round {
             let [u, v, _] = self.plane;
-            let mut own = flat;
-            (own.start[u], own.start[v], own.end[u], own.end[v]) = (end[0], end[1], start[0], start[1]);
+            let mut round = flat;
+            (round.start[u], round.start[v], round.end[u], round.end[v]) = (end[0], end[1], start[0], start[1]);
             let left = !self.left;
             let angle = sweep(end, start, corner, left);
-            add(self.paced(own, Arc { centre: corner, plane: self.plane, left, angle, radius: self.radius }, motion));
+            add(self.paced(round, Arc { centre: corner, plane: self.plane, left, angle, radius: self.radius }, motion));
             return;
         }
         let pace = |from: Point, to: Point| {
-            let mut own = self.between(&flat, from, to);
-            own.time = if motion.length > 0.0 { motion.time * own.length / motion.length } else { 0.0 };
-            own.purpose = Purpose::Cut;
-            own
+            let mut line = self.between(&flat, from, to);
+            line.time = if motion.length > 0.0 { motion.time * line.length / motion.length } else { 0.0 };
+            line.purpose = Purpose::Cut;
+            line
         };
         if dot(leaving, entering) >= 0.0 {
             let half = 0.5 * dot(leaving, entering).clamp(-1.0, 1.0).acos();
@@ -343,10 +344,10 @@ impl Offsetting {
             if self.stage == Stage::Starting {
                 return Err(Fault::new("the compensation of the radius ends with the motion in which it begins"));
             }
-            let at = self.pick(&motion.end);
+            let end = self.pick(&motion.end);
             out.push(Event { kind: EventKind::Motion(motion), ..place });
-            self.release(&mut out, at);
-            self.stage = Stage::Leaving(at);
+            self.release(&mut out, end);
+            self.stage = Stage::Leaving(end);
         }
         Ok(out)
     }

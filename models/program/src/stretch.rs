@@ -56,8 +56,8 @@ impl Program {
         for (index, block) in self.blocks.iter().enumerate() {
             let last = list.last_mut();
             // A block that does nothing goes with those before it.
-            let own = kind(block).or(last.as_ref().map(|last| last.kind)).unwrap_or(StretchKind::Auxiliary);
-            let joins = last.as_ref().is_some_and(|last| match (last.kind, own) {
+            let kind_here = kind(block).or(last.as_ref().map(|last| last.kind)).unwrap_or(StretchKind::Auxiliary);
+            let joins = last.as_ref().is_some_and(|last| match (last.kind, kind_here) {
                 (StretchKind::Motion, StretchKind::Motion) => time < least,
                 (StretchKind::Change | StretchKind::Auxiliary, StretchKind::Change | StretchKind::Auxiliary) => true,
                 (before, after) => before == after,
@@ -65,12 +65,12 @@ impl Program {
             match last {
                 Some(last) if joins => {
                     last.blocks.end = index + 1;
-                    if own == StretchKind::Change {
+                    if kind_here == StretchKind::Change {
                         last.kind = StretchKind::Change;
                     }
                 }
                 _ => {
-                    list.push(Stretch { kind: own, blocks: index..index + 1 });
+                    list.push(Stretch { kind: kind_here, blocks: index..index + 1 });
                     time = 0.0;
                 }
             }

@@ -341,10 +341,10 @@ impl Timer {
             } else {
                 // Without jerk each of them takes its share; the jerk is shared out alike.
                 let plain = Ramp { jerk_time: 0.0, ..ramp };
-                let own = |i: usize| plain.time_of(steps[i].way, steps[i].top, joints[i], joints[i + 1]);
-                let sum: f64 = (first..end).map(own).sum();
+                let plain_time = |i: usize| plain.time_of(steps[i].way, steps[i].top, joints[i], joints[i + 1]);
+                let sum: f64 = (first..end).map(plain_time).sum();
                 for i in first..end {
-                    self.spend(steps[i].key, own(i) * whole / sum, Part::Feed, done);
+                    self.spend(steps[i].key, plain_time(i) * whole / sum, Part::Feed, done);
                 }
             }
             first = end;

@@ -339,11 +339,11 @@ mod fuzz {
     ];
 
     fn run(dialect: Dialect, text: &str) {
-        let mut own = control(dialect);
-        own.steps = 2000;
-        own.units = Some(toolroom_program::Units::Millimetre);
-        own.diameters.insert(1, 4.0);
-        let mut run = Run::new(text, &own).expect("the language is given");
+        let mut settings = control(dialect);
+        settings.steps = 2000;
+        settings.units = Some(toolroom_program::Units::Millimetre);
+        settings.diameters.insert(1, 4.0);
+        let mut run = Run::new(text, &settings).expect("the language is given");
         let mut events = 0_u64;
         for event in run.by_ref() {
             events += 1;

@@ -74,14 +74,15 @@ fn tool_changes_take_the_times_of_the_box() {
 fn the_parts_add_up_and_name_what_waits() {
     let program = program(&change(12_000, 12_000));
     let done = spent(&program, &hurco());
-    let of = |part: Part| done.iter().filter(|spent| spent.part == part).map(|spent| spent.seconds).sum::<f64>();
-    assert!((of(Part::Change) - 2.0 * 5.93).abs() < 1e-9);
+    let seconds_of =
+        |part: Part| done.iter().filter(|spent| spent.part == part).map(|spent| spent.seconds).sum::<f64>();
+    assert!((seconds_of(Part::Change) - 2.0 * 5.93).abs() < 1e-9);
     // Two ramps up less the approach beside each, two brakings less the way home beside each; the last motion of the
     // program comes from the reference point, beside the braking too.
     let waits = 2.0 * (7.0736 - 1.07) + 2.0 * (7.9958 - 1.18) - 0.75;
-    assert!((of(Part::Spindle) - waits).abs() < 1e-3, "{} {waits}", of(Part::Spindle));
+    assert!((seconds_of(Part::Spindle) - waits).abs() < 1e-3, "{} {waits}", seconds_of(Part::Spindle));
     let all: f64 = [Part::Feed, Part::Rapid, Part::Settling, Part::Dwell, Part::Auxiliary, Part::Change, Part::Spindle]
-        .map(of)
+        .map(seconds_of)
         .iter()
         .sum();
     let times: f64 = program.times(&hurco()).iter().sum();

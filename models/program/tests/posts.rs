@@ -86,23 +86,23 @@ proptest! {
     #[test]
     fn random_paths_come_back_from_every_post(steps in prop::collection::vec(step(), 1..25), feed in 20.0..5000.0_f64) {
         let mut text = format!("G21 G17 G90 G94\nG0 X1 Y1 Z1\nF{feed:.3}\n");
-        let mut at = [1.0, 1.0, 1.0];
+        let mut position = [1.0, 1.0, 1.0];
         for step in steps {
             match step {
                 Step::Rapid(to) => {
                     text += &format!("G0 X{:.6} Y{:.6} Z{:.6}\n", to[0], to[1], to[2]);
-                    at = to;
+                    position = to;
                 }
                 Step::Line(to) => {
                     text += &format!("G1 X{:.6} Y{:.6} Z{:.6}\n", to[0], to[1], to[2]);
-                    at = to;
+                    position = to;
                 }
                 Step::Arc { radius, start, sweep, left, rise, turns } => {
                     let (i, j) = (-radius * start.cos(), -radius * start.sin());
                     let angle = start + if left { sweep } else { -sweep };
-                    at = [at[0] + i + radius * angle.cos(), at[1] + j + radius * angle.sin(), at[2] + rise];
+                    position = [position[0] + i + radius * angle.cos(), position[1] + j + radius * angle.sin(), position[2] + rise];
                     let code = if left { "G3" } else { "G2" };
-                    text += &format!("{code} X{:.6} Y{:.6} Z{:.6} I{i:.6} J{j:.6} P{}\n", at[0], at[1], at[2], turns + 1);
+                    text += &format!("{code} X{:.6} Y{:.6} Z{:.6} I{i:.6} J{j:.6} P{}\n", position[0], position[1], position[2], turns + 1);
                 }
                 Step::Dwell(seconds) => text += &format!("G4 P{seconds:.4}\n"),
             }

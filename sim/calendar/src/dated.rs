@@ -133,8 +133,8 @@ impl Dated {
 fn without(start: f64, end: f64, breaks: &[Shift], midnight: f64) -> Vec<Shift> {
     let mut left = vec![Shift { start, end }];
     for of_day in [midnight, midnight + DAY] {
-        for own in breaks {
-            let (from, to) = (of_day + own.start, of_day + own.end);
+        for pause in breaks {
+            let (from, to) = (of_day + pause.start, of_day + pause.end);
             let pieces = |shift: &Shift| {
                 let before = Shift { start: shift.start, end: shift.end.min(from) };
                 let after = Shift { start: shift.start.max(to), end: shift.end };

@@ -68,8 +68,8 @@ fn replan(criterion: &mut Criterion) {
     group.bench_function("100 pending", |bencher| {
         let mut calendar = Calendar::new();
         let plan = |calendar: &mut Calendar<usize>, delay: f64, entity| {
-            let at = calendar.now().after(delay).unwrap();
-            calendar.schedule(at, Class::Finish, entity).unwrap()
+            let time = calendar.now().after(delay).unwrap();
+            calendar.schedule(time, Class::Finish, entity).unwrap()
         };
         let mut keys: Vec<_> = (0..100).map(|entity| plan(&mut calendar, delays[entity], entity)).collect();
         bencher.iter(|| {

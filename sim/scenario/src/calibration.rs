@@ -189,8 +189,10 @@ pub fn calibrated_channel(all: &[Calibration], channel: &str, place: &Occasion<'
 
 fn moved_by(all: &[Calibration], parameter: &str, place: &Occasion<'_>, value: f64) -> f64 {
     let (mut factor, mut summand) = (1.0, 0.0);
-    for own in all.iter().filter(|own| own.parameter == parameter && own.target.has(place) && own.scope.holds(place)) {
-        match own.moved {
+    for calibration in all.iter().filter(|calibration| {
+        calibration.parameter == parameter && calibration.target.has(place) && calibration.scope.holds(place)
+    }) {
+        match calibration.moved {
             Moved::Factor(by) => factor *= by,
             Moved::Summand(by) => summand += by,
         }

@@ -140,9 +140,9 @@ impl Empirical {
     }
 
     fn quantile(&self, u: f64) -> f64 {
-        let at = self.steps.partition_point(|(_, below)| *below <= u);
+        let step = self.steps.partition_point(|(_, below)| *below <= u);
         // Rounding may leave the last share a little below 1.
-        self.steps.get(at).or(self.steps.last()).map_or(f64::NAN, |(time, _)| *time)
+        self.steps.get(step).or(self.steps.last()).map_or(f64::NAN, |(time, _)| *time)
     }
 }
 
@@ -314,8 +314,9 @@ impl Distribution {
             }
             Self::Uniform { low, high } => (time - low) / (high - low),
             Self::DiscreteUniform { low, step, count } => {
-                let at = (time - low) / step;
-                let below = (at.ceil().max(0.0) + half(at >= 0.0 && at.fract() == 0.0)) / f64::from(count);
+                let grid_place = (time - low) / step;
+                let below = (grid_place.ceil().max(0.0) + half(grid_place >= 0.0 && grid_place.fract() == 0.0))
+                    / f64::from(count);
                 below.min(1.0)
             }
             Self::Empirical(ref times) => times.share_below(time),

@@ -72,10 +72,10 @@ impl Order {
     /// Share of the operation at which it is when the run begins that is done of its job number `index`, from 0: all of it
     /// up to those that have passed, and nothing from the one after that in work on.
     pub fn share_done(&self, part: &Part, index: u32) -> f64 {
-        let Some(own) = &self.in_process else { return 0.0 };
+        let Some(in_process) = &self.in_process else { return 0.0 };
         let size = self.job_size(part);
         let (before, pieces) = (index * size, size.min(self.quantity - index * size));
-        let share = (own.done * f64::from(self.quantity) - f64::from(before)) / f64::from(pieces);
+        let share = (in_process.done * f64::from(self.quantity) - f64::from(before)) / f64::from(pieces);
         if share < 1e-9 { 0.0 } else { share.min(1.0) }
     }
 

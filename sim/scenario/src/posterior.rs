@@ -213,16 +213,16 @@ fn parameter(process: &mut ProcessModel, name: &str) -> Result<Column, String> {
 }
 
 /// Calls `each` with every group of parameters.
-fn groups(process: &mut ProcessModel, each: &mut dyn FnMut(&'static str, &mut dyn AnyRecord)) {
+fn groups(process: &mut ProcessModel, visit: &mut dyn FnMut(&'static str, &mut dyn AnyRecord)) {
     match process {
         ProcessModel::Turning(process) => {
-            Arc::make_mut(process).parameters_mut().into_iter().for_each(|(name, record)| each(name, record));
+            Arc::make_mut(process).parameters_mut().into_iter().for_each(|(name, record)| visit(name, record));
         }
         ProcessModel::Milling(process) => {
-            Arc::make_mut(process).parameters_mut().into_iter().for_each(|(name, record)| each(name, record));
+            Arc::make_mut(process).parameters_mut().into_iter().for_each(|(name, record)| visit(name, record));
         }
         ProcessModel::Infeed(process) => {
-            Arc::make_mut(process).parameters_mut().into_iter().for_each(|(name, record)| each(name, record));
+            Arc::make_mut(process).parameters_mut().into_iter().for_each(|(name, record)| visit(name, record));
         }
         // A unit keeps its parameters to itself.
         ProcessModel::Other(_) => {}
@@ -251,8 +251,8 @@ fn along_the_first_component(draws: &mut [Vec<f64>]) {
     for _ in 0..ITERATIONS {
         let mut next = vec![0.0; size];
         for draw in draws.iter() {
-            let own = score(draw, &axis);
-            next.iter_mut().enumerate().for_each(|(i, next)| *next += own * (draw[i] - mean[i]) / spread[i]);
+            let component = score(draw, &axis);
+            next.iter_mut().enumerate().for_each(|(i, next)| *next += component * (draw[i] - mean[i]) / spread[i]);
         }
         let length = next.iter().map(|part| part * part).sum::<f64>().sqrt();
         if length == 0.0 {

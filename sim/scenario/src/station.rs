@@ -186,10 +186,10 @@ impl ToolType {
             ProcessModel::Infeed(_) | ProcessModel::Other(_) => Ok(()),
         };
         checked.map_err(|reason| reason.to_string())?;
-        let own = |calibration: &&Calibration| {
+        let of_tool = |calibration: &&Calibration| {
             calibration.target == Target::Tool(self.name.clone()) && calibration.constant().is_some()
         };
-        let constants: Vec<&Calibration> = calibrations.iter().filter(own).collect();
+        let constants: Vec<&Calibration> = calibrations.iter().filter(of_tool).collect();
         if constants.is_empty() && self.variants.effects.is_empty() {
             tool.process = bare;
         } else {

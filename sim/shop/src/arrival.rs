@@ -19,8 +19,8 @@ impl<R: Recorder> Shop<'_, R> {
                 ArrivalPattern::Schedule(rows) => {
                     // Rows may stand in any order; each is an event of its own.
                     for &(time, _) in rows {
-                        let at = SimTime::from_seconds(time)?;
-                        self.schedule(at, Event::Arrival { source: source as u32 })?;
+                        let time = SimTime::from_seconds(time)?;
+                        self.schedule(time, Event::Arrival { source: source as u32 })?;
                     }
                 }
                 ArrivalPattern::Renewal(_) | ArrivalPattern::Poisson { .. } => self.schedule_next(source)?,
@@ -148,43 +148,45 @@ impl<R: Recorder> Shop<'_, R> {
     /// pieces or in as many as are transferred at a time.
     pub(super) fn release_order(&mut self, order: usize) -> Result<(), ShopError> {
         let scenario = self.scenario;
-        let (own, now, urgency) = (&scenario.orders[order], self.now(), self.urgency(order));
-        let part = &scenario.parts[own.part];
-        let owner = Entity::named(&format!("order {}", own.id));
-        let (size, together) = (own.job_size(part), own.transfer.unwrap_or(own.quantity).min(own.quantity));
-        let count = own.quantity.div_ceil(size);
+        let (ordered, now, urgency) = (&scenario.orders[order], self.now(), self.urgency(order));
+        let part = &scenario.parts[ordered.part];
+        let owner = Entity::named(&format!("order {}", ordered.id));
+        let (size, together) =
+            (ordered.job_size(part), ordered.transfer.unwrap_or(ordered.quantity).min(ordered.quantity));
+        let count = ordered.quantity.div_ceil(size);
         if count > 1 {
             let moving = together.div_ceil(size);
             self.world.lots[order] = Some(Lot::new(count, moving, part.operations.len()));
         }
-        let passed = own.jobs_passed(part);
-        if let Some(inside) = &own.in_process {
+        let passed = ordered.jobs_passed(part);
+        if let Some(inside) = &ordered.in_process {
             self.set_lot_at_start(order, inside, passed);
         }
         // One rank of every operation for the whole order.
         let mut drawn = vec![0.0; part.operations.len()];
         for (time, operation) in drawn.iter_mut().zip(&part.operations) {
             if let Work::Plain(work) = &operation.work {
-                let owner = Entity::named(&format!("order {}/{}", own.id, operation.name));
+                let owner = Entity::named(&format!("order {}/{}", ordered.id, operation.name));
                 *time = work.sample(&mut self.streams.open(owner, Purpose::Processing));
             }
         }
-        let mut left = own.quantity;
+        let mut left = ordered.quantity;
         for index in 0..count {
             let quantity = size.min(left);
             left -= quantity;
-            let operation = own.in_process.as_ref().map_or(0, |inside| inside.operation + usize::from(index < passed));
+            let operation =
+                ordered.in_process.as_ref().map_or(0, |inside| inside.operation + usize::from(index < passed));
             if operation == part.operations.len() {
                 continue; // it has left the shop before the start
             }
             let entity = if count > 1 { owner.part(PIECES).part(u64::from(index)) } else { owner };
             let number = self.world.jobs.released;
             let row = JobRow {
-                part: own.part as u32,
+                part: ordered.part as u32,
                 order: Some(order as u32),
                 quantity,
                 lot: order as u32 + 1,
-                arrival: if own.in_process.is_some() { own.release } else { now.seconds() },
+                arrival: if ordered.in_process.is_some() { ordered.release } else { now.seconds() },
                 start: f64::NAN,
                 finish: f64::NAN,
                 due: urgency.due,
@@ -219,11 +221,11 @@ impl<R: Recorder> Shop<'_, R> {
             }
             self.recorder.arrival(number, row);
             self.log_event("arrival", None, Some(number), None);
-            match &own.in_process {
+            match &ordered.in_process {
                 Some(inside) => {
                     let machine = inside.machine.filter(|_| index == passed);
-                    let own = InProcess { machine, done: own.share_done(part, index), ..inside.clone() };
-                    self.come_at_start(slot, &own)?;
+                    let in_process = InProcess { machine, done: ordered.share_done(part, index), ..inside.clone() };
+                    self.come_at_start(slot, &in_process)?;
                 }
                 None => self.enqueue(slot, None)?,
             }

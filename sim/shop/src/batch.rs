@@ -49,9 +49,9 @@ impl<R: Recorder> Shop<'_, R> {
             next = [next, time_out].into_iter().flatten().min();
         }
         let Some(family) = ready else {
-            if let Some(at) = next {
-                let key = self.schedule(at, Event::BatchDue { machine: machine as u32 })?;
-                self.world.machines[machine].batch.due = Some((at, key));
+            if let Some(due) = next {
+                let key = self.schedule(due, Event::BatchDue { machine: machine as u32 })?;
+                self.world.machines[machine].batch.due = Some((due, key));
             }
             return Ok(false);
         };

@@ -40,8 +40,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
 
     /// When the shop is changed, where it has not been and that is not after `time`.
     pub(super) fn change_until(&self, time: SimTime) -> Result<Option<SimTime>, ShopError> {
-        let at = self.before().map(|before| SimTime::from_seconds(before.at)).transpose()?;
-        Ok(at.filter(|at| *at <= time))
+        let change = self.before().map(|before| SimTime::from_seconds(before.at)).transpose()?;
+        Ok(change.filter(|change| *change <= time))
     }
 
     /// The shop is changed.

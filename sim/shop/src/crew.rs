@@ -39,8 +39,8 @@ impl<R: Recorder> Shop<'_, R> {
         if self.scenario.failures[mode].crew.is_some() {
             self.log_event("repair_start", Some(self.scenario.failures[mode].machine), None, None);
         }
-        let at = self.now().after(self.world.modes[mode].repair)?;
-        self.schedule(at, Event::Repair { mode: mode as u32 })?;
+        let time = self.now().after(self.world.modes[mode].repair)?;
+        self.schedule(time, Event::Repair { mode: mode as u32 })?;
         Ok(())
     }
 

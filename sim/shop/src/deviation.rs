@@ -178,10 +178,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
         let mut stream = self.streams.open(owner, Purpose::Processing);
         let wait = Distribution::Exponential { mean: 1.0 };
         let stop = Distribution::Exponential { mean: MICRO_STOP };
-        let (mut at, mut stopped) = (0.0, 0.0);
+        let (mut programmed_time, mut stopped) = (0.0, 0.0);
         loop {
-            at += wait.sample(&mut stream);
-            if at > rate * programmed {
+            programmed_time += wait.sample(&mut stream);
+            if programmed_time > rate * programmed {
                 break;
             }
             stopped += stop.sample(&mut stream);

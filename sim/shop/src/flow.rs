@@ -90,11 +90,11 @@ impl Flow {
 
 /// Jobs that have room in a buffer, its machines included where they count.
 pub(super) fn capacity(buffer: &Buffer, blocking: Blocking) -> usize {
-    let own = match blocking {
+    let on_machines = match blocking {
         Blocking::AfterService => 0,
         Blocking::BeforeService => buffer.machines.len(),
     };
-    buffer.places as usize + own
+    buffer.places as usize + on_machines
 }
 
 impl<R: Recorder> Shop<'_, R> {

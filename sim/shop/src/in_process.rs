@@ -96,14 +96,14 @@ impl<R: Recorder> Shop<'_, R> {
         self.halt(machine)?;
         self.release_operator(machine);
         let batches = std::mem::take(&mut self.world.machines[machine].batch.begun);
-        let own = self.task_of(machine, slot, Vec::new(), &asked);
+        let plan = self.task_of(machine, slot, Vec::new(), &asked);
         let state = &mut self.world.machines[machine];
         state.batch.begun = batches;
         let task = state.task.as_mut().expect(IN_WORK);
         task.riders.push(slot);
-        task.load_time += own.load_time;
-        task.unload_time += own.unload_time;
-        if let (Content::Plain(whole), Content::Plain(together)) = (own.content, &mut task.content) {
+        task.load_time += plan.load_time;
+        task.unload_time += plan.unload_time;
+        if let (Content::Plain(whole), Content::Plain(together)) = (plan.content, &mut task.content) {
             let left = (1.0 - inside.done) * whole;
             *together = together.max(whole);
             if matches!(task.step, Step::Work) && left > task.left {

@@ -70,16 +70,16 @@ impl<R: Recorder> Shop<'_, R> {
         // Several outcomes may come to the same.
         let mut groups: Vec<(Verdict, u32)> = Vec::new();
         for (place, count) in counts.into_iter().enumerate().filter(|(_, count)| *count > 0) {
-            let own = verdict(place);
-            match groups.iter_mut().find(|(other, _)| *other == own) {
+            let outcome = verdict(place);
+            match groups.iter_mut().find(|(other, _)| *other == outcome) {
                 Some((_, sum)) => *sum += count,
-                None => groups.push((own, count)),
+                None => groups.push((outcome, count)),
             }
         }
         let mut divided = Vec::with_capacity(groups.len());
         for (place, (verdict, count)) in groups.into_iter().enumerate() {
-            let own = if place == 0 { slot } else { self.divide(slot, count) };
-            divided.push((own, verdict));
+            let group = if place == 0 { slot } else { self.divide(slot, count) };
+            divided.push((group, verdict));
         }
         divided
     }
@@ -103,15 +103,15 @@ impl<R: Recorder> Shop<'_, R> {
             .filter(|each| matches!(self.scenario.parts[row.part as usize].operations[*each].work, Work::Plain(_)))
             .map(|each| (each, self.world.jobs.drawn(slot, each)))
             .collect();
-        let own = self.world.jobs.insert(job);
-        for (each, time) in drawn {
-            *self.world.jobs.drawn_mut(own, each) = time;
+        let divided = self.world.jobs.insert(job);
+        for (index, time) in drawn {
+            *self.world.jobs.drawn_mut(divided, index) = time;
         }
         if let Origin::Order(order) = origin {
             self.world.join_lot(order, operation);
         }
         self.recorder.arrival(number, row);
-        own
+        divided
     }
 
     /// A job goes back to an operation: its times from there on are drawn anew.
@@ -124,10 +124,10 @@ impl<R: Recorder> Shop<'_, R> {
         if let Origin::Order(order) = origin {
             self.world.repeat_in_lot(order, to, from);
         }
-        for each in to as usize..=from as usize {
-            if let Work::Plain(time) = &scenario.parts[part].operations[each].work {
-                let mut stream = self.streams.at(entity.part(each as u64), Purpose::Processing, visit);
-                *self.world.jobs.drawn_mut(slot, each) = time.sample(&mut stream);
+        for index in to as usize..=from as usize {
+            if let Work::Plain(time) = &scenario.parts[part].operations[index].work {
+                let mut stream = self.streams.at(entity.part(index as u64), Purpose::Processing, visit);
+                *self.world.jobs.drawn_mut(slot, index) = time.sample(&mut stream);
             }
         }
         debug_assert!(!matches!(self.world.jobs.at(slot).reserved, Some(Place::Buffer(_))));

@@ -40,8 +40,8 @@ impl<R: Recorder> Shop<'_, R> {
         self.world.modes[mode].left = time;
         match failure.clock {
             FailureClock::Calendar => {
-                let at = self.now().after(time)?;
-                self.world.modes[mode].due = Some(self.schedule(at, Event::Failure { mode: mode as u32 })?);
+                let due = self.now().after(time)?;
+                self.world.modes[mode].due = Some(self.schedule(due, Event::Failure { mode: mode as u32 })?);
                 Ok(())
             }
             FailureClock::Busy => self.start_clocks(failure.machine),
@@ -68,8 +68,8 @@ impl<R: Recorder> Shop<'_, R> {
             {
                 continue;
             }
-            let at = self.now().after(clock.left)?;
-            let due = self.schedule(at, Event::Failure { mode })?;
+            let time = self.now().after(clock.left)?;
+            let due = self.schedule(time, Event::Failure { mode })?;
             let clock = &mut self.world.modes[mode as usize];
             clock.since = self.calendar.now();
             clock.due = Some(due);

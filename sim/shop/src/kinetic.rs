@@ -71,8 +71,8 @@ impl Kinetic {
         } else if self.rule == DispatchRule::Atc {
             // Where that is no time of the run, the job never loses its slack or never had any.
             let ripe = SimTime::from_seconds(facts.due - facts.work_left);
-            if let Ok(at) = ripe {
-                self.ripening.push(Reverse((at, waiting.slot, waiting.number)));
+            if let Ok(ripe_time) = ripe {
+                self.ripening.push(Reverse((ripe_time, waiting.slot, waiting.number)));
             }
             if ripe.is_err() && facts.due < facts.work_left { LATE } else { EARLY }
         } else {
@@ -124,8 +124,8 @@ impl Kinetic {
 
     /// Jobs that have lost their slack go to those without.
     fn ripen(&mut self, now: f64) {
-        while let Some(&Reverse((at, slot, number))) = self.ripening.peek() {
-            if at.seconds() > now {
+        while let Some(&Reverse((time, slot, number))) = self.ripening.peek() {
+            if time.seconds() > now {
                 return;
             }
             self.ripening.pop();
@@ -319,10 +319,10 @@ impl Tournament {
 
     /// The matches of a place have to be played again.
     fn open(&mut self, place: u32) {
-        let mut at = (self.entries.len() + place as usize) / 2;
-        while at > 0 {
-            self.matches[at] = OPEN;
-            at /= 2;
+        let mut node = (self.entries.len() + place as usize) / 2;
+        while node > 0 {
+            self.matches[node] = OPEN;
+            node /= 2;
         }
     }
 
@@ -335,30 +335,30 @@ impl Tournament {
     }
 
     /// Result of a match, played again where it does not hold any more.
-    fn play(&mut self, at: usize, game: &Game) -> Match {
+    fn play(&mut self, node: usize, game: &Game) -> Match {
         let size = self.entries.len();
-        if at >= size {
-            let place = at - size;
+        if node >= size {
+            let place = node - size;
             let winner = if self.entries[place].is_some() { place as u32 } else { NOBODY };
             return Match { winner, ..EMPTY };
         }
-        let (from, to) = self.matches[at].holds;
+        let (from, to) = self.matches[node].holds;
         if from <= game.at && game.at <= to {
-            return self.matches[at];
+            return self.matches[node];
         }
-        let (one, other) = (self.play(2 * at, game), self.play(2 * at + 1, game));
+        let (one, other) = (self.play(2 * node, game), self.play(2 * node + 1, game));
         let common = (one.holds.0.max(other.holds.0), one.holds.1.min(other.holds.1));
         let entry = |place: u32| self.entries.get(place as usize).and_then(Option::as_ref);
         let result = match (entry(one.winner), entry(other.winner)) {
             (Some(a), Some(b)) => {
-                let own = game.holds(a, b);
+                let interval = game.holds(a, b);
                 let winner = if game.order(a, b).is_le() { one.winner } else { other.winner };
-                Match { winner, holds: (common.0.max(own.0), common.1.min(own.1)) }
+                Match { winner, holds: (common.0.max(interval.0), common.1.min(interval.1)) }
             }
             (Some(_), None) => Match { winner: one.winner, holds: common },
             (None, _) => Match { winner: other.winner, holds: common },
         };
-        self.matches[at] = result;
+        self.matches[node] = result;
         result
     }
 }
@@ -420,10 +420,10 @@ mod tests {
                 now += ((draw >> 40) % 5) as f64;
                 if what < 2 {
                     let waiting = Waiting { since: SimTime::from_seconds(now).unwrap(), number, slot: number, operation: 0 };
-                    let own = facts(draw, whole);
+                    let standing_facts = facts(draw, whole);
                     let standing = |facts: &Facts| keys_under(&rules, now, facts, &Moment::default());
                     for queue in [&mut scan, &mut kinetic] {
-                        queue.join(waiting, || own, standing, |_| true);
+                        queue.join(waiting, || standing_facts, standing, |_| true);
                     }
                 } else if what == 2 && number > 0 {
                     // Another machine takes a job.

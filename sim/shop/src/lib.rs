@@ -258,8 +258,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
     /// # Errors
     /// [`ShopError`]; the shop is then of no further use.
     pub fn run_until(&mut self, time: SimTime) -> Result<(), ShopError> {
-        if let Some(at) = self.change_until(time)? {
-            self.settle_until(at)?;
+        if let Some(change_time) = self.change_until(time)? {
+            self.settle_until(change_time)?;
             self.change();
         }
         self.settle_until(time)
@@ -389,8 +389,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
         }
     }
 
-    fn schedule(&mut self, at: SimTime, event: Event) -> Result<EventKey, ShopError> {
-        Ok(self.calendar.schedule(at, event.class(), event)?)
+    fn schedule(&mut self, time: SimTime, event: Event) -> Result<EventKey, ShopError> {
+        Ok(self.calendar.schedule(time, event.class(), event)?)
     }
 
     fn job_in(&self, machine: usize) -> Option<u32> {

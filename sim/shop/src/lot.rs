@@ -51,10 +51,10 @@ impl World {
     /// of them that one, for which `machine` is kept.
     pub(super) fn set_lot(&mut self, order: u32, operation: u32, passed: u32, machine: Option<u32>) {
         let Some(lot) = self.lot_mut(order) else { return };
-        let at = operation as usize;
-        lot.steps[..at].iter_mut().for_each(|step| step.left = 0);
-        lot.steps[at].left -= passed;
-        lot.steps[at].machine = machine;
+        let index = operation as usize;
+        lot.steps[..index].iter_mut().for_each(|step| step.left = 0);
+        lot.steps[index].left -= passed;
+        lot.steps[index].machine = machine;
         if let Some(machine) = machine {
             self.machines[machine as usize].kept_for = Some((order, operation));
         }

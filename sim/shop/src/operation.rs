@@ -54,15 +54,15 @@ impl<R: Recorder> Shop<'_, R> {
         let plan = self.layout.operations[job.row.part as usize][job.operation as usize];
         let [mut load_time, mut unload_time] = self.handling(machine, slot, asked);
         for &rider in &riders {
-            let own = self.handling(machine, rider, asked);
-            load_time += own[0];
-            unload_time += own[1];
+            let handling = self.handling(machine, rider, asked);
+            load_time += handling[0];
+            unload_time += handling[1];
         }
         let content = match plan.content {
             ContentPlan::Plain => {
                 // All that is worked on together is done when the longest work is.
-                let own = |slot: u32| self.whole_work(machine, slot, asked);
-                let whole = riders.iter().map(|rider| own(*rider)).fold(own(slot), f64::max);
+                let work_of = |slot: u32| self.whole_work(machine, slot, asked);
+                let whole = riders.iter().map(|rider| work_of(*rider)).fold(work_of(slot), f64::max);
                 Content::Plain(self.world.jobs.at_mut(slot).rest.take().unwrap_or(whole))
             }
             ContentPlan::Machining { tool, cutting_time, .. } => {
@@ -132,8 +132,8 @@ impl<R: Recorder> Shop<'_, R> {
             }
             let Some(task) = &self.world.machines[machine].task else { return Ok(()) };
             if task.left > 0.0 || dispatching && matches!(task.step, Step::Unload) {
-                let at = self.now().after(task.left)?;
-                let end = self.schedule(at, super::Event::StepEnd { machine: machine as u32 })?;
+                let time = self.now().after(task.left)?;
+                let end = self.schedule(time, super::Event::StepEnd { machine: machine as u32 })?;
                 let now = self.now();
                 if let Some(task) = &mut self.world.machines[machine].task {
                     task.end = Some(end);
@@ -334,7 +334,7 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at(slot);
         let pieces = f64::from(job.row.quantity);
         let operation = &self.scenario.parts[job.row.part as usize].operations[job.operation as usize];
-        let own = match operation.work_per {
+        let share = match operation.work_per {
             WorkPer::Part => pieces,
             WorkPer::Lot | WorkPer::Batch => pieces / f64::from(whole),
         };
@@ -348,7 +348,7 @@ impl<R: Recorder> Shop<'_, R> {
             end: f64::NAN,
             time_left: 0.0,
             time_before: task.before,
-            work: own / (1 + task.riders.len()) as f64,
+            work: share / (1 + task.riders.len()) as f64,
             next: job.operation,
             result: OperationResult::InProcess,
         }

@@ -46,8 +46,8 @@ impl Awaiting {
 impl<R: Recorder> Shop<'_, R> {
     /// Puts everybody in or out of shift at time zero.
     pub(super) fn open_operators(&mut self) -> Result<(), ShopError> {
-        for (operator, own) in self.scenario.operators.iter().enumerate() {
-            let here = own.calendar.is_none_or(|calendar| self.scenario.calendars[calendar].works_at(0.0));
+        for (operator, resource) in self.scenario.operators.iter().enumerate() {
+            let here = resource.calendar.is_none_or(|calendar| self.scenario.calendars[calendar].works_at(0.0));
             self.world.operators.push(OperatorState { here, machine: None, since: SimTime::ZERO });
             self.schedule_operator(operator)?;
         }

@@ -107,12 +107,12 @@ impl Ports {
 /// Index of the first element of the first of `names` that there is.
 fn element(fields: &[Field], names: &[&str]) -> Option<usize> {
     names.iter().find_map(|name| {
-        let mut at = 0;
+        let mut index = 0;
         for field in fields {
             if field.name == *name {
-                return Some(at);
+                return Some(index);
             }
-            at += field.len;
+            index += field.len;
         }
         None
     })
@@ -124,13 +124,13 @@ pub(super) fn elements(fields: &[Field]) -> usize {
 }
 
 /// Element of `values`, or `missing` where the process does not have it.
-pub(super) fn read(values: &[f64], at: Option<usize>, missing: f64) -> f64 {
-    at.map_or(missing, |i| values[i])
+pub(super) fn read(values: &[f64], index: Option<usize>, missing: f64) -> f64 {
+    index.map_or(missing, |i| values[i])
 }
 
 /// Sets an element where the process has it.
-pub(super) fn write(values: &mut [f64], at: Option<usize>, value: f64) {
-    if let Some(i) = at {
+pub(super) fn write(values: &mut [f64], index: Option<usize>, value: f64) {
+    if let Some(i) = index {
         values[i] = value;
     }
 }

@@ -57,7 +57,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// The machine that a waiting job may take from the least urgent job in work: of several the one that has
     /// begun last.
     fn worst_for(&self, slot: u32) -> Option<usize> {
-        let own = self.world.jobs.at(slot).priority;
+        let priority = self.world.jobs.at(slot).priority;
         let candidates = self.next_machines(slot).iter().filter_map(|&machine| {
             let state = &self.world.machines[machine];
             let task = state.task.as_ref()?;
@@ -68,7 +68,7 @@ impl<R: Recorder> Shop<'_, R> {
                 && operation.preemptible;
             let own_machine = state.is_up() && !state.leaving && state.kept_for.is_none() && task.riders.is_empty();
             let batch = self.scenario.machines[machine].batch.is_some();
-            let allowed = stoppable && own_machine && !batch && running.priority > own;
+            let allowed = stoppable && own_machine && !batch && running.priority > priority;
             allowed.then_some((running.priority, task.begun, machine))
         });
         candidates.max_by(|a, b| a.0.cmp(&b.0).then(a.1.cmp(&b.1)).then(b.2.cmp(&a.2))).map(|(_, _, machine)| machine)

@@ -69,11 +69,11 @@ mod tests {
     #[test]
     fn every_instant_has_the_command_of_its_block() {
         let mut input = [0.0, 0.0];
-        let at = |time: f64, input: &mut [f64; 2]| (program().command(time, input), input[1]);
-        assert_eq!(at(0.0, &mut input), (2.0, 10.0));
-        assert_eq!(at(2.0, &mut input), (5.0, 20.0));
-        assert_eq!(at(5.5, &mut input), (f64::INFINITY, 30.0));
-        assert_eq!(at(9.0, &mut input), (f64::INFINITY, 30.0));
+        let command_at = |time: f64, input: &mut [f64; 2]| (program().command(time, input), input[1]);
+        assert_eq!(command_at(0.0, &mut input), (2.0, 10.0));
+        assert_eq!(command_at(2.0, &mut input), (5.0, 20.0));
+        assert_eq!(command_at(5.5, &mut input), (f64::INFINITY, 30.0));
+        assert_eq!(command_at(9.0, &mut input), (f64::INFINITY, 30.0));
         assert_eq!(input[0], 0.0);
     }
 

@@ -53,8 +53,8 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn call_vehicle(&mut self, slot: u32, machine: usize) -> bool {
         let machines = &self.scenario.machines;
         let goes = &machines[self.next_machines(slot)[0]].location;
-        for (transport, own) in self.scenario.transports.iter().enumerate() {
-            if let (Some(from), Some(to)) = (own.location(&machines[machine].location), own.location(goes)) {
+        for (transport, resource) in self.scenario.transports.iter().enumerate() {
+            if let (Some(from), Some(to)) = (resource.location(&machines[machine].location), resource.location(goes)) {
                 if from == to {
                     return false;
                 }
@@ -69,10 +69,10 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn send_vehicles(&mut self) -> Result<(), ShopError> {
         for transport in 0..self.world.transports.len() {
             while let Some((vehicle, call)) = self.next_way(transport) {
-                let own = &self.scenario.transports[transport];
+                let resource = &self.scenario.transports[transport];
                 let state = &mut self.world.transports[transport];
                 let Some(call) = state.calls.remove(call) else { break };
-                let time = own.times[state.vehicles[vehicle].at][call.from] + own.times[call.from][call.to];
+                let time = resource.times[state.vehicles[vehicle].at][call.from] + resource.times[call.from][call.to];
                 state.vehicles[vehicle] = VehicleState { at: call.to, busy: true, job: Some(call.slot) };
                 self.log_event("move", None, Some(self.world.jobs.at(call.slot).number), None);
                 self.drives(transport, vehicle, time)?;
@@ -83,36 +83,36 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// The vehicle and the job, by their places, that go next.
     fn next_way(&self, transport: usize) -> Option<(usize, usize)> {
-        let (own, state) = (&self.scenario.transports[transport], &self.world.transports[transport]);
-        let most = match own.rule {
+        let (resource, state) = (&self.scenario.transports[transport], &self.world.transports[transport]);
+        let most = match resource.rule {
             TransportRule::Fifo => 1,
             TransportRule::Nearest => state.calls.len(),
         };
         let free = state.vehicles.iter().enumerate().filter(|(_, vehicle)| !vehicle.busy);
         let ways = free.flat_map(|(vehicle, from)| {
             let calls = state.calls.iter().take(most).enumerate();
-            calls.map(move |(call, to)| (own.times[from.at][to.from], call, vehicle))
+            calls.map(move |(call, to)| (resource.times[from.at][to.from], call, vehicle))
         });
         let nearest = ways.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
         nearest.map(|(_, call, vehicle)| (vehicle, call))
     }
 
     fn drives(&mut self, transport: usize, vehicle: usize, time: f64) -> Result<(), ShopError> {
-        let at = self.now().after(time)?;
-        self.schedule(at, Event::Delivery { transport: transport as u16, vehicle: vehicle as u16 })?;
+        let arrival = self.now().after(time)?;
+        self.schedule(arrival, Event::Delivery { transport: transport as u16, vehicle: vehicle as u16 })?;
         Ok(())
     }
 
     /// A vehicle has come to where it drove.
     pub(super) fn delivered(&mut self, transport: usize, vehicle: usize) -> Result<(), ShopError> {
-        let own = &self.scenario.transports[transport];
+        let resource = &self.scenario.transports[transport];
         let state = &mut self.world.transports[transport];
-        let (at, nobody) = (state.vehicles[vehicle].at, state.calls.is_empty());
+        let (position, nobody) = (state.vehicles[vehicle].at, state.calls.is_empty());
         let job = state.vehicles[vehicle].job.take();
         state.vehicles[vehicle].busy = false;
-        if own.park == Parking::Home && at != 0 && nobody {
+        if resource.park == Parking::Home && position != 0 && nobody {
             state.vehicles[vehicle] = VehicleState { at: 0, busy: true, job: None };
-            self.drives(transport, vehicle, own.times[at][0])?;
+            self.drives(transport, vehicle, resource.times[position][0])?;
         }
         let Some(slot) = job else { return Ok(()) };
         self.log_event("delivery", None, Some(self.world.jobs.at(slot).number), None);

@@ -190,9 +190,9 @@ impl<'t> Parser<'t> {
         if self.depth > DEPTH {
             return Err(self.fault("the expression is nested too deeply"));
         }
-        let own = self.operand();
+        let operand = self.operand();
         self.depth -= 1;
-        own
+        operand
     }
 
     fn operand(&mut self) -> Result<Expression, Fault> {
@@ -200,9 +200,9 @@ impl<'t> Parser<'t> {
         let next = self.peek();
         if next == open {
             self.at += 1;
-            let own = self.expression()?;
+            let inner = self.expression()?;
             self.expect(close)?;
-            return Ok(own);
+            return Ok(inner);
         }
         match next {
             b'-' => {

@@ -218,7 +218,7 @@ impl Iso {
         if !centre.is_empty() {
             kernel.straight(&centre, true)?;
         }
-        let at = kernel.program_at();
+        let position = kernel.program_at();
         let size =
             words.take(b'I').ok_or_else(|| Fault::new(format!("G{code} needs I, the radius or the distance")))?;
         let size = self.mm(kernel, words, b'I', size)?;
@@ -234,7 +234,8 @@ impl Iso {
             };
             let (sin, cos) = crate::frame::turn(angle);
             let mut target = Target::default();
-            (target.absolute[0], target.absolute[1]) = (Some(at[0] + reach * cos), Some(at[1] + reach * sin));
+            (target.absolute[0], target.absolute[1]) =
+                (Some(position[0] + reach * cos), Some(position[1] + reach * sin));
             self.hole_at(&target, cycle, kernel)?;
         }
         Ok(())

@@ -57,8 +57,8 @@ impl Iso {
             Once::Rotate => {
                 let angle = words.take(b'R').ok_or_else(|| Fault::new("G68 needs R, the angle in degrees"))?;
                 let [u, v, _] = kernel.plane;
-                let at = kernel.program_at();
-                let mut centre = [at[u], at[v]];
+                let position = kernel.program_at();
+                let mut centre = [position[u], position[v]];
                 for (slot, axis) in centre.iter_mut().zip([u, v]) {
                     let letter = AXES[axis] as u8;
                     if let Some(value) = words.take(letter) {
@@ -71,8 +71,8 @@ impl Iso {
                 Ok(())
             }
             Once::Scale => {
-                let at = kernel.program_at();
-                let mut centre = [at[0], at[1], at[2]];
+                let position = kernel.program_at();
+                let mut centre = [position[0], position[1], position[2]];
                 for axis in 0..3 {
                     let letter = AXES[axis] as u8;
                     if let Some(value) = words.take(letter) {
@@ -163,13 +163,13 @@ impl Iso {
             }
         }
         let target = self.target(words, kernel)?;
-        let at = kernel.program_at();
+        let position = kernel.program_at();
         for axis in 0..9 {
             let wanted = target.absolute[axis].or(target.step[axis]);
             let Some(wanted) = wanted else { continue };
             if kernel.known[axis] {
                 let mut span = [0.0; 9];
-                span[axis] = at[axis] - wanted;
+                span[axis] = position[axis] - wanted;
                 let linear = Frame { shift: [0.0; 9], ..kernel.frame };
                 for (slot, part) in self.modes.set.iter_mut().zip(linear.base(span)) {
                     *slot += part;
@@ -207,7 +207,7 @@ impl Iso {
                 return Err(Fault::at(words.column(b'R'), "a turned work offset (G10 L2 R) is not followed"));
             }
         }
-        let at = kernel.program_at();
+        let position = kernel.program_at();
         for axis in 0..9 {
             let letter = AXES[axis] as u8;
             let Some(value) = words.take(letter) else { continue };
@@ -217,7 +217,7 @@ impl Iso {
             if kind == Some(20) {
                 if active {
                     if kernel.known[axis] {
-                        self.modes.work[axis] += at[axis] - value;
+                        self.modes.work[axis] += position[axis] - value;
                     } else {
                         kernel.at[axis] = value + kernel.frame.shift[axis];
                         kernel.known[axis] = true;
@@ -246,8 +246,8 @@ impl Iso {
         if system == self.modes.system {
             return;
         }
-        let of = |system: u32| self.modes.offsets.get(&system).copied().unwrap_or_default();
-        let (before, now) = (of(self.modes.system), of(system));
+        let offset_of = |system: u32| self.modes.offsets.get(&system).copied().unwrap_or_default();
+        let (before, now) = (offset_of(self.modes.system), offset_of(system));
         for axis in 0..9 {
             match (before[axis], now[axis]) {
                 (Some(before), Some(now)) => self.modes.work[axis] += now - before,

@@ -106,8 +106,8 @@ pub(super) fn statements(text: &str, dialect: Dialect, file: usize, offset: usiz
         }
         statement.code = code;
         list.push(statement);
-        let own = list.len() - 1;
-        link(&mut list, own, offset, &mut open);
+        let index = list.len() - 1;
+        link(&mut list, index, offset, &mut open);
     }
     for (name, index) in open {
         let message = format!("{name} is not closed: its end is missing");
@@ -120,16 +120,16 @@ pub(super) fn statements(text: &str, dialect: Dialect, file: usize, offset: usiz
 fn clean(line: &str) -> Result<String, Fault> {
     let mut inside = None;
     let mut clean = String::with_capacity(line.len());
-    for (at, letter) in line.char_indices() {
+    for (start, letter) in line.char_indices() {
         match (letter, inside) {
             (';', None) => break,
-            ('(', None) => inside = Some(at),
+            ('(', None) => inside = Some(start),
             (')', Some(_)) => {
                 inside = None;
                 clean.push(' ');
                 continue;
             }
-            (')', None) => return Err(Fault::at(at + 1, "`)` closes no comment")),
+            (')', None) => return Err(Fault::at(start + 1, "`)` closes no comment")),
             _ => {}
         }
         // Columns count bytes as the parser does.
@@ -319,19 +319,19 @@ fn order(parser: &mut Parser<'_>) -> Result<Code, Fault> {
 }
 
 /// Joins the parts of loops and conditions; `own` is the newest statement.
-fn link(list: &mut [Statement], own: usize, offset: usize, open: &mut Vec<(String, usize)>) {
-    let place = own + offset;
+fn link(list: &mut [Statement], index: usize, offset: usize, open: &mut Vec<(String, usize)>) {
+    let place = index + offset;
     let unmatched = |list: &mut [Statement], what: &str| {
-        list[own].code = Code::Fault(Fault::at(1, format!("{what} without its beginning")));
+        list[index].code = Code::Fault(Fault::at(1, format!("{what} without its beginning")));
     };
-    match list[own].code.clone() {
-        Code::While(_) => open.push((format!("DO{}", list[own].end), own)),
+    match list[index].code.clone() {
+        Code::While(_) => open.push((format!("DO{}", list[index].end), index)),
         Code::End => {
-            let wanted = format!("DO{}", list[own].end);
+            let wanted = format!("DO{}", list[index].end);
             match open.pop() {
                 Some((name, begin)) if name == wanted => {
                     list[begin].jump = place + 1;
-                    list[own].jump = begin + offset;
+                    list[index].jump = begin + offset;
                 }
                 other => {
                     open.extend(other);
@@ -345,15 +345,15 @@ fn link(list: &mut [Statement], own: usize, offset: usize, open: &mut Vec<(Strin
             let top_order =
                 kind.as_ref().and_then(|code| if let Code::Order(_, order) = code { Some(order) } else { None });
             match order {
-                Order::Sub | Order::Do | Order::If(_) | Order::Repeat(_) => open.push((format!("O{name}"), own)),
+                Order::Sub | Order::Do | Order::If(_) | Order::Repeat(_) => open.push((format!("O{name}"), index)),
                 Order::While(condition) => {
                     if let (Some(begin), Some(Order::Do)) = (top, top_order) {
                         open.pop();
-                        list[own].code = Code::Order(name, Order::DoWhile(condition));
-                        list[own].jump = begin + offset;
+                        list[index].code = Code::Order(name, Order::DoWhile(condition));
+                        list[index].jump = begin + offset;
                         list[begin].jump = place;
                     } else {
-                        open.push((format!("O{name}"), own));
+                        open.push((format!("O{name}"), index));
                     }
                 }
                 Order::EndSub(_) | Order::EndWhile | Order::EndRepeat => {
@@ -367,7 +367,7 @@ fn link(list: &mut [Statement], own: usize, offset: usize, open: &mut Vec<(Strin
                         Some(begin) => {
                             open.pop();
                             list[begin].jump = place + 1;
-                            list[own].jump = begin + offset;
+                            list[index].jump = begin + offset;
                         }
                         None => unmatched(list, &format!("the end of O{name}")),
                     }
@@ -390,8 +390,8 @@ fn link(list: &mut [Statement], own: usize, offset: usize, open: &mut Vec<(Strin
                                     branch = before - 1;
                                 }
                             } else {
-                                list[own].end = begin + 1;
-                                open.push((format!("O{name}"), own));
+                                list[index].end = begin + 1;
+                                open.push((format!("O{name}"), index));
                             }
                         }
                         None => unmatched(list, &format!("O{name}")),
@@ -400,7 +400,7 @@ fn link(list: &mut [Statement], own: usize, offset: usize, open: &mut Vec<(Strin
                 Order::Break | Order::Continue => {
                     let wanted = format!("O{name}");
                     match open.iter().rev().find(|(known, _)| *known == wanted) {
-                        Some((_, begin)) => list[own].jump = *begin + offset,
+                        Some((_, begin)) => list[index].jump = *begin + offset,
                         None => unmatched(list, &format!("O{name} break or continue")),
                     }
                 }

@@ -90,9 +90,9 @@ impl Iso {
         /// Lines of a spline, which LinuxCNC follows by arcs: their length is right to a millionth and better (a test).
         const PIECES: usize = 2000;
         for piece in 1..=PIECES {
-            let at = bezier(&points, piece as f64 / PIECES as f64);
+            let point = bezier(&points, piece as f64 / PIECES as f64);
             let mut target = Target::default();
-            (target.absolute[0], target.absolute[1]) = (Some(at[0]), Some(at[1]));
+            (target.absolute[0], target.absolute[1]) = (Some(point[0]), Some(point[1]));
             kernel.straight(&target, false)?;
         }
         Ok(())
@@ -119,12 +119,12 @@ impl Iso {
 
 /// A point of a Bézier curve by de Casteljau.
 fn bezier(points: &[[f64; 2]], share: f64) -> [f64; 2] {
-    let mut own = points.to_vec();
-    while own.len() > 1 {
-        own = own
+    let mut control = points.to_vec();
+    while control.len() > 1 {
+        control = control
             .windows(2)
             .map(|pair| std::array::from_fn(|i| pair[0][i] + share * (pair[1][i] - pair[0][i])))
             .collect();
     }
-    own[0]
+    control[0]
 }

@@ -61,7 +61,7 @@ const DEPTH: usize = 10;
 
 impl Iso {
     pub fn new(text: &str, dialect: Dialect, library: Library) -> Self {
-        let mut own = Self {
+        let mut interpreter = Self {
             dialect,
             statements: Vec::new(),
             files: Vec::new(),
@@ -78,8 +78,8 @@ impl Iso {
             modal_macro: None,
             words: Words::default(),
         };
-        own.add(text, String::new());
-        own
+        interpreter.add(text, String::new());
+        interpreter
     }
 
     fn add(&mut self, text: &str, name: String) {
@@ -158,10 +158,10 @@ impl Iso {
         if count == 0 {
             return Ok(());
         }
-        let own = locals.is_some();
+        let has_locals = locals.is_some();
         self.store.levels.extend(locals);
         let loops = std::mem::take(&mut self.loops);
-        self.calls.push(Call { back: self.pc, start, left: count - 1, own, line, count: 1, modal, loops });
+        self.calls.push(Call { back: self.pc, start, left: count - 1, own: has_locals, line, count: 1, modal, loops });
         self.pc = start;
         Ok(())
     }
@@ -255,8 +255,8 @@ impl Iso {
         }
     }
 
-    fn order(&mut self, name: &str, order: &Order, own: usize) -> Result<(), Fault> {
-        let (jump, end) = (self.statements[own].jump, self.statements[own].end);
+    fn order(&mut self, name: &str, order: &Order, index: usize) -> Result<(), Fault> {
+        let (jump, end) = (self.statements[index].jump, self.statements[index].end);
         match order {
             // A definition is passed over.
             Order::Sub => self.pc = jump,
@@ -274,7 +274,7 @@ impl Iso {
                     *slot = self.value(argument)?;
                 }
                 let start = self.sub(name)?;
-                let line = self.statements[own].line;
+                let line = self.statements[index].line;
                 self.call(start, 1, Some(locals), line, false)?;
             }
             Order::While(condition) => {
@@ -291,17 +291,17 @@ impl Iso {
             }
             Order::If(condition) => {
                 let mut holds = self.truth(condition)?;
-                let mut at = own;
+                let mut branch = index;
                 while !holds {
-                    at = self.statements[at].jump;
+                    branch = self.statements[branch].jump;
                     // An `else` holds whenever it is reached.
-                    holds = if let Code::Order(_, Order::ElseIf(condition)) = &self.statements[at].code {
+                    holds = if let Code::Order(_, Order::ElseIf(condition)) = &self.statements[branch].code {
                         self.truth(condition)?
                     } else {
                         true
                     };
                 }
-                self.pc = at + 1;
+                self.pc = branch + 1;
             }
             Order::ElseIf(_) | Order::Else => self.pc = end,
             Order::EndIf => {}
@@ -310,7 +310,7 @@ impl Iso {
                 if count < 1.0 {
                     self.pc = jump;
                 } else {
-                    self.loops.push((own, count.min(1e15) as u64 - 1));
+                    self.loops.push((index, count.min(1e15) as u64 - 1));
                 }
             }
             Order::EndRepeat => match self.loops.last_mut() {
@@ -360,8 +360,9 @@ impl Iso {
 
     fn refresh(&mut self, kernel: &Kernel) {
         let scale = kernel.scale.unwrap_or(1.0);
-        let at = kernel.program_at();
-        self.store.position = std::array::from_fn(|i| if (3..6).contains(&i) { at[i] } else { at[i] / scale });
+        let position = kernel.program_at();
+        self.store.position =
+            std::array::from_fn(|i| if (3..6).contains(&i) { position[i] } else { position[i] / scale });
         self.modes.publish(kernel, &mut self.store.modal);
     }
 
@@ -383,7 +384,7 @@ impl Interpreter for Iso {
             kernel.end()?;
             return Ok(Flow::Ended);
         };
-        let own = self.pc;
+        let index = self.pc;
         let crosses = self.calls.is_empty() && statement.file > 0;
         if crosses {
             kernel.end()?;
@@ -397,9 +398,9 @@ impl Interpreter for Iso {
             return Ok(Flow::Going);
         }
         // The statement leaves its place while it runs, so that nothing has to be copied.
-        let code = std::mem::replace(&mut self.statements[own].code, Code::Print);
-        let flow = self.run(&code, own, kernel);
-        self.statements[own].code = code;
+        let code = std::mem::replace(&mut self.statements[index].code, Code::Print);
+        let flow = self.run(&code, index, kernel);
+        self.statements[index].code = code;
         flow
     }
 
@@ -410,15 +411,15 @@ impl Interpreter for Iso {
 }
 
 impl Iso {
-    fn run(&mut self, code: &Code, own: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
+    fn run(&mut self, code: &Code, index: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
         match code {
             Code::Fault(fault) => return Err(fault.clone()),
             Code::Print => {}
             Code::Program(_) => {
                 // A second program begins where the first has no end.
-                if own > 0
+                if index > 0
                     && self.calls.is_empty()
-                    && self.statements[..own].iter().any(|s| !matches!(s.code, Code::Program(_)))
+                    && self.statements[..index].iter().any(|s| !matches!(s.code, Code::Program(_)))
                 {
                     kernel.end()?;
                     return Ok(Flow::Ended);
@@ -437,7 +438,7 @@ impl Iso {
             Code::If(condition, then) => {
                 self.refresh(kernel);
                 if self.truth(condition)? {
-                    return self.run(then, own, kernel);
+                    return self.run(then, index, kernel);
                 }
             }
             Code::Goto(target) => {
@@ -445,8 +446,8 @@ impl Iso {
                 if !(0.0..=99_999_999.0).contains(&number) {
                     return Err(Fault::new(format!("GOTO {number}: that is no block number")));
                 }
-                self.pc = self.block_number(number.round() as u32, own)?;
-                if self.pc <= own {
+                self.pc = self.block_number(number.round() as u32, index)?;
+                if self.pc <= index {
                     kernel.loop_line = kernel.line;
                 }
             }
@@ -454,18 +455,18 @@ impl Iso {
                 if let Some(condition) = condition {
                     self.refresh(kernel);
                     if !self.truth(condition)? {
-                        self.pc = self.statements[own].jump;
+                        self.pc = self.statements[index].jump;
                     }
                 }
             }
             Code::End => {
-                self.pc = self.statements[own].jump;
+                self.pc = self.statements[index].jump;
                 kernel.loop_line = kernel.line;
             }
             Code::Order(name, order) => {
                 self.refresh(kernel);
-                self.order(name, order, own)?;
-                if self.pc <= own {
+                self.order(name, order, index)?;
+                if self.pc <= index {
                     kernel.loop_line = kernel.line;
                 }
             }

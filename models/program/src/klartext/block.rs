@@ -56,24 +56,24 @@ impl Klartext {
                     return Err(Fault::at(column(2), "CYCL CALL PAT needs a table of points, which is not followed"));
                 }
                 let rest = if word(2) == "POS" { &words[3..] } else { &words[2..] };
-                let own = self.words(rest, kernel)?;
+                let given = self.words(rest, kernel)?;
                 if word(2) == "POS" {
-                    self.feed(&own, kernel)?;
-                    kernel.straight(&own.target, own.fmax)?;
+                    self.feed(&given, kernel)?;
+                    kernel.straight(&given.target, given.fmax)?;
                 }
-                self.before(&own.m, kernel)?;
+                self.before(&given.m, kernel)?;
                 self.bore(kernel)?;
-                self.after(&own.m, kernel)?
+                self.after(&given.m, kernel)?
             }
             "CC" => {
-                let own = self.words(&words[1..], kernel)?;
-                let at = kernel.program_at();
+                let given = self.words(&words[1..], kernel)?;
+                let position = kernel.program_at();
                 let [u, v, _] = kernel.plane;
                 for (slot, axis) in [u, v].into_iter().enumerate() {
-                    self.pole[slot] = match (own.target.absolute[axis], own.target.step[axis]) {
+                    self.pole[slot] = match (given.target.absolute[axis], given.target.step[axis]) {
                         (Some(place), _) => place,
-                        (None, Some(step)) => at[axis] + step,
-                        (None, None) if own.target.is_empty() => at[axis],
+                        (None, Some(step)) => position[axis] + step,
+                        (None, None) if given.target.is_empty() => position[axis],
                         (None, None) => self.pole[slot],
                     };
                 }
@@ -104,9 +104,9 @@ impl Klartext {
             "STOP" => {
                 self.flush(kernel)?;
                 kernel.push(EventKind::Stop(false));
-                let own = self.words(&words[1..], kernel)?;
-                self.before(&own.m, kernel)?;
-                self.after(&own.m, kernel)?
+                let given = self.words(&words[1..], kernel)?;
+                self.before(&given.m, kernel)?;
+                self.after(&given.m, kernel)?
             }
             "APPR" | "DEP" => {
                 return Err(Fault::at(
@@ -125,9 +125,9 @@ impl Klartext {
             }
             first if first.starts_with('M') && first[1..].bytes().all(|b| b.is_ascii_digit()) && first.len() > 1 => {
                 self.flush(kernel)?;
-                let own = self.words(words, kernel)?;
-                self.before(&own.m, kernel)?;
-                self.after(&own.m, kernel)?
+                let given = self.words(words, kernel)?;
+                self.before(&given.m, kernel)?;
+                self.after(&given.m, kernel)?
             }
             other => {
                 return Err(Fault::at(
@@ -146,7 +146,7 @@ impl Klartext {
     }
 
     fn words(&self, list: &[(String, usize)], kernel: &Kernel) -> Result<Words, Fault> {
-        let mut own = Words::default();
+        let mut parsed = Words::default();
         let mut index = 0;
         while let Some((word, column)) = list.get(index) {
             index += 1;
@@ -175,31 +175,31 @@ impl Klartext {
                 word.push_str(next);
                 index += 1;
             }
-            self.word(&word, *column, kernel, &mut own)?;
+            self.word(&word, *column, kernel, &mut parsed)?;
         }
-        Ok(own)
+        Ok(parsed)
     }
 
-    fn word(&self, word: &str, column: usize, kernel: &Kernel, own: &mut Words) -> Result<(), Fault> {
+    fn word(&self, word: &str, column: usize, kernel: &Kernel, parsed: &mut Words) -> Result<(), Fault> {
         let length = |text: &str| -> Result<f64, Fault> {
             kernel.length(self.value(text, column)?).map_err(|fault| fault.or_at(column))
         };
         match word {
-            "FMAX" => own.fmax = true,
-            "FAUTO" => own.auto = true,
-            "R0" => own.side = Some('0'),
-            "RL" | "RR" => own.side = word.chars().nth(1),
-            "DR+" => own.left = Some(true),
-            "DR-" => own.left = Some(false),
+            "FMAX" => parsed.fmax = true,
+            "FAUTO" => parsed.auto = true,
+            "R0" => parsed.side = Some('0'),
+            "RL" | "RR" => parsed.side = word.chars().nth(1),
+            "DR+" => parsed.left = Some(true),
+            "DR-" => parsed.left = Some(false),
             _ => {
                 if let Some(rest) = word.strip_prefix("IPA") {
-                    own.polar_angle = Some((self.value(rest, column)?, true));
+                    parsed.polar_angle = Some((self.value(rest, column)?, true));
                 } else if let Some(rest) = word.strip_prefix("PA") {
-                    own.polar_angle = Some((self.value(rest, column)?, false));
+                    parsed.polar_angle = Some((self.value(rest, column)?, false));
                 } else if let Some(rest) = word.strip_prefix("IPR") {
-                    own.polar_radius = Some((length(rest)?, true));
+                    parsed.polar_radius = Some((length(rest)?, true));
                 } else if let Some(rest) = word.strip_prefix("PR") {
-                    own.polar_radius = Some((length(rest)?, false));
+                    parsed.polar_radius = Some((length(rest)?, false));
                 } else if let Some(rest) = word.strip_prefix('F').filter(|rest| !rest.is_empty()) {
                     if rest.starts_with(|c: char| c.is_ascii_alphabetic() && c != 'Q') {
                         return Err(Fault::at(
@@ -209,16 +209,16 @@ impl Klartext {
                             ),
                         ));
                     }
-                    own.feed = Some(self.value(rest, column)?);
+                    parsed.feed = Some(self.value(rest, column)?);
                 } else if let Some(rest) =
                     word.strip_prefix('M').filter(|rest| rest.bytes().all(|b| b.is_ascii_digit()) && !rest.is_empty())
                 {
-                    own.m.push((rest.parse().unwrap_or(u32::MAX), column));
+                    parsed.m.push((rest.parse().unwrap_or(u32::MAX), column));
                 } else if let Some(rest) = word
                     .strip_prefix('R')
                     .filter(|rest| rest.starts_with(['+', '-', 'Q']) || rest.starts_with(|c: char| c.is_ascii_digit()))
                 {
-                    own.radius = Some(length(rest)?);
+                    parsed.radius = Some(length(rest)?);
                 } else {
                     let (step, rest) = word.strip_prefix('I').map_or((false, word), |rest| (true, rest));
                     let axis = rest.chars().next().and_then(|letter| AXES.iter().position(|known| *known == letter));
@@ -232,10 +232,14 @@ impl Klartext {
                     };
                     let value =
                         if (3..6).contains(&axis) { self.value(&rest[1..], column)? } else { length(&rest[1..])? };
-                    if own.target.names(axis) {
+                    if parsed.target.names(axis) {
                         return Err(Fault::at(column, format!("{} stands twice in the block", AXES[axis])));
                     }
-                    if step { own.target.step[axis] = Some(value) } else { own.target.absolute[axis] = Some(value) }
+                    if step {
+                        parsed.target.step[axis] = Some(value)
+                    } else {
+                        parsed.target.absolute[axis] = Some(value)
+                    }
                 }
             }
         }
@@ -287,12 +291,12 @@ impl Klartext {
         Ok(())
     }
 
-    fn feed(&mut self, own: &Words, kernel: &mut Kernel) -> Result<(), Fault> {
+    fn feed(&mut self, words: &Words, kernel: &mut Kernel) -> Result<(), Fault> {
         kernel.feed_mode = FeedMode::Minute;
-        if let Some(feed) = own.feed {
+        if let Some(feed) = words.feed {
             let scale = if feed == 0.0 { 1.0 } else { kernel.unit()? };
             kernel.set_feed(feed, scale)?;
-        } else if own.auto {
+        } else if words.auto {
             kernel.feed = self.tool_feed;
         }
         Ok(())
@@ -304,11 +308,11 @@ impl Klartext {
             return Ok(());
         }
         kernel.side = Some(side == 'L');
-        let own = kernel.tool.and_then(|tool| {
+        let radius = kernel.tool.and_then(|tool| {
             let given = kernel.control.diameters.get(&tool).map(|diameter| 0.5 * diameter);
             given.or_else(|| self.radii.get(&tool).copied())
         });
-        let Some(radius) = own else {
+        let Some(radius) = radius else {
             let number = kernel.tool.unwrap_or(1);
             kernel.note(format!(
                 "the radius of tool {number} is not known, so the contour is timed as programmed: give --tool D{number}=\"10 mm\""
@@ -375,27 +379,27 @@ impl Klartext {
     }
 
     fn position(&mut self, kind: &str, list: &[(String, usize)], kernel: &mut Kernel) -> Result<Flow, Fault> {
-        let mut own = self.words(list, kernel)?;
-        if own.m.iter().any(|(code, _)| matches!(code, 91 | 92)) {
+        let mut given = self.words(list, kernel)?;
+        if given.m.iter().any(|(code, _)| matches!(code, 91 | 92)) {
             self.flush(kernel)?;
-            self.before(&own.m, kernel)?;
-            let axes: Vec<usize> = (0..9).filter(|axis| own.target.names(*axis)).collect();
+            self.before(&given.m, kernel)?;
+            let axes: Vec<usize> = (0..9).filter(|axis| given.target.names(*axis)).collect();
             kernel.machine_motion(&axes)?;
-            return self.after(&own.m, kernel);
+            return self.after(&given.m, kernel);
         }
-        if let Some(side) = own.side
+        if let Some(side) = given.side
             && (side != '0' || kernel.offset.is_some())
         {
             self.flush(kernel)?;
             self.side(side, kernel)?;
         }
-        if !own.m.is_empty() {
+        if !given.m.is_empty() {
             self.flush(kernel)?;
         }
-        self.before(&own.m, kernel)?;
-        self.feed(&own, kernel)?;
-        if own.left.is_some() {
-            self.left = own.left;
+        self.before(&given.m, kernel)?;
+        self.feed(&given, kernel)?;
+        if given.left.is_some() {
+            self.left = given.left;
         }
         let [u, v, _] = kernel.plane;
         let from = self.at(kernel);
@@ -406,21 +410,21 @@ impl Klartext {
             }
             let arm = [from[u] - self.pole[0], from[v] - self.pole[1]];
             let (mut reach, mut angle) = (arm[0].hypot(arm[1]), arm[1].atan2(arm[0]).to_degrees());
-            if let Some((value, step)) = own.polar_radius {
+            if let Some((value, step)) = given.polar_radius {
                 reach = if step { reach + value } else { value };
             }
-            if let Some((value, step)) = own.polar_angle {
+            if let Some((value, step)) = given.polar_angle {
                 angle = if step { angle + value } else { value };
                 if step && kind == "CP" {
                     // A helix by its whole angle.
                     let rounds = value.abs() / 360.0;
                     turns = if rounds.fract() < 1e-9 && rounds >= 1.0 { rounds.round() - 1.0 } else { rounds.floor() };
-                    self.left = own.left.or(Some(value > 0.0));
+                    self.left = given.left.or(Some(value > 0.0));
                 }
             }
             let (sin, cos) = crate::frame::turn(angle);
-            (own.target.absolute[u], own.target.step[u]) = (Some(self.pole[0] + reach * cos), None);
-            (own.target.absolute[v], own.target.step[v]) = (Some(self.pole[1] + reach * sin), None);
+            (given.target.absolute[u], given.target.step[u]) = (Some(self.pole[0] + reach * cos), None);
+            (given.target.absolute[v], given.target.step[v]) = (Some(self.pole[1] + reach * sin), None);
         }
         let sense = || self.left.ok_or_else(|| Fault::new("the arc needs its sense: DR+ or DR-"));
         let element = match kind {
@@ -432,12 +436,12 @@ impl Klartext {
                 Element::Arc(Round::Centre(self.pole), sense()?, turns)
             }
             "CR" => {
-                let radius = own.radius.ok_or_else(|| Fault::new("CR needs R, the radius"))?;
+                let radius = given.radius.ok_or_else(|| Fault::new("CR needs R, the radius"))?;
                 Element::Arc(Round::Radius(radius), sense()?, 0.0)
             }
             _ => {
                 let direction = [self.direction[u], self.direction[v]];
-                match tangent([from[u], from[v]], [own.target.end(u, &from), own.target.end(v, &from)], direction) {
+                match tangent([from[u], from[v]], [given.target.end(u, &from), given.target.end(v, &from)], direction) {
                     Some((centre, left)) => Element::Arc(Round::Centre(centre), left, 0.0),
                     None if direction == [0.0; 2] => {
                         return Err(Fault::new("CT needs a motion before it in whose direction it begins"));
@@ -446,16 +450,16 @@ impl Klartext {
                 }
             }
         };
-        if own.fmax && element != Element::Line {
+        if given.fmax && element != Element::Line {
             return Err(Fault::new("an arc at FMAX is not followed; write a feed"));
         }
-        if !own.target.is_empty() {
+        if !given.target.is_empty() {
             let next = self.statements.get(self.pc);
             let joins = next
                 .is_some_and(|next| matches!(next.words.first().map(|(word, _)| word.as_str()), Some("RND" | "CHF")));
-            let corner = Corner { target: own.target, element, rapid: own.fmax, joint: None };
+            let corner = Corner { target: given.target, element, rapid: given.fmax, joint: None };
             self.follow(corner, joins, kernel)?;
         }
-        self.after(&own.m, kernel)
+        self.after(&given.m, kernel)
     }
 }

@@ -32,28 +32,27 @@ pub(super) struct Corner {
 impl Klartext {
     /// Position behind everything that is programmed, with what waits.
     pub(super) fn at(&self, kernel: &Kernel) -> Axes {
-        let mut at = kernel.program_at();
+        let mut position = kernel.program_at();
         if let Some(corner) = &self.corner {
-            at = std::array::from_fn(|axis| corner.target.end(axis, &at));
+            position = std::array::from_fn(|axis| corner.target.end(axis, &position));
         }
-        at
+        position
     }
 
     /// Runs an element, or lets it wait for the corner behind it.
-    pub(super) fn follow(&mut self, own: Corner, joins: bool, kernel: &mut Kernel) -> Result<(), Fault> {
+    pub(super) fn follow(&mut self, mut corner: Corner, joins: bool, kernel: &mut Kernel) -> Result<(), Fault> {
         let from = self.at(kernel);
-        let mut own = own;
         if let Some(before) = self.corner.take() {
-            own = self.join(before, own, from, kernel)?;
+            corner = self.join(before, corner, from, kernel)?;
         }
         if joins {
-            if own.rapid {
+            if corner.rapid {
                 return Err(Fault::new("a corner joins two motions at feed, not FMAX"));
             }
-            self.corner = Some(own);
+            self.corner = Some(corner);
             return Ok(());
         }
-        self.run_element(&own, kernel)
+        self.run_element(&corner, kernel)
     }
 
     /// Gives the element that waits.
@@ -67,10 +66,10 @@ impl Klartext {
         }
     }
 
-    fn run_element(&mut self, own: &Corner, kernel: &mut Kernel) -> Result<(), Fault> {
-        match own.element {
-            Element::Line => kernel.straight(&own.target, own.rapid)?,
-            Element::Arc(round, left, turns) => kernel.round(&own.target, round, left, turns)?,
+    fn run_element(&mut self, corner: &Corner, kernel: &mut Kernel) -> Result<(), Fault> {
+        match corner.element {
+            Element::Line => kernel.straight(&corner.target, corner.rapid)?,
+            Element::Arc(round, left, turns) => kernel.round(&corner.target, round, left, turns)?,
         }
         self.direction = kernel.direction().unwrap_or(self.direction);
         Ok(())

@@ -45,24 +45,25 @@ impl Klartext {
             (1 | 2, line @ 1..=6) => {
                 let value = self.old_value(number, line, rest, kernel)?;
                 self.old.insert(line, value);
-                let of = |line: u32| self.old.get(&line).copied().unwrap_or(0.0);
-                self.cycle = Some(Cycle::Old(number, (0..6).map(of).collect()));
+                let value_of = |line: u32| self.old.get(&line).copied().unwrap_or(0.0);
+                self.cycle = Some(Cycle::Old(number, (0..6).map(value_of).collect()));
             }
             (7, 1..=9) => {
-                for (word, at) in rest {
+                for (word, column) in rest {
                     let (step, word) = word.strip_prefix('I').map_or((false, word.as_str()), |rest| (true, rest));
                     let axis = word.chars().next().and_then(|letter| AXES.iter().position(|known| *known == letter));
-                    let axis = axis
-                        .ok_or_else(|| Fault::at(*at, "a datum shift names axes; tables of datums are not followed"))?;
-                    let value = self.value(&word[1..], *at)?;
+                    let axis = axis.ok_or_else(|| {
+                        Fault::at(*column, "a datum shift names axes; tables of datums are not followed")
+                    })?;
+                    let value = self.value(&word[1..], *column)?;
                     let value = if (3..6).contains(&axis) { value } else { kernel.length(value)? };
                     if step { self.transform.shift[axis] += value } else { self.transform.shift[axis] = value }
                 }
             }
             (8, 1..=9) => {
-                for (word, at) in rest {
+                for (word, column) in rest {
                     let axis = AXES.iter().take(3).position(|letter| word.len() == 1 && word.starts_with(*letter));
-                    self.transform.mirror[axis.ok_or_else(|| Fault::at(*at, "mirroring names X, Y or Z"))?] = true;
+                    self.transform.mirror[axis.ok_or_else(|| Fault::at(*column, "mirroring names X, Y or Z"))?] = true;
                 }
             }
             (9, 1) => {
@@ -114,10 +115,10 @@ impl Klartext {
         if !matches!(number, 200..=203 | 205..=208) {
             return Err(Fault::at(column, format!("cycle {number} is not followed; post its motions")));
         }
-        for (word, at) in &statement.words[3..] {
+        for (word, column) in &statement.words[3..] {
             let Some((target, value)) = word.split_once('=') else { continue };
-            let value = self.value(value, *at)?;
-            self.set(target, value).map_err(|fault| fault.or_at(*at))?;
+            let value = self.value(value, *column)?;
+            self.set(target, value).map_err(|fault| fault.or_at(*column))?;
         }
         self.cycle = Some(Cycle::New(number));
         Ok(())
@@ -282,8 +283,8 @@ impl Klartext {
         let [u, v, w] = kernel.plane;
         let feed = (kernel.feed, kernel.feed_scale);
         kernel.set_feed(hole.feed.unwrap_or(0.0), 1.0)?;
-        let at = kernel.program_at();
-        let centre = [at[u], at[v]];
+        let position = kernel.program_at();
+        let centre = [position[u], position[v]];
         kernel.straight(&Target::one(w, hole.reference), true)?;
         // Half a circle leads to the wall and away from it.
         let mut wall = Target::default();

@@ -93,7 +93,7 @@ const DEPTH: usize = 10;
 
 impl Klartext {
     pub fn new(text: &str, library: Library) -> Self {
-        let mut own = Self {
+        let mut interpreter = Self {
             statements: Vec::new(),
             files: Vec::new(),
             labels: HashMap::new(),
@@ -113,8 +113,8 @@ impl Klartext {
             transform: Transform { shift: [0.0; 9], mirror: [false; 3], angle: 0.0, factor: 1.0 },
             corner: None,
         };
-        own.add(text, String::new());
-        own
+        interpreter.add(text, String::new());
+        interpreter
     }
 
     fn add(&mut self, text: &str, name: String) -> usize {
@@ -207,13 +207,13 @@ impl Klartext {
     }
 
     /// `CALL LBL 1 REP 3`, `CALL PGM NAME`.
-    fn call(&mut self, words: &[(String, usize)], own: usize, kernel: &mut Kernel) -> Result<(), Fault> {
+    fn call(&mut self, words: &[(String, usize)], index: usize, kernel: &mut Kernel) -> Result<(), Fault> {
         let word = |index: usize| words.get(index).map_or("", |(word, _)| word.as_str());
         let column = words.get(2).map_or(1, |(_, column)| *column);
         let line = kernel.line;
         match word(1) {
             "LBL" => {
-                let start = self.label(word(2), self.statements[own].file).map_err(|fault| fault.or_at(column))?;
+                let start = self.label(word(2), self.statements[index].file).map_err(|fault| fault.or_at(column))?;
                 let repeats = word(3).strip_prefix("REP").map(|rest| if rest.is_empty() { word(4) } else { rest });
                 match repeats {
                     // A part program repeat runs from the label to here, so many times more.
@@ -223,7 +223,7 @@ impl Klartext {
                         if !(0.0..=1e8).contains(&count) {
                             return Err(Fault::at(column, format!("REP {count} is no number of repeats")));
                         }
-                        if start > own {
+                        if start > index {
                             return Err(Fault::at(column, "a repeat begins at a label before it"));
                         }
                         if count >= 1.0 {
@@ -235,7 +235,7 @@ impl Klartext {
                                 line,
                                 count: 1,
                                 label: false,
-                                end: Some(own),
+                                end: Some(index),
                             })?;
                             self.pc = start;
                             kernel.loop_line = line;
@@ -285,7 +285,7 @@ impl Klartext {
     }
 
     /// `FN 9: IF +Q1 EQU +Q2 GOTO LBL 5` and its like.
-    fn function(&mut self, text: &str, own: usize, kernel: &mut Kernel) -> Result<(), Fault> {
+    fn function(&mut self, text: &str, index: usize, kernel: &mut Kernel) -> Result<(), Fault> {
         let (number, body) =
             text[2..].split_once(':').ok_or_else(|| Fault::new("FN number: is followed by its function"))?;
         let number: u32 = number.trim().parse().map_err(|_| Fault::new("the number of FN is missing"))?;
@@ -308,8 +308,8 @@ impl Klartext {
                 _ => return Err(Fault::new(format!("{relation} is no relation; EQU, NE, GT and LT are"))),
             };
             if holds {
-                self.pc = self.label(label.trim(), self.statements[own].file)?;
-                if self.pc <= own {
+                self.pc = self.label(label.trim(), self.statements[index].file)?;
+                if self.pc <= index {
                     kernel.loop_line = kernel.line;
                 }
             }
@@ -317,22 +317,22 @@ impl Klartext {
         }
         let (target, value) = body.split_once('=').ok_or_else(|| Fault::new("FN number: Q = value"))?;
         let words: Vec<&str> = value.split_whitespace().collect();
-        let of = |own: &Self, index: usize| {
-            let word = words.get(index).ok_or_else(|| Fault::new("a value is missing"))?;
-            own.value(word, 1)
+        let operand = |interpreter: &Self, place: usize| {
+            let word = words.get(place).ok_or_else(|| Fault::new("a value is missing"))?;
+            interpreter.value(word, 1)
         };
         let last = words.len().saturating_sub(1);
         let result = match number {
-            0 => of(self, 0)?,
-            1 => of(self, 0)? + of(self, last)?,
-            2 => of(self, 0)? - of(self, last)?,
-            3 => of(self, 0)? * of(self, last)?,
-            4 => of(self, 0)? / of(self, last)?,
-            5 => of(self, last)?.sqrt(),
-            6 => of(self, last)?.to_radians().sin(),
-            7 => of(self, last)?.to_radians().cos(),
-            8 => of(self, 0)?.hypot(of(self, last)?),
-            13 => of(self, 0)?.atan2(of(self, last)?).to_degrees().rem_euclid(360.0),
+            0 => operand(self, 0)?,
+            1 => operand(self, 0)? + operand(self, last)?,
+            2 => operand(self, 0)? - operand(self, last)?,
+            3 => operand(self, 0)? * operand(self, last)?,
+            4 => operand(self, 0)? / operand(self, last)?,
+            5 => operand(self, last)?.sqrt(),
+            6 => operand(self, last)?.to_radians().sin(),
+            7 => operand(self, last)?.to_radians().cos(),
+            8 => operand(self, 0)?.hypot(operand(self, last)?),
+            13 => operand(self, 0)?.atan2(operand(self, last)?).to_degrees().rem_euclid(360.0),
             _ => {
                 return Err(Fault::new(format!(
                     "FN {number} reads or writes values of the control, and is not followed"
@@ -356,10 +356,10 @@ impl Klartext {
 /// A line without its comment.
 fn comment(line: &str) -> String {
     let mut quoted = false;
-    for (at, letter) in line.char_indices() {
+    for (start, letter) in line.char_indices() {
         match letter {
             '"' => quoted = !quoted,
-            ';' if !quoted => return line[..at].to_owned(),
+            ';' if !quoted => return line[..start].to_owned(),
             _ => {}
         }
     }
@@ -370,7 +370,7 @@ fn comment(line: &str) -> String {
 fn split(line: &str, start: usize) -> Vec<(String, usize)> {
     let mut words: Vec<(String, usize)> = Vec::new();
     let (mut word, mut column, mut quoted) = (String::new(), 0, false);
-    for (at, letter) in line.char_indices().skip_while(|(at, _)| *at < start) {
+    for (index, letter) in line.char_indices().skip_while(|(index, _)| *index < start) {
         if letter.is_whitespace() && !quoted {
             if !word.is_empty() {
                 words.push((std::mem::take(&mut word), column));
@@ -378,7 +378,7 @@ fn split(line: &str, start: usize) -> Vec<(String, usize)> {
             continue;
         }
         if word.is_empty() {
-            column = at + 1;
+            column = index + 1;
         }
         quoted ^= letter == '"';
         word.push(letter);
@@ -391,14 +391,14 @@ fn split(line: &str, start: usize) -> Vec<(String, usize)> {
 
 impl Interpreter for Klartext {
     fn step(&mut self, kernel: &mut Kernel) -> Result<Flow, Fault> {
-        let own = self.pc;
+        let index = self.pc;
         let file = self
             .calls
             .iter()
             .rev()
             .find(|call| !call.label && call.end.is_none())
             .map_or(0, |call| self.statements.get(call.start).map_or(0, |statement| statement.file));
-        let Some(statement) = self.statements.get(own).filter(|statement| statement.file == file) else {
+        let Some(statement) = self.statements.get(index).filter(|statement| statement.file == file) else {
             if self.back(false) {
                 return Ok(Flow::Going);
             }
@@ -417,7 +417,7 @@ impl Interpreter for Klartext {
             return Ok(Flow::Going);
         }
         // The repeat that stands here has its own counter while it runs.
-        if let Some(call) = self.calls.last_mut().filter(|call| call.end == Some(own)) {
+        if let Some(call) = self.calls.last_mut().filter(|call| call.end == Some(index)) {
             if call.left > 0 {
                 call.left -= 1;
                 call.count += 1;
@@ -430,12 +430,12 @@ impl Interpreter for Klartext {
             return Ok(Flow::Going);
         }
         let statement = std::mem::replace(
-            &mut self.statements[own],
+            &mut self.statements[index],
             Statement { line: 0, file, skip: false, text: String::new(), words: Vec::new() },
         );
-        self.statements[own].line = statement.line;
-        let flow = self.run(&statement, own, kernel);
-        self.statements[own] = statement;
+        self.statements[index].line = statement.line;
+        let flow = self.run(&statement, index, kernel);
+        self.statements[index] = statement;
         flow
     }
 
@@ -448,7 +448,7 @@ impl Interpreter for Klartext {
 }
 
 impl Klartext {
-    fn run(&mut self, statement: &Statement, own: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
+    fn run(&mut self, statement: &Statement, index: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
         let words = &statement.words;
         let word = |index: usize| words.get(index).map_or("", |(word, _)| word.as_str());
         let column = words.first().map_or(1, |(_, column)| *column);
@@ -478,13 +478,13 @@ impl Klartext {
                 return Ok(Flow::Going);
             }
             "CALL" => {
-                self.call(words, own, kernel)?;
+                self.call(words, index, kernel)?;
                 return Ok(Flow::Going);
             }
             _ => {}
         }
         if first == "FN" || (first.starts_with("FN") && first.as_bytes().get(2).is_some_and(u8::is_ascii_digit)) {
-            self.function(&statement.text, own, kernel).map_err(|fault| fault.or_at(column))?;
+            self.function(&statement.text, index, kernel).map_err(|fault| fault.or_at(column))?;
             return Ok(Flow::Going);
         }
         let is_q = first.strip_prefix('Q').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));

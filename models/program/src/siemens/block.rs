@@ -26,9 +26,9 @@ pub(super) struct Values(Vec<Value>);
 impl Values {
     /// Value, how it counts, and column; it counts as understood afterwards.
     pub fn take(&mut self, address: &str) -> Option<(f64, Count, usize)> {
-        let own = self.0.iter_mut().find(|own| own.address == address && !own.used)?;
-        own.used = true;
-        Some((own.value, own.count, own.column))
+        let word = self.0.iter_mut().find(|word| word.address == address && !word.used)?;
+        word.used = true;
+        Some((word.value, word.count, word.column))
     }
 
     pub fn has(&self, address: &str) -> bool {

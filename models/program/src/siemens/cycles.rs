@@ -84,12 +84,12 @@ impl Siemens {
         kernel: &mut Kernel,
     ) -> Result<(), Fault> {
         if let Some((name, cycle)) = Cycle::named(name) {
-            let own = Modal { name, cycle, values: list.to_vec() };
+            let repeated = Modal { name, cycle, values: list.to_vec() };
             if modal {
-                self.modal = Some(own);
+                self.modal = Some(repeated);
                 return Ok(());
             }
-            return self.bore(&own, kernel);
+            return self.bore(&repeated, kernel);
         }
         match name {
             "HOLES1" | "HOLES2" => self.pattern(name, list, kernel),

@@ -67,7 +67,7 @@ const DEPTH: usize = 10;
 
 impl Siemens {
     pub fn new(text: &str, library: Library) -> Self {
-        let mut own = Self {
+        let mut interpreter = Self {
             statements: Vec::new(),
             files: Vec::new(),
             sections: HashMap::new(),
@@ -79,11 +79,11 @@ impl Siemens {
             library,
             turret: false,
         };
-        own.add(text, String::new());
+        interpreter.add(text, String::new());
         let is_m6 = |item: &Item| matches!(item, Item::Word { address, value, .. } if address == "M" && value.literal() == Some(6.0));
         let changes = |code: &Code| matches!(code, Code::Block(items) if items.iter().any(is_m6));
-        own.turret = !own.statements.iter().any(|statement| changes(&statement.code));
-        own
+        interpreter.turret = !interpreter.statements.iter().any(|statement| changes(&statement.code));
+        interpreter
     }
 
     fn add(&mut self, text: &str, file: String) -> usize {
@@ -203,13 +203,13 @@ impl Siemens {
         true
     }
 
-    fn run(&mut self, code: &Code, own: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
-        let jump = self.statements[own].jump;
+    fn run(&mut self, code: &Code, index: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
+        let jump = self.statements[index].jump;
         match code {
             Code::Fault(fault) => return Err(fault.clone()),
             Code::Nothing | Code::EndIf | Code::Loop | Code::Repeat => {}
             Code::Section(_) => {
-                if own > 0 {
+                if index > 0 {
                     return self.section_end(kernel);
                 }
             }
@@ -255,7 +255,7 @@ impl Siemens {
             Code::Goto(condition, direction, label) => {
                 let holds = condition.as_ref().map_or(Ok(1.0), |condition| self.value(condition))?;
                 if holds != 0.0 {
-                    self.pc = self.label(label, own, *direction)?;
+                    self.pc = self.label(label, index, *direction)?;
                     // A jump out of a repeated part ends it.
                     while self
                         .calls
@@ -272,17 +272,17 @@ impl Siemens {
                     return Err(Fault::new(format!("P={count}: write a number of repeats from 0 to 100 000 000")));
                 }
                 let start = self
-                    .label(first, own, Direction::Backward)
-                    .or_else(|_| self.label(first, own, Direction::Forward))?;
+                    .label(first, index, Direction::Backward)
+                    .or_else(|_| self.label(first, index, Direction::Forward))?;
                 let end = match second {
                     _ if *only => start + 1,
                     Some(second) => self.label(second, start - usize::from(start > 0), Direction::Forward)? + 1,
                     None => {
-                        let found = (start..self.unit(own).end)
+                        let found = (start..self.unit(index).end)
                             .find(|i| self.statements[*i].label.as_deref() == Some("ENDLABEL"));
                         match found {
                             Some(index) => index + 1,
-                            None if start < own => own,
+                            None if start < index => index,
                             None => {
                                 return Err(Fault::new(
                                     "the repeated part has no end: ENDLABEL or a second label is missing",
@@ -298,7 +298,7 @@ impl Siemens {
                 }
             }
         }
-        if self.pc <= own {
+        if self.pc <= index {
             kernel.loop_line = kernel.line;
         }
         Ok(Flow::Going)
@@ -329,14 +329,14 @@ impl Interpreter for Siemens {
             self.pc = call.back;
             self.calls.pop();
         }
-        let own = self.pc;
+        let index = self.pc;
         let file = self
             .calls
             .iter()
             .rev()
             .find(|call| call.end.is_none())
             .map_or(0, |call| self.statements[call.start.min(self.statements.len() - 1)].file);
-        let Some(statement) = self.statements.get_mut(own).filter(|statement| statement.file == file) else {
+        let Some(statement) = self.statements.get_mut(index).filter(|statement| statement.file == file) else {
             return self.section_end(kernel);
         };
         kernel.line = statement.line;
@@ -352,11 +352,11 @@ impl Interpreter for Siemens {
         if let Code::For(..) = statement.code {
             // The end of the loop reads it.
             let code = statement.code.clone();
-            return self.run(&code, own, kernel);
+            return self.run(&code, index, kernel);
         }
         let code = std::mem::replace(&mut statement.code, Code::Nothing);
-        let flow = self.run(&code, own, kernel);
-        self.statements[own].code = code;
+        let flow = self.run(&code, index, kernel);
+        self.statements[index].code = code;
         flow
     }
 

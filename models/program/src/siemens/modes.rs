@@ -224,7 +224,7 @@ impl Siemens {
         }
         let (added, kind) = word.strip_prefix('A').map_or((false, word), |kind| (true, kind));
         let base = if added { self.modes.frame } else { Frame::IDENTITY };
-        let own = match kind {
+        let frame = match kind {
             "TRANS" => {
                 let mut shift = [0.0; 9];
                 for axis in 0..9 {
@@ -260,7 +260,7 @@ impl Siemens {
                 Frame::scaled(factors, [0.0; 3])
             }
         };
-        self.modes.frame = base.after(&own);
+        self.modes.frame = base.after(&frame);
         kernel.frame = self.modes.frame;
         Ok(())
     }

@@ -103,8 +103,8 @@ pub(super) fn statements(text: &str, file: usize, offset: usize) -> Vec<Statemen
         }
         statement.code = read(&mut parser, &mut statement).unwrap_or_else(Code::Fault);
         list.push(statement);
-        let own = list.len() - 1;
-        link(&mut list, own, offset, &mut open);
+        let index = list.len() - 1;
+        link(&mut list, index, offset, &mut open);
     }
     for index in open {
         list[index].code = Code::Fault(Fault::at(1, "the end of this loop or condition is missing"));
@@ -115,10 +115,10 @@ pub(super) fn statements(text: &str, file: usize, offset: usize) -> Vec<Statemen
 /// A line without its comment; a semicolon in a text is none.
 fn comment(line: &str) -> &str {
     let mut quoted = false;
-    for (at, letter) in line.char_indices() {
+    for (start, letter) in line.char_indices() {
         match letter {
             '"' => quoted = !quoted,
-            ';' if !quoted => return &line[..at],
+            ';' if !quoted => return &line[..start],
             _ => {}
         }
     }
@@ -279,9 +279,9 @@ fn value(parser: &mut Parser<'_>) -> Result<(Count, Expression), Fault> {
         }
     };
     parser.expect(b'(')?;
-    let own = parser.expression()?;
+    let condition = parser.expression()?;
     parser.expect(b')')?;
-    Ok((count, own))
+    Ok((count, condition))
 }
 
 fn quoted(parser: &mut Parser<'_>) -> Result<String, Fault> {
@@ -397,13 +397,13 @@ fn block(parser: &mut Parser<'_>) -> Result<Vec<Item>, Fault> {
     Ok(items)
 }
 
-fn link(list: &mut [Statement], own: usize, offset: usize, open: &mut Vec<usize>) {
-    let place = own + offset;
-    let code = list[own].code.clone();
+fn link(list: &mut [Statement], index: usize, offset: usize, open: &mut Vec<usize>) {
+    let place = index + offset;
+    let code = list[index].code.clone();
     let top = open.last().map(|index| list[*index].code.clone());
     let fits = match (&code, &top) {
         (Code::If(_) | Code::While(_) | Code::For(..) | Code::Loop | Code::Repeat, _) => {
-            open.push(own);
+            open.push(index);
             return;
         }
         (Code::Else, Some(Code::If(_)))
@@ -420,11 +420,11 @@ fn link(list: &mut [Statement], own: usize, offset: usize, open: &mut Vec<usize>
     match open.pop().filter(|_| fits) {
         Some(begin) => {
             list[begin].jump = place + 1;
-            list[own].jump = begin + offset;
+            list[index].jump = begin + offset;
             if code == Code::Else {
-                open.push(own);
+                open.push(index);
             }
         }
-        None => list[own].code = Code::Fault(Fault::at(1, "this end has no beginning of its kind before it")),
+        None => list[index].code = Code::Fault(Fault::at(1, "this end has no beginning of its kind before it")),
     }
 }

@@ -15,10 +15,13 @@ impl Siemens {
         let mut target = Target::default();
         let mut column = 0;
         for (axis, letter) in AXES.iter().enumerate() {
-            let Some((value, count, at)) = values.take(&letter.to_string()) else { continue };
-            column = at;
-            let value =
-                if (3..6).contains(&axis) { value } else { kernel.length(value).map_err(|fault| fault.or_at(at))? };
+            let Some((value, count, place)) = values.take(&letter.to_string()) else { continue };
+            column = place;
+            let value = if (3..6).contains(&axis) {
+                value
+            } else {
+                kernel.length(value).map_err(|fault| fault.or_at(place))?
+            };
             let absolute = match count {
                 Count::Modal => kernel.absolute,
                 Count::Absolute => true,

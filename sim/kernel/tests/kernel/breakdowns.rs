@@ -27,8 +27,8 @@ fn draws(replication: u64) -> Draws {
 }
 
 fn schedule(calendar: &mut Calendar<Event>, delay: f64, class: Class, event: Event) -> EventKey {
-    let at = calendar.now().after(delay).unwrap();
-    calendar.schedule(at, class, event).unwrap()
+    let time = calendar.now().after(delay).unwrap();
+    calendar.schedule(time, class, event).unwrap()
 }
 
 /// Machines that fail and share repairmen; yields (time, machines down) after each event.

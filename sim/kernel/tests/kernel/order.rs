@@ -84,8 +84,8 @@ impl Both {
             }
             Action::PopBefore(class) => {
                 // At the instant of the earliest event, whatever its class.
-                let Some(at) = calendar.peek_time() else { return };
-                let popped = calendar.pop_before(at, CLASSES[class]);
+                let Some(next) = calendar.peek_time() else { return };
+                let popped = calendar.pop_before(next, CLASSES[class]);
                 let expected = reference.first().filter(|entry| entry.1 < class).map(|entry| reference.take(entry));
                 assert_eq!(popped, expected);
             }
@@ -97,8 +97,8 @@ impl Both {
     }
 
     fn schedule(&mut self, seconds: f64, class: usize) {
-        let at = SimTime::from_seconds(seconds).unwrap();
-        match self.calendar.schedule(at, CLASSES[class], self.reference.scheduled) {
+        let time = SimTime::from_seconds(seconds).unwrap();
+        match self.calendar.schedule(time, CLASSES[class], self.reference.scheduled) {
             Ok(key) => {
                 self.keys.push(key);
                 self.reference.pending.push((seconds, class, self.reference.scheduled));
@@ -106,7 +106,7 @@ impl Both {
             }
             Err(error) => {
                 assert!(seconds < self.reference.now);
-                assert_eq!(error, KernelError::InThePast { at, now: self.calendar.now() });
+                assert_eq!(error, KernelError::InThePast { at: time, now: self.calendar.now() });
             }
         }
     }
@@ -146,10 +146,10 @@ proptest! {
 
 #[test]
 fn an_event_of_another_instant_is_not_popped() {
-    let at = |seconds| SimTime::from_seconds(seconds).unwrap();
+    let instant = |seconds| SimTime::from_seconds(seconds).unwrap();
     let mut calendar = Calendar::new();
-    calendar.schedule(at(1.0), Class::Finish, 'a').unwrap();
-    assert_eq!(calendar.pop_before(at(2.0), Class::Observe), None);
-    assert_eq!(calendar.pop_before(at(0.5), Class::Observe), None);
-    assert_eq!(calendar.pop_before(at(1.0), Class::Observe), Some('a'));
+    calendar.schedule(instant(1.0), Class::Finish, 'a').unwrap();
+    assert_eq!(calendar.pop_before(instant(2.0), Class::Observe), None);
+    assert_eq!(calendar.pop_before(instant(0.5), Class::Observe), None);
+    assert_eq!(calendar.pop_before(instant(1.0), Class::Observe), Some('a'));
 }

@@ -103,8 +103,8 @@ impl Station {
 
     fn next_arrival(&mut self, class: usize) {
         let gap = self.arrivals[class].sample::<f64, _>(Exp1) / self.rates[class];
-        let at = self.calendar.now().after(gap).unwrap();
-        self.calendar.schedule(at, Class::Arrive, Event::Arrive(class)).unwrap();
+        let time = self.calendar.now().after(gap).unwrap();
+        self.calendar.schedule(time, Class::Arrive, Event::Arrive(class)).unwrap();
     }
 
     fn settle(&mut self, event: Event, now: SimTime) {

@@ -87,8 +87,8 @@ impl Shop {
     }
 
     fn next_arrival(&mut self) {
-        let at = self.calendar.now().after(self.arrivals.sample::<f64, _>(Exp1) / ARRIVAL_RATE).unwrap();
-        self.calendar.schedule(at, Class::Arrive, Event::Arrive).unwrap();
+        let time = self.calendar.now().after(self.arrivals.sample::<f64, _>(Exp1) / ARRIVAL_RATE).unwrap();
+        self.calendar.schedule(time, Class::Arrive, Event::Arrive).unwrap();
     }
 
     fn settle(&mut self, event: Event, now: SimTime) {

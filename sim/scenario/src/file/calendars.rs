@@ -101,8 +101,8 @@ fn periodic(walk: &mut Walk, section: &Section<'_>) -> Periodic {
         Some(_) => {}
     }
     let mut shifts: Vec<Shift> = Vec::new();
-    for (i, each) in sections.iter().enumerate() {
-        let shift = Shift { start: each.required("start"), end: each.required("end") };
+    for (i, stretch) in sections.iter().enumerate() {
+        let shift = Shift { start: stretch.required("start"), end: stretch.required("end") };
         let hours = |seconds: f64| format!("{} h", seconds / 3600.0);
         let contradiction = |second, second_value: f64, rule| Fault::Contradiction {
             first: "end",
@@ -113,12 +113,12 @@ fn periodic(walk: &mut Walk, section: &Section<'_>) -> Periodic {
         };
         if shift.end <= shift.start {
             let fault = contradiction("start", shift.start, "a shift ends after it starts; over midnight write two");
-            walk.fault(each.span_of("end"), fault);
+            walk.fault(stretch.span_of("end"), fault);
         } else if shift.end > period {
-            walk.fault(each.span_of("end"), contradiction("period", period, "a shift ends within the period"));
+            walk.fault(stretch.span_of("end"), contradiction("period", period, "a shift ends within the period"));
         }
         if shifts.last().is_some_and(|before| shift.start < before.end) {
-            walk.fault(each.span_of("start"), ScenarioFault::ShiftsOverlap { first: i, second: i + 1 });
+            walk.fault(stretch.span_of("start"), ScenarioFault::ShiftsOverlap { first: i, second: i + 1 });
         }
         shifts.push(shift);
     }
@@ -147,9 +147,9 @@ fn dated(walk: &mut Walk, section: &Section<'_>, name: &str, start: Option<f64>,
         ),
         overtime: listed(walk, section, "overtime", "stretch of overtime", "\"2026-04-04 06:00-10:00\"", |text| {
             let (day, times) = text.trim().split_once([' ', 'T'])?;
-            let (midnight, own) = (date::day(day)? as f64 * 86_400.0, interval(times)?);
-            let end = if own.end <= own.start { own.end + 86_400.0 } else { own.end };
-            Some(Shift { start: midnight + own.start, end: midnight + end })
+            let (midnight, hours) = (date::day(day)? as f64 * 86_400.0, interval(times)?);
+            let end = if hours.end <= hours.start { hours.end + 86_400.0 } else { hours.end };
+            Some(Shift { start: midnight + hours.start, end: midnight + end })
         }),
     };
     if start.is_none() {

@@ -15,8 +15,8 @@ pub(super) fn shared(
     mut buffers: Vec<Buffer>,
 ) -> Vec<Buffer> {
     for (name, section) in named(walk, root, "buffer", None) {
-        let own = machine_indices(walk, &section, "before", names);
-        for &machine in &own {
+        let members = machine_indices(walk, &section, "before", names);
+        for &machine in &members {
             let kind = &mut machines[machine];
             if let Some(other) = kind.input_buffer.replace(buffers.len()) {
                 let fault = Fault::Contradiction {
@@ -29,7 +29,7 @@ pub(super) fn shared(
                 walk.fault(section.span_of("before"), fault);
             }
         }
-        buffers.push(Buffer { name, places: section.count32("places"), machines: own });
+        buffers.push(Buffer { name, places: section.count32("places"), machines: members });
     }
     buffers
 }
@@ -82,8 +82,9 @@ pub(super) fn check(
     }
     for order in orders {
         let Some(part) = parts.get(order.part).filter(|part| order.is_divided(part)) else { continue };
-        let own = part.operations.iter().flat_map(|operation| &operation.machines);
-        let limited = own.filter_map(|machine| machines[*machine].input_buffer.or(machines[*machine].output_buffer));
+        let visited = part.operations.iter().flat_map(|operation| &operation.machines);
+        let limited =
+            visited.filter_map(|machine| machines[*machine].input_buffer.or(machines[*machine].output_buffer));
         if let Some(buffer) = limited.min() {
             let fault = ScenarioFault::BufferLot { order: order.id.clone(), buffer: buffers[buffer].name.clone() };
             walk.fault(root.span_of("order"), fault);

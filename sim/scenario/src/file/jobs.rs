@@ -103,11 +103,11 @@ pub(super) fn components(walk: &mut Walk, sections: &[Section<'_>], names: &Name
     for (section, part) in sections.iter().zip(parts.iter_mut()) {
         for component in walk.sections(section, "components", None) {
             let known = names.parts.iter().map(String::as_str);
-            let Some(own) = reference(walk, "part", component.got("part"), known) else { continue };
+            let Some(part_index) = reference(walk, "part", component.got("part"), known) else { continue };
             let quantity = component.count32("quantity");
-            match part.components.iter_mut().find(|known| known.part == own) {
+            match part.components.iter_mut().find(|known| known.part == part_index) {
                 Some(known) => known.quantity = known.quantity.saturating_add(quantity),
-                None => part.components.push(Component { part: own, quantity }),
+                None => part.components.push(Component { part: part_index, quantity }),
             }
         }
         let assembling = part.operations.iter().filter(|operation| operation.assembles).count();
@@ -125,9 +125,9 @@ pub(super) fn components(walk: &mut Walk, sections: &[Section<'_>], names: &Name
     // A part that goes into itself, over however many others.
     for start in 0..parts.len() {
         let mut inside: Vec<usize> = parts[start].components.iter().map(|component| component.part).collect();
-        let mut at = 0;
-        while let Some(&part) = inside.get(at) {
-            at += 1;
+        let mut next = 0;
+        while let Some(&part) = inside.get(next) {
+            next += 1;
             let further = parts[part].components.iter().map(|component| component.part);
             let new: Vec<usize> = further.filter(|part| !inside.contains(part)).collect();
             inside.extend(new);
@@ -187,8 +187,8 @@ pub(super) fn check(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) {
         for component in &part.components {
             let comes = arrivals.iter().any(|arrival| arrival.part == component.part)
                 || orders.iter().any(|order| order.part == component.part);
-            if !comes && let Some(own) = parts.get(component.part) {
-                let reason = format!("part \"{}\" needs \"{}\", which nobody makes", part.name, own.name);
+            if !comes && let Some(needed) = parts.get(component.part) {
+                let reason = format!("part \"{}\" needs \"{}\", which nobody makes", part.name, needed.name);
                 refuse("part", reason, "add [[arrivals]] or an order of it");
             }
         }
@@ -202,11 +202,12 @@ pub(super) fn check(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) {
     for order in orders {
         let Some(part) = parts.get(order.part) else { continue };
         let size = order.job_size(part);
-        let own = part.operations.iter().flat_map(|operation| &operation.machines).map(|machine| &machines[*machine]);
+        let visited =
+            part.operations.iter().flat_map(|operation| &operation.machines).map(|machine| &machines[*machine]);
         let full = |machine: &&MachineType| {
             machine.batch.is_some_and(|batch| batch.by == BatchUnit::Pieces && batch.max < size)
         };
-        if let Some(machine) = own.into_iter().find(full) {
+        if let Some(machine) = visited.into_iter().find(full) {
             let reason = format!(
                 "{size} pieces of order \"{}\" move together, but do not fit into \"{}\"",
                 order.id, machine.name
@@ -216,8 +217,8 @@ pub(super) fn check(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) {
     }
     if preemption != Preemption::None {
         let first = |rules: &[DispatchRule]| rules.first() == Some(&DispatchRule::Priority);
-        let mut own = machines.iter().filter_map(|machine| machine.rules.as_deref());
-        if !first(rules) || own.any(|rules| !first(rules)) {
+        let mut machine_rules = machines.iter().filter_map(|machine| machine.rules.as_deref());
+        if !first(rules) || machine_rules.any(|rules| !first(rules)) {
             let reason =
                 "jobs of better priority interrupt others, but the queues do not go by priority first".to_owned();
             refuse("dispatch", reason, "write rule = [\"priority\", \"fifo\"], for single machines too");

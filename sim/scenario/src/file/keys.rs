@@ -635,10 +635,10 @@ fn user_effect() -> Value {
 }
 
 /// An effect with its size and shape.
-fn effect(of: Effect) -> Value {
+fn effect(kind: Effect) -> Value {
     let mut properties = Map::new();
-    properties.insert("id".to_owned(), json!({ "const": of.entry().id, "description": of.entry().title }));
-    let fields = of.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each)));
+    properties.insert("id".to_owned(), json!({ "const": kind.entry().id, "description": kind.entry().title }));
+    let fields = kind.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each)));
     let parameters: Map<String, Value> = fields.collect();
     let shape: Map<String, Value> = parameters.clone().into_iter().filter(|(name, _)| name != "size").collect();
     if !shape.is_empty() {

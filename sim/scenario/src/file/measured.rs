@@ -90,8 +90,8 @@ pub(super) static SHOP_DEVIATION: Form = Form {
 };
 
 /// The scope under the key `scope` of a section.
-fn scope(walk: &mut Walk, of: &Section<'_>, names: &Names) -> Scope {
-    let table = walk.table(of, "scope");
+fn scope(walk: &mut Walk, section: &Section<'_>, names: &Names) -> Scope {
+    let table = walk.table(section, "scope");
     table.map_or_else(Scope::default, |table| scope_of(walk, &table, names))
 }
 
@@ -217,8 +217,8 @@ const fn amounts(unit: &'static str, display: &'static str, min: f64, max: f64) 
 }
 
 /// The amount under `key`, SI; `None` where it is left out or at fault.
-fn amount(walk: &mut Walk, of: &Section<'_>, key: &'static str, quantity: &Quantity) -> Option<f64> {
-    let got = of.got(key)?;
+fn amount(walk: &mut Walk, section: &Section<'_>, key: &'static str, quantity: &Quantity) -> Option<f64> {
+    let got = section.got(key)?;
     let Value::Raw(raw) = &got.value else { return None };
     let raw = toml::Spanned::new(got.span.clone(), raw.clone());
     match walk.quantity(key, quantity, &raw) {

@@ -58,8 +58,8 @@ impl Columns {
                 let fault = bad("format", format, "form of a date", "\"%d.%m.%Y\" or \"%m/%d/%Y %H:%M\"");
                 walk.fault(section.span_of("format"), fault);
             }
-            if let Some(at) = section.text("at").filter(|at| date::clock(at).is_none()) {
-                walk.fault(section.span_of("at"), bad("at", at, "time of the day", "\"14:00\""));
+            if let Some(clock) = section.text("at").filter(|clock| date::clock(clock).is_none()) {
+                walk.fault(section.span_of("at"), bad("at", clock, "time of the day", "\"14:00\""));
             }
             for key in ["format", "at"].into_iter().filter(|key| section.given(key) && !DATES.contains(&name)) {
                 let (case, applicable) = (format!("the column `{name}`"), DATES.join(", "));
@@ -81,16 +81,16 @@ impl Columns {
         if self.listed.is_empty() {
             return header.to_vec();
         }
-        for own in self.listed.iter().filter(|own| !header.contains(&own.from)) {
-            let near = nearest(&own.from, header.iter().map(String::as_str));
+        for column in self.listed.iter().filter(|column| !header.contains(&column.from)) {
+            let near = nearest(&column.from, header.iter().map(String::as_str));
             let near = near.map(|near| format!("did you mean `{near}`? ")).unwrap_or_default();
             let fault = ScenarioFault::TableCell {
                 file: file.to_owned(),
                 line: 1,
-                reason: format!("there is no column \"{}\"", own.from),
+                reason: format!("there is no column \"{}\"", column.from),
                 fix: Some(format!("{near}columns: {}", header.join(", "))),
             };
-            walk.fault(own.span.clone(), fault);
+            walk.fault(column.span.clone(), fault);
         }
         let name = |from: &String| self.listed.iter().find(|own| own.from == *from).map(|own| own.name.clone());
         header.iter().map(|from| name(from).unwrap_or_default()).collect()
@@ -98,16 +98,16 @@ impl Columns {
 
     /// A cell of the column `name` with its date as scenarios write it.
     pub fn cell<'d>(&self, walk: &mut Walk, name: &str, cell: &'d str, place: &Span) -> Cow<'d, str> {
-        let Some(own) =
-            self.listed.iter().find(|own| own.name == name && DATES.contains(&name)).filter(|_| !cell.is_empty())
+        let Some(column) =
+            self.listed.iter().find(|column| column.name == name && DATES.contains(&name)).filter(|_| !cell.is_empty())
         else {
             return Cow::Borrowed(cell);
         };
-        let (date, has_time) = match &own.format {
+        let (date, has_time) = match &column.format {
             Some(format) => {
                 let Some(time) = date::by_format(cell, format) else {
                     let fault = ScenarioFault::NoDate {
-                        key: DATES.into_iter().find(|key| *key == own.name).unwrap_or("due"),
+                        key: DATES.into_iter().find(|key| *key == column.name).unwrap_or("due"),
                         read: cell.to_owned(),
                         expected: "date of the `format` of its column",
                         example: "31.03.2026 for \"%d.%m.%Y\"",
@@ -122,7 +122,7 @@ impl Columns {
                 None => return Cow::Borrowed(cell),
             },
         };
-        let at = own.at.as_deref().and_then(date::clock).filter(|_| !has_time).unwrap_or(0.0);
-        Cow::Owned(date::show(date + at))
+        let clock = column.at.as_deref().and_then(date::clock).filter(|_| !has_time).unwrap_or(0.0);
+        Cow::Owned(date::show(date + clock))
     }
 }

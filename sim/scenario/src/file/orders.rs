@@ -123,7 +123,7 @@ impl Reader<'_> {
             Some(pieces) => pieces as f64 / whole,
             None => section.si("done").unwrap_or(0.0),
         };
-        let own = InProcess {
+        let in_process = InProcess {
             operation: place,
             machine,
             done,
@@ -143,7 +143,8 @@ impl Reader<'_> {
         if let Some(machine) = machine {
             let name = &machines[machine].name;
             if !operation.machines.contains(&machine) {
-                let may: Vec<&str> = operation.machines.iter().map(|own| machines[*own].name.as_str()).collect();
+                let may: Vec<&str> =
+                    operation.machines.iter().map(|in_process| machines[*in_process].name.as_str()).collect();
                 let reason = format!("machine \"{name}\" does not do operation \"{}\"", operation.name);
                 refuse("machine", reason, format!("its machines: {}", may.join(", ")));
             }
@@ -172,16 +173,16 @@ impl Reader<'_> {
             let reason = format!("operation \"{}\" is ground, and cannot begin in the middle", operation.name);
             refuse(done_at, reason, format!("take out `{done_at}`: the piece is ground from the start"));
         }
-        if own.setup_left > 0.0 && (machine.is_none() || done > 0.0) {
+        if in_process.setup_left > 0.0 && (machine.is_none() || done > 0.0) {
             let reason = format!("order \"{id}\" has a setup in progress, but no machine, or work done");
             refuse("setup_left", reason, "take out `setup_left`, or what contradicts it".to_owned());
         }
-        if own.since > 0.0 {
-            let reason = format!("order \"{id}\" comes after the start: {}", self.shown(own.since));
+        if in_process.since > 0.0 {
+            let reason = format!("order \"{id}\" comes after the start: {}", self.shown(in_process.since));
             refuse("since", reason, "give a date or a time that is not after the start".to_owned());
         }
         self.taken.extend(machine.map(|machine| (machine, index)));
-        self.orders[index].in_process = Some(own);
+        self.orders[index].in_process = Some(in_process);
     }
 
     /// An order is released in the run, or is in the shop when it begins.

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use toolroom_form::{Fault, Section, Value, Walk};
 
 /// A duration, or a table with a family; the placeholder after a fault is a constant.
-pub(super) fn distribution(walk: &mut Walk, of: &Section<'_>, key: &str) -> Distribution {
-    if let Some(time) = of.si(key) {
+pub(super) fn distribution(walk: &mut Walk, section: &Section<'_>, key: &str) -> Distribution {
+    if let Some(time) = section.si(key) {
         return Distribution::Constant(time);
     }
-    let Some(table) = walk.table(of, key) else { return Distribution::Constant(f64::NAN) };
+    let Some(table) = walk.table(section, key) else { return Distribution::Constant(f64::NAN) };
     let value = |key: &str| table.required(key);
     let Some(family) = table.chosen("distribution", FamilyWord::from_word) else {
         return Distribution::Constant(f64::NAN); // a problem was noted

@@ -267,18 +267,21 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<Mach
         let count = section.count("count");
         let mut indices = Vec::new();
         for i in 1..=count.unwrap_or(1) {
-            let each = if count.is_some() { format!("{name}{i}") } else { name.clone() };
+            let machine_name = if count.is_some() { format!("{name}{i}") } else { name.clone() };
             // L with count = 2 and another machine called L1.
-            if count.is_some() && machines.iter().any(|machine| machine.name == each) {
-                walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "machine", name: each.clone() });
+            if count.is_some() && machines.iter().any(|machine| machine.name == machine_name) {
+                walk.fault(
+                    section.span_of("name"),
+                    Fault::DuplicateName { kind: "machine", name: machine_name.clone() },
+                );
             }
             indices.push(machines.len());
-            names.each_machine.push(each.clone());
+            names.each_machine.push(machine_name.clone());
             if count.is_some() {
-                names.machines.push((each.clone(), vec![machines.len()]));
+                names.machines.push((machine_name.clone(), vec![machines.len()]));
             }
             machines.push(MachineType {
-                name: each,
+                name: machine_name,
                 process: section.text("process").unwrap_or_default().to_owned(),
                 rate: section.required("rate"),
                 load_time: load_time.clone(),
@@ -374,12 +377,12 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
 /// A tool with the processes that its effects and the calibration of its constants make of its parameter set.
 fn varied(walk: &mut Walk, mut tool: ToolType, calibrations: &[(Calibration, Span)]) -> ToolType {
     scatter_moved(walk, &mut tool, calibrations);
-    let own = calibrations.iter().filter(|(own, _)| match &own.target {
+    let of_tool = calibrations.iter().filter(|(of_tool, _)| match &of_tool.target {
         Target::Tool(name) => *name == tool.name,
         Target::Shop | Target::Machine(_) | Target::Operation(_) | Target::Source(_) => false,
     });
     let (constants, places): (Vec<&Calibration>, Vec<&Span>) =
-        own.filter(|(own, _)| own.constant().is_some()).map(|(own, place)| (own, place)).unzip();
+        of_tool.filter(|(of_tool, _)| of_tool.constant().is_some()).map(|(of_tool, place)| (of_tool, place)).unzip();
     if constants.is_empty() && tool.variants.effects.is_empty() {
         return tool;
     }
@@ -395,9 +398,9 @@ fn varied(walk: &mut Walk, mut tool: ToolType, calibrations: &[(Calibration, Spa
 
 /// Moves the scatter of a tool.
 fn scatter_moved(walk: &mut Walk, tool: &mut ToolType, calibrations: &[(Calibration, Span)]) {
-    for (own, place) in calibrations {
-        let Some(name) = own.parameter.strip_prefix("scatter.") else { continue };
-        if !matches!(&own.target, Target::Tool(target) if *target == tool.name) {
+    for (calibration, place) in calibrations {
+        let Some(name) = calibration.parameter.strip_prefix("scatter.") else { continue };
+        if !matches!(&calibration.target, Target::Tool(target) if *target == tool.name) {
             continue;
         }
         let fields = toolroom_wear::Scatter::<f64>::FIELDS;
@@ -412,12 +415,12 @@ fn scatter_moved(walk: &mut Walk, tool: &mut ToolType, calibrations: &[(Calibrat
             continue;
         };
         let value = tool.scatter.get(i).unwrap_or(0.0);
-        let value = match own.moved {
+        let value = match calibration.moved {
             Moved::Factor(factor) => value * factor,
             Moved::Summand(summand) => value + summand,
         };
         match fields[i].check(value) {
-            Ok(()) if own.scope.is_everywhere() => {
+            Ok(()) if calibration.scope.is_everywhere() => {
                 tool.scatter.set(i, value);
             }
             Ok(()) => {

@@ -22,11 +22,14 @@ pub(super) fn operators(walk: &mut Walk, root: &Section<'_>, names: &Names) -> (
         }
         let count = section.count("count");
         for number in 1..=count.unwrap_or(1) {
-            let each = if count.is_some() { format!("{name}{number}") } else { name.clone() };
-            if count.is_some() && operators.iter().any(|operator| operator.name == each) {
-                walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "operator", name: each.clone() });
+            let operator_name = if count.is_some() { format!("{name}{number}") } else { name.clone() };
+            if count.is_some() && operators.iter().any(|operator| operator.name == operator_name) {
+                walk.fault(
+                    section.span_of("name"),
+                    Fault::DuplicateName { kind: "operator", name: operator_name.clone() },
+                );
             }
-            operators.push(Operator { name: each, skills: skills.clone(), calendar });
+            operators.push(Operator { name: operator_name, skills: skills.clone(), calendar });
         }
     }
     (operators, all)

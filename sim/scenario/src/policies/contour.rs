@@ -113,9 +113,9 @@ impl ContourPlan {
                 ("a diameter in mm of", 1e3 * cutter.diameter, 1e3 * milling.cutter.diameter),
                 ("a number of teeth of", cutter.teeth, milling.cutter.teeth),
             ];
-            for (quantity, planned, own) in both {
-                if (planned - own).abs() > 1e-9 * own {
-                    return Err(PlanError::Cutter { file: work.file.clone(), quantity, planned, tool: own });
+            for (quantity, planned, mounted) in both {
+                if (planned - mounted).abs() > 1e-9 * mounted {
+                    return Err(PlanError::Cutter { file: work.file.clone(), quantity, planned, tool: mounted });
                 }
             }
         }

@@ -219,11 +219,11 @@ impl Nominal {
             Self::Turning { process, input, run } => {
                 let places = if *run > 0.0 { PLACES } else { 1 };
                 let x = TurningState { flank_wear, ..TurningState::default() };
-                let at = |i: usize| {
+                let limit_at = |i: usize| {
                     let position = input.position - run * i as f64 / (PLACES - 1) as f64;
                     process.vibration(&x, &TurningInput { cutting_speed, position, ..*input }).limit
                 };
-                (0..places).map(at).fold(f64::INFINITY, f64::min)
+                (0..places).map(limit_at).fold(f64::INFINITY, f64::min)
             }
             Self::Milling { process, input } => {
                 let x = MillingState { flank_wear, ..MillingState::default() };

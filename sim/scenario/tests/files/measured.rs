@@ -31,9 +31,12 @@ fn a_calibration_moves_the_constant_of_its_tool() {
     .unwrap();
     let tool = &scenario.tools[0];
     assert!((force(&tool.process) / force(tool.bare()) - 1.25).abs() < 1e-15);
-    let own = &scenario.calibrations[0];
-    assert_eq!((own.standard_error, own.prior, own.by.as_str()), (Some(0.01), Some(0.08), "diagnosis 9c41e0b2"));
-    assert_eq!((&own.target, own.moved), (&Target::Tool("insert".to_owned()), Moved::Factor(1.25)));
+    let calibration = &scenario.calibrations[0];
+    assert_eq!(
+        (calibration.standard_error, calibration.prior, calibration.by.as_str()),
+        (Some(0.01), Some(0.08), "diagnosis 9c41e0b2")
+    );
+    assert_eq!((&calibration.target, calibration.moved), (&Target::Tool("insert".to_owned()), Moved::Factor(1.25)));
 }
 
 #[test]

@@ -77,8 +77,11 @@ fn work_in_the_shop_at_the_start_is_understood() {
     let file = parse("dated.toml", &format!("{SHOP}{early}{WIP}"), &[]).unwrap_or_else(|error| panic!("{error}"));
     let order = &file.scenario.orders[0];
     assert_eq!(order.release, -66.0 * 3600.0);
-    let own = order.in_process.as_ref().expect("it is in the shop");
-    assert_eq!((own.operation, own.machine, own.done, own.since), (0, Some(0), 0.25, -7200.0));
+    let in_process = order.in_process.as_ref().expect("it is in the shop");
+    assert_eq!(
+        (in_process.operation, in_process.machine, in_process.done, in_process.since),
+        (0, Some(0), 0.25, -7200.0)
+    );
     let pieces = WIP.replace("done = \"25 %\"", "pieces = 1");
     let same = parse("dated.toml", &format!("{SHOP}{early}{pieces}"), &[]).unwrap().scenario;
     assert_eq!(same.orders, file.scenario.orders);

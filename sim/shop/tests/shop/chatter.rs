@@ -72,10 +72,10 @@ fn a_machine_that_has_heard_chatter_goes_where_it_is_quiet() {
     let path = |log: &RunLog| {
         let done: Vec<u32> =
             (0..log.jobs.len() as u32).filter(|job| log.jobs[*job as usize].outcome == JobOutcome::Good).collect();
-        let of = |job: u32| {
+        let path_of = |job: u32| {
             log.passes.iter().filter(|row| row.job == job && row.operation == 0).map(|row| row.path).sum::<f64>()
         };
-        done.first().map(|job| of(*job))
+        done.first().map(|job| path_of(*job))
     };
     let expected = 2.0 * std::f64::consts::PI * 0.04 * 0.4 / 0.2e-3;
     if let Some(path) = path(&reactive) {

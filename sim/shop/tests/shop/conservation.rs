@@ -75,13 +75,13 @@ fn check(shop: &Scenario, log: &RunLog) {
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * shop.horizon;
     for machine in 0..shop.machines.len() as u32 {
         // States follow one another without gap from zero to the horizon.
-        let mut at = 0.0;
+        let mut end = 0.0;
         for row in log.states.iter().filter(|row| row.machine == machine) {
-            assert_eq!(row.start, at, "a gap in the states of machine {machine}");
+            assert_eq!(row.start, end, "a gap in the states of machine {machine}");
             assert!(row.end > row.start);
-            at = row.end;
+            end = row.end;
         }
-        assert_eq!(at, shop.horizon);
+        assert_eq!(end, shop.horizon);
         // Time in cut is the time of the passes.
         let cut: f64 = log.passes.iter().filter(|row| row.machine == machine).map(|row| row.cutting_time).sum();
         let state = crate::scenarios::time_in(log, machine, toolroom_shop::runlog::MachineState::Cutting);

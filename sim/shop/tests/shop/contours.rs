@@ -113,18 +113,18 @@ fn the_form_of_the_wall_is_that_of_the_planner_under_the_conditions_of_the_part(
         let mut errors = Vec::new();
         for row in &log.passes {
             // The hardness of the part is drawn; the force at the end tells it.
-            let at = |hardness_ratio: f64| {
+            let plan_at = |hardness_ratio: f64| {
                 let pass = Pass { flank_wear: row.flank_wear_end, hardness_ratio, ..*file.pass("finish").unwrap() };
                 let planner = Planner::new(&file.contour, &file.parameters, &pass, &models).unwrap();
                 planner.plan(&settings).unwrap()
             };
-            let force = |hardness: f64| at(hardness).sections.last().unwrap().evaluation.forces.tangential;
+            let force = |hardness: f64| plan_at(hardness).sections.last().unwrap().evaluation.forces.tangential;
             let (mut low, mut high) = (0.7, 1.4);
             for _ in 0..60 {
                 let middle = 0.5 * (low + high);
                 *(if force(middle) < row.cutting_force { &mut low } else { &mut high }) = middle;
             }
-            let expected = at(low).greatest_wall_error();
+            let expected = plan_at(low).greatest_wall_error();
             let expected = if plan.corner_error > expected.abs() { plan.corner_error } else { expected };
             // The static stiffness of the set is rounded to six digits.
             assert!((row.size_error / expected - 1.0).abs() < 1e-5, "{} {expected}", row.size_error);

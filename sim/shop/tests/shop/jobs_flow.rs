@@ -380,12 +380,12 @@ proptest! {
             prop_assert!(good >= stock[part as usize] && good <= stock[part as usize] + needed * begun, "{}", text);
         }
         for machine in 0..scenario.machines.len() as u32 {
-            let mut at = 0.0;
+            let mut end = 0.0;
             for row in log.states.iter().filter(|row| row.machine == machine) {
-                prop_assert_eq!(row.start, at);
-                at = row.end;
+                prop_assert_eq!(row.start, end);
+                end = row.end;
             }
-            prop_assert_eq!(at, scenario.horizon);
+            prop_assert_eq!(end, scenario.horizon);
             // Operations of a machine follow one another; those of one batch are one.
             let mut ends = (0.0, 0.0);
             for row in log.operations.iter().filter(|row| row.machine == machine && row.end.is_finite()) {

@@ -153,17 +153,18 @@ fn pieces_of_an_order_are_cut_one_by_one_and_move_on_together() {
     let log = run(&scenario, 0, 0).unwrap();
     assert_eq!(log.jobs.len(), 12);
     assert!(log.jobs.iter().all(|job| job.finish.is_finite() && job.quantity == 1));
-    let of = |order: u32, operation: u32| {
-        let own = |row: &&OperationRow| log.jobs[row.job as usize].order == Some(order) && row.operation == operation;
-        log.operations.iter().filter(own).collect::<Vec<_>>()
+    let rows_of = |order: u32, operation: u32| {
+        let belongs =
+            |row: &&OperationRow| log.jobs[row.job as usize].order == Some(order) && row.operation == operation;
+        log.operations.iter().filter(belongs).collect::<Vec<_>>()
     };
-    for each in 0..2 {
-        let lathes: std::collections::BTreeSet<u32> = of(each, 0).iter().map(|row| row.machine).collect();
+    for order in 0..2 {
+        let lathes: std::collections::BTreeSet<u32> = rows_of(order, 0).iter().map(|row| row.machine).collect();
         assert_eq!(lathes.len(), 1, "one lathe is kept for the order");
-        let turned = of(each, 0).iter().map(|row| row.end).fold(0.0, f64::max);
-        assert!(of(each, 1).iter().all(|row| row.start >= turned), "washed when all are turned");
+        let turned = rows_of(order, 0).iter().map(|row| row.end).fold(0.0, f64::max);
+        assert!(rows_of(order, 1).iter().all(|row| row.start >= turned), "washed when all are turned");
         // Washed one after the other, without another order in between.
-        let washed: Vec<f64> = of(each, 1).iter().map(|row| row.start).collect();
+        let washed: Vec<f64> = rows_of(order, 1).iter().map(|row| row.start).collect();
         assert!((washed[5] - washed[0] - 5.0 * 90.0).abs() < 1e-6, "{washed:?}");
     }
 }

@@ -239,8 +239,8 @@ proptest! {
         const NAMES: [&str; 4] = ["A", "B", "C", "D"];
         let quoted: Vec<String> = NAMES.iter().map(|name| format!("\"{name}\"")).collect();
         let keys: Vec<String> = places.iter().zip(&behind).map(|(places, behind)| {
-            let own = format!("input_buffer = {places}");
-            behind.filter(|_| !before).map_or(own.clone(), |behind| format!("{own}\noutput_buffer = {behind}"))
+            let buffer = format!("input_buffer = {places}");
+            behind.filter(|_| !before).map_or(buffer.clone(), |behind| format!("{buffer}\noutput_buffer = {behind}"))
         }).collect();
         let machines: Vec<(&str, &str)> = NAMES.iter().copied().zip(keys.iter().map(String::as_str)).collect();
         let routings: Vec<Vec<&str>> =

@@ -94,11 +94,11 @@ fn policies_meet_the_same_edges_arrivals_and_breakdowns() {
         assert!(logs[0].jobs.iter().zip(&other.jobs).all(|(a, b)| a.arrival == b.arrival));
         // The k-th edge of a machine is the same edge, whenever it is mounted.
         for machine in 0..2 {
-            let of = |log: &toolroom_shop::runlog::RunLog| -> Vec<f64> {
+            let factors = |log: &toolroom_shop::runlog::RunLog| -> Vec<f64> {
                 let rows = log.edges.iter().filter(|row| row.machine == machine);
                 rows.map(|row| row.mechanical_wear_factor).collect()
             };
-            let (a, b) = (of(&logs[0]), of(other));
+            let (a, b) = (factors(&logs[0]), factors(other));
             let shared = a.len().min(b.len());
             assert!(shared > 5 && a[..shared] == b[..shared]);
             assert!(a.windows(2).all(|pair| pair[0] != pair[1]));
