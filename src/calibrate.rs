@@ -27,12 +27,12 @@ pub fn run(args: &CalibrateArgs, voice: &Voice) -> Result<(), Failure> {
         let reason = "--life states a life of turning; milling is calibrated on --data";
         return Err(Failure::argument(reason, "give --data, or state the group `life` of a parameter set"));
     }
-    let (Some(life), Some(at)) = (&args.life, &args.at) else {
+    let (Some(life), Some(cut)) = (&args.life, &args.at) else {
         return Err(Failure::argument("neither --life with --at nor --data is given", "toolroom calibrate --help"));
     };
     let first = FirstSet::read(&KnownLife {
         life,
-        cutting_speed: at,
+        cutting_speed: cut,
         feed: &args.feed,
         depth_of_cut: &args.depth,
         wear_limit: args.limit.as_deref().unwrap_or(LIMIT),

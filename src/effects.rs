@@ -23,12 +23,13 @@ pub fn run(args: &EffectsArgs, voice: &Voice) -> Result<(), Failure> {
 pub fn defined(files: &[PathBuf]) -> Result<Vec<&'static Definition>, Failure> {
     let mut all: Vec<&'static Definition> = Vec::new();
     for file in files {
-        for own in read_effects_file(file).map_err(Failure::File)? {
-            if all.iter().any(|known| known.entry().id == own.entry().id && *known != own) {
-                let message = format!("{}: `{}` is defined otherwise in another file", file.display(), own.entry().id);
+        for effect in read_effects_file(file).map_err(Failure::File)? {
+            if all.iter().any(|known| known.entry().id == effect.entry().id && *known != effect) {
+                let message =
+                    format!("{}: `{}` is defined otherwise in another file", file.display(), effect.entry().id);
                 return Err(Failure::argument(message, "give each effect an id of its own"));
             }
-            all.push(own);
+            all.push(effect);
         }
     }
     Ok(all)

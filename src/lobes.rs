@@ -193,8 +193,8 @@ fn history(
     })?;
     let inputs = [(path.display().to_string(), file.text.as_bytes())];
     let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
-    let at = ["--at".to_owned(), speed.clone(), depth.clone()];
-    let provenance = provenance("lobes", &inputs, at.into_iter().chain(changes), None);
+    let point = ["--at".to_owned(), speed.clone(), depth.clone()];
+    let provenance = provenance("lobes", &inputs, point.into_iter().chain(changes), None);
     out.put_all(&history.files(provenance.clone()))?;
     out.record(&provenance, start.elapsed())?;
     voice.say(format_args!("wrote {}", out.publish()?.join("report.html").display()));

@@ -170,11 +170,11 @@ const PERMISSIVE: [&str; 14] = [
 /// Parts of an SPDX expression between the words `operator` that stand outside parentheses.
 fn parts<'a>(expression: &'a str, operator: &str) -> Vec<&'a str> {
     let (mut parts, mut start, mut depth) = (Vec::new(), 0, 0);
-    for (at, letter) in expression.char_indices() {
+    for (index, letter) in expression.char_indices() {
         depth += i32::from(letter == '(') - i32::from(letter == ')');
-        if depth == 0 && at >= start && expression[at..].starts_with(operator) {
-            parts.push(&expression[start..at]);
-            start = at + operator.len();
+        if depth == 0 && index >= start && expression[index..].starts_with(operator) {
+            parts.push(&expression[start..index]);
+            start = index + operator.len();
         }
     }
     parts.push(&expression[start..]);
@@ -224,12 +224,12 @@ fn the_minimum_version_of_rust_is_enough_for_every_dependency() {
     let version = |text: &str| -> Vec<u32> { text.split('.').filter_map(|part| part.parse().ok()).collect() };
     let metadata = metadata();
     let packages = metadata["packages"].as_array().expect("packages");
-    let own = packages.iter().find(|package| package["name"] == "toolroom").expect("toolroom");
-    let own = version(own["rust_version"].as_str().expect("a minimum version"));
+    let package = packages.iter().find(|package| package["name"] == "toolroom").expect("toolroom");
+    let minimum = version(package["rust_version"].as_str().expect("a minimum version"));
     let newer: Vec<String> = packages
         .iter()
         .filter_map(|package| Some((&package["name"], package["rust_version"].as_str()?)))
-        .filter(|(_, needed)| version(needed)[..2] > own[..2])
+        .filter(|(_, needed)| version(needed)[..2] > minimum[..2])
         .map(|(name, needed)| format!("{name} needs {needed}"))
         .collect();
     assert!(newer.is_empty(), "rust-version in Cargo.toml is too low: {newer:?}");

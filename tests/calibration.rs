@@ -113,8 +113,8 @@ fn draws_of_a_calibration_enter_a_shop_and_say_what_they_leave_open() {
     );
     assert_eq!(calibrated.status.code(), Some(0), "{}", text(&calibrated.stderr));
     let shipped = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/steel-shafts.toml"));
-    let own = "parameter_set = \"./my.toml\"\nparameters_from = \"my-posterior.parquet\"";
-    let scenario = shipped.expect("the shipped scenario").replace("parameter_set = \"c45_t15k6\"", own);
+    let keys = "parameter_set = \"./my.toml\"\nparameters_from = \"my-posterior.parquet\"";
+    let scenario = shipped.expect("the shipped scenario").replace("parameter_set = \"c45_t15k6\"", keys);
     fs::write(folder.join("shop.toml"), scenario.replace("horizon = \"70 h\"", "horizon = \"34 h\""))
         .expect("a scenario");
     let compared = toolroom(folder, &["compare", "shop.toml", "--replications", "8", "--out", "out", "--json"]);
@@ -189,12 +189,12 @@ fn a_log_of_milling_becomes_a_set_whose_draws_a_shop_takes() {
     assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/gap/milling.toml");
     let shop = fs::read_to_string(shipped).expect("the shipped scenario");
-    let own = "parameter_set = \"./mill.toml\"\nparameters_from = \"mill-posterior.parquet\"";
-    fs::write(folder.join("shop.toml"), shop.replace("parameter_set = \"c45_endmill_d12\"", own)).expect("a scenario");
+    let keys = "parameter_set = \"./mill.toml\"\nparameters_from = \"mill-posterior.parquet\"";
+    fs::write(folder.join("shop.toml"), shop.replace("parameter_set = \"c45_endmill_d12\"", keys)).expect("a scenario");
     let ran = toolroom(folder, &["run", "shop.toml", "--out", "out"]);
     assert_eq!(ran.status.code(), Some(0), "{}", text(&ran.stderr));
     // What a scenario states beside the set becomes a set of its own.
-    let stated = own.replace(
+    let stated = keys.replace(
         "\nparameters_from = \"mill-posterior.parquet\"",
         "\nparameters = { life = { speed_exponent = 4.0 } }",
     );

@@ -36,8 +36,8 @@ pub fn shipped(name: &str) -> String {
 }
 
 /// An empty folder of the test `name` of the module `of`.
-pub fn directory(of: &str, name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{of}-{name}"));
+pub fn directory(group: &str, name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{group}-{name}"));
     let _ = fs::remove_dir_all(&path);
     fs::create_dir_all(&path).expect("the target directory is writable");
     path

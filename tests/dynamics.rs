@@ -92,8 +92,8 @@ fn a_tap_test_becomes_a_verdict() {
     });
     fs::write(place("true.toml"), with(&modes.concat())).expect("writable");
     let limit = |file: &str| {
-        let at = json(&toolroom(&["lobes", &place(file), "--json", "--at", "8000 rpm", "0.3 mm"]));
-        at["stability_limit [mm]"].as_f64().expect("a limit")
+        let verdict = json(&toolroom(&["lobes", &place(file), "--json", "--at", "8000 rpm", "0.3 mm"]));
+        verdict["stability_limit [mm]"].as_f64().expect("a limit")
     };
     let (fitted, truth) = (limit("fitted.toml"), limit("true.toml"));
     assert!((fitted / truth - 1.0).abs() < 0.02, "{fitted} {truth}");
@@ -179,8 +179,8 @@ fn a_tap_test_tells_the_depth_at_which_the_shop_is_quiet() {
     fs::write(place("true.toml"), &lobes).expect("writable");
     fs::write(place("tapped.toml"), format!("{before}structure = \"d12.toml\"\n[cutter]{cutter}")).expect("writable");
     let limit = |file: &str| {
-        let at = json(&toolroom(&["lobes", &place(file), "--json", "--at", "4244.13 rpm", "2 mm"]));
-        at["stability_limit [mm]"].as_f64().expect("a limit")
+        let verdict = json(&toolroom(&["lobes", &place(file), "--json", "--at", "4244.13 rpm", "2 mm"]));
+        verdict["stability_limit [mm]"].as_f64().expect("a limit")
     };
     let (tapped, truth) = (limit("tapped.toml"), limit("true.toml"));
     assert!((tapped / truth - 1.0).abs() < 0.02 && tapped < 2.0, "{tapped} {truth}");
@@ -334,11 +334,11 @@ fn hits(rebound: f64) -> String {
     let pulses = [(0.2, 200.0), (1.23, 260.0), (2.17, 180.0), (2.18, rebound), (3.21, 220.0), (4.19, 240.0)];
     // Squared half sines of half a millisecond.
     let force = |time: f64| -> f64 {
-        let of = |(start, peak): &(f64, f64)| {
+        let pulse = |(start, peak): &(f64, f64)| {
             let share = (time - start) / 5e-4;
             if (0.0..=1.0).contains(&share) { peak * (std::f64::consts::PI * share).sin().powi(2) } else { 0.0 }
         };
-        pulses.iter().map(of).sum()
+        pulses.iter().map(pulse).sum()
     };
     let h = 1.0 / 256_000.0;
     let mut states = [[0.0; 2]; 2];
@@ -348,15 +348,16 @@ fn hits(rebound: f64) -> String {
         let mut acceleration = 0.0;
         for (state, [frequency, zeta, k]) in states.iter_mut().zip(MODES) {
             let w = std::f64::consts::TAU * frequency;
-            let of = |x: f64, v: f64, time: f64| w * w * (force(time) / (k * 1e6) - x) - 2.0 * zeta * w * v;
-            acceleration += of(state[0], state[1], time);
+            let acceleration_at =
+                |x: f64, v: f64, time: f64| w * w * (force(time) / (k * 1e6) - x) - 2.0 * zeta * w * v;
+            acceleration += acceleration_at(state[0], state[1], time);
             for step in 0..16 {
                 // The midpoint method: a step turns the upper mode by 0.06.
                 let now = time + h * f64::from(step);
                 let [x, v] = *state;
-                let a = of(x, v, now);
+                let a = acceleration_at(x, v, now);
                 let middle = [x + 0.5 * h * v, v + 0.5 * h * a];
-                *state = [x + h * middle[1], v + h * of(middle[0], middle[1], now + 0.5 * h)];
+                *state = [x + h * middle[1], v + h * acceleration_at(middle[0], middle[1], now + 0.5 * h)];
             }
         }
         let _ = writeln!(text, "{time},{:.5},{acceleration:.5}", force(time));

@@ -85,11 +85,11 @@ fn forces_in_a_wrong_unit_are_said_and_blamed_on_nothing() {
 fn scaled(csv: &str, column: &str, factor: f64) -> String {
     let mut lines = csv.lines();
     let head = lines.next().unwrap_or_default();
-    let at = head.split(',').position(|title| title.starts_with(column)).expect("the column");
+    let index = head.split(',').position(|title| title.starts_with(column)).expect("the column");
     let mut text = format!("{head}\n");
     for line in lines {
         let cell = |(i, cell): (usize, &str)| match cell.parse::<f64>() {
-            Ok(value) if i == at => (value * factor).to_string(),
+            Ok(value) if i == index => (value * factor).to_string(),
             _ => cell.to_owned(),
         };
         let cells: Vec<String> = line.split(',').enumerate().map(cell).collect();

@@ -31,12 +31,12 @@ fn texts<'a>(list: &'a Value, key: &str) -> Vec<&'a str> {
 /// Whether a document has all that the shipped schema requires of it, to any depth.
 fn conforms(document: &Value, schema: &Value, root: &Value) -> bool {
     let schema = if schema["$ref"] == "#" { root } else { schema };
-    let own = |key: &Value| key.as_str().is_some_and(|key| document.get(key).is_some());
+    let known = |key: &Value| key.as_str().is_some_and(|key| document.get(key).is_some());
     let properties = schema["properties"].as_object().into_iter().flatten();
     let children = properties.filter_map(|(key, schema)| Some((document.get(key)?, schema)));
     let items = document.as_array().into_iter().flatten().map(|item| (item, &schema["items"]));
     let others = document.as_object().into_iter().flatten().map(|(_, child)| (child, &schema["additionalProperties"]));
-    schema["required"].as_array().into_iter().flatten().all(own)
+    schema["required"].as_array().into_iter().flatten().all(known)
         && schema["enum"].as_array().is_none_or(|words| words.contains(document))
         && children
             .chain(items.filter(|(_, schema)| !schema.is_null()))
@@ -68,8 +68,8 @@ fn an_effect_of_one_process_is_named_there_and_the_other_stays_clean() {
     assert_eq!(processes["grinding"]["verdict"], "effect");
     assert_eq!(processes["turning"]["effects"], Value::Array(Vec::new()));
     let closed = |value: &Value| value["closed"].as_f64().expect("a number");
-    let (own, all) = (closed(&processes["grinding"]["closure"]["total"]), closed(&found["closure"]["total"]));
-    assert!(0.0 < all && all < own, "{own} {all}");
+    let (by_itself, all) = (closed(&processes["grinding"]["closure"]["total"]), closed(&found["closure"]["total"]));
+    assert!(0.0 < all && all < by_itself, "{by_itself} {all}");
     assert!(found["closure"]["channels"]["cutting_force"].is_object());
     let report = fs::read_to_string(path(data.path(), "gap/report.html")).expect("a report");
     assert!(report.contains("All processes") && report.contains("grinding: ranking of effects"));

@@ -26,13 +26,13 @@ fn damaged_parts_are_refused(part: &Path, merge: &[&str]) {
     let name = part.file_name().and_then(|name| name.to_str()).expect("a name");
     for k in 0..6 {
         // Spread over the file by the golden ratio, the same on every run.
-        let at = (whole.len() as f64 * (0.618 * f64::from(k + 1)).fract()) as usize;
+        let offset = (whole.len() as f64 * (0.618 * f64::from(k + 1)).fract()) as usize;
         let mut changed = whole.clone();
-        changed[at] ^= 1 << k;
-        for bytes in [&whole[..at], &changed] {
+        changed[offset] ^= 1 << k;
+        for bytes in [&whole[..offset], &changed] {
             fs::write(part, bytes).expect("writable");
             let said = refused(merge);
-            assert!(said.contains(name) && said.contains("run its shard again"), "{at}: {said}");
+            assert!(said.contains(name) && said.contains("run its shard again"), "{offset}: {said}");
         }
     }
     fs::write(part, whole).expect("writable");
@@ -59,21 +59,21 @@ const STUDY: &str = "schema = 1\nname = \"small\"\nlives = 600\nparameter_set = 
 const QUICK: [&str; 2] = ["--bootstrap", "20"];
 
 /// The study of these tests with some more lines, in a directory.
-fn study(at: &Path, more: &str) -> PathBuf {
-    let path = at.join("study.toml");
+fn study(folder: &Path, more: &str) -> PathBuf {
+    let path = folder.join("study.toml");
     fs::write(&path, format!("{STUDY}{more}")).expect("written");
     path
 }
 
 #[test]
 fn measured_lives_give_the_published_law() {
-    let at = directory("life", "fit");
-    let lives = at.join("bearings.csv");
+    let folder = directory("life", "fit");
+    let lives = folder.join("bearings.csv");
     // J. Lieblein, M. Zelen, J. Research NBS 57 (1956) 273.
     let ages = "17.88 28.92 33.00 41.52 42.12 45.60 48.40 51.84 51.96 54.12 55.56 67.80 68.64 68.64 68.88 84.12 \
         93.12 98.64 105.12 105.84 127.92 128.04 173.40";
     fs::write(&lives, format!("life [min]\n{}\n", ages.split_whitespace().collect::<Vec<_>>().join("\n"))).unwrap();
-    let out = at.join("out");
+    let out = folder.join("out");
     let arguments = ["life", "--fit", text(&lives), "--out", text(&out), "--goodness", "19", "--json"];
     let summary = json(&[&arguments[..], &QUICK].concat());
     close(&summary["n"], 23.0, 1e-12);
@@ -103,9 +103,9 @@ fn public_wear_data_give_their_known_numbers() {
         eprintln!("skipped: no wear data in {}", data.display());
         return;
     }
-    let at = directory("life", "public");
+    let folder = directory("life", "public");
     let fit = |arguments: &[&str]| {
-        let out = at.join("out");
+        let out = folder.join("out");
         json(&[&["life", "--json", "--goodness", "0", "--out", text(&out), "--fit"], arguments, &QUICK].concat())
     };
     // NASA milling: ln T = 3.22 - 0.98 ln a_p - 0.36 ln f - 1.47 [steel], deviation 0.24.
@@ -129,7 +129,7 @@ fn public_wear_data_give_their_known_numbers() {
         last.retain(|(tool, _)| tool != cells[0]);
         last.push((cells[0].to_owned(), cells[3].to_owned()));
     }
-    let ends = at.join("ends.csv");
+    let ends = folder.join("ends.csv");
     let rows: Vec<&str> = last.iter().map(|(_, wear)| wear.as_str()).collect();
     fs::write(&ends, format!("life [um]\n{}\n", rows.join("\n"))).unwrap();
     let worn = fit(&[text(&ends)]);
@@ -140,9 +140,9 @@ fn public_wear_data_give_their_known_numbers() {
 
 #[test]
 fn lives_that_no_edge_has_are_refused_and_others_of_any_size_are_fitted() {
-    let at = directory("life", "extremes");
-    let file = at.join("lives.csv");
-    let out = at.join("out");
+    let folder = directory("life", "extremes");
+    let file = folder.join("lives.csv");
+    let out = folder.join("out");
     let fit = ["life", "--fit", text(&file), "--out", text(&out), "--bootstrap", "20", "--goodness", "19", "--json"];
     // Each among lives that are fine: line, value and fix are told.
     for wrong in ["0", "-3", "1e200", "1e300", "1e-300", "1e13", "inf", "-inf", "NaN", "1e400", "", "x"] {
@@ -206,26 +206,26 @@ fn lives_that_no_edge_has_are_refused_and_others_of_any_size_are_fitted() {
 
 #[test]
 fn a_broken_quote_is_refused_with_its_line() {
-    let at = directory("life", "quotes");
-    let file = at.join("lives.csv");
+    let folder = directory("life", "quotes");
+    let file = folder.join("lives.csv");
     fs::write(&file, "life,group\n12,a\n17,\"a\n21,b\n").unwrap();
-    let said = refused(&["life", "--fit", text(&file), "--out", text(&at.join("out"))]);
+    let said = refused(&["life", "--fit", text(&file), "--out", text(&folder.join("out"))]);
     assert!(said.contains("lives.csv:3:") && said.contains("never closed"), "{said}");
 }
 
 #[test]
 fn shards_threads_and_interruptions_change_nothing() {
-    let at = directory("life", "shards");
-    let file = study(&at, "");
+    let folder = directory("life", "shards");
+    let file = study(&folder, "");
     let run = |out: &str, more: &[&str]| {
-        let out = at.join(out);
+        let out = folder.join(out);
         json(&[&["life", text(&file), "--json", "--out", text(&out)], more, &QUICK].concat())
     };
     let whole = run("whole", &["--threads", "1"]);
     assert_eq!(whole["cells"].as_array().map(Vec::len), Some(2));
     assert_eq!(run("threads", &["--threads", "2"]), whole);
     // A name of a column has a comma in it.
-    let mut cells = csv::Reader::from_path(at.join("whole/cells.csv")).expect("a table");
+    let mut cells = csv::Reader::from_path(folder.join("whole/cells.csv")).expect("a table");
     let names = cells.headers().expect("a header").clone();
     let b10 = names.iter().position(|name| name == "B10 [min]").expect("the column");
     let rows: Vec<csv::StringRecord> = cells.records().map(|row| row.expect("as long as the header")).collect();
@@ -235,16 +235,16 @@ fn shards_threads_and_interruptions_change_nothing() {
     }
     assert_eq!(run("seven", &["--shards", "7"]), whole);
 
-    let plan = at.join("plan.json");
+    let plan = folder.join("plan.json");
     let said = toolroom(&["life", text(&file), "--plan", text(&plan), "--shards", "5"]);
     assert_eq!(said.status.code(), Some(0), "{}", stderr(&said));
-    let parts = at.join("parts");
+    let parts = folder.join("parts");
     let shard = |k: &str| toolroom(&["life", "--run", text(&plan), "--shard", k, "--out", text(&parts)]);
     let merge = ["merge", text(&parts), "--json", "--out"];
     for k in ["4", "0", "2", "1"] {
         assert_eq!(shard(k).status.code(), Some(0));
     }
-    let merged = at.join("merged");
+    let merged = folder.join("merged");
     let arguments = [&merge[..], &[text(&merged)], &QUICK].concat();
     assert!(refused(&arguments).contains("1 of 5 shards are missing: 3"));
     assert_eq!(shard("3").status.code(), Some(0));
@@ -256,7 +256,7 @@ fn shards_threads_and_interruptions_change_nothing() {
     assert_eq!(json(&arguments), whole);
 
     // A study that was killed between shards goes on to the same result.
-    let seven = at.join("seven");
+    let seven = folder.join("seven");
     fs::remove_file(seven.join("parts/part-000002.json")).unwrap();
     fs::remove_file(seven.join("parts/part-000005.parquet")).unwrap();
     assert_eq!(run("seven", &["--shards", "7", "--resume"]), whole);
@@ -266,7 +266,7 @@ fn shards_threads_and_interruptions_change_nothing() {
     fs::copy(&one, &copy).unwrap();
     assert!(refused(&arguments).contains("shard 1 is there twice"));
     fs::remove_file(&copy).unwrap();
-    fs::copy(at.join("whole/parts/part-000000.json"), &one).unwrap();
+    fs::copy(folder.join("whole/parts/part-000000.json"), &one).unwrap();
     assert!(refused(&arguments).contains("belongs to another plan"));
     fs::remove_file(&one).unwrap();
     assert_eq!(shard("1").status.code(), Some(0));
@@ -282,12 +282,12 @@ fn shards_threads_and_interruptions_change_nothing() {
 
 #[test]
 fn a_study_says_what_was_asked_of_it() {
-    let at = directory("life", "study");
+    let folder = directory("life", "study");
     let more = "[[policy]]\nname = \"constant\"\nspeed = \"programmed\"\n[[policy]]\nname = \"adaptive\"\n\
         speed = \"minimum_wear\"\nreading = \"pass\"\n[early]\nage = \"8 min\"\nwear_shift = 1.5\n\
         [replacement]\nplanned = \"10 EUR\"\nfailure = \"50 EUR\"\n[sensitivity]\nsamples = 64\ntrajectories = 4\n";
-    let file = study(&at, more);
-    let out = at.join("out");
+    let file = study(&folder, more);
+    let out = folder.join("out");
     let summary = json(&[&["life", text(&file), "--json", "--lives", "200", "--out", text(&out)], &QUICK[..]].concat());
     let cells = summary["cells"].as_array().expect("cells");
     assert_eq!(cells.len(), 4);
@@ -308,11 +308,11 @@ fn a_study_says_what_was_asked_of_it() {
 
 #[test]
 fn a_precision_sets_the_number_of_lives() {
-    let at = directory("life", "precision");
-    let file = study(&at, "").with_file_name("study.toml");
+    let folder = directory("life", "precision");
+    let file = study(&folder, "").with_file_name("study.toml");
     let text_of = fs::read_to_string(&file).unwrap().replace("lives = 600", "lives = 50000\nuntil = \"2 %\"");
     fs::write(&file, text_of).unwrap();
-    let out = at.join("out");
+    let out = folder.join("out");
     let summary = json(&[&["life", text(&file), "--json", "--out", text(&out)], &QUICK[..]].concat());
     let lives = summary["n"].as_f64().expect("a number");
     assert!((500.0..5000.0).contains(&lives), "{lives}");
@@ -322,10 +322,10 @@ fn a_precision_sets_the_number_of_lives() {
 
 #[test]
 fn input_that_makes_no_sense_is_refused() {
-    let at = directory("life", "refused");
+    let folder = directory("life", "refused");
     let with = |more: &str| {
-        let file = study(&at, more);
-        refused(&["life", text(&file), "--out", text(&at.join("out"))])
+        let file = study(&folder, more);
+        refused(&["life", text(&file), "--out", text(&folder.join("out"))])
     };
     let field = "[[field]]\nname = \"cut.hardness\"\ndistribution = ";
     assert!(with(&format!("{field}\"gamma\"\nscale = \"-1\"\nshape = 2\n")).contains("positive"));
@@ -339,7 +339,7 @@ fn input_that_makes_no_sense_is_refused() {
     };
     let empirical = format!("{field}\"empirical\"\ncolumn = \"h\"\nfile = ");
     assert!(with(&format!("{empirical}\"nowhere.csv\"\n")).contains("nowhere.csv cannot be read"));
-    fs::write(at.join("g.csv"), "g\n1\n").unwrap();
+    fs::write(folder.join("g.csv"), "g\n1\n").unwrap();
     assert!(with(&format!("{empirical}\"g.csv\"\n")).contains("g.csv:1: there is no column `h`"));
     let (a, b, c) = ("common wear", "batch hardness", "initial wear");
     let impossible = [pair(a, b, 0.9), pair(b, c, 0.9), pair(a, c, -0.9)].concat();
@@ -349,27 +349,27 @@ fn input_that_makes_no_sense_is_refused() {
     assert!(said.contains("positive") && !said.contains("did you mean"), "{said}");
     assert!(with(&[pair(a, b, 0.5), pair(b, a, 0.4)].concat()).contains("given once"));
     assert!(with("lifes = 3\n").contains("lifes"));
-    assert!(!at.join("out").exists(), "nothing is written");
+    assert!(!folder.join("out").exists(), "nothing is written");
 
     let csv = |name: &str, content: &str| {
-        let path = at.join(name);
+        let path = folder.join(name);
         fs::write(&path, content).unwrap();
-        refused(&["life", "--fit", text(&path), "--out", text(&at.join("out"))])
+        refused(&["life", "--fit", text(&path), "--out", text(&folder.join("out"))])
     };
     assert!(csv("censored.csv", "life,censored\n5,1\n7,1\n").contains("all 2 lives are censored"));
     assert!(csv("one.csv", "life\n5\n").contains("1 different lives that ended do not determine 2 parameters"));
     assert!(csv("negative.csv", "life\n5\n-3\n").contains("negative.csv:3: `life` is -3"));
     assert!(csv("words.csv", "life\n5\nlong\n").contains("words.csv:3: `life` is `long`"));
-    assert!(refused(&["merge", text(&at)]).contains("plan.json"));
+    assert!(refused(&["merge", text(&folder)]).contains("plan.json"));
     assert!(refused(&["life"]).contains("FILE") || refused(&["life"]).contains("required"));
 }
 
 #[test]
 fn a_file_that_changes_between_shards_is_refused() {
-    let at = directory("life", "changed");
+    let folder = directory("life", "changed");
     let field = "[[field]]\nname = \"cut.hardness\"\ndistribution = \"empirical\"\nfile = \"h.csv\"\ncolumn = \"h\"\n";
-    let file = study(&at, field);
-    let (csv, plan, parts) = (at.join("h.csv"), at.join("plan.json"), at.join("parts"));
+    let file = study(&folder, field);
+    let (csv, plan, parts) = (folder.join("h.csv"), folder.join("plan.json"), folder.join("parts"));
     fs::write(&csv, "h\n0.9\n1.1\n").unwrap();
     let run = |arguments: &[&str]| toolroom(arguments).status.code();
     assert_eq!(run(&["life", text(&file), "--plan", text(&plan), "--shards", "2"]), Some(0));
@@ -383,17 +383,17 @@ fn a_file_that_changes_between_shards_is_refused() {
 #[cfg(unix)]
 #[test]
 fn a_signal_keeps_the_shards_that_are_complete_and_leaves_no_lock() {
-    let at = directory("life", "signal");
-    let file = study(&at, "");
+    let folder = directory("life", "signal");
+    let file = study(&folder, "");
     let arguments = |out: &'static str, more: &[&'static str]| -> Vec<String> {
         let all = ["life", text(&file), "--json", "--lives", "40000", "--shards", "40", "--out"];
-        let out = at.join(out);
+        let out = folder.join(out);
         [&all[..], &[text(&out)], more, &QUICK].concat().into_iter().map(str::to_owned).collect()
     };
     let run = |list: &[String]| json(&list.iter().map(String::as_str).collect::<Vec<_>>());
     let whole = run(&arguments("whole", &[]));
     for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
-        let out = at.join("out");
+        let out = folder.join("out");
         let _ = fs::remove_dir_all(&out);
         let child = Command::new(env!("CARGO_BIN_EXE_toolroom"))
             .args(arguments("out", &[]))
@@ -417,23 +417,23 @@ fn a_signal_keeps_the_shards_that_are_complete_and_leaves_no_lock() {
         assert_eq!(run(&arguments("out", &["--resume"])), whole);
     }
     // Started anew, the earlier parts go and what the user put beside them stays.
-    fs::write(at.join("out/parts/notes.txt"), "mine").unwrap();
-    fs::write(at.join("out/notes.txt"), "mine").unwrap();
+    fs::write(folder.join("out/parts/notes.txt"), "mine").unwrap();
+    fs::write(folder.join("out/notes.txt"), "mine").unwrap();
     run(&arguments("out", &["--seed", "3"]));
-    assert_eq!(fs::read_to_string(at.join("out/parts/notes.txt")).unwrap(), "mine");
-    assert_eq!(fs::read_to_string(at.join("out/notes.txt")).unwrap(), "mine");
-    fs::write(at.join("out/parts/part-000001.parquet"), "mine").unwrap();
+    assert_eq!(fs::read_to_string(folder.join("out/parts/notes.txt")).unwrap(), "mine");
+    assert_eq!(fs::read_to_string(folder.join("out/notes.txt")).unwrap(), "mine");
+    fs::write(folder.join("out/parts/part-000001.parquet"), "mine").unwrap();
     let again = arguments("out", &[]);
     let again: Vec<&str> = again.iter().map(String::as_str).collect();
     assert!(refused(&again).contains("part-000001.parquet was changed since"));
-    assert_eq!(fs::read(at.join("out/parts/part-000001.parquet")).unwrap(), b"mine");
+    assert_eq!(fs::read(folder.join("out/parts/part-000001.parquet")).unwrap(), b"mine");
 }
 
 #[cfg(unix)]
 #[test]
 fn a_plan_takes_the_place_of_nothing_but_a_plan() {
-    let at = directory("life", "life-plan-place");
-    let file = study(&at, "");
+    let folder = directory("life", "life-plan-place");
+    let file = study(&folder, "");
     let plan_to =
         |place: &Path, shards: &str| toolroom(&["life", text(&file), "--plan", text(place), "--shards", shards]);
     let before = fs::read(&file).unwrap();
@@ -441,13 +441,13 @@ fn a_plan_takes_the_place_of_nothing_but_a_plan() {
     assert_eq!(said.status.code(), Some(2));
     assert!(stderr(&said).contains("is an input of this command"), "{}", stderr(&said));
     assert_eq!(fs::read(&file).unwrap(), before);
-    let plan = at.join("plan.json");
+    let plan = folder.join("plan.json");
     for shards in ["2", "3"] {
         assert_eq!(plan_to(&plan, shards).status.code(), Some(0));
         assert!(fs::read_to_string(&plan).unwrap().contains(&format!("\"shards\": {shards}")));
     }
     // Whatever is no file stays what it is.
-    let link = at.join("link");
+    let link = folder.join("link");
     std::os::unix::fs::symlink("/dev/stdout", &link).unwrap();
     let said = plan_to(&link, "2");
     assert_eq!(said.status.code(), Some(0), "{}", stderr(&said));
@@ -458,9 +458,9 @@ fn a_plan_takes_the_place_of_nothing_but_a_plan() {
 #[cfg(unix)]
 #[test]
 fn a_full_disk_loses_nothing_that_was_complete() {
-    let at = directory("life", "full");
-    let file = study(&at, "");
-    let out = at.join("out");
+    let folder = directory("life", "full");
+    let file = study(&folder, "");
+    let out = folder.join("out");
     // Files above 64 KiB cannot be written: the plan fits, a part of 4000 lives does not.
     let arguments = format!("life {} --out {} --shards 2 --lives 4000 --bootstrap 20", text(&file), text(&out));
     let limited = format!("trap '' XFSZ; ulimit -f 64; exec {} {arguments}", env!("CARGO_BIN_EXE_toolroom"));
@@ -477,23 +477,23 @@ fn a_full_disk_loses_nothing_that_was_complete() {
 
 #[test]
 fn a_shop_in_shards_is_the_shop_in_one_piece() {
-    let at = directory("life", "shop");
+    let folder = directory("life", "shop");
     let scenario = format!("{}/scenarios/demo.toml", env!("CARGO_MANIFEST_DIR"));
     let policies = ["--policy", "v0 at 0.2 mm", "--policy", "productivity"];
     let common = ["compare", &scenario, "--replications", "5"];
-    let whole = at.join("whole");
+    let whole = folder.join("whole");
     let whole = json(&[&common[..], &policies, &["--json", "--out", text(&whole)]].concat());
-    let plan = at.join("plan.json");
+    let plan = folder.join("plan.json");
     let planned = toolroom(&[&common[..], &policies, &["--plan", text(&plan), "--shards", "3"]].concat());
     assert_eq!(planned.status.code(), Some(0), "{}", stderr(&planned));
-    let parts = at.join("parts");
+    let parts = folder.join("parts");
     for k in ["2", "0", "1"] {
         let shard = toolroom(&["shard", text(&plan), k, "--out", text(&parts), "--threads", "1"]);
         assert_eq!(shard.status.code(), Some(0), "{}", stderr(&shard));
     }
-    let merged = json(&["merge", text(&parts), "--json", "--out", text(&at.join("merged"))]);
+    let merged = json(&["merge", text(&parts), "--json", "--out", text(&folder.join("merged"))]);
     assert_eq!(merged, whole);
-    let out = at.join("merged");
+    let out = folder.join("merged");
     let merge = ["merge", text(&parts), "--out", text(&out)];
     damaged_parts_are_refused(&parts.join("part-000001.json"), &merge);
     fs::remove_file(parts.join("part-000001.json")).unwrap();

@@ -6,9 +6,9 @@ use std::fs;
 use std::path::Path;
 
 /// The verdict of a shipped file at a point, with changes.
-fn verdict(name: &str, at: [&str; 2], changes: &[&str]) -> Value {
+fn verdict(name: &str, point: [&str; 2], changes: &[&str]) -> Value {
     let path = shipped(name);
-    let mut arguments = vec!["lobes", &path, "--json", "--at", at[0], at[1]];
+    let mut arguments = vec!["lobes", &path, "--json", "--at", point[0], point[1]];
     for change in changes {
         arguments.extend(["--set", change]);
     }
@@ -95,9 +95,9 @@ fn stiff_work(name: &str) -> String {
 fn turning_limits_are_those_of_the_reference_with_and_without_process_damping() {
     let path = stiff_work("limits");
     for (speed, free, damped) in [("1500 rpm", 0.38491350, 0.97558778), ("8000 rpm", 0.72273448, 0.77227103)] {
-        let at = ["lobes", &path, "--json", "--at", speed, "0.3 mm"];
-        close(&json(&toolroom(&at))["stability_limit [mm]"], free, 1e-7);
-        let with = [&at[..], &["--set", "cut.process_damping=6.11e5 N/m"]].concat();
+        let arguments = ["lobes", &path, "--json", "--at", speed, "0.3 mm"];
+        close(&json(&toolroom(&arguments))["stability_limit [mm]"], free, 1e-7);
+        let with = [&arguments[..], &["--set", "cut.process_damping=6.11e5 N/m"]].concat();
         close(&json(&toolroom(&with))["stability_limit [mm]"], damped, 1e-7);
     }
     // Slow enough, process damping keeps every depth stable: there is no limit and no margin.
@@ -126,17 +126,17 @@ fn chuck_thresholds_are_those_of_the_paper_s_reduced_system() {
     {
         let lag = format!("chuck.lag={lag}");
         for (ratio, threshold) in [("1", one), ("2", two)] {
-            let at = verdict(CHUCK, [ratio, "0.7"], &[&lag]);
-            close(&at["critical_modulation"], threshold, 1e-5);
-            assert_eq!(at["type"], "parametric");
+            let found = verdict(CHUCK, [ratio, "0.7"], &[&lag]);
+            close(&found["critical_modulation"], threshold, 1e-5);
+            assert_eq!(found["type"], "parametric");
         }
     }
-    let at = verdict(CHUCK, ["1", "0.3"], &[]);
-    close(&at["spectral_radius"], 1.00647429, 1e-7);
+    let found = verdict(CHUCK, ["1", "0.3"], &[]);
+    close(&found["spectral_radius"], 1.00647429, 1e-7);
     // 240.93141 kgf/mm over 300 kgf/mm², against 200.
-    close(&at["stability_limit [mm]"], 240.93141 / 300.0, 1e-6);
-    close(&at["margin"], 1.0 - 200.0 / 240.93141, 1e-6);
-    close(&at["chatter_frequency [Hz]"], 120.0, 1e-9);
+    close(&found["stability_limit [mm]"], 240.93141 / 300.0, 1e-6);
+    close(&found["margin"], 1.0 - 200.0 / 240.93141, 1e-6);
+    close(&found["chatter_frequency [Hz]"], 120.0, 1e-9);
     // 2400 rpm in a chuck of three jaws are 120 Hz.
     close(&verdict(CHUCK, ["2400 rpm", "0.3"], &[])["spectral_radius"], 1.00647429, 1e-7);
     let other = verdict(CHUCK, ["1.9", "0.3"], &["chuck.preset=table2_milli", "chuck.lag=40 us"]);
@@ -254,8 +254,8 @@ fn a_varying_speed_calms_what_chatters_at_constant_speed() {
             let mass = "mode.tool.natural_frequency=540.9 Hz";
             let amplitude = format!("speed_variation.amplitude={amplitude}");
             let revolutions = format!("speed_variation.revolutions={revolutions}");
-            let at = verdict(VARYING, [speed, &depth], &[mass, &amplitude, &revolutions]);
-            close(&at["spectral_radius"], radius, 2e-3);
+            let found = verdict(VARYING, [speed, &depth], &[mass, &amplitude, &revolutions]);
+            close(&found["spectral_radius"], radius, 2e-3);
         }
     }
     // A mill as well: the flip of the standard slot at 12 000 rpm goes deeper.
@@ -264,8 +264,8 @@ fn a_varying_speed_calms_what_chatters_at_constant_speed() {
     let section = "[speed_variation]\namplitude = 0.2\nrevolutions = 5\n[chart]";
     fs::write(&path, text.replacen("[chart]", section, 1)).expect("writable");
     let path = path.display().to_string();
-    let at = json(&toolroom(&["lobes", &path, "--json", "--at", "6000 rpm", "0.45 mm"]));
-    assert_eq!((&at["stable"], &at["speed_variation"]["revolutions"]), (&true.into(), &5.into()));
+    let found = json(&toolroom(&["lobes", &path, "--json", "--at", "6000 rpm", "0.45 mm"]));
+    assert_eq!((&found["stable"], &found["speed_variation"]["revolutions"]), (&true.into(), &5.into()));
     assert_eq!(verdict(SLOT, ["6000 rpm", "0.45 mm"], &[])["stable"], false);
 }
 
@@ -297,14 +297,14 @@ fn a_chart_is_the_same_from_any_number_of_shards() {
     }
     let part = folder.join("parts4/part-000001.json");
     let whole = fs::read(&part).expect("a part");
-    for at in (0..whole.len()).step_by(whole.len() / 5) {
+    for offset in (0..whole.len()).step_by(whole.len() / 5) {
         let mut changed = whole.clone();
-        changed[at] ^= 4;
-        for bytes in [&whole[..at], &changed] {
+        changed[offset] ^= 4;
+        for bytes in [&whole[..offset], &changed] {
             fs::write(&part, bytes).expect("writable");
             let output = toolroom(&["merge", &place("parts4"), "--out", &place("merged")]);
             let said = stderr(&output);
-            assert!(output.status.code() == Some(2) && said.contains("part-000001.json"), "{at}: {said}");
+            assert!(output.status.code() == Some(2) && said.contains("part-000001.json"), "{offset}: {said}");
         }
     }
     fs::write(&part, whole).expect("writable");
@@ -535,16 +535,16 @@ fn a_file_without_modes_is_refused() {
 #[test]
 fn points_that_are_none_are_input_errors() {
     let path = shipped(SLOT);
-    for (at, told) in [
+    for (point, told) in [
         (["5000", "0.5 mm"], "has no unit"),
         (["5000 rpm", "0.5 kg"], "is not a unit of"),
         (["0 rpm", "0.5 mm"], "must be positive"),
         (["5000 rpm", "-0.5 mm"], "must not be negative"),
         (["nan rpm", "0.5 mm"], "does not start with a number"),
     ] {
-        let output = toolroom(&["lobes", &path, "--at", at[0], at[1]]);
-        assert_eq!(output.status.code(), Some(2), "{at:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains(told), "{at:?}: {}", stderr(&output));
+        let output = toolroom(&["lobes", &path, "--at", point[0], point[1]]);
+        assert_eq!(output.status.code(), Some(2), "{point:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(told), "{point:?}: {}", stderr(&output));
     }
     let output = toolroom(&["lobes", "/nowhere.toml"]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
@@ -578,8 +578,8 @@ fn a_cut_that_is_stable_again_above_its_limit_is_told_in_every_answer() {
     let boundary = &chart["boundaries"][0];
     let ends = |speed: f64| -> Vec<f64> {
         let points = ["limit", "further"].into_iter().flat_map(|key| boundary[key].as_array().expect("points"));
-        let at = points.filter(|point| (point[0].as_f64().expect("a speed") - speed).abs() < 1e-6);
-        at.filter_map(|point| point[1].as_f64()).collect()
+        let here = points.filter(|point| (point[0].as_f64().expect("a speed") - speed).abs() < 1e-6);
+        here.filter_map(|point| point[1].as_f64()).collect()
     };
     let mut compared = 0;
     for row in table.lines().skip(1) {

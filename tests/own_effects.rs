@@ -69,9 +69,9 @@ fn a_point_with_an_effect_of_ones_own_has_its_published_force() {
     // An independent calculation.
     let plain = force(&[]);
     assert!((plain / 918.316_639_371_382_4 - 1.0).abs() < 1e-12, "{plain}");
-    let own = force(&["--effects", &file, "--effect", "my.wear=0.2"]);
-    assert!((own / 1_040.758_857_954_233_5 - 1.0).abs() < 1e-12, "{own}");
-    assert_eq!(own.to_bits(), force(&["--effect", "wear_force=0.2"]).to_bits());
+    let by_file = force(&["--effects", &file, "--effect", "my.wear=0.2"]);
+    assert!((by_file / 1_040.758_857_954_233_5 - 1.0).abs() < 1e-12, "{by_file}");
+    assert_eq!(by_file.to_bits(), force(&["--effect", "wear_force=0.2"]).to_bits());
     let crater = force(&["--effects", &file, "--effect", "my.crater=0.1"]);
     assert!((crater / 988.946_804_602_985_3 - 1.0).abs() < 1e-12, "{crater}");
 }

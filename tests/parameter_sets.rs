@@ -59,8 +59,8 @@ fn a_copy_of_a_shipped_set_gives_the_same_shop_to_the_byte() {
         (fs::read(Path::new(&out).join("kpi.csv")).expect("key figures"), inputs)
     };
     let (shipped, _) = kpi("c45_t15k6", "a");
-    let (own, inputs) = kpi("./mine.toml", "b");
-    assert_eq!(shipped, own);
+    let (by_path, inputs) = kpi("./mine.toml", "b");
+    assert_eq!(shipped, by_path);
     // The file's hash stands beside that of the scenario.
     assert!(inputs.contains("mine.toml"), "{inputs}");
 }
@@ -68,8 +68,8 @@ fn a_copy_of_a_shipped_set_gives_the_same_shop_to_the_byte() {
 #[test]
 fn a_handbook_law_enters_shops_points_and_studies() {
     let folder = TempDir::new().expect("a folder");
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join(OWN).display().to_string();
-    json(&["check", &shop(folder.path(), &own), "--json"]);
+    let set = Path::new(env!("CARGO_MANIFEST_DIR")).join(OWN).display().to_string();
+    json(&["check", &shop(folder.path(), &set), "--json"]);
     let point = json(&[
         "point",
         "turning",
@@ -86,7 +86,7 @@ fn a_handbook_law_enters_shops_points_and_studies() {
     let life = point["outputs"]["tool_life [min]"].as_f64().expect("a life");
     assert!((life - 59.60626).abs() < 1e-3, "{life}");
     let study = folder.path().join("study.toml");
-    let words = format!("schema = 1\nname = \"own\"\nlives = 200\nparameter_set = \"{own}\"\nseed = 1\n");
+    let words = format!("schema = 1\nname = \"own\"\nlives = 200\nparameter_set = \"{set}\"\nseed = 1\n");
     fs::write(&study, words).expect("a study");
     json(&["check", &study.display().to_string(), "--kind", "life", "--json"]);
 }

@@ -292,8 +292,8 @@ fn the_profile_hole_gains_what_the_paper_reports_under_the_stated_conditions() {
     // The gain is one of these conditions: without the empirical path error it is another.
     let conditions = plan["conditions"].as_array().expect("a list");
     let gain = |name: &str| {
-        let of = conditions.iter().find(|each| each["condition"] == name).unwrap_or_else(|| panic!("{name}"));
-        of["time"]["productivity_gain"].as_f64().expect("a number")
+        let condition = conditions.iter().find(|each| each["condition"] == name).unwrap_or_else(|| panic!("{name}"));
+        condition["time"]["productivity_gain"].as_f64().expect("a number")
     };
     assert!((gain("no path error") - 1.2812).abs() < 1e-3);
     assert!((gain("path error of ideal servos") - 1.1508).abs() < 1e-3);

@@ -340,9 +340,9 @@ fn runs_of_the_box_that_no_fit_has_seen_are_timed_within_a_per_cent() {
         let mut runs: std::collections::BTreeMap<String, (f64, f64)> = std::collections::BTreeMap::new();
         for line in table.lines().skip(1) {
             let cells: Vec<&str> = line.split(',').collect();
-            let own = runs.entry(cells[run].to_owned()).or_default();
-            own.0 += cells[time].parse::<f64>().expect("a time");
-            own.1 = cells[at].parse::<f64>().expect("an override") / 100.0;
+            let run_entry = runs.entry(cells[run].to_owned()).or_default();
+            run_entry.0 += cells[time].parse::<f64>().expect("a time");
+            run_entry.1 = cells[at].parse::<f64>().expect("an override") / 100.0;
             assert_eq!(cells[source], "plateau");
         }
         assert_eq!(runs.len(), logs.len(), "operation {operation}");

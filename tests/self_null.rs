@@ -160,8 +160,9 @@ fn breakdowns_that_were_applied_have_no_gap_to_fresh_records() {
     done(&["gap", "apply", "--model", &at("model.toml"), "--diagnosis", &diagnosis, "--out", &applied]);
     let factor = |parameter: &str| {
         let list = first["applied"]["calibration"].as_array().expect("a list");
-        let own = |own: &&Value| own["parameter"] == parameter && own["target"] == "machine L1";
-        list.iter().find(own).and_then(|own| own["factor"].as_f64()).expect("a factor")
+        let of_machine =
+            |of_machine: &&Value| of_machine["parameter"] == parameter && of_machine["target"] == "machine L1";
+        list.iter().find(of_machine).and_then(|of_machine| of_machine["factor"].as_f64()).expect("a factor")
     };
     assert!((factor("time_between_failures") * 8.0 / 3.0 - 1.0).abs() < 0.25);
     assert!((factor("time_to_repair") * 25.0 / 70.0 - 1.0).abs() < 0.1);

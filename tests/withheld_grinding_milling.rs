@@ -108,10 +108,10 @@ fn infeed_in_a_wrong_unit_is_said_and_blamed_on_nothing() {
         parse_csv("truth", prefix.as_bytes(), RecordKind::Grinding).expect_err("millimetres a turn").to_string();
     assert!(error.contains("infeed_per_rev") && error.contains("unit"), "{error}");
     // By inches it is possible, and the channels give it away.
-    let at = csv.lines().next().unwrap_or_default().split(',').position(|name| name.starts_with("infeed_per_rev"));
+    let index = csv.lines().next().unwrap_or_default().split(',').position(|name| name.starts_with("infeed_per_rev"));
     let inches = |line: &str| {
         let cell = |(i, cell): (usize, &str)| match cell.parse::<f64>() {
-            Ok(value) if Some(i) == at => (value * 25.4).to_string(),
+            Ok(value) if Some(i) == index => (value * 25.4).to_string(),
             _ => cell.to_owned(),
         };
         line.split(',').enumerate().map(cell).collect::<Vec<_>>().join(",")
@@ -124,13 +124,14 @@ fn infeed_in_a_wrong_unit_is_said_and_blamed_on_nothing() {
 #[test]
 fn mills_that_hide_nothing_are_blamed_for_nothing_whatever_the_sign_of_the_feed_force() {
     let csv = Case::null("milling", 2).records();
-    let at = csv.lines().next().unwrap_or_default().split(',').position(|name| name.starts_with("feed_force"));
+    let index = csv.lines().next().unwrap_or_default().split(',').position(|name| name.starts_with("feed_force"));
     let flipped: Vec<String> = csv
         .lines()
         .map(|line| {
             let cells = line.split(',').enumerate();
-            let cell =
-                |(i, cell): (usize, &str)| if Some(i) == at { cell.trim_start_matches('-') } else { cell }.to_owned();
+            let cell = |(i, cell): (usize, &str)| {
+                if Some(i) == index { cell.trim_start_matches('-') } else { cell }.to_owned()
+            };
             cells.map(cell).collect::<Vec<_>>().join(",")
         })
         .collect();

@@ -18,9 +18,9 @@ fn number(value: &Value) -> f64 {
 }
 
 /// The verdict of a shipped file at a point, with changes.
-fn verdict(at: [&str; 2], changes: &[&str]) -> Value {
+fn verdict(point: [&str; 2], changes: &[&str]) -> Value {
     let path = shipped(FILE);
-    let mut arguments = vec!["lobes", &path, "--json", "--at", at[0], at[1]];
+    let mut arguments = vec!["lobes", &path, "--json", "--at", point[0], point[1]];
     for change in changes {
         arguments.extend(["--set", change]);
     }
@@ -48,8 +48,8 @@ fn slot_tests_give_coefficients_that_a_lobes_file_takes() {
     }
     assert_eq!(toolroom(&["check", &out]).status.code(), Some(0));
     // The shipped file is what the command writes, and stands in place of its numbers.
-    let at = ["9000 rpm", "1.2 mm"];
-    let named = verdict(at, &[]);
+    let point = ["9000 rpm", "1.2 mm"];
+    let named = verdict(point, &[]);
     let text = fs::read_to_string(shipped(FILE)).expect("shipped");
     let numbers = "tangential = \"791.34111 MPa\"\nradial = \"188.34222 MPa\"\n\
                    edge_tangential = \"27.99437 N/mm\"\nedge_radial = \"30.05113 N/mm\"\n";
@@ -60,7 +60,7 @@ fn slot_tests_give_coefficients_that_a_lobes_file_takes() {
     let path = folder.join("numbers.toml");
     fs::write(&path, written).expect("writable");
     let place = path.display().to_string();
-    let by_numbers = json(&toolroom(&["lobes", &place, "--json", "--at", at[0], at[1]]));
+    let by_numbers = json(&toolroom(&["lobes", &place, "--json", "--at", point[0], point[1]]));
     close(&by_numbers["stability_limit [mm]"], number(&named["stability_limit [mm]"]), 1e-6);
     close(&by_numbers["power [kW]"], number(&named["power [kW]"]), 1e-6);
     // Forces on the work, and too few feeds, are refused with the fix.
@@ -90,9 +90,9 @@ fn the_best_point_keeps_every_limit_and_more_power_is_not_less_removal() {
     let (tight, wide) = (best("1.5 kW"), best("8 kW"));
     for best in [&tight, &wide] {
         assert!(number(&best["p_stable"]) >= 0.95, "{best}");
-        let at = [("spindle_speed [rpm]", "rpm"), ("depth_of_cut [mm]", "mm")]
+        let point = [("spindle_speed [rpm]", "rpm"), ("depth_of_cut [mm]", "mm")]
             .map(|(key, unit)| format!("{} {unit}", number(&best[key])));
-        let there = verdict([&at[0], &at[1]], &["limits.power=8 kW"]);
+        let there = verdict([&point[0], &point[1]], &["limits.power=8 kW"]);
         assert_eq!((&there["stable"], &there["limits_broken"]), (&true.into(), &Value::Array(Vec::new())), "{there}");
         for (one, other) in [
             ("removal_rate [cm3/min]", "removal_rate [cm3/min]"),
@@ -276,8 +276,8 @@ fn cuts_of_the_shop_bring_a_structure_file_up_to_date() {
     assert_eq!(toolroom(&["check", &new]).status.code(), Some(0));
     let speed = |name: &str| {
         let change = format!("structure={name}");
-        let at = json(&toolroom(&["lobes", &chart, "--json", "--at", "5600 rpm", "0.4 mm", "--set", &change]));
-        number(&at["chatter_frequency [Hz]"])
+        let found = json(&toolroom(&["lobes", &chart, "--json", "--at", "5600 rpm", "0.4 mm", "--set", &change]));
+        number(&found["chatter_frequency [Hz]"])
     };
     assert!(speed("new.toml") < speed("lathe.toml"));
     // The same draws, the same text.

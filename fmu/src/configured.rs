@@ -159,11 +159,11 @@ impl<U: Unit> Configured<U> {
     /// Brings the process in line with `values`.
     fn settle(&mut self) -> Outcome<()> {
         let values = std::mem::take(&mut self.values);
-        let mut at = 0;
+        let mut index = 0;
         self.visit(|record| {
             for i in 0..record.fields().len() {
-                record.set_value(i, values[at]);
-                at += 1;
+                record.set_value(i, values[index]);
+                index += 1;
             }
         });
         self.values = values;
@@ -210,9 +210,9 @@ impl<U: Unit> Configured<U> {
         }
         // Machine and policy are no part of a set.
         let count = |there: bool, length: usize| if there { length } else { 0 };
-        let own = count(U::VIBRATES, U::Machine::LEN + Regeneration::<f64>::LEN)
+        let extra = count(U::VIBRATES, U::Machine::LEN + Regeneration::<f64>::LEN)
             + count(U::ADAPTIVE, AdaptivePolicy::<f64>::LEN);
-        let first = self.values.len() - own;
+        let first = self.values.len() - extra;
         changed.values[first..].copy_from_slice(&self.values[first..]);
         for &(i, value) in &self.chosen {
             changed.values[i] = value;

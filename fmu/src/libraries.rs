@@ -66,7 +66,7 @@ pub fn library_beside_program(platform: Platform) -> Result<Vec<u8>, LibraryErro
 /// [`LibraryError`] of a platform that was named.
 pub fn libraries(
     wanted: &[String],
-    own: &dyn Fn(Platform) -> Result<Vec<u8>, LibraryError>,
+    embedded: &dyn Fn(Platform) -> Result<Vec<u8>, LibraryError>,
     say: &dyn Fn(String),
 ) -> Result<Vec<Binary>, LibraryError> {
     let host = Platform::host();
@@ -94,7 +94,7 @@ pub fn libraries(
             Ok(compiler) if Some(platform) != host || !wanted.is_empty() => {
                 compiler.library(platform, &began).map_err(LibraryError::Cross)
             }
-            _ if Some(platform) == host => own(platform),
+            _ if Some(platform) == host => embedded(platform),
             _ => Compiler::find().and_then(|compiler| compiler.library(platform, &began)).map_err(LibraryError::Cross),
         };
         match library {

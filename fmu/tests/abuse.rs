@@ -343,10 +343,10 @@ fn saved_states_of_fmi_2_are_refused_where_broken_or_freed() {
         assert_eq!(fmi2SerializeFMUstate(one, state, bytes.as_mut_ptr(), size - 1), ERROR, "too small");
         assert_eq!(fmi2SerializeFMUstate(one, state, bytes.as_mut_ptr(), size), OK);
         assert_eq!(fmi2DeSerializeFMUstate(other, null(), size, &mut copy), ERROR);
-        for at in [0, 5, 20, 30, size / 2, size - 1] {
-            bytes[at] ^= 1;
-            assert_eq!(fmi2DeSerializeFMUstate(other, bytes.as_ptr(), size, &mut copy), ERROR, "byte {at}");
-            bytes[at] ^= 1;
+        for offset in [0, 5, 20, 30, size / 2, size - 1] {
+            bytes[offset] ^= 1;
+            assert_eq!(fmi2DeSerializeFMUstate(other, bytes.as_ptr(), size, &mut copy), ERROR, "byte {offset}");
+            bytes[offset] ^= 1;
         }
         for length in [0, 3, 27, size - 1] {
             assert_eq!(fmi2DeSerializeFMUstate(other, bytes.as_ptr(), length, &mut copy), ERROR, "{length} bytes");
@@ -377,10 +377,10 @@ fn saved_states_of_others_and_broken_bytes_are_refused() {
         assert_eq!(fmi3SerializeFMUState(one, state, bytes.as_mut_ptr(), size - 1), ERROR, "too small");
         assert_eq!(fmi3SerializeFMUState(one, state, bytes.as_mut_ptr(), size), OK);
         let mut copy = null_mut();
-        for at in [0, 5, 20, 30, size / 2, size - 1] {
-            bytes[at] ^= 1;
-            assert_eq!(fmi3DeserializeFMUState(other, bytes.as_ptr(), size, &mut copy), ERROR, "byte {at}");
-            bytes[at] ^= 1;
+        for offset in [0, 5, 20, 30, size / 2, size - 1] {
+            bytes[offset] ^= 1;
+            assert_eq!(fmi3DeserializeFMUState(other, bytes.as_ptr(), size, &mut copy), ERROR, "byte {offset}");
+            bytes[offset] ^= 1;
         }
         for length in [0, 3, 27, size - 1] {
             assert_eq!(fmi3DeserializeFMUState(other, bytes.as_ptr(), length, &mut copy), ERROR, "{length} bytes");

@@ -25,13 +25,13 @@ fn main() -> io::Result<()> {
 fn collect(folder: &Path, below: &str, found: &mut Vec<(String, PathBuf)>) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        let Some(own) = path.file_name().and_then(|name| name.to_str()) else { continue };
-        let name = if below.is_empty() { own.to_owned() } else { format!("{below}/{own}") };
+        let Some(file_name) = path.file_name().and_then(|name| name.to_str()) else { continue };
+        let name = if below.is_empty() { file_name.to_owned() } else { format!("{below}/{file_name}") };
         if path.is_dir() {
             if !APART.contains(&name.as_str()) {
                 collect(&path, &name, found)?;
             }
-        } else if path.extension().is_some_and(|ending| ENDINGS.iter().any(|own| ending == *own)) {
+        } else if path.extension().is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known)) {
             found.push((name, path));
         }
     }

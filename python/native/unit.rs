@@ -21,7 +21,7 @@ pub fn export_fmu(
     let read = |path: &PathBuf| {
         own_set(unit, path).map_err(|error| Failure::argument(format_args!("{}: {error}", path.display()), error.fix()))
     };
-    let own = parameters.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let sets = parameters.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     let platform = Platform::host().ok_or_else(|| Failure::work("units are not made for this machine"))?;
     let library = match library {
         Some(path) => std::fs::read(&path).map_err(|error| Failure::file(&path, &error))?,
@@ -35,7 +35,7 @@ pub fn export_fmu(
             3 => Version::Three,
             other => return Err(Failure::argument(format_args!("FMI {other} is not exported"), "2 or 3")),
         };
-        let bytes = package(unit, version, &binaries, &own).map_err(Failure::work)?;
+        let bytes = package(unit, version, &binaries, &sets).map_err(Failure::work)?;
         made.push((file_name(unit.describe(), version), bytes));
     }
     Ok(made)

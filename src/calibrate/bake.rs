@@ -33,9 +33,9 @@ pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Fai
     let mut told = stated(&mut set, named, &place.to_string());
     let mut left = Vec::new();
     for calibration in &scenario.calibrations {
-        let own = matches!(&calibration.target, Target::Tool(name) if name == tool);
+        let of_tool = matches!(&calibration.target, Target::Tool(name) if name == tool);
         let value = set.values.iter_mut().find(|value| value.key() == calibration.parameter);
-        let (true, true, Some(value)) = (own, calibration.scope.is_everywhere(), value) else {
+        let (true, true, Some(value)) = (of_tool, calibration.scope.is_everywhere(), value) else {
             left.push(format!("{} of {}", calibration.parameter, calibration.target.words()));
             continue;
         };
@@ -91,8 +91,8 @@ fn stated(set: &mut ParameterSet, tool: &ToolType, place: &str) -> Vec<String> {
     for (group, record) in groups {
         for (index, field) in record.fields().iter().enumerate() {
             let Some(now) = record.value(index) else { continue };
-            let own = set.values.iter_mut().find(|value| value.group == group && value.field.name == field.name);
-            let Some(value) = own.filter(|value| value.value != now) else { continue };
+            let matching = set.values.iter_mut().find(|value| value.group == group && value.field.name == field.name);
+            let Some(value) = matching.filter(|value| value.value != now) else { continue };
             let before = value.shown();
             (value.value, value.origin) = (now, Origin::Given);
             value.source = format!("stated in {place}");

@@ -34,7 +34,7 @@ pub fn advise(path: &Path, calibration: &Calibration) -> Result<Advice, Failure>
         return Err(refuse("the machine costs nothing", "give it a rate, such as rate = \"60 EUR/h\""));
     }
     let costs = Costs { machine: machine.rate * 60.0, change: machine.tool_change_time / 60.0, edge: tool.edge_cost };
-    let at = Condition {
+    let condition = Condition {
         cut: Cut::nominal(cut.cutting_speed, cut.feed, cut.depth_of_cut),
         width: match process {
             Process::Turning => None,
@@ -45,8 +45,8 @@ pub fn advise(path: &Path, calibration: &Calibration) -> Result<Advice, Failure>
     let speeds = constants(&scenario);
     let present = speeds.first().copied().unwrap_or(cut.cutting_speed);
     let other = speeds.iter().find(|speed| (**speed / present - 1.0).abs() > 1e-3).copied();
-    let other = other.unwrap_or_else(|| calibration.cheapest(&costs, &at, machine.speed_range));
-    Ok(calibration.advise(&costs, [at.at_speed(present), at.at_speed(other)], machine.speed_range))
+    let other = other.unwrap_or_else(|| calibration.cheapest(&costs, &condition, machine.speed_range));
+    Ok(calibration.advise(&costs, [condition.at_speed(present), condition.at_speed(other)], machine.speed_range))
 }
 
 /// Speeds of policies that state one, m/s.

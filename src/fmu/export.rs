@@ -21,12 +21,12 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
     let files = Files::new([], voice.force);
     let places = places(args, versions, |version| file_name(description, version));
     places.iter().try_for_each(|(_, path)| files.check(path))?;
-    let own = own_sets(args, unit)?;
+    let sets = own_sets(args, unit)?;
     let binaries = binaries(&args.platforms, voice)?;
     let mut written = Vec::new();
     for (version, path) in places {
         let bytes =
-            package(unit, version, &binaries, &own).map_err(|error| Failure::Work { message: error.to_string() })?;
+            package(unit, version, &binaries, &sets).map_err(|error| Failure::Work { message: error.to_string() })?;
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)
                 .map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
@@ -59,7 +59,7 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
             platforms.join(" ")
         ))?;
     }
-    for set in &own {
+    for set in &sets {
         voice.say(format_args!("to use the set: tool.set = \"{}\"", set.name));
     }
     if args.fmi.is_none() && is_file(&args.out) {

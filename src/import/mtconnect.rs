@@ -32,9 +32,9 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
             let message = format!("{name}: no line of {} is time|key|value", lines.count);
             return Err(Failure::argument(message, "give logs of an adapter in the SHDR format"));
         }
-        let own = sessions(&args.machine, &lines, &chosen);
-        voice.say(summary(&name, &lines, &own));
-        all.extend(own);
+        let of_file = sessions(&args.machine, &lines, &chosen);
+        voice.say(summary(&name, &lines, &of_file));
+        all.extend(of_file);
         inputs.push((name, bytes));
     }
     if all.iter().all(|session| !session.keys.contains_key(&Role::Execution)) {
@@ -42,11 +42,11 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
         let message = format!("no key tells the execution state; keys are {}, …", keys.join(", "));
         return Err(Failure::argument(message, "name it with --key execution=KEY"));
     }
-    let own: Vec<Run> = all.iter().flat_map(|session| runs(session, args.program.as_deref())).collect();
-    let records = events(&all, &own);
-    let complete = whole(&own);
-    voice.say(format_args!("{} runs of programs, {} completed", own.len(), complete.len()));
-    let stretches = args.nc.as_deref().map(|nc| timed(args, nc, &own, voice)).transpose()?;
+    let found: Vec<Run> = all.iter().flat_map(|session| runs(session, args.program.as_deref())).collect();
+    let records = events(&all, &found);
+    let complete = whole(&found);
+    voice.say(format_args!("{} runs of programs, {} completed", found.len(), complete.len()));
+    let stretches = args.nc.as_deref().map(|nc| timed(args, nc, &found, voice)).transpose()?;
     put(&out, "events.csv", &records)?;
     put(&out, "runs.csv", &complete)?;
     if let Some(stretches) = &stretches {
@@ -60,7 +60,7 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
     out.record(&provenance("import mtconnect", &inputs, options, None), start.elapsed())?;
     let target = out.publish()?;
     let summary = json!({
-        "schema": 1, "events": records.len(), "sessions": all.len(), "runs": own.len(), "completed": complete.len(),
+        "schema": 1, "events": records.len(), "sessions": all.len(), "runs": found.len(), "completed": complete.len(),
         "stretches": stretches.as_ref().map(Records::len), "out": target.display().to_string(),
     });
     if voice.json {
@@ -77,7 +77,7 @@ fn put(out: &OutputDir, name: &str, records: &Records) -> Result<(), Failure> {
 }
 
 /// Stretches of the part program in every run of it; runs that are left out are told.
-fn timed(args: &MtconnectArgs, nc: &Path, own: &[Run], voice: &Voice) -> Result<Records, Failure> {
+fn timed(args: &MtconnectArgs, nc: &Path, found: &[Run], voice: &Voice) -> Result<Records, Failure> {
     let name = nc.display().to_string();
     let text = program::read(nc)?;
     let control = Control::of_file(nc, args.units.as_deref().and_then(Units::named));
@@ -85,7 +85,7 @@ fn timed(args: &MtconnectArgs, nc: &Path, own: &[Run], voice: &Voice) -> Result<
         Program::read(&text, &control).map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
     let least = unit::quantity(&args.stretch, "s")
         .map_err(|error| Failure::argument(format!("--stretch: {error}"), "write --stretch \"10 s\""))?;
-    let list: Vec<&Run> = own.iter().collect();
+    let list: Vec<&Run> = found.iter().collect();
     let (records, untimed) = stretches(&list, &program, least, Drives::default().rapid_speed);
     for Untimed { run, reason } in &untimed {
         voice.say(format_args!("  {run} left out: {reason}"));

@@ -29,10 +29,10 @@ fn check_echoes_what_was_understood() {
     let result = json(&toolroom(&["check", &path, "--json", "--set", "machine.L.tool_change_time=0.05 h"]));
     assert_eq!(result["valid"], true);
     let values = result["values"].as_array().expect("a list");
-    let of = |key: &str| values.iter().find(|value| value["key"] == key).unwrap_or_else(|| panic!("{key}"));
-    assert_eq!(of("tool_change_time")["value"], "3 min");
-    assert_eq!(of("depth_of_cut")["value"], "0.75 mm");
-    assert_eq!(of("setup_time")["default"], true);
+    let value_of = |key: &str| values.iter().find(|value| value["key"] == key).unwrap_or_else(|| panic!("{key}"));
+    assert_eq!(value_of("tool_change_time")["value"], "3 min");
+    assert_eq!(value_of("depth_of_cut")["value"], "0.75 mm");
+    assert_eq!(value_of("setup_time")["default"], true);
 }
 
 #[test]

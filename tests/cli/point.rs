@@ -54,8 +54,8 @@ fn point_takes_effects_and_refuses_slips() {
     let none =
         json(&toolroom(&["point", "turning", "--set", "flank_wear=0.4 mm", "--effect", "wear_force=0", "--json"]));
     let close = |key: &str| {
-        let of = |result: &Value| result["outputs"][key].as_f64().expect("a number");
-        assert!((of(&none) / of(&plain) - 1.0).abs() < 1e-7, "{key}");
+        let output = |result: &Value| result["outputs"][key].as_f64().expect("a number");
+        assert!((output(&none) / output(&plain) - 1.0).abs() < 1e-7, "{key}");
     };
     close("cutting_force [N]");
     close("minimum_wear_speed [m/min]");

@@ -19,9 +19,9 @@ pub(crate) fn tables(tallies: &[Tally], ablations: &[Ablation], rows: &[Row]) ->
         sets(&mut text, tally);
         rates(&mut text, tally);
         failures(&mut text, tally);
-        let own: Vec<&Ablation> = ablations.iter().filter(|own| own.process == tally.process).collect();
-        if !own.is_empty() {
-            reduced(&mut text, &own);
+        let of_process: Vec<&Ablation> = ablations.iter().filter(|ablation| ablation.process == tally.process).collect();
+        if !of_process.is_empty() {
+            reduced(&mut text, &of_process);
         }
         rules(&mut text, rows.iter().filter(|row| row.process == tally.process && row.method == WHOLE));
     }
@@ -116,8 +116,8 @@ fn rules<'a>(text: &mut String, rows: impl Iterator<Item = &'a Row>) {
 }
 
 fn reduced(text: &mut String, ablations: &[&Ablation]) {
-    let of = |keep: &[Set]| ablations[0].count(keep, &[])[0];
-    let (effects, nulls, outside) = (of(&[Set::Effect]), of(&NULLS), of(&[Set::Outside]));
+    let count = |keep: &[Set]| ablations[0].count(keep, &[])[0];
+    let (effects, nulls, outside) = (count(&[Set::Effect]), count(&NULLS), count(&[Set::Outside]));
     let _ = writeln!(
         text,
         "\n| method | exact of {effects} effects | wrong or more than one | unknown | missed | blamed of {nulls} nulls | nulls answered unknown | outside named of {outside} |\n|---|---|---|---|---|---|---|---|"

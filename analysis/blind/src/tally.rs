@@ -113,27 +113,27 @@ pub struct Tally {
 impl Tally {
     /// One for each process that has cases.
     pub fn of_processes(rows: &[Row]) -> Vec<Self> {
-        let of = |process: &'static str| {
-            let own: Vec<&Row> = rows.iter().filter(|row| row.process == process && row.method == WHOLE).collect();
-            (!own.is_empty()).then(|| Self::of(process, &own))
+        let tally_of = |process: &'static str| {
+            let of_process: Vec<&Row> = rows.iter().filter(|row| row.process == process && row.method == WHOLE).collect();
+            (!of_process.is_empty()).then(|| Self::of(process, &of_process))
         };
-        GENERATORS.iter().filter_map(|generator| of(generator.process)).collect()
+        GENERATORS.iter().filter_map(|generator| tally_of(generator.process)).collect()
     }
 
-    fn of(process: &'static str, own: &[&Row]) -> Self {
-        let of = |keep: &dyn Fn(&Row) -> bool, test: &dyn Fn(&Row) -> bool| -> Vec<bool> {
-            own.iter().filter(|row| keep(row)).map(|row| test(row)).collect()
+    fn of(process: &'static str, rows: &[&Row]) -> Self {
+        let tests_of = |keep: &dyn Fn(&Row) -> bool, test: &dyn Fn(&Row) -> bool| -> Vec<bool> {
+            rows.iter().filter(|row| keep(row)).map(|row| test(row)).collect()
         };
         let wrong = |row: &Row| row.mark == Mark::Wrong;
         let missed = |row: &Row| row.single() && matches!(row.mark, Mark::Unknown | Mark::Masked | Mark::NoGap);
         let promised = |row: &Row| row.promised_z.is_some_and(|z| z >= PROMISED);
         let covered =
-            |test: &dyn Fn(&Row) -> Option<bool>| own.iter().filter_map(|row| test(row)).collect::<Vec<bool>>();
-        let named = of(&|row| !row.named.is_empty() && row.promised_z.is_some(), &wrong);
-        let nulls = of(&|row| row.hidden.is_empty(), &wrong);
-        let outside = of(&|row| row.set == Set::Outside.name(), &wrong);
-        let exact = of(&|row| row.single() && promised(row), &|row| row.mark == Mark::Exact);
-        let missed_though = of(&missed, &promised);
+            |test: &dyn Fn(&Row) -> Option<bool>| rows.iter().filter_map(|row| test(row)).collect::<Vec<bool>>();
+        let named = tests_of(&|row| !row.named.is_empty() && row.promised_z.is_some(), &wrong);
+        let nulls = tests_of(&|row| row.hidden.is_empty(), &wrong);
+        let outside = tests_of(&|row| row.set == Set::Outside.name(), &wrong);
+        let exact = tests_of(&|row| row.single() && promised(row), &|row| row.mark == Mark::Exact);
+        let missed_though = tests_of(&missed, &promised);
         let rates = vec![
             Rate::of("wrong, of all attributions", &named, 0.03, true),
             Rate::of("nothing hidden, an effect blamed", &nulls, 0.02, true),
@@ -143,13 +143,13 @@ impl Tally {
             Rate::of("90 % interval holds the closure on new edges", &covered(&Row::closure_covered), 0.80, false),
             Rate::of("90 % interval holds the size of new edges", &covered(&Row::size_covered), 0.80, false),
         ];
-        let failed = own.iter().filter(|row| wrong(row) || (missed(row) && promised(row)));
+        let failed = rows.iter().filter(|row| wrong(row) || (missed(row) && promised(row)));
         let failure = |row: &&Row| {
             let answer = if wrong(row) { format!("named {}", row.named) } else { format!("“{}”", row.mark.name()) };
             [row.hidden.clone(), row.set.clone(), answer]
         };
         let failures = failed.map(failure).collect();
-        Self { process, cases: own.len(), marks: marks(own), rates, closed: Closed::of(own), failures }
+        Self { process, cases: rows.len(), marks: marks(rows), rates, closed: Closed::of(rows), failures }
     }
 
     fn json(&self) -> Value {
@@ -187,12 +187,12 @@ impl Ablation {
     pub fn of_processes(rows: &[Row]) -> Vec<Self> {
         let mut list = Vec::new();
         for process in GENERATORS.iter().map(|generator| generator.process) {
-            let own = |row: &&Row| row.process == process;
-            let reduced: Vec<&Row> = rows.iter().filter(own).filter(|row| row.method != WHOLE).collect();
+            let of_process = |row: &&Row| row.process == process;
+            let reduced: Vec<&Row> = rows.iter().filter(of_process).filter(|row| row.method != WHOLE).collect();
             let tried = |row: &&Row| reduced.iter().any(|reduced| reduced.seed == row.seed);
             for method in std::iter::once(WHOLE).chain(PARTS.map(|(name, _)| name)) {
                 let cases: Vec<&Row> =
-                    rows.iter().filter(own).filter(|row| row.method == method).filter(tried).collect();
+                    rows.iter().filter(of_process).filter(|row| row.method == method).filter(tried).collect();
                 list.push(Self { method, process, marks: marks(&cases) });
             }
         }
@@ -202,9 +202,9 @@ impl Ablation {
 
     /// Cases of the sets that `keep` takes, and those of them with one of `answers`.
     pub fn count(&self, keep: &[Set], answers: &[Mark]) -> [usize; 2] {
-        let own = self.marks.iter().filter(|(set, _)| keep.contains(set));
+        let counted = self.marks.iter().filter(|(set, _)| keep.contains(set));
         let answered = |mark: &(Mark, &usize)| answers.contains(&mark.0);
-        own.fold([0, 0], |[all, some], (_, counts)| {
+        counted.fold([0, 0], |[all, some], (_, counts)| {
             let matching: usize = Mark::ALL.into_iter().zip(counts).filter(answered).map(|(_, count)| count).sum();
             [all + counts.iter().sum::<usize>(), some + matching]
         })

@@ -139,8 +139,8 @@ impl Axis {
     /// The ticks within the scale, about `wanted` of them, and the power of ten taken out of
     /// their labels.
     pub(crate) fn marks(&self, scale: &Scale, wanted: usize) -> Ticks {
-        if let Some(own) = &self.ticks {
-            let inside = own.iter().filter(|(v, _)| self.holds(*v) && (scale.low..=scale.high).contains(v));
+        if let Some(ticks) = &self.ticks {
+            let inside = ticks.iter().filter(|(v, _)| self.holds(*v) && (scale.low..=scale.high).contains(v));
             return Ticks { major: inside.cloned().collect(), minor: Vec::new(), exponent: 0 };
         }
         match self.kind {
@@ -384,8 +384,8 @@ mod tests {
                 let ticks = axis.marks(&scale, 6).major;
                 assert!(ticks.len() < 60, "{a} {b}: {} ticks", ticks.len());
                 for (v, _) in ticks {
-                    let at = scale.at(v).expect("a tick has a place");
-                    assert!((-1e-6..=1.0 + 1e-6).contains(&at), "{a} {b}: tick {v} at {at}");
+                    let place = scale.at(v).expect("a tick has a place");
+                    assert!((-1e-6..=1.0 + 1e-6).contains(&place), "{a} {b}: tick {v} at {place}");
                 }
             }
         }

@@ -151,8 +151,8 @@ impl Chart for Bars {
                 if text_width(&words, FONT) < bar.max(0.9 * slot / self.series.len() as f64) + 8.0 {
                     let above = ends.map_or(y, |(a, b)| a.min(b).min(y));
                     let below = ends.map_or(y, |(a, b)| a.max(b).max(y));
-                    let at = if e.value < 0.0 { below + 15.0 } else { above - 6.0 };
-                    canvas.halo(left + bar / 2.0, at, Anchor::Middle, &words);
+                    let height = if e.value < 0.0 { below + 15.0 } else { above - 6.0 };
+                    canvas.halo(left + bar / 2.0, height, Anchor::Middle, &words);
                 }
             }
         }

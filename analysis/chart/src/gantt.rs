@@ -169,11 +169,11 @@ impl Chart for Gantt {
         for (kind, (_, style)) in self.mark_kinds.iter().enumerate() {
             let here = self.marks.iter().filter(|m| m.1 == kind && self.shows_mark(m));
             // On the upper edge of the bar, clear of the labels in it.
-            let at = here.filter_map(|m| Some((rows.x.at(m.2)?, rows.middle(m.0) - 13.0)));
-            let mut at: Vec<(f64, f64)> = at.collect();
-            at.dedup_by_key(|p| (p.0.round(), p.1.round()));
+            let places = here.filter_map(|m| Some((rows.x.at(m.2)?, rows.middle(m.0) - 13.0)));
+            let mut places: Vec<(f64, f64)> = places.collect();
+            places.dedup_by_key(|p| (p.0.round(), p.1.round()));
             canvas.open(style.colour.paint());
-            points(&mut canvas, at, *style);
+            points(&mut canvas, places, *style);
             canvas.close();
         }
         let omitted = self.intervals.iter().filter(|v| !self.shows(v)).count()

@@ -34,11 +34,12 @@ impl ColourMap {
             [0x00224e, 0x123570, 0x3b496c, 0x575d6d, 0x707173, 0x8a8678, 0xa59c74, 0xc3b369, 0xe1cc55, 0xfee838];
         const DIVERGING: [u32; 3] = [0x0072b2, 0xf4f4f4, 0xd55e00];
         let anchors: &[u32] = if self == Self::Sequential { &CIVIDIS } else { &DIVERGING };
-        let at = level as f64 / (LEVELS - 1) as f64 * (anchors.len() - 1) as f64;
-        let i = (at as usize).min(anchors.len() - 2);
+        let position = level as f64 / (LEVELS - 1) as f64 * (anchors.len() - 1) as f64;
+        let i = (position as usize).min(anchors.len() - 2);
         let mix = |shift: u32| {
             let channel = |c: u32| f64::from((c >> shift) & 0xff);
-            (channel(anchors[i]) + (at - i as f64) * (channel(anchors[i + 1]) - channel(anchors[i]))).round() as u8
+            (channel(anchors[i]) + (position - i as f64) * (channel(anchors[i + 1]) - channel(anchors[i]))).round()
+                as u8
         };
         format!("#{:02x}{:02x}{:02x}", mix(16), mix(8), mix(0))
     }

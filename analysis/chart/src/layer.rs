@@ -169,15 +169,15 @@ pub(crate) fn label_references(canvas: &mut Canvas, frame: &Frame, layers: &[Lay
     let mut labels: Vec<Area> = Vec::new();
     for layer in layers {
         let (Layer::Horizontal { label, .. } | Layer::Vertical { label, .. }) = layer else { continue };
-        let Some(at) = line(layer) else { continue };
+        let Some(place) = line(layer) else { continue };
         let text = fit(label, FONT, a.width() / 2.5);
         let w = text_width(&text, FONT);
         let spots: Vec<(f64, f64)> = if matches!(layer, Layer::Horizontal { .. }) {
             let columns = [a.right - w - 6.0, a.left + 6.0, f64::midpoint(a.left, a.right) - w / 2.0];
-            columns.iter().flat_map(|&x| [(x, at.top - 5.0), (x, at.top + 14.0)]).collect()
+            columns.iter().flat_map(|&x| [(x, place.top - 5.0), (x, place.top + 14.0)]).collect()
         } else {
             let rows = (0..6).map(|row| a.top + 14.0 + 16.0 * f64::from(row));
-            rows.flat_map(|y| [(at.left + 6.0, y), (at.left - 6.0 - w, y)]).collect()
+            rows.flat_map(|y| [(place.left + 6.0, y), (place.left - 6.0 - w, y)]).collect()
         };
         let cover = |&(x, y): &(f64, f64)| Area::new(x - 3.0, y - FONT, x + w + 3.0, y + 3.0);
         let inside = |spot: &&(f64, f64)| {

@@ -108,7 +108,7 @@ impl Chart for Intervals {
             canvas.halo(x, layout.area.top - 5.0, Anchor::Middle, &fit(label, FONT, 260.0));
         }
         for (i, (label, e)) in rows.iter().enumerate() {
-            let Some(at) = layout.x.at(e.value) else { continue };
+            let Some(place) = layout.x.at(e.value) else { continue };
             let (y, (low, high)) = (layout.middle(i), e.bounds());
 
             if self.tornado.is_some() {
@@ -123,7 +123,7 @@ impl Chart for Intervals {
                     let [y0, y1, y2] = [Px(y), Px(y - 5.0), Px(y + 5.0)];
                     canvas.stroke(&format!("M{a} {y0}H{b}M{a} {y1}V{y2}M{b} {y1}V{y2}", a = Px(a), b = Px(b)), 2.0, "");
                 }
-                points(&mut canvas, [(at, y)], LOW);
+                points(&mut canvas, [(place, y)], LOW);
                 canvas.close();
             }
             let words = match (e.interval, self.tornado.is_some()) {

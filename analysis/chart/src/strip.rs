@@ -47,15 +47,15 @@ impl Strip {
             return placed;
         }
         let mut merged: Vec<(f64, f64, usize)> = Vec::new();
-        let mut at = 0;
+        let mut index = 0;
         for column in 0..columns {
             let (left, right) = (frame.area.left + column as f64, frame.area.left + column as f64 + 1.0);
-            while at + 1 < placed.len() && placed[at].1 < left + 0.5 {
-                at += 1;
+            while index + 1 < placed.len() && placed[index].1 < left + 0.5 {
+                index += 1;
             }
             match merged.last_mut() {
-                Some(last) if last.2 == placed[at].2 => last.1 = right,
-                _ => merged.push((left, right, placed[at].2)),
+                Some(last) if last.2 == placed[index].2 => last.1 = right,
+                _ => merged.push((left, right, placed[index].2)),
             }
         }
         merged

@@ -92,8 +92,8 @@ pub(crate) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     if text_width(text, size) <= width {
         return vec![text.to_owned()];
     }
-    let at = text.match_indices(' ').map(|(i, _)| i).rfind(|&i| text_width(&text[..i], size) <= width);
-    match at {
+    let space = text.match_indices(' ').map(|(i, _)| i).rfind(|&i| text_width(&text[..i], size) <= width);
+    match space {
         Some(i) if i > 0 => vec![text[..i].to_owned(), fit(text[i..].trim_start(), size, width)],
         _ => vec![fit(text, size, width)],
     }

@@ -74,10 +74,10 @@ mod tests {
     #[test]
     fn level_and_dispersion_are_those_computed_independently() {
         let test = LevelAndDispersion::of(&[6, 9, 2, 11, 5, 3, 8, 1, 13, 6, 4, 7], 6.0);
-        for (own, reference) in
+        for (found, reference) in
             [(test.level, 0.711_391), (test.chi_square, 143.0 / 6.0), (test.dispersion, 0.042_857_9)]
         {
-            assert!((own / reference - 1.0).abs() < 1e-6, "{test:?}");
+            assert!((found / reference - 1.0).abs() < 1e-6, "{test:?}");
         }
     }
 

@@ -65,15 +65,15 @@ pub fn garwood(count: u64, level: f64) -> [f64; 2] {
 /// use toolroom_facts::count::binomial_mid_p;
 /// assert!((binomial_mid_p(9, 400, 0.01) / 0.028_572_1 - 1.0).abs() < 1e-5);
 /// ```
-pub fn binomial_mid_p(count: u64, of: u64, share: f64) -> f64 {
+pub fn binomial_mid_p(count: u64, total: u64, share: f64) -> f64 {
     if share <= 0.0 || share >= 1.0 {
-        let certain = if share <= 0.0 { 0 } else { of };
+        let certain = if share <= 0.0 { 0 } else { total };
         return f64::from(u8::from(count == certain));
     }
-    let (k, n) = (count as f64, of as f64);
-    let equal = Binomial::new(share, of).map_or(f64::NAN, |law| law.pmf(count));
+    let (k, n) = (count as f64, total as f64);
+    let equal = Binomial::new(share, total).map_or(f64::NAN, |law| law.pmf(count));
     let below = if count == 0 { 0.0 } else { beta_reg(n - k + 1.0, k, 1.0 - share) };
-    let above = if count >= of { 0.0 } else { beta_reg(k + 1.0, n - k, share) };
+    let above = if count >= total { 0.0 } else { beta_reg(k + 1.0, n - k, share) };
     mid_p(below, equal, above)
 }
 

@@ -224,9 +224,9 @@ fn levels(facts: &[Fact]) -> Vec<f64> {
     let first = |index: &usize| facts[..*index].iter().all(|other| other.quantity != facts[*index].quantity);
     let quantities = (0..facts.len()).filter(first).count();
     let level = |fact: &Fact| {
-        let own = || facts.iter().filter(|other| other.quantity == fact.quantity);
-        let pooled = own().filter(|other| other.pooled).count();
-        let single = own().count() - pooled;
+        let alike = || facts.iter().filter(|other| other.quantity == fact.quantity);
+        let pooled = alike().filter(|other| other.pooled).count();
+        let single = alike().count() - pooled;
         let share = match (pooled, single) {
             (0, single) => 1.0 / single as f64,
             (pooled, 0) => 1.0 / pooled as f64,

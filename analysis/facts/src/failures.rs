@@ -84,7 +84,7 @@ pub fn shape(history: &History, law: &Distribution, seed: u64) -> Option<Fact> {
         return None;
     }
     let logarithms: Vec<f64> = history.intervals.iter().map(|time| time.max(1.0).ln()).collect();
-    let own = deviation(&logarithms);
+    let spread = deviation(&logarithms);
     // Of a law of shape 1; the deviation is in inverse proportion to the shape, so that the ratio is a pivot.
     let unit = Distribution::Exponential { mean: 1.0 };
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -94,7 +94,7 @@ pub fn shape(history: &History, law: &Distribution, seed: u64) -> Option<Fact> {
     };
     let mut replicated: Vec<f64> = (0..SETS).map(|_| set()).collect();
     replicated.sort_by(f64::total_cmp);
-    let below = replicated.partition_point(|other| *other < own * file) as f64 / SETS as f64;
+    let below = replicated.partition_point(|other| *other < spread * file) as f64 / SETS as f64;
     let quantile = |share: f64| replicated[(share * SETS as f64) as usize];
     // Never below what so many replications can tell.
     let p = (2.0 * below.min(1.0 - below)).max(1.0 / SETS as f64);
@@ -108,8 +108,8 @@ pub fn shape(history: &History, law: &Distribution, seed: u64) -> Option<Fact> {
         p,
         tests: vec![("level", p)],
         model: file,
-        estimate: quantile(0.5) / own,
-        ci90: [quantile(0.05) / own, quantile(0.95) / own],
+        estimate: quantile(0.5) / spread,
+        ci90: [quantile(0.05) / spread, quantile(0.95) / spread],
         // A factor that moves nine tenths of the law beyond the bounds of the test.
         least_seen: [quantile(0.1) / high, quantile(0.9) / low],
     })
@@ -139,17 +139,17 @@ mod tests {
 
     #[test]
     fn intervals_of_the_law_have_its_shape_and_regular_ones_have_not() {
-        let of = |law: Distribution, seed: u64| {
+        let shape_of = |law: Distribution, seed: u64| {
             let mut random = ChaCha8Rng::seed_from_u64(seed);
             let intervals = (0..30).map(|_| law.quantile(random.random())).collect();
             let history =
                 History { place: "L1".into(), pooled: false, failures: 30, exposure: 240.0 * HOUR, intervals };
             shape(&history, &LAW, 1).expect("enough intervals")
         };
-        let rejected = (0..200).filter(|seed| of(LAW, *seed).p < 0.05).count();
+        let rejected = (0..200).filter(|seed| shape_of(LAW, *seed).p < 0.05).count();
         // Of 200 at 5 %: 10 with a standard deviation of 3.1.
         assert!((1..=21).contains(&rejected), "{rejected}");
-        let regular = of(Distribution::Weibull { mean: 8.0 * HOUR, shape: 3.0 }, 7);
+        let regular = shape_of(Distribution::Weibull { mean: 8.0 * HOUR, shape: 3.0 }, 7);
         assert!(regular.p < 1e-3 && (regular.ci90[0]..regular.ci90[1]).contains(&3.0), "{regular:?}");
     }
 

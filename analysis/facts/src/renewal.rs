@@ -136,9 +136,9 @@ mod tests {
     fn least_factors_on_a_rate_are_those_computed_independently() {
         for (expected, factors) in [(10.0, [0.11021, 2.59025]), (50.0, [0.517_705, 1.618_27])] {
             let seen = least_seen_of_poisson(expected);
-            for (own, reference) in seen.iter().zip(factors) {
+            for (found, reference) in seen.iter().zip(factors) {
                 // As many digits as the reference has.
-                assert!((own / reference - 1.0).abs() < 5e-5, "{seen:?}");
+                assert!((found / reference - 1.0).abs() < 5e-5, "{seen:?}");
             }
         }
     }
@@ -148,19 +148,19 @@ mod tests {
         // Weibull of shape 1 is the exponential law, by the other way.
         let replicated = Renewal::new(&Distribution::Weibull { mean: 8.0, shape: 1.0 }, 20.0, 1);
         for count in [10, 15, 20, 30] {
-            let (own, exact) = (replicated.p(count, 20.0), Renewal::Poisson.p(count, 20.0));
+            let (found, exact) = (replicated.p(count, 20.0), Renewal::Poisson.p(count, 20.0));
             // Four standard errors of a share of 4000.
-            assert!((own - exact).abs() < 8.0 * (exact.max(0.001) * 0.5 / 4000.0).sqrt(), "{count}: {own} {exact}");
+            assert!((found - exact).abs() < 8.0 * (exact.max(0.001) * 0.5 / 4000.0).sqrt(), "{count}: {found} {exact}");
         }
-        let (own, exact) = (replicated.ends(10), Renewal::Poisson.ends(10));
-        assert!(own.iter().zip(exact).all(|(own, exact)| (own / exact - 1.0).abs() < 0.03), "{own:?} {exact:?}");
+        let (found, exact) = (replicated.ends(10), Renewal::Poisson.ends(10));
+        assert!(found.iter().zip(exact).all(|(found, exact)| (found / exact - 1.0).abs() < 0.03), "{found:?} {exact:?}");
     }
 
     #[test]
     fn regular_events_need_a_smaller_change_of_their_rate() {
         let regular = Renewal::new(&Distribution::Weibull { mean: 1.0, shape: 3.0 }, 10.0, 1);
-        let (own, poisson) = (regular.least_seen(10.0, LEVEL), least_seen_of_poisson(10.0));
-        assert!(own[0] > 2.0 * poisson[0] && own[1] < 0.8 * poisson[1], "{own:?}");
+        let (least, poisson) = (regular.least_seen(10.0, LEVEL), least_seen_of_poisson(10.0));
+        assert!(least[0] > 2.0 * poisson[0] && least[1] < 0.8 * poisson[1], "{least:?}");
         let constant = Renewal::new(&Distribution::Constant(2.0), 10.0, 1);
         assert!(constant.p(10, 10.5) > 0.999_999 && constant.p(9, 10.5) < 1e-6);
     }

@@ -24,11 +24,11 @@ pub struct Life {
 ///
 /// # Source
 /// N. Mantel, Cancer Chemotherapy Reports 50 (1966) 163; variance hypergeometric.
-pub fn log_rank(own: &[Life], other: &[Life]) -> f64 {
-    let mut all: Vec<(f64, bool, bool)> = own.iter().map(|life| (life.time, life.ended, true)).collect();
+pub fn log_rank(lives: &[Life], other: &[Life]) -> f64 {
+    let mut all: Vec<(f64, bool, bool)> = lives.iter().map(|life| (life.time, life.ended, true)).collect();
     all.extend(other.iter().map(|life| (life.time, life.ended, false)));
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut at_risk, mut own_at_risk) = (all.len() as f64, own.len() as f64);
+    let (mut at_risk, mut own_at_risk) = (all.len() as f64, lives.len() as f64);
     let (mut difference, mut variance) = (0.0, 0.0);
     let mut first = 0;
     while first < all.len() {

@@ -62,7 +62,7 @@ pub fn fisher(first: f64, second: f64) -> f64 {
 
 /// Normal score of a `time` (s) under `law`; bounded by ±8.
 pub fn score(law: &Distribution, time: f64) -> f64 {
-    let of = |share: f64| {
+    let time_at = |share: f64| {
         Normal::standard().inverse_cdf(share.clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON)).clamp(-FARTHEST, FARTHEST)
     };
     match *law {
@@ -79,7 +79,7 @@ pub fn score(law: &Distribution, time: f64) -> f64 {
         | Distribution::Normal { .. }
         | Distribution::Uniform { .. }
         | Distribution::DiscreteUniform { .. }
-        | Distribution::Empirical(_) => of(law.share_below(time)),
+        | Distribution::Empirical(_) => time_at(law.share_below(time)),
         Distribution::Constant(value) => (time - value) / value.max(f64::MIN_POSITIVE),
     }
 }
@@ -114,16 +114,16 @@ pub fn times(
         return None;
     }
     let visible = share_above(law, least);
-    let of = |time: &f64| {
-        let own = score(law, *time);
+    let score_of = |time: &f64| {
+        let score_here = score(law, *time);
         if visible > 1.0 - 1e-9 {
-            return own;
+            return score_here;
         }
         // Within what can be seen; counted from above, where small shares keep their digits.
         let above = (share_above(law, *time) / visible).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON);
         (-Normal::standard().inverse_cdf(above)).clamp(-FARTHEST, FARTHEST)
     };
-    let scores: Moments = times.iter().map(of).collect();
+    let scores: Moments = times.iter().map(score_of).collect();
     let logarithms: Moments = times.iter().map(|time| time.max(1e-9).ln()).collect();
     let (middle, scatter) = logarithm(law);
     let known = if prior > 0.0 { prior / scatter } else { 0.0 };
@@ -160,11 +160,11 @@ mod tests {
         let variance = (0.4_f64 * 0.4).ln_1p();
         let mean = (3.6 - (25.0_f64.ln() - 0.5 * variance)) / variance.sqrt();
         let test = MiddleAndScatter::of(20, mean, 0.52 / variance.sqrt(), 0.0);
-        for (own, reference) in
+        for (found, reference) in
             [(test.z, 5.285_66), (test.middle, 1.2525e-7), (test.scatter, 0.031_065_4), (test.combined, 7.924e-8)]
         {
             // As many digits as the reference has.
-            assert!((own / reference - 1.0).abs() < 1e-4, "{own} {reference}");
+            assert!((found / reference - 1.0).abs() < 1e-4, "{found} {reference}");
         }
     }
 
@@ -197,7 +197,7 @@ mod tests {
     fn a_file_that_is_known_to_a_tenth_is_not_contradicted_by_a_twentieth() {
         let law = Distribution::Lognormal { mean: 60.0, cv: 0.2 };
         let drawn: Vec<f64> = (0..400).map(|i| 1.05 * law.quantile((i as f64 + 0.5) / 400.0)).collect();
-        let of = |prior| times(Quantity::HandlingTime, "L1", &drawn, &law, prior, 0.0).expect("times").p;
-        assert!(of(0.0) < 1e-4 && of(0.1) > 0.1);
+        let p_under = |prior| times(Quantity::HandlingTime, "L1", &drawn, &law, prior, 0.0).expect("times").p;
+        assert!(p_under(0.0) < 1e-4 && p_under(0.1) > 0.1);
     }
 }

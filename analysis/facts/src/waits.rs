@@ -49,8 +49,8 @@ mod tests {
     fn a_wait_is_judged_by_the_scatter_of_replicated_waits() {
         let scores: Vec<f64> = (0..40).map(|i| 2.0 * ((f64::from(i) * 0.618).fract() - 0.5) * 3.0).collect();
         let means: Vec<f64> = (0..40).map(|i| 460.0 + 20.0 * (f64::from(i) * 0.41).fract()).collect();
-        let of = |score, recorded| waits("M1, M2", 500, recorded, &means, score, &scores).expect("replications");
-        assert!(of(3.0, 480.0).p > 0.05 && of(231.0, 2732.0).is_rejected(1e-4));
+        let waits_of = |score, recorded| waits("M1, M2", 500, recorded, &means, score, &scores).expect("replications");
+        assert!(waits_of(3.0, 480.0).p > 0.05 && waits_of(231.0, 2732.0).is_rejected(1e-4));
         assert!(waits("M1", 500, 480.0, &means[..5], 1.0, &scores[..5]).is_none());
     }
 }

@@ -172,8 +172,8 @@ impl Shop<'_> {
     /// Part and operation of everything that is ordered or arrives, each once.
     fn lots(&self) -> Vec<(usize, usize)> {
         let scenario = self.scenario;
-        let of = scenario.orders.iter().map(|order| order.part);
-        let mut parts: Vec<usize> = of.chain(scenario.arrivals.iter().map(|arrival| arrival.part)).collect();
+        let ordered = scenario.orders.iter().map(|order| order.part);
+        let mut parts: Vec<usize> = ordered.chain(scenario.arrivals.iter().map(|arrival| arrival.part)).collect();
         parts.sort_unstable();
         parts.dedup();
         parts
@@ -204,8 +204,8 @@ impl Shop<'_> {
     /// Adds what a part takes to every station and skill that alone can do it: work for so many pieces, setups for
     /// so many lots.
     fn add(&self, stations: &mut [Load], skills: &mut [Load], part: usize, pieces: f64, lots: f64, due: Option<f64>) {
-        let own = &self.scenario.parts[part];
-        for (number, operation) in own.operations.iter().enumerate() {
+        let routed = &self.scenario.parts[part];
+        for (number, operation) in routed.operations.iter().enumerate() {
             let need = self.need(part, number);
             let visits = self.visits(part)[number];
             let (pieces, lots) = (visits * pieces, visits * lots);
@@ -262,12 +262,12 @@ impl Shop<'_> {
 
     /// Work without loading of so many pieces of so many lots, s: of a machine that makes batches in full ones.
     fn together(&self, part: usize, operation: usize, pieces: f64, lots: f64) -> f64 {
-        let own = &self.scenario.parts[part].operations[operation];
-        let count = match own.work_per {
+        let planned = &self.scenario.parts[part].operations[operation];
+        let count = match planned.work_per {
             WorkPer::Part => pieces,
             WorkPer::Lot | WorkPer::Batch => lots,
         };
-        let batch = own.machines.iter().filter_map(|machine| self.scenario.machines[*machine].batch);
+        let batch = planned.machines.iter().filter_map(|machine| self.scenario.machines[*machine].batch);
         let full = batch.map(|batch| match batch.by {
             BatchUnit::Pieces => pieces / f64::from(batch.max),
             BatchUnit::Lots => lots / f64::from(batch.max),
@@ -285,8 +285,9 @@ impl Shop<'_> {
     /// Handling of a piece on the machine where it takes least, and the least setup between groups.
     fn need(&self, part: usize, operation: usize) -> Need {
         let scenario = self.scenario;
-        let own: &Operation = &scenario.parts[part].operations[operation];
-        let least = |of: &dyn Fn(usize) -> f64| own.machines.iter().map(|&each| of(each)).fold(f64::INFINITY, f64::min);
+        let planned: &Operation = &scenario.parts[part].operations[operation];
+        let least =
+            |of: &dyn Fn(usize) -> f64| planned.machines.iter().map(|&each| of(each)).fold(f64::INFINITY, f64::min);
         let handling = least(&|machine| {
             let machine = &scenario.machines[machine];
             machine.load_time.mean() + machine.unload_time.mean()
@@ -294,9 +295,9 @@ impl Shop<'_> {
         let setup = least(&|machine| {
             let machine = &scenario.machines[machine];
             let Some(matrix) = machine.setup_matrix.map(|index| &scenario.setup_matrices[index]) else {
-                return own.setup_time.unwrap_or(machine.setup_time);
+                return planned.setup_time.unwrap_or(machine.setup_time);
             };
-            let Some(to) = matrix.group(&own.setup_group) else { return 0.0 };
+            let Some(to) = matrix.group(&planned.setup_group) else { return 0.0 };
             let from = (0..matrix.times.len()).filter(|from| *from != to);
             from.map(|from| matrix.times[from][to]).reduce(f64::min).unwrap_or(matrix.times[to][to])
         });
@@ -336,8 +337,8 @@ impl Shop<'_> {
         dues.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut work = 0.0;
         let mut worst: Option<(f64, f64, f64)> = None;
-        for (i, (due, own)) in dues.iter().enumerate() {
-            work += own;
+        for (i, (due, content)) in dues.iter().enumerate() {
+            work += content;
             if dues.get(i + 1).is_some_and(|next| next.0 == *due) || *due > self.scenario.horizon {
                 continue;
             }

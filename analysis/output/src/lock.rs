@@ -43,7 +43,7 @@ impl Lock {
     fn of(folder: &Path, lock: impl Fn(&File) -> std::io::Result<bool>) -> Result<Option<Self>, OutputError> {
         let path = folder.join(LOCK);
         let unwritable = |source| OutputError::Unwritable { path: folder.to_owned(), source };
-        let own = std::process::id().to_string();
+        let process_id = std::process::id().to_string();
         loop {
             let opened = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
             let mut file = opened.map_err(unwritable)?;
@@ -54,11 +54,11 @@ impl Lock {
                 Err(error) if error.kind() == ErrorKind::Unsupported => {}
                 Err(error) => return Err(unwritable(error)),
             }
-            file.set_len(0).and_then(|()| file.write_all(own.as_bytes())).map_err(unwritable)?;
+            file.set_len(0).and_then(|()| file.write_all(process_id.as_bytes())).map_err(unwritable)?;
             // The holder before may have removed the file between opening and locking: then this lock is on
             // nothing, and the next one would not see it. Where the system lets nobody read or remove a locked
             // file there is nothing to look for.
-            if cfg!(not(unix)) || fs::read_to_string(&path).is_ok_and(|there| there == own) {
+            if cfg!(not(unix)) || fs::read_to_string(&path).is_ok_and(|there| there == process_id) {
                 let tidy = tidy(Begun::File(path.clone()));
                 return Ok(Some(Self { _file: file, path, _tidy: tidy }));
             }

@@ -205,10 +205,12 @@ impl Begun {
             Self::File(path) => drop(fs::remove_file(path)),
             Self::Folder(path) => drop(fs::remove_dir(path)),
             Self::Partials(path) => {
-                let own = format!("partial-{}", std::process::id());
-                partials(path).filter(|path| path.extension().is_some_and(|end| *end == *own)).for_each(|path| {
-                    let _ = fs::remove_file(path);
-                });
+                let partial_name = format!("partial-{}", std::process::id());
+                partials(path).filter(|path| path.extension().is_some_and(|end| *end == *partial_name)).for_each(
+                    |path| {
+                        let _ = fs::remove_file(path);
+                    },
+                );
             }
         }
     }

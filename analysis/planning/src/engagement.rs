@@ -80,7 +80,7 @@ impl Engagement {
     /// [`EngagementError`]: the program is refused, or cuts with a tool that the setup does not have.
     pub fn new(text: &str, control: &Control, setup: &Setup, motions: bool) -> Result<Self, EngagementError> {
         let mut cutting = Cutting::new(setup.stock, setup.radius());
-        let mut own = Self {
+        let mut study = Self {
             tools: BTreeMap::new(),
             bound: (0.0, 0),
             sampled: (0.0, 0),
@@ -118,7 +118,7 @@ impl Engagement {
                         return Err(EngagementError::NoTool { line: event.line, tool });
                     };
                     let cut = cutting.motion(&motion, which, speed);
-                    own.take(event.line, tool, motion.rapid, motion.time, cut);
+                    study.take(event.line, tool, motion.rapid, motion.time, cut);
                 }
                 EventKind::Block
                 | EventKind::Dwell(_)
@@ -131,8 +131,8 @@ impl Engagement {
                 | EventKind::End => {}
             }
         }
-        own.removed = cutting.removed();
-        Ok(own)
+        study.removed = cutting.removed();
+        Ok(study)
     }
 
     fn take(&mut self, line: usize, tool: Option<u32>, rapid: bool, time: f64, cut: Cut) {

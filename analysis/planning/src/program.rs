@@ -128,7 +128,7 @@ impl CycleTime {
                 }
             }
         };
-        let mut of: Vec<usize> = Vec::new();
+        let mut tool_of: Vec<usize> = Vec::new();
         for block in list.by_ref() {
             let block = block?;
             // Blocks before the first tool go with it.
@@ -144,16 +144,16 @@ impl CycleTime {
             let key = match &mut rows {
                 Some(rows) => {
                     rows.push(Row::of(&block, drives));
-                    of.push(index);
+                    tool_of.push(index);
                     rows.len() - 1
                 }
                 None => index,
             };
             timer.block(key, &block, &mut done);
-            settle(&mut done, &mut shares, &mut rows, &of);
+            settle(&mut done, &mut shares, &mut rows, &tool_of);
         }
         timer.finish(rows.as_ref().map_or(shares.len(), Vec::len).saturating_sub(1), &mut done);
-        settle(&mut done, &mut shares, &mut rows, &of);
+        settle(&mut done, &mut shares, &mut rows, &tool_of);
         let run = list.run();
         let (dialect, reason) = run.dialect();
         if shares.iter().all(|share| share.motions == 0) {

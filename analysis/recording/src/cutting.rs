@@ -45,11 +45,11 @@ pub fn records(run: &Run<'_>, kind: RecordKind) -> Records {
         run.channel(&mut records, channel, values);
     }
     let positive = |value: f64| if value > 0.0 { value } else { f64::NAN };
-    let each = |value: &dyn Fn(&PassRow) -> f64| passes.iter().map(|pass| value(pass)).collect::<Vec<f64>>();
-    run.channel(&mut records, "flank_wear", &each(&|pass| pass.flank_wear_end));
+    let of_passes = |value: &dyn Fn(&PassRow) -> f64| passes.iter().map(|pass| value(pass)).collect::<Vec<f64>>();
+    run.channel(&mut records, "flank_wear", &of_passes(&|pass| pass.flank_wear_end));
     let root = std::f64::consts::SQRT_2;
-    run.channel(&mut records, "vibration_rms", &each(&|pass| positive(pass.vibration_amplitude / root)));
-    run.channel(&mut records, "roughness_ra", &each(&|pass| positive(pass.roughness)));
+    run.channel(&mut records, "vibration_rms", &of_passes(&|pass| positive(pass.vibration_amplitude / root)));
+    run.channel(&mut records, "roughness_ra", &of_passes(&|pass| positive(pass.roughness)));
     times(run, &rows, &mut records);
     records
 }
@@ -121,10 +121,10 @@ fn edge_end(reason: ChangeReason) -> &'static str {
 fn times(run: &Run<'_>, rows: &[usize], records: &mut Records) {
     let mut cycle = vec![f64::NAN; rows.len()];
     let (mut stops, mut stopped) = (cycle.clone(), cycle.clone());
-    for (row, at) in rows.iter().enumerate() {
-        let visit = &run.visits.list[run.visits.of_pass[*at]];
+    for (row, pass_index) in rows.iter().enumerate() {
+        let visit = &run.visits.list[run.visits.of_pass[*pass_index]];
         if visit.passes.len() == 1 {
-            cycle[row] = visit.handling + run.log.passes[*at].cutting_time;
+            cycle[row] = visit.handling + run.log.passes[*pass_index].cutting_time;
             stops[row] = f64::from(visit.stops);
             stopped[row] = visit.stop_time;
         }
@@ -147,12 +147,12 @@ fn programmed(run: &Run<'_>, pass: &PassRow) -> Option<Cut> {
 
 /// Element of a field by name.
 fn place(fields: &[Field], name: &str) -> Option<usize> {
-    let mut at = 0;
+    let mut index = 0;
     for field in fields {
         if field.name == name {
-            return Some(at);
+            return Some(index);
         }
-        at += field.len;
+        index += field.len;
     }
     None
 }
@@ -169,14 +169,14 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
     let mut x = process.initial();
     let mut clock = f64::NAN;
     let mut means = Vec::with_capacity(passes.len());
-    for (pass, at) in passes.iter().zip(rows) {
-        let model = run.process(*at);
+    for (pass, pass_index) in passes.iter().zip(rows) {
+        let model = run.process(*pass_index);
         let process = model.machine_process();
         let cut = programmed(run, pass).unwrap_or_default();
         let mut u: Vec<f64> = inputs.iter().flat_map(|field| std::iter::repeat_n(field.start, field.len)).collect();
         let mut set = |name: &str, value: f64| {
-            if let Some(at) = place(inputs, name) {
-                u[at] = value;
+            if let Some(index) = place(inputs, name) {
+                u[index] = value;
             }
         };
         set("cutting_speed", pass.speed_start);
@@ -190,7 +190,7 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
         set("pass_time", pass.cutting_time);
         let lot = run.log.jobs[pass.job as usize].lot;
         let part = &run.scenario.parts[pass.part as usize];
-        set("lot_deviation", if run.hardened(*at) { 1.0 } else { part.lot_deviation(lot) });
+        set("lot_deviation", if run.hardened(*pass_index) { 1.0 } else { part.lot_deviation(lot) });
         set("mechanical_wear_factor", edge.mechanical_wear_factor);
         set("thermal_wear_factor", edge.thermal_wear_factor);
         set("flank_shear_factor", pair.flank_shear_factor);
@@ -211,20 +211,20 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
         let step = (pass.cutting_time - first) / POINTS as f64;
         let mut y = vec![0.0; outputs.iter().map(|field| field.len).sum()];
         let mut sums = [0.0; MEANS.len()];
-        let mut at = 0.0;
+        let mut reached = 0.0;
         let mut go = |x: &mut Vec<f64>, u: &mut Vec<f64>, to: f64| {
-            let share = at / pass.cutting_time;
+            let share = reached / pass.cutting_time;
             if let Some(land) = land {
                 x[land] = wear(share);
             }
-            let mut left: f64 = to - at;
+            let mut left: f64 = to - reached;
             for _ in 0..EVENTS {
                 match process.advance(x, u, left) {
                     Ok(advance) if advance.elapsed < left => left -= advance.elapsed,
                     _ => break,
                 }
             }
-            at = to;
+            reached = to;
             if let Some(land) = land {
                 x[land] = wear(to / pass.cutting_time);
             }
@@ -233,7 +233,7 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
             go(&mut x, &mut u, first + (point as f64 + 0.5) * step);
             process.output(&x, &u, &mut y);
             for (sum, name) in sums.iter_mut().zip(MEANS) {
-                *sum += place(outputs, name).map_or(f64::NAN, |at| y[at]) / POINTS as f64;
+                *sum += place(outputs, name).map_or(f64::NAN, |index| y[index]) / POINTS as f64;
             }
         }
         go(&mut x, &mut u, pass.cutting_time);
@@ -244,7 +244,7 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
         let feed = harder(process, &x, &u, &y, pass.cutting_force);
         let end = |name: &str, logged: f64| {
             place(outputs, name)
-                .map(|at| logged / y[at])
+                .map(|index| logged / y[index])
                 .filter(|ratio| ratio.is_finite() && *ratio > 0.0)
                 .unwrap_or(1.0)
         };
@@ -252,8 +252,8 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
         let power = end("spindle_power", pass.spindle_power);
         let heat = end("temperature", pass.temperature);
         // The junction is as hot as the cut: its voltage follows the temperature in °C.
-        let junction = place(outputs, "temperature").map_or(1.0, |at| {
-            let ratio = (heat * y[at] - ICE) / (y[at] - ICE);
+        let junction = place(outputs, "temperature").map_or(1.0, |index| {
+            let ratio = (heat * y[index] - ICE) / (y[index] - ICE);
             if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
         });
         let factors = [force, feed.unwrap_or(force), power, heat, junction];
@@ -277,7 +277,7 @@ fn harder(process: &dyn MachineProcess, x: &[f64], u: &[f64], y: &[f64], cutting
     let [cutting, feed] = ["cutting_force", "feed_force"].map(|name| place(process.outputs(), name));
     let (cutting, feed) = (cutting?, feed?);
     let (mut u, mut out) = (u.to_vec(), y.to_vec());
-    let mut at = |hardness: f64| {
+    let mut power_at = |hardness: f64| {
         u[port] = hardness;
         process.output(x, &u, &mut out);
         (out[cutting], out[feed])
@@ -289,7 +289,7 @@ fn harder(process: &dyn MachineProcess, x: &[f64], u: &[f64], y: &[f64], cutting
         if !(now.is_finite() && now > 0.0) {
             return None;
         }
-        let (force, found) = at(now);
+        let (force, found) = power_at(now);
         let left = (cutting_force / force).ln();
         if left.abs() < FOUND {
             return Some(found / y[feed]).filter(|ratio| ratio.is_finite() && *ratio > 0.0);

@@ -55,17 +55,17 @@ fn states(log: &RunLog) -> Vec<(StateRow, &'static str)> {
     let mut holds: BTreeMap<u32, Vec<(f64, f64)>> = BTreeMap::new();
     for event in &log.events {
         let Some(machine) = event.machine else { continue };
-        let own = holds.entry(machine).or_default();
+        let stops = holds.entry(machine).or_default();
         match event.event {
-            "feed_hold" => own.push((event.time, log.horizon)),
-            "feed_release" => own.iter_mut().last().into_iter().for_each(|hold| hold.1 = event.time),
+            "feed_hold" => stops.push((event.time, log.horizon)),
+            "feed_release" => stops.iter_mut().last().into_iter().for_each(|hold| hold.1 = event.time),
             _ => {}
         }
     }
     let mut states: Vec<(StateRow, &'static str)> = Vec::with_capacity(log.states.len());
     for state in &whole_states(log) {
-        let own = holds.get(&state.machine).map_or(&[][..], Vec::as_slice);
-        let hold = own.iter().find(|(from, to)| *from < state.end && state.start < *to);
+        let stops = holds.get(&state.machine).map_or(&[][..], Vec::as_slice);
+        let hold = stops.iter().find(|(from, to)| *from < state.end && state.start < *to);
         match hold.filter(|_| state.state == MachineState::Cutting) {
             Some((from, _)) if *from > state.start => {
                 states.push((StateRow { end: *from, ..*state }, state.state.name()));

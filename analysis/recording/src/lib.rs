@@ -86,17 +86,17 @@ impl Run<'_> {
     }
 
     /// The process of a pass: what acts on it is decided at the start of its operation.
-    fn process(&self, at: usize) -> &ProcessModel {
-        self.tool_of_pass(at).process_of(self.acting(at))
+    fn process(&self, pass: usize) -> &ProcessModel {
+        self.tool_of_pass(pass).process_of(self.acting(pass))
     }
 
     /// Whether the lot of a pass deviates because an effect of its tool is scoped to it.
-    fn hardened(&self, at: usize) -> bool {
-        self.tool_of_pass(at).variants.hardens_lots(self.acting(at))
+    fn hardened(&self, pass: usize) -> bool {
+        self.tool_of_pass(pass).variants.hardens_lots(self.acting(pass))
     }
 
-    fn tool_of_pass(&self, at: usize) -> &ToolType {
-        &self.scenario.tools[self.log.edges[self.log.passes[at].edge as usize].tool as usize]
+    fn tool_of_pass(&self, pass: usize) -> &ToolType {
+        &self.scenario.tools[self.log.edges[self.log.passes[pass].edge as usize].tool as usize]
     }
 
     /// What acts on a pass among the entries of its tool that have a scope.
@@ -135,11 +135,11 @@ impl Run<'_> {
     }
 
     /// Adds name and age of the coolant, where any machine gets another: without one its age is the calendar.
-    fn coolants(&self, records: &mut Records, at: &[(u32, f64)]) {
+    fn coolants(&self, records: &mut Records, changes: &[(u32, f64)]) {
         if self.scenario.machines.iter().all(|machine| machine.coolant_change.is_none()) {
             return;
         }
-        let coolants: Vec<(f64, bool)> = at.iter().map(|(machine, time)| self.coolant(*machine, *time)).collect();
+        let coolants: Vec<(f64, bool)> = changes.iter().map(|(machine, time)| self.coolant(*machine, *time)).collect();
         let name = |(_, changed): &(f64, bool)| if *changed { "second" } else { "first" }.to_owned();
         records.set_texts("coolant_id", coolants.iter().map(name).collect());
         records.set_numbers("coolant_age", coolants.iter().map(|(age, _)| *age).collect());

@@ -58,7 +58,7 @@ impl Visits {
     pub fn of(log: &RunLog) -> Self {
         let mut visits = Self::default();
         let mut index: BTreeMap<(u32, u32, u32), usize> = BTreeMap::new();
-        for (at, pass) in log.passes.iter().enumerate() {
+        for (pass_index, pass) in log.passes.iter().enumerate() {
             let place = *index.entry((pass.machine, pass.job, pass.operation)).or_insert_with(|| {
                 let (job, part, operation) = (pass.job, pass.part, pass.operation);
                 let cut = (pass.start, pass.end);
@@ -69,7 +69,7 @@ impl Visits {
             });
             visits.of_pass.push(place);
             let visit = &mut visits.list[place];
-            visit.passes.push(at);
+            visit.passes.push(pass_index);
             visit.cut = (visit.cut.0.min(pass.start), visit.cut.1.max(pass.end));
         }
         for row in &log.operations {

@@ -213,7 +213,7 @@ fn understand(file: &str, table: &RawTable, kind: RecordKind) -> Result<(Records
 
 fn header(file: &str, table: &RawTable, kind: RecordKind, report: &mut ReadReport) -> Result<Vec<Used>, RecordError> {
     let mut used: Vec<Used> = Vec::new();
-    for (at, title) in table.header.iter().enumerate() {
+    for (place, title) in table.header.iter().enumerate() {
         let (name, read) = name_and_unit(title);
         let name = name.to_ascii_lowercase().replace([' ', '-'], "_");
         let known = kind.column(&name);
@@ -243,7 +243,7 @@ fn header(file: &str, table: &RawTable, kind: RecordKind, report: &mut ReadRepor
             }
         };
         report.columns.push(title.clone());
-        used.push(Used { at, name, column: known, factor, offset });
+        used.push(Used { at: place, name, column: known, factor, offset });
     }
     Ok(used)
 }
@@ -275,16 +275,16 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
         }
     };
     let mut beyond: BTreeMap<usize, (Vec<usize>, usize, String)> = BTreeMap::new();
-    'rows: for (at, (line, cells)) in table.rows.iter().enumerate() {
+    'rows: for (row, (line, cells)) in table.rows.iter().enumerate() {
         let mut numbers = Vec::with_capacity(used.len());
-        for each in used {
-            let read = cells.get(each.at).map_or("", String::as_str);
+        for used_column in used {
+            let read = cells.get(used_column.at).map_or("", String::as_str);
             let missing = is_missing(read);
-            let column = each.column;
+            let column = used_column.column;
             let must = column.is_some_and(|column| column.required);
             if column.is_some_and(|column| column.kind == ColumnKind::Text) {
                 if must && missing {
-                    report.dropped.push((*line, format!("{} is empty", each.name)));
+                    report.dropped.push((*line, format!("{} is empty", used_column.name)));
                     continue 'rows;
                 }
                 numbers.push(f64::NAN);
@@ -292,29 +292,33 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
             }
             let number = number(read);
             if let (Some(value), Some(column)) = (number, column)
-                && (value * each.factor + each.offset).abs() > column.greatest * column.scale()
+                && (value * used_column.factor + used_column.offset).abs() > column.greatest * column.scale()
             {
-                let reason =
-                    format!("{} is {read}, beyond {} {}: check its unit", each.name, column.greatest, column.display);
+                let reason = format!(
+                    "{} is {read}, beyond {} {}: check its unit",
+                    used_column.name, column.greatest, column.display
+                );
                 if must {
                     wrong = true;
                     report.dropped.push((*line, reason));
                     continue 'rows;
                 }
-                beyond.entry(numbers.len()).or_insert_with(|| (Vec::new(), *line, reason)).0.push(at);
+                beyond.entry(numbers.len()).or_insert_with(|| (Vec::new(), *line, reason)).0.push(row);
             }
             if number.is_none() && !missing {
-                report.unreadable.push((*line, each.name.clone(), read.to_owned()));
+                report.unreadable.push((*line, used_column.name.clone(), read.to_owned()));
             }
             if must && number.is_none() {
                 wrong |= !missing;
-                report.dropped.push((*line, format!("{} is {}", each.name, if missing { "empty" } else { read })));
+                report
+                    .dropped
+                    .push((*line, format!("{} is {}", used_column.name, if missing { "empty" } else { read })));
                 continue 'rows;
             }
-            numbers.push(number.map_or(f64::NAN, |number| number * each.factor + each.offset));
+            numbers.push(number.map_or(f64::NAN, |number| number * used_column.factor + used_column.offset));
         }
-        let cell = |at: usize| cells.get(at).map_or("", String::as_str);
-        let key: Vec<&str> = identity.iter().map(|at| cell(*at)).collect();
+        let cell = |column: usize| cells.get(column).map_or("", String::as_str);
+        let key: Vec<&str> = identity.iter().map(|column| cell(*column)).collect();
         if !key.is_empty() {
             if let Some(first) = first_of.get(&key) {
                 report.dropped.push((*line, format!("`{}` stands in line {first} already", key.join(" "))));
@@ -322,7 +326,7 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
             }
             first_of.insert(key, *line);
         }
-        kept.push(Kept { at, numbers });
+        kept.push(Kept { at: row, numbers });
     }
     for (column, (places, line, reason)) in beyond {
         // A few slips are no values; a whole channel in another unit is for the diagnosis to say.

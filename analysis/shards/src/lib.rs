@@ -360,9 +360,9 @@ impl ShardError {
 /// Missing shards that are listed.
 const LISTED: usize = 10;
 
-fn list(first: &[u64], of: u64) -> String {
+fn list(first: &[u64], count: u64) -> String {
     let shown = first.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
-    if of > first.len() as u64 { shown + ", …" } else { shown }
+    if count > first.len() as u64 { shown + ", …" } else { shown }
 }
 
 /// The failure of the file system at a path, for `map_err`.

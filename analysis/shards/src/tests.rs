@@ -78,16 +78,16 @@ fn a_part_with_a_changed_byte_or_a_cut_end_is_refused_by_its_name() {
         assert!(!is_done::<Vec<f64>>(&plan, 1, &folder.0));
     };
     let mut random = ChaCha8Rng::seed_from_u64(11);
-    for at in 0..whole.len() {
-        refused(&whole[..at]);
+    for end in 0..whole.len() {
+        refused(&whole[..end]);
         let mut changed = whole.clone();
-        changed[at] ^= random.random_range(1..=255_u8);
+        changed[end] ^= random.random_range(1..=255_u8);
         refused(&changed);
         changed = whole.clone();
-        changed.remove(at);
+        changed.remove(end);
         refused(&changed);
         changed = whole.clone();
-        changed.insert(at, random.random());
+        changed.insert(end, random.random());
         refused(&changed);
     }
     refused(&[&whole[..], b"\n"].concat());
@@ -102,10 +102,10 @@ fn a_whole_part_that_is_not_that_of_its_shard_is_refused_by_its_name() {
     let (plan, folder) = (plan(), Folder::new("content"));
     fill(&plan, &folder, false);
     let path = part(&folder.0, 1, "json");
-    let own: Sidecar<Vec<f64>> = read_sidecar(&path).expect("a part");
+    let original: Sidecar<Vec<f64>> = read_sidecar(&path).expect("a part");
     type Change = fn(&mut Sidecar<Vec<f64>>);
     let said = |change: Change| {
-        let mut sidecar = own.clone();
+        let mut sidecar = original.clone();
         change(&mut sidecar);
         fs::write(&path, sealed(&sidecar).expect("JSON")).expect("a file");
         merged(&plan, &folder).expect_err("another part").to_string()
@@ -129,7 +129,7 @@ fn a_whole_part_that_is_not_that_of_its_shard_is_refused_by_its_name() {
     assert!(said(|part| part.shard = u64::MAX).contains("does not exist"));
     assert!(said(|part| part.shard = 0).contains("twice"));
     // Content of another kind of work.
-    let text = sealed(&own).expect("JSON").replace("[2.1,", "[{},");
+    let text = sealed(&original).expect("JSON").replace("[2.1,", "[{},");
     let other = resealed(&text);
     fs::write(&path, other).expect("a file");
     let error = merged(&plan, &folder).expect_err("another kind");
@@ -149,10 +149,10 @@ fn rows_that_are_changed_cut_or_gone_are_refused_by_their_name() {
     assert!(merged(&plan, &folder).is_ok());
     let path = part(&folder.0, 0, "parquet");
     let whole = fs::read(&path).expect("rows");
-    for at in 0..whole.len() {
+    for offset in 0..whole.len() {
         let mut changed = whole.clone();
-        changed[at] ^= 1;
-        for bytes in [&whole[..at], &changed] {
+        changed[offset] ^= 1;
+        for bytes in [&whole[..offset], &changed] {
             fs::write(&path, bytes).expect("a file");
             let error = merged(&plan, &folder).expect_err("changed rows");
             assert!(error.to_string().contains("part-000000.parquet"), "{error}");

@@ -187,15 +187,15 @@ pub struct Paired {
 /// assert!((pair.difference.mean - 3.5 / 3.0).abs() < 1e-12 && pair.variance_reduction > 1000.0);
 /// ```
 pub fn paired(values: &[f64], baseline: &[f64], confidence: f64) -> Paired {
-    let (mut own, mut base, mut difference) = (Moments::default(), Moments::default(), Moments::default());
+    let (mut sample, mut base, mut difference) = (Moments::default(), Moments::default(), Moments::default());
     for (&value, &reference) in values.iter().zip(baseline) {
         if value.is_finite() && reference.is_finite() {
-            own.push(value);
+            sample.push(value);
             base.push(reference);
             difference.push(value - reference);
         }
     }
-    let variance_reduction = (own.variance() + base.variance()) / difference.variance();
+    let variance_reduction = (sample.variance() + base.variance()) / difference.variance();
     Paired { difference: from_moments(&difference, confidence), variance_reduction }
 }
 
@@ -213,14 +213,14 @@ pub fn paired(values: &[f64], baseline: &[f64], confidence: f64) -> Paired {
 /// ```
 pub fn welch(values: &[f64], baseline: &[f64], confidence: f64) -> Interval {
     let moments = |values: &[f64]| values.iter().copied().filter(|value| value.is_finite()).collect::<Moments>();
-    let (own, base) = (moments(values), moments(baseline));
-    let (a, b) = (own.standard_error().powi(2), base.standard_error().powi(2));
-    let mean = own.mean() - base.mean();
-    let count = own.count() + base.count();
+    let (sample, base) = (moments(values), moments(baseline));
+    let (a, b) = (sample.standard_error().powi(2), base.standard_error().powi(2));
+    let mean = sample.mean() - base.mean();
+    let count = sample.count() + base.count();
     if a + b == 0.0 {
         return Interval { mean, half_width: 0.0, count };
     }
-    let freedom = (a + b).powi(2) / (a * a / (own.count() as f64 - 1.0) + b * b / (base.count() as f64 - 1.0));
+    let freedom = (a + b).powi(2) / (a * a / (sample.count() as f64 - 1.0) + b * b / (base.count() as f64 - 1.0));
     Interval { mean, half_width: student(confidence, freedom) * (a + b).sqrt(), count }
 }
 
@@ -241,14 +241,14 @@ pub fn ratio(values: &[f64], baseline: &[f64], confidence: f64) -> Interval {
         let defined = |(value, reference): &(&f64, &f64)| value.is_finite() && reference.is_finite();
         values.iter().zip(baseline).filter(defined).map(|(&value, &reference)| (value, reference))
     };
-    let own: Moments = pairs().map(|pair| pair.0).collect();
+    let sample: Moments = pairs().map(|pair| pair.0).collect();
     let base: Moments = pairs().map(|pair| pair.1).collect();
-    let mean = own.mean() / base.mean();
+    let mean = sample.mean() / base.mean();
     let residuals: Moments = pairs().map(|(value, reference)| (value - mean * reference) / base.mean()).collect();
     Interval { mean, ..from_moments(&residuals, confidence) }
 }
 
-/// Bounds of a rate of which `count` of `of` were seen, exact at `level` (two-sided).
+/// Bounds of a rate of which `count` of `total` were seen, exact at `level` (two-sided).
 ///
 /// # Source
 /// Clopper & Pearson 1934.
@@ -259,17 +259,17 @@ pub fn ratio(values: &[f64], baseline: &[f64], confidence: f64) -> Interval {
 /// assert_eq!(low, 0.0);
 /// assert!((high - (1.0 - 0.025_f64.powf(0.01))).abs() < 1e-9);
 /// ```
-pub fn clopper_pearson(count: usize, of: usize, level: f64) -> [f64; 2] {
+pub fn clopper_pearson(count: usize, total: usize, level: f64) -> [f64; 2] {
     let tail = 0.5 * (1.0 - level);
     let quantile = |alpha: usize, beta: usize, share: f64| {
         Beta::new(alpha as f64, beta as f64).map_or(f64::NAN, |law| law.inverse_cdf(share))
     };
-    let low = if count == 0 { 0.0 } else { quantile(count, of - count + 1, tail) };
-    let high = if count >= of { 1.0 } else { quantile(count + 1, of - count, 1.0 - tail) };
+    let low = if count == 0 { 0.0 } else { quantile(count, total - count + 1, tail) };
+    let high = if count >= total { 1.0 } else { quantile(count + 1, total - count, 1.0 - tail) };
     [low, high]
 }
 
-/// Bounds of a rate of which `count` of `of` were seen, by the score test at `level` (two-sided).
+/// Bounds of a rate of which `count` of `total` were seen, by the score test at `level` (two-sided).
 ///
 /// # Source
 /// E. B. Wilson, Journal of the American Statistical Association 22 (1927) 209.
@@ -279,12 +279,12 @@ pub fn clopper_pearson(count: usize, of: usize, level: f64) -> [f64; 2] {
 /// let [low, high] = toolroom_statistics::wilson(17, 20, 0.95);
 /// assert!((low - 0.6396).abs() < 5e-5 && (high - 0.9476).abs() < 5e-5);
 /// ```
-pub fn wilson(count: usize, of: usize, level: f64) -> [f64; 2] {
+pub fn wilson(count: usize, total: usize, level: f64) -> [f64; 2] {
     let z = Normal::standard().inverse_cdf(0.5 * (1.0 + level));
-    let (share, of) = (count as f64 / of as f64, of as f64);
-    let middle = share + z * z / (2.0 * of);
-    let half = z * (share * (1.0 - share) / of + z * z / (4.0 * of * of)).sqrt();
-    let scale = 1.0 + z * z / of;
+    let (share, total) = (count as f64 / total as f64, total as f64);
+    let middle = share + z * z / (2.0 * total);
+    let half = z * (share * (1.0 - share) / total + z * z / (4.0 * total * total)).sqrt();
+    let scale = 1.0 + z * z / total;
     // Rounding may leave an end a little outside.
     [((middle - half) / scale).max(0.0), ((middle + half) / scale).min(1.0)]
 }

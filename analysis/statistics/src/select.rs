@@ -56,13 +56,13 @@ impl Selection {
         let sign = if self.least { 1.0 } else { -1.0 };
         for replication in 0..self.most {
             for &system in &selected.survivors {
-                let Some(own) = value(system, replication)?.filter(|value| value.is_finite()) else {
+                let Some(value) = value(system, replication)?.filter(|value| value.is_finite()) else {
                     return Ok(selected);
                 };
-                sums[system] += sign * own;
+                sums[system] += sign * value;
                 selected.replications[system] = replication + 1;
                 if replication < first {
-                    early[system].push(own);
+                    early[system].push(value);
                 }
             }
             if replication + 1 < first {

@@ -125,19 +125,19 @@ impl Comparison {
 }
 
 fn difference(scenario: &Scenario, study: &Study, stations: &[Station], policy: usize) -> Difference {
-    let of = |policy: usize, id: &str| study.index(id).map_or_else(Vec::new, |kpi| study.values(policy, kpi));
-    let gain = |id: &str, above: usize, below: usize| ratio(&of(above, id), &of(below, id), CONFIDENCE);
+    let values_of = |policy: usize, id: &str| study.index(id).map_or_else(Vec::new, |kpi| study.values(policy, kpi));
+    let gain = |id: &str, above: usize, below: usize| ratio(&values_of(above, id), &values_of(below, id), CONFIDENCE);
     let cell_gain = gain("cell_time_ratio", 0, policy);
     let offered = gain("parts_offered_per_shift", 0, 0).count > 0;
     let offered_over_made = if offered {
-        let mean = |id| t_interval(&of(0, id), CONFIDENCE).mean;
+        let mean = |id| t_interval(&values_of(0, id), CONFIDENCE).mean;
         mean("parts_offered_per_shift") / mean("parts_per_shift")
     } else {
         f64::INFINITY
     };
     let shop_gain = gain("parts_per_shift", policy, 0);
     let amdahl_limit = station::amdahl_limit(scenario, stations, cell_gain.mean, offered_over_made);
-    let good_share = |policy: usize| 1.0 - t_interval(&of(policy, "scrap_rate"), CONFIDENCE).mean;
+    let good_share = |policy: usize| 1.0 - t_interval(&values_of(policy, "scrap_rate"), CONFIDENCE).mean;
     Difference {
         policy,
         kpis: (0..study.kpis.len())

@@ -73,8 +73,8 @@ impl Replications {
         let mut reader = csv::Reader::from_path(&path).map_err(unreadable)?;
         let header = reader.headers().map_err(unreadable)?.clone();
         let place = |column: &'static str| {
-            let at = header.iter().position(|name| name == column);
-            at.ok_or_else(|| DifferenceError::NoColumn { path: path.clone(), column })
+            let index = header.iter().position(|name| name == column);
+            index.ok_or_else(|| DifferenceError::NoColumn { path: path.clone(), column })
         };
         let [policy, replication, machine] = [place("policy")?, place("replication")?, place("machine")?];
         let [kpi, unit, value] = [place("kpi")?, place("unit")?, place("value")?];

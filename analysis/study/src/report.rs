@@ -159,10 +159,11 @@ fn variants_section(source: &Source<'_>) -> Option<Section> {
         return None;
     }
     let mut section = Section::new("Variants of the shop").paragraph(variants::MEANING.map(sentence).join(" "));
-    for own in tables {
-        let mut table = Table::new(own.head.iter().map(|title| if title.is_empty() { "shop" } else { title.as_str() }));
-        own.rows.into_iter().for_each(|row| table.push(row.into_iter().map(Cell::Text)));
-        let title = own.policy.map_or_else(|| "Variants".to_owned(), |policy| format!("Variants under {policy}"));
+    for shown in tables {
+        let mut table =
+            Table::new(shown.head.iter().map(|title| if title.is_empty() { "shop" } else { title.as_str() }));
+        shown.rows.into_iter().for_each(|row| table.push(row.into_iter().map(Cell::Text)));
+        let title = shown.policy.map_or_else(|| "Variants".to_owned(), |policy| format!("Variants under {policy}"));
         section = section.table(title, table);
     }
     if let Some(selection) = &source.study.selection {

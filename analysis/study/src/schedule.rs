@@ -176,10 +176,10 @@ fn weeks(scenario: &Scenario, log: &RunLog) -> String {
     let mut times = vec![vec![[0.0f64; 2]; count]; scenario.machines.len()];
     for row in log.states.iter().filter(|row| row.in_shift) {
         let (first, last) = ((row.start / WEEK) as usize, ((row.end / WEEK) as usize).min(count - 1));
-        for (week, own) in times[row.machine as usize].iter_mut().enumerate().take(last + 1).skip(first) {
+        for (week, seconds) in times[row.machine as usize].iter_mut().enumerate().take(last + 1).skip(first) {
             let inside = row.end.min((week + 1) as f64 * WEEK) - row.start.max(week as f64 * WEEK);
-            own[0] += if is_busy(row.state) { inside } else { 0.0 };
-            own[1] += inside;
+            seconds[0] += if is_busy(row.state) { inside } else { 0.0 };
+            seconds[1] += inside;
         }
     }
     let mut text = "<table><tr><th>machine</th>".to_owned();
@@ -187,9 +187,9 @@ fn weeks(scenario: &Scenario, log: &RunLog) -> String {
         let _ = write!(text, "<th>week {week}</th>");
     }
     text.push_str("</tr>");
-    for (machine, own) in scenario.machines.iter().zip(&times) {
+    for (machine, weeks) in scenario.machines.iter().zip(&times) {
         let _ = write!(text, "<tr><th>{}</th>", escape(&machine.name));
-        for [busy, shift] in own {
+        for [busy, shift] in weeks {
             let share = if *shift > 0.0 { 100.0 * busy / shift } else { 0.0 };
             let _ = write!(text, "<td style=\"background: rgb(76 120 168 / {share:.0}%)\">{share:.0} %</td>");
         }
@@ -223,10 +223,10 @@ mod tests {
         assert_eq!(bytes.len(), 14 * bars.len());
         let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
         for (bar, row) in bars.iter().enumerate() {
-            let at = 14 * bar;
-            assert!((f64::from(word(at)) - 10.0 * row.start).abs() <= 0.5);
-            assert!((f64::from(word(at) + word(at + 4)) - 10.0 * row.end).abs() <= 0.5);
-            let packed = u32::from(u16::from_le_bytes([bytes[at + 8], bytes[at + 9]]));
+            let offset = 14 * bar;
+            assert!((f64::from(word(offset)) - 10.0 * row.start).abs() <= 0.5);
+            assert!((f64::from(word(offset) + word(offset + 4)) - 10.0 * row.end).abs() <= 0.5);
+            let packed = u32::from(u16::from_le_bytes([bytes[offset + 8], bytes[offset + 9]]));
             assert_eq!((packed & 4095, packed >> 12), (row.machine, row.state as u32));
         }
         let mut page = Vec::new();

@@ -418,12 +418,12 @@ mod tests {
     #[test]
     fn columns_line_up() {
         let text = print(2, 4, Style::default());
-        let at = text.lines().find_map(|line| line.find("difference (95 %")).expect("a head");
+        let column = text.lines().find_map(|line| line.find("difference (95 %")).expect("a head");
         let rows = text.lines().skip(2).take_while(|line| !line.starts_with("cell gain"));
         assert_eq!(rows.clone().count(), ROWS.len() - 3, "without chatter");
         for line in rows {
-            let before: String = line.chars().take(at).collect();
-            assert!(before.ends_with("  ") && line.chars().nth(at).is_some_and(|c| c != ' '), "{line}");
+            let before: String = line.chars().take(column).collect();
+            assert!(before.ends_with("  ") && line.chars().nth(column).is_some_and(|c| c != ' '), "{line}");
         }
         let text = print(3, 4, Style::default());
         let row = |start: &str| text.lines().find(|line| line.starts_with(start)).expect("a row").chars().count();

@@ -133,14 +133,14 @@ mod tests {
         write(&scenario, &study, &mut bytes).expect("memory");
         let json: Value = serde_json::from_slice(&bytes).expect("JSON");
         let events = json["traceEvents"].as_array().expect("a list");
-        let of = |kind: &str| events.iter().filter(|event| event["ph"] == kind).collect::<Vec<_>>();
-        assert_eq!(of("M").len(), 2 * (1 + 3));
+        let of_kind = |kind: &str| events.iter().filter(|event| event["ph"] == kind).collect::<Vec<_>>();
+        assert_eq!(of_kind("M").len(), 2 * (1 + 3));
         // All states but idle, of both policies.
-        assert_eq!(of("X").len(), 2 * (6 + 3));
-        let cut = of("X").into_iter().find(|event| event["name"] == "cutting").expect("a cut");
+        assert_eq!(of_kind("X").len(), 2 * (6 + 3));
+        let cut = of_kind("X").into_iter().find(|event| event["name"] == "cutting").expect("a cut");
         assert_eq!((&cut["ts"], &cut["dur"], &cut["tid"]), (&json!(60e6), &json!(300e6), &json!(1)));
-        let instants: Vec<&Value> = of("i").iter().map(|event| &event["name"]).collect();
+        let instants: Vec<&Value> = of_kind("i").iter().map(|event| &event["name"]).collect();
         assert_eq!(instants, ["tool_change", "scrap", "tool_change", "scrap"]);
-        assert_eq!(of("C").len(), 4);
+        assert_eq!(of_kind("C").len(), 4);
     }
 }

@@ -118,12 +118,12 @@ impl VariantRuns {
 fn figures(scenario: &Scenario, study: &Study, policy: usize) -> Vec<Vec<Option<f64>>> {
     let count = shop_figures(study).len();
     let late = late(scenario, study, policy);
-    let own = |(replication, values): (usize, Vec<f64>)| {
+    let keep = |(replication, values): (usize, Vec<f64>)| {
         let values = values[..count].iter().copied();
         let late = late.get(replication).copied();
         values.chain(late).map(|value| Some(value).filter(|value| value.is_finite())).collect()
     };
-    study.replications(policy).enumerate().map(own).collect()
+    study.replications(policy).enumerate().map(keep).collect()
 }
 
 /// Figures of the shop; they stand before those of machines.
@@ -143,19 +143,19 @@ pub(crate) fn run(
     progress: &(dyn Fn(Progress) + Sync),
     stop: &AtomicBool,
 ) -> Result<(), StudyError> {
-    let each = study.replications.saturating_mul(study.policies.len() as u32);
-    let total = each.saturating_mul(1 + options.variants.len() as u32);
+    let runs_each = study.replications.saturating_mul(study.policies.len() as u32);
+    let total = runs_each.saturating_mul(1 + options.variants.len() as u32);
     let mut runs = Vec::with_capacity(options.variants.len());
     for (place, variant) in (1..).zip(&options.variants) {
-        let own = StudyOptions {
+        let variant_options = StudyOptions {
             policies: study.policies.clone(),
             replications: study.replications,
             threads: options.threads,
             logged: 0,
             ..StudyOptions::of(&variant.scenario)
         };
-        let at = |at: Progress| progress(Progress { done: each.saturating_mul(place) + at.done, total });
-        let done = run_study(&variant.scenario, &own, None, &at, stop)
+        let at = |at: Progress| progress(Progress { done: runs_each.saturating_mul(place) + at.done, total });
+        let done = run_study(&variant.scenario, &variant_options, None, &at, stop)
             .map_err(|source| StudyError::Variant { name: variant.name.clone(), source: Box::new(source) })?;
         if !done.complete {
             study.complete = false;
@@ -184,12 +184,12 @@ pub struct VariantFigure {
 
 /// Value and difference of a figure under a variant; `figure` counts those of the shop, the number of late orders last.
 fn against(study: &Study, base: &VariantRuns, runs: &VariantRuns, policy: usize, figure: usize) -> VariantFigure {
-    let (own, reference) = (runs.sample(policy, figure), base.sample(policy, figure));
+    let (sample, reference) = (runs.sample(policy, figure), base.sample(policy, figure));
     let together = 1.0 - (1.0 - CONFIDENCE) / study.variants.len().max(1) as f64;
     VariantFigure {
-        value: t_interval(&own, CONFIDENCE),
-        difference: paired(&own, &reference, CONFIDENCE).difference,
-        resolved: paired(&own, &reference, together).difference.excludes(0.0),
+        value: t_interval(&sample, CONFIDENCE),
+        difference: paired(&sample, &reference, CONFIDENCE).difference,
+        resolved: paired(&sample, &reference, together).difference.excludes(0.0),
     }
 }
 
@@ -232,8 +232,8 @@ pub(crate) fn tables(scenario: &Scenario, study: &Study) -> Vec<VariantTable> {
             |figure: usize, interval: &Interval| shop.get(figure).map_or(*interval, |kpi| shown(kpi, interval));
         let row = |runs: &VariantRuns| {
             let cell = |figure: &usize| {
-                let own = against(study, &base, runs, policy, *figure);
-                let (value, change) = (in_unit(*figure, &own.value), in_unit(*figure, &own.difference));
+                let comparison = against(study, &base, runs, policy, *figure);
+                let (value, change) = (in_unit(*figure, &comparison.value), in_unit(*figure, &comparison.difference));
                 if runs.name == AS_IT_IS {
                     return plain(value.mean, decimals(value.mean, value.half_width));
                 }
@@ -245,7 +245,7 @@ pub(crate) fn tables(scenario: &Scenario, study: &Study) -> Vec<VariantTable> {
                 if change.half_width.is_finite() {
                     let _ = write!(text, " ±{}", plain(change.half_width, digits));
                 }
-                text + if own.resolved { ")*" } else { ")" }
+                text + if comparison.resolved { ")*" } else { ")" }
             };
             std::iter::once(runs.name.clone()).chain(columns.iter().map(cell)).collect()
         };
@@ -282,10 +282,10 @@ pub(crate) fn json(scenario: &Scenario, study: &Study) -> Option<Value> {
             let mut differences = Map::new();
             for figure in 0..count {
                 let (key, scale) = named(figure);
-                let own = against(study, &base, runs, policy, figure);
-                let mut difference = interval(own.difference.scaled(scale));
-                difference["resolved_together"] = json!(own.resolved);
-                kpi.insert(key.clone(), interval(own.value.scaled(scale)));
+                let comparison = against(study, &base, runs, policy, figure);
+                let mut difference = interval(comparison.difference.scaled(scale));
+                difference["resolved_together"] = json!(comparison.resolved);
+                kpi.insert(key.clone(), interval(comparison.value.scaled(scale)));
                 differences.insert(key, difference);
             }
             json!({ "name": scenario.policies[study.policies[policy]].name, "kpi": kpi, "differences": differences })

@@ -43,10 +43,10 @@ pub fn blocks(model: &NominalModel, records: &Records, group: Option<&str>) -> V
                 let block = Block { name: name.clone(), time, rows: rows.len(), readings: Vec::new() };
                 (machine.clone(), block)
             });
-            let at = if machine.is_empty() { String::new() } else { format!(" {machine}") };
+            let suffix = if machine.is_empty() { String::new() } else { format!(" {machine}") };
             block
                 .readings
-                .extend(readings.into_iter().map(|(stream, value)| (format!("{stream}{at}"), Reading::Value(value))));
+                .extend(readings.into_iter().map(|(stream, value)| (format!("{stream}{suffix}"), Reading::Value(value))));
         }
     }
     if let Some(shop) = shop {
@@ -102,8 +102,8 @@ fn readings(part: &dyn Forward) -> Vec<Vec<(String, f64)>> {
         let span = measured.spans[group].clone();
         let mut readings = Vec::new();
         for (index, channel) in measured.channels.iter().enumerate() {
-            let own = span.clone().filter(|i| measured.observations[*i].channel == index && residuals[*i].is_finite());
-            let (sum, deviation) = own.fold((0.0, 0.0), |(sum, deviation), i| {
+            let in_block = span.clone().filter(|i| measured.observations[*i].channel == index && residuals[*i].is_finite());
+            let (sum, deviation) = in_block.fold((0.0, 0.0), |(sum, deviation), i| {
                 (sum + residuals[i], deviation + measured.observations[i].deviation)
             });
             if deviation > 0.0 {
@@ -113,9 +113,9 @@ fn readings(part: &dyn Forward) -> Vec<Vec<(String, f64)>> {
         for (candidate, slopes) in frame.candidates.iter().zip(&slopes) {
             let (mut product, mut square, mut count) = (0.0, 0.0, 0.0_f64);
             for i in span.clone().filter(|i| residuals[*i].is_finite()) {
-                let own = &measured.observations[i];
-                let slope = if log(own.channel) { slopes[i] / raw[i] } else { slopes[i] };
-                let weight = own.deviation.powi(-2);
+                let observation = &measured.observations[i];
+                let slope = if log(observation.channel) { slopes[i] / raw[i] } else { slopes[i] };
+                let weight = observation.deviation.powi(-2);
                 if slope.is_finite() && weight.is_finite() {
                     product += weight * slope * residuals[i];
                     square += weight * slope * slope;
@@ -143,9 +143,9 @@ fn add_failures(shop: &Shop, records: &Records, all: &mut BTreeMap<String, (Stri
             let time = visit.cutting + visit.handling + visit.setup;
             *used.entry(day(visit.start)).or_default() += time + visit.changes.iter().chain(&visit.holds).sum::<f64>();
         }
-        for (own, used) in used {
-            let Some((_, block)) = all.get_mut(&format!("{name} day {}", own + 1)) else { continue };
-            let count = seen.breakdowns[machine].times.iter().filter(|time| day(**time) == own).count() as u64;
+        for (number, used) in used {
+            let Some((_, block)) = all.get_mut(&format!("{name} day {}", number + 1)) else { continue };
+            let count = seen.breakdowns[machine].times.iter().filter(|time| day(**time) == number).count() as u64;
             let expected = used / mode.time_between.mean();
             block.readings.push((format!("failures {name}"), Reading::Count { count, expected }));
         }

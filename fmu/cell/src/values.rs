@@ -49,15 +49,15 @@ pub(crate) fn file(name: &str, start: &[Start]) -> String {
     head.extend(HEAD.iter().map(|(key, value)| (*key, (*value).to_owned())));
     xml.element("ssv:ParameterSet", &head, |xml| {
         xml.element("ssv:Parameters", &[], |xml| {
-            for each in start {
-                xml.element("ssv:Parameter", &[("name", each.name.clone())], |xml| match each.value_type {
+            for parameter in start {
+                xml.element("ssv:Parameter", &[("name", parameter.name.clone())], |xml| match parameter.value_type {
                     ValueType::Real => {
-                        let mut attributes = vec![("value", format!("{:?}", each.value))];
-                        attributes.extend((each.unit != "1").then(|| ("unit", each.unit.to_owned())));
+                        let mut attributes = vec![("value", format!("{:?}", parameter.value))];
+                        attributes.extend((parameter.unit != "1").then(|| ("unit", parameter.unit.to_owned())));
                         xml.leaf("ssv:Real", &attributes);
                     }
-                    ValueType::Boolean => xml.leaf("ssv:Boolean", &[("value", (each.value > 0.5).to_string())]),
-                    ValueType::Integer => xml.leaf("ssv:Integer", &[("value", format!("{:.0}", each.value))]),
+                    ValueType::Boolean => xml.leaf("ssv:Boolean", &[("value", (parameter.value > 0.5).to_string())]),
+                    ValueType::Integer => xml.leaf("ssv:Integer", &[("value", format!("{:.0}", parameter.value))]),
                     ValueType::String => {}
                 });
             }

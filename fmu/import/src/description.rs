@@ -280,8 +280,8 @@ impl ModelDescription {
     /// The length of step, s, that a unit of Co-Simulation takes which cannot vary it: `fixedInternalStepSize` of
     /// FMI 3.0, or else the step of the default experiment.
     pub fn fixed_step(&self, interface: &Interface) -> Option<f64> {
-        let own = interface.attributes.get("fixedInternalStepSize").and_then(|step| step.trim().parse().ok());
-        own.or(self.experiment.step).filter(|step: &f64| step.is_finite() && *step > 0.0)
+        let fixed_step = interface.attributes.get("fixedInternalStepSize").and_then(|step| step.trim().parse().ok());
+        fixed_step.or(self.experiment.step).filter(|step: &f64| step.is_finite() && *step > 0.0)
     }
 
     /// Sizes of `variable` in each direction, with `start` values by name in place of those of the description;
@@ -290,8 +290,8 @@ impl ModelDescription {
         let size = |dimension: &Dimension| match *dimension {
             Dimension::Fixed(size) => Some(size),
             Dimension::Of(reference) => {
-                let of = self.variables.iter().find(|each| each.reference == reference)?;
-                start.get(&of.name).or(of.start.as_ref())?.trim().parse().ok()
+                let variable = self.variables.iter().find(|each| each.reference == reference)?;
+                start.get(&variable.name).or(variable.start.as_ref())?.trim().parse().ok()
             }
         };
         let extents: Vec<u64> = variable.dimensions.iter().map(size).collect::<Option<_>>()?;

@@ -34,11 +34,11 @@ impl Isolation {
         match isolation {
             UnitIsolation::None => Self::None,
             UnitIsolation::Process => {
-                let own = std::env::current_exe().ok().filter(|program| {
+                let program = std::env::current_exe().ok().filter(|program| {
                     program.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("toolroom"))
                 });
                 Self::Process(WorkerProgram {
-                    program: own.unwrap_or_else(|| PathBuf::from("toolroom")),
+                    program: program.unwrap_or_else(|| PathBuf::from("toolroom")),
                     arguments: vec!["fmu".to_owned(), "worker".to_owned()],
                     call_limit: Duration::from_secs_f64(call_limit.unwrap_or(CALL_LIMIT)),
                 })

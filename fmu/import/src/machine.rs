@@ -441,8 +441,8 @@ impl MachineProcess for UnitProcess {
     }
     fn initial(&self) -> Vec<f64> {
         let mut x = self.fresh.clone();
-        if let Some(own) = self.keeping.begin(&self.maker()) {
-            x[..own.len()].copy_from_slice(&own);
+        if let Some(saved) = self.keeping.begin(&self.maker()) {
+            x[..saved.len()].copy_from_slice(&saved);
         }
         x.extend(self.energy.map(|_| 0.0));
         x

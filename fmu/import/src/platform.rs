@@ -170,11 +170,17 @@ impl Binary {
 fn glibc(bytes: &[u8]) -> Option<(u32, u32)> {
     const MARK: &[u8] = b"GLIBC_";
     let mut highest = None;
-    for at in bytes.windows(MARK.len()).enumerate().filter(|(_, window)| *window == MARK).map(|(at, _)| at + MARK.len())
+    for offset in bytes
+        .windows(MARK.len())
+        .enumerate()
+        .filter(|(_, window)| *window == MARK)
+        .map(|(offset, _)| offset + MARK.len())
     {
-        let end =
-            bytes[at..].iter().position(|byte| !byte.is_ascii_digit() && *byte != b'.').map_or(bytes.len(), |n| at + n);
-        let text = std::str::from_utf8(&bytes[at..end]).unwrap_or_default();
+        let end = bytes[offset..]
+            .iter()
+            .position(|byte| !byte.is_ascii_digit() && *byte != b'.')
+            .map_or(bytes.len(), |n| offset + n);
+        let text = std::str::from_utf8(&bytes[offset..end]).unwrap_or_default();
         let mut numbers = text.split('.').map_while(|part| part.parse::<u32>().ok());
         if let (Some(major), Some(minor)) = (numbers.next(), numbers.next()) {
             highest = highest.max(Some((major, minor)));

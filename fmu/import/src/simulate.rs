@@ -225,11 +225,11 @@ impl Inputs {
             }
             values[row]
         };
-        let of = |signal: &Signal| {
+        let summary = |signal: &Signal| {
             let values: Vec<f64> = signal.columns.iter().map(|column| value(signal, column)).collect();
             (signal.port, bytes_of(&values))
         };
-        self.signals.iter().map(of).collect()
+        self.signals.iter().map(summary).collect()
     }
 }
 
@@ -329,12 +329,12 @@ pub fn simulate(
     table: impl Write,
 ) -> Result<Done, SimulateError> {
     let description = unit.description();
-    let own = description.experiment;
-    let start = experiment.start.or(own.start).unwrap_or(0.0);
+    let default = description.experiment;
+    let start = experiment.start.or(default.start).unwrap_or(0.0);
     let last_input = inputs.and_then(|inputs| inputs.times.last().copied());
-    let stop = experiment.stop.or(last_input).or(own.stop).unwrap_or(start + 1.0);
+    let stop = experiment.stop.or(last_input).or(default.stop).unwrap_or(start + 1.0);
     let fixed = if let Steps::Every(step) = unit.steps() { Some(step) } else { None };
-    let step = experiment.step.or(own.step).or(fixed).unwrap_or((stop - start) / 500.0);
+    let step = experiment.step.or(default.step).or(fixed).unwrap_or((stop - start) / 500.0);
     let steps = ((stop - start) / step - 1e-9).ceil();
     if !(start.is_finite() && stop > start && step > 0.0 && steps < 1e9) {
         return Err(SimulateError::Experiment { start, stop, step });
@@ -361,8 +361,8 @@ pub fn simulate(
         // Step, inputs and outputs at once: a unit in a worker process is asked once.
         let mut actions = Vec::new();
         let part = (goal - time) / parts as f64;
-        let own = (0..parts).filter(|_| number > 0);
-        actions.extend(own.map(|i| Action::Step { time: time + i as f64 * part, duration: part }));
+        let steps = (0..parts).filter(|_| number > 0);
+        actions.extend(steps.map(|i| Action::Step { time: time + i as f64 * part, duration: part }));
         let set = inputs.map_or_else(Vec::new, |inputs| inputs.values(goal));
         actions.extend(set.iter().map(|(port, elements)| Action::SetArray(*port, elements)));
         actions.extend(gets.iter().copied());

@@ -33,16 +33,16 @@ impl Watch {
         let wired = outputs.fields.iter().zip(&outputs.wires).filter_map(|(field, wire)| Some((field, (*wire)?)));
         let outputs: Vec<Watched> = wired
             .map(|(field, wire)| {
-                let of = description.variables.iter().find(|variable| Port::of(variable) == wire.port);
+                let variable = description.variables.iter().find(|variable| Port::of(variable) == wire.port);
                 Watched {
-                    variable: of.map_or_else(String::new, |variable| variable.name.clone()),
-                    unit: of
+                    variable: variable.map_or_else(String::new, |variable| variable.name.clone()),
+                    unit: variable
                         .and_then(|variable| variable.unit.clone())
                         .map_or(String::new(), |unit| format!(" {unit}")),
                     wire,
                     field: *field,
-                    min: of.and_then(|variable| variable.min).unwrap_or(f64::NEG_INFINITY),
-                    max: of.and_then(|variable| variable.max).unwrap_or(f64::INFINITY),
+                    min: variable.and_then(|variable| variable.min).unwrap_or(f64::NEG_INFINITY),
+                    max: variable.and_then(|variable| variable.max).unwrap_or(f64::INFINITY),
                 }
             })
             .collect();

@@ -221,20 +221,20 @@ fn wire(
         let (zero, one) = (unit::convert(0.0, text, field.unit), unit::convert(1.0, text, field.unit));
         return if one.is_finite() { Ok(Wire { port, factor: one - zero, offset: zero }) } else { Err(wrong(text)) };
     }
-    let Some(own) = &variable.unit else {
+    let Some(unit) = &variable.unit else {
         return Err(WiringError::NoUnit { quantity, variable: name, due: field.display.to_owned() });
     };
-    let base = description.units.get(own).and_then(|unit: &Unit| unit.base);
+    let base = description.units.get(unit).and_then(|unit: &Unit| unit.base);
     // A unit without base units is known by its name alone.
     let (factor, offset) = match base {
         Some(base) if base.powers == powers(field.unit) => (base.factor, base.offset),
-        Some(_) => return Err(wrong(own)),
+        Some(_) => return Err(wrong(unit)),
         None => {
-            let zero = unit::convert(0.0, own, field.unit);
-            (unit::convert(1.0, own, field.unit) - zero, zero)
+            let zero = unit::convert(0.0, unit, field.unit);
+            (unit::convert(1.0, unit, field.unit) - zero, zero)
         }
     };
-    if factor.is_finite() && factor != 0.0 { Ok(Wire { port, factor, offset }) } else { Err(wrong(own)) }
+    if factor.is_finite() && factor != 0.0 { Ok(Wire { port, factor, offset }) } else { Err(wrong(unit)) }
 }
 
 /// Powers of kg, m, s, A, K, mol, cd, rad of an SI unit; a revolution counts as an angle.

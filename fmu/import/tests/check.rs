@@ -270,23 +270,23 @@ fn a_library_is_judged_without_being_loaded() {
     let program = std::fs::read(std::env::current_exe().expect("a program")).expect("readable");
     let host = toolroom_fmu_import::Platform::host().expect("tests run on a known platform");
     let name = |folder: &str, suffix: &str| format!("binaries/{folder}/Wear{suffix}");
-    let of = |found: &[Finding], rule: Rule, text: &str| {
+    let reports = |found: &[Finding], rule: Rule, text: &str| {
         found.iter().any(|finding| finding.rule == rule && finding.message.contains(text))
     };
-    let own = findings(TWO, &[(&name(host.fmi2, host.suffix), &program)]);
-    assert!(of(&own, Rule::Symbols, "lacks 44 functions: fmi2GetTypesPlatform"), "{own:?}");
+    let reported = findings(TWO, &[(&name(host.fmi2, host.suffix), &program)]);
+    assert!(reports(&reported, Rule::Symbols, "lacks 44 functions: fmi2GetTypesPlatform"), "{reported:?}");
     let three = findings(THREE, &[(&name(host.fmi3, host.suffix), &program)]);
-    assert!(of(&three, Rule::Symbols, "fmi3DoStep"), "{three:?}");
+    assert!(reports(&three, Rule::Symbols, "fmi3DoStep"), "{three:?}");
     let (folder, suffix) = if host.fmi2 == "win64" { ("linux64", ".so") } else { ("win64", ".dll") };
     let wrong = findings(TWO, &[(&name(folder, suffix), &program)]);
-    assert!(of(&wrong, Rule::Platform, "the folder is for another platform"), "{wrong:?}");
-    assert!(of(&wrong, Rule::Platform, "no library for this computer"), "{wrong:?}");
+    assert!(reports(&wrong, Rule::Platform, "the folder is for another platform"), "{wrong:?}");
+    assert!(reports(&wrong, Rule::Platform, "no library for this computer"), "{wrong:?}");
     let text = findings(TWO, &[(&name(host.fmi2, host.suffix), b"no library")]);
-    assert!(of(&text, Rule::Platform, "is no shared library"), "{text:?}");
+    assert!(reports(&text, Rule::Platform, "is no shared library"), "{text:?}");
     let other = findings(TWO, &[(&format!("binaries/{}/Other.so", host.fmi2), &program)]);
-    assert!(of(&other, Rule::Platform, "is missing: the modelIdentifier gives this name"), "{other:?}");
+    assert!(reports(&other, Rule::Platform, "is missing: the modelIdentifier gives this name"), "{other:?}");
     let none = findings(TWO, &[]);
-    assert!(of(&none, Rule::Platform, "neither binaries nor sources"), "{none:?}");
+    assert!(reports(&none, Rule::Platform, "neither binaries nor sources"), "{none:?}");
 }
 
 #[test]
@@ -324,9 +324,9 @@ fn a_damaged_file_is_an_error_and_no_panic() {
         std::fs::write(&path, &whole[..length]).expect("writable");
         assert!(matches!(Archive::open(&path), Err(ArchiveError::NoZip { .. })), "cut at {length}");
     }
-    for at in (0..whole.len()).step_by(3) {
+    for offset in (0..whole.len()).step_by(3) {
         let mut bytes = whole.clone();
-        bytes[at] ^= 0x5a;
+        bytes[offset] ^= 0x5a;
         std::fs::write(&path, &bytes).expect("writable");
         if let Ok(mut archive) = Archive::open(&path) {
             let _ = check(&mut archive); // whatever it finds, it comes back

@@ -43,11 +43,11 @@ pub(super) fn units(description: &Description) -> Vec<UnitDefinition> {
     let mut units: Vec<UnitDefinition> = Vec::new();
     for variable in description.variables.iter().filter(|variable| variable.value_type == ValueType::Real) {
         let field = &variable.field;
-        let at = units.iter().position(|unit| unit.name == field.unit).unwrap_or_else(|| {
+        let index = units.iter().position(|unit| unit.name == field.unit).unwrap_or_else(|| {
             units.push(UnitDefinition { name: field.unit, base: unit_powers(field.unit), display: Vec::new() });
             units.len() - 1
         });
-        let display = &mut units[at].display;
+        let display = &mut units[index].display;
         if field.display != field.unit && display.iter().all(|(name, ..)| *name != field.display) {
             let offset = field.to_display(0.0);
             display.push((field.display, field.to_display(1.0) - offset, offset));
@@ -81,9 +81,9 @@ pub(super) fn type_name(unit: &str, display: &str) -> String {
 pub(super) fn types(description: &Description) -> Vec<(&'static str, &'static str)> {
     let mut types = Vec::new();
     for variable in description.variables.iter().filter(|variable| variable.value_type == ValueType::Real) {
-        let each = (variable.field.unit, variable.field.display);
-        if !types.contains(&each) {
-            types.push(each);
+        let quantity = (variable.field.unit, variable.field.display);
+        if !types.contains(&quantity) {
+            types.push(quantity);
         }
     }
     types

@@ -105,13 +105,13 @@ impl Dependencies {
             for (i, field) in U::Input::FIELDS.iter().enumerate() {
                 compare(Slot::Input(i), &x, &nudged(&u, i, field));
             }
-            let mut at = 0;
+            let mut index = 0;
             for (i, field) in U::State::FIELDS.iter().enumerate() {
                 // Elements at both ends and in the middle stand for an array.
-                for element in [at, at + field.len / 2, at + field.len - 1] {
+                for element in [index, index + field.len / 2, index + field.len - 1] {
                     compare(Slot::State(i), &nudged(&x, element, field), &u);
                 }
-                at += field.len;
+                index += field.len;
             }
         }
     }

@@ -78,21 +78,21 @@ impl<U: Unit> Instance<U> {
             *target = value;
             return Ok(Status::Ok);
         }
-        let (mut at, total) = (0, values.len());
+        let (mut index, total) = (0, values.len());
         for &reference in references {
             if let (ValueType::Real, Some(value)) = (value_type, self.real(reference))
-                && let Some(target) = values.get_mut(at)
+                && let Some(target) = values.get_mut(index)
             {
                 *target = value;
-                at += 1;
+                index += 1;
                 continue;
             }
             let (slot, len) = self.find(value_type, reference)?;
-            let target = values.get_mut(at..at + len);
-            self.read_slot(slot, target.ok_or(Fault::Length { values: total, expected: at + len })?)?;
-            at += len;
+            let target = values.get_mut(index..index + len);
+            self.read_slot(slot, target.ok_or(Fault::Length { values: total, expected: index + len })?)?;
+            index += len;
         }
-        expect_length(total, at)?;
+        expect_length(total, index)?;
         Ok(Status::Ok)
     }
 
@@ -180,10 +180,11 @@ impl<U: Unit> Instance<U> {
             return Ok(Status::Ok);
         }
         // First whether all can be set, then all of it.
-        let mut at = 0;
+        let mut index = 0;
         for &reference in references {
             let (slot, len) = self.find(value_type, reference)?;
-            let given = values.get(at..at + len).ok_or(Fault::Length { values: values.len(), expected: at + len })?;
+            let given =
+                values.get(index..index + len).ok_or(Fault::Length { values: values.len(), expected: index + len })?;
             let refused = || Fault::NotSettable { variable: self.name_of(slot), mode: self.core.mode };
             let target = slot.settable().ok_or_else(refused)?;
             let unchanged = || given.iter().enumerate().all(|(k, value)| self.present(target, k) == Some(*value));
@@ -191,16 +192,16 @@ impl<U: Unit> Instance<U> {
                 return Err(refused().into());
             }
             given.iter().try_for_each(|value| self.check(slot, target, *value))?;
-            at += len;
+            index += len;
         }
-        expect_length(values.len(), at)?;
+        expect_length(values.len(), index)?;
         let mut parameters = Vec::new();
         let mut status = Status::Ok;
-        at = 0;
+        index = 0;
         for &reference in references {
             let (slot, len) = self.find(value_type, reference)?;
-            let given = &values[at..at + len];
-            at += len;
+            let given = &values[index..index + len];
+            index += len;
             let Some(target) = slot.settable() else { continue };
             match (target, self.setting(target, value_type != ValueType::Real)) {
                 (_, Set::Never) => {}

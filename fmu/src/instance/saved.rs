@@ -39,14 +39,14 @@ impl<U: Unit> Saved<U> {
 
     fn get(&self, handle: usize) -> Outcome<&Core<U>> {
         let kept = self.places.get(handle % PLACES).and_then(Option::as_ref);
-        let own = kept.filter(|kept| kept.number as usize == handle / PLACES);
-        own.map(|kept| &*kept.core).ok_or_else(|| Fault::State.into())
+        let state = kept.filter(|kept| kept.number as usize == handle / PLACES);
+        state.map(|kept| &*kept.core).ok_or_else(|| Fault::State.into())
     }
 
     fn get_mut(&mut self, handle: usize) -> Outcome<&mut Core<U>> {
         let kept = self.places.get_mut(handle % PLACES).and_then(Option::as_mut);
-        let own = kept.filter(|kept| kept.number as usize == handle / PLACES);
-        own.map(|kept| &mut *kept.core).ok_or_else(|| Fault::State.into())
+        let state = kept.filter(|kept| kept.number as usize == handle / PLACES);
+        state.map(|kept| &mut *kept.core).ok_or_else(|| Fault::State.into())
     }
 
     fn remove(&mut self, handle: usize) -> Outcome<()> {

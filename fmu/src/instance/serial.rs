@@ -34,8 +34,8 @@ pub(super) fn write<U: Unit>(core: &Core<U>) -> Vec<u8> {
     bytes.push(core.mode.code());
     let discrete = &core.discrete;
     let flags = |flags: [bool; MOST]| flags.map(u8::from);
-    for each in [discrete.renewals, discrete.acted, discrete.events] {
-        bytes.extend(flags(each));
+    for list in [discrete.renewals, discrete.acted, discrete.events] {
+        bytes.extend(flags(list));
     }
     bytes.push(u8::from(discrete.lost));
     bytes.extend(discrete.counts.iter().flat_map(|count| count.to_le_bytes()));

@@ -31,9 +31,9 @@ impl<U: Unit> Instance<U> {
         if !(time.is_finite() && step > 0.0 && step.is_finite()) {
             return Err(Fault::Step { time, step }.into());
         }
-        let own = self.core.time;
-        if (time - own).abs() > ROUNDING * time.abs().max(own.abs()).max(step) {
-            return Err(Fault::Time { given: time, own }.into());
+        let current = self.core.time;
+        if (time - current).abs() > ROUNDING * time.abs().max(current.abs()).max(step) {
+            return Err(Fault::Time { given: time, own: current }.into());
         }
         let end = time + step;
         if let Some(stop) = self.stop.filter(|stop| end - stop > ROUNDING * stop.abs().max(step)) {
@@ -45,7 +45,7 @@ impl<U: Unit> Instance<U> {
         if stepped.is_err() {
             // A refused step has not been taken.
             (self.core.state, self.core.discrete) = before;
-            self.core.time = own;
+            self.core.time = current;
             self.changed();
         }
         stepped

@@ -104,8 +104,8 @@ pub(super) fn png(description: &Description) -> Vec<u8> {
     for y in 0..SIZE {
         rows.push(0); // no filter
         for x in 0..SIZE {
-            let at = (x as f64 + 0.5, y as f64 + 0.5);
-            let top = shapes(description).iter().rev().find(|shape| shape.kind.covers(at.0, at.1));
+            let centre = (x as f64 + 0.5, y as f64 + 0.5);
+            let top = shapes(description).iter().rev().find(|shape| shape.kind.covers(centre.0, centre.1));
             rows.extend(top.map_or([0; 4], |Shape { colour: [r, g, b], .. }| [*r, *g, *b, 255]));
         }
     }

@@ -63,7 +63,7 @@ const LICENCES: [(&str, &str); 2] = [
 ///
 /// # Errors
 /// [`PackageError`]; memory is the only place written to.
-pub fn package(unit: &Entry, version: Version, binaries: &[Binary], own: &[OwnSet]) -> Result<Vec<u8>, PackageError> {
+pub fn package(unit: &Entry, version: Version, binaries: &[Binary], sets: &[OwnSet]) -> Result<Vec<u8>, PackageError> {
     let description = unit.describe();
     let mut zip = Zip(ZipWriter::new(Cursor::new(Vec::new())));
     let model = match version {
@@ -83,7 +83,7 @@ pub fn package(unit: &Entry, version: Version, binaries: &[Binary], own: &[OwnSe
     }
     zip.add("documentation/licenses/license.spdx", format!("{}\n", crate::description::LICENCE).as_bytes())?;
     let shipped = description.sets.iter().copied();
-    for (name, text) in shipped.chain(own.iter().map(|set| (set.name.as_str(), set.text.as_str()))) {
+    for (name, text) in shipped.chain(sets.iter().map(|set| (set.name.as_str(), set.text.as_str()))) {
         zip.add(&format!("resources/tools/{name}.toml"), text.as_bytes())?;
     }
     let icon = icon::svg(description);

@@ -35,14 +35,19 @@ impl Package {
             let _ = writeln!(text, "  {:width$}  {}", component.name, component.source);
         }
         let _ = writeln!(text, "\nsignals");
-        for each in &structure.connections {
-            let change = SystemStructure::change(each);
-            let _ = writeln!(text, "  {} -> {}{change}", structure.named(&each.from), structure.named(&each.to));
+        for connection in &structure.connections {
+            let change = SystemStructure::change(connection);
+            let _ = writeln!(
+                text,
+                "  {} -> {}{change}",
+                structure.named(&connection.from),
+                structure.named(&connection.to)
+            );
         }
-        for each in &structure.boundary {
-            let ends = each.ends.iter().map(|end| structure.named(end)).collect::<Vec<_>>().join(", ");
-            let arrow = if each.kind == "output" { "<-" } else { "->" };
-            let _ = writeln!(text, "  {} of the system {arrow} {ends}", each.name);
+        for boundary in &structure.boundary {
+            let ends = boundary.ends.iter().map(|end| structure.named(end)).collect::<Vec<_>>().join(", ");
+            let arrow = if boundary.kind == "output" { "<-" } else { "->" };
+            let _ = writeln!(text, "  {} of the system {arrow} {ends}", boundary.name);
         }
         let _ = writeln!(text, "\nstart values");
         for component in &structure.components {

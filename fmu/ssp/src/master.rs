@@ -165,16 +165,16 @@ impl System {
         let wires = wires(&structure, &descriptions, &outputs)?;
         let mut values: Vec<BTreeMap<String, String>> = Vec::new();
         for (component, unit) in structure.components.iter().zip(&units) {
-            let mut own = BTreeMap::new();
+            let mut given = BTreeMap::new();
             for parameter in &component.parameters {
                 let value = start_value(parameter, unit.description()).map_err(|reason| MasterError::Start {
                     component: component.name.clone(),
                     variable: parameter.name.clone(),
                     reason,
                 })?;
-                own.insert(parameter.name.clone(), value);
+                given.insert(parameter.name.clone(), value);
             }
-            values.push(own);
+            values.push(given);
         }
         for (name, value) in start {
             let found = structure.components.iter().zip(&mut values).find_map(|(component, values)| {
@@ -216,8 +216,8 @@ impl System {
         let sequence = self.sequence(order)?;
         let start = self.structure.start.unwrap_or(0.0);
         let stop = experiment.stop.or(self.structure.stop).unwrap_or(start + 1.0);
-        let own = self.units.iter().filter_map(|unit| unit.description().experiment.step).reduce(f64::min);
-        let step = experiment.step.or(own).unwrap_or((stop - start) / 500.0);
+        let smallest = self.units.iter().filter_map(|unit| unit.description().experiment.step).reduce(f64::min);
+        let step = experiment.step.or(smallest).unwrap_or((stop - start) / 500.0);
         let steps = ((stop - start) / step - 1e-9).ceil();
         if !(start.is_finite() && stop > start && step > 0.0 && steps < 1e9) {
             return Err(MasterError::Experiment { start, stop, step });

@@ -345,9 +345,9 @@ fn boundary(system: Node<'_, '_>, components: &[Component], edges: &[Edge]) -> V
         .filter(|node| node.has_tag_name_local("Connector"))
         .filter_map(|node| Some((node.attribute("name")?, node.attribute("kind")?)))
         .map(|(name, kind)| {
-            let own: Place = (String::new(), name.to_owned());
+            let place: Place = (String::new(), name.to_owned());
             let mut ends = Vec::new();
-            let mut open = vec![own];
+            let mut open = vec![place];
             // Each connection is followed once.
             let mut left: Vec<&Edge> = edges.iter().collect();
             while let Some(place) = open.pop() {

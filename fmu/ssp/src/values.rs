@@ -57,9 +57,9 @@ pub(crate) fn bound(reader: &mut Reader, element: Node<'_, '_>, source: &mut Sou
 
 /// The values of a `.ssv` file.
 fn file(reader: &mut Reader, entry: &str, text: &str) -> Vec<Parameter> {
-    let mut own = Reader::new(entry);
-    let values = own.parse(text).map(|document| parameters(&mut own, document.root_element())).unwrap_or_default();
-    reader.faults.append(&mut own.faults);
+    let mut inner = Reader::new(entry);
+    let values = inner.parse(text).map(|document| parameters(&mut inner, document.root_element())).unwrap_or_default();
+    reader.faults.append(&mut inner.faults);
     values
 }
 

@@ -58,11 +58,14 @@ fn base(
     structure: &SystemStructure,
     component: usize,
     variable: &Variable,
-    own: &ModelDescription,
+    description: &ModelDescription,
 ) -> Option<BaseUnit> {
     let connector = structure.components[component].connectors.iter().find(|each| each.name == variable.name);
     let given = connector.and_then(|connector| connector.unit.as_ref());
-    given.and_then(|unit| structure.units.get(unit)).copied().or_else(|| own.units.get(variable.unit.as_ref()?)?.base)
+    given
+        .and_then(|unit| structure.units.get(unit))
+        .copied()
+        .or_else(|| description.units.get(variable.unit.as_ref()?)?.base)
 }
 
 /// Factor and offset from one unit to another of the same dimension.
@@ -113,10 +116,10 @@ pub(crate) fn wires(
 pub(crate) fn start_value(parameter: &Parameter, unit: &ModelDescription) -> Result<String, String> {
     let Some(given) = parameter.unit else { return Ok(parameter.value.clone()) };
     let variable = unit.variable(&parameter.name).ok_or("the unit has no such variable")?;
-    let Some(own) = variable.unit.as_ref().and_then(|name| unit.units.get(name)?.base) else {
+    let Some(base_unit) = variable.unit.as_ref().and_then(|name| unit.units.get(name)?.base) else {
         return Ok(parameter.value.clone());
     };
-    let (factor, offset) = conversion(given, own).ok_or("its unit is not one of the variable")?;
+    let (factor, offset) = conversion(given, base_unit).ok_or("its unit is not one of the variable")?;
     if (factor, offset) == (1.0, 0.0) {
         return Ok(parameter.value.clone());
     }

@@ -132,10 +132,10 @@ fn the_same_cell_gives_the_same_bytes_and_what_no_unit_stands_for_is_refused() {
     let values = |component: usize| &package.structure().components[component].parameters;
     let differing = toolroom_fmu::parameter_values(&toolroom_cutting::Turning::named("ni_vk6om_hb").expect("shipped"));
     let other = toolroom_fmu::parameter_values(&toolroom_cutting::Turning::named("ni_vk6om").expect("shipped"));
-    let own: Vec<_> =
-        differing.iter().zip(&other).filter(|(own, other)| own.1 != other.1).map(|(own, _)| own).collect();
-    assert!(own.len() > 3, "{own:?}");
-    for (name, value) in own {
+    let ours: Vec<_> =
+        differing.iter().zip(&other).filter(|(ours, other)| ours.1 != other.1).map(|(ours, _)| ours).collect();
+    assert!(ours.len() > 3, "{ours:?}");
+    for (name, value) in ours {
         for component in [0, 1] {
             let given = values(component).iter().find(|each| each.name == *name);
             let given = given.map(|each| each.value.parse::<f64>().expect("a number"));

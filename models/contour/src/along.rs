@@ -85,10 +85,10 @@ impl<'a> Along<'a> {
     /// Angle that other sections engage beside the one under the cutter, rad, when every rim point is taken to be nearer to
     /// the wall by `slack`, m.
     fn others(&self, section: usize, way: f64, slack: f64) -> f64 {
-        let own = &self.contour.sections[section];
+        let shape = &self.contour.sections[section];
         let side = self.contour.side.sign();
-        let heading = own.heading + own.curvature * way;
-        let rim = Rim { centre: own.at(way).ahead(heading + side * FRAC_PI_2, self.radius), radius: self.radius };
+        let heading = shape.heading + shape.curvature * way;
+        let rim = Rim { centre: shape.at(way).ahead(heading + side * FRAC_PI_2, self.radius), radius: self.radius };
         let reach = self.allowance + slack;
         let near: Vec<&Section> = (self.contour.sections.iter().enumerate())
             .filter(|(other, section_of)| *other != section && rim.meets(section_of, reach))
@@ -119,14 +119,14 @@ impl<'a> Along<'a> {
     }
 
     fn pieces_of(&self, section: usize) -> Vec<Piece> {
-        let own = &self.contour.sections[section];
+        let shape = &self.contour.sections[section];
         let steady = self.steady(section);
         // Greatest way of a rim point for a way along the wall: the centre's on a line, more where the direction turns.
-        let centre = self.contour.shape(own).centre_path_ratio(self.radius);
-        let moves = centre + self.radius * own.curvature.abs();
-        let shortest = SHORTEST.max(0.5 * own.length * moves / MOST_STEPS);
+        let centre = self.contour.shape(shape).centre_path_ratio(self.radius);
+        let moves = centre + self.radius * shape.curvature.abs();
+        let shortest = SHORTEST.max(0.5 * shape.length * moves / MOST_STEPS);
         let mut steps: Vec<(f64, f64, f64)> = Vec::new();
-        let mut open = vec![(0.0, own.length)];
+        let mut open = vec![(0.0, shape.length)];
         while let Some((from, to)) = open.pop() {
             let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
             let bound = self.others(section, middle, half * moves);
@@ -218,13 +218,13 @@ mod tests {
         let contour = hollow(CutterSide::Left);
         let pieces = Along::new(&contour, 0.016, 0.003, false).pieces();
         assert!(pieces.len() < 60, "{}", pieces.len());
-        for (section, own) in contour.sections.iter().enumerate() {
+        for (section, shape) in contour.sections.iter().enumerate() {
             let mut way = 0.0;
             for piece in pieces.iter().filter(|piece| piece.section == section) {
                 assert_eq!(piece.from, way);
                 way = piece.to;
             }
-            assert_eq!(way, own.length);
+            assert_eq!(way, shape.length);
         }
     }
 
@@ -250,11 +250,11 @@ mod tests {
             let contour = trace.finish(side, false).expect("a contour");
             let along = Along::new(&contour, radius, allowance, backwards);
             for piece in along.pieces() {
-                let own = &contour.sections[piece.section];
+                let shape = &contour.sections[piece.section];
                 for step in 0..=8 {
                     let way = piece.from + (piece.to - piece.from) * f64::from(step) / 8.0;
-                    let heading = own.heading + own.curvature * way;
-                    let centre = own.at(way).ahead(heading + side.sign() * FRAC_PI_2, radius);
+                    let heading = shape.heading + shape.curvature * way;
+                    let centre = shape.at(way).ahead(heading + side.sign() * FRAC_PI_2, radius);
                     let ahead = if backwards { heading + PI } else { heading };
                     const RIM: u32 = 1440;
                     let inside = (0..RIM).filter(|i| {

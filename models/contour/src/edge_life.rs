@@ -147,22 +147,22 @@ impl Planner<'_> {
     /// The plan that ends in the best label of the last layer; the first layer is the start.
     pub(crate) fn traced_back(&self, layers: &[Vec<Label>], travel: &[usize]) -> Plan {
         let last = &layers[self.len()];
-        let mut at = 0;
+        let mut best_label = 0;
         for (i, label) in last.iter().enumerate() {
-            if label.value < last[at].value {
-                at = i;
+            if label.value < last[best_label].value {
+                best_label = i;
             }
         }
-        let (wasted_life, ramp_time) = (last[at].wasted, last[at].ramps);
+        let (wasted_life, ramp_time) = (last[best_label].wasted, last[best_label].ramps);
         let mut settings = vec![self.setting(0, 0); self.len()];
         let mut edge_changes = Vec::new();
         for (layer, i) in layers[1..].iter().zip(travel).rev() {
-            let label = layer[at];
+            let label = layer[best_label];
             settings[*i] = self.setting(label.gear, label.feed);
             if label.changed {
                 edge_changes.push(*i);
             }
-            at = label.from;
+            best_label = label.from;
         }
         edge_changes.reverse();
         self.assemble(&settings, Extras { edge_changes, wasted_life, ramp_time })

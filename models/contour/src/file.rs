@@ -239,25 +239,25 @@ fn draw(walk: &mut Walk, text: &str, root: &Section<'_>) -> Option<(Placed, f64)
     // Where each drawn section stands in the file.
     let mut starts: Vec<usize> = Vec::new();
     let mut residual: f64 = 0.0;
-    for ((at, step), section) in steps.into_iter().zip(&sections) {
+    for ((start, step), section) in steps.into_iter().zip(&sections) {
         if let Some(turn) = section.si("turn") {
             trace.turn(turn);
         }
         match step?.draw(&mut trace) {
             Ok(own) => residual = own.max(residual),
             Err(error) => {
-                refuse(walk, at..section.span.end, error);
+                refuse(walk, start..section.span.end, error);
                 return None;
             }
         }
-        starts.resize(trace.sections(), at);
+        starts.resize(trace.sections(), start);
     }
     match trace.finish(side?, root.flag("closed").unwrap_or(true)) {
         Ok(contour) => Some(((contour, places(text, &starts)), residual)),
         Err(error) => {
             let section = error.section().unwrap_or(starts.len().saturating_sub(1));
-            let at = starts.get(section).copied().unwrap_or(0);
-            refuse(walk, at..at, error);
+            let place = starts.get(section).copied().unwrap_or(0);
+            refuse(walk, place..place, error);
             None
         }
     }

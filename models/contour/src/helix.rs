@@ -88,10 +88,10 @@ impl HelicalCut<'_> {
         for edge in [0.0, self.engagement_angle] {
             for end in [0.0, span] {
                 // s·(end − rotation) + j·pitch = edge, with rotation = lag·height.
-                let at = end - s * edge;
-                let first = (-at / pitch).ceil() as i64;
-                let last = ((span - at) / pitch).floor() as i64;
-                heights.extend((first..=last).map(|j| (at + j as f64 * pitch) / self.lag));
+                let height = end - s * edge;
+                let first = (-height / pitch).ceil() as i64;
+                let last = ((span - height) / pitch).floor() as i64;
+                heights.extend((first..=last).map(|j| (height + j as f64 * pitch) / self.lag));
             }
         }
         heights.retain(|height| (0.0..=self.depth_of_cut).contains(height));

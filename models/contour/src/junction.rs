@@ -90,19 +90,19 @@ impl Planner<'_> {
             }
             layers.push(layer);
         }
-        let mut at = 0;
+        let mut best = 0;
         let last = &layers[layers.len() - 1];
         for (i, state) in last.iter().enumerate() {
-            if state.value < last[at].value {
-                at = i;
+            if state.value < last[best].value {
+                best = i;
             }
         }
-        let ramp_time = last[at].ramps;
+        let ramp_time = last[best].ramps;
         let mut settings = Vec::with_capacity(self.len());
         for layer in layers.iter().rev() {
-            let state = layer[at];
+            let state = layer[best];
             settings.push(self.setting(state.gear, state.candidate.feed));
-            at = state.from;
+            best = state.from;
         }
         settings.reverse();
         Ok(self.assemble(&settings, Extras { ramp_time, ..Extras::default() }))

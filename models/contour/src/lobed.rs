@@ -54,14 +54,14 @@ impl Profile {
     /// Greatest distance between the profile and `pairs` pairs of arcs of equal normal angle, m.
     fn residual(&self, pairs: u32) -> f64 {
         let step = TAU / f64::from(pairs);
-        let of = |i: u32| {
+        let greatest_gap = |i: u32| {
             let from = f64::from(i) * step;
             let arcs = self.pair(from, from + step);
             let point = |j: u32| self.at(from + step * f64::from(j) / f64::from(MEASURED));
             let gap = |point: Point| arcs.iter().map(|arc| distance(arc, point)).fold(f64::INFINITY, f64::min);
             (1..MEASURED).map(|j| gap(point(j))).fold(0.0, f64::max)
         };
-        (0..pairs).map(of).fold(0.0, f64::max)
+        (0..pairs).map(greatest_gap).fold(0.0, f64::max)
     }
 
     /// The fewest pairs of arcs that stay within `tolerance`, m.

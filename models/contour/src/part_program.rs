@@ -276,14 +276,14 @@ impl Writer<'_> {
         self.line("(EXIT)");
         let (start, end) = (self.contour.sections[0], self.contour.sections[self.contour.sections.len() - 1]);
         // A closed contour ends beside its first section, of which a little is cut again.
-        let at = if self.contour.closed {
+        let exit = if self.contour.closed {
             let overlap = Section { length: start.length.min(OVERLAP), ..start };
             self.along(&overlap, first);
             overlap
         } else {
             end
         };
-        let (point, heading) = (at.end(), at.end_heading());
+        let (point, heading) = (exit.end(), exit.end_heading());
         let contact = self.beside(point, heading, 0.0);
         let feed = feed_word(first.evaluation.feed);
         match self.lead(contact, heading, false) {

@@ -207,11 +207,11 @@ fn undershoot_ratio(interior_angle: f64) -> f64 {
 /// Euler march whose error [`PathError::ExplicitEuler`] gives in closed form.
 pub fn explicit_euler_march(feed: f64, radius: f64, arc_angle: f64, step: f64) -> Vec<crate::Point> {
     let steps = (radius * arc_angle / (feed * step)).round() as u32;
-    let mut at = crate::Point::default();
-    let mut positions = vec![at];
+    let mut point = crate::Point::default();
+    let mut positions = vec![point];
     for i in 0..steps {
-        at = at.ahead(feed * step / radius * f64::from(i), feed * step);
-        positions.push(at);
+        point = point.ahead(feed * step / radius * f64::from(i), feed * step);
+        positions.push(point);
     }
     positions
 }

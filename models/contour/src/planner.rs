@@ -308,43 +308,46 @@ impl<'a> Planner<'a> {
         left * force / self.stiffness
     }
 
-    fn ratio(&self, constraint: Constraint, wall: &Wall, at: &Operating) -> f64 {
+    fn ratio(&self, constraint: Constraint, wall: &Wall, operating: &Operating) -> f64 {
         let Parameters { machine, cutter, life, .. } = self.parameters;
         let pass = self.pass;
         match constraint {
-            Constraint::HighestFeed => at.feed / machine.highest_feed,
-            Constraint::LowestFeed => machine.lowest_feed / at.feed,
-            Constraint::LowestSpindleSpeed => machine.lowest_spindle_speed / at.spindle_speed,
-            Constraint::HighestSpindleSpeed => at.spindle_speed / machine.highest_spindle_speed,
+            Constraint::HighestFeed => operating.feed / machine.highest_feed,
+            Constraint::LowestFeed => machine.lowest_feed / operating.feed,
+            Constraint::LowestSpindleSpeed => machine.lowest_spindle_speed / operating.spindle_speed,
+            Constraint::HighestSpindleSpeed => operating.spindle_speed / machine.highest_spindle_speed,
             Constraint::Power => {
-                let force = wall.forces.edge.tangential + wall.forces.per_feed.tangential * at.feed_per_tooth;
-                force * at.cutting_speed / (machine.power * machine.efficiency)
+                let force = wall.forces.edge.tangential + wall.forces.per_feed.tangential * operating.feed_per_tooth;
+                force * operating.cutting_speed / (machine.power * machine.efficiency)
             }
-            Constraint::FeedForce => wall.forces.at(at.feed_per_tooth).resultant() / machine.feed_force,
+            Constraint::FeedForce => wall.forces.at(operating.feed_per_tooth).resultant() / machine.feed_force,
             Constraint::ToothStrength => {
-                let force = self.tooth_force.0 + self.tooth_force.1 * wall.chip_thickness_ratio * at.feed_per_tooth;
+                let force =
+                    self.tooth_force.0 + self.tooth_force.1 * wall.chip_thickness_ratio * operating.feed_per_tooth;
                 6.0 * cutter.tooth_height * force / (cutter.tooth_thickness.powi(2) * cutter.tooth_strength)
             }
             Constraint::BodyStrength => {
-                let forces = wall.forces.at(at.feed_per_tooth);
+                let forces = wall.forces.at(operating.feed_per_tooth);
                 let moment = (forces.resultant() * cutter.overhang).hypot(forces.tangential * cutter.radius());
                 moment / (cutter.section_modulus_ratio * cutter.radius().powi(3) * cutter.body_strength)
             }
             Constraint::ChipSpace => {
-                at.feed_per_tooth * wall.engagement.immersion * cutter.chip_packing
+                operating.feed_per_tooth * wall.engagement.immersion * cutter.chip_packing
                     / (cutter.chip_space_ratio * cutter.diameter.powi(2))
             }
-            Constraint::ToolLife => life.nominal_life / (wall.life * at.life),
+            Constraint::ToolLife => life.nominal_life / (wall.life * operating.life),
             Constraint::Accuracy => {
-                (self.deflection(wall, at.feed_per_tooth).abs() + wall.arc_error.at(at.feed)) / pass.tolerance
+                (self.deflection(wall, operating.feed_per_tooth).abs() + wall.arc_error.at(operating.feed))
+                    / pass.tolerance
             }
             Constraint::Roughness => {
-                (cutter.roughness_floor + wall.cusp * at.feed_per_tooth * at.feed_per_tooth) / pass.roughness
+                (cutter.roughness_floor + wall.cusp * operating.feed_per_tooth * operating.feed_per_tooth)
+                    / pass.roughness
             }
         }
     }
 
-    fn admits(&self, wall: &Wall, at: &Operating) -> bool {
+    fn admits(&self, wall: &Wall, operating: &Operating) -> bool {
         // Cheap and usually decisive ones first.
         const ORDER: [Constraint; 12] = [
             Constraint::HighestFeed,
@@ -360,30 +363,30 @@ impl<'a> Planner<'a> {
             Constraint::LowestSpindleSpeed,
             Constraint::HighestSpindleSpeed,
         ];
-        ORDER.into_iter().all(|constraint| !exceeds(self.ratio(constraint, wall, at)))
+        ORDER.into_iter().all(|constraint| !exceeds(self.ratio(constraint, wall, operating)))
     }
 
-    fn ratios(&self, wall: &Wall, at: &Operating) -> Ratios {
-        Ratios(Constraint::ALL.map(|constraint| self.ratio(constraint, wall, at)))
+    fn ratios(&self, wall: &Wall, operating: &Operating) -> Ratios {
+        Ratios(Constraint::ALL.map(|constraint| self.ratio(constraint, wall, operating)))
     }
 
     /// What `setting` does on section `i`; `None` past the last section.
     pub fn evaluate(&self, i: usize, setting: Setting) -> Option<Evaluation> {
         let wall = &self.walls[self.sections.get(i)?.0];
-        let at = self.operating(setting);
+        let operating = self.operating(setting);
         let forces = wall.forces.at(setting.feed_per_tooth);
         let sign = self.models.path_error.sign(wall.shape.curvature());
         Some(Evaluation {
-            feed: at.feed,
-            cutting_speed: at.cutting_speed,
+            feed: operating.feed,
+            cutting_speed: operating.cutting_speed,
             engagement: wall.engagement,
             forces,
-            power: forces.tangential * at.cutting_speed,
+            power: forces.tangential * operating.cutting_speed,
             deflection: self.deflection(wall, setting.feed_per_tooth),
-            path_error: sign * wall.arc_error.at(at.feed),
+            path_error: sign * wall.arc_error.at(operating.feed),
             roughness: self.parameters.cutter.roughness_floor + wall.cusp * setting.feed_per_tooth.powi(2),
-            tool_life: wall.life * at.life,
-            ratios: self.ratios(wall, &at),
+            tool_life: wall.life * operating.life,
+            ratios: self.ratios(wall, &operating),
         })
     }
 
@@ -441,8 +444,9 @@ impl<'a> Planner<'a> {
     /// Constraints that the settings of another planner of the same contour break here, in the order of system (4).
     pub(crate) fn violated_by(&self, other: &Self, settings: &[Setting]) -> Vec<Constraint> {
         let mut violated: Vec<Constraint> = Vec::new();
-        for (i, own) in self.pieces.iter().enumerate() {
-            let overlaps = |piece: &Piece| piece.section == own.section && piece.from < own.to && own.from < piece.to;
+        for (i, current) in self.pieces.iter().enumerate() {
+            let overlaps =
+                |piece: &Piece| piece.section == current.section && piece.from < current.to && current.from < piece.to;
             for (_, setting) in other.pieces.iter().zip(settings).filter(|(piece, _)| overlaps(piece)) {
                 violated
                     .extend(self.evaluate(i, *setting).iter().flat_map(|at| at.ratios.violated().collect::<Vec<_>>()));
@@ -481,9 +485,13 @@ impl<'a> Planner<'a> {
     /// Time and life per length, where the candidate is admissible.
     pub(crate) fn rates(&self, wall: usize, gear: usize, feed: usize) -> Option<Candidate> {
         let wall = &self.walls[wall];
-        let at = self.candidate(gear, feed);
-        let admitted = self.admits(wall, &at);
-        admitted.then(|| Candidate { feed, time: 1.0 / at.feed, life: 1.0 / (at.feed * wall.life * at.life) })
+        let operating = self.candidate(gear, feed);
+        let admitted = self.admits(wall, &operating);
+        admitted.then(|| Candidate {
+            feed,
+            time: 1.0 / operating.feed,
+            life: 1.0 / (operating.feed * wall.life * operating.life),
+        })
     }
 
     /// Admissible feeds of a gear on a wall that are not beaten in both time and life, fastest
@@ -511,9 +519,10 @@ impl<'a> Planner<'a> {
         let mut sets: Vec<u16> = Vec::with_capacity(self.speeds.len() * self.feeds.len());
         for gear in 0..self.speeds.len() {
             for feed in 0..self.feeds.len() {
-                let at = self.candidate(gear, feed);
-                let violated =
-                    walls.iter().flat_map(|wall| self.ratios(&self.walls[*wall], &at).violated().collect::<Vec<_>>());
+                let operating = self.candidate(gear, feed);
+                let violated = walls
+                    .iter()
+                    .flat_map(|wall| self.ratios(&self.walls[*wall], &operating).violated().collect::<Vec<_>>());
                 sets.push(violated.fold(0, |bits, constraint| bits | 1 << constraint as u16));
             }
         }
@@ -621,9 +630,9 @@ fn whole(contour: &Contour, radius: f64, allowance: f64) -> Vec<Piece> {
 /// The contour with its sections cut into pieces.
 fn cut(contour: &Contour, pieces: &[Piece]) -> Contour {
     let section = |piece: &Piece| {
-        let own = &contour.sections[piece.section];
-        let heading = own.heading + own.curvature * piece.from;
-        Section { start: own.at(piece.from), heading, length: piece.to - piece.from, ..*own }
+        let shape = &contour.sections[piece.section];
+        let heading = shape.heading + shape.curvature * piece.from;
+        Section { start: shape.at(piece.from), heading, length: piece.to - piece.from, ..*shape }
     };
     let last = |section: usize| pieces.iter().rposition(|piece| piece.section == section).unwrap_or(section);
     let corners = contour.corners.iter().map(|corner| Corner { after: last(corner.after), ..*corner }).collect();

@@ -165,8 +165,8 @@ mod tests {
 
     #[test]
     fn quantiles_interpolate() {
-        let of = |share| quantile([3.0, 1.0, 2.0].into_iter(), share);
-        assert_eq!((of(0.0), of(0.25), of(1.0)), (Some(1.0), Some(1.5), Some(3.0)));
+        let quantile_of = |share| quantile([3.0, 1.0, 2.0].into_iter(), share);
+        assert_eq!((quantile_of(0.0), quantile_of(0.25), quantile_of(1.0)), (Some(1.0), Some(1.5), Some(3.0)));
         assert_eq!(quantile(std::iter::empty(), 0.5), None);
     }
 }

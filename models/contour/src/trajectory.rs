@@ -92,11 +92,11 @@ impl Planner<'_> {
                 x.step(from.x, to.x, dt, gain, velocity_loop);
                 y.step(from.y, to.y, dt, gain, velocity_loop);
                 from = to;
-                let at = Point { x: x.position, y: y.position };
-                while beside < i && position(&path[beside].0, at).0 >= path[beside].0.length {
+                let point = Point { x: x.position, y: y.position };
+                while beside < i && position(&path[beside].0, point).0 >= path[beside].0.length {
                     beside += 1;
                 }
-                let (along, left) = position(&path[beside].0, at);
+                let (along, left) = position(&path[beside].0, point);
                 if along >= 0.0 {
                     let deviation = &mut deviations[beside];
                     deviation.left = deviation.left.max(left);

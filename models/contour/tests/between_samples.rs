@@ -27,9 +27,9 @@ fn distance(section: &Section, point: Point) -> f64 {
 /// Engagement angle at a place of the drawn contour, rad, by counting points of the rim.
 fn sampled(contour: &Contour, radius: f64, allowance: f64, backwards: bool, section: usize, way: f64) -> f64 {
     const RIM: u32 = 360;
-    let own = &contour.sections[section];
-    let heading = own.heading + own.curvature * way;
-    let centre = own.at(way).ahead(heading + contour.side.sign() * FRAC_PI_2, radius);
+    let shape = &contour.sections[section];
+    let heading = shape.heading + shape.curvature * way;
+    let centre = shape.at(way).ahead(heading + contour.side.sign() * FRAC_PI_2, radius);
     let ahead = if backwards { heading + PI } else { heading };
     let near: Vec<&Section> =
         contour.sections.iter().filter(|other| distance(other, centre) < radius + allowance).collect();
@@ -60,10 +60,10 @@ fn worst(contour: &Contour, parameters: &Parameters, pass: &Pass, models: &Model
             let local = Pass { allowance, ..*pass };
             let section = Models { engagement: EngagementModel::Section, ..*models };
             let here = Planner::new(&straight, parameters, &local, &section).expect("a planner");
-            let at = here.evaluate(0, planned.setting).expect("a section");
+            let evaluation = here.evaluate(0, planned.setting).expect("a section");
             use toolroom_contour::Constraint::{BodyStrength, ChipSpace, FeedForce, Power, ToolLife, ToothStrength};
             for limit in [Power, FeedForce, ToothStrength, BodyStrength, ChipSpace, ToolLife] {
-                worst = worst.max(at.ratios.of(limit));
+                worst = worst.max(evaluation.ratios.of(limit));
             }
         }
     }

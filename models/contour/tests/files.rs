@@ -131,8 +131,8 @@ fn read_back(program: &str) -> toolroom_contour::Contour {
     let find = |word: &str| lines.iter().position(|line| *line == word).unwrap();
     let (contour, exit) = (find("(CONTOUR)"), find("(EXIT)"));
     // The arc of entry ends where the contour begins.
-    let at: Vec<&str> = lines[contour - 1].split(' ').filter(|word| word.starts_with(['X', 'Y'])).collect();
-    let text = format!("G21 G90\nG0 {}\n{}\n", at.join(" "), lines[contour..exit].join("\n"));
+    let words: Vec<&str> = lines[contour - 1].split(' ').filter(|word| word.starts_with(['X', 'Y'])).collect();
+    let text = format!("G21 G90\nG0 {}\n{}\n", words.join(" "), lines[contour..exit].join("\n"));
     let control = toolroom_program::Control::default();
     read_gcode(&text, &control, Some(CutterSide::Left), true).unwrap_or_else(|error| panic!("{error}\n{program}"))
 }

@@ -67,10 +67,10 @@ proptest! {
         parameters.machine.speed_change_time = switch;
         let (contour, models) = (wave(a, b, hollow, bulge), Models::default());
         let planner = Planner::new(&contour, &parameters, &pass, &models).unwrap();
-        let each = [0, 1, 2, 3].map(|i| options(&planner, i));
+        let choices = [0, 1, 2, 3].map(|i| options(&planner, i));
         let (rate, price) = (parameters.economics.machine_rate, parameters.economics.edge_price());
         let (mut time, mut cost) = (f64::INFINITY, f64::INFINITY);
-        for combination in combinations(&each) {
+        for combination in combinations(&choices) {
             let t = combination.iter().map(|option| option.1).sum::<f64>() + switch * changes(&combination);
             let c = rate * t + price * combination.iter().map(|option| option.2).sum::<f64>();
             time = time.min(t);
@@ -89,13 +89,13 @@ proptest! {
         parameters.machine.highest_acceleration = acceleration;
         let (contour, models) = (wave(a, b, hollow, bulge), Models::default());
         let planner = Planner::new(&contour, &parameters, &pass, &models).unwrap();
-        let each = [0, 1, 2, 3].map(|i| options(&planner, i));
+        let choices = [0, 1, 2, 3].map(|i| options(&planner, i));
         let lengths = [0, 1, 2, 3].map(|i| {
             let section = &contour.sections[i];
             section.length * contour.shape(section).centre_path_ratio(parameters.cutter.radius())
         });
         let mut least = f64::INFINITY;
-        for combination in combinations(&each) {
+        for combination in combinations(&choices) {
             let mut time = combination.iter().map(|option| option.1).sum::<f64>();
             let mut fits = true;
             for i in 0..3 {
@@ -130,9 +130,9 @@ proptest! {
         parameters.economics.edge_cost = 300.0;
         let (contour, models) = (wave(a, b, hollow, 0.02), Models { milling: toolroom_contour::Milling::Up, ..Models::default() });
         let planner = Planner::new(&contour, &parameters, &pass, &models).unwrap();
-        let each = [0, 1, 2, 3].map(|i| options(&planner, i));
+        let choices = [0, 1, 2, 3].map(|i| options(&planner, i));
         let mut least = f64::INFINITY;
-        for combination in combinations(&each) {
+        for combination in combinations(&choices) {
             // In time, a second change is never worth while here: a fresh edge lasts.
             let used: f64 = combination.iter().map(|option| option.2).sum();
             assert!(used < 1.0);
@@ -146,7 +146,7 @@ proptest! {
         // In cost, the place of the change decides how much of the edge is thrown away.
         let (rate, price) = (parameters.economics.machine_rate, parameters.economics.edge_price());
         let mut cheapest = f64::INFINITY;
-        for combination in combinations(&each) {
+        for combination in combinations(&choices) {
             let used = |sections: std::ops::Range<usize>| combination[sections].iter().map(|option| option.2).sum::<f64>();
             let time = combination.iter().map(|option| option.1).sum::<f64>() + 2.0 * changes(&combination);
             let cost = rate * time + price * used(0..4);
@@ -170,14 +170,14 @@ proptest! {
         let contour = wave(a, b, hollow, 0.02);
         let models = Models { milling: toolroom_contour::Milling::Up, ..Models::default() };
         let planner = Planner::new(&contour, &parameters, &pass, &models).unwrap();
-        let each = [0, 1, 2, 3].map(|i| options(&planner, i));
+        let choices = [0, 1, 2, 3].map(|i| options(&planner, i));
         let lengths = [0, 1, 2, 3].map(|i| {
             let section = &contour.sections[i];
             section.length * contour.shape(section).centre_path_ratio(parameters.cutter.radius())
         });
         let (rate, price) = (parameters.economics.machine_rate, parameters.economics.edge_price());
         let (mut least, mut cheapest) = (f64::INFINITY, f64::INFINITY);
-        for combination in combinations(&each) {
+        for combination in combinations(&choices) {
             let used = |sections: std::ops::Range<usize>| combination[sections].iter().map(|option| option.2).sum::<f64>();
             // Before which section the edge is changed, 4 for nowhere: a fresh one lasts.
             for changed in 0..=4 {

@@ -176,8 +176,8 @@ impl Effect {
         if let Some(effect) = Self::all().find(|effect| effect.entry().id == id) {
             return Ok(effect);
         }
-        if let Some(own) = defined.iter().find(|own| own.entry().id == id) {
-            return Ok(Self::User(UserEffect::new(own)));
+        if let Some(definition) = defined.iter().find(|definition| definition.entry().id == id) {
+            return Ok(Self::User(UserEffect::new(definition)));
         }
         if id.contains('.') {
             let known = defined.iter().map(|own| own.entry().id).collect::<Vec<_>>().join(", ");

@@ -20,10 +20,10 @@ pub static EFFECT_LIST: Content = Content {
 const EXAMPLE: &str = "[{ id = \"wear_force\", size = 0.2 }]";
 
 /// The JSON schema of an effect with its size and shape.
-fn effect(of: Effect) -> Value {
+fn effect(kind: Effect) -> Value {
     let mut properties = Map::new();
-    properties.insert("id".to_owned(), json!({ "const": of.entry().id, "description": of.entry().title }));
-    properties.extend(of.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each))));
+    properties.insert("id".to_owned(), json!({ "const": kind.entry().id, "description": kind.entry().title }));
+    properties.extend(kind.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each))));
     json!({ "type": "object", "additionalProperties": false, "properties": properties, "required": ["id", "size"] })
 }
 

@@ -51,9 +51,9 @@ fn a_formula_gives_its_published_number_and_exact_slopes() {
     close(crater.terms::<f64>(&worn()).cutting_force, 1.1101535);
     // By size, by wear in 1/m, by speed in s/m: an independent calculation.
     let slope = |along: fn(&mut Context<Dual64>)| {
-        let mut at = worn().map(Dual64::from);
-        along(&mut at);
-        crater.terms::<Dual64>(&at).cutting_force.eps
+        let mut context = worn().map(Dual64::from);
+        along(&mut context);
+        crater.terms::<Dual64>(&context).cutting_force.eps
     };
     close(slope(|at| at.flank_wear.eps = 1.0), 524.54042);
     close(slope(|at| at.cutting_speed.eps = 1.0), 0.060083721);
@@ -67,10 +67,10 @@ fn a_formula_gives_its_published_number_and_exact_slopes() {
 #[test]
 fn a_copy_of_a_catalogue_effect_gives_the_same_bits() {
     let copy = of(factor("1 + size * (flank_wear / 0.3 mm)").unwrap(), 0.2);
-    let own = Effects::new(vec!["wear_force=0.2".parse().unwrap()]).unwrap();
+    let built_in = Effects::new(vec!["wear_force=0.2".parse().unwrap()]).unwrap();
     for wear in [0.0, 0.05e-3, 0.21e-3, 0.3e-3, 1.1e-3] {
-        let at = Context { flank_wear: wear, ..Context::<f64>::neutral() };
-        assert_eq!(copy.terms::<f64>(&at).cutting_force.to_bits(), own.terms::<f64>(&at).cutting_force.to_bits());
+        let context = Context { flank_wear: wear, ..Context::<f64>::neutral() };
+        assert_eq!(copy.terms::<f64>(&context).cutting_force.to_bits(), built_in.terms::<f64>(&context).cutting_force.to_bits());
     }
 }
 
@@ -201,14 +201,14 @@ fn a_quantity_that_a_process_lacks_is_refused() {
 
 #[test]
 fn the_text_of_a_definition_reads_back_to_the_same() {
-    let own = factor(CRATER).unwrap();
-    let again = parse_definitions("again.toml", own.text()).unwrap()[0];
-    assert!(std::ptr::eq(own, again), "{}", own.text());
-    assert_eq!(own.fields()[1].display, "m/min");
-    assert_eq!(UserEffect::new(own).value(1), Some(200.0 / 60.0));
-    let channels: Vec<&str> = own.entry().channels.iter().map(|touched| touched.channel).collect();
+    let definition = factor(CRATER).unwrap();
+    let again = parse_definitions("again.toml", definition.text()).unwrap()[0];
+    assert!(std::ptr::eq(definition, again), "{}", definition.text());
+    assert_eq!(definition.fields()[1].display, "m/min");
+    assert_eq!(UserEffect::new(definition).value(1), Some(200.0 / 60.0));
+    let channels: Vec<&str> = definition.entry().channels.iter().map(|touched| touched.channel).collect();
     assert_eq!(channels, ["cutting_force", "spindle_power"]);
-    assert_eq!(own.entry().regime, "flank_wear, cutting_speed");
+    assert_eq!(definition.entry().regime, "flank_wear, cutting_speed");
 }
 
 #[test]

@@ -83,12 +83,12 @@ impl FaultList {
         let mut base = 0;
         let texts = std::iter::once(&self.text).chain(&self.overrides).enumerate();
         let (mut origin, mut text, mut start) = (Origin::File, self.text.as_str(), 0);
-        for (i, each) in texts {
+        for (i, candidate) in texts {
             if problem.span.start >= base {
                 origin = if i == 0 { Origin::File } else { Origin::Override(i - 1) };
-                (text, start) = (each, base);
+                (text, start) = (candidate, base);
             }
-            base += each.len() + 1;
+            base += candidate.len() + 1;
         }
         let within = |at: usize| at.saturating_sub(start).min(text.len());
         let span = within(problem.span.start)..within(problem.span.end).max(within(problem.span.start));

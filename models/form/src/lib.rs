@@ -130,9 +130,9 @@ pub fn parse<T>(
     }
     let broken = !walk.problems.is_empty();
     let mut base = text.len() + 1;
-    for each in overrides {
-        overrides::apply(&mut walk, form, root.get_mut(), each, base);
-        base += each.len() + 1;
+    for change in overrides {
+        overrides::apply(&mut walk, form, root.get_mut(), change, base);
+        base += change.len() + 1;
     }
     // What follows from a file that is not TOML says nothing about its content.
     let resolved = if broken {

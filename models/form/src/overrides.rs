@@ -18,8 +18,8 @@ pub(crate) fn apply<'d>(walk: &mut Walk, form: &'static Form, root: &mut DeTable
         walk.fault(whole, Fault::OverrideForm { read: text.to_owned() });
         return;
     };
-    let at = base + text.len() - value.len();
-    let span = at..at + value.len();
+    let start = base + text.len() - value.len();
+    let span = start..start + value.len();
     let value = literal(value.trim(), span.clone());
     insert(walk, Some(form), root, &path, value, whole);
 }
@@ -108,14 +108,14 @@ fn set_entry<'d>(
     let named = |entry: &Spanned<DeValue<'d>>| {
         entry.get_ref().as_table().and_then(|table| table.get(name)?.get_ref().as_str()) == Some(wanted)
     };
-    let at = list.iter().position(named).unwrap_or_else(|| {
+    let index = list.iter().position(named).unwrap_or_else(|| {
         let mut entry = DeTable::new();
         entry.insert(key(name), Spanned::new(whole.clone(), DeValue::String(wanted.clone().into())));
         list.push(Spanned::new(whole.clone(), DeValue::Table(entry)));
         list.len() - 1
     });
     let set = key(rest.get(1).map_or(main, String::as_str));
-    if let Some(DeValue::Table(entry)) = list.get_mut(at).map(Spanned::get_mut) {
+    if let Some(DeValue::Table(entry)) = list.get_mut(index).map(Spanned::get_mut) {
         entry.remove(set.get_ref().as_ref());
         entry.insert(set, value);
     }

@@ -18,8 +18,8 @@ use toolroom_process::{Field, unit};
 /// let page = reference(&FILE);
 /// assert!(page.contains("mm, um, m, in; above 0 up to 1000 mm | 100 mm | Length |"), "{page}");
 /// ```
-pub fn reference(of: &'static Form) -> String {
-    let mut sections = vec![of];
+pub fn reference(form: &'static Form) -> String {
+    let mut sections = vec![form];
     let mut text = String::new();
     let mut next = 0;
     while let Some(form) = sections.get(next).copied() {

@@ -100,8 +100,8 @@ fn property(key: &'static Key) -> Value {
     body
 }
 
-fn kind(of: &'static Kind) -> Value {
-    match of {
+fn kind(value: &'static Kind) -> Value {
+    match value {
         Kind::Name => json!({ "type": "string", "minLength": 1, "maxLength": 100 }),
         Kind::Text | Kind::Reference(_) => json!({ "type": "string" }),
         Kind::Quantity(quantity) => {
@@ -124,9 +124,9 @@ fn kind(of: &'static Kind) -> Value {
             let item = kind(item);
             json!({ "anyOf": [{ "type": "array", "items": item.clone() }, item] })
         }
-        Kind::Table(of) => form(of),
-        Kind::Tables(of) => json!({ "type": "array", "items": form(of) }),
-        Kind::Shorthand { word, form: of } => json!({ "anyOf": [kind(word), form(of)] }),
+        Kind::Table(table) => form(table),
+        Kind::Tables(table) => json!({ "type": "array", "items": form(table) }),
+        Kind::Shorthand { word, form: table } => json!({ "anyOf": [kind(word), form(table)] }),
         Kind::Fields { word, fields } => {
             let properties: Map<String, Value> =
                 fields.iter().map(|each| (each.name.to_owned(), field(each))).collect();
@@ -147,10 +147,10 @@ fn kind(of: &'static Kind) -> Value {
 }
 
 /// JSON schema of a field of a record.
-pub fn field(of: &Field) -> Value {
-    let mut body = number(of.unit, of.min, of.max);
+pub fn field(quantity: &Field) -> Value {
+    let mut body = number(quantity.unit, quantity.min, quantity.max);
     let detail = body["description"].as_str().map_or(String::new(), |detail| format!(" {detail}"));
-    body["description"] = json!(format!("{}{detail}", of.doc.trim()));
+    body["description"] = json!(format!("{}{detail}", quantity.doc.trim()));
     body
 }
 

@@ -98,7 +98,7 @@ impl Walk {
                     section: form.title.to_owned(),
                     key: name.get_ref().to_string(),
                     nearest: nearest(name.get_ref(), form.keys.iter().map(|key| key.name)),
-                    known: form.keys.iter().map(|key| key.name).collect::<Vec<_>>().join(", "),
+                    known: form.key_names().join(", "),
                 };
                 // A header's span is the key; of an override only the value has a place.
                 let place = if name.span().is_empty() { value.span() } else { name.span() };
@@ -158,15 +158,16 @@ impl Walk {
     /// Every entry of the tables under `key`. `case`, a key with its value, decides keys that
     /// depend on something outside the entry.
     #[expect(clippy::wildcard_enum_match_arm, reason = "every other value of TOML is a fault")]
-    pub fn sections<'d>(&mut self, of: &Section<'d>, key: &str, case: Option<(&str, &str)>) -> Vec<Section<'d>> {
-        let (Some(form), Some(got)) = (table_form(of.form, key), of.got(key)) else { return Vec::new() };
+    pub fn sections<'d>(&mut self, section: &Section<'d>, key: &str, case: Option<(&str, &str)>) -> Vec<Section<'d>> {
+        let (Some(form), Some(got)) = (table_form(section.form, key), section.got(key)) else { return Vec::new() };
         let Value::Raw(DeValue::Array(entries)) = &got.value else { return Vec::new() };
         let mut sections = Vec::with_capacity(entries.len());
         for (i, entry) in entries.iter().enumerate() {
             match entry.get_ref() {
                 DeValue::Table(table) => {
                     // A part's operation keeps the part's name in its path.
-                    let base = if of.path.is_empty() { key.to_owned() } else { format!("{}, {key}", of.path) };
+                    let base =
+                        if section.path.is_empty() { key.to_owned() } else { format!("{}, {key}", section.path) };
                     let path = if table.contains_key("name") { base } else { format!("{base} {}", i + 1) };
                     sections.push(self.section(form, &path, table, entry.span(), case));
                 }
@@ -179,29 +180,35 @@ impl Walk {
     }
 
     /// The table under `key`, where it is a table.
-    pub fn table<'d>(&mut self, of: &Section<'d>, key: &str) -> Option<Section<'d>> {
-        self.table_in(of, key, None)
+    pub fn table<'d>(&mut self, section: &Section<'d>, key: &str) -> Option<Section<'d>> {
+        self.table_in(section, key, None)
     }
 
     /// The rule under `key`, a word or a table with the word under `rule`, and that table; `None` where
     /// a problem was noted.
     pub fn rule<'d, T>(
         &mut self,
-        of: &Section<'d>,
+        section: &Section<'d>,
         key: &str,
         from_word: fn(&str) -> Option<T>,
     ) -> Option<(T, RuleTable<'d>)> {
-        let table = self.table(of, key);
-        let word = table.as_ref().map_or_else(|| of.chosen(key, from_word), |table| table.chosen("rule", from_word));
+        let table = self.table(section, key);
+        let word =
+            table.as_ref().map_or_else(|| section.chosen(key, from_word), |table| table.chosen("rule", from_word));
         word.map(|word| (word, RuleTable(table)))
     }
 
     /// The table under `key` with a `case` as in [`Walk::sections`].
-    pub fn table_in<'d>(&mut self, of: &Section<'d>, key: &str, case: Option<(&str, &str)>) -> Option<Section<'d>> {
-        let form = table_form(of.form, key)?;
-        let got = of.got(key)?;
+    pub fn table_in<'d>(
+        &mut self,
+        section: &Section<'d>,
+        key: &str,
+        case: Option<(&str, &str)>,
+    ) -> Option<Section<'d>> {
+        let form = table_form(section.form, key)?;
+        let got = section.got(key)?;
         let Value::Raw(DeValue::Table(table)) = &got.value else { return None };
-        let path = if of.path.is_empty() { key.to_owned() } else { format!("{}, {key}", of.path) };
+        let path = if section.path.is_empty() { key.to_owned() } else { format!("{}, {key}", section.path) };
         Some(self.section(form, &path, table, got.span.clone(), case))
     }
 
@@ -355,8 +362,9 @@ impl Walk {
             Err(reason) => {
                 // Past the opening quote; the text of a --set has none.
                 let quote = usize::from(raw.span().len() > number.len());
-                let at = raw.span().start + quote + reason.at();
-                let span = if reason.at() > 0 && at < raw.span().end { at..raw.span().end - quote } else { raw.span() };
+                let start = raw.span().start + quote + reason.at();
+                let span =
+                    if reason.at() > 0 && start < raw.span().end { start..raw.span().end - quote } else { raw.span() };
                 self.fault(
                     span,
                     Fault::Quantity { key: key.to_owned(), example: fix(quantity, &number, &reason), reason },
@@ -401,8 +409,8 @@ impl Walk {
 }
 
 /// The form of the tables under a key, where it takes tables.
-pub(crate) fn table_form(of: &Form, key: &str) -> Option<&'static Form> {
-    match of.key(key)?.kind {
+pub(crate) fn table_form(form: &Form, key: &str) -> Option<&'static Form> {
+    match form.key(key)?.kind {
         Kind::Table(form) | Kind::Tables(form) | Kind::Shorthand { form, .. } => Some(form),
         Kind::Name
         | Kind::Text

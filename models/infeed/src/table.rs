@@ -220,9 +220,9 @@ pub(crate) fn read(file: &str, bytes: &[u8], specs: &[ColumnSpec]) -> Result<(Ve
             continue;
         }
         let cells = specs.iter().zip(&columns).map(|(spec, column)| {
-            let Some((at, scale)) = column else { return Cell::Missing };
-            cell(record, *at, spec, scale, comma).unwrap_or_else(|reason| {
-                faults.push(TableFault { line, column: at + 1, reason });
+            let Some((index, scale)) = column else { return Cell::Missing };
+            cell(record, *index, spec, scale, comma).unwrap_or_else(|reason| {
+                faults.push(TableFault { line, column: index + 1, reason });
                 Cell::Missing
             })
         });
@@ -290,8 +290,8 @@ fn header_columns(
 ) -> Vec<Place> {
     let mut columns: Vec<Place> = specs.iter().map(|_| None).collect();
     let line = line_of(header);
-    for (at, title) in header.iter().enumerate() {
-        let mut fault = |reason| faults.push(TableFault { line, column: at + 1, reason });
+    for (place, title) in header.iter().enumerate() {
+        let mut fault = |reason| faults.push(TableFault { line, column: place + 1, reason });
         let (name, read) = name_and_unit(title);
         let Some(index) = specs.iter().position(|spec| spec.name.eq_ignore_ascii_case(name)) else {
             let likeness = |spec: &&ColumnSpec| strsim::jaro_winkler(spec.name, &name.to_ascii_lowercase());
@@ -308,9 +308,9 @@ fn header_columns(
             continue;
         }
         match scale(spec, read) {
-            Ok(scale) => columns[index] = Some((at, scale)),
+            Ok(scale) => columns[index] = Some((place, scale)),
             Err(reason) => {
-                columns[index] = Some((at, AS_IT_STANDS));
+                columns[index] = Some((place, AS_IT_STANDS));
                 fault(reason);
             }
         }
@@ -369,7 +369,7 @@ fn decimal_comma(
         records.iter().flat_map(of_record)
     };
     let mut commas = cells().filter(|(_, _, cell)| cell.contains(','));
-    let Some((record, at, read)) = commas.next() else { return false };
+    let Some((record, index, read)) = commas.next() else { return false };
     // 1,234 may be a thousand and more; 0,234 or 12,5 cannot.
     let decides = |cell: &str| {
         let (whole, rest) = cell.trim_start_matches(['-', '+']).split_once(',').unwrap_or_default();
@@ -383,18 +383,18 @@ fn decimal_comma(
         return true;
     };
     let reason = TableReason::AmbiguousComma { read: read.to_owned(), clash };
-    faults.push(TableFault { line: line_of(record), column: at + 1, reason });
+    faults.push(TableFault { line: line_of(record), column: index + 1, reason });
     true
 }
 
 fn cell(
     record: &csv::StringRecord,
-    at: usize,
+    index: usize,
     spec: &ColumnSpec,
     scale: &unit::Unit,
     comma: bool,
 ) -> Result<Cell, TableReason> {
-    let read = record.get(at).unwrap_or_default();
+    let read = record.get(index).unwrap_or_default();
     // MTConnect writes UNAVAILABLE for a value that was not there.
     if read.is_empty() || read.eq_ignore_ascii_case("unavailable") {
         return if spec.required { Err(TableReason::Empty { name: spec.name }) } else { Ok(Cell::Missing) };

@@ -73,15 +73,15 @@ pub fn read_trials(file: &str, bytes: &[u8]) -> Result<TrialTable, TableError> {
     if faults.is_empty() { Ok(TrialTable { trials, notes }) } else { Err(TableError { file: file.to_owned(), faults }) }
 }
 
-fn number_at(row: &Row, at: usize) -> Option<f64> {
-    match row.cells[at] {
+fn number_at(row: &Row, index: usize) -> Option<f64> {
+    match row.cells[index] {
         Cell::Number(value) => Some(value),
         Cell::Missing | Cell::Text(_) => None,
     }
 }
 
-fn text_at(row: &Row, at: usize) -> Option<String> {
-    match &row.cells[at] {
+fn text_at(row: &Row, index: usize) -> Option<String> {
+    match &row.cells[index] {
         Cell::Text(text) => Some(text.clone()),
         Cell::Missing | Cell::Number(_) => None,
     }

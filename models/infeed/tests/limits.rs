@@ -306,21 +306,21 @@ fn a_limit_of_roughness_is_kept_by_finer_finishing_and_spark_out() {
     let mut grinding = paper();
     for dulling in [0.0, 1.0 / 300e-6] {
         grinding.parameters.dulling_rate = dulling;
-        let of = |roughness: f64| {
+        let revolutions = |roughness: f64| {
             let limits = CycleLimits { roughness, ..CycleLimits::default() };
             fastest_cycle_while_dulling(&grinding, &wheel, &input, &limits, known)
         };
-        let free = of(1e-3).expect("feasible");
+        let free = revolutions(1e-3).expect("feasible");
         let rough = free.roughness.expect("measured");
         // 1.3 um/rev and 3 revolutions of spark-out towards one half.
         let infed = free.course.len() - 1 - free.phases[2].revolutions as usize;
         let left: f64 = free.course[infed + 1..].iter().map(|point| point.decay).product();
         let expected = surface.under_infeed(free.course[infed].load.removal_rate, 35.0, 35.0, &dressing);
         close(rough, expected * (0.5 + 0.5 * left), 1e-12);
-        let fine = of(0.95 * rough).expect("feasible");
+        let fine = revolutions(0.95 * rough).expect("feasible");
         assert!(fine.roughness.expect("measured") <= 0.95 * rough * (1.0 + 1e-9));
         assert!(fine.revolutions > free.revolutions, "{}", fine.revolutions);
-        let error = of(0.02e-6).expect_err("too fine");
+        let error = revolutions(0.02e-6).expect_err("too fine");
         assert!(matches!(error, CycleError::TooRough { .. }), "{error}");
     }
 }
@@ -343,13 +343,13 @@ fn a_cycle_file_is_designed_for_the_wheel_that_it_names() {
         let set: Vec<String> = set.iter().map(|&change| change.to_owned()).collect();
         CycleFile::parse("cycle.toml", text, &set)
     };
-    let of = |set: &[&str]| read(set).expect("a cycle file").content;
+    let cycle = |set: &[&str]| read(set).expect("a cycle file").content;
     let volume = std::f64::consts::PI * 0.05 * 100e-6;
     // The 46th part is begun at 706.9 mm3/mm, below the dressing limit of 720.
-    close(of(&[]).wheel_before(None).removed_volume, 45.0 * volume, 1e-9);
-    assert_eq!(of(&["wheel=dressed"]).wheel_before(None).removed_volume, 0.0);
-    close(of(&["wheel=300 mm3/mm"]).wheel_before(None).removed_volume, 300e-6, 1e-12);
-    let revolutions = |set: &[&str]| of(set).fastest_cycle().expect("feasible").revolutions;
+    close(cycle(&[]).wheel_before(None).removed_volume, 45.0 * volume, 1e-9);
+    assert_eq!(cycle(&["wheel=dressed"]).wheel_before(None).removed_volume, 0.0);
+    close(cycle(&["wheel=300 mm3/mm"]).wheel_before(None).removed_volume, 300e-6, 1e-12);
+    let revolutions = |set: &[&str]| cycle(set).fastest_cycle().expect("feasible").revolutions;
     let (worst, middle, dressed) =
         (revolutions(&[]), revolutions(&["wheel=300 mm3/mm"]), revolutions(&["wheel=dressed"]));
     assert!(dressed == 27 && dressed < middle && middle < worst, "{dressed} {middle} {worst}");
@@ -359,7 +359,7 @@ fn a_cycle_file_is_designed_for_the_wheel_that_it_names() {
     }
     let error = read(&["roughness.lead=0.2 mm"]).expect_err("nothing measured");
     assert!(error.to_string().contains("measured"), "{error}");
-    let rough = of(&["roughness.measured=0.4 um", "roughness.removal_rate=3 mm2/s", "dressing.lead=0.2 mm"]);
+    let rough = cycle(&["roughness.measured=0.4 um", "roughness.removal_rate=3 mm2/s", "dressing.lead=0.2 mm"]);
     assert_eq!(rough.surface.expect("given").lead, 0.2e-3);
     assert!(rough.fastest_cycle().expect("feasible").roughness.is_some());
 }

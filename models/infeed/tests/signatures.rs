@@ -159,15 +159,15 @@ fn without_deviations_a_plunge_is_the_process() {
     let phases = PlungeDesign::default().phases;
     let readings = grinding.plunge(&Input::default(), &phases, &PlungeDeviations::default());
     let mut part = State::default();
-    let mut at = 0;
+    let mut reading = 0;
     for phase in &phases {
         let input = Input { infeed_per_rev: phase.infeed_per_rev, ..Input::default() };
         for _ in 0..phase.revolutions {
             part.commanded_infeed += phase.infeed_per_rev;
             part = grinding.revolution(&part, &input);
-            close(readings[at].stock_removed, part.stock_removed, 1e-13);
-            close(readings[at].normal_force, grinding.output(&part, &input).normal_force, 1e-11);
-            at += 1;
+            close(readings[reading].stock_removed, part.stock_removed, 1e-13);
+            close(readings[reading].normal_force, grinding.output(&part, &input).normal_force, 1e-11);
+            reading += 1;
         }
     }
 }

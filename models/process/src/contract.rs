@@ -223,13 +223,13 @@ pub fn unit_rescaling<P: Process + Clone>(process: &P, points: &[Point<P>], rela
         BASE.iter().zip(dimension).map(|(base, power)| base.powi(i32::from(power))).product::<f64>()
     };
     let rescale = |record: &mut dyn AnyRecord| {
-        let mut at = 0;
+        let mut index = 0;
         for field in record.fields() {
             for _ in 0..field.len {
-                if let Some(value) = record.value(at) {
-                    record.set_value(at, value * scale(field.unit));
+                if let Some(value) = record.value(index) {
+                    record.set_value(index, value * scale(field.unit));
                 }
-                at += 1;
+                index += 1;
             }
         }
     };
@@ -246,12 +246,12 @@ pub fn unit_rescaling<P: Process + Clone>(process: &P, points: &[Point<P>], rela
         rescale(&mut other_state);
         rescale(&mut other_input);
         let other_output = other.output(&other_state, &other_input);
-        let mut at = 0;
+        let mut index = 0;
         for field in P::Output::FIELDS {
             for _ in 0..field.len {
-                let (a, b) = (output.get(at).unwrap_or(0.0), other_output.get(at).unwrap_or(0.0));
+                let (a, b) = (output.get(index).unwrap_or(0.0), other_output.get(index).unwrap_or(0.0));
                 assert!((a - b).abs() <= relative * a.abs().max(b.abs()), "{}: {a} expected, {b} computed", field.name);
-                at += 1;
+                index += 1;
             }
         }
     }

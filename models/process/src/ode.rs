@@ -137,51 +137,58 @@ fn integrate_from<const D: usize, const E: usize>(
     }
     let mut before = events(0.0, y);
     let held = before.iter().position(|value| *value >= 0.0);
-    let mut at = Integration { time: 0.0, state: *y, event: held, steps: 0, rejected: 0, evaluations: 1 };
+    let mut integration = Integration { time: 0.0, state: *y, event: held, steps: 0, rejected: 0, evaluations: 1 };
     if held.is_some() || t_end == 0.0 {
-        return Ok(at);
+        return Ok(integration);
     }
     let mut k1 = *slope;
     let least = LEAST_STEP * t_end;
     let mut h = first_step(y, &k1, t_end, tolerance);
-    while at.time < t_end {
+    while integration.time < t_end {
         // The last step is stretched a little rather than leaving a crumb behind.
-        let last = at.time + 1.01 * h >= t_end;
+        let last = integration.time + 1.01 * h >= t_end;
         if last {
-            h = t_end - at.time;
+            h = t_end - integration.time;
         }
-        let step = dormand_prince(&mut rhs, at.time, &at.state, &k1, h);
-        at.evaluations += 6;
-        let error = step.error_norm(&at.state, tolerance);
+        let step = dormand_prince(&mut rhs, integration.time, &integration.state, &k1, h);
+        integration.evaluations += 6;
+        let error = step.error_norm(&integration.state, tolerance);
         if error.is_nan() || error > 1.0 {
-            at.rejected += 1;
+            integration.rejected += 1;
             h *= if error.is_nan() { 0.1 } else { (0.9 * error.powf(-0.2)).max(0.2) };
             if h < least {
-                return Err(ModelError::StepTooSmall { time: at.time, step: least });
+                return Err(ModelError::StepTooSmall { time: integration.time, step: least });
             }
             continue;
         }
-        at.steps += 1;
-        let end = if last { t_end } else { at.time + h };
+        integration.steps += 1;
+        let end = if last { t_end } else { integration.time + h };
         let after = events(end, &step.end);
         let crossed = |i: usize| before[i] < 0.0 && after[i] >= 0.0;
         if (0..E).any(crossed) {
-            let dense = step.dense(&at.state, &k1, h);
-            let (share, index) = locate(&mut events, &dense, at.time, h, &before, &after);
-            watch(&Stretch { start: at.time, end: at.time + share * h, length: h, y: &at.state, k1: &k1, step: &step });
-            at.state = if share == 1.0 { step.end } else { dense.at(share) };
-            at.time += share * h;
-            at.event = Some(index);
-            return Ok(at);
+            let dense = step.dense(&integration.state, &k1, h);
+            let (share, index) = locate(&mut events, &dense, integration.time, h, &before, &after);
+            watch(&Stretch {
+                start: integration.time,
+                end: integration.time + share * h,
+                length: h,
+                y: &integration.state,
+                k1: &k1,
+                step: &step,
+            });
+            integration.state = if share == 1.0 { step.end } else { dense.at(share) };
+            integration.time += share * h;
+            integration.event = Some(index);
+            return Ok(integration);
         }
-        watch(&Stretch { start: at.time, end, length: h, y: &at.state, k1: &k1, step: &step });
-        at.time = end;
-        at.state = step.end;
+        watch(&Stretch { start: integration.time, end, length: h, y: &integration.state, k1: &k1, step: &step });
+        integration.time = end;
+        integration.state = step.end;
         k1 = step.k7;
         before = after;
         h *= (0.9 * error.max(1e-10).powf(-0.2)).clamp(0.2, 5.0);
     }
-    Ok(at)
+    Ok(integration)
 }
 
 /// [`integrate_watched`] in stages of at most `stage(slope)` seconds, `slope` being the right-hand

@@ -112,13 +112,13 @@ pub enum ParameterError {
 /// ```
 pub fn places(text: &str, offsets: &[usize]) -> Vec<(usize, usize)> {
     let (mut line, mut start) = (1, 0);
-    let of = |offset: &usize| {
+    let line_of = |offset: &usize| {
         while let Some(end) = text.get(start..).and_then(|rest| rest.find('\n')).filter(|end| start + end < *offset) {
             (line, start) = (line + 1, start + end + 1);
         }
         (line, place(text.get(start..).unwrap_or_default(), offset.saturating_sub(start)).1)
     };
-    offsets.iter().map(of).collect()
+    offsets.iter().map(line_of).collect()
 }
 
 /// Line and column, from 1, of a byte offset in `text`.
@@ -127,11 +127,11 @@ pub fn places(text: &str, offsets: &[usize]) -> Vec<(usize, usize)> {
 /// assert_eq!(toolroom_process::parameters::place("ab\ncd", 4), (2, 2));
 /// ```
 pub fn place(text: &str, offset: usize) -> (usize, usize) {
-    let mut at = offset.min(text.len());
-    while !text.is_char_boundary(at) {
-        at -= 1;
+    let mut boundary = offset.min(text.len());
+    while !text.is_char_boundary(boundary) {
+        boundary -= 1;
     }
-    let before = &text[..at];
+    let before = &text[..boundary];
     let line = before.matches('\n').count() + 1;
     let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
     (line, column)

@@ -186,20 +186,20 @@ pub trait MachineProcess: Send + Sync {
         times: &[f64],
         see: &mut dyn FnMut(usize, &[f64], &[f64]),
     ) -> Result<Advance, ModelError> {
-        let mut at = (x.to_vec(), u.to_vec());
+        let mut point = (x.to_vec(), u.to_vec());
         let mut y = vec![0.0; self.outputs().iter().map(|field| field.len).sum()];
         let advance = stop_at(
             times,
             dt,
-            &mut at,
+            &mut point,
             |(x, u), _, dt| self.advance(x, u, dt),
             |i, (x, u)| {
                 self.output(x, u, &mut y);
                 see(i, u, &y);
             },
         )?;
-        x.copy_from_slice(&at.0);
-        u.copy_from_slice(&at.1);
+        x.copy_from_slice(&point.0);
+        u.copy_from_slice(&point.1);
         Ok(advance)
     }
 }

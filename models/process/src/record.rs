@@ -25,13 +25,13 @@ pub trait Record: Copy + Default + Debug + PartialEq + Send + Sync + 'static {
         if self.fits() {
             return Ok(());
         }
-        let mut at = 0;
+        let mut index = 0;
         for field in Self::FIELDS {
             for _ in 0..field.len {
-                if let Some(value) = self.get(at) {
+                if let Some(value) = self.get(index) {
                     field.check(value)?;
                 }
-                at += 1;
+                index += 1;
             }
         }
         Ok(())
@@ -43,12 +43,12 @@ pub trait Record: Copy + Default + Debug + PartialEq + Send + Sync + 'static {
 
     /// Index of the first element of the field called `name`.
     fn index_of(name: &str) -> Option<usize> {
-        let mut at = 0;
+        let mut index = 0;
         for field in Self::FIELDS {
             if field.name == name {
-                return Some(at);
+                return Some(index);
             }
-            at += field.len;
+            index += field.len;
         }
         None
     }

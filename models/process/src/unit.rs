@@ -187,9 +187,9 @@ pub fn parse(text: &str) -> Result<Unit, (String, usize)> {
             let (factor, zero, dimension) = symbol(name).ok_or_else(unknown)?;
             let power = if part_index == 0 { power } else { -power };
             unit.factor *= factor.powi(i32::from(power));
-            for (total, each) in unit.dimension.iter_mut().zip(dimension) {
+            for (total, exponent) in unit.dimension.iter_mut().zip(dimension) {
                 // Nonsense such as m9 m9 … may not overflow; it fits nothing anyway.
-                *total = total.saturating_add(each.saturating_mul(power));
+                *total = total.saturating_add(exponent.saturating_mul(power));
             }
             if zero != 0.0 {
                 unit.offset = zero;
@@ -276,15 +276,20 @@ pub fn quantity(text: &str, si: &'static str) -> Result<f64, UnitError> {
             Err(UnitError::MissingUnit { text: body.to_owned(), accepted: accepted(si) })
         };
     }
-    let at = lead + end + (rest.len() - name.len());
+    let start = lead + end + (rest.len() - name.len());
     let unit = parse(name).map_err(|(unit, offset)| UnitError::UnknownUnit {
         unit,
-        at: at + offset,
+        at: start + offset,
         accepted: accepted(si),
     })?;
     let target = parse(si).unwrap_or(Unit { factor: 1.0, offset: 0.0, dimension: [0; 8] });
     if !compatible(unit.dimension, target.dimension) {
-        return Err(UnitError::WrongDimension { unit: name.to_owned(), at, expected: si, accepted: accepted(si) });
+        return Err(UnitError::WrongDimension {
+            unit: name.to_owned(),
+            at: start,
+            expected: si,
+            accepted: accepted(si),
+        });
     }
     Ok(ratio(number * unit.factor + unit.offset, target))
 }

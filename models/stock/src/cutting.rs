@@ -163,28 +163,29 @@ impl Cutting {
         // Greatest way of a rim point for a way of the centre.
         let moves = 1.0 + tool.radius * path.curvature.abs();
         // The newest motion comes back on itself only where it turns.
-        let own = (path.curvature != 0.0).then_some(Swath { path: *path, radius: tool.radius, floor: low });
-        let at = |way: f64, bottom: f64, slack: f64| -> Engaged {
+        let swath = (path.curvature != 0.0).then_some(Swath { path: *path, radius: tool.radius, floor: low });
+        let engaged_at = |way: f64, bottom: f64, slack: f64| -> Engaged {
             let place = Place {
                 centre: path.at(way),
                 radius: tool.radius,
                 bottom,
                 heading: path.heading + path.curvature * way,
             };
-            let own = own.map(|swath| Swath { path: Section { length: way, ..swath.path }, ..swath });
-            self.stock.engaged(&self.index, own.as_ref().filter(|_| way > 0.0), &place, slack)
+            let swath = swath.map(|swath| Swath { path: Section { length: way, ..swath.path }, ..swath });
+            self.stock.engaged(&self.index, swath.as_ref().filter(|_| way > 0.0), &place, slack)
         };
         let mut open = vec![(0.0, path.length)];
         while let Some((from, to)) = open.pop() {
             let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-            let bound = at(middle, low, half * moves);
+            let bound = engaged_at(middle, low, half * moves);
             if bound.layers.is_empty() {
                 *air += to - from;
                 continue;
             }
-            let samples = [from, middle, to].map(|way| at(way, middle_height, 0.0));
+            let samples = [from, middle, to].map(|way| engaged_at(way, middle_height, 0.0));
             let sampled = samples.iter().map(Engaged::angle).fold(0.0, f64::max);
-            let [first, second, third] = [&samples[0], &samples[1], &samples[2]].map(|own| own.area(tool.radius));
+            let [first, second, third] =
+                [&samples[0], &samples[1], &samples[2]].map(|engaged| engaged.area(tool.radius));
             let [most, least] = [first.max(second).max(third), first.min(second).min(third)];
             // The angle needs its bound close; volume and air need sections of chips that are alike, and near each other.
             let coarse =

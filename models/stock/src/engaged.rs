@@ -85,7 +85,7 @@ impl Stock {
 
     /// What of a cutter at `centre`, of `radius`, whose end is at the height `bottom` and that moves along `heading`, is in
     /// material that `index` and `own` swaths have left. Every point of the rim is taken to be deeper in material by `slack`.
-    pub(crate) fn engaged(&self, index: &Index, own: Option<&Swath>, place: &Place, slack: f64) -> Engaged {
+    pub(crate) fn engaged(&self, index: &Index, swath: Option<&Swath>, place: &Place, slack: f64) -> Engaged {
         let &Place { centre, radius, bottom, heading } = place;
         let low = bottom.max(self.base);
         if low >= self.top {
@@ -93,7 +93,7 @@ impl Stock {
         }
         let rim = Rim { centre, radius };
         let near = index.near(centre, radius);
-        let swaths: Vec<&Swath> = own.into_iter().chain(near).filter(|swath| swath.floor < self.top).collect();
+        let swaths: Vec<&Swath> = swath.into_iter().chain(near).filter(|swath| swath.floor < self.top).collect();
         let mut floors: Vec<f64> =
             swaths.iter().map(|swath| swath.floor).filter(|floor| *floor > low + LEVEL).chain([self.top]).collect();
         floors.sort_by(f64::total_cmp);

@@ -28,9 +28,9 @@ fn around(path: &Section, reach: f64) -> (Point, Point) {
     let mut low = Point { x: f64::INFINITY, y: f64::INFINITY };
     let mut high = Point { x: f64::NEG_INFINITY, y: f64::NEG_INFINITY };
     for i in 0..=parts {
-        let at = path.at(path.length * f64::from(i) / f64::from(parts));
-        low = Point { x: low.x.min(at.x), y: low.y.min(at.y) };
-        high = Point { x: high.x.max(at.x), y: high.y.max(at.y) };
+        let point = path.at(path.length * f64::from(i) / f64::from(parts));
+        low = Point { x: low.x.min(point.x), y: low.y.min(point.y) };
+        high = Point { x: high.x.max(point.x), y: high.y.max(point.y) };
     }
     // An arc bulges over the chord of a part by less than its sagitta.
     let bulge = if path.curvature == 0.0 { 0.0 } else { 0.01 / path.curvature.abs() };

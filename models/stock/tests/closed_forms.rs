@@ -74,18 +74,18 @@ fn what_is_engaged_is_what_is_gone() {
         let EventKind::Motion(motion) = event.expect("a motion").kind else { continue };
         let steps = (motion.length / 0.05).ceil().max(1.0) as u32;
         for step in 0..=steps {
-            let at = motion.position(f64::from(step) / f64::from(steps));
-            if at[2] >= 0.0 {
+            let position = motion.position(f64::from(step) / f64::from(steps));
+            if position[2] >= 0.0 {
                 continue;
             }
             let reach = 1e3 * radius;
             let cell = |value: f64| ((value / 0.1) - 0.5).floor() as i64;
-            for i in (cell(at[0] - reach)..=cell(at[0] + reach) + 1).filter(|i| (0..600).contains(i)) {
-                for j in (cell(at[1] - reach)..=cell(at[1] + reach) + 1).filter(|j| (0..400).contains(j)) {
+            for i in (cell(position[0] - reach)..=cell(position[0] + reach) + 1).filter(|i| (0..600).contains(i)) {
+                for j in (cell(position[1] - reach)..=cell(position[1] + reach) + 1).filter(|j| (0..400).contains(j)) {
                     let (x, y) = (0.1 * (i as f64 + 0.5), 0.1 * (j as f64 + 0.5));
-                    if (x - at[0]).hypot(y - at[1]) <= reach {
+                    if (x - position[0]).hypot(y - position[1]) <= reach {
                         let floor: &mut f64 = &mut floors[(i * 400 + j) as usize];
-                        *floor = floor.min(1e-3 * at[2]);
+                        *floor = floor.min(1e-3 * position[2]);
                     }
                 }
             }

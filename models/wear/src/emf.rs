@@ -39,10 +39,10 @@ pub(crate) struct Junction<N> {
 
 impl<N: Number> Emf<N> {
     /// Thermo-EMF, V.
-    pub(crate) fn value(&self, at: Junction<N>) -> N {
-        let rake = at.ambient + self.rake_heating_ratio * at.chip;
-        let contact = self.rake_contact_ratio * at.chip_thickness;
-        let mean = (contact * rake + at.land * at.temperature) / (contact + at.land);
+    pub(crate) fn value(&self, junction: Junction<N>) -> N {
+        let rake = junction.ambient + self.rake_heating_ratio * junction.chip;
+        let contact = self.rake_contact_ratio * junction.chip_thickness;
+        let mean = (contact * rake + junction.land * junction.temperature) / (contact + junction.land);
         self.offset + self.sensitivity * (mean - self.celsius_zero)
     }
 }

@@ -88,9 +88,9 @@ fn rule<const D: usize>(f: &mut impl FnMut(f64) -> [f64; D], from: f64, to: f64)
             }
         }
     };
-    for (node, at) in NODE.iter().enumerate().take(7) {
-        add(node, f(centre - half * at));
-        add(node, f(centre + half * at));
+    for (node, abscissa) in NODE.iter().enumerate().take(7) {
+        add(node, f(centre - half * abscissa));
+        add(node, f(centre + half * abscissa));
     }
     add(7, f(centre));
     (kronrod.map(|sum| half * sum), std::array::from_fn(|i| (half * (kronrod[i] - gauss[i])).abs()))

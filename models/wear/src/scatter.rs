@@ -314,15 +314,15 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let scatter = Scatter::shop();
         let edges: Vec<EdgeScatter> = (0..20_000).map(|_| scatter.sample_edge(&mut rng)).collect();
-        let of = |pick: fn(&EdgeScatter) -> f64| moments(&edges.iter().map(pick).collect::<Vec<_>>());
+        let moments_of = |pick: fn(&EdgeScatter) -> f64| moments(&edges.iter().map(pick).collect::<Vec<_>>());
         // Standard errors at 20 000 draws are 0.7 % of a mean of spread 1, 0.5 % of a deviation.
-        let (mean, deviation) = of(|e| e.wear_factor.ln());
+        let (mean, deviation) = moments_of(|e| e.wear_factor.ln());
         assert!(mean.abs() < 0.008 && (deviation - 0.28).abs() < 0.006, "{mean}, {deviation}");
-        let (mean, deviation) = of(|e| e.emf_gain);
+        let (mean, deviation) = moments_of(|e| e.emf_gain);
         assert!((mean - 1.0).abs() < 5e-4 && (deviation - 0.015).abs() < 4e-4, "{mean}, {deviation}");
-        let (mean, deviation) = of(|e| e.chipping_resistance);
+        let (mean, deviation) = moments_of(|e| e.chipping_resistance);
         assert!((mean - 1.0).abs() < 0.03 && (deviation - 1.0).abs() < 0.04, "{mean}, {deviation}");
-        let (mean, _) = of(|e| (e.initial_flank_wear * 1e3).ln());
+        let (mean, _) = moments_of(|e| (e.initial_flank_wear * 1e3).ln());
         assert!((mean - 0.005f64.ln()).abs() < 0.015, "{mean}");
     }
 

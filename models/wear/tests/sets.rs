@@ -201,11 +201,11 @@ proptest! {
     fn no_text_brings_the_reader_down(text in "\\PC{0,200}", cut in 0usize..4000, insert in "\\PC{0,8}") {
         let _ = ParameterSet::parse("any", &text, &TURNING_SETS);
         let mut broken = PARAMETER_SETS[0].1.to_owned();
-        let mut at = cut.min(broken.len());
-        while !broken.is_char_boundary(at) {
-            at -= 1;
+        let mut boundary = cut.min(broken.len());
+        while !broken.is_char_boundary(boundary) {
+            boundary -= 1;
         }
-        broken.insert_str(at, &insert);
+        broken.insert_str(boundary, &insert);
         let _ = ParameterSet::parse("any", &broken, &TURNING_SETS);
     }
 

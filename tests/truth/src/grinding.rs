@@ -180,7 +180,7 @@ fn records(case: &Case) -> String {
             clock = [0.0; 2];
         }
         let machine = dressing % 2;
-        let own = level(&mut chance, SCATTER * case.scatter);
+        let wheel_level = level(&mut chance, SCATTER * case.scatter);
         let (mut volume, mut worn, mut part) = (0.0, 0.0, 0);
         let mut readings = [0.02, 0.02, 0.02].map(Reading::new);
         let mut stock_reading = Reading::new(0.5);
@@ -199,7 +199,7 @@ fn records(case: &Case) -> String {
             clock[machine] += between as f64 * 95.0 + 40.0 * chance.uniform();
             let hours = clock[machine] / 3600.0;
             let touch = if dressing % 4 < 2 { 4.0 } else { -1.0 } * case.strength("operator_touch");
-            let mut force = 38.4 * force_level * own;
+            let mut force = 38.4 * force_level * wheel_level;
             force *= 1.0 + 0.33 * case.strength("wheel_dulling") * -(-volume / (1.5 * DULL)).exp_m1() * 1.5;
             if other_coolant {
                 force *= 1.0 - 0.08 * case.strength("coolant_change");

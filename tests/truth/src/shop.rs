@@ -184,11 +184,11 @@ impl Machine {
         // Stops come one after the other while the program runs.
         let rate = 1.5 * world.strength("micro_stops") / HOUR;
         if rate > 0.0 {
-            let mut at = -(1.0 - world.chance.uniform()).ln() / rate;
+            let mut time = -(1.0 - world.chance.uniform()).ln() / rate;
             let mut stopped = 0.0;
-            while at < running {
+            while time < running {
                 stopped += world.chance.delay(20.0);
-                at -= (1.0 - world.chance.uniform()).ln() / rate;
+                time -= (1.0 - world.chance.uniform()).ln() / rate;
             }
             cut += stopped;
         }

@@ -274,7 +274,7 @@ fn sections(studies: &[PassStudy<'_>]) -> String {
             let contour = study.planner.contour();
             let places = study.planner.pieces();
             for ((drawn, place), section) in contour.sections.iter().zip(places).zip(&plan.sections) {
-                let (shape, at) = (contour.shape(drawn), &section.evaluation);
+                let (shape, evaluation) = (contour.shape(drawn), &section.evaluation);
                 let mut row: Vec<Cell<'_>> = vec![
                     study.name.into(),
                     regime.clone().into(),
@@ -285,17 +285,17 @@ fn sections(studies: &[PassStudy<'_>]) -> String {
                     (drawn.length * MM).into(),
                     rpm(section).into(),
                     (section.setting.feed_per_tooth * MM).into(),
-                    (at.feed * 60.0 * MM).into(),
+                    (evaluation.feed * 60.0 * MM).into(),
                     section.time.into(),
                     section.life_fraction.into(),
                     section.active.map(Constraint::name).into(),
-                    (at.deflection * UM).into(),
-                    (at.path_error * UM).into(),
-                    (at.roughness * UM).into(),
-                    (at.power * 1e-3).into(),
-                    at.forces.normal.into(),
+                    (evaluation.deflection * UM).into(),
+                    (evaluation.path_error * UM).into(),
+                    (evaluation.roughness * UM).into(),
+                    (evaluation.power * 1e-3).into(),
+                    evaluation.forces.normal.into(),
                 ];
-                row.extend(at.ratios.iter().map(|(_, ratio)| Cell::Number(ratio)));
+                row.extend(evaluation.ratios.iter().map(|(_, ratio)| Cell::Number(ratio)));
                 rows.push(row);
             }
         }

@@ -31,9 +31,9 @@ fn kinds() -> Vec<(String, Style)> {
     const HATCHES: [Hatch; 6] =
         [Hatch::Crosshatch, Hatch::Horizontal, Hatch::Solid, Hatch::Slash, Hatch::Backslash, Hatch::Vertical];
     let style = |constraint: &Constraint| {
-        let at = ORDER.iter().position(|each| each == constraint).unwrap_or_default();
-        let style = Style::nth(at);
-        if at < 6 { style } else { style.hatch(HATCHES[at - 6]) }
+        let index = ORDER.iter().position(|each| each == constraint).unwrap_or_default();
+        let style = Style::nth(index);
+        if index < 6 { style } else { style.hatch(HATCHES[index - 6]) }
     };
     let constraints = Constraint::ALL.iter().map(|each| (each.name().to_owned(), style(each)));
     constraints.chain([("no limit, the objective".to_owned(), Style::IDLE)]).collect()

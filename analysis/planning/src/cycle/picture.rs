@@ -100,11 +100,11 @@ fn courses(design: &CycleDesign) -> [Plot; 5] {
     let phased = |plot: Plot| {
         let names = phase_names(cycle);
         let kinds = names.iter().enumerate().map(|(i, name)| ((*name).to_owned(), Style::nth(i + 3)));
-        let mut at = 0;
+        let mut start = 0;
         let intervals = cycle.phases.iter().enumerate().map(|(i, phase)| {
-            let from = cycle.course[at].time;
-            at += phase.revolutions as usize;
-            (from, cycle.course[at].time, i)
+            let from = cycle.course[start].time;
+            start += phase.revolutions as usize;
+            (from, cycle.course[start].time, i)
         });
         plot.strip("phase", kinds, intervals.collect::<Vec<_>>())
     };
@@ -152,16 +152,16 @@ fn phases(design: &CycleDesign) -> Table {
         "feed [mm/min]",
         "stock at its end [um]",
     ]);
-    let mut at = 0;
+    let mut start = 0;
     for (name, phase) in phase_names(cycle).into_iter().zip(&cycle.phases) {
-        at += phase.revolutions as usize;
+        start += phase.revolutions as usize;
         table.push([
             name.into(),
             (phase.infeed_per_rev * UM).into(),
             f64::from(phase.revolutions).into(),
             (f64::from(phase.revolutions) * period).into(),
             (phase.infeed_per_rev / period * 60e3).into(),
-            (cycle.course[at].stock_removed * UM).into(),
+            (cycle.course[start].stock_removed * UM).into(),
         ]);
     }
     table

@@ -105,9 +105,9 @@ fn interval(value: f64, ci95: Option<[f64; 2]>, digits: usize, how: &str) -> Str
 }
 
 fn stiffness(scatter: &Scatter) -> String {
-    let of = |value: f64| value * N_PER_UM;
-    let range = |[low, high]: [f64; 2]| format!("  ({:.1} … {:.1}, 95 %)", of(low), of(high));
-    format!("{:.2}{}", of(scatter.mean), scatter.ci95.map_or_else(String::new, range))
+    let in_display = |value: f64| value * N_PER_UM;
+    let range = |[low, high]: [f64; 2]| format!("  ({:.1} … {:.1}, 95 %)", in_display(low), in_display(high));
+    format!("{:.2}{}", in_display(scatter.mean), scatter.ci95.map_or_else(String::new, range))
 }
 
 /// A name that leaves the columns in place.

@@ -153,10 +153,10 @@ fn grid<P: Process + Clone>(
         }
         bounds.push(bound(&mut process, axis)?);
     }
-    let own = bounds.iter().any(|bound| matches!(bound.slot, Slot::Parameter(..)));
+    let own_parameters = bounds.iter().any(|bound| matches!(bound.slot, Slot::Parameter(..)));
     let row = |index: usize| -> Result<Row, PointError> {
         let changed;
-        let process = if own {
+        let process = if own_parameters {
             let mut copy = process.clone();
             for bound in &bounds {
                 if let Slot::Parameter(group, at) = bound.slot {
@@ -197,8 +197,8 @@ fn grid<P: Process + Clone>(
     let rows: Vec<Row> =
         (0..points).into_par_iter().map(told).collect::<Vec<_>>().into_iter().collect::<Result<_, _>>()?;
     let fields = [P::Input::FIELDS, P::State::FIELDS, P::Output::FIELDS].into_iter().flatten();
-    let own = fields.flat_map(|field| (0..field.len).map(move |element| (header(field, element), Some(field))));
-    let heads = own.chain(number_heads.iter().map(|head| ((*head).to_owned(), None)));
+    let field_heads = fields.flat_map(|field| (0..field.len).map(move |element| (header(field, element), Some(field))));
+    let heads = field_heads.chain(number_heads.iter().map(|head| ((*head).to_owned(), None)));
     let numbers = heads.enumerate().map(|(at, (head, field))| {
         let scale = Conversion::new(field.map_or("", |field| field.unit), field.map_or("", |field| field.display));
         (head, Column::Numbers(rows.iter().map(|(numbers, _)| scale.of(numbers[at])).collect()))
@@ -210,8 +210,8 @@ fn grid<P: Process + Clone>(
             columns.push((head, column));
         }
     }
-    for (at, head) in text_heads.iter().enumerate() {
-        columns.push(((*head).to_owned(), Column::Texts(rows.iter().map(|(_, texts)| texts[at].clone()).collect())));
+    for (index, head) in text_heads.iter().enumerate() {
+        columns.push(((*head).to_owned(), Column::Texts(rows.iter().map(|(_, texts)| texts[index].clone()).collect())));
     }
     Ok(PointGrid { process: P::NAME, columns })
 }
@@ -231,14 +231,14 @@ fn bound<'a, P: Process>(process: &mut P, axis: &Axis<'a>) -> Result<Bound<'a>, 
         Some((group, name)) => {
             let groups = process.parameters_mut();
             let known = groups.iter().map(|(name, _)| *name).collect();
-            let Some(at) = groups.iter().position(|(each, _)| *each == group) else {
+            let Some(place) = groups.iter().position(|(each, _)| *each == group) else {
                 return Err(PointError::NoGroup { group: group.to_owned(), known });
             };
-            let Some((index, field)) = scalar(groups[at].1.fields(), name) else {
-                let known = groups[at].1.fields().iter().map(|field| field.name).collect();
+            let Some((index, field)) = scalar(groups[place].1.fields(), name) else {
+                let known = groups[place].1.fields().iter().map(|field| field.name).collect();
                 return Err(PointError::NoParameter { group: group.to_owned(), name: name.to_owned(), known });
             };
-            (Slot::Parameter(at, index), field)
+            (Slot::Parameter(place, index), field)
         }
         None => {
             let input = scalar(P::Input::FIELDS, axis.key).map(|(at, field)| (Slot::Input(at), field));
@@ -292,11 +292,11 @@ mod tests {
             let grid =
                 PointGrid::new(process, &options(changes), &[axis]).unwrap_or_else(|error| panic!("{key}: {error}"));
             for (row, value) in values.iter().enumerate() {
-                let own = format!("{key}={value} {unit}");
-                let changes: Vec<&str> = changes.iter().copied().chain([own.as_str()]).collect();
+                let change = format!("{key}={value} {unit}");
+                let changes: Vec<&str> = changes.iter().copied().chain([change.as_str()]).collect();
                 let point = Point::new(process, &options(&changes)).expect("a point");
                 for (head, expected) in [point.inputs, point.state, point.outputs].concat() {
-                    let column = grid.columns.iter().find(|(own, _)| *own == head).map(|(_, column)| column);
+                    let column = grid.columns.iter().find(|(name, _)| *name == head).map(|(_, column)| column);
                     match (column, &expected) {
                         (Some(Column::Numbers(numbers)), Value::Number(number)) => {
                             assert_eq!(Some(numbers[row]), number.as_f64(), "{key} {value}: {head}");

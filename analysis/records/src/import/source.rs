@@ -76,13 +76,13 @@ fn located(file: &str, table: &RawTable, from: &str) -> Result<usize, ImportErro
 /// Indices of the rows that meet every condition.
 fn kept(file: &str, table: &RawTable, keep: &[Keep], report: &mut ReadReport) -> Result<Vec<usize>, ImportError> {
     let mut conditions = Vec::with_capacity(keep.len());
-    for each in keep {
-        conditions.push((located(file, table, &each.from)?, each));
+    for condition in keep {
+        conditions.push((located(file, table, &condition.from)?, condition));
     }
     let mut rows = Vec::with_capacity(table.rows.len());
     'rows: for (row, (line, cells)) in table.rows.iter().enumerate() {
-        for (at, keep) in &conditions {
-            let read = cells.get(*at).map_or("", String::as_str);
+        for (column, keep) in &conditions {
+            let read = cells.get(*column).map_or("", String::as_str);
             let fits = match &keep.is {
                 Some(text) => read == text,
                 None => number(read).is_some_and(|value| value >= keep.at_least && value <= keep.at_most),
@@ -112,9 +112,9 @@ fn column(
         Origin::Text(text) => return Ok(Cells::Texts(vec![text.clone(); rows.len()])),
         Origin::Column { from, unit, factor, values, .. } => (from, unit, *factor, values),
     };
-    let at = located(file, table, from)?;
-    let title = &table.header[at];
-    let cell = |row: &usize| table.rows[*row].1.get(at).map_or("", String::as_str);
+    let place = located(file, table, from)?;
+    let title = &table.header[place];
+    let cell = |row: &usize| table.rows[*row].1.get(place).map_or("", String::as_str);
     report.columns.push(format!("{title} → {}", column.header()));
     if column.kind == ColumnKind::Text {
         let word = |row: &usize| {

@@ -55,8 +55,8 @@ pub fn run_table(
     }
     let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(bytes);
     let header = reader.headers()?.clone();
-    let mut at = [0; COLUMNS.len()];
-    for (place, column) in at.iter_mut().zip(COLUMNS) {
+    let mut places = [0; COLUMNS.len()];
+    for (place, column) in places.iter_mut().zip(COLUMNS) {
         let found = header.iter().position(|name| name.trim_start_matches('\u{feff}') == column);
         *place = found.ok_or(RunTableError::MissingColumn { column })?;
     }
@@ -64,7 +64,7 @@ pub fn run_table(
     let mut passed = 0;
     for record in reader.records() {
         let record = record?;
-        let cell = |column: usize| record.get(at[column]).unwrap_or_default();
+        let cell = |column: usize| record.get(places[column]).unwrap_or_default();
         let number =
             |column: usize| cell(column).parse::<f64>().ok().filter(|value| value.is_finite() && *value >= 0.0);
         let numbers = [5, 6, 7, 8, 9].map(number);

@@ -67,8 +67,8 @@ pub fn runs(session: &Session, program: Option<&str>) -> Vec<Run> {
             && open.as_ref().is_some_and(|run| run.states.last().is_some_and(|last| last.block != state.block))
         {
             if state.block < ANEW * block {
-                let at = open.as_ref().and_then(|run| run.states.last()).map_or(state.time, |last| last.time);
-                finish(open.take(), at, false, &mut list);
+                let end = open.as_ref().and_then(|run| run.states.last()).map_or(state.time, |last| last.time);
+                finish(open.take(), end, false, &mut list);
             }
             paused = None;
         }
@@ -103,8 +103,8 @@ pub fn runs(session: &Session, program: Option<&str>) -> Vec<Run> {
 /// Feeds that a session reports, in the order of time.
 fn feeds(session: &Session) -> Vec<(f64, f64)> {
     let key = session.keys.get(&Role::Feed);
-    let own = session.entries.iter().filter(|entry| Some(&entry.key) == key);
-    own.filter_map(|entry| Some((entry.time, entry.value.as_deref()?.parse().ok()?))).collect()
+    let entries = session.entries.iter().filter(|entry| Some(&entry.key) == key);
+    entries.filter_map(|entry| Some((entry.time, entry.value.as_deref()?.parse().ok()?))).collect()
 }
 
 fn begun(session: &Session, state: MachineState, program: Option<&str>) -> Run {

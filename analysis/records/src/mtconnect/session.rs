@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn a_role_may_be_read_from_a_chosen_key() {
         let lines = parse_shdr("1|exec|READY|MyTool|7\n");
-        let own = sessions("m", &lines, &[(Role::Tool, "MyTool".to_owned())]);
-        assert_eq!(own[0].keys[&Role::Tool], "MyTool");
+        let found = sessions("m", &lines, &[(Role::Tool, "MyTool".to_owned())]);
+        assert_eq!(found[0].keys[&Role::Tool], "MyTool");
     }
 }

@@ -77,55 +77,55 @@ pub fn parse_shdr(text: &str) -> Lines {
     for (index, line) in text.lines().enumerate() {
         lines.count = index + 1;
         let line = line.trim_end_matches('\r').trim_start_matches('\u{feff}');
-        let at = index + 1;
+        let line_number = index + 1;
         if let Some(mark) = &document {
-            lines.passed.push((at, Passed::Asset));
+            lines.passed.push((line_number, Passed::Asset));
             if line.trim() == mark {
                 document = None;
             }
             continue;
         }
         if line.trim().is_empty() {
-            lines.passed.push((at, Passed::Empty));
+            lines.passed.push((line_number, Passed::Empty));
         } else if line.starts_with('*') {
-            lines.passed.push((at, Passed::Command));
+            lines.passed.push((line_number, Passed::Command));
         } else {
-            document = read_line(line, at, &mut lines);
+            document = read_line(line, line_number, &mut lines);
         }
     }
     lines
 }
 
 /// Reads one line; the answer is the end mark of a document that it opens.
-fn read_line(line: &str, at: usize, lines: &mut Lines) -> Option<String> {
+fn read_line(line: &str, line_number: usize, lines: &mut Lines) -> Option<String> {
     let mut fields = line.split('|');
     let Some(time) = fields.next().and_then(seconds) else {
-        lines.passed.push((at, Passed::NoTime));
+        lines.passed.push((line_number, Passed::NoTime));
         return None;
     };
     let fields: Vec<&str> = fields.map(str::trim).collect();
     if fields.is_empty() || fields[0].is_empty() {
-        lines.passed.push((at, Passed::NoValue));
+        lines.passed.push((line_number, Passed::NoValue));
         return None;
     }
     if fields[0].starts_with('@') {
-        lines.passed.push((at, Passed::Asset));
+        lines.passed.push((line_number, Passed::Asset));
         return fields.last().filter(|field| field.starts_with("--multiline--")).map(|mark| (*mark).to_owned());
     }
     let entry = |key: &str, value: &str| {
         let value = (!value.eq_ignore_ascii_case("unavailable")).then(|| value.to_owned());
-        Entry { time, line: at, key: key.to_owned(), value }
+        Entry { time, line: line_number, key: key.to_owned(), value }
     };
     if is_condition(&fields) {
         lines.entries.push(entry(fields[0], fields[1]));
-        lines.passed.push((at, Passed::Condition));
+        lines.passed.push((line_number, Passed::Condition));
         return None;
     }
     let pairs = fields.chunks_exact(2);
     if let [key] = pairs.remainder()
         && !key.is_empty()
     {
-        lines.passed.push((at, Passed::OddKey));
+        lines.passed.push((line_number, Passed::OddKey));
     }
     lines.entries.extend(pairs.filter(|pair| !pair[0].is_empty()).map(|pair| entry(pair[0], pair[1])));
     None

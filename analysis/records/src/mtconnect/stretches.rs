@@ -167,12 +167,12 @@ fn entries(samples: &[(f64, f64)], program: &Program, parts: &[Stretch], rapid_s
     for i in 1..clock.len() {
         clock[i] += clock[i - 1];
     }
-    let at = |line: f64| clock[(line as usize).min(clock.len() - 1)];
+    let time_at = |line: f64| clock[(line as usize).min(clock.len() - 1)];
     let entry = |part: &Stretch| {
         let line = program.blocks[part.blocks.start].line as f64;
         let after = samples.partition_point(|sample| sample.1 < line).clamp(1, samples.len() - 1);
         let ((t0, b0), (t1, b1)) = (samples[after - 1], samples[after]);
-        let share = (at(line) - at(b0)) / (at(b1) - at(b0));
+        let share = (time_at(line) - time_at(b0)) / (time_at(b1) - time_at(b0));
         t0 + (t1 - t0) * if share.is_finite() { share.clamp(0.0, 1.0) } else { 1.0 }
     };
     let mut ends: Vec<f64> = parts.iter().map(entry).collect();
@@ -239,9 +239,9 @@ mod tests {
 
     fn timed(log: &str) -> (Records, Vec<Untimed>) {
         let program = Program::read(PROGRAM, &toolroom_program::Control::default()).expect("a program");
-        let own: Vec<Run> =
-            sessions("mill", &parse_shdr(log), &[]).iter().flat_map(|own| runs(own, Some("P"))).collect();
-        stretches(&own.iter().collect::<Vec<_>>(), &program, 5.0, 0.5)
+        let found: Vec<Run> =
+            sessions("mill", &parse_shdr(log), &[]).iter().flat_map(|found| runs(found, Some("P"))).collect();
+        stretches(&found.iter().collect::<Vec<_>>(), &program, 5.0, 0.5)
     }
 
     #[test]

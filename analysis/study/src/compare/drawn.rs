@@ -105,8 +105,8 @@ pub(super) fn notes(scenario: &Scenario, study: &Study, decision: &Decision) -> 
     else {
         return notes;
     };
-    let (own, other) = (study.values(adaptive, cost), study.values(rival, cost));
-    let differences: Vec<f64> = own.iter().zip(&other).map(|(own, other)| own - other).collect();
+    let (costs, other) = (study.values(adaptive, cost), study.values(rival, cost));
+    let differences: Vec<f64> = costs.iter().zip(&other).map(|(cost, other)| cost - other).collect();
     let Some(found) = DrawnDifference::of_replications(&differences, per_draw as usize) else {
         notes.push(format!(
             "the parameters are drawn from a posterior; with fewer than two draws of {per_draw} replications the interval \

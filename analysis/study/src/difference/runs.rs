@@ -30,6 +30,15 @@ struct Row {
     difference: Interval,
 }
 
+/// Share of a key figure below which a paired difference is the rounding of sums that were added in another order:
+/// 10⁴ times the spacing of double precision (assumption: no figure is a sum of cancelling terms).
+const ROUNDING: f64 = 1e-12;
+
+/// Whether a paired difference of figures of this size is only rounding, in its mean and in every replication.
+fn is_rounding(difference: &Interval, size: f64) -> bool {
+    difference.mean.abs() <= ROUNDING * size && difference.half_width <= ROUNDING * size
+}
+
 /// What differs between two finished runs.
 #[derive(Clone, Debug)]
 pub struct RunDifference {
@@ -61,6 +70,9 @@ impl RunDifference {
                 [a, b].map(|sample| t_interval(&Vec::from_iter(sample.values().copied()), CONFIDENCE).mean);
             if one.is_finite() && two.is_finite() && one != two {
                 let difference = difference(a, b, unpaired_because.is_none());
+                if unpaired_because.is_none() && is_rounding(&difference, one.abs().max(two.abs())) {
+                    continue;
+                }
                 rows.push(Row { policy: policy.to_owned(), kpi: kpi.to_owned(), one, two, difference });
             }
         }
@@ -149,4 +161,19 @@ fn shown(difference: &Interval) -> String {
     }
     let digits = (1.0 - lead).max(0.0) as usize;
     format!("{:+.digits$} ± {half_width:.digits$}", difference.mean)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_rounding;
+    use toolroom_statistics::Interval;
+
+    #[test]
+    fn the_rounding_of_sums_is_no_difference() {
+        let interval = |mean, half_width| Interval { mean, half_width, count: 20 };
+        assert!(is_rounding(&interval(2.2e-17, 8.5e-17), 0.8));
+        // Replications that differ are shown, though their mean does not.
+        assert!(!is_rounding(&interval(2.2e-17, 1e-6), 0.8));
+        assert!(!is_rounding(&interval(-1e-6, 0.0), 0.8));
+    }
 }

@@ -69,8 +69,8 @@ fn oee_is_the_product_of_its_three_factors() {
     let scenario = fixture::scenario();
     let values = evaluate(&scenario, &fixture::log());
     for machine in [None, Some(0), Some(2)] {
-        let of = |id| value(&scenario, &values, id, machine);
-        assert!(near(of("oee"), of("availability") * of("effectiveness") * of("quality_ratio")), "{machine:?}");
+        let kpi = |id| value(&scenario, &values, id, machine);
+        assert!(near(kpi("oee"), kpi("availability") * kpi("effectiveness") * kpi("quality_ratio")), "{machine:?}");
     }
 }
 
@@ -109,15 +109,15 @@ fn nothing_before_the_end_of_the_warm_up_counts() {
     let mut scenario = fixture::scenario();
     scenario.warm_up = 600.0;
     let values = evaluate(&scenario, &fixture::log());
-    let of = |id| value(&scenario, &values, id, None);
-    assert_eq!(of("parts_per_shift"), 0.0);
-    assert_eq!(of("scrap_rate"), 1.0);
+    let kpi = |id| value(&scenario, &values, id, None);
+    assert_eq!(kpi("parts_per_shift"), 0.0);
+    assert_eq!(kpi("scrap_rate"), 1.0);
     // The scrapped operation has 90 of its 210 s left of handling and cut, and is planned for 360 s.
-    assert!(near(of("effectiveness"), 360.0 * 90.0 / 210.0 / 90.0));
+    assert!(near(kpi("effectiveness"), 360.0 * 90.0 / 210.0 / 90.0));
     // The second pass of the chipped edge has 90 of its 150 s left, one of one jobs 90 s.
-    assert!(near(of("wip"), 90.0 / 3000.0));
-    assert!(near(of("cutting_share"), 90.0 / 9000.0));
-    assert!(near(of("tool_life"), 150.0));
+    assert!(near(kpi("wip"), 90.0 / 3000.0));
+    assert!(near(kpi("cutting_share"), 90.0 / 9000.0));
+    assert!(near(kpi("tool_life"), 150.0));
     assert_eq!(value(&scenario, &values, "load", Some(2)), 0.0);
 }
 

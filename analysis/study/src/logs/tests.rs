@@ -36,8 +36,8 @@ fn read(folder: &Folder, table: &str) -> RawTable {
 
 /// Cells of a column.
 fn column<'a>(table: &'a RawTable, header: &str) -> Vec<&'a str> {
-    let at = table.header.iter().position(|each| each == header).expect("a column");
-    table.rows.iter().map(|(_, cells)| cells[at].as_str()).collect()
+    let index = table.header.iter().position(|each| each == header).expect("a column");
+    table.rows.iter().map(|(_, cells)| cells[index].as_str()).collect()
 }
 
 fn empty(cells: &[&str]) -> usize {

@@ -157,11 +157,11 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 fn order_answer(scenario: &Scenario, figures: &Figures, runs: &[&[f64]], order: usize) -> OrderAnswer {
-    let own = &scenario.orders[order];
+    let order_row = &scenario.orders[order];
     let mut finishes: Vec<f64> = runs.iter().map(|run| run[figures.finish(order)]).collect();
     let finished: Vec<f64> = finishes.iter().copied().filter(|finish| finish.is_finite()).collect();
-    let on_time = finished.iter().filter(|finish| **finish <= own.due).count();
-    let late: Vec<f64> = finished.iter().map(|finish| (finish - own.due).max(0.0)).collect();
+    let on_time = finished.iter().filter(|finish| **finish <= order_row.due).count();
+    let late: Vec<f64> = finished.iter().map(|finish| (finish - order_row.due).max(0.0)).collect();
     let good: Vec<f64> = runs.iter().map(|run| run[figures.good(order)]).collect();
     // An order that is not finished is later than all that are.
     finishes.iter_mut().filter(|finish| finish.is_nan()).for_each(|finish| *finish = f64::INFINITY);
@@ -176,7 +176,7 @@ fn order_answer(scenario: &Scenario, figures: &Figures, runs: &[&[f64]], order: 
     let lost = if finished.is_empty() {
         0.0
     } else {
-        f64::from(own.quantity - own.finished_before(&scenario.parts[own.part])) - mean(&good)
+        f64::from(order_row.quantity - order_row.finished_before(&scenario.parts[order_row.part])) - mean(&good)
     };
     OrderAnswer {
         order,
@@ -200,16 +200,16 @@ fn load_answer(figures: &Figures, runs: &[&[f64]], machine: usize, week: usize) 
 }
 
 fn queue_answer(figures: &Figures, runs: &[&[f64]], station: usize) -> QueueAnswer {
-    let of = |figure: QueueFigure| -> Vec<f64> {
+    let values_of = |figure: QueueFigure| -> Vec<f64> {
         runs.iter().map(|run| run[figures.queue(station, figure)]).filter(|value| value.is_finite()).collect()
     };
     let both = |figure: QueueFigure| {
-        let mut values = of(figure);
+        let mut values = values_of(figure);
         [mean(&values), upper(&mut values, 0.95)]
     };
     QueueAnswer {
         machines: figures.stations[station].clone(),
-        length: mean(&of(QueueFigure::MeanLength)),
+        length: mean(&values_of(QueueFigure::MeanLength)),
         longest: both(QueueFigure::MaximumLength),
         wait: both(QueueFigure::MeanWait),
     }

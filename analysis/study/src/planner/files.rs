@@ -65,16 +65,16 @@ fn write_orders<'a>(
     let mut csv = CsvWriter::new(out, header)?;
     for (policy, all) in every {
         for answer in all.orders {
-            let own = &scenario.orders[answer.order];
+            let order = &scenario.orders[answer.order];
             let [p50, p80, p95] = answer.quantiles.map(|finish| Cell::Own(finish.shown(scenario)));
             csv.row([
                 policy.into(),
-                (&own.id).into(),
-                (&scenario.parts[own.part].name).into(),
-                (&own.customer).into(),
-                own.quantity.into(),
-                shown(scenario, own.release).into(),
-                shown(scenario, own.due).into(),
+                (&order.id).into(),
+                (&scenario.parts[order.part].name).into(),
+                (&order.customer).into(),
+                order.quantity.into(),
+                shown(scenario, order.release).into(),
+                shown(scenario, order.due).into(),
                 shown(scenario, answer.mean).into(),
                 p50,
                 p80,
@@ -150,14 +150,14 @@ pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value)
     let weeks = Figures::of(scenario).weeks;
     let number = |value: f64| value.is_finite().then_some(value);
     let order = |answer: &OrderAnswer| {
-        let own = &scenario.orders[answer.order];
+        let order = &scenario.orders[answer.order];
         let [p50, p80, p95] = answer.quantiles.map(|finish| finish.shown(scenario));
         json!({
-            "id": own.id,
-            "part": scenario.parts[own.part].name,
-            "customer": own.customer,
-            "quantity": own.quantity,
-            "due": shown(scenario, own.due),
+            "id": order.id,
+            "part": scenario.parts[order.part].name,
+            "customer": order.customer,
+            "quantity": order.quantity,
+            "due": shown(scenario, order.due),
             "finish": { "mean": shown(scenario, answer.mean), "p50": p50, "p80": p80, "p95": p95 },
             "tardiness [min]": number(answer.tardiness / 60.0),
             "on_time": { "share": answer.share, "ci95": answer.interval },
@@ -166,7 +166,7 @@ pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value)
         })
     };
     let resource = |machine: usize| {
-        let own = all.loads.iter().filter(|answer| answer.machine == machine).map(|answer| {
+        let weeks = all.loads.iter().filter(|answer| answer.machine == machine).map(|answer| {
             let mut week = json!({
                 "week": weeks[answer.week].name,
                 "load": { "mean": number(answer.load()), "p90": number(answer.high_load) },
@@ -176,7 +176,7 @@ pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value)
             }
             week
         });
-        json!({ "name": scenario.machines[machine].name, "weeks": own.collect::<Vec<_>>() })
+        json!({ "name": scenario.machines[machine].name, "weeks": weeks.collect::<Vec<_>>() })
     };
     let queues = all.queues.iter().map(|answer| {
         json!({
@@ -206,12 +206,12 @@ pub fn late_orders(scenario: &Scenario, study: &Study) -> String {
     let _ = writeln!(out, "\n{} of {count} orders are late in some replication", risky.len());
     let mut rows = vec![["order", "part", "due", "finish P50", "P95", "on time", "95 %"].map(str::to_owned)];
     for answer in risky.iter().take(MOST_NAMED) {
-        let own = &scenario.orders[answer.order];
+        let order = &scenario.orders[answer.order];
         let percent = |share: f64| format!("{:.0}", 100.0 * share);
         rows.push([
-            own.id.clone(),
-            scenario.parts[own.part].name.clone(),
-            shown(scenario, own.due),
+            order.id.clone(),
+            scenario.parts[order.part].name.clone(),
+            shown(scenario, order.due),
             answer.quantiles[0].shown(scenario),
             answer.quantiles[2].shown(scenario),
             format!("{} %", percent(answer.share)),

@@ -244,10 +244,10 @@ impl Figures {
                 waits[station(job.part, *operation)].push((*from, log.horizon));
             }
         }
-        for (place, own) in waits.iter().enumerate() {
-            let length: f64 = own.iter().map(|(from, to)| to - from).sum::<f64>() / log.horizon;
+        for (place, intervals) in waits.iter().enumerate() {
+            let length: f64 = intervals.iter().map(|(from, to)| to - from).sum::<f64>() / log.horizon;
             values[self.queue(place, QueueFigure::MeanLength)] = length;
-            values[self.queue(place, QueueFigure::MaximumLength)] = f64::from(most_at_once(own));
+            values[self.queue(place, QueueFigure::MaximumLength)] = f64::from(most_at_once(intervals));
             values[self.queue(place, QueueFigure::MeanWait)] =
                 if begun[place] > 0.0 { total[place] / begun[place] } else { f64::NAN };
         }

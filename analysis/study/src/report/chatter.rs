@@ -103,8 +103,9 @@ impl Pair<'_> {
         let rows = log.passes.iter().filter(|row| row.machine as usize == self.machine && row.end > warm);
         let judged = rows.filter(|row| row.stability_margin.is_finite());
         let with_diameter = judged.filter_map(|row| {
-            let of = |entry: &&(u32, u32, &Operation, &Cut)| (entry.0, entry.1) == (row.part, row.operation);
-            let (.., cut) = self.operations.iter().find(of)?;
+            let same_operation =
+                |entry: &&(u32, u32, &Operation, &Cut)| (entry.0, entry.1) == (row.part, row.operation);
+            let (.., cut) = self.operations.iter().find(same_operation)?;
             Some((row, diameter(source.scenario, self.tool, cut)?))
         });
         with_diameter.collect()
@@ -147,15 +148,15 @@ impl Pair<'_> {
         for (_, _, operation, cut) in &self.operations {
             let process = &source.scenario.tools[self.tool].process;
             let Some(diameter) = diameter(source.scenario, self.tool, cut) else { continue };
-            let of = if self.operations.len() > 1 { format!("{}, ", operation.name) } else { String::new() };
+            let prefix = if self.operations.len() > 1 { format!("{}, ", operation.name) } else { String::new() };
             for (label, wear) in [("new edge", 0.0), ("median wear", worn)] {
-                let at = |i: usize| {
+                let point = |i: usize| {
                     let speed = from + (to - from) * i as f64 / (SPEEDS - 1) as f64;
                     let cutting_speed = speed / 60.0 * PI * diameter;
                     let depth = nominal_limit(process, cut, cutting_speed, wear).map_or(f64::NAN, millimetres);
                     (speed, if depth <= top { depth } else { f64::NAN })
                 };
-                lobes = lobes.boundary(format!("nominal limit, {of}{label}"), (0..SPEEDS).map(at));
+                lobes = lobes.boundary(format!("nominal limit, {prefix}{label}"), (0..SPEEDS).map(point));
             }
         }
         let limits = limits.into_values().map(|(speed, depth)| (speed, millimetres(depth)));

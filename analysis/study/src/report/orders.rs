@@ -31,14 +31,14 @@ pub(super) fn section(source: &Source<'_>) -> Option<Section> {
             "to",
         ]);
         for answer in all.orders.iter().filter(|answer| answer.on_time < answer.replications) {
-            let own = &scenario.orders[answer.order];
+            let order = &scenario.orders[answer.order];
             let [half, most, nearly_all] = answer.quantiles.map(|finish| finish.shown(scenario));
             late.push([
-                own.id.as_str().into(),
-                scenario.parts[own.part].name.as_str().into(),
-                own.customer.as_str().into(),
-                own.quantity.to_string().into(),
-                crate::planner::shown(scenario, own.due).into(),
+                order.id.as_str().into(),
+                scenario.parts[order.part].name.as_str().into(),
+                order.customer.as_str().into(),
+                order.quantity.to_string().into(),
+                crate::planner::shown(scenario, order.due).into(),
                 half.into(),
                 most.into(),
                 nearly_all.into(),
@@ -55,8 +55,8 @@ pub(super) fn section(source: &Source<'_>) -> Option<Section> {
         let header = std::iter::once("machine").chain(weeks.iter().map(|week| week.name.as_str()));
         let mut loads = Table::new(header);
         for (machine, kind) in scenario.machines.iter().enumerate() {
-            let own = all.loads.iter().filter(|answer| answer.machine == machine);
-            let cells = own.map(|answer| plain(100.0 * answer.load(), 0).into());
+            let weeks = all.loads.iter().filter(|answer| answer.machine == machine);
+            let cells = weeks.map(|answer| plain(100.0 * answer.load(), 0).into());
             loads.push(std::iter::once(kind.name.as_str().into()).chain(cells));
         }
         section = section.table(format!("Load by week, % of the planned busy time: {name}"), loads);

@@ -159,8 +159,8 @@ mod tests {
     #[test]
     fn states_are_told_apart() {
         let styles = MachineState::ALL.map(|state| (style(state).1.colour, style(state).1.hatch));
-        for (i, own) in styles.iter().enumerate() {
-            assert!(!styles[..i].contains(own), "{:?} looks like another state", MachineState::ALL[i]);
+        for (i, style) in styles.iter().enumerate() {
+            assert!(!styles[..i].contains(style), "{:?} looks like another state", MachineState::ALL[i]);
         }
     }
 }

@@ -328,12 +328,12 @@ impl Field<'_> {
     }
 
     fn shown(&self, values: &[f64]) -> String {
-        let each = self
+        let steps = self
             .axes
             .iter()
             .zip(values)
             .map(|(axis, value)| format!("{} {}", axis.setting.key(), axis.setting.shown(*value)));
-        each.collect::<Vec<_>>().join(", ")
+        steps.collect::<Vec<_>>().join(", ")
     }
 
     /// What was found.
@@ -361,12 +361,12 @@ impl Field<'_> {
         let flat: Vec<&Point> = self.points.iter().filter(flat).collect();
         let settings = self.axes.iter().enumerate().map(|(number, axis)| {
             let value = best.values[number];
-            let of = |points: &mut dyn Iterator<Item = &Point>| {
+            let spread_of = |points: &mut dyn Iterator<Item = &Point>| {
                 let values: Vec<f64> = points.map(|point| point.values[number]).collect();
                 (values.iter().copied().fold(value, f64::min), values.iter().copied().fold(value, f64::max))
             };
-            let (least, greatest) = of(&mut self.points.iter());
-            let (low, high) = of(&mut flat.iter().copied());
+            let (least, greatest) = spread_of(&mut self.points.iter());
+            let (low, high) = spread_of(&mut flat.iter().copied());
             TunedSetting {
                 key: axis.setting.key().to_owned(),
                 value: axis.setting.shown(value),

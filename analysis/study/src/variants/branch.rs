@@ -80,20 +80,20 @@ fn hours(scenario: &Scenario, calendar: Option<usize>) -> Hours {
 fn join(
     calendars: &mut Vec<ShiftCalendar>,
     after: &Scenario,
-    own: Option<usize>,
+    calendar: Option<usize>,
     (at, earlier): (f64, Hours),
 ) -> Option<usize> {
-    let later = hours(after, own);
+    let later = hours(after, calendar);
     if earlier == later {
-        return own;
+        return calendar;
     }
-    let usual = own.map(|own| &after.calendars[own]);
-    let name = format!("{} from {at} s", usual.map_or("always", |own| own.name.as_str()));
+    let usual = calendar.map(|calendar| &after.calendars[calendar]);
+    let name = format!("{} from {at} s", usual.map_or("always", |calendar| calendar.name.as_str()));
     calendars.push(ShiftCalendar {
         name,
         time: WorkingTime::Joined(Box::new(Joined { at, before: earlier, after: later })),
-        at_end: usual.map_or(Interruption::Resume, |own| own.at_end),
-        finish_within: usual.map_or(0.0, |own| own.finish_within),
+        at_end: usual.map_or(Interruption::Resume, |calendar| calendar.at_end),
+        finish_within: usual.map_or(0.0, |calendar| calendar.finish_within),
     });
     Some(calendars.len() - 1)
 }
@@ -114,8 +114,8 @@ fn urgencies(before: &Scenario, after: &Scenario, at: f64) -> Result<Vec<Urgency
             }
             Some(_) => {}
             None if order.release < at => {
-                let (release, at) = (when(order.release), when(at));
-                return Err(format!("order \"{}\" is new, but released at {release}, before {at}", order.id));
+                let (release, branch_time) = (when(order.release), when(at));
+                return Err(format!("order \"{}\" is new, but released at {release}, before {branch_time}", order.id));
             }
             None => {}
         }

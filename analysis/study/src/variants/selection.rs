@@ -173,11 +173,11 @@ impl Found {
 
     /// In words: what was selected, what that means, and what it took.
     pub(crate) fn sentences(&self) -> Vec<String> {
-        let each: Vec<String> =
+        let counts: Vec<String> =
             self.names.iter().zip(&self.replications).map(|(name, count)| format!("{name} {count}")).collect();
         let runs: u32 = self.replications.iter().sum();
         let cost =
-            format!("{runs} runs: {}; the same number of each would have been {}", each.join(", "), self.equal());
+            format!("{runs} runs: {}; the same number of each would have been {}", counts.join(", "), self.equal());
         match self.best {
             Some(best) => vec![
                 format!("selected by {}: {}", self.asked, self.names[best]),
@@ -200,13 +200,13 @@ impl Found {
 
     /// `selection` of the summary.
     pub(crate) fn json(&self) -> Value {
-        let each = self.names.iter().zip(&self.replications).map(|(name, count)| (name.clone(), json!(count)));
+        let counts = self.names.iter().zip(&self.replications).map(|(name, count)| (name.clone(), json!(count)));
         json!({
             "procedure": "kn",
             "by": self.asked,
             "best": self.best.map(|best| self.names[best].as_str()),
             "confidence": CONFIDENCE,
-            "replications": each.collect::<serde_json::Map<_, _>>(),
+            "replications": counts.collect::<serde_json::Map<_, _>>(),
             "equal_allocation": self.equal(),
         })
     }

@@ -112,9 +112,13 @@ fn start(variable: &Variable) -> Option<String> {
 fn size(description: &ModelDescription, variable: &Variable) -> Option<String> {
     for dimension in &variable.dimensions {
         let Dimension::Of(reference) = *dimension else { continue };
-        let of = description.variables.iter().find(|each| each.reference == reference);
-        let sizes = |of: &&Variable| of.causality == "structuralParameter" || of.variability == "constant";
-        if !of.is_some_and(|of| sizes(&of) && of.value_type == ValueType::Integer(64, false)) {
+        let referenced = description.variables.iter().find(|each| each.reference == reference);
+        let sizes = |referenced: &&Variable| {
+            referenced.causality == "structuralParameter" || referenced.variability == "constant"
+        };
+        if !referenced
+            .is_some_and(|referenced| sizes(&referenced) && referenced.value_type == ValueType::Integer(64, false))
+        {
             return Some(format!("the dimension {reference} is no structural parameter or constant of type UInt64"));
         }
     }

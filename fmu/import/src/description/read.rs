@@ -35,8 +35,8 @@ impl Lines {
         Self(text[mark..].bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect())
     }
 
-    fn line(&self, at: usize) -> u32 {
-        self.0.partition_point(|end| *end < at) as u32 + 1
+    fn line(&self, offset: usize) -> u32 {
+        self.0.partition_point(|end| *end < offset) as u32 + 1
     }
 }
 
@@ -188,11 +188,12 @@ impl Reader {
     /// Types with the unit that they carry; FMI 2.0 has it on a child element.
     fn types(&mut self, node: Node<'_, '_>) -> BTreeMap<String, Option<String>> {
         let mut types = BTreeMap::new();
-        for each in elements(node) {
-            let Some(name) = self.required(each, "name") else { continue };
-            let unit = each.attribute("unit").or_else(|| elements(each).find_map(|child| child.attribute("unit")));
+        for unit_node in elements(node) {
+            let Some(name) = self.required(unit_node, "name") else { continue };
+            let unit =
+                unit_node.attribute("unit").or_else(|| elements(unit_node).find_map(|child| child.attribute("unit")));
             if types.insert(name.to_owned(), unit.map(str::to_owned)).is_some() {
-                self.fault(each, format!("two types are called {name}"));
+                self.fault(unit_node, format!("two types are called {name}"));
             }
         }
         types
@@ -257,18 +258,20 @@ impl Reader {
             });
             let initial =
                 element.attribute("initial").map(str::to_owned).or_else(|| default_initial(&causality, &variability));
-            if let Some(of) = typed.attribute("derivative") {
-                derivatives.push((description.variables.len(), of.to_owned(), line));
+            if let Some(state) = typed.attribute("derivative") {
+                derivatives.push((description.variables.len(), state.to_owned(), line));
             }
             let unit = typed.attribute("unit").map(str::to_owned).or_else(type_unit);
             let shown = std::iter::once(typed)
                 .chain(elements(element))
                 .filter_map(|each| Some((each, each.attribute("displayUnit")?)));
-            for (each, display) in shown.filter(|(each, _)| *each == typed || each.tag_name().name() == "Alias") {
+            for (type_node, display) in
+                shown.filter(|(type_node, _)| *type_node == typed || type_node.tag_name().name() == "Alias")
+            {
                 let known = unit.as_ref().and_then(|unit| description.units.get(unit));
                 if !known.is_some_and(|unit| unit.display.iter().any(|known| known == display)) {
-                    let of = unit.as_deref().map_or_else(String::new, |unit| format!(" of unit \"{unit}\""));
-                    self.fault(each, format!("displayUnit \"{display}\" is not among those{of}"));
+                    let with_unit = unit.as_deref().map_or_else(String::new, |unit| format!(" of unit \"{unit}\""));
+                    self.fault(type_node, format!("displayUnit \"{display}\" is not among those{with_unit}"));
                 }
             }
             description.variables.push(Variable {
@@ -356,10 +359,10 @@ impl Reader {
                 };
                 let dependencies = unknown.attribute("dependencies").map(|list| {
                     let mut known = Vec::new();
-                    for each in list.split_whitespace() {
-                        match self.variable(each, description, &by_reference) {
+                    for reference in list.split_whitespace() {
+                        match self.variable(reference, description, &by_reference) {
                             Some(index) => known.push(index),
-                            None => self.fault(unknown, format!("dependency \"{each}\" names no variable")),
+                            None => self.fault(unknown, format!("dependency \"{reference}\" names no variable")),
                         }
                     }
                     known

@@ -141,8 +141,8 @@ fn attribute_faults(node: Node<'_, '_>, attributes: &str) -> Vec<String> {
             Some(_) | None => {}
         }
     }
-    let own = node.attributes().filter(|attribute| attribute.namespace().is_none());
-    let unknown = own.filter(|attribute| !known.contains(&attribute.name()));
+    let plain = node.attributes().filter(|attribute| attribute.namespace().is_none());
+    let unknown = plain.filter(|attribute| !known.contains(&attribute.name()));
     faults.extend(unknown.map(|attribute| format!("<{element}> has no attribute {}", attribute.name())));
     faults
 }
@@ -169,9 +169,9 @@ fn element_faults<'a, 'i>(node: Node<'a, 'i>, inside: &str) -> Vec<(Node<'a, 'i>
 
 /// Whether an attribute is of a kind.
 fn fits(value: &str, kind: &str) -> bool {
-    if let Some(each) = kind.strip_suffix(['*', '+']) {
+    if let Some(item) = kind.strip_suffix(['*', '+']) {
         let mut values = value.split_whitespace().peekable();
-        return (kind.ends_with('*') || values.peek().is_some()) && values.all(|value| fits(value, each));
+        return (kind.ends_with('*') || values.peek().is_some()) && values.all(|value| fits(value, item));
     }
     let value = value.trim();
     // The schemas have no sign of exponents or infinities that Rust does not read; it reads more.

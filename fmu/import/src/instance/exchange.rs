@@ -255,10 +255,10 @@ impl<E: Equations> Calls for Exchange<E> {
     }
 
     fn deserialize(&mut self, bytes: &[u8]) -> Result<(), CallError> {
-        let Some((own, next)) = bytes.split_last_chunk() else {
+        let Some((head, next)) = bytes.split_last_chunk() else {
             return Err(self.unit.stuck("too few bytes of a saved state".to_owned()));
         };
-        self.unit.deserialize(own)?;
+        self.unit.deserialize(head)?;
         self.next = Some(f64::from_le_bytes(*next)).filter(|next| !next.is_nan());
         Ok(())
     }

@@ -120,14 +120,14 @@ impl Workers {
         let worker = if alone {
             Arc::new(Mutex::new(self.worker().map_err(failed)?))
         } else {
-            let own = std::thread::current().id();
+            let current = std::thread::current().id();
             let known = {
                 let mut shelf = self.shelf();
                 // Workers of threads that have gone hold no instance any more.
                 shelf.shared.retain(|_, (thread, worker)| {
-                    (*thread == own || Arc::strong_count(worker) > 1) && locked(worker).dead.is_none()
+                    (*thread == current || Arc::strong_count(worker) > 1) && locked(worker).dead.is_none()
                 });
-                shelf.shared.values().find(|(thread, _)| *thread == own).map(|(_, worker)| Arc::clone(worker))
+                shelf.shared.values().find(|(thread, _)| *thread == current).map(|(_, worker)| Arc::clone(worker))
             };
             match known {
                 Some(worker) => worker,
@@ -135,7 +135,7 @@ impl Workers {
                     let worker = Arc::new(Mutex::new(self.worker().map_err(failed)?));
                     let mut shelf = self.shelf();
                     let key = shelf.shared.last_key_value().map_or(0, |(key, _)| key + 1);
-                    shelf.shared.insert(key, (own, Arc::clone(&worker)));
+                    shelf.shared.insert(key, (current, Arc::clone(&worker)));
                     worker
                 }
             }

@@ -154,19 +154,19 @@ fn m8_constraint_ratios() {
             [703.238, 539.224, -570.53, 1.8125, 5.93333, 0.038696, 0.0493036, 166.882]),
     ];
     for (section, ratios, [ft, fn_, ff, immersion, rz, deflection, error, life]) in table {
-        let at = planner.evaluate(section, setting(1600.0, 0.08)).unwrap();
-        six("feed", at.feed * 60e3, 512.0);
+        let evaluation = planner.evaluate(section, setting(1600.0, 0.08)).unwrap();
+        six("feed", evaluation.feed * 60e3, 512.0);
         for (name, ratio) in NAMES.into_iter().zip(ratios) {
-            six(name.name(), at.ratios.of(name), ratio);
+            six(name.name(), evaluation.ratios.of(name), ratio);
         }
-        six("Ft", at.forces.tangential, ft);
-        six("Fn", at.forces.normal, fn_);
-        six("Ff", at.forces.feed, ff);
-        six("immersion", at.engagement.immersion * 1e3, immersion);
-        six("Rz", at.roughness * 1e6, rz);
-        six("deflection", at.deflection * 1e3, deflection);
-        six("path error", at.path_error * 1e3, error);
-        six("life", at.tool_life / 60.0, life);
+        six("Ft", evaluation.forces.tangential, ft);
+        six("Fn", evaluation.forces.normal, fn_);
+        six("Ff", evaluation.forces.feed, ff);
+        six("immersion", evaluation.engagement.immersion * 1e3, immersion);
+        six("Rz", evaluation.roughness * 1e6, rz);
+        six("deflection", evaluation.deflection * 1e3, deflection);
+        six("path error", evaluation.path_error * 1e3, error);
+        six("life", evaluation.tool_life / 60.0, life);
     }
 }
 

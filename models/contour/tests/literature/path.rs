@@ -112,8 +112,8 @@ fn m12_path_errors_on_arcs() {
         six("bent", force / Machine::default().structural_stiffness * 1e6, bent);
     }
     for (step, error) in [(0.02, 98.3652), (0.01, 49.1747), (0.005, 24.5853), (0.001, 4.91675)] {
-        let at = PathError::ExplicitEuler { step }.magnitude(590.0 * MM_PER_MIN, 50e-3, FRAC_PI_2, GAIN);
-        six("Euler", at * 1e6, error);
+        let magnitude = PathError::ExplicitEuler { step }.magnitude(590.0 * MM_PER_MIN, 50e-3, FRAC_PI_2, GAIN);
+        six("Euler", magnitude * 1e6, error);
     }
     six("impulse", corner_impulse(300.0, 250.0 * MM_PER_MIN, FRAC_PI_2, 0.01), 176.777);
     six("impulse", corner_impulse(300.0, 1120.0 * MM_PER_MIN, FRAC_PI_2, 0.01), 791.96);

@@ -164,15 +164,15 @@ impl Definition {
         static ALL: Mutex<Vec<&'static Definition>> = Mutex::new(Vec::new());
         let text = text_of(draft);
         let known = |all: &Vec<&'static Self>| all.iter().copied().find(|own| own.text == text);
-        if let Some(own) = known(&ALL.lock().unwrap_or_else(std::sync::PoisonError::into_inner)) {
-            return Ok(own);
+        if let Some(same) = known(&ALL.lock().unwrap_or_else(std::sync::PoisonError::into_inner)) {
+            return Ok(same);
         }
         let definition = Self::checked(draft, text.clone())?;
         let mut all = ALL.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         Ok(known(&all).unwrap_or_else(|| {
-            let own: &'static Self = Box::leak(Box::new(definition));
-            all.push(own);
-            own
+            let kept: &'static Self = Box::leak(Box::new(definition));
+            all.push(kept);
+            kept
         }))
     }
 
@@ -180,9 +180,9 @@ impl Definition {
         let size = Amount { si: 0.0, ..draft.ordinary.clone() };
         let title = if draft.title.is_empty() { &draft.id } else { &draft.title };
         let mut fields = vec![field("size", &size, draft.range.clone().map(|end| end.si), title)];
-        for own in &draft.shape {
-            let range = own.range.as_ref().map_or([own.value.si; 2], |range| [range[0].si, range[1].si]);
-            fields.push(field(&own.name, &own.value, range, "number of the shape"));
+        for parameter in &draft.shape {
+            let range = parameter.range.as_ref().map_or([parameter.value.si; 2], |range| [range[0].si, range[1].si]);
+            fields.push(field(&parameter.name, &parameter.value, range, "number of the shape"));
         }
         let fields: &'static [Field] = Vec::leak(fields);
         let none = |i: usize| format!("(shape {i})");

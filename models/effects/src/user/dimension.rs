@@ -68,20 +68,20 @@ pub(crate) fn of(node: &Node, names: &[Powers]) -> Result<Powers, FormulaError> 
 
 /// Unit of a part that may be no temperature on the scale of Celsius.
 fn difference(node: &Node, names: &[Powers]) -> Result<Powers, FormulaError> {
-    let own = meaning(node, names)?;
-    if own.celsius {
+    let meant = meaning(node, names)?;
+    if meant.celsius {
         let message = "a temperature in degC stands beside another temperature only (compared, subtracted, min, max); a difference is in K";
         return Err(refused(node, message));
     }
-    Ok(own.powers)
+    Ok(meant.powers)
 }
 
 fn number(node: &Node, names: &[Powers], whose: &str) -> Result<(), FormulaError> {
-    let own = difference(node, names)?;
-    if same(&own, &NUMBER) {
+    let base = difference(node, names)?;
+    if same(&base, &NUMBER) {
         Ok(())
     } else {
-        Err(refused(node, format!("{whose} needs a number, has {}", words(&own))))
+        Err(refused(node, format!("{whose} needs a number, has {}", words(&base))))
     }
 }
 
@@ -152,15 +152,15 @@ fn binary(node: &Node, operator: Binary, left: &Node, right: &Node, names: &[Pow
 }
 
 fn power(node: &Node, base: &Node, exponent: &Node, names: &[Powers]) -> Result<Meaning, FormulaError> {
-    let of = difference(base, names)?;
+    let base_dimension = difference(base, names)?;
     number(exponent, names, "the exponent of ^")?;
-    if same(&of, &NUMBER) {
+    if same(&base_dimension, &NUMBER) {
         return Ok(Meaning { powers: NUMBER, celsius: false });
     }
     match constant(exponent) {
-        Some(exponent) => Ok(Meaning { powers: of.map(|power| power * exponent), celsius: false }),
+        Some(exponent) => Ok(Meaning { powers: base_dimension.map(|power| power * exponent), celsius: false }),
         None => {
-            let message = format!("the base has the unit {}: the exponent of ^ is a constant there", words(&of));
+            let message = format!("the base has the unit {}: the exponent of ^ is a constant there", words(&base_dimension));
             Err(refused(node, message))
         }
     }
@@ -246,14 +246,14 @@ pub(crate) fn fits(node: &Node, names: &[Powers], term: &Powers, factor: bool) -
         let (part, has) = if same(&a, &NUMBER) { (right, b) } else { (left, a) };
         return Err(refused(part, format!("a factor is a number; the term is {}", words(&has))));
     }
-    let own = of(node, names)?;
-    if same(&own, if factor { &NUMBER } else { term }) {
+    let part = of(node, names)?;
+    if same(&part, if factor { &NUMBER } else { term }) {
         return Ok(());
     }
     let message = if factor {
-        format!("a factor is a number; this one is {}", words(&own))
+        format!("a factor is a number; this one is {}", words(&part))
     } else {
-        format!("a summand has the unit of its term, {}; this one is {}", words(term), words(&own))
+        format!("a summand has the unit of its term, {}; this one is {}", words(term), words(&part))
     };
     Err(refused(node, message))
 }

@@ -287,8 +287,8 @@ impl<'a> Reader<'a> {
         if !self.take_word("not") {
             return self.comparison();
         }
-        let of = self.deeper(Self::not)?;
-        Ok(Node { span: start..of.span.end, what: What::Unary(Unary::Not, Box::new(of)) })
+        let operand = self.deeper(Self::not)?;
+        Ok(Node { span: start..operand.span.end, what: What::Unary(Unary::Not, Box::new(operand)) })
     }
 
     fn comparison(&mut self) -> Read {
@@ -343,8 +343,8 @@ impl<'a> Reader<'a> {
         if !(self.take("-") || self.take("−")) {
             return self.power();
         }
-        let of = self.deeper(Self::sign)?;
-        Ok(Node { span: start..of.span.end, what: What::Unary(Unary::Negative, Box::new(of)) })
+        let operand = self.deeper(Self::sign)?;
+        Ok(Node { span: start..operand.span.end, what: What::Unary(Unary::Negative, Box::new(operand)) })
     }
 
     fn power(&mut self) -> Read {
@@ -417,12 +417,12 @@ impl<'a> Reader<'a> {
     }
 
     /// Whether a unit is next, from `at` on: its end.
-    fn symbol(&self, at: usize) -> Option<usize> {
-        let rest = &self.text[at..];
+    fn symbol(&self, start: usize) -> Option<usize> {
+        let rest = &self.text[start..];
         let symbol = &rest[..symbol_length(rest)];
         let called = rest[symbol.len()..].trim_start().starts_with('(');
         let known = self.names.contains(&symbol) || WORDS.contains(&symbol);
-        (!symbol.is_empty() && !called && !known && unit::parse(symbol).is_ok()).then_some(at + symbol.len())
+        (!symbol.is_empty() && !called && !known && unit::parse(symbol).is_ok()).then_some(start + symbol.len())
     }
 
     /// Takes the unit after a number: symbols joined by `/`, `·` or a space.

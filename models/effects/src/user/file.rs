@@ -195,7 +195,7 @@ impl Faults<'_> {
     }
 
     /// A range with two ends of one unit, the least first.
-    fn range(&mut self, ends: &[(DeValue<'_>, Span)], span: &Span, of: &Amount, what: &str) -> Option<[Amount; 2]> {
+    fn range(&mut self, ends: &[(DeValue<'_>, Span)], span: &Span, default: &Amount, what: &str) -> Option<[Amount; 2]> {
         let all: Vec<Amount> = ends.iter().filter_map(|(raw, span)| self.amount(raw, span, what)).collect();
         let [low, high] = <[Amount; 2]>::try_from(all).ok().or_else(|| {
             self.note(
@@ -205,8 +205,8 @@ impl Faults<'_> {
             );
             None
         })?;
-        if low.powers != of.powers || high.powers != of.powers {
-            self.note("effect-unit", span.clone(), format!("the range of {what} has the unit {}", of.unit));
+        if low.powers != default.powers || high.powers != default.powers {
+            self.note("effect-unit", span.clone(), format!("the range of {what} has the unit {}", default.unit));
             return None;
         }
         if low.si >= high.si {
@@ -343,16 +343,16 @@ fn shape(faults: &mut Faults<'_>, name: String, raw: &Spanned<DeValue<'_>>) -> O
         return Some(Shape { name, value, range: None, fit: false });
     };
     const KEYS: [&str; 3] = ["value", "range", "fit"];
-    if let Some((key, own)) = table.iter().find(|(key, _)| !KEYS.contains(&key.get_ref().as_ref())) {
+    if let Some((key, unknown)) = table.iter().find(|(key, _)| !KEYS.contains(&key.get_ref().as_ref())) {
         let message = format!("`{}` is no key of a number of the shape; it has value, range, fit", key.get_ref());
-        faults.note("effect-definition", own.span(), message);
+        faults.note("effect-definition", unknown.span(), message);
         return None;
     }
-    let Some(own) = table.get("value") else {
+    let Some(value) = table.get("value") else {
         faults.note("effect-definition", raw.span(), format!("{name} has no value"));
         return None;
     };
-    let value = faults.amount(own.get_ref(), &own.span(), &name)?;
+    let value = faults.amount(value.get_ref(), &value.span(), &name)?;
     let range = match table.get("range") {
         None => None,
         Some(range) => {
@@ -371,10 +371,10 @@ fn shape(faults: &mut Faults<'_>, name: String, raw: &Spanned<DeValue<'_>>) -> O
     if let Some([low, high]) = &range
         && !(low.si..=high.si).contains(&value.si)
     {
-        faults.note("effect-definition", own.span(), format!("the value of {name} lies within its range"));
+        faults.note("effect-definition", value.span(), format!("the value of {name} lies within its range"));
         return None;
     }
-    let fit = match table.get("fit").map(|own| (own.get_ref(), own.span())) {
+    let fit = match table.get("fit").map(|value| (value.get_ref(), value.span())) {
         None => false,
         Some((DeValue::Boolean(fit), span)) => {
             if *fit && range.is_none() {

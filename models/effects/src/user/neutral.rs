@@ -178,8 +178,8 @@ pub(crate) fn neutral(node: &Node, change: &Change, fields: &[Field]) -> Result<
         let value = change.program.value(0.0, &point.shape, &point.context);
         // What is no number is out of range, which is asked next.
         if value.is_finite() && value != due {
-            let at = point.words(change, fields);
-            return Err(refused(format!("not neutral: at size 0 it is {value} and not {due}, with {at}")));
+            let place = point.words(change, fields);
+            return Err(refused(format!("not neutral: at size 0 it is {value} and not {due}, with {place}")));
         }
     }
     match at_zero(node) {
@@ -202,8 +202,8 @@ pub(crate) fn in_range(node: &Node, change: &Change, fields: &[Field]) -> Result
         if !(value >= term.min && value <= term.max) {
             let [low, high, value] = [term.min, term.max, value].map(|value| term.to_display(value));
             let unit = if term.display == "1" { String::new() } else { format!(" {}", term.display) };
-            let (name, at) = (term.name, point.words(change, fields));
-            let message = format!("{name} would be {value:.4e}{unit}, its range is {low} … {high}{unit}; with {at}");
+            let (name, place) = (term.name, point.words(change, fields));
+            let message = format!("{name} would be {value:.4e}{unit}, its range is {low} … {high}{unit}; with {place}");
             return Err(FormulaError { code: "effect-range", message, span: node.span.clone() });
         }
     }

@@ -112,11 +112,11 @@ pub(crate) fn least(misfit: impl Fn(f64) -> f64) -> Option<f64> {
     const SCAN: usize = 200;
     let lag = |i: usize| i as f64 / SCAN as f64;
     let values: Vec<f64> = (1..SCAN).map(|i| misfit(lag(i))).collect();
-    let (at, _) = values.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
-    if at == 0 || at == values.len() - 1 {
+    let (least, _) = values.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
+    if least == 0 || least == values.len() - 1 {
         return None;
     }
-    let (mut low, mut high) = (lag(at), lag(at + 2));
+    let (mut low, mut high) = (lag(least), lag(least + 2));
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
     let (mut fa, mut fb) = (misfit(a), misfit(b));

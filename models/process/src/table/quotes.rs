@@ -50,47 +50,47 @@ pub fn broken_quote(text: &str, delimiter: u8) -> Option<BrokenQuote> {
     let bytes = text.as_bytes();
     let is_space = |byte: u8| byte != delimiter && matches!(byte, b' ' | b'\t');
     let is_end = |byte: u8| byte == delimiter || matches!(byte, b'\n' | b'\r');
-    let (mut at, mut line, mut starts_line) = (0, 1, true);
-    while at < bytes.len() {
-        if starts_line && bytes[at] == b'#' {
-            at += bytes[at..].iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len() - at);
+    let (mut index, mut line, mut starts_line) = (0, 1, true);
+    while index < bytes.len() {
+        if starts_line && bytes[index] == b'#' {
+            index += bytes[index..].iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len() - index);
         }
-        let cell = at;
-        while at < bytes.len() && is_space(bytes[at]) {
-            at += 1;
+        let cell = index;
+        while index < bytes.len() && is_space(bytes[index]) {
+            index += 1;
         }
-        if at < bytes.len() && bytes[at] == b'"' {
-            if at > cell {
+        if index < bytes.len() && bytes[index] == b'"' {
+            if index > cell {
                 return Some(BrokenQuote::Indented { line });
             }
             let opened = line;
-            at += 1;
+            index += 1;
             loop {
-                match bytes.get(at) {
+                match bytes.get(index) {
                     None => return Some(BrokenQuote::Open { line: opened }),
-                    Some(b'"') if bytes.get(at + 1) == Some(&b'"') => at += 2,
+                    Some(b'"') if bytes.get(index + 1) == Some(&b'"') => index += 2,
                     Some(b'"') => break,
                     Some(b'\n') => {
                         line += 1;
-                        at += 1;
+                        index += 1;
                     }
-                    Some(_) => at += 1,
+                    Some(_) => index += 1,
                 }
             }
-            at += 1;
-            while at < bytes.len() && is_space(bytes[at]) {
-                at += 1;
+            index += 1;
+            while index < bytes.len() && is_space(bytes[index]) {
+                index += 1;
             }
-            if at < bytes.len() && !is_end(bytes[at]) {
+            if index < bytes.len() && !is_end(bytes[index]) {
                 return Some(BrokenQuote::Continued { line: opened, closed: line });
             }
         }
-        while at < bytes.len() && !is_end(bytes[at]) {
-            at += 1;
+        while index < bytes.len() && !is_end(bytes[index]) {
+            index += 1;
         }
-        starts_line = bytes.get(at).is_some_and(|byte| *byte != delimiter);
-        line += usize::from(bytes.get(at) == Some(&b'\n'));
-        at += 1;
+        starts_line = bytes.get(index).is_some_and(|byte| *byte != delimiter);
+        line += usize::from(bytes.get(index) == Some(&b'\n'));
+        index += 1;
     }
     None
 }

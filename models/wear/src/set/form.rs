@@ -128,12 +128,12 @@ const RATIO: Kind = Kind::quantity("1", "1", 0.01, 1.0, "0.25");
 const RATIO_OR_ZERO: Kind = Kind::quantity("1", "1", 0.0, 5.0, "0.2");
 
 /// A parameter with its source, as files write it.
-fn entry(of: &Field) -> Value {
+fn entry(field: &Field) -> Value {
     json!({
         "type": "object",
         "required": ["value", "source"],
         "additionalProperties": false,
-        "properties": { "value": toolroom_form::field(of), "source": { "type": "string", "minLength": 1 } },
+        "properties": { "value": toolroom_form::field(field), "source": { "type": "string", "minLength": 1 } },
     })
 }
 

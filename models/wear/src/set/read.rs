@@ -32,8 +32,8 @@ pub(super) fn file(
     chain: &[PathBuf],
 ) -> Result<ParameterSet, ReadError> {
     let content = toolroom_form::text(path)?;
-    let own = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let longer: Vec<PathBuf> = chain.iter().cloned().chain([own]).collect();
+    let real_path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let longer: Vec<PathBuf> = chain.iter().cloned().chain([real_path]).collect();
     let mut set = text(&path.display().to_string(), &content, overrides, catalogues, &longer)?;
     set.files.insert(0, path.to_owned());
     Ok(set)
@@ -69,8 +69,8 @@ fn set(
     let inherited = |group: &str, name: &str| base.as_ref().and_then(|base| base.value(group, name));
     // What the conversions refer to: the reference cut of this file or of its base.
     let reference = |group: &str, name: &str| {
-        let own = values.iter().find(|((own, key), _)| *own == group && *key == name);
-        own.map(|(_, placed)| placed.value).or(inherited(group, name).map(|value| value.value))
+        let entry = values.iter().find(|((entry, key), _)| *entry == group && *key == name);
+        entry.map(|(_, placed)| placed.value).or(inherited(group, name).map(|value| value.value))
     };
     let line = |span: &Range<usize>| place(content, span.start).0;
     let mut converted = if catalogue.process == "turning" {
@@ -195,8 +195,8 @@ fn base(
     let span = root.span_of("based_on");
     if super::is_path(reference) {
         let path = walk.folder.join(reference);
-        let own = std::fs::canonicalize(&path).unwrap_or(path);
-        if chain.contains(&own) {
+        let real_path = std::fs::canonicalize(&path).unwrap_or(path);
+        if chain.contains(&real_path) {
             walk.fault(span, SetFault::Cycle(reference.to_owned()));
             return None;
         }
@@ -359,15 +359,15 @@ fn passed_over(
     line: &dyn Fn(&Range<usize>) -> usize,
 ) -> Vec<String> {
     let told = |((group, name), stated): (&(&'static str, &'static str), &Placed)| {
-        let own = converted.get(&(*group, *name)).filter(|own| own.origin == Origin::Handbook)?;
+        let entry = converted.get(&(*group, *name)).filter(|entry| entry.origin == Origin::Handbook)?;
         let field = catalogue.group(group)?.fields.iter().find(|field| field.name == *name)?;
         let shown = |value| display(&Quantity::of(field), value);
-        (own.value != stated.value).then(|| {
-            let (stated_line, handbook_line) = (line(&stated.span), line(&own.span));
+        (entry.value != stated.value).then(|| {
+            let (stated_line, handbook_line) = (line(&stated.span), line(&entry.span));
             format!(
                 "{group}.{name} is {}, as line {stated_line} states; the constants of line {handbook_line} would give {}",
                 shown(stated.value),
-                shown(own.value)
+                shown(entry.value)
             )
         })
     };

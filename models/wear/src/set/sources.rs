@@ -86,7 +86,7 @@ fn no_cut(walk: &mut Walk, span: Range<usize>) {
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 30.0..=36_000.0;
 
 fn taylor(walk: &mut Walk, section: &Section<'_>, reference: Reference<'_>, converted: &mut Converted) {
-    let Some(at) = cut(reference) else { return no_cut(walk, section.span.clone()) };
+    let Some(reference_cut) = cut(reference) else { return no_cut(walk, section.span.clone()) };
     let number = |key: &str| section.si(key);
     let Some(constant) = number("C") else { return };
     let unit = if section.text("life_unit") == Some("s") { 1.0 } else { 60.0 };
@@ -104,23 +104,27 @@ fn taylor(walk: &mut Walk, section: &Section<'_>, reference: Reference<'_>, conv
         let Some(n) = number("n") else { return };
         HandbookTaylor::of_product(constant, n, or_zero("a"), or_zero("b"), unit)
     };
-    let life = law.about(at[0], at[1], at[2]);
+    let life = law.about(reference_cut[0], reference_cut[1], reference_cut[2]);
     let shown = |seconds: f64| format!("{} min", significant(seconds / 60.0));
     if !PLAUSIBLE.contains(&life.life) {
         let other = if unit == 1.0 { 60.0 } else { 1.0 };
         let reading = |unit: f64, word: &str| {
             format!(
                 "with the life in {word} an edge lasts {}",
-                shown(HandbookTaylor { life_unit: unit, ..law }.about(at[0], at[1], at[2]).life)
+                shown(
+                    HandbookTaylor { life_unit: unit, ..law }
+                        .about(reference_cut[0], reference_cut[1], reference_cut[2])
+                        .life
+                )
             )
         };
         let words = |unit: f64| if unit == 1.0 { "seconds" } else { "minutes" };
         let message = format!(
             "`C` gives no plausible life at the reference cut ({} m/min, {} mm/rev, {} mm): {}; {}. C changes by 60^m \
              with the unit of the life, and feed and depth count in mm",
-            significant(at[0] * 60.0),
-            significant(at[1] * 1e3),
-            significant(at[2] * 1e3),
+            significant(reference_cut[0] * 60.0),
+            significant(reference_cut[1] * 1e3),
+            significant(reference_cut[2] * 1e3),
             reading(unit, words(unit)),
             reading(other, words(other)),
         );
@@ -128,21 +132,21 @@ fn taylor(walk: &mut Walk, section: &Section<'_>, reference: Reference<'_>, conv
         return;
     }
     let source = section.text("source").unwrap_or_default();
-    set_law(walk, section, converted, (life, at), source);
+    set_law(walk, section, converted, (life, reference_cut), source);
     let limit = section.si("wear_limit").map(|limit| (limit, section.span_of("wear_limit")));
     set_limit(converted, limit, reference, source);
 }
 
 fn lives(walk: &mut Walk, handbook: &Section<'_>, reference: Reference<'_>, converted: &mut Converted) {
     let entries = walk.sections(handbook, "lives", None);
-    let Some(at) = cut(reference) else { return no_cut(walk, handbook.span_of("lives")) };
+    let Some(reference_cut) = cut(reference) else { return no_cut(walk, handbook.span_of("lives")) };
     let tested: Vec<TestedLife> = entries
         .iter()
         .filter_map(|entry| {
             Some(TestedLife {
                 cutting_speed: entry.si("cutting_speed")?,
-                feed: entry.si("feed").unwrap_or(at[1]),
-                depth_of_cut: entry.si("depth_of_cut").unwrap_or(at[2]),
+                feed: entry.si("feed").unwrap_or(reference_cut[1]),
+                depth_of_cut: entry.si("depth_of_cut").unwrap_or(reference_cut[2]),
                 life: entry.si("life")?,
             })
         })
@@ -155,7 +159,12 @@ fn lives(walk: &mut Walk, handbook: &Section<'_>, reference: Reference<'_>, conv
         Err(reason) => return walk.fault(handbook.span_of("lives"), SetFault::Model(reason)),
     };
     let [speed_exponent, feed_exponent, depth_exponent] = fit.all_exponents();
-    let law = ReferenceLife { life: fit.life(at[0], at[1], at[2]), speed_exponent, feed_exponent, depth_exponent };
+    let law = ReferenceLife {
+        life: fit.life(reference_cut[0], reference_cut[1], reference_cut[2]),
+        speed_exponent,
+        feed_exponent,
+        depth_exponent,
+    };
     let mut source = format!("fitted to {} lives", tested.len());
     if let Some(stated) = entries.iter().find_map(|entry| entry.text("source")) {
         source.push_str(&format!(", {stated}"));
@@ -170,7 +179,7 @@ fn lives(walk: &mut Walk, handbook: &Section<'_>, reference: Reference<'_>, conv
             fit.freedom
         ));
     }
-    set_law(walk, handbook, converted, (law, at), &source);
+    set_law(walk, handbook, converted, (law, reference_cut), &source);
     for (name, (value, error)) in ["speed_exponent", "feed_exponent", "depth_exponent"]
         .iter()
         .zip(fit.exponents)
@@ -190,14 +199,18 @@ fn lives(walk: &mut Walk, handbook: &Section<'_>, reference: Reference<'_>, conv
 }
 
 fn one_life(walk: &mut Walk, section: &Section<'_>, reference: Reference<'_>, converted: &mut Converted) {
-    let Some(at) = cut(reference) else { return no_cut(walk, section.span.clone()) };
+    let Some(reference_cut) = cut(reference) else { return no_cut(walk, section.span.clone()) };
     let (Some(life), Some(cutting_speed)) = (section.si("life"), section.si("cutting_speed")) else { return };
     let Some(tool_material) = section.chosen("tool_material", ToolMaterial::from_word) else { return };
     let one = OneLife { life, cutting_speed, tool_material };
     // The law is stated about the cut at which the life is known.
-    let at = [cutting_speed, section.si("feed").unwrap_or(at[1]), section.si("depth_of_cut").unwrap_or(at[2])];
+    let life_cut = [
+        cutting_speed,
+        section.si("feed").unwrap_or(reference_cut[1]),
+        section.si("depth_of_cut").unwrap_or(reference_cut[2]),
+    ];
     let source = section.text("source").unwrap_or("one life, about");
-    set_law(walk, section, converted, (one.law(), at), source);
+    set_law(walk, section, converted, (one.law(), life_cut), source);
     let assumed = format!("assumption: {} in general", tool_material.word());
     for name in ["speed_exponent", "feed_exponent", "depth_exponent"] {
         if let Some(placed) = converted.values.get_mut(&("extended_taylor", name)) {

@@ -88,14 +88,15 @@ fn superfluous(walk: &mut Walk, section: &Section<'_>, key: &str, others: &[&'st
 fn periodic(walk: &mut Walk, section: &Section<'_>) -> Periodic {
     let period = section.si("period").unwrap_or(86_400.0);
     let sections = walk.sections(section, "shift", None);
-    let example = "shift = [{ start = \"6 h\", end = \"14 h\" }]";
     match section.got("shift") {
         None => {
-            let (section_title, example) =
-                (section.form.title.to_owned(), format!("{example}` or `week = {{ mon-fri = [\"06:00-14:00\"] }}"));
-            walk.fault(section.span.clone(), Fault::MissingKey { section: section_title, key: "shift", example });
+            let example =
+                "[{ start = \"6 h\", end = \"14 h\" }]` or `week = { mon-fri = [\"06:00-14:00\"] }".to_owned();
+            let fault = Fault::MissingKey { section: section.form.title.to_owned(), key: "shift", example };
+            walk.fault(section.span.clone(), fault);
         }
         Some(got) if sections.is_empty() && matches!(got.value, Value::Raw(_)) => {
+            let example = "shift = [{ start = \"6 h\", end = \"14 h\" }]";
             walk.fault(section.span_of("shift"), Fault::Nothing { what: "shift", example });
         }
         Some(_) => {}

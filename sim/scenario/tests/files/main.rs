@@ -175,6 +175,15 @@ fn an_unknown_key_names_the_nearest() {
     let (code, line, text) = only(faults("rate = \"60 EUR/h\"", "rate = \"60 EUR/h\"\nspeed_rnge = 1"));
     assert_eq!((code, line), ("unknown-key", line_of("rate = \"60") + 1));
     assert!(text.contains("did you mean `speed_range`?"), "{text}");
+    // The rate of a machine has one key for plain stations and one for machines that cut: it is listed once.
+    assert_eq!(text.matches(" rate,").count(), 1, "{text}");
+}
+
+#[test]
+fn a_calendar_without_shifts_names_both_ways_to_write_them() {
+    let (code, _, text) = only(faults("shift = [{ start = \"6 h\", end = \"14 h\" }]", ""));
+    assert_eq!(code, "missing-key");
+    assert!(text.contains("add `shift = [{ start = \"6 h\", end = \"14 h\" }]` or `week = {"), "{text}");
 }
 
 #[test]

@@ -69,10 +69,10 @@ fn motion(way: f64, top: f64, start: f64, end: f64, drives: &Drives) -> f64 {
 fn times(lines: &[Line], drives: &Drives) -> Vec<(f64, f64)> {
     let flat: Vec<(usize, usize)> =
         lines.iter().enumerate().flat_map(|(i, line)| (0..line.moves.len()).map(move |j| (i, j))).collect();
-    let of = |k: usize| &lines[flat[k].0].moves[flat[k].1];
+    let move_of = |k: usize| &lines[flat[k].0].moves[flat[k].1];
     let mut joint = vec![0.0; flat.len() + 1];
     for k in 1..flat.len() {
-        let (before, after) = (of(k - 1), of(k));
+        let (before, after) = (move_of(k - 1), move_of(k));
         let cosine = (0..3).map(|axis| before.leaves[axis] * after.enters[axis]).sum::<f64>();
         let rests = before.rapid || after.rapid || (flat[k - 1].0 + 1..=flat[k].0).any(|line| lines[line].stops);
         if !rests && cosine > drives.stop_below {
@@ -82,16 +82,16 @@ fn times(lines: &[Line], drives: &Drives) -> Vec<(f64, f64)> {
     }
     if drives.acceleration.is_finite() {
         let reach = |speed: f64, way: f64| (speed * speed + 2.0 * drives.acceleration * way).sqrt();
-        (0..flat.len()).rev().for_each(|k| joint[k] = joint[k].min(reach(joint[k + 1], of(k).way)));
-        (0..flat.len()).for_each(|k| joint[k + 1] = joint[k + 1].min(reach(joint[k], of(k).way)));
+        (0..flat.len()).rev().for_each(|k| joint[k] = joint[k].min(reach(joint[k + 1], move_of(k).way)));
+        (0..flat.len()).for_each(|k| joint[k + 1] = joint[k + 1].min(reach(joint[k], move_of(k).way)));
     }
     // Time at feed, and all else.
     let mut sums: Vec<(f64, f64)> = lines.iter().map(|line| (0.0, line.dwell)).collect();
     for (k, (line, _)) in flat.iter().enumerate() {
-        let own = of(k);
-        let time = motion(own.way, own.speed(RAPID), joint[k], joint[k + 1], drives);
+        let step = move_of(k);
+        let time = motion(step.way, step.speed(RAPID), joint[k], joint[k + 1], drives);
         let sum = &mut sums[*line];
-        if own.rapid { sum.1 += time } else { sum.0 += time }
+        if step.rapid { sum.1 += time } else { sum.0 += time }
     }
     sums
 }
@@ -103,7 +103,7 @@ fn cuts(lines: &[Line]) -> Vec<(usize, usize, u32, usize)> {
     let mut list: Vec<(usize, usize, u32, usize)> = Vec::new();
     let (mut seconds, mut section, mut class) = (0.0, 0, 0);
     for (i, line) in lines.iter().enumerate() {
-        let own = if line.stops {
+        let kind = if line.stops {
             1
         } else if line.holes > 0 {
             2
@@ -112,14 +112,14 @@ fn cuts(lines: &[Line]) -> Vec<(usize, usize, u32, usize)> {
         };
         section += usize::from(line.change);
         let nothing = !line.stops && line.moves.is_empty();
-        let joins = !list.is_empty() && (nothing || (own == class && (own != 3 || seconds < CUT)));
+        let joins = !list.is_empty() && (nothing || (kind == class && (kind != 3 || seconds < CUT)));
         if joins {
             let last = list.len() - 1;
             list[last] = (list[last].0, i, line.tool, section);
         } else {
             list.push((i, i, line.tool, section));
             seconds = 0.0;
-            class = own;
+            class = kind;
         }
         seconds += times[i].0 + times[i].1;
     }
@@ -144,7 +144,7 @@ fn records(case: &Case) -> String {
     let mut clock = 0.0;
     for (name, text) in PROGRAMS {
         let lines = read(text);
-        let own = times(&lines, &drives);
+        let durations = times(&lines, &drives);
         let stretches = cuts(&lines);
         let factor = (if case.stress { 0.04 } else { 0.02 } * shop.normal()).exp();
         let forms: Vec<f64> = stretches.iter().map(|_| (0.005 * case.scatter * shop.normal()).exp() * factor).collect();
@@ -159,8 +159,8 @@ fn records(case: &Case) -> String {
                 if case.strength("slow_controller") > 0.0 { 0.004 * case.strength("slow_controller") } else { 0.0 };
             for (i, (first, last, tool, section)) in stretches.iter().enumerate() {
                 let inside = *first..=*last;
-                let feed: f64 = inside.clone().map(|line| own[line].0).sum();
-                let rest: f64 = inside.clone().map(|line| own[line].1).sum();
+                let feed: f64 = inside.clone().map(|line| durations[line].0).sum();
+                let rest: f64 = inside.clone().map(|line| durations[line].1).sum();
                 let count = |of: &dyn Fn(&Line) -> u32| inside.clone().map(|line| of(&lines[line])).sum::<u32>();
                 let mut time = feed * (1.0 + case.strength("feed_override") * (1.0 / override_share - 1.0)) + rest;
                 time = time * forms[i] * spread;

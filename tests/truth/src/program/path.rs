@@ -46,7 +46,7 @@ fn words(text: &str) -> Vec<(char, f64)> {
 
 /// Lines that say something to the machine.
 pub(super) fn read(text: &str) -> Vec<Line> {
-    let mut at: [Option<f64>; 3] = [None; 3];
+    let mut position: [Option<f64>; 3] = [None; 3];
     let (mut mode, mut feed, mut tool) = (0, 0.0, 0);
     let (mut bottom, mut level, mut peck, mut wait) = (0.0, 0.0, f64::INFINITY, 0.0);
     let mut to_initial = true;
@@ -90,17 +90,23 @@ pub(super) fn read(text: &str) -> Vec<Line> {
             characters: text.len(),
         };
         if g(28.0) {
-            at[2] = None;
+            position[2] = None;
         } else if mode > 80 {
             if value('X').is_some() || value('Y').is_some() {
-                bore(&mut line, &mut at, [value('X'), value('Y')], (bottom, level, peck), (mode, feed, to_initial));
+                bore(
+                    &mut line,
+                    &mut position,
+                    [value('X'), value('Y')],
+                    (bottom, level, peck),
+                    (mode, feed, to_initial),
+                );
                 line.dwell = if mode == 82 { wait } else { 0.0 };
                 line.holes = 1;
             }
         } else {
             let to = [value('X'), value('Y'), value('Z')];
-            if let Some(own) = travel(&mut at, to, [value('I'), value('J')], mode, feed) {
-                line.moves.push(own);
+            if let Some(travelled) = travel(&mut position, to, [value('I'), value('J')], mode, feed) {
+                line.moves.push(travelled);
             }
         }
         lines.push(line);
@@ -118,16 +124,16 @@ fn straight(from: [f64; 3], to: [f64; 3], rapid: bool, feed: f64) -> Option<Move
 }
 
 fn travel(
-    at: &mut [Option<f64>; 3],
+    position: &mut [Option<f64>; 3],
     to: [Option<f64>; 3],
     center: [Option<f64>; 2],
     mode: i64,
     feed: f64,
 ) -> Option<Move> {
-    let from: [f64; 3] = std::array::from_fn(|axis| at[axis].or(to[axis]).unwrap_or(0.0));
-    let end: [f64; 3] = std::array::from_fn(|axis| to[axis].or(at[axis]).unwrap_or(0.0));
+    let from: [f64; 3] = std::array::from_fn(|axis| position[axis].or(to[axis]).unwrap_or(0.0));
+    let end: [f64; 3] = std::array::from_fn(|axis| to[axis].or(position[axis]).unwrap_or(0.0));
     for axis in 0..3 {
-        at[axis] = to[axis].or(at[axis]);
+        position[axis] = to[axis].or(position[axis]);
     }
     if mode < 2 {
         return straight(from, end, mode == 0, feed);
@@ -146,12 +152,12 @@ const PECK_CLEARANCE: f64 = 1.0;
 
 fn bore(
     line: &mut Line,
-    at: &mut [Option<f64>; 3],
+    position: &mut [Option<f64>; 3],
     place: [Option<f64>; 2],
     (bottom, level, peck): (f64, f64, f64),
     (mode, feed, to_initial): (i64, f64, bool),
 ) {
-    let mut here: [f64; 3] = at.map(|value| value.unwrap_or(0.0));
+    let mut here: [f64; 3] = position.map(|value| value.unwrap_or(0.0));
     let initial = here[2];
     let over = [place[0].unwrap_or(here[0]), place[1].unwrap_or(here[1]), here[2]];
     let mut go = |to: [f64; 3], rapid: bool| {
@@ -172,7 +178,7 @@ fn bore(
     if to_initial {
         go(height(initial.max(level)), true);
     }
-    *at = here.map(Some);
+    *position = here.map(Some);
 }
 
 #[cfg(test)]
