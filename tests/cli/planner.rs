@@ -109,6 +109,11 @@ fn a_planner_goes_from_the_order_system_to_a_paired_answer() {
     assert_eq!(on_time(&second, "4716"), 0.0, "and no setter changes it");
     assert!(finish(&second, "4712") < finish(&base, "4712"), "who waited for the setter is earlier: {base}");
 
+    // Stations without cutting data have neither edges nor costs here: the report says nothing of them.
+    let report = fs::read_to_string(Path::new(&one).join("report.html")).expect("a report");
+    assert!(report.contains("lead time") && !report.contains("edges / 100 parts"));
+    assert!(!report.contains("Speed and wear of the edges"));
+
     let difference = json(&toolroom(&["diff", &one, &two, "--json"]));
     assert_eq!(difference["paired"], true, "{difference}");
     let rows = difference["differences"].as_array().expect("differences");

@@ -19,7 +19,8 @@ pub(crate) fn tables(tallies: &[Tally], ablations: &[Ablation], rows: &[Row]) ->
         sets(&mut text, tally);
         rates(&mut text, tally);
         failures(&mut text, tally);
-        let of_process: Vec<&Ablation> = ablations.iter().filter(|ablation| ablation.process == tally.process).collect();
+        let of_process: Vec<&Ablation> =
+            ablations.iter().filter(|ablation| ablation.process == tally.process).collect();
         if !of_process.is_empty() {
             reduced(&mut text, &of_process);
         }

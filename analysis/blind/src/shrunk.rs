@@ -38,9 +38,9 @@ impl Shrunk {
         let place =
             |effect: &NamedEffect| candidates.iter().position(|own| own.id == effect.id && own.shape == effect.shape);
         let named: Vec<usize> = diagnosis.effects.iter().filter_map(place).collect();
-        let named: Vec<&str> = diagnosis.effects.iter().flat_map(|effect| touched(effect.id)).collect();
+        let own: Vec<&str> = diagnosis.effects.iter().flat_map(|effect| touched(effect.id)).collect();
         let of_hidden = touched(hidden);
-        let (closed, _) = outside.closure(&named, &named, SEED);
+        let (closed, _) = outside.closure(&named, &own, SEED);
         let (by_named, _) = outside.closure(&named, &of_hidden, SEED);
         // Of several shapes of the hidden effect the one that fits best.
         let (by_hidden, _) = (0..candidates.len())

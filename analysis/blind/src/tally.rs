@@ -114,7 +114,8 @@ impl Tally {
     /// One for each process that has cases.
     pub fn of_processes(rows: &[Row]) -> Vec<Self> {
         let tally_of = |process: &'static str| {
-            let of_process: Vec<&Row> = rows.iter().filter(|row| row.process == process && row.method == WHOLE).collect();
+            let of_process: Vec<&Row> =
+                rows.iter().filter(|row| row.process == process && row.method == WHOLE).collect();
             (!of_process.is_empty()).then(|| Self::of(process, &of_process))
         };
         GENERATORS.iter().filter_map(|generator| tally_of(generator.process)).collect()

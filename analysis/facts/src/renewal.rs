@@ -153,7 +153,10 @@ mod tests {
             assert!((found - exact).abs() < 8.0 * (exact.max(0.001) * 0.5 / 4000.0).sqrt(), "{count}: {found} {exact}");
         }
         let (found, exact) = (replicated.ends(10), Renewal::Poisson.ends(10));
-        assert!(found.iter().zip(exact).all(|(found, exact)| (found / exact - 1.0).abs() < 0.03), "{found:?} {exact:?}");
+        assert!(
+            found.iter().zip(exact).all(|(found, exact)| (found / exact - 1.0).abs() < 0.03),
+            "{found:?} {exact:?}"
+        );
     }
 
     #[test]

@@ -104,7 +104,8 @@ mod tests {
     fn the_unit_of_the_times_does_not_matter() {
         let (seconds, file) = (recorded(0.3, 4), sums(0.2, 1000, 2));
         let minutes: Vec<Vec<f64>> = seconds.iter().map(|own| own.iter().map(|time| time / 60.0).collect()).collect();
-        let spread_of = |recorded: &[Vec<f64>]| spread(Quantity::HandlingScatter, "L1", recorded, &file).expect("times");
+        let spread_of =
+            |recorded: &[Vec<f64>]| spread(Quantity::HandlingScatter, "L1", recorded, &file).expect("times");
         assert!((spread_of(&seconds).estimate - spread_of(&minutes).estimate).abs() < 1e-12);
     }
 }

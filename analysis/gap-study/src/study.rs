@@ -52,8 +52,8 @@ impl GapStudy {
             tables.into_iter().zip(request.models).map(|(table, path)| prepared(table, path, request, reading));
         let (mut asked, mut stated, mut rest) = (Vec::new(), Vec::new(), Vec::new());
         for one in prepared {
-            let Prepared { asked: request, known, table } = one?;
-            asked.push(request);
+            let Prepared { asked: own, known, table } = one?;
+            asked.push(own);
             stated.push(known);
             rest.push(table);
         }
@@ -147,9 +147,9 @@ fn split(
     let mut any = false;
     let mut all = Vec::new();
     for (i, (process, diagnosis)) in answers.processes.iter().enumerate() {
-        let request = &asked[i];
+        let own = &asked[i];
         let Some((model, records)) = &tables[i] else {
-            let (notes, impossible) = (request.notes.clone(), request.impossible);
+            let (notes, impossible) = (own.notes.clone(), own.impossible);
             all.push(Asked { process, parts: Vec::new(), notes, impossible });
             continue;
         };
@@ -157,7 +157,7 @@ fn split(
         let effects = if stated[i].is_set_aside() { Vec::new() } else { asked_for(process, diagnosis) };
         let places = if stated[i].is_set_aside() { Vec::new() } else { places(process, diagnosis) };
         any |= !effects.is_empty() || !places.is_empty();
-        let held = |_: usize, name: &str| !fitted(request, name);
+        let held = |_: usize, name: &str| !fitted(own, name);
         all.push(model.clone().splitting(effects, places).asked(records, request.group, held));
     }
     any.then_some(all)
@@ -193,9 +193,9 @@ fn places(process: &str, diagnosis: &Diagnosis) -> Vec<(String, String)> {
     let levels =
         diagnosis.cells.iter().flat_map(|cell| [&cell.group, &cell.regime]).filter_map(|own| own.split_once('='));
     for (column, name) in levels {
-        let pair = (column.to_owned(), name.to_owned());
-        if !list.contains(&pair) && list.len() < MOST_SPLIT {
-            list.push(pair);
+        let own = (column.to_owned(), name.to_owned());
+        if !list.contains(&own) && list.len() < MOST_SPLIT {
+            list.push(own);
         }
     }
     list
@@ -256,8 +256,8 @@ fn completed(
         // What is compared of a shop is no operation but a block of them.
         let is_shop = matches!(model.process, NominalProcess::Shop(_));
         let ids = ["operation_id", "trial_id"].iter().find_map(|name| records.texts(name)).filter(|_| !is_shop);
-        for stretch in &mut diagnosis.apart {
-            stretch.operation_id = ids.and_then(|ids| ids.get(stretch.row)).cloned().unwrap_or_default();
+        for own in &mut diagnosis.apart {
+            own.operation_id = ids.and_then(|ids| ids.get(own.row)).cloned().unwrap_or_default();
         }
         if let NominalProcess::Shop(shop) = &model.process {
             add_facts(shop, &records, &model.stated, diagnosis, request.seed);

@@ -46,6 +46,17 @@ impl<'a> Source<'a> {
         &self.comparison.policies[position].name
     }
 
+    /// Whether a key figure has a value under some policy, and not 0 under all.
+    fn is_told(&self, id: &str) -> bool {
+        let some = |index: usize| self.comparison.policies.iter().any(|policy| policy.kpis[index].mean != 0.0);
+        self.study.index(id).is_some_and(|index| self.is_defined(index) && some(index))
+    }
+
+    /// Whether a key figure of the shop has a value under some policy.
+    fn is_defined(&self, index: usize) -> bool {
+        self.comparison.policies.iter().any(|policy| policy.kpis[index].count > 0)
+    }
+
     /// Log of the first replication.
     fn log(&self, position: usize) -> Option<&'a RunLog> {
         self.study.first_logs.get(position)
@@ -92,11 +103,10 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
     if let Some(chatter) = chatter::section(&source) {
         report = report.section(chatter);
     }
-    report = report
-        .section(wear::section(&source))
-        .section(shop::section(&source))
-        .section(figures::section(&source))
-        .section(notes(&source));
+    if let Some(wear) = wear::section(&source) {
+        report = report.section(wear);
+    }
+    report = report.section(shop::section(&source)).section(figures::section(&source)).section(notes(&source));
     report.provenance(provenance)
 }
 
@@ -110,6 +120,10 @@ fn sentence(text: &str) -> String {
 fn replications(count: u32) -> String {
     if count == 1 { "1 replication".to_owned() } else { format!("{count} replications") }
 }
+
+/// Key figures at the head of a report, the most wanted first; a shop without costs or edges shows others.
+const HEADLINES: [&str; 6] =
+    ["parts_per_shift", "cost_per_part", "edges_per_100_parts", "lead_time", "tardy_share", "utilisation"];
 
 fn tiles(source: &Source<'_>) -> Vec<Tile> {
     let policy = source.headline().map_or(0, |difference| difference.policy);
@@ -130,9 +144,10 @@ fn tiles(source: &Source<'_>) -> Vec<Tile> {
                     source.name(0)
                 )
             }
-            None => {
+            None if value.half_width.is_finite() => {
                 format!("{}, 95 % CI ±{}", source.name(0), plain(value.half_width, decimals(0.0, value.half_width)))
             }
+            None => format!("{}, {}", source.name(0), replications(source.study.replications)),
         };
         let unit = match kpi.definition.display {
             "1" => "",
@@ -143,7 +158,7 @@ fn tiles(source: &Source<'_>) -> Vec<Tile> {
         Some(Tile::new(kpi.definition.title, format!("{number} {unit}").trim_end(), note))
     };
     let mut tiles: Vec<Tile> =
-        ["parts_per_shift", "cost_per_part", "edges_per_100_parts"].into_iter().filter_map(figure).collect();
+        HEADLINES.into_iter().filter(|id| source.is_told(id)).take(3).filter_map(figure).collect();
     if let Some(difference) = source.headline() {
         let value = format!("{} → {}", factor(difference.cell_gain.mean), factor(difference.shop_gain.mean));
         let bottleneck = source.comparison.bottleneck().map_or("–", |station| station.name.as_str());
@@ -221,20 +236,24 @@ fn notes(source: &Source<'_>) -> Section {
             source.study.replications
         ));
     }
-    let definitions = source.study.kpis.iter().filter(|kpi| kpi.machine.is_none());
-    section
-        .paragraph(
+    let shop = source.study.kpis.iter().enumerate().filter(|(_, kpi)| kpi.machine.is_none());
+    let definitions = shop.filter(|(index, _)| source.is_defined(*index)).map(|(_, kpi)| kpi);
+    if source.comparison.policies.len() > 1 {
+        section = section.paragraph(
             "All policies see the same arrivals, hardness, edges, breakdowns and sensor noise in a replication, so \
              differences are taken replication by replication. Intervals are 95 % t intervals over the replications; \
              among many comparisons, about one in twenty differences that are none will look certain.",
-        )
-        .paragraph(
+        );
+        section = section.paragraph(
             "The decision compares the adaptive policy of least cost with the constant or scheduled policy of least \
              cost, both picked from the same replications. Rules that were tuned before are compared at their best; \
              otherwise the decision holds for the settings of the file only. An oracle knows the true wear; no real \
              controller can.",
-        )
-        .list(definitions.map(|kpi| format!("{}: {}", label(source.scenario, kpi), kpi.definition.doc)))
+        );
+    } else if source.study.replications > 1 {
+        section = section.paragraph("Intervals are 95 % t intervals over the replications.");
+    }
+    section.list(definitions.map(|kpi| format!("{}: {}", label(source.scenario, kpi), kpi.definition.doc)))
 }
 
 #[cfg(test)]

@@ -44,9 +44,9 @@ pub fn blocks(model: &NominalModel, records: &Records, group: Option<&str>) -> V
                 (machine.clone(), block)
             });
             let suffix = if machine.is_empty() { String::new() } else { format!(" {machine}") };
-            block
-                .readings
-                .extend(readings.into_iter().map(|(stream, value)| (format!("{stream}{suffix}"), Reading::Value(value))));
+            block.readings.extend(
+                readings.into_iter().map(|(stream, value)| (format!("{stream}{suffix}"), Reading::Value(value))),
+            );
         }
     }
     if let Some(shop) = shop {
@@ -102,7 +102,8 @@ fn readings(part: &dyn Forward) -> Vec<Vec<(String, f64)>> {
         let span = measured.spans[group].clone();
         let mut readings = Vec::new();
         for (index, channel) in measured.channels.iter().enumerate() {
-            let in_block = span.clone().filter(|i| measured.observations[*i].channel == index && residuals[*i].is_finite());
+            let in_block =
+                span.clone().filter(|i| measured.observations[*i].channel == index && residuals[*i].is_finite());
             let (sum, deviation) = in_block.fold((0.0, 0.0), |(sum, deviation), i| {
                 (sum + residuals[i], deviation + measured.observations[i].deviation)
             });

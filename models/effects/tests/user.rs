@@ -70,7 +70,10 @@ fn a_copy_of_a_catalogue_effect_gives_the_same_bits() {
     let built_in = Effects::new(vec!["wear_force=0.2".parse().unwrap()]).unwrap();
     for wear in [0.0, 0.05e-3, 0.21e-3, 0.3e-3, 1.1e-3] {
         let context = Context { flank_wear: wear, ..Context::<f64>::neutral() };
-        assert_eq!(copy.terms::<f64>(&context).cutting_force.to_bits(), built_in.terms::<f64>(&context).cutting_force.to_bits());
+        assert_eq!(
+            copy.terms::<f64>(&context).cutting_force.to_bits(),
+            built_in.terms::<f64>(&context).cutting_force.to_bits()
+        );
     }
 }
 

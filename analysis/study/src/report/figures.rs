@@ -14,10 +14,13 @@ pub(super) fn section(source: &Source<'_>) -> Section {
     for together in policies.chunks(COLUMNS) {
         let names = together.iter().map(|policy| policy.name.clone());
         let mut table = Table::new(std::iter::once(String::new()).chain(names));
-        for (index, kpi) in source.study.kpis.iter().enumerate().filter(|(_, kpi)| kpi.machine.is_none()) {
-            if policies.iter().all(|policy| policy.kpis[index].count == 0) {
-                continue;
-            }
+        for (index, kpi) in source
+            .study
+            .kpis
+            .iter()
+            .enumerate()
+            .filter(|(index, kpi)| kpi.machine.is_none() && source.is_defined(*index))
+        {
             let cells = together.iter().map(|policy| {
                 let value = shown(kpi, &policy.kpis[index]);
                 let digits = decimals(value.mean, value.half_width);

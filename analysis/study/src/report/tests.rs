@@ -55,6 +55,8 @@ fn an_empty_shop_and_a_single_policy_have_reports() {
     for policies in [1, 2] {
         let page = html(&fixture::scenario(), policies, &empty);
         assert!(page.contains("All key figures") && !page.contains("NaN"));
+        assert!(!page.contains("Cutting time per edge used"), "only key figures that have a value are explained");
+        assert_eq!(page.contains("The decision compares"), policies == 2);
         let page = html(&fixture::scenario(), policies, &fixture::log);
         assert_eq!(page.contains("Which policy is better"), policies == 2);
     }

@@ -16,11 +16,12 @@ const MOST_EDGES: usize = 60;
 /// Policies that get a fan; more would make the file too large to be sent around.
 const MOST_FANS: usize = 12;
 
-pub(super) fn section(source: &Source<'_>) -> Section {
-    let mut section = Section::new("Speed and wear of the edges");
+/// Nothing where no tool has a speed that a policy sets.
+pub(super) fn section(source: &Source<'_>) -> Option<Section> {
     if !source.scenario.tools.iter().any(|tool| tool.process.takes_speed_commands()) {
-        return section.note("No policy sets a speed here: the shop has no lathe.");
+        return None;
     }
+    let mut section = Section::new("Speed and wear of the edges");
     for figure in [same_edge(source, Quantity::Speed), same_edge(source, Quantity::Wear)].into_iter().flatten() {
         section = section.figure(figure);
     }
@@ -36,10 +37,10 @@ pub(super) fn section(source: &Source<'_>) -> Section {
     let fans = policies
         .filter_map(|position| Some((source.name(position).to_owned(), fan(source, position, longest, deepest)?)));
     section = section.choice(fans);
-    match lives(source) {
+    Some(match lives(source) {
         Some(figure) => section.figure(figure),
         None => section,
-    }
+    })
 }
 
 /// Passes of each edge of the lathes, by edge.

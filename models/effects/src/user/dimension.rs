@@ -160,7 +160,8 @@ fn power(node: &Node, base: &Node, exponent: &Node, names: &[Powers]) -> Result<
     match constant(exponent) {
         Some(exponent) => Ok(Meaning { powers: base_dimension.map(|power| power * exponent), celsius: false }),
         None => {
-            let message = format!("the base has the unit {}: the exponent of ^ is a constant there", words(&base_dimension));
+            let message =
+                format!("the base has the unit {}: the exponent of ^ is a constant there", words(&base_dimension));
             Err(refused(node, message))
         }
     }

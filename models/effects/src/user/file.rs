@@ -195,7 +195,13 @@ impl Faults<'_> {
     }
 
     /// A range with two ends of one unit, the least first.
-    fn range(&mut self, ends: &[(DeValue<'_>, Span)], span: &Span, default: &Amount, what: &str) -> Option<[Amount; 2]> {
+    fn range(
+        &mut self,
+        ends: &[(DeValue<'_>, Span)],
+        span: &Span,
+        default: &Amount,
+        what: &str,
+    ) -> Option<[Amount; 2]> {
         let all: Vec<Amount> = ends.iter().filter_map(|(raw, span)| self.amount(raw, span, what)).collect();
         let [low, high] = <[Amount; 2]>::try_from(all).ok().or_else(|| {
             self.note(
@@ -348,11 +354,11 @@ fn shape(faults: &mut Faults<'_>, name: String, raw: &Spanned<DeValue<'_>>) -> O
         faults.note("effect-definition", unknown.span(), message);
         return None;
     }
-    let Some(value) = table.get("value") else {
+    let Some(written) = table.get("value") else {
         faults.note("effect-definition", raw.span(), format!("{name} has no value"));
         return None;
     };
-    let value = faults.amount(value.get_ref(), &value.span(), &name)?;
+    let value = faults.amount(written.get_ref(), &written.span(), &name)?;
     let range = match table.get("range") {
         None => None,
         Some(range) => {
@@ -371,7 +377,7 @@ fn shape(faults: &mut Faults<'_>, name: String, raw: &Spanned<DeValue<'_>>) -> O
     if let Some([low, high]) = &range
         && !(low.si..=high.si).contains(&value.si)
     {
-        faults.note("effect-definition", value.span(), format!("the value of {name} lies within its range"));
+        faults.note("effect-definition", written.span(), format!("the value of {name} lies within its range"));
         return None;
     }
     let fit = match table.get("fit").map(|value| (value.get_ref(), value.span())) {
