@@ -22,6 +22,7 @@ mod planned;
 mod planning;
 mod programs;
 mod report;
+mod run_predicted;
 mod self_null;
 mod ssp_cell;
 mod tuning;

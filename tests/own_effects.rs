@@ -133,7 +133,7 @@ fn an_effect_of_one_machine_is_named_there_and_applied_there() {
     let plain = shop(16);
     let model = folder.put("model.toml", &plain);
     let truth = with(&plain, "id = \"wear_force\", size = 0.4, scope = { machine = \"L1\" }");
-    let data = records(&folder, &truth, 5);
+    let data = records(&folder, &truth, 7);
     let out = folder.at("d");
     done(&["gap", "diagnose", "--model", &model, "--data", &data, "--out", &out]);
     let diagnosis = json(&fs::read_to_string(folder.at("d/diagnosis.json")).expect("a diagnosis"));

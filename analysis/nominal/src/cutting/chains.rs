@@ -36,9 +36,7 @@ impl<P: Nominal> Cutting<P> {
             harder.set(self.ports.hardness, u.get(self.ports.hardness).unwrap_or(1.0) * (1.0 + SMALL));
             let (held, hard, of_land) =
                 (setting.process(*row).held(&u), setting.process(*row).held(&harder), setting.of_land(*row));
-            if let Some(body) = parts.lagged {
-                x[body] = 0.0;
-            }
+            self.cool(&parts, *row, &mut x);
             // By level, rate and hardness.
             let mut carried: [Sensitive; 3] = [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]];
             let mut sums = vec![[0.0; 3]; channels];

@@ -1,6 +1,7 @@
 //! Turning and milling as nominal models of recorded operations.
 
 mod chains;
+mod heat;
 mod nominal;
 mod run;
 mod scattered;
@@ -91,6 +92,8 @@ pub struct Cutting<P: Nominal> {
     masks: Vec<u64>,
     /// Nominal handling time of each row, s.
     handling: Vec<f64>,
+    /// Share of its heat that the body of the tool keeps until each row begins.
+    warm: Vec<f64>,
     ports: Ports,
     /// How the scenario scatters; `None` where it says nothing of it.
     scattered: Option<Scattered>,
@@ -211,9 +214,11 @@ impl<P: Nominal> Cutting<P> {
             variant_of_row: vec![0; records.len()],
             masks: vec![0],
             handling: stated.handling_of(records),
+            warm: Vec::new(),
             ports,
             scattered,
         };
+        model.warm = model.kept_heat(records);
         model.calibration(records, settings);
         let wear = model.schedule();
         model.allowance(records, &wear);

@@ -27,16 +27,23 @@ pub(super) struct Step {
     pub length: f64,
     /// Whether it counts in the means over the cut.
     pub seen: bool,
-    /// Half of it and the whole as a body that follows its exponential sees them, s.
+    /// What a rate of the body at the start adds to its mean over the step, and to its end, s: the body follows an
+    /// exponential.
     lagged: [f64; 2],
+    /// Time constant of that, s.
+    lag: f64,
 }
 
 impl Step {
     fn new(from: f64, end: f64, seen: bool, lag: f64) -> Self {
         let length = end - from;
-        let lagged = [0.5 * length, length];
-        let lagged = if lag.is_finite() { lagged.map(|time| lag * -(-time / lag).exp_m1()) } else { lagged };
-        Self { length, seen, lagged }
+        let lagged = if lag.is_finite() {
+            let end = lag * -(-length / lag).exp_m1();
+            [lag * (1.0 - end / length), end]
+        } else {
+            [0.5 * length, length]
+        };
+        Self { length, seen, lagged, lag }
     }
 }
 
@@ -123,6 +130,7 @@ impl<P: Nominal> Cutting<P> {
         for rows in &self.rows {
             let mut x = self.fresh(1.0);
             for row in rows {
+                self.cool(&parts, *row, &mut x);
                 let held = self.process.held(&self.inputs[*row]);
                 let duration = self.durations[*row];
                 let short = duration <= LEFT_OUT;
@@ -251,10 +259,7 @@ impl<P: Nominal> Cutting<P> {
             let (u, factor) = self.conditions(setting, group, *row);
             let of_land = setting.of_land(*row);
             let held = setting.process(*row).held(&u);
-            // Edges cool between operations.
-            if let Some(body) = parts.lagged {
-                x[body] = 0.0;
-            }
+            self.cool(&parts, *row, &mut x);
             let mut seen = 0.0;
             for step in &self.steps[*row] {
                 let middle = taken::<P>(&parts, &held, &mut x, step, [factor; 2], &of_land);
@@ -310,7 +315,8 @@ impl<P: Nominal> Cutting<P> {
     }
 }
 
-/// Midpoint step; the body follows its exponential. Returns the state halfway. The factors on the
+/// Midpoint step; the body follows its exponential to where it would settle halfway. Returns the state halfway, with the
+/// mean of the body over the step. The factors on the
 /// rate of wear are those at the start and halfway.
 pub(super) fn taken<P: Nominal>(
     parts: &Parts,
@@ -352,7 +358,10 @@ impl Half {
             (i, if start[i] == 0.0 { first[i] } else { rates::<P>(parts, held, &healed, factor, of_land)[i] })
         });
         let mut half = Self { start, middle: start, damaging };
-        half.middle = half.moved(parts, &first, 0.5 * step.length, step.lagged[0]);
+        half.middle = half.moved(parts, &first, 0.5 * step.length);
+        if let Some(i) = parts.lagged {
+            half.middle[i] = start[i] + first[i] * step.lagged[0];
+        }
         half
     }
 
@@ -366,16 +375,21 @@ impl Half {
         factor: f64,
         of_land: &OfLand,
     ) -> [f64; MOST] {
-        self.moved(parts, &rates::<P>(parts, held, &self.middle, factor, of_land), step.length, step.lagged[1])
+        let rate = rates::<P>(parts, held, &self.middle, factor, of_land);
+        let mut end = self.moved(parts, &rate, step.length);
+        if let Some(i) = parts.lagged {
+            // The rate is that of a body as warm as halfway; at the start it is farther from where it settles.
+            let first = rate[i] + (self.middle[i] - self.start[i]) / step.lag;
+            let next = self.start[i] + first * step.lagged[1];
+            end[i] = if next.is_finite() { next } else { self.start[i] };
+        }
+        end
     }
 
     #[inline]
-    fn moved(&self, parts: &Parts, rate: &[f64; MOST], time: f64, lagged: f64) -> [f64; MOST] {
+    fn moved(&self, parts: &Parts, rate: &[f64; MOST], time: f64) -> [f64; MOST] {
         let start = &self.start;
         let mut next: [f64; MOST] = std::array::from_fn(|i| start[i] + rate[i] * time);
-        if let Some(i) = parts.lagged {
-            next[i] = start[i] + rate[i] * lagged;
-        }
         if let Some((i, fresh)) = self.damaging {
             let decay = if start[i] > 1e-6 { (fresh - rate[i]) / start[i] } else { fresh };
             let stretch = if decay > 0.0 { -(-decay * time).exp_m1() / decay } else { time };

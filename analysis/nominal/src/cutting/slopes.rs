@@ -122,12 +122,10 @@ impl<P: Nominal> Cutting<P> {
                     Way::Rate(..) | Way::RateOfLand(..) | Way::Reading(..) => None,
                 })
                 .collect();
-            if let Some(body) = parts.lagged {
-                x[body] = 0.0;
-                for each in &mut carried {
-                    each.x[body] = 0.0;
-                    each.s[1] = 0.0;
-                }
+            self.cool(&parts, *row, &mut x);
+            for each in &mut carried {
+                self.cool(&parts, *row, &mut each.x);
+                each.s[1] *= self.warm[*row];
             }
             means.fill(0.0);
             let mut seen = 0.0;
