@@ -74,8 +74,7 @@
 //! * Frequency responses without a modal fit; cross-coupled modes that are not symmetric.
 //! * Runout in the linear verdict assumes the surfaces of the steady cut.
 //! * A state-dependent delay, torsion of drills, boring bars with dampers.
-//! * Amplitudes of milling chatter from the table: it is filled by turning, where the chip is
-//!   always there; use [`Milling::simulate`].
+//! * Amplitudes of milling chatter without a simulation: [`Milling::limit_cycle`] runs a short one.
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 

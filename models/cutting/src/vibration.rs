@@ -24,7 +24,7 @@ record! {
     /// |---|---|
     /// | coefficient | `K (1 + coefficient_growth · wear_ratio)`, the ratio at most 20 |
     /// | process damping | `C_i + indentation_force · VB²/2`, VB at most 10 mm |
-    /// | wear under chatter | `· (<F^wear_power>/F0^wear_power)^wear_exponent` |
+    /// | wear under chatter | `· (<F^wear_power>/F0^wear_power)^wear_exponent`; in milling F0^wear_power is the mean power of the force without vibration |
     ///
     /// The mean force does not change under chatter, so wear can only follow a convex function of
     /// it.
@@ -104,35 +104,20 @@ impl Vibration {
         self.kind == ChatterKind::Stable
     }
 
-    /// A cut of `depth` (m) below or beyond `boundary` with `chip` (m) in the mean; beyond it the cut can be
-    /// `stable_again`.
-    fn judged(
-        boundary: &Boundary,
-        depth: f64,
-        chip: f64,
-        regeneration: &Regeneration,
-        stable_again: impl FnOnce() -> bool,
-    ) -> Self {
+    /// A stable cut of `depth` (m) below or beyond `boundary`.
+    fn quiet(boundary: &Boundary, depth: f64) -> Self {
         let limit = boundary.limit;
-        let margin = 1.0 - depth / limit;
-        let stable = Self { limit, margin, frequency: boundary.frequency, ..Self::NONE };
-        if margin >= 0.0 || stable_again() {
-            stable
-        } else {
-            stable.chattering(boundary, depth / limit, chip, regeneration)
-        }
+        Self { limit, margin: 1.0 - depth / limit, frequency: boundary.frequency, ..Self::NONE }
     }
 
-    /// The same cut in its limit cycle.
-    fn chattering(self, boundary: &Boundary, ratio: f64, chip: f64, regeneration: &Regeneration) -> Self {
-        let table = AmplitudeTable::standard();
-        let cycle = table.limit_cycle(ratio, boundary.waves, boundary.damping_ratio).unwrap_or(LimitCycle::NONE);
+    /// The same cut in its limit `cycle`, which has the kind of `boundary`; displacements are in units of `chip` (m).
+    fn chattering(self, kind: ChatterKind, cycle: &LimitCycle, chip: f64, regeneration: &Regeneration) -> Self {
         let Regeneration { wear_power, wear_exponent, .. } = *regeneration;
         let mean_power = cycle.mean_square_force.powf(3.0 - wear_power) * cycle.mean_cube_force.powf(wear_power - 2.0);
         Self {
-            kind: boundary.kind,
+            kind,
             chatter: 0.5 * cycle.amplitude * chip,
-            wear_factor: mean_power.powf(wear_exponent),
+            wear_factor: mean_power.max(1.0).powf(wear_exponent),
             force_ripple: (cycle.mean_square_force - 1.0).max(0.0).sqrt(),
             ..self
         }
@@ -159,6 +144,11 @@ impl Boundary {
         let mode = modes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let (natural, damping_ratio) = mode.map_or((1.0, 0.03), |mode| (mode.natural_frequency, mode.damping_ratio));
         Self { limit, kind, frequency, waves: natural * period, damping_ratio }
+    }
+
+    /// The limit cycle of turning at a ratio of depth to limit, from the table.
+    fn tabulated(&self, ratio: f64) -> LimitCycle {
+        AmplitudeTable::standard().limit_cycle(ratio, self.waves, self.damping_ratio).unwrap_or(LimitCycle::NONE)
     }
 }
 

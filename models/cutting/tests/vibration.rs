@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use toolroom_chatter::{Bar, Cutter, Direction, Engagement, Mode, Support};
 use toolroom_cutting::{
-    Milling, MillingInput, MillingStructure, Regeneration, Turning, TurningInput, TurningOutput, TurningState,
-    TurningStructure,
+    Milling, MillingInput, MillingState, MillingStructure, Regeneration, Turning, TurningInput, TurningOutput,
+    TurningState, TurningStructure,
 };
 use toolroom_effects::{Effect, Effects};
 use toolroom_process::{Process, contract};
@@ -289,4 +289,33 @@ fn an_edge_beyond_all_wear_is_judged_as_the_most_worn_one() {
             assert_eq!(margin(depth_of_cut, flank_wear), margin(depth_of_cut, 20e-3), "{flank_wear} m");
         }
     }
+}
+
+/// Beyond the limit a shop's cutter vibrates as a simulation of the very same cut does, fresh and worn, at speeds and depths
+/// between those at which cycles are kept.
+#[test]
+fn milling_chatter_is_that_of_a_simulation() {
+    let milling = milling();
+    let mut judged = 0;
+    // Up to three times the limit.
+    let points = [(1.31, 1.5e-3), (1.71, 1.9e-3), (2.03, 1.6e-3), (2.47, 1.7e-3), (2.9, 1.4e-3), (3.37, 2.6e-3)];
+    for (i, (speed, depth)) in points.into_iter().enumerate() {
+        let u = MillingInput { cutting_speed: speed, depth_of_cut: depth, ..Default::default() };
+        let x = MillingState { flank_wear: 0.02e-3 * i as f64, ..milling.initial() };
+        let output = milling.output(&x, &u);
+        if output.stable > 0.5 {
+            continue;
+        }
+        judged += 1;
+        let cut = milling.regenerative(&x, &u).unwrap();
+        let settled = cut.settled(output.spindle_speed, depth).unwrap();
+        let range = settled.simulation.peak_to_peak(0).max(settled.simulation.peak_to_peak(1));
+        let vibration = milling.vibration(&x, &u);
+        let ratio = 2.0 * (vibration.chatter + vibration.forced) / range;
+        assert!((ratio - 1.0).abs() < 0.15, "{speed} m/s, {depth} m: {ratio}");
+        assert!(vibration.wear_factor > 1.0 && vibration.force_ripple > 0.0, "{vibration:?}");
+        // As often as it is asked.
+        assert_eq!(milling.vibration(&x, &u), vibration);
+    }
+    assert!(judged >= 4, "{judged}");
 }

@@ -1,5 +1,6 @@
-//! Amplitude and force of chatter from a table that the simulation has filled.
+//! Amplitude and force of chatter: of turning from a table that the simulation has filled, of milling by a short simulation.
 
+mod milling;
 mod table;
 
 use crate::error::{ChatterError, finite, positive, within};
@@ -8,7 +9,8 @@ use std::f64::consts::{PI, TAU};
 
 pub use table::AmplitudeTable;
 
-/// A limit cycle, scaled by the mean chip h0 and the mean force F0, which chatter does not change.
+/// A limit cycle, scaled by the mean chip h0 and the mean force F0, which chatter does not change; in milling by the feed of a
+/// tooth and the force of the same cut without vibration.
 ///
 /// | symbol | field | unit |
 /// |---|---|---|
@@ -42,6 +44,13 @@ impl LimitCycle {
 
     fn from_values([amplitude, greatest_force, mean_square_force, mean_cube_force, air_fraction]: [f64; 5]) -> Self {
         Self { amplitude, greatest_force, mean_square_force, mean_cube_force, air_fraction }
+    }
+
+    /// The cycle at `share` of the way from this one to `other`.
+    #[must_use]
+    pub fn towards(&self, other: &Self, share: f64) -> Self {
+        let (from, to) = (self.values(), other.values());
+        Self::from_values(std::array::from_fn(|i| from[i] + share * (to[i] - from[i])))
     }
 
     /// Simulates the limit cycle of one mode in turning: `ratio` is width over its limit, `waves`

@@ -53,13 +53,21 @@ impl Turning {
         })
     }
 
-    /// One period of the speed's variation.
-    fn period(&self, motion: Motion, revolutions: u32, width: f64) -> Period {
+    /// Factor on the frequencies of the structure by which the cut can quicken them at `width` (m).
+    fn stiffening(&self, width: f64) -> f64 {
+        (1.0 + width * self.force_slope() / self.softest()).sqrt()
+    }
+
+    /// Stiffness of the softest mode (N/m).
+    fn softest(&self) -> f64 {
+        self.modes.iter().map(|mode| mode.stiffness).fold(f64::INFINITY, f64::min)
+    }
+
+    /// One period of the speed's variation, fine enough for oscillations that the cut quickens by `stiffening`.
+    fn period(&self, motion: Motion, revolutions: u32, stiffening: f64) -> Period {
         let frame = Frame::resolved(Modes { modal: self.oriented().collect(), channels: 1 });
         let terms = vec![PlannedTerm { delay: TAU, teeth: vec![()] }];
         let stretch = PlannedStretch { from: 0.0, to: TAU * f64::from(revolutions), terms };
-        let softest = self.modes.iter().map(|mode| mode.stiffness).fold(f64::INFINITY, f64::min);
-        let stiffening = (1.0 + width * self.force_slope() / softest).sqrt();
         assemble(self, &frame, motion, &[stretch], Resolution { extra: 6, stiffening })
     }
 
@@ -120,17 +128,7 @@ impl Turning {
         variation: SpeedVariation,
         width: f64,
     ) -> Result<StabilityVerdict, ChatterError> {
-        self.judge_varying(spindle_speed, variation, width, 1e-8)
-    }
-
-    /// The verdict with an eigenvalue of this residual.
-    fn judge_varying(
-        &self,
-        spindle_speed: f64,
-        variation: SpeedVariation,
-        width: f64,
-        residual: f64,
-    ) -> Result<StabilityVerdict, ChatterError> {
+        const RESIDUAL: f64 = 1e-8;
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         variation.check()?;
@@ -142,9 +140,10 @@ impl Turning {
             let root = TurningAtSpeed::new(self, spindle_speed, width)?.rightmost_root(width)?;
             Dominant { value: (root.rate * length).exp(), residual: root.residual }
         } else {
-            let period = self.period(Motion::Varying(spindle_speed, Started::new(variation, 0.0)), revolutions, width);
+            let motion = Motion::Varying(spindle_speed, Started::new(variation, 0.0));
+            let period = self.period(motion, revolutions, self.stiffening(width));
             let mut storage = MapStorage::default();
-            Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), residual)?
+            Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), RESIDUAL)?
         };
         let mut verdict = StabilityVerdict::from_multiplier(dominant.value, length, dominant.residual);
         verdict.name_frequency(&self.modes);
@@ -166,14 +165,35 @@ impl Turning {
         steps: usize,
     ) -> Result<StabilityLimit, ChatterError> {
         positive("greatest width", greatest)?;
-        let verdict = |width: f64| self.judge_varying(spindle_speed, variation, width, 1e-3);
-        let mut excess = |width: f64| Ok(verdict(width)?.spectral_radius.ln());
+        self.check()?;
+        positive("spindle_speed", spindle_speed)?;
+        variation.check()?;
+        let motion = Motion::Varying(spindle_speed, Started::new(variation, 0.0));
+        // A period serves all widths up to the one that quickens the oscillations by the next step.
+        let mut prepared: Option<(f64, Period)> = None;
+        let (mut storage, mut krylov) = (MapStorage::default(), Krylov::default());
+        let mut dominant = |width: f64| -> Result<Dominant, ChatterError> {
+            let (_, period) = match prepared.take().filter(|(most, _)| width <= *most) {
+                Some(known) => prepared.insert(known),
+                None => {
+                    const STEP: f64 = 1.2;
+                    let stiffening = STEP.powf((self.stiffening(width).ln() / STEP.ln()).floor() + 1.0);
+                    let most = (stiffening * stiffening - 1.0) * self.softest() / self.force_slope();
+                    prepared.insert((most.max(width), self.period(motion, variation.revolutions, stiffening)))
+                }
+            };
+            krylov.dominant(&mut PeriodMap::new(period, width, &mut storage), 1e-3)
+        };
+        let mut excess = |width: f64| Ok(dominant(width)?.value.norm().ln());
         let found = brackets(&mut excess, (0.0, -1.0), greatest, steps, true)?;
         let Some([before, after]) = found.first() else {
             return Err(ChatterError::NoLimit { searched: greatest });
         };
         let depth = root(&mut excess, *before, *after, 3e-3)?;
-        let chatter_frequency = verdict(depth)?.chatter_frequency;
-        Ok(StabilityLimit { depth, kind: ChatterKind::Hopf, chatter_frequency })
+        let length = TAU * f64::from(variation.revolutions) / spindle_speed;
+        let dominant = dominant(depth)?;
+        let mut verdict = StabilityVerdict::from_multiplier(dominant.value, length, dominant.residual);
+        verdict.name_frequency(&self.modes);
+        Ok(StabilityLimit { depth, kind: ChatterKind::Hopf, chatter_frequency: verdict.chatter_frequency })
     }
 }

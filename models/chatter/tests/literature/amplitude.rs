@@ -2,7 +2,7 @@
 
 use super::milling::{rpm, standard};
 use super::turning;
-use toolroom_chatter::{Cutter, Direction, Engagement, Milling, MillingForce, Mode, SimulationSettings};
+use toolroom_chatter::{ChatterError, Cutter, Direction, Engagement, Milling, MillingForce, Mode, SimulationSettings};
 
 #[test]
 fn limit_cycles_of_turning_at_6000_rpm() {
@@ -131,4 +131,62 @@ fn vibration_settles_to_that_of_an_independent_simulation() {
             close(found.simulation.greatest_force(direction), force[direction]);
         }
     }
+}
+
+/// The short simulation that a shop asks for, against finer ones of others: period doubling of the standard slot, two modes
+/// beyond their limit.
+#[test]
+fn a_short_simulation_of_milling_has_the_vibration_of_a_fine_one() {
+    let close = |found: f64, expected: f64, relative: f64| {
+        assert!((found / expected - 1.0).abs() < relative, "{found} {expected}");
+    };
+    let slot = standard(1, 1.0, Direction::Down);
+    for (ratio, micrometres) in [(1.1, 345.32), (1.5, 484.10)] {
+        let cycle = slot.limit_cycle(rpm(12000.0), ratio * 2.149_309_49e-3).unwrap();
+        close(cycle.amplitude * slot.feed_per_tooth * 1e6, micrometres, 0.06);
+        assert!(cycle.mean_square_force > 1.0 && cycle.mean_cube_force > cycle.mean_square_force, "{cycle:?}");
+    }
+    // Below the limit it is the forced vibration, and the force hardly more than without.
+    let stable = slot.limit_cycle(rpm(12000.0), 1e-3).unwrap();
+    let forced = slot.forced(rpm(12000.0), 1e-3).unwrap().peak_to_peak;
+    close(stable.amplitude * slot.feed_per_tooth, forced[0].max(forced[1]), 0.06);
+    // Runout, a helix and process damping.
+    let cut = Milling {
+        modes: vec![
+            Mode { direction: [1.0, 0.0], natural_frequency: 1150.0, damping_ratio: 0.03, stiffness: 11e6 },
+            Mode { direction: [0.0, 1.0], natural_frequency: 1240.0, damping_ratio: 0.03, stiffness: 9.6e6 },
+        ],
+        cutter: Cutter { helix_angle: 0.5, runout: 10e-6, ..Cutter::straight(4, 0.012) },
+        engagement: Engagement::new(0.25, Direction::Down).unwrap(),
+        force: MillingForce { process_damping: 5e4, ..MillingForce::new(2389e6, 965e6) },
+        feed_per_tooth: 0.05e-3,
+    };
+    for speed in [3000.0, 4244.0, 5700.0] {
+        let quick = cut.limit_cycle(rpm(speed), 3e-3).unwrap().amplitude * cut.feed_per_tooth;
+        let fine = cut.settled(rpm(speed), 3e-3).unwrap();
+        let fine_range = fine.simulation.peak_to_peak(0).max(fine.simulation.peak_to_peak(1));
+        close(quick, fine_range, 0.15);
+    }
+}
+
+/// A cutter that the force pulls into the work, so that its displacement grows without end, is refused and not told.
+#[test]
+fn a_cutter_that_is_pulled_into_the_work_is_refused() {
+    let mode = |direction, natural_frequency, damping_ratio, stiffness| Mode {
+        direction,
+        natural_frequency,
+        damping_ratio,
+        stiffness,
+    };
+    let cut = Milling {
+        modes: vec![mode([1.0, 0.0], 1026.6, 0.01607, 4.319e6), mode([0.0, 1.0], 1000.3, 0.0429, 2.748e6)],
+        cutter: Cutter::straight(4, 0.02),
+        engagement: Engagement::new(0.566, Direction::Down).unwrap(),
+        force: MillingForce::new(653e6, 316e6),
+        feed_per_tooth: 0.1e-3,
+    };
+    let refused = |error| matches!(error, ChatterError::OutOfRange { quantity: "displacement", .. });
+    assert!(refused(cut.settled(1469.5, 12.7e-3).unwrap_err()));
+    assert!(refused(cut.limit_cycle(1469.5, 12.7e-3).unwrap_err()));
+    assert!(cut.settled(1469.5, 5.5e-3).is_ok());
 }

@@ -1,12 +1,13 @@
 //! What vibrates in milling.
 
 use super::{
-    Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, rounded, rounded_damping,
-    scattered,
+    Boundary, DAMPING_STEP, LITTLE_DAMPING, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping,
+    rounded, rounded_damping, scattered,
 };
 use std::f64::consts::TAU;
 use toolroom_chatter::{
-    AtSpeed, ChatterError, ChatterKind, Cutter, Direction, Engagement, Milling, MillingForce, Mode, SpeedVariation,
+    AtSpeed, ChatterError, ChatterKind, Cutter, Direction, Engagement, LimitCycle, Milling, MillingForce, Mode,
+    SpeedVariation,
 };
 
 /// Tool, holder, spindle and workpiece around a milled cut, in (feed, normal).
@@ -23,6 +24,8 @@ pub struct MillingStructure {
     forced: Memo<Key, f64>,
     /// By steps of the depth.
     growth: Memo<(Key, i32), f64>,
+    /// By steps of the ratio of depth to limit.
+    cycles: Memo<(Key, i32), Option<LimitCycle>>,
 }
 
 /// What a verdict depends on, rounded.
@@ -32,7 +35,8 @@ struct Key {
     damping: i32,
     /// Steps of the tangential coefficient where the helix makes the depth count.
     coefficient: i32,
-    radial: u64,
+    /// Steps of [`RATIO_STEP`] of the radial over the tangential coefficient.
+    radial: i64,
     immersion: u64,
     down: bool,
     runout: u64,
@@ -101,6 +105,7 @@ impl MillingStructure {
             boundaries: Memo::default(),
             forced: Memo::default(),
             growth: Memo::default(),
+            cycles: Memo::default(),
         })
     }
 
@@ -124,7 +129,7 @@ impl MillingStructure {
             speed: rounded(at.spindle_speed, SPEED_STEP).0,
             damping: rounded_damping(damping).0,
             coefficient: if helical { rounded(tangential, STIFFNESS_STEP).0 } else { 0 },
-            radial: (at.radial / at.tangential).to_bits(),
+            radial: radial_ratio(at).0,
             immersion: (at.width / at.diameter).min(1.0).to_bits(),
             down: at.down,
             runout: if at.runout > 0.0 { (at.runout / at.feed_per_tooth).to_bits() } else { 0 },
@@ -147,7 +152,7 @@ impl MillingStructure {
         let direction = if at.down { Direction::Down } else { Direction::Up };
         let force = MillingForce {
             process_damping: rounded_damping(self.graded(damping, at)).1 * judged,
-            ..MillingForce::new(judged, judged * at.radial / at.tangential)
+            ..MillingForce::new(judged, judged * radial_ratio(at).1)
         };
         let cut = Milling {
             modes: scattered(&self.modes, at.frequency_factor, at.damping_factor),
@@ -211,8 +216,48 @@ impl MillingStructure {
         // Nearer to the limit the verdict on a rounded depth could lie on its other side.
         let beyond = at.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
         let stable_again = || beyond && at.variation.is_none() && self.growth_rate(at) < 0.0;
-        let vibration = Vibration::judged(&boundary, at.depth, at.feed_per_tooth, &self.regeneration, stable_again);
-        Vibration { forced: self.forced(at, &key) * at.depth / scale * at.feed_per_tooth, ..vibration }
+        let quiet = Vibration {
+            forced: self.forced(at, &key) * at.depth / scale * at.feed_per_tooth,
+            ..Vibration::quiet(&boundary, at.depth)
+        };
+        if quiet.margin >= 0.0 || stable_again() {
+            return quiet;
+        }
+        let ratio = at.depth / boundary.limit;
+        let cycle = self.cycle(at, ratio).unwrap_or_else(|| boundary.tabulated(ratio));
+        let vibration = quiet.chattering(boundary.kind, &cycle, at.feed_per_tooth, &self.regeneration);
+        // The cycle holds what the teeth force.
+        Vibration { chatter: (vibration.chatter - quiet.forced).max(f64::MIN_POSITIVE), ..vibration }
+    }
+
+    /// The limit cycle at a `ratio` of depth to limit, between those of two ratios at a rounded speed and process damping; none
+    /// where the cut cannot be simulated. At varying speed it is that of the constant one.
+    fn cycle(&self, at: &Tooth, ratio: f64) -> Option<LimitCycle> {
+        let calm = self.graded_for_cycles(at);
+        let key = self.key(&calm);
+        let place = ((ratio.ln() - LEAST_CYCLE) / CYCLE_STEP).clamp(0.0, CYCLES);
+        let node = |step: f64| {
+            self.cycles.of((key, step as i32), || {
+                let boundary = self.boundary(&calm, &key);
+                let (cut, speed, _) = self.judged(&calm, &key).ok()?;
+                cut.limit_cycle(speed, (LEAST_CYCLE + CYCLE_STEP * step).exp() * boundary.limit).ok()
+            })
+        };
+        let (before, after) = (node(place.floor())?, node(place.ceil())?);
+        Some(before.towards(&after, place.fract()))
+    }
+
+    /// The operating point at constant speed, with speed and process damping in the steps at which cycles are simulated.
+    fn graded_for_cycles(&self, at: &Tooth) -> Tooth {
+        let (tangential, damping) = self.worn(at);
+        let step = DAMPING_STEP * CYCLE_DAMPING;
+        let graded = LITTLE_DAMPING * (((damping / LITTLE_DAMPING).asinh() / step).round() * step).sinh();
+        Tooth {
+            spindle_speed: rounded(at.spindle_speed, SPEED_STEP * CYCLE_SPEED).1,
+            process_damping: at.process_damping + (graded - damping) * tangential,
+            variation: None,
+            ..*at
+        }
     }
 
     /// The cut of an operating point as the stability model sees it, nothing rounded.
@@ -241,6 +286,26 @@ impl MillingStructure {
         };
         self.growth.of((key, step), || judge().unwrap_or(0.0))
     }
+}
+
+/// Logarithm of the least ratio of depth to limit at which a cycle is simulated: nearer to the limit a vibration grows too
+/// slowly, and where contact is lost it jumps to this size at once.
+const LEAST_CYCLE: f64 = 0.05;
+/// Steps of that logarithm between which cycles are interpolated, and their number: up to 4.7 times the limit.
+const CYCLE_STEP: f64 = 0.15;
+const CYCLES: f64 = 10.0;
+/// Steps of the speed and of process damping of a verdict in one of a cycle: a quarter of a percent of the speed, a fifth of
+/// the damping.
+const CYCLE_SPEED: f64 = 5.0;
+const CYCLE_DAMPING: f64 = 2.0;
+
+/// Steps in which the ratio of the coefficients is told apart: factors on both leave some noise in its last digits.
+const RATIO_STEP: f64 = 1e-9;
+
+/// The radial over the tangential coefficient in steps of [`RATIO_STEP`].
+fn radial_ratio(at: &Tooth) -> (i64, f64) {
+    let steps = (at.radial / at.tangential / RATIO_STEP).round();
+    (steps as i64, steps * RATIO_STEP)
 }
 
 /// Coefficient at which straight teeth are judged (Pa): limits go with its inverse.

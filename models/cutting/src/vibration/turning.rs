@@ -213,7 +213,13 @@ impl TurningStructure {
         // Nearer to the limit the verdict on a rounded depth could lie on its other side.
         let beyond = at.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
         let stable_again = || beyond && at.variation.is_none() && self.growth_rate(at) < 0.0;
-        let vibration = Vibration::judged(&boundary, at.depth, at.feed, &self.regeneration, stable_again);
+        let quiet = Vibration::quiet(&boundary, at.depth);
+        let vibration = if quiet.margin >= 0.0 || stable_again() {
+            quiet
+        } else {
+            let cycle = boundary.tabulated(at.depth / boundary.limit);
+            quiet.chattering(boundary.kind, &cycle, at.feed, &self.regeneration)
+        };
         if at.modulation <= 0.0 || !vibration.stable() {
             return vibration;
         }
@@ -223,8 +229,8 @@ impl TurningStructure {
         if modulated >= 0.0 {
             return judged;
         }
-        let boundary = Boundary { kind: ChatterKind::Parametric, ..boundary };
-        judged.chattering(&boundary, PARAMETRIC_RATIO, at.feed, &self.regeneration)
+        let cycle = boundary.tabulated(PARAMETRIC_RATIO);
+        judged.chattering(ChatterKind::Parametric, &cycle, at.feed, &self.regeneration)
     }
 
     /// Modulation of the chuck's stiffness at which the softest mode becomes unstable; twice the
