@@ -1,8 +1,8 @@
 //! What was measured of one edge, and the density of it with the edge's own level integrated out.
 
 use crate::curve::Curve;
+use crate::in_life::{InLife, Noisy, Step};
 use crate::normal::{HALF_LN_TAU, ln_below, ln_between, ln_density, ln_sum};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -78,29 +78,11 @@ impl Edge {
     pub fn readings(&self) -> usize {
         self.stretches.iter().filter(|stretch| stretch.wear.is_some()).count()
     }
-}
 
-/// Noise of the wear rate within a life: an Ornstein–Uhlenbeck process.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InLife {
-    /// Standard deviation of the logarithm of the rate.
-    pub deviation: f64,
-    /// Correlation time, min of cutting.
-    pub correlation: f64,
-}
-
-impl InLife {
-    /// Covariance in min² of the two integrals of the noise from 0 to `s` and to `t`, both in min.
-    ///
-    /// # Examples
-    /// ```
-    /// let noise = toolroom_calibrate::InLife { deviation: 0.1, correlation: 5.0 };
-    /// assert!((noise.covariance(8.0, 20.0) - 0.582_373_5).abs() < 1e-7);
-    /// ```
-    pub fn covariance(&self, s: f64, t: f64) -> f64 {
-        let l = self.correlation;
-        let fades = (-s / l).exp() + (-t / l).exp() - 1.0 - (-(t - s).abs() / l).exp();
-        self.deviation * self.deviation * l * (2.0 * s.min(t) + l * fades)
+    /// Whether it has so many readings that they all but tell its level.
+    pub(crate) fn well_read(&self) -> bool {
+        self.stretches.iter().any(|stretch| stretch.block.is_some_and(|block| block.count > 1.0))
+            || self.readings() >= WELL_READ
     }
 }
 
@@ -145,6 +127,13 @@ const STARTS: usize = 9;
 const FEW_STARTS: usize = 3;
 /// Farthest start, in standard deviations of the level.
 const FARTHEST: f64 = 3.0;
+/// Weight of the chord over one deviation either side in the slope of the straight line that fits a curve of third order best
+/// over evenly spaced times.
+const CHORD: f64 = 0.6;
+/// Distance from the most probable level, in its own standard deviations, at which the search ends.
+const CLOSE: f64 = 1e-4;
+/// Readings of an edge from which on its level is all but known (assumption).
+const WELL_READ: usize = 25;
 /// Readings by which the starts are compared (assumption): which of them is nearest shows already in a few readings spread
 /// over the life, and an edge of a recorded shop has hundreds.
 const COMPARED: usize = 16;
@@ -177,14 +166,15 @@ impl Common<'_> {
             let curve = &self.curves[stretch.condition];
             if stretch.condition != at {
                 let before = self.curves.get(at);
-                (at, cell) = (stretch.condition, 0);
+                at = stretch.condition;
                 if let Some(slower) = before.and_then(|before| curve.slower_than(before)) {
                     // The curves are one but for their pace.
                     time *= slower;
                     stretch_of_time *= slower;
                 } else if wear > 0.0 {
-                    time = curve.time(wear);
-                    stretch_of_time = slope / curve.wear(time, &mut cell).1;
+                    let rate;
+                    (time, rate, cell) = curve.place(wear);
+                    stretch_of_time = slope / rate;
                 }
             }
             time += level * stretch.time;
@@ -194,13 +184,17 @@ impl Common<'_> {
             let next = edge.stretches.get(index + 1).filter(|next| next.condition != at);
             if read || next.is_some_and(|next| self.curves[next.condition].slower_than(curve).is_none()) {
                 let rate;
-                (wear, rate) = match stretch.block {
-                    // The mean of a curve is not the curve at the mean, but nearly that at one deviation of time either side.
+                (wear, rate) = match stretch.block.filter(|block| block.count > 1.0) {
+                    // The mean of a curve is not the curve at the mean, but nearly that at one deviation of time either side; the
+                    // slope of a straight line through it is that mixture of the slopes there and of the chord between them.
                     Some(block) if read => {
                         let apart = level * (block.times / block.count).sqrt();
                         let (before, after) =
                             (curve.wear(time - apart, &mut cell), curve.wear(time + apart, &mut cell));
-                        (0.5 * (before.0 + after.0), 0.5 * (before.1 + after.1))
+                        let slopes = 0.5 * (before.1 + after.1);
+                        let chord = (after.0 - before.0) / (2.0 * apart);
+                        let slope = if apart > 0.0 { CHORD * chord + (1.0 - CHORD) * slopes } else { slopes };
+                        (0.5 * (before.0 + after.0), slope)
                     }
                     Some(_) | None => curve.wear(time, &mut cell),
                 };
@@ -216,6 +210,11 @@ impl Common<'_> {
 
     /// Log density of all data of an edge, its level integrated out.
     pub fn ln_density(&self, edge: &Edge) -> f64 {
+        self.ln_density_near(edge, None)
+    }
+
+    /// The same of an edge whose level has this logarithm nearly, where it is known.
+    pub(crate) fn ln_density_near(&self, edge: &Edge, ln_level: Option<f64>) -> f64 {
         let life = edge.life.map_or(0.0, |(condition, life)| {
             let mean = self.curves[condition].time(self.limit).ln();
             let z = |time: f64| (time.ln() - mean) / self.scatter;
@@ -225,26 +224,33 @@ impl Common<'_> {
                 Life::Between(from, to) => ln_between(z(from), z(to)),
             }
         });
-        if edge.readings() == 0 { life } else { life + self.ln_readings(edge) }
+        if edge.readings() == 0 { life } else { life + self.ln_readings(edge, ln_level) }
     }
 
-    fn ln_readings(&self, edge: &Edge) -> f64 {
-        let read = readings(edge);
-        let times = self.in_life.map(|_| reading_times(edge));
+    fn ln_readings(&self, edge: &Edge, ln_level: Option<f64>) -> f64 {
+        let (read, well_read) = (readings(edge), edge.well_read());
+        let steps = self.steps(edge);
+        let joined = steps.is_some();
         let mut predicted = Predicted::default();
         let mut from = |begin: f64| {
             let mut at =
-                |z: f64, stride: usize| self.ln_joint(edge, begin, &read, times.as_deref(), z, stride, &mut predicted);
-            if read.iter().any(|(_, block)| block.count > 1.0) {
-                ln_integral_of_many(&mut at, read.len())
+                |z: f64, stride: usize| self.ln_joint(edge, begin, &read, steps.as_deref(), z, stride, &mut predicted);
+            if well_read {
+                let start = ln_level.map_or(Start::Few, |level| Start::At(level / self.scatter));
+                ln_integral_of_many(&mut at, read.len(), start, joined)
             } else {
-                ln_integral(&mut at, read.len())
+                ln_integral(&mut at, read.len(), joined)
             }
         };
         let Some(begun) = edge.begun else { return from(0.0) };
         // The reading at the beginning has the error of any other; every wear before is as good as another.
         let terms = FEW_NODES.map(|(node, weight)| from(self.begin(begun, node)) + weight.ln());
         ln_sum(&terms)
+    }
+
+    /// How noise within the life goes on from reading to reading; none without it.
+    fn steps(&self, edge: &Edge) -> Option<Vec<Step>> {
+        self.in_life.map(|noise| noise.steps(reading_times(edge).into_iter()))
     }
 
     /// Flank wear of an edge whose reading at the beginning is off by `error` deviations.
@@ -255,12 +261,12 @@ impl Common<'_> {
     /// The level at which the readings of an edge are most probable together with the level itself.
     pub(crate) fn level(&self, edge: &Edge) -> f64 {
         let read = readings(edge);
-        let times = self.in_life.map(|_| reading_times(edge));
+        let steps = self.steps(edge);
         let mut predicted = Predicted::default();
         let begin = edge.begun.map_or(0.0, |begun| self.begin(begun, 0.0));
         let mut at =
-            |z: f64, stride: usize| self.ln_joint(edge, begin, &read, times.as_deref(), z, stride, &mut predicted);
-        let (z, _) = mode(&mut at, read.len(), STARTS);
+            |z: f64, stride: usize| self.ln_joint(edge, begin, &read, steps.as_deref(), z, stride, &mut predicted);
+        let (z, _) = mode(&mut at, read.len(), Start::Many, steps.is_some());
         (self.scatter * z).exp()
     }
 
@@ -282,49 +288,42 @@ impl Common<'_> {
             .map(|(wear, count)| wear + self.noise / count.sqrt() * normal())
             .collect();
         if let Some(noise) = &self.in_life {
-            let times = reading_times(edge);
-            let count = times.len();
-            let rate = DMatrix::from_fn(count, count, |i, j| {
-                let diagonal = if i == j { 1e-12 } else { 0.0 };
-                noise.covariance(times[i], times[j]) + diagonal
-            });
-            if let Some(factor) = Cholesky::new(rate) {
-                let off = factor.l() * DVector::from_fn(count, |_, _| normal());
-                readings
-                    .iter_mut()
-                    .zip(&predicted.pace)
-                    .zip(off.iter())
-                    .for_each(|((reading, pace), off)| *reading += pace * off);
-            }
+            let off = noise.integrals(&noise.steps(reading_times(edge).into_iter()), normal);
+            readings
+                .iter_mut()
+                .zip(&predicted.pace)
+                .zip(&off)
+                .for_each(|((reading, pace), off)| *reading += pace * off);
         }
         readings
     }
 
     /// Log density of every `stride`-th reading and the standardised level `z`, its derivative by `z` and the Gauss–Newton
-    /// curvature. Readings that noise within the life joins are never thinned.
+    /// curvature. Where readings are thinned, which is to compare starts, no noise joins them.
     #[allow(clippy::too_many_arguments)] // the state of one edge
     fn ln_joint(
         &self,
         edge: &Edge,
         begin: f64,
         read: &[(f64, Block)],
-        times: Option<&[f64]>,
+        steps: Option<&[Step]>,
         z: f64,
         stride: usize,
         predicted: &mut Predicted,
     ) -> Joint {
-        let stride = if times.is_some() { 1 } else { stride };
         self.predict(edge, begin, (self.scatter * z).exp(), stride, predicted);
         let prior = -0.5 * z * z - HALF_LN_TAU;
-        if let (Some(noise), Some(times)) = (&self.in_life, times) {
-            let covariance = self.covariance(noise, read, times, &predicted.pace);
-            let Some(factor) = Cholesky::new(covariance) else { return (f64::NEG_INFINITY, 0.0, 1.0) };
-            let off =
-                DVector::from_iterator(read.len(), read.iter().zip(&predicted.wear).map(|(read, wear)| read.0 - wear));
-            let slope = DVector::from_iterator(read.len(), predicted.slope.iter().map(|slope| slope * self.scatter));
-            let solved = factor.solve(&slope);
-            let density = prior + ln_normal(&factor, &off) + self.within(read, &predicted.pace);
-            return (density, solved.dot(&off) - z, 1.0 + solved.dot(&slope));
+        if let (Some(noise), Some(steps), 1) = (&self.in_life, steps, stride) {
+            let single = self.noise * self.noise;
+            let noisy = read.iter().enumerate().map(|(i, (wear, block))| Noisy {
+                pace: predicted.pace[i],
+                variance: single / block.count,
+                off: wear - predicted.wear[i],
+                slope: predicted.slope[i] * self.scatter,
+            });
+            let found = noise.filter(steps, noisy);
+            let density = prior + found.density + self.within(read, &predicted.pace);
+            return (density, found.gradient - z, 1.0 + found.curvature);
         }
         let weight = 1.0 / (self.noise * self.noise);
         let (mut squares, mut gradient, mut curvature, mut count) = (0.0, 0.0, 0.0, 0.0);
@@ -355,22 +354,16 @@ impl Common<'_> {
         };
         read.iter().zip(pace).map(one).sum()
     }
-
-    fn covariance(&self, noise: &InLife, read: &[(f64, Block)], times: &[f64], pace: &[f64]) -> DMatrix<f64> {
-        DMatrix::from_fn(times.len(), times.len(), |i, j| {
-            let reading = if i == j { self.noise * self.noise / read[i].1.count } else { 0.0 };
-            reading + pace[i] * pace[j] * noise.covariance(times[i], times[j])
-        })
-    }
 }
 
 /// Log density, its derivative and its Gauss–Newton curvature at a standardised level.
 pub(crate) type Joint = (f64, f64, f64);
 
 /// Logarithm of the integral of a density over the standardised level, by adaptive Gauss–Hermite quadrature. `at` takes the
-/// level and which of the `readings` are looked at: one is all of them, `n` every nth.
-pub(crate) fn ln_integral(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize) -> f64 {
-    let (z, (density, _, curvature)) = mode(at, readings, STARTS);
+/// level and which of the `readings` are looked at: one is all of them, `n` every nth. `joined` says whether noise within the
+/// life joins the readings, whose covariance the derivative of the density then holds.
+pub(crate) fn ln_integral(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize, joined: bool) -> f64 {
+    let (z, (density, _, curvature)) = mode(at, readings, Start::Many, joined);
     let width = std::f64::consts::SQRT_2 / curvature.sqrt();
     let mut terms = [0.0; 9];
     for (index, (node, weight)) in HERMITE.iter().enumerate() {
@@ -384,8 +377,8 @@ pub(crate) fn ln_integral(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usi
 }
 
 /// The same of an edge with so many readings that its level is all but known: three nodes do, and fewer starts.
-fn ln_integral_of_many(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize) -> f64 {
-    let (z, (density, _, curvature)) = mode(at, readings, FEW_STARTS);
+fn ln_integral_of_many(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize, start: Start, joined: bool) -> f64 {
+    let (z, (density, _, curvature)) = mode(at, readings, start, joined);
     let width = std::f64::consts::SQRT_2 / curvature.sqrt();
     // Abramowitz and Stegun, table 25.10.
     let (node, middle, side): (f64, f64, f64) = (1.224_744_871_391_589, 1.181_635_900_603_677, 0.295_408_975_150_919_4);
@@ -393,12 +386,27 @@ fn ln_integral_of_many(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize)
     width.ln() + ln_sum(&[density + middle.ln(), far(z - width * node), far(z + width * node)])
 }
 
+/// Where the search for the level of an edge begins.
+#[derive(Clone, Copy)]
+enum Start {
+    /// At the best of nine levels over three deviations either side.
+    Many,
+    /// At the best of three.
+    Few,
+    /// At a standardised level.
+    At(f64),
+}
+
 /// The most probable standardised level of an edge, and the density there.
-fn mode(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize, starts: usize) -> (f64, Joint) {
-    let last = (starts - 1) as f64;
-    let reach = if starts == STARTS { FARTHEST } else { 0.5 * FARTHEST };
-    let starts = (0..starts).map(|start| reach * (2.0 * start as f64 / last - 1.0));
-    let stride = readings.div_ceil(COMPARED).max(1);
+fn mode(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize, start: Start, joined: bool) -> (f64, Joint) {
+    let grid = |count: usize, reach: f64| -> Vec<f64> {
+        (0..count).map(|start| reach * (2.0 * start as f64 / (count - 1) as f64 - 1.0)).collect()
+    };
+    let (starts, stride) = match start {
+        Start::Many => (grid(STARTS, FARTHEST), readings.div_ceil(COMPARED).max(1)),
+        Start::Few => (grid(FEW_STARTS, 0.5 * FARTHEST), readings.div_ceil(COMPARED).max(1)),
+        Start::At(z) => (vec![z], 1),
+    };
     let mut best = (0.0, (f64::NEG_INFINITY, 0.0, 1.0));
     for z in starts {
         let there = at(z, stride);
@@ -412,10 +420,16 @@ fn mode(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize, starts: usize)
     let (mut z, mut here) = best;
     for _ in 0..20 {
         let mut step = here.1 / here.2;
+        if step.abs() * here.2.sqrt() < CLOSE {
+            break;
+        }
         let mut moved = false;
         for _ in 0..12 {
             let next = at(z + step, 1);
-            if next.0.is_finite() && next.0 >= here.0 {
+            // The derivative holds the covariance that noise within the life gives the readings, so that it is zero beside
+            // the greatest density: such an end of the search does for the middle of the quadrature.
+            let calmer = joined && next.1.abs() * here.2.sqrt() < 0.5 * here.1.abs() * next.2.sqrt();
+            if next.0.is_finite() && (next.0 >= here.0 || calmer) {
                 z += step;
                 here = next;
                 moved = true;
@@ -423,16 +437,11 @@ fn mode(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize, starts: usize)
             }
             step *= 0.5;
         }
-        if !moved || step.abs() * here.2.sqrt() < 1e-4 {
+        if !moved {
             break;
         }
     }
     (z, here)
-}
-
-fn ln_normal(factor: &Cholesky<f64, Dyn>, off: &DVector<f64>) -> f64 {
-    let white = factor.l().solve_lower_triangular(off).map_or(f64::INFINITY, |white| white.norm_squared());
-    -0.5 * white - factor.l().diagonal().map(f64::ln).sum() - off.len() as f64 * HALF_LN_TAU
 }
 
 /// Readings of an edge with the blocks that they stand for.

@@ -142,7 +142,7 @@ impl Model for ForceModel {
         parts.iter().map(|(sharp, land)| (sharp * level + land) * noise.mul_add(normal(), 1.0)).collect()
     }
 
-    fn ln_likelihood(&self, u: &[f64], edges: &[usize]) -> f64 {
+    fn ln_densities(&self, u: &[f64], edges: &[usize]) -> Vec<f64> {
         let (scatter, noise) = self.spread(u);
         let of_edge = |edge: &usize| {
             let parts = self.parts(u, *edge);
@@ -159,8 +159,8 @@ impl Model for ForceModel {
                 }
                 (density, gradient, curvature)
             };
-            ln_integral(&mut joint, parts.len())
+            ln_integral(&mut joint, parts.len(), false)
         };
-        edges.iter().map(of_edge).sum()
+        edges.iter().map(of_edge).collect()
     }
 }
