@@ -2,6 +2,7 @@
 
 use crate::curve::Curve;
 use crate::in_life::{InLife, Noisy, Step};
+use crate::level::{Joint, Start, few_nodes, mode, nine_nodes, settled};
 use crate::normal::{HALF_LN_TAU, ln_below, ln_between, ln_density, ln_sum};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -101,15 +102,6 @@ pub struct Common<'a> {
     pub limit: f64,
 }
 
-/// Nodes and weights of 9-point Gauss–Hermite quadrature for the weight exp(-x²), positive half (Abramowitz and Stegun,
-/// table 25.10).
-const HERMITE: [(f64, f64); 5] = [
-    (0.0, 7.202_352_156_060_51e-1),
-    (0.723_551_018_752_837_6, 4.326_515_590_025_558e-1),
-    (1.468_553_289_216_668, 8.847_452_739_437_657e-2),
-    (2.266_580_584_531_843, 4.943_624_275_536_947e-3),
-    (3.190_993_201_781_527_6, 3.960_697_726_326_438e-5),
-];
 /// Nodes in standard deviations and weights of the 5-point rule for a normal distribution (Abramowitz and Stegun, table 25.10).
 const FEW_NODES: [(f64, f64); 5] = [
     (-2.856_970_013_872_806, 1.125_741_132_772_069e-2),
@@ -120,23 +112,11 @@ const FEW_NODES: [(f64, f64); 5] = [
 ];
 /// Least flank wear of an edge that was not new, mm.
 const LEAST_BEGIN: f64 = 1e-4;
-/// The level of an edge is looked for from nine starts over three deviations either side: from its mean alone the search
-/// fails for edges that are far off.
-const STARTS: usize = 9;
-/// Starts for edges with very many readings: the density then falls evenly to both sides, and the search finds its way.
-const FEW_STARTS: usize = 3;
-/// Farthest start, in standard deviations of the level.
-const FARTHEST: f64 = 3.0;
 /// Weight of the chord over one deviation either side in the slope of the straight line that fits a curve of third order best
 /// over evenly spaced times.
 const CHORD: f64 = 0.6;
-/// Distance from the most probable level, in its own standard deviations, at which the search ends.
-const CLOSE: f64 = 1e-4;
 /// Readings of an edge from which on its level is all but known (assumption).
 const WELL_READ: usize = 25;
-/// Readings by which the starts are compared (assumption): which of them is nearest shows already in a few readings spread
-/// over the life, and an edge of a recorded shop has hundreds.
-const COMPARED: usize = 16;
 
 /// Readings of an edge as a model sees them at one level.
 #[derive(Default)]
@@ -230,17 +210,30 @@ impl Common<'_> {
     fn ln_readings(&self, edge: &Edge, ln_level: Option<f64>) -> f64 {
         let (read, well_read) = (readings(edge), edge.well_read());
         let steps = self.steps(edge);
-        let joined = steps.is_some();
-        let mut predicted = Predicted::default();
+        let (mut predicted, mut at_mode) = (Predicted::default(), Predicted::default());
+        let start = match ln_level {
+            Some(level) if well_read => Start::At(level / self.scatter),
+            None if well_read => Start::Few,
+            Some(_) | None => Start::Many,
+        };
         let mut from = |begin: f64| {
-            let mut at =
-                |z: f64, stride: usize| self.ln_joint(edge, begin, &read, steps.as_deref(), z, stride, &mut predicted);
-            if well_read {
-                let start = ln_level.map_or(Start::Few, |level| Start::At(level / self.scatter));
-                ln_integral_of_many(&mut at, read.len(), start, joined)
-            } else {
-                ln_integral(&mut at, read.len(), joined)
-            }
+            let mut joint = |z: f64, stride: usize, held: Option<&[f64]>| {
+                self.ln_joint(edge, begin, &read, steps.as_deref(), held, z, stride, &mut predicted)
+            };
+            let (z, held) = match &steps {
+                Some(_) => {
+                    let (z, _) = settled(&mut |z, stride| joint(z, stride, None), read.len(), start);
+                    self.predict(edge, begin, (self.scatter * z).exp(), 1, &mut at_mode);
+                    (Some(z), Some(at_mode.pace.as_slice()))
+                }
+                None => (None, None),
+            };
+            let at = &mut |z: f64, stride: usize| joint(z, stride, held);
+            let top = match z {
+                Some(z) => (z, at(z, 1)),
+                None => mode(at, read.len(), start),
+            };
+            if well_read { few_nodes(at, top) } else { nine_nodes(at, top) }
         };
         let Some(begun) = edge.begun else { return from(0.0) };
         // The reading at the beginning has the error of any other; every wear before is as good as another.
@@ -264,9 +257,13 @@ impl Common<'_> {
         let steps = self.steps(edge);
         let mut predicted = Predicted::default();
         let begin = edge.begun.map_or(0.0, |begun| self.begin(begun, 0.0));
-        let mut at =
-            |z: f64, stride: usize| self.ln_joint(edge, begin, &read, steps.as_deref(), z, stride, &mut predicted);
-        let (z, _) = mode(&mut at, read.len(), Start::Many, steps.is_some());
+        let mut at = |z: f64, stride: usize| {
+            self.ln_joint(edge, begin, &read, steps.as_deref(), None, z, stride, &mut predicted)
+        };
+        let (z, _) = match &steps {
+            Some(_) => settled(&mut at, read.len(), Start::Many),
+            None => mode(&mut at, read.len(), Start::Many),
+        };
         (self.scatter * z).exp()
     }
 
@@ -299,7 +296,8 @@ impl Common<'_> {
     }
 
     /// Log density of every `stride`-th reading and the standardised level `z`, its derivative by `z` and the Gauss–Newton
-    /// curvature. Where readings are thinned, which is to compare starts, no noise joins them.
+    /// curvature. Where readings are thinned, which is to compare starts, no noise joins them. `held` are the wear rates at
+    /// the readings that turn noise within the life into wear, where they are not those of the level `z`.
     #[allow(clippy::too_many_arguments)] // the state of one edge
     fn ln_joint(
         &self,
@@ -307,6 +305,7 @@ impl Common<'_> {
         begin: f64,
         read: &[(f64, Block)],
         steps: Option<&[Step]>,
+        held: Option<&[f64]>,
         z: f64,
         stride: usize,
         predicted: &mut Predicted,
@@ -315,8 +314,9 @@ impl Common<'_> {
         let prior = -0.5 * z * z - HALF_LN_TAU;
         if let (Some(noise), Some(steps), 1) = (&self.in_life, steps, stride) {
             let single = self.noise * self.noise;
+            let pace = held.unwrap_or(&predicted.pace);
             let noisy = read.iter().enumerate().map(|(i, (wear, block))| Noisy {
-                pace: predicted.pace[i],
+                pace: pace[i],
                 variance: single / block.count,
                 off: wear - predicted.wear[i],
                 slope: predicted.slope[i] * self.scatter,
@@ -356,94 +356,6 @@ impl Common<'_> {
     }
 }
 
-/// Log density, its derivative and its Gauss–Newton curvature at a standardised level.
-pub(crate) type Joint = (f64, f64, f64);
-
-/// Logarithm of the integral of a density over the standardised level, by adaptive Gauss–Hermite quadrature. `at` takes the
-/// level and which of the `readings` are looked at: one is all of them, `n` every nth. `joined` says whether noise within the
-/// life joins the readings, whose covariance the derivative of the density then holds.
-pub(crate) fn ln_integral(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize, joined: bool) -> f64 {
-    let (z, (density, _, curvature)) = mode(at, readings, Start::Many, joined);
-    let width = std::f64::consts::SQRT_2 / curvature.sqrt();
-    let mut terms = [0.0; 9];
-    for (index, (node, weight)) in HERMITE.iter().enumerate() {
-        let term = |density: f64| density + node * node + weight.ln();
-        terms[index] = term(if index == 0 { density } else { at(z + width * node, 1).0 });
-        if index > 0 {
-            terms[4 + index] = term(at(z - width * node, 1).0);
-        }
-    }
-    width.ln() + ln_sum(&terms)
-}
-
-/// The same of an edge with so many readings that its level is all but known: three nodes do, and fewer starts.
-fn ln_integral_of_many(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize, start: Start, joined: bool) -> f64 {
-    let (z, (density, _, curvature)) = mode(at, readings, start, joined);
-    let width = std::f64::consts::SQRT_2 / curvature.sqrt();
-    // Abramowitz and Stegun, table 25.10.
-    let (node, middle, side): (f64, f64, f64) = (1.224_744_871_391_589, 1.181_635_900_603_677, 0.295_408_975_150_919_4);
-    let mut far = |z: f64| at(z, 1).0 + node * node + side.ln();
-    width.ln() + ln_sum(&[density + middle.ln(), far(z - width * node), far(z + width * node)])
-}
-
-/// Where the search for the level of an edge begins.
-#[derive(Clone, Copy)]
-enum Start {
-    /// At the best of nine levels over three deviations either side.
-    Many,
-    /// At the best of three.
-    Few,
-    /// At a standardised level.
-    At(f64),
-}
-
-/// The most probable standardised level of an edge, and the density there.
-fn mode(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize, start: Start, joined: bool) -> (f64, Joint) {
-    let grid = |count: usize, reach: f64| -> Vec<f64> {
-        (0..count).map(|start| reach * (2.0 * start as f64 / (count - 1) as f64 - 1.0)).collect()
-    };
-    let (starts, stride) = match start {
-        Start::Many => (grid(STARTS, FARTHEST), readings.div_ceil(COMPARED).max(1)),
-        Start::Few => (grid(FEW_STARTS, 0.5 * FARTHEST), readings.div_ceil(COMPARED).max(1)),
-        Start::At(z) => (vec![z], 1),
-    };
-    let mut best = (0.0, (f64::NEG_INFINITY, 0.0, 1.0));
-    for z in starts {
-        let there = at(z, stride);
-        if there.0 > best.1.0 {
-            best = (z, there);
-        }
-    }
-    if stride > 1 {
-        best.1 = at(best.0, 1);
-    }
-    let (mut z, mut here) = best;
-    for _ in 0..20 {
-        let mut step = here.1 / here.2;
-        if step.abs() * here.2.sqrt() < CLOSE {
-            break;
-        }
-        let mut moved = false;
-        for _ in 0..12 {
-            let next = at(z + step, 1);
-            // The derivative holds the covariance that noise within the life gives the readings, so that it is zero beside
-            // the greatest density: such an end of the search does for the middle of the quadrature.
-            let calmer = joined && next.1.abs() * here.2.sqrt() < 0.5 * here.1.abs() * next.2.sqrt();
-            if next.0.is_finite() && (next.0 >= here.0 || calmer) {
-                z += step;
-                here = next;
-                moved = true;
-                break;
-            }
-            step *= 0.5;
-        }
-        if !moved {
-            break;
-        }
-    }
-    (z, here)
-}
-
 /// Readings of an edge with the blocks that they stand for.
 fn readings(edge: &Edge) -> Vec<(f64, Block)> {
     let read = |stretch: &Stretch| Some((stretch.wear?, stretch.block.unwrap_or(SINGLE)));
@@ -458,4 +370,42 @@ pub(crate) fn reading_times(edge: &Edge) -> Vec<f64> {
         (time, stretch.wear.is_some())
     });
     passed.filter(|(_, read)| *read).map(|(time, _)| time).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    #[test]
+    fn the_level_of_an_edge_with_joined_readings_is_integrated_out() {
+        let noise = |deviation: f64| Some(InLife { deviation, correlation: 5.0 });
+        for (contrast, scatter, reading, deviation) in
+            [(0.5, 0.15, 0.008, 0.1), (0.2, 0.4, 0.004, 0.2), (0.8, 0.1, 0.015, 0.05), (0.5, 0.3, 0.002, 0.1)]
+        {
+            let rate = |wear: f64| 0.3 / toolroom_wear::wear_stage(wear / 0.3, contrast, 0.0);
+            let curves = [Curve::bent(0.6, 0.3, rate).faster(1.0 / 40.0)];
+            let common = Common { curves: &curves, scatter, noise: reading, in_life: noise(deviation), limit: 0.3 };
+            for seed in 0..6 {
+                let stretches = vec![Stretch::read(0, 4.0, 0.0); 10];
+                let mut edge = Edge { name: String::new(), stretches, life: None, begun: None };
+                let read = common.replicate(&edge, &mut ChaCha8Rng::seed_from_u64(seed));
+                edge.stretches.iter_mut().zip(read).for_each(|(stretch, wear)| stretch.wear = Some(wear));
+                let (read, steps, mut predicted) = (readings(&edge), common.steps(&edge), Predicted::default());
+                let level = common.level(&edge);
+                common.predict(&edge, 0.0, level, 1, &mut predicted);
+                let held = predicted.pace.clone();
+                let step = 0.01;
+                let fine = (-700..=700).map(|place: i32| {
+                    let z = level.ln() / scatter + step * f64::from(place);
+                    let steps = steps.as_deref();
+                    common.ln_joint(&edge, 0.0, &read, steps, Some(&held), z, 1, &mut predicted).0 + step.ln()
+                });
+                let (fine, found) = (ln_sum(&fine.collect::<Vec<f64>>()), common.ln_density(&edge));
+                // Nine nodes; beyond a great contrast the wear curve has a sharp bend.
+                let bound = if contrast > 0.6 { 0.05 } else { 0.01 };
+                assert!((fine - found).abs() < bound, "{contrast} {scatter} {reading} {seed}: {found} against {fine}");
+            }
+        }
+    }
 }

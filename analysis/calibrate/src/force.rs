@@ -1,6 +1,6 @@
 //! Cutting force against wear: level, exponents and shear stress on the land.
 
-use crate::edge::{Joint, ln_integral};
+use crate::level::{Joint, ln_integral};
 use crate::model::Model;
 use crate::normal::{HALF_LN_TAU, ln_density};
 use crate::parameter::{Parameter, Prior, Scale};
@@ -159,7 +159,7 @@ impl Model for ForceModel {
                 }
                 (density, gradient, curvature)
             };
-            ln_integral(&mut joint, parts.len(), false)
+            ln_integral(&mut joint, parts.len())
         };
         edges.iter().map(of_edge).collect()
     }

@@ -51,6 +51,7 @@ mod in_life;
 mod joined;
 mod law;
 mod left_out;
+mod level;
 mod model;
 mod normal;
 mod packed;

@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::fmt::Write as _;
 use toolroom_calibrate::{
-    Base, Calibration, Candidate, Clock, Condition, DataError, Edge, Law, Measured, Model, Process, Request, Shape,
-    Stretch, Treatment, Verdict, WearModel, maximise, profiles,
+    Base, Calibration, Candidate, Clock, Condition, DataError, Edge, Law, Measured, Method, Model, Process, Request,
+    Shape, Stretch, Treatment, Verdict, WearModel, maximise, profiles, sample,
 };
 use toolroom_cutting::{Milling, MillingInput};
 use toolroom_records::{RecordKind, Records, parse_csv};
@@ -327,4 +327,15 @@ fn edges_held_out_are_predicted_and_profiles_agree_with_the_draws() {
     let model = &found.carried().model;
     let every: Vec<usize> = (0..6).collect();
     assert_eq!(profiles(model, &every, &found.posterior.map), *profile);
+}
+
+#[test]
+fn noise_within_lives_leaves_a_density_that_draws_can_be_taken_of() {
+    let (conditions, edges) = edges(10, 12);
+    let every: Vec<usize> = (0..edges.len()).collect();
+    for law in [Law::ExtendedTaylor, Law::Usui] {
+        let model = WearModel::new(law, &pair(), conditions.clone(), edges.clone(), 0.3).with_life_noise(5.0);
+        let found = sample(&model, &every, 1000, 1).expect("a posterior");
+        assert_ne!(found.method, Method::Ensemble, "{}: {} modes", law.group(), found.modes.len());
+    }
 }
