@@ -87,6 +87,49 @@ fn tables_that_cannot_be_calibrated_on_are_refused_with_a_reason() {
     }
 }
 
+/// A study of tool lives on the same draws: the edge of median level lasts as long as the calibration says.
+fn lives_of_draws_spread_as_the_calibration_says(folder: &Path, calibration: &Value) {
+    let study = "schema = 1\nname = \"lives\"\nlives = 400\nparameter_set = \"./my.toml\"\n\
+                 parameters_from = \"my-posterior.parquet\"\n\
+                 [[condition]]\ncutting_speed = \"220 m/min\"\nfeed_per_rev = \"0.3 mm/rev\"\ndepth_of_cut = \"1.5 mm\"\n";
+    fs::write(folder.join("lives.toml"), study).expect("a study");
+    let lived = |out: &str, threads: &str| {
+        let output = toolroom(folder, &["life", "lives.toml", "--threads", threads, "--out", out, "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        serde_json::from_slice::<Value>(&output.stdout).expect("JSON")
+    };
+    let (lives, again) = (lived("lives", "1"), lived("again", "2"));
+    assert_eq!(lives["digest"], again["digest"]);
+    let row = calibration["life"]
+        .as_array()
+        .expect("lives")
+        .iter()
+        .find(|row| row["cutting_speed [m/min]"].as_f64().is_some_and(|speed| (speed - 220.0).abs() < 1e-9));
+    let row = row.expect("a tested speed");
+    let drawn = &lives["edge_of_median_level"];
+    assert_eq!(drawn["draws"], 200);
+    let near = |own: &Value, other: &Value| {
+        let (own, other) = (own.as_f64().expect("a life"), other.as_f64().expect("a life"));
+        assert!((own / other - 1.0).abs() < 0.02, "{drawn} against {row}");
+    };
+    near(&drawn["median [min]"], &row["median [min]"]);
+    near(&drawn["ci90 [min]"][0], &row["ci90"][0]);
+    near(&drawn["ci90 [min]"][1], &row["ci90"][1]);
+    // Edges spread about as the next edge of the calibration does: its limit and scatter are the same.
+    let (low, high) =
+        (row["next_edge90"][0].as_f64().expect("a life"), row["next_edge90"][1].as_f64().expect("a life"));
+    let quantile = |share: &str| lives["quantiles"][share].as_f64().expect("a life");
+    assert!(
+        (quantile("p5 [min]") / low - 1.0).abs() < 0.15 && (quantile("p95 [min]") / high - 1.0).abs() < 0.15,
+        "{row}"
+    );
+    let early = format!("{study}[early]\nage = \"8 min\"\nwear_shift = 3\nchipping_rate = 30\n");
+    fs::write(folder.join("early.toml"), early).expect("a study");
+    let refused = toolroom(folder, &["check", "early.toml"]);
+    let message = text(&refused.stderr);
+    assert!(refused.status.code() == Some(2) && message.contains("parameters_from"), "{message}");
+}
+
 #[test]
 fn draws_of_a_calibration_enter_a_shop_and_say_what_they_leave_open() {
     let folder = TempDir::new().expect("a folder");
@@ -109,9 +152,12 @@ fn draws_of_a_calibration_enter_a_shop_and_say_what_they_leave_open() {
             "200",
             "--out",
             "my.toml",
+            "--json",
         ],
     );
     assert_eq!(calibrated.status.code(), Some(0), "{}", text(&calibrated.stderr));
+    let calibration: Value = serde_json::from_slice(&calibrated.stdout).expect("JSON");
+    lives_of_draws_spread_as_the_calibration_says(folder, &calibration);
     let shipped = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/steel-shafts.toml"));
     let keys = "parameter_set = \"./my.toml\"\nparameters_from = \"my-posterior.parquet\"";
     let scenario = shipped.expect("the shipped scenario").replace("parameter_set = \"c45_t15k6\"", keys);
@@ -132,6 +178,59 @@ fn draws_of_a_calibration_enter_a_shop_and_say_what_they_leave_open() {
         let refused = toolroom(folder, &["check", file]);
         let message = text(&refused.stderr);
         assert!(refused.status.code() == Some(2) && message.contains(reason), "{file}: {message}");
+    }
+}
+
+#[test]
+fn the_records_of_a_shop_are_calibrated_to_what_made_them() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    // A shop whose edges wear half as fast again by heat as the set says.
+    let shipped = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/steel-shafts.toml"));
+    let own =
+        "parameter_set = \"c45_t15k6\"\nparameters = { energy_balance = { thermal_wear_rate = \"1.95 um/min\" } }";
+    let scenario = shipped.expect("the shipped scenario").replace("parameter_set = \"c45_t15k6\"", own);
+    fs::write(folder.join("shop.toml"), scenario.replace("horizon = \"70 h\"", "horizon = \"46 h\""))
+        .expect("a scenario");
+    let done = |arguments: &[&str]| {
+        let output = toolroom(folder, arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+        output.stdout
+    };
+    let json = |arguments: &[&str]| serde_json::from_slice::<Value>(&done(arguments)).expect("JSON");
+    let one = ["--policy", "programmed", "--replications", "1"];
+    done(&[&["run", "shop.toml", "--records", "records", "--out", "out"][..], &one[..]].concat());
+    done(&["calibrate", "--bake", "shop.toml", "--tool", "insert", "--out", "truth.toml"]);
+    let calibrate = ["calibrate", "turning", "--model", "c45_t15k6", "--law", "energy_balance", "--draws", "400"];
+    let answer = json(&[&calibrate[..], &["--data", "records/operations.csv", "--out", "my.toml", "--json"]].concat());
+    assert!(answer["readings"].as_u64() > Some(1000), "{answer}");
+    let lives = answer["life"].as_array().expect("lives");
+    assert!(!lives.is_empty());
+    for life in lives {
+        let set =
+            |key: &str, name: &str, unit: &str| format!("{name}={} {unit}", life[key].as_f64().expect("a number"));
+        let speed = set("cutting_speed [m/min]", "cutting_speed", "m/min");
+        let feed = set("feed_per_rev [mm]", "feed_per_rev", "mm");
+        let depth = set("depth_of_cut [mm]", "depth_of_cut", "mm");
+        let point = json(&[
+            "point",
+            "turning",
+            "--tool",
+            "truth.toml",
+            "--set",
+            &speed,
+            "--set",
+            &feed,
+            "--set",
+            &depth,
+            "--json",
+        ]);
+        let path = point["outputs"]["path_life [m]"].as_f64().expect("a path");
+        let truth = (path / life["cutting_speed [m/min]"].as_f64().expect("a speed")).ln();
+        let end = |place: usize| life["ci90"][place].as_f64().expect("a life").ln();
+        let (middle, deviation) = (0.5 * (end(0) + end(1)), (end(1) - end(0)) / 3.29);
+        assert!((truth - middle).abs() < 3.0 * deviation, "{} min against {life}", truth.exp());
+        assert!(deviation < 0.2, "the data tell the life: {life}");
     }
 }
 

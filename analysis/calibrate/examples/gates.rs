@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! cargo run --release -p toolroom-calibrate --example gates -- coverage extended_taylor 12 200
+//! cargo run --release -p toolroom-calibrate --example gates -- coverage extended_taylor 12 200 wandering
 //! cargo run --release -p toolroom-calibrate --example gates -- choice 12
 //! ```
 #![allow(clippy::print_stdout)] // it prints its table
@@ -19,6 +20,8 @@ use toolroom_wear::{Cut, Pair};
 const UNREAD: f64 = 1.0;
 /// Readings of an edge.
 const READINGS: u32 = 10;
+/// Correlation time in min of a rate that wanders within lives.
+const CORRELATION: f64 = 5.0;
 /// Flank wear in mm at which an edge is worn out and read no more.
 const LIMIT: f64 = 0.3;
 
@@ -48,11 +51,16 @@ fn made(
     speeds: &[f64],
     spread: f64,
     scatter: Option<(f64, f64)>,
+    wanders: bool,
     random: &mut ChaCha8Rng,
 ) -> (WearModel, DVector<f64>) {
     let (conditions, blank) = design(edges, speeds);
+    let model = |edges: Vec<Edge>| {
+        let model = WearModel::new(law, &base(), conditions.clone(), edges, LIMIT);
+        if wanders { model.with_life_noise(CORRELATION) } else { model }
+    };
     loop {
-        let empty = WearModel::new(law, &base(), conditions.clone(), blank.clone(), LIMIT);
+        let empty = model(blank.clone());
         let parameters = empty.parameters();
         let mut truth = DVector::from_iterator(
             parameters.len(),
@@ -75,7 +83,7 @@ fn made(
             let total = (1.05 * empty.life(truth.as_slice(), *cut)).min(60.0);
             edge.stretches.iter_mut().for_each(|stretch| stretch.time = total / f64::from(READINGS));
         }
-        let planned_model = WearModel::new(law, &base(), conditions.clone(), planned.clone(), LIMIT);
+        let planned_model = model(planned.clone());
         for (index, edge) in planned.iter_mut().enumerate() {
             let read = planned_model.replicate(truth.as_slice(), index, random);
             let last = read.iter().position(|wear| *wear >= LIMIT).map_or(read.len(), |place| place + 1);
@@ -86,16 +94,16 @@ fn made(
                 edge.stretches.truncate(last - 1);
             }
         }
-        return (WearModel::new(law, &base(), conditions, planned, 0.3), truth);
+        return (model(planned), truth);
     }
 }
 
-fn coverage(law: Law, edges: usize, sets: usize) {
+fn coverage(law: Law, edges: usize, sets: usize, wanders: bool) {
     let mut random = ChaCha8Rng::seed_from_u64(2026);
     let mut held: BTreeMap<String, usize> = BTreeMap::new();
     let mut fitted = 0;
     for set in 0..sets {
-        let (model, truth) = made(law, edges, &[180.0, 220.0, 260.0, 320.0], 0.8, None, &mut random);
+        let (model, truth) = made(law, edges, &[180.0, 220.0, 260.0, 320.0], 0.8, None, wanders, &mut random);
         let every: Vec<usize> = (0..edges).collect();
         let Some(posterior) = sample(&model, &every, 1000, set as u64) else { continue };
         fitted += 1;
@@ -120,7 +128,7 @@ fn choice(sets: usize) {
         let (mut right, mut wrong, mut open) = (0, 0, 0);
         for set in 0..sets {
             let truth = Law::ALL[set % Law::ALL.len()];
-            let (made, _) = made(truth, 12, speeds, 0.5, Some((0.15, 0.010)), &mut random);
+            let (made, _) = made(truth, 12, speeds, 0.5, Some((0.15, 0.010)), false, &mut random);
             let every: Vec<usize> = (0..12).collect();
             let (conditions, _) = design(12, speeds);
             let candidates: Vec<_> = Law::ALL
@@ -151,8 +159,8 @@ fn main() {
         Some("choice") => choice(number(1, 12)),
         Some("coverage") => {
             let law = words.get(1).and_then(|word| Law::of_group(word)).unwrap_or(Law::ExtendedTaylor);
-            coverage(law, number(2, 12), number(3, 40));
+            coverage(law, number(2, 12), number(3, 40), words.get(4).is_some_and(|word| word == "wandering"));
         }
-        _ => println!("coverage LAW EDGES SETS, or choice SETS"),
+        _ => println!("coverage LAW EDGES SETS [wandering], or choice SETS"),
     }
 }

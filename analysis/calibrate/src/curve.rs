@@ -6,7 +6,7 @@ use std::sync::Arc;
 /// relative errors below 1e-6 of the time for the laws of this project.
 const CELLS: usize = 128;
 /// Cells that are walked through before the whole table is searched.
-const NEAR: usize = 4;
+const NEAR: usize = 8;
 
 /// Flank wear over cutting time at constant conditions, tabulated as `t(h) = ∫ dh / rate(h)` on a grid with `h ∝ k²`.
 ///
@@ -41,6 +41,16 @@ impl Curve {
     /// assert!((curve.wear(time, &mut 0).0 / 0.3 - 1.0).abs() < 1e-6);
     /// ```
     pub fn new(greatest: f64, rate: impl Fn(f64) -> f64) -> Self {
+        Self::bent(greatest, greatest, rate)
+    }
+
+    /// The same of a rate that bends at the flank wear `bend` in mm, as that of a wear curve with stages does at the wear
+    /// limit. A node lies there and no rule reaches across it; the table ends a little beyond `greatest`.
+    pub fn bent(greatest: f64, bend: f64, rate: impl Fn(f64) -> f64) -> Self {
+        let cells = CELLS as f64;
+        let at = ((bend / greatest).sqrt() * cells).floor().clamp(1.0, cells);
+        let greatest = if bend < greatest { bend * (cells / at).powi(2) } else { greatest };
+        let bend = if bend < greatest { at as usize } else { CELLS };
         let step = greatest / (CELLS * CELLS) as f64;
         let wear: Vec<f64> = (0..=CELLS).map(|k| step * (k * k) as f64).collect();
         let rate: Vec<f64> = wear.iter().map(|wear| rate(*wear)).collect();
@@ -49,10 +59,12 @@ impl Curve {
         let mut time = vec![0.0; CELLS + 1];
         for k in 0..CELLS {
             let before = if k == 0 { -pace[1] } else { pace[k - 1] };
-            let area = if k + 2 <= CELLS {
-                (13.0 * (pace[k] + pace[k + 1]) - before - pace[k + 2]) / 24.0
-            } else {
+            let area = if k + 1 == bend || k + 1 == CELLS {
                 (5.0 * pace[k + 1] + 8.0 * pace[k] - before) / 12.0
+            } else if k == bend {
+                (5.0 * pace[k] + 8.0 * pace[k + 1] - pace[k + 2]) / 12.0
+            } else {
+                (13.0 * (pace[k] + pace[k + 1]) - before - pace[k + 2]) / 24.0
             };
             // A rate that changes abruptly must not make time run backwards.
             time[k + 1] = time[k] + if area > 0.0 { area } else { 0.5 * (pace[k] + pace[k + 1]) };
@@ -79,7 +91,14 @@ impl Curve {
 
     /// Cutting time in min until a flank wear in mm.
     pub fn time(&self, wear: f64) -> f64 {
-        self.table.time(wear) / self.pace
+        self.table.place(wear).0 / self.pace
+    }
+
+    /// Cutting time in min until a flank wear in mm, the rate there in mm/min, and the cell from which [`Curve::wear`]
+    /// searches on.
+    pub(crate) fn place(&self, wear: f64) -> (f64, f64, usize) {
+        let (time, rate, cell) = self.table.place(wear);
+        (time / self.pace, rate * self.pace, cell)
     }
 }
 
@@ -92,13 +111,16 @@ impl Table {
         if time >= self.time[last] {
             return (self.greatest + (time - self.time[last]) * self.rate[last], self.rate[last]);
         }
-        if *cell + NEAR > last || self.time[*cell] > time || self.time[*cell + NEAR] <= time {
-            *cell = self.time.partition_point(|node| *node <= time) - 1;
+        let times = &self.time[..=last];
+        let mut place = (*cell).min(last - 1);
+        if times[place] > time || times[(place + NEAR).min(last)] <= time {
+            place = times.partition_point(|node| *node <= time) - 1;
         }
-        while self.time[*cell + 1] <= time {
-            *cell += 1;
+        while times[place + 1] <= time {
+            place += 1;
         }
-        let cell = *cell;
+        *cell = place;
+        let cell = place;
         let width = self.time[cell + 1] - self.time[cell];
         let x = (time - self.time[cell]) / width;
         let rise = self.wear[cell + 1] - self.wear[cell];
@@ -108,13 +130,14 @@ impl Table {
         (self.wear[cell] + x * (first + x * (c + x * d)), (first + x * (2.0 * c + 3.0 * x * d)) / width)
     }
 
-    fn time(&self, wear: f64) -> f64 {
+    /// Time, rate and cell of a flank wear.
+    fn place(&self, wear: f64) -> (f64, f64, usize) {
         let last = CELLS;
         if wear <= 0.0 {
-            return 0.0;
+            return (0.0, self.rate[0], 0);
         }
         if wear >= self.greatest {
-            return self.time[last] + (wear - self.greatest) / self.rate[last];
+            return (self.time[last] + (wear - self.greatest) / self.rate[last], self.rate[last], last - 1);
         }
         let k = ((wear / self.greatest).sqrt() * CELLS as f64) as usize;
         let cell = k.min(CELLS - 1);
@@ -123,6 +146,7 @@ impl Table {
         let rise = self.time[cell + 1] - self.time[cell];
         let (first, second) = (width / self.rate[cell], width / self.rate[cell + 1]);
         let (c, d) = (3.0 * rise - 2.0 * first - second, first + second - 2.0 * rise);
-        self.time[cell] + x * (first + x * (c + x * d))
+        let time = self.time[cell] + x * (first + x * (c + x * d));
+        (time, width / (first + x * (2.0 * c + 3.0 * x * d)), cell)
     }
 }

@@ -1,8 +1,9 @@
 //! What was measured of one edge, and the density of it with the edge's own level integrated out.
 
 use crate::curve::Curve;
+use crate::in_life::{InLife, Noisy, Step};
+use crate::level::{Joint, Start, few_nodes, mode, nine_nodes, settled};
 use crate::normal::{HALF_LN_TAU, ln_below, ln_between, ln_density, ln_sum};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -78,29 +79,11 @@ impl Edge {
     pub fn readings(&self) -> usize {
         self.stretches.iter().filter(|stretch| stretch.wear.is_some()).count()
     }
-}
 
-/// Noise of the wear rate within a life: an Ornstein–Uhlenbeck process.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InLife {
-    /// Standard deviation of the logarithm of the rate.
-    pub deviation: f64,
-    /// Correlation time, min of cutting.
-    pub correlation: f64,
-}
-
-impl InLife {
-    /// Covariance in min² of the two integrals of the noise from 0 to `s` and to `t`, both in min.
-    ///
-    /// # Examples
-    /// ```
-    /// let noise = toolroom_calibrate::InLife { deviation: 0.1, correlation: 5.0 };
-    /// assert!((noise.covariance(8.0, 20.0) - 0.582_373_5).abs() < 1e-7);
-    /// ```
-    pub fn covariance(&self, s: f64, t: f64) -> f64 {
-        let l = self.correlation;
-        let fades = (-s / l).exp() + (-t / l).exp() - 1.0 - (-(t - s).abs() / l).exp();
-        self.deviation * self.deviation * l * (2.0 * s.min(t) + l * fades)
+    /// Whether it has so many readings that they all but tell its level.
+    pub(crate) fn well_read(&self) -> bool {
+        self.stretches.iter().any(|stretch| stretch.block.is_some_and(|block| block.count > 1.0))
+            || self.readings() >= WELL_READ
     }
 }
 
@@ -119,15 +102,6 @@ pub struct Common<'a> {
     pub limit: f64,
 }
 
-/// Nodes and weights of 9-point Gauss–Hermite quadrature for the weight exp(-x²), positive half (Abramowitz and Stegun,
-/// table 25.10).
-const HERMITE: [(f64, f64); 5] = [
-    (0.0, 7.202_352_156_060_51e-1),
-    (0.723_551_018_752_837_6, 4.326_515_590_025_558e-1),
-    (1.468_553_289_216_668, 8.847_452_739_437_657e-2),
-    (2.266_580_584_531_843, 4.943_624_275_536_947e-3),
-    (3.190_993_201_781_527_6, 3.960_697_726_326_438e-5),
-];
 /// Nodes in standard deviations and weights of the 5-point rule for a normal distribution (Abramowitz and Stegun, table 25.10).
 const FEW_NODES: [(f64, f64); 5] = [
     (-2.856_970_013_872_806, 1.125_741_132_772_069e-2),
@@ -138,16 +112,11 @@ const FEW_NODES: [(f64, f64); 5] = [
 ];
 /// Least flank wear of an edge that was not new, mm.
 const LEAST_BEGIN: f64 = 1e-4;
-/// The level of an edge is looked for from nine starts over three deviations either side: from its mean alone the search
-/// fails for edges that are far off.
-const STARTS: usize = 9;
-/// Starts for edges with very many readings: the density then falls evenly to both sides, and the search finds its way.
-const FEW_STARTS: usize = 3;
-/// Farthest start, in standard deviations of the level.
-const FARTHEST: f64 = 3.0;
-/// Readings by which the starts are compared (assumption): which of them is nearest shows already in a few readings spread
-/// over the life, and an edge of a recorded shop has hundreds.
-const COMPARED: usize = 16;
+/// Weight of the chord over one deviation either side in the slope of the straight line that fits a curve of third order best
+/// over evenly spaced times.
+const CHORD: f64 = 0.6;
+/// Readings of an edge from which on its level is all but known (assumption).
+const WELL_READ: usize = 25;
 
 /// Readings of an edge as a model sees them at one level.
 #[derive(Default)]
@@ -177,14 +146,15 @@ impl Common<'_> {
             let curve = &self.curves[stretch.condition];
             if stretch.condition != at {
                 let before = self.curves.get(at);
-                (at, cell) = (stretch.condition, 0);
+                at = stretch.condition;
                 if let Some(slower) = before.and_then(|before| curve.slower_than(before)) {
                     // The curves are one but for their pace.
                     time *= slower;
                     stretch_of_time *= slower;
                 } else if wear > 0.0 {
-                    time = curve.time(wear);
-                    stretch_of_time = slope / curve.wear(time, &mut cell).1;
+                    let rate;
+                    (time, rate, cell) = curve.place(wear);
+                    stretch_of_time = slope / rate;
                 }
             }
             time += level * stretch.time;
@@ -194,13 +164,17 @@ impl Common<'_> {
             let next = edge.stretches.get(index + 1).filter(|next| next.condition != at);
             if read || next.is_some_and(|next| self.curves[next.condition].slower_than(curve).is_none()) {
                 let rate;
-                (wear, rate) = match stretch.block {
-                    // The mean of a curve is not the curve at the mean, but nearly that at one deviation of time either side.
+                (wear, rate) = match stretch.block.filter(|block| block.count > 1.0) {
+                    // The mean of a curve is not the curve at the mean, but nearly that at one deviation of time either side; the
+                    // slope of a straight line through it is that mixture of the slopes there and of the chord between them.
                     Some(block) if read => {
                         let apart = level * (block.times / block.count).sqrt();
                         let (before, after) =
                             (curve.wear(time - apart, &mut cell), curve.wear(time + apart, &mut cell));
-                        (0.5 * (before.0 + after.0), 0.5 * (before.1 + after.1))
+                        let slopes = 0.5 * (before.1 + after.1);
+                        let chord = (after.0 - before.0) / (2.0 * apart);
+                        let slope = if apart > 0.0 { CHORD * chord + (1.0 - CHORD) * slopes } else { slopes };
+                        (0.5 * (before.0 + after.0), slope)
                     }
                     Some(_) | None => curve.wear(time, &mut cell),
                 };
@@ -216,6 +190,11 @@ impl Common<'_> {
 
     /// Log density of all data of an edge, its level integrated out.
     pub fn ln_density(&self, edge: &Edge) -> f64 {
+        self.ln_density_near(edge, None)
+    }
+
+    /// The same of an edge whose level has this logarithm nearly, where it is known.
+    pub(crate) fn ln_density_near(&self, edge: &Edge, ln_level: Option<f64>) -> f64 {
         let life = edge.life.map_or(0.0, |(condition, life)| {
             let mean = self.curves[condition].time(self.limit).ln();
             let z = |time: f64| (time.ln() - mean) / self.scatter;
@@ -225,26 +204,46 @@ impl Common<'_> {
                 Life::Between(from, to) => ln_between(z(from), z(to)),
             }
         });
-        if edge.readings() == 0 { life } else { life + self.ln_readings(edge) }
+        if edge.readings() == 0 { life } else { life + self.ln_readings(edge, ln_level) }
     }
 
-    fn ln_readings(&self, edge: &Edge) -> f64 {
-        let read = readings(edge);
-        let times = self.in_life.map(|_| reading_times(edge));
-        let mut predicted = Predicted::default();
+    fn ln_readings(&self, edge: &Edge, ln_level: Option<f64>) -> f64 {
+        let (read, well_read) = (readings(edge), edge.well_read());
+        let steps = self.steps(edge);
+        let (mut predicted, mut at_mode) = (Predicted::default(), Predicted::default());
+        let start = match ln_level {
+            Some(level) if well_read => Start::At(level / self.scatter),
+            None if well_read => Start::Few,
+            Some(_) | None => Start::Many,
+        };
         let mut from = |begin: f64| {
-            let mut at =
-                |z: f64, stride: usize| self.ln_joint(edge, begin, &read, times.as_deref(), z, stride, &mut predicted);
-            if read.iter().any(|(_, block)| block.count > 1.0) {
-                ln_integral_of_many(&mut at, read.len())
-            } else {
-                ln_integral(&mut at, read.len())
-            }
+            let mut joint = |z: f64, stride: usize, held: Option<&[f64]>| {
+                self.ln_joint(edge, begin, &read, steps.as_deref(), held, z, stride, &mut predicted)
+            };
+            let (z, held) = match &steps {
+                Some(_) => {
+                    let (z, _) = settled(&mut |z, stride| joint(z, stride, None), read.len(), start);
+                    self.predict(edge, begin, (self.scatter * z).exp(), 1, &mut at_mode);
+                    (Some(z), Some(at_mode.pace.as_slice()))
+                }
+                None => (None, None),
+            };
+            let at = &mut |z: f64, stride: usize| joint(z, stride, held);
+            let top = match z {
+                Some(z) => (z, at(z, 1)),
+                None => mode(at, read.len(), start),
+            };
+            if well_read { few_nodes(at, top) } else { nine_nodes(at, top) }
         };
         let Some(begun) = edge.begun else { return from(0.0) };
         // The reading at the beginning has the error of any other; every wear before is as good as another.
         let terms = FEW_NODES.map(|(node, weight)| from(self.begin(begun, node)) + weight.ln());
         ln_sum(&terms)
+    }
+
+    /// How noise within the life goes on from reading to reading; none without it.
+    fn steps(&self, edge: &Edge) -> Option<Vec<Step>> {
+        self.in_life.map(|noise| noise.steps(reading_times(edge).into_iter()))
     }
 
     /// Flank wear of an edge whose reading at the beginning is off by `error` deviations.
@@ -255,12 +254,16 @@ impl Common<'_> {
     /// The level at which the readings of an edge are most probable together with the level itself.
     pub(crate) fn level(&self, edge: &Edge) -> f64 {
         let read = readings(edge);
-        let times = self.in_life.map(|_| reading_times(edge));
+        let steps = self.steps(edge);
         let mut predicted = Predicted::default();
         let begin = edge.begun.map_or(0.0, |begun| self.begin(begun, 0.0));
-        let mut at =
-            |z: f64, stride: usize| self.ln_joint(edge, begin, &read, times.as_deref(), z, stride, &mut predicted);
-        let (z, _) = mode(&mut at, read.len(), STARTS);
+        let mut at = |z: f64, stride: usize| {
+            self.ln_joint(edge, begin, &read, steps.as_deref(), None, z, stride, &mut predicted)
+        };
+        let (z, _) = match &steps {
+            Some(_) => settled(&mut at, read.len(), Start::Many),
+            None => mode(&mut at, read.len(), Start::Many),
+        };
         (self.scatter * z).exp()
     }
 
@@ -282,49 +285,45 @@ impl Common<'_> {
             .map(|(wear, count)| wear + self.noise / count.sqrt() * normal())
             .collect();
         if let Some(noise) = &self.in_life {
-            let times = reading_times(edge);
-            let count = times.len();
-            let rate = DMatrix::from_fn(count, count, |i, j| {
-                let diagonal = if i == j { 1e-12 } else { 0.0 };
-                noise.covariance(times[i], times[j]) + diagonal
-            });
-            if let Some(factor) = Cholesky::new(rate) {
-                let off = factor.l() * DVector::from_fn(count, |_, _| normal());
-                readings
-                    .iter_mut()
-                    .zip(&predicted.pace)
-                    .zip(off.iter())
-                    .for_each(|((reading, pace), off)| *reading += pace * off);
-            }
+            let off = noise.integrals(&noise.steps(reading_times(edge).into_iter()), normal);
+            readings
+                .iter_mut()
+                .zip(&predicted.pace)
+                .zip(&off)
+                .for_each(|((reading, pace), off)| *reading += pace * off);
         }
         readings
     }
 
     /// Log density of every `stride`-th reading and the standardised level `z`, its derivative by `z` and the Gauss–Newton
-    /// curvature. Readings that noise within the life joins are never thinned.
+    /// curvature. Where readings are thinned, which is to compare starts, no noise joins them. `held` are the wear rates at
+    /// the readings that turn noise within the life into wear, where they are not those of the level `z`.
     #[allow(clippy::too_many_arguments)] // the state of one edge
     fn ln_joint(
         &self,
         edge: &Edge,
         begin: f64,
         read: &[(f64, Block)],
-        times: Option<&[f64]>,
+        steps: Option<&[Step]>,
+        held: Option<&[f64]>,
         z: f64,
         stride: usize,
         predicted: &mut Predicted,
     ) -> Joint {
-        let stride = if times.is_some() { 1 } else { stride };
         self.predict(edge, begin, (self.scatter * z).exp(), stride, predicted);
         let prior = -0.5 * z * z - HALF_LN_TAU;
-        if let (Some(noise), Some(times)) = (&self.in_life, times) {
-            let covariance = self.covariance(noise, read, times, &predicted.pace);
-            let Some(factor) = Cholesky::new(covariance) else { return (f64::NEG_INFINITY, 0.0, 1.0) };
-            let off =
-                DVector::from_iterator(read.len(), read.iter().zip(&predicted.wear).map(|(read, wear)| read.0 - wear));
-            let slope = DVector::from_iterator(read.len(), predicted.slope.iter().map(|slope| slope * self.scatter));
-            let solved = factor.solve(&slope);
-            let density = prior + ln_normal(&factor, &off) + self.within(read, &predicted.pace);
-            return (density, solved.dot(&off) - z, 1.0 + solved.dot(&slope));
+        if let (Some(noise), Some(steps), 1) = (&self.in_life, steps, stride) {
+            let single = self.noise * self.noise;
+            let pace = held.unwrap_or(&predicted.pace);
+            let noisy = read.iter().enumerate().map(|(i, (wear, block))| Noisy {
+                pace: pace[i],
+                variance: single / block.count,
+                off: wear - predicted.wear[i],
+                slope: predicted.slope[i] * self.scatter,
+            });
+            let found = noise.filter(steps, noisy);
+            let density = prior + found.density + self.within(read, &predicted.pace);
+            return (density, found.gradient - z, 1.0 + found.curvature);
         }
         let weight = 1.0 / (self.noise * self.noise);
         let (mut squares, mut gradient, mut curvature, mut count) = (0.0, 0.0, 0.0, 0.0);
@@ -355,84 +354,6 @@ impl Common<'_> {
         };
         read.iter().zip(pace).map(one).sum()
     }
-
-    fn covariance(&self, noise: &InLife, read: &[(f64, Block)], times: &[f64], pace: &[f64]) -> DMatrix<f64> {
-        DMatrix::from_fn(times.len(), times.len(), |i, j| {
-            let reading = if i == j { self.noise * self.noise / read[i].1.count } else { 0.0 };
-            reading + pace[i] * pace[j] * noise.covariance(times[i], times[j])
-        })
-    }
-}
-
-/// Log density, its derivative and its Gauss–Newton curvature at a standardised level.
-pub(crate) type Joint = (f64, f64, f64);
-
-/// Logarithm of the integral of a density over the standardised level, by adaptive Gauss–Hermite quadrature. `at` takes the
-/// level and which of the `readings` are looked at: one is all of them, `n` every nth.
-pub(crate) fn ln_integral(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize) -> f64 {
-    let (z, (density, _, curvature)) = mode(at, readings, STARTS);
-    let width = std::f64::consts::SQRT_2 / curvature.sqrt();
-    let mut terms = [0.0; 9];
-    for (index, (node, weight)) in HERMITE.iter().enumerate() {
-        let term = |density: f64| density + node * node + weight.ln();
-        terms[index] = term(if index == 0 { density } else { at(z + width * node, 1).0 });
-        if index > 0 {
-            terms[4 + index] = term(at(z - width * node, 1).0);
-        }
-    }
-    width.ln() + ln_sum(&terms)
-}
-
-/// The same of an edge with so many readings that its level is all but known: three nodes do, and fewer starts.
-fn ln_integral_of_many(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize) -> f64 {
-    let (z, (density, _, curvature)) = mode(at, readings, FEW_STARTS);
-    let width = std::f64::consts::SQRT_2 / curvature.sqrt();
-    // Abramowitz and Stegun, table 25.10.
-    let (node, middle, side): (f64, f64, f64) = (1.224_744_871_391_589, 1.181_635_900_603_677, 0.295_408_975_150_919_4);
-    let mut far = |z: f64| at(z, 1).0 + node * node + side.ln();
-    width.ln() + ln_sum(&[density + middle.ln(), far(z - width * node), far(z + width * node)])
-}
-
-/// The most probable standardised level of an edge, and the density there.
-fn mode(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize, starts: usize) -> (f64, Joint) {
-    let last = (starts - 1) as f64;
-    let reach = if starts == STARTS { FARTHEST } else { 0.5 * FARTHEST };
-    let starts = (0..starts).map(|start| reach * (2.0 * start as f64 / last - 1.0));
-    let stride = readings.div_ceil(COMPARED).max(1);
-    let mut best = (0.0, (f64::NEG_INFINITY, 0.0, 1.0));
-    for z in starts {
-        let there = at(z, stride);
-        if there.0 > best.1.0 {
-            best = (z, there);
-        }
-    }
-    if stride > 1 {
-        best.1 = at(best.0, 1);
-    }
-    let (mut z, mut here) = best;
-    for _ in 0..20 {
-        let mut step = here.1 / here.2;
-        let mut moved = false;
-        for _ in 0..12 {
-            let next = at(z + step, 1);
-            if next.0.is_finite() && next.0 >= here.0 {
-                z += step;
-                here = next;
-                moved = true;
-                break;
-            }
-            step *= 0.5;
-        }
-        if !moved || step.abs() * here.2.sqrt() < 1e-4 {
-            break;
-        }
-    }
-    (z, here)
-}
-
-fn ln_normal(factor: &Cholesky<f64, Dyn>, off: &DVector<f64>) -> f64 {
-    let white = factor.l().solve_lower_triangular(off).map_or(f64::INFINITY, |white| white.norm_squared());
-    -0.5 * white - factor.l().diagonal().map(f64::ln).sum() - off.len() as f64 * HALF_LN_TAU
 }
 
 /// Readings of an edge with the blocks that they stand for.
@@ -449,4 +370,42 @@ pub(crate) fn reading_times(edge: &Edge) -> Vec<f64> {
         (time, stretch.wear.is_some())
     });
     passed.filter(|(_, read)| *read).map(|(time, _)| time).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    #[test]
+    fn the_level_of_an_edge_with_joined_readings_is_integrated_out() {
+        let noise = |deviation: f64| Some(InLife { deviation, correlation: 5.0 });
+        for (contrast, scatter, reading, deviation) in
+            [(0.5, 0.15, 0.008, 0.1), (0.2, 0.4, 0.004, 0.2), (0.8, 0.1, 0.015, 0.05), (0.5, 0.3, 0.002, 0.1)]
+        {
+            let rate = |wear: f64| 0.3 / toolroom_wear::wear_stage(wear / 0.3, contrast, 0.0);
+            let curves = [Curve::bent(0.6, 0.3, rate).faster(1.0 / 40.0)];
+            let common = Common { curves: &curves, scatter, noise: reading, in_life: noise(deviation), limit: 0.3 };
+            for seed in 0..6 {
+                let stretches = vec![Stretch::read(0, 4.0, 0.0); 10];
+                let mut edge = Edge { name: String::new(), stretches, life: None, begun: None };
+                let read = common.replicate(&edge, &mut ChaCha8Rng::seed_from_u64(seed));
+                edge.stretches.iter_mut().zip(read).for_each(|(stretch, wear)| stretch.wear = Some(wear));
+                let (read, steps, mut predicted) = (readings(&edge), common.steps(&edge), Predicted::default());
+                let level = common.level(&edge);
+                common.predict(&edge, 0.0, level, 1, &mut predicted);
+                let held = predicted.pace.clone();
+                let step = 0.01;
+                let fine = (-700..=700).map(|place: i32| {
+                    let z = level.ln() / scatter + step * f64::from(place);
+                    let steps = steps.as_deref();
+                    common.ln_joint(&edge, 0.0, &read, steps, Some(&held), z, 1, &mut predicted).0 + step.ln()
+                });
+                let (fine, found) = (ln_sum(&fine.collect::<Vec<f64>>()), common.ln_density(&edge));
+                // Nine nodes; beyond a great contrast the wear curve has a sharp bend.
+                let bound = if contrast > 0.6 { 0.05 } else { 0.01 };
+                assert!((fine - found).abs() < bound, "{contrast} {scatter} {reading} {seed}: {found} against {fine}");
+            }
+        }
+    }
 }

@@ -14,6 +14,8 @@ const ENOUGH: f64 = 1e-9;
 
 /// The same where a proposal is all that is wanted.
 const ROUGHLY: f64 = 0.05;
+/// The same where it is asked which of the known maxima the way up leads to.
+const NEARLY: f64 = 1e-3;
 
 /// A maximum of the posterior density.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,6 +158,17 @@ pub(crate) fn maximise_near(
     let scaled = Scaled { model, edges };
     let (x, ln_density, _) = climb(&scaled, &full.u, Some(&shape), ROUGHLY)?;
     Some(Maximum { u: scaled.u(&x), ln_density, covariance: shape })
+}
+
+/// About where the way up from a start ends.
+pub(crate) fn climbed(
+    model: &dyn Model,
+    edges: &[usize],
+    start: &DVector<f64>,
+    shape: Option<&DMatrix<f64>>,
+) -> Option<DVector<f64>> {
+    let scaled = Scaled { model, edges };
+    climb(&scaled, start, shape, NEARLY).map(|(x, ..)| scaled.u(&x))
 }
 
 /// The maximum of the posterior of some edges nearest to a start, by the BFGS method (Nocedal and Wright, Numerical

@@ -1,6 +1,6 @@
 //! Cutting force against wear: level, exponents and shear stress on the land.
 
-use crate::edge::{Joint, ln_integral};
+use crate::level::{Joint, ln_integral};
 use crate::model::Model;
 use crate::normal::{HALF_LN_TAU, ln_density};
 use crate::parameter::{Parameter, Prior, Scale};
@@ -142,7 +142,7 @@ impl Model for ForceModel {
         parts.iter().map(|(sharp, land)| (sharp * level + land) * noise.mul_add(normal(), 1.0)).collect()
     }
 
-    fn ln_likelihood(&self, u: &[f64], edges: &[usize]) -> f64 {
+    fn ln_densities(&self, u: &[f64], edges: &[usize]) -> Vec<f64> {
         let (scatter, noise) = self.spread(u);
         let of_edge = |edge: &usize| {
             let parts = self.parts(u, *edge);
@@ -161,6 +161,6 @@ impl Model for ForceModel {
             };
             ln_integral(&mut joint, parts.len())
         };
-        edges.iter().map(of_edge).sum()
+        edges.iter().map(of_edge).collect()
     }
 }

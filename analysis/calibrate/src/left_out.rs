@@ -3,7 +3,8 @@
 use crate::fit::{Maximum, maximise, maximise_near};
 use crate::model::Model;
 use crate::normal::ln_sum;
-use crate::sample::Weighted;
+use crate::pareto::Weights;
+use crate::sample::{TAIL, Weighted, proposed};
 use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -11,6 +12,8 @@ use rayon::prelude::*;
 
 /// Proposals for an edge left out: a third of them is effective usually, [`EFFECTIVE`] are wanted at least (assumption).
 const PROPOSALS: usize = 256;
+/// Draws that all groups of edges share where there are many (assumption: a third of them is effective usually).
+const SHARED: usize = 512;
 /// Edges beyond which several are left out at once (assumption), which makes each prediction that of a fit to a little less
 /// than all others.
 const FEW: usize = 24;
@@ -34,21 +37,81 @@ pub struct LeftOut {
 /// what will be measured next, so that their own level is integrated out.
 ///
 /// Single readings are not left out: readings of one edge share its level, and weights of the full fit would have to
-/// bridge its whole level (their tail shape is high by construction). Of more than 24 edges several are left out at once.
+/// bridge its whole level (their tail shape is high by construction). Of more than 24 edges several are left out at once. Draws
+/// from one wide distribution are then weighted by the edges that stay, and a fit is made anew where these weights cannot
+/// be relied on.
 pub fn leave_edges_out(model: &dyn Model, full: &Maximum, seed: u64) -> Vec<LeftOut> {
+    let near = model.near(full.u.as_slice());
+    let model = near.as_deref().unwrap_or(model);
     let fits = if model.edges() > FEW { FITS } else { model.edges() };
     let group = |fit: usize| (fit..model.edges()).step_by(fits.max(1)).collect::<Vec<usize>>();
-    let groups: Vec<Vec<LeftOut>> =
-        (0..fits).into_par_iter().map(|fit| left_out(model, full, &group(fit), fit, seed)).collect();
+    let drawn = (model.edges() > FEW).then(|| Drawn::around(model, full, fits, seed));
+    let one = |fit: usize| {
+        let group = group(fit);
+        let shared = drawn.as_ref().and_then(|drawn| drawn.left_out(model, &group, fit, seed));
+        shared.unwrap_or_else(|| left_out(model, full, &group, fit, seed))
+    };
+    let groups: Vec<Vec<LeftOut>> = (0..fits).into_par_iter().map(one).collect();
     let mut groups: Vec<_> = groups.into_iter().map(Vec::into_iter).collect();
     (0..model.edges()).filter_map(|edge| groups[edge % fits].next()).collect()
 }
 
-/// The edges of a group predicted by all others.
-pub(crate) fn left_out(model: &dyn Model, full: &Maximum, group: &[usize], stream: usize, seed: u64) -> Vec<LeftOut> {
-    let others: Vec<usize> = (0..model.edges()).filter(|other| !group.contains(other)).collect();
+/// The random numbers of a group of edges.
+fn stream(group: usize, seed: u64) -> ChaCha8Rng {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(stream as u64 + 1);
+    random.set_stream(group as u64 + 1);
+    random
+}
+
+/// Draws that all groups share, with what each edge says of them.
+struct Drawn {
+    draws: Vec<DVector<f64>>,
+    /// Log of prior over proposal.
+    ratios: Vec<f64>,
+    /// Log densities of the edges of each draw.
+    densities: Vec<Vec<f64>>,
+}
+
+impl Drawn {
+    /// Draws around the fit to all edges, as wide as fits to all but one of `fits` groups.
+    fn around(model: &dyn Model, full: &Maximum, fits: usize, seed: u64) -> Self {
+        let wider = fits as f64 / (fits as f64 - 1.0);
+        let mut random = stream(model.edges(), seed);
+        let (draws, proposals) = proposed(&full.u, &(wider * &full.covariance), SHARED, &mut random);
+        let all: Vec<usize> = (0..model.edges()).collect();
+        let densities = draws.par_iter().map(|draw| model.ln_densities(draw.as_slice(), &all)).collect();
+        let ratios = draws.iter().zip(&proposals).map(|(draw, proposal)| model.ln_prior(draw.as_slice()) - proposal);
+        Self { ratios: ratios.collect(), draws, densities }
+    }
+
+    /// The edges of a group predicted by all others; `None` where the draws cannot be relied on for that.
+    fn left_out(&self, model: &dyn Model, group: &[usize], fit: usize, seed: u64) -> Option<Vec<LeftOut>> {
+        let ratio = |(ratio, densities): (&f64, &Vec<f64>)| {
+            let others = densities.iter().enumerate().filter(|(edge, _)| !group.contains(edge));
+            let density = ratio + others.map(|(_, density)| density).sum::<f64>();
+            if density.is_nan() { f64::NEG_INFINITY } else { density }
+        };
+        let ratios: Vec<f64> = self.ratios.iter().zip(&self.densities).map(ratio).collect();
+        let weights = Weights::smoothed(&ratios);
+        if weights.shape > TAIL || weights.effective() < EFFECTIVE {
+            return None;
+        }
+        let score = |edge: usize| {
+            let terms = weights.weights.iter().zip(&self.densities);
+            ln_sum(&terms.map(|(weight, densities)| weight.ln() + densities[edge]).collect::<Vec<f64>>())
+        };
+        let scores: Vec<f64> = group.iter().map(|edge| score(*edge)).collect();
+        let mut random = stream(fit, seed);
+        let found = Weighted { draws: self.draws.clone(), weights };
+        let equal = found.resampled(PROPOSALS, &mut random);
+        Some(predicted(model, scores, &equal, group, &mut random))
+    }
+}
+
+/// The edges of a group predicted by all others.
+pub(crate) fn left_out(model: &dyn Model, full: &Maximum, group: &[usize], fit: usize, seed: u64) -> Vec<LeftOut> {
+    let others: Vec<usize> = (0..model.edges()).filter(|other| !group.contains(other)).collect();
+    let mut random = stream(fit, seed);
     let many = model.edges() > FEW;
     let fit = if many {
         let share = model.edges() as f64 / others.len() as f64;
@@ -67,34 +130,40 @@ pub(crate) fn left_out(model: &dyn Model, full: &Maximum, group: &[usize], strea
         }
     }
     // Equally weighted draws give quantiles by counting.
-    let equal = found.resampled(4 * PROPOSALS, &mut random);
-    group.iter().map(|edge| predicted(model, &found, &equal, *edge, &mut random)).collect()
+    let equal = found.resampled(if many { PROPOSALS } else { 4 * PROPOSALS }, &mut random);
+    let densities: Vec<Vec<f64>> = found.draws.iter().map(|draw| model.ln_densities(draw.as_slice(), group)).collect();
+    let score = |place: usize| {
+        let terms = found.weights.weights.iter().zip(&densities);
+        ln_sum(&terms.map(|(weight, densities)| weight.ln() + densities[place]).collect::<Vec<f64>>())
+    };
+    let scores = (0..group.len()).map(score).collect();
+    predicted(model, scores, &equal, group, &mut random)
 }
 
-/// What draws of a fit without an edge say of it.
+/// Where the readings of edges with known scores lie among those that equally weighted draws would make.
 fn predicted(
     model: &dyn Model,
-    found: &Weighted,
+    scores: Vec<f64>,
     equal: &[DVector<f64>],
-    edge: usize,
+    group: &[usize],
     random: &mut ChaCha8Rng,
-) -> LeftOut {
-    let weighted = found.draws.iter().zip(&found.weights.weights);
-    let terms: Vec<f64> =
-        weighted.map(|(draw, weight)| weight.ln() + model.ln_likelihood(draw.as_slice(), &[edge])).collect();
-    let simulated: Vec<Vec<f64>> =
-        equal.iter().map(|draw| model.replicate(draw.as_slice(), edge, &mut *random)).collect();
-    let mut ranks = Vec::new();
-    let mut bands = Vec::new();
-    for (index, read) in model.readings(edge).iter().enumerate() {
-        let mut values: Vec<f64> = simulated.iter().map(|readings| readings[index]).collect();
-        values.sort_by(f64::total_cmp);
-        let below = values.partition_point(|value| value < read);
-        ranks.push((below as f64 + 0.5) / (values.len() + 1) as f64);
-        let at = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
-        bands.push([at(0.05), at(0.5), at(0.95)]);
-    }
-    LeftOut { score: ln_sum(&terms), ranks, bands }
+) -> Vec<LeftOut> {
+    let simulated: Vec<Vec<Vec<f64>>> =
+        equal.iter().map(|draw| model.replicate_each(draw.as_slice(), group, &mut *random)).collect();
+    let one = |(place, score): (usize, f64)| {
+        let mut ranks = Vec::new();
+        let mut bands = Vec::new();
+        for (index, read) in model.readings(group[place]).iter().enumerate() {
+            let mut values: Vec<f64> = simulated.iter().map(|edges| edges[place][index]).collect();
+            values.sort_by(f64::total_cmp);
+            let below = values.partition_point(|value| value < read);
+            ranks.push((below as f64 + 0.5) / (values.len() + 1) as f64);
+            let at = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
+            bands.push([at(0.05), at(0.5), at(0.95)]);
+        }
+        LeftOut { score, ranks, bands }
+    };
+    scores.into_iter().enumerate().map(one).collect()
 }
 
 /// How often predictions of edges left out hold.

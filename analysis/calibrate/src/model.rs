@@ -11,14 +11,29 @@ pub trait Model: Sync {
     /// Number of edges.
     fn edges(&self) -> usize;
 
-    /// Sum of the log densities of all data of each of some edges, what is particular to an edge integrated out.
-    fn ln_likelihood(&self, u: &[f64], edges: &[usize]) -> f64;
+    /// Log density of all data of each of some edges, what is particular to an edge integrated out.
+    fn ln_densities(&self, u: &[f64], edges: &[usize]) -> Vec<f64>;
+
+    /// Sum of the log densities of some edges.
+    fn ln_likelihood(&self, u: &[f64], edges: &[usize]) -> f64 {
+        self.ln_densities(u, edges).iter().sum()
+    }
+
+    /// The same model, whose densities near `u` are found sooner; none where nothing is to be gained.
+    fn near(&self, _u: &[f64]) -> Option<Box<dyn Model + '_>> {
+        None
+    }
 
     /// The readings of an edge, in the order of [`Model::replicate`].
     fn readings(&self, edge: usize) -> Vec<f64>;
 
     /// Readings of another edge that is cut and read as this one.
     fn replicate(&self, u: &[f64], edge: usize, random: &mut ChaCha8Rng) -> Vec<f64>;
+
+    /// [`Model::replicate`] of several edges.
+    fn replicate_each(&self, u: &[f64], edges: &[usize], random: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
+        edges.iter().map(|edge| self.replicate(u, *edge, random)).collect()
+    }
 
     /// Logarithm of the normalised prior density.
     fn ln_prior(&self, u: &[f64]) -> f64 {

@@ -6,9 +6,9 @@ use crate::treatment::Measured;
 use toolroom_wear::Cut;
 
 /// Readings of an edge beyond which neighbours are joined to a block, and blocks that an edge then has at least (assumption:
-/// over a thirtieth of a life wear rises all but evenly).
-const MANY: usize = 60;
-const BLOCKS: usize = 30;
+/// over a sixtieth of a life wear follows a parabola).
+const MANY: usize = 120;
+const BLOCKS: usize = 60;
 
 impl Measured {
     /// Joins neighbouring readings of edges that have many.

@@ -38,8 +38,8 @@ impl Model for Held<'_> {
         self.model.edges()
     }
 
-    fn ln_likelihood(&self, u: &[f64], edges: &[usize]) -> f64 {
-        self.model.ln_likelihood(&self.whole(u), edges)
+    fn ln_densities(&self, u: &[f64], edges: &[usize]) -> Vec<f64> {
+        self.model.ln_densities(&self.whole(u), edges)
     }
 
     fn readings(&self, edge: usize) -> Vec<f64> {
@@ -54,6 +54,8 @@ impl Model for Held<'_> {
 /// Ends of the 90 % profile interval of every working coordinate; an end that is not found within eight standard deviations
 /// is infinite.
 pub fn profiles(model: &dyn Model, edges: &[usize], at: &Maximum) -> Vec<[f64; 2]> {
+    let near = model.near(at.u.as_slice());
+    let model = near.as_deref().unwrap_or(model);
     (0..at.u.len()).into_par_iter().map(|place| [-1.0, 1.0].map(|way| end(model, edges, at, place, way))).collect()
 }
 

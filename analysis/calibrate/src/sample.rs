@@ -1,7 +1,7 @@
 //! Draws of a posterior: importance-resampled Laplace approximation, an ensemble where that fails.
 
 use crate::ensemble;
-use crate::fit::{Maximum, maximise};
+use crate::fit::{Maximum, climbed, maximise};
 use crate::model::Model;
 use crate::pareto::Weights;
 use nalgebra::{DMatrix, DVector};
@@ -15,7 +15,7 @@ use toolroom_numerics::order_quantile;
 /// Degrees of freedom of the proposal, whose tails are then heavier than the posterior's (assumption).
 const FREEDOM: f64 = 7.0;
 /// Greatest tail shape at which weights are relied on (Vehtari et al.).
-const TAIL: f64 = 0.7;
+pub(crate) const TAIL: f64 = 0.7;
 /// Least number of effective draws: 20 lie beyond either end of a 90 % interval (assumption).
 const EFFECTIVE: f64 = 400.0;
 /// Share of effective draws below which a second proposal, of the moments of the first weighted draws, is tried although
@@ -107,13 +107,16 @@ pub fn maxima(model: &dyn Model, edges: &[usize], seed: u64) -> Option<(Maximum,
     let some: Vec<usize> = edges.iter().copied().step_by(edges.len().div_ceil(MANY).max(1)).collect();
     let few = if edges.len() > 2 * MANY { some.as_slice() } else { edges };
     let first = maximise(model, few, &mean, None);
-    // From a known maximum only the way there is left to do.
-    let shape = first.as_ref().map(|maximum| &maximum.covariance);
-    let others: Vec<Option<Maximum>> = starts.par_iter().map(|start| maximise(model, few, start, shape)).collect();
+    let others: Vec<Option<Maximum>> =
+        starts.par_iter().map(|start| maximise_apart(model, few, start, first.as_ref())).collect();
     let mut found: Vec<Maximum> = first.iter().cloned().chain(others.into_iter().flatten()).collect();
     if few.len() < edges.len() {
         let share = few.len() as f64 / edges.len() as f64;
-        let whole = |maximum: Maximum| maximise(model, edges, &maximum.u, Some(&(share * maximum.covariance)));
+        let whole = |maximum: Maximum| {
+            let near = model.near(maximum.u.as_slice());
+            let model = near.as_deref().unwrap_or(model);
+            maximise(model, edges, &maximum.u, Some(&(share * maximum.covariance)))
+        };
         found = distinct(found).into_par_iter().filter_map(whole).collect();
     }
     let mut distinct = distinct(found).into_iter();
@@ -127,15 +130,30 @@ fn distinct(mut found: Vec<Maximum>) -> Vec<Maximum> {
     found.sort_by(|a, b| b.ln_density.total_cmp(&a.ln_density));
     let mut distinct: Vec<Maximum> = Vec::new();
     for maximum in found {
-        let apart = |other: &Maximum| {
-            let scale = other.covariance.diagonal();
-            (0..maximum.u.len()).any(|i| (maximum.u[i] - other.u[i]).abs() > APART * scale[i].sqrt())
-        };
-        if distinct.iter().all(apart) {
+        if distinct.iter().all(|other| apart(&maximum.u, other)) {
             distinct.push(maximum);
         }
     }
     distinct
+}
+
+/// Whether a place is another maximum than a known one.
+fn apart(u: &DVector<f64>, known: &Maximum) -> bool {
+    let scale = known.covariance.diagonal();
+    (0..u.len()).any(|i| (u[i] - known.u[i]).abs() > APART * scale[i].sqrt())
+}
+
+/// The maximum nearest to a start, unless it is the known one.
+fn maximise_apart(
+    model: &dyn Model,
+    edges: &[usize],
+    start: &DVector<f64>,
+    known: Option<&Maximum>,
+) -> Option<Maximum> {
+    let Some(known) = known else { return maximise(model, edges, start, None) };
+    let shape = Some(&known.covariance);
+    let rough = climbed(model, edges, start, shape)?;
+    if apart(&rough, known) { maximise(model, edges, &rough, shape) } else { None }
 }
 
 /// Draws of the posterior of some edges, `count` of them; the same seed gives the same draws. `None` where no density is
@@ -153,6 +171,8 @@ pub(crate) fn sample_around(
     seed: u64,
 ) -> Posterior {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x05ee_df0d_2a3a);
+    let near = model.near(map.u.as_slice());
+    let model = near.as_deref().unwrap_or(model);
     // Of many edges the proposal is a good one, and more draws than are wanted tell little more.
     let proposals = if edges.len() > 2 * MANY { count.max(1000) } else { (2 * count).max(1000) };
     if modes.is_empty() {
@@ -200,6 +220,35 @@ pub(crate) fn sample_around(
     }
 }
 
+/// Draws from the t distribution around a mean, each with its log density.
+pub(crate) fn proposed(
+    mean: &DVector<f64>,
+    covariance: &DMatrix<f64>,
+    count: usize,
+    random: &mut ChaCha8Rng,
+) -> (Vec<DVector<f64>>, Vec<f64>) {
+    let size = mean.len();
+    let root = match covariance.clone().cholesky() {
+        Some(factor) => factor.l(),
+        None => DMatrix::from_diagonal(&covariance.diagonal().map(|variance| variance.max(1e-12).sqrt())),
+    };
+    let chi = ChiSquared::new(FREEDOM).expect("a positive number of degrees");
+    let constant = ln_gamma(0.5 * (FREEDOM + size as f64))
+        - ln_gamma(0.5 * FREEDOM)
+        - 0.5 * size as f64 * (FREEDOM * std::f64::consts::PI).ln()
+        - root.diagonal().map(f64::ln).sum();
+    let mut draws = Vec::with_capacity(count);
+    let mut densities = Vec::with_capacity(count);
+    for _ in 0..count {
+        let z = DVector::from_fn(size, |_, _| StandardNormal.sample(&mut *random));
+        let stretch: f64 = FREEDOM / chi.sample(random);
+        let square: f64 = stretch * z.norm_squared();
+        densities.push(constant - 0.5 * (FREEDOM + size as f64) * (square / FREEDOM).ln_1p());
+        draws.push(mean + &root * z * stretch.sqrt());
+    }
+    (draws, densities)
+}
+
 /// Draws with importance weights.
 pub(crate) struct Weighted {
     /// Draws.
@@ -218,26 +267,7 @@ impl Weighted {
         count: usize,
         random: &mut ChaCha8Rng,
     ) -> Self {
-        let size = mean.len();
-        let root = match covariance.clone().cholesky() {
-            Some(factor) => factor.l(),
-            None => DMatrix::from_diagonal(&covariance.diagonal().map(|variance| variance.max(1e-12).sqrt())),
-        };
-        let chi = ChiSquared::new(FREEDOM).expect("a positive number of degrees");
-        let constant = ln_gamma(0.5 * (FREEDOM + size as f64))
-            - ln_gamma(0.5 * FREEDOM)
-            - 0.5 * size as f64 * (FREEDOM * std::f64::consts::PI).ln()
-            - root.diagonal().map(f64::ln).sum();
-        let mut draws = Vec::with_capacity(count);
-        let mut proposals = Vec::with_capacity(count);
-        for _ in 0..count {
-            let z = DVector::from_fn(size, |_, _| StandardNormal.sample(&mut *random));
-            let stretch: f64 = FREEDOM / chi.sample(random);
-            let square = stretch * z.norm_squared();
-            let draw = mean + &root * z * stretch.sqrt();
-            proposals.push(constant - 0.5 * (FREEDOM + size as f64) * (square / FREEDOM).ln_1p());
-            draws.push(draw);
-        }
+        let (draws, proposals) = proposed(mean, covariance, count, random);
         let ratio = |(draw, proposal): (&DVector<f64>, &f64)| model.ln_posterior(draw.as_slice(), edges) - proposal;
         let ratios: Vec<f64> = draws.par_iter().zip(&proposals).map(ratio).collect();
         Self { draws, weights: Weights::smoothed(&ratios) }

@@ -2,7 +2,8 @@
 
 use crate::base::{Base, Condition};
 use crate::curve::Curve;
-use crate::edge::{Common, Edge, InLife, Life, Predicted, Stretch};
+use crate::edge::{Common, Edge, Life, Predicted, Stretch};
+use crate::in_life::InLife;
 use crate::law::{Law, with_values};
 use crate::model::Model;
 use crate::parameter::{Parameter, Prior, Scale};
@@ -272,7 +273,8 @@ impl WearModel {
                 return curve.faster(pace / (group(other) / other_life));
             }
             // One table for a life of one minute: other lives only stretch it.
-            let table = Curve::new(self.greatest, |wear| self.limit / wear_stage(wear / self.limit, contrast, tilt));
+            let rate = |wear: f64| self.limit / wear_stage(wear / self.limit, contrast, tilt);
+            let table = Curve::bent(self.greatest, self.limit, rate);
             return table.faster(pace);
         }
         match (base, known) {
@@ -366,6 +368,17 @@ impl WearModel {
         predicted.wear
     }
 
+    /// Log densities of edges; `levels` are logarithms near which the levels of edges are, where they are known.
+    fn ln_densities_near(&self, u: &[f64], edges: &[usize], levels: &[f64]) -> Vec<f64> {
+        if !self.possible(u) {
+            return vec![f64::NEG_INFINITY; edges.len()];
+        }
+        let curves = self.curves(u, edges);
+        let common = self.common(u, &curves);
+        let near = |index: usize| levels.get(index).copied().filter(|level| level.is_finite());
+        edges.iter().map(|index| common.ln_density_near(&self.edges[*index], near(*index))).collect()
+    }
+
     fn common<'a>(&self, u: &[f64], curves: &'a [Curve]) -> Common<'a> {
         Common {
             curves,
@@ -398,12 +411,58 @@ impl Model for WearModel {
         self.common(u, &curves).replicate(&self.edges[edge], random)
     }
 
-    fn ln_likelihood(&self, u: &[f64], edges: &[usize]) -> f64 {
-        if !self.possible(u) {
-            return f64::NEG_INFINITY;
-        }
+    fn replicate_each(&self, u: &[f64], edges: &[usize], random: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
         let curves = self.curves(u, edges);
         let common = self.common(u, &curves);
-        edges.iter().map(|index| common.ln_density(&self.edges[*index])).sum()
+        edges.iter().map(|edge| common.replicate(&self.edges[*edge], random)).collect()
+    }
+
+    fn ln_densities(&self, u: &[f64], edges: &[usize]) -> Vec<f64> {
+        self.ln_densities_near(u, edges, &[])
+    }
+
+    fn near(&self, u: &[f64]) -> Option<Box<dyn Model + '_>> {
+        let many = |edge: &Edge| edge.well_read();
+        if !self.edges.iter().any(many) || !self.possible(u) {
+            return None;
+        }
+        let all: Vec<usize> = (0..self.edges.len()).collect();
+        let curves = self.curves(u, &all);
+        let common = self.common(u, &curves);
+        let level = |edge: &Edge| if many(edge) { common.level(edge).ln() } else { f64::NAN };
+        Some(Box::new(Near { model: self, levels: self.edges.iter().map(level).collect() }))
+    }
+}
+
+/// A model of edges whose levels are known nearly.
+struct Near<'a> {
+    model: &'a WearModel,
+    /// Logarithms of the levels; NaN of edges whose level has to be looked for.
+    levels: Vec<f64>,
+}
+
+impl Model for Near<'_> {
+    fn parameters(&self) -> &[Parameter] {
+        self.model.parameters()
+    }
+
+    fn edges(&self) -> usize {
+        self.model.edges()
+    }
+
+    fn readings(&self, edge: usize) -> Vec<f64> {
+        self.model.readings(edge)
+    }
+
+    fn replicate(&self, u: &[f64], edge: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
+        self.model.replicate(u, edge, random)
+    }
+
+    fn replicate_each(&self, u: &[f64], edges: &[usize], random: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
+        self.model.replicate_each(u, edges, random)
+    }
+
+    fn ln_densities(&self, u: &[f64], edges: &[usize]) -> Vec<f64> {
+        self.model.ln_densities_near(u, edges, &self.levels)
     }
 }

@@ -3,10 +3,11 @@
 use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use std::fmt::Write as _;
 use toolroom_calibrate::{
-    Base, Calibration, Candidate, Clock, Condition, DataError, Edge, Law, Measured, Model, Process, Request, Shape,
-    Stretch, Treatment, Verdict, WearModel, maximise, profiles,
+    Base, Calibration, Candidate, Clock, Condition, DataError, Edge, Law, Measured, Method, Model, Process, Request,
+    Shape, Stretch, Treatment, Verdict, WearModel, maximise, profiles, sample,
 };
 use toolroom_cutting::{Milling, MillingInput};
 use toolroom_records::{RecordKind, Records, parse_csv};
@@ -235,30 +236,58 @@ fn recorded(edges: &[Edge], conditions: &[Cut]) -> Records {
     parse_csv("wear.csv", rows.as_bytes(), RecordKind::Turning).expect("records").0
 }
 
+fn prior_means(model: &WearModel) -> DVector<f64> {
+    let means = model.parameters().iter().map(|parameter| parameter.prior.mean);
+    DVector::from_iterator(model.parameters().len(), means)
+}
+
 #[test]
 fn blocks_of_readings_say_what_the_readings_say() {
-    let (conditions, edges) = edges(100, 6);
+    let (conditions, edges) = edges(300, 6);
     let packed = Measured::of(&recorded(&edges, &conditions), 0.3).expect("edges");
-    assert_eq!(packed.readings(), 600);
-    assert!(packed.edges.iter().all(|edge| (30..=60).contains(&edge.readings())), "{}", packed.edges[0].readings());
+    assert_eq!(packed.readings(), 1800);
+    assert!(packed.edges.iter().all(|edge| (60..=120).contains(&edge.readings())), "{}", packed.edges[0].readings());
     for law in [Law::ExtendedTaylor, Law::Usui] {
         let whole = WearModel::new(law, &pair(), conditions.clone(), edges.clone(), 0.3);
         let blocks = WearModel::new(law, &pair(), packed.conditions.clone(), packed.edges.clone(), 0.3);
         let every: Vec<usize> = (0..edges.len()).collect();
-        let start = DVector::from_iterator(
-            whole.parameters().len(),
-            whole.parameters().iter().map(|parameter| parameter.prior.mean),
-        );
-        let at = maximise(&whole, &every, &start, None).expect("a maximum");
-        let other = maximise(&blocks, &every, &start, None).expect("a maximum");
+        let at = maximise(&whole, &every, &prior_means(&whole), None).expect("a maximum");
+        let other = maximise(&blocks, &every, &at.u, Some(&at.covariance)).expect("a maximum");
         for index in 0..at.u.len() {
             let deviation = at.covariance[(index, index)].sqrt();
             let off = (at.u[index] - other.u[index]) / deviation;
             let name = &whole.parameters()[index].name;
-            assert!(off.abs() < 0.15, "{}, {name}: {off} deviations", law.group());
+            assert!(off.abs() < 0.05, "{}, {name}: {off} deviations", law.group());
             let ratio = other.covariance[(index, index)].sqrt() / deviation;
             assert!((ratio - 1.0).abs() < 0.05, "{}, {name}: {ratio} of the deviation", law.group());
         }
+    }
+}
+
+#[test]
+fn densities_near_a_place_are_those_that_are_found_from_anywhere() {
+    let (conditions, edges) = edges(40, 6);
+    let every: Vec<usize> = (0..edges.len()).collect();
+    for law in [Law::ExtendedTaylor, Law::EnergyBalance] {
+        let model = WearModel::new(law, &pair(), conditions.clone(), edges.clone(), 0.3);
+        let at = maximise(&model, &every, &prior_means(&model), None).expect("a maximum");
+        let near = model.near(at.u.as_slice()).expect("edges with many readings");
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let root = at.covariance.clone().cholesky().expect("positive").l();
+        let mut compared = 0;
+        for _ in 0..20 {
+            let normal = DVector::from_fn(at.u.len(), |_, _| StandardNormal.sample(&mut random));
+            let there = &at.u + 2.0 * &root * normal;
+            let (own, other) =
+                (near.ln_posterior(there.as_slice(), &every), model.ln_posterior(there.as_slice(), &every));
+            if own == other {
+                // An exponent below zero has no density.
+                continue;
+            }
+            compared += 1;
+            assert!((own - other).abs() < 1e-5, "{}: {own} against {other}", law.group());
+        }
+        assert!(compared > 5, "{}: {compared}", law.group());
     }
 }
 
@@ -298,4 +327,15 @@ fn edges_held_out_are_predicted_and_profiles_agree_with_the_draws() {
     let model = &found.carried().model;
     let every: Vec<usize> = (0..6).collect();
     assert_eq!(profiles(model, &every, &found.posterior.map), *profile);
+}
+
+#[test]
+fn noise_within_lives_leaves_a_density_that_draws_can_be_taken_of() {
+    let (conditions, edges) = edges(10, 12);
+    let every: Vec<usize> = (0..edges.len()).collect();
+    for law in [Law::ExtendedTaylor, Law::Usui] {
+        let model = WearModel::new(law, &pair(), conditions.clone(), edges.clone(), 0.3).with_life_noise(5.0);
+        let found = sample(&model, &every, 1000, 1).expect("a posterior");
+        assert_ne!(found.method, Method::Ensemble, "{}: {} modes", law.group(), found.modes.len());
+    }
 }

@@ -14,10 +14,11 @@ use crate::study::spread::{Copula, Spread};
 use crate::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
 use keys::PRICE_WORD;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use toolroom_form::{Fault, FormFile, ReadError, Section, Walk, nearest, set_parameters, significant};
 use toolroom_process::{Record, unit};
 use toolroom_scenario::file::sensors;
-use toolroom_scenario::{Knowledge, SensorSheet, SpeedRule};
+use toolroom_scenario::{Knowledge, Posterior, SensorSheet, SpeedRule, read_posterior_of_pair};
 use toolroom_wear::{Cut, Pair, ParameterSet, Scatter, SetError, TURNING_SETS};
 use words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, SamplingWord};
 
@@ -123,6 +124,11 @@ fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<Stud
         wear_shift: section.required("wear_shift"),
         chipping_rate: section.required("chipping_rate"),
     });
+    let draws = draws(walk, root, &pair, directory);
+    if draws.is_some() && early.is_some() {
+        let rule = "early failures are sampled around one set of parameters: leave one of the two out";
+        walk.fault(root.span_of("early"), Fault::Beside { key: "early", beside: "parameters_from", rule });
+    }
     let costs = walk.table(root, "replacement").and_then(|section| costs(walk, &section));
     let sensitivity = walk.table(root, "sensitivity");
     let sensitivity = sensitivity.and_then(|section| Some((section.count("samples")?, section.count("trajectories")?)));
@@ -139,6 +145,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<Stud
         seed: root.count("seed")?,
         lives: root.count("lives")?,
         pair,
+        worlds: Arc::default(),
         scatter,
         fields,
         copula,
@@ -150,6 +157,13 @@ fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<Stud
         tilt,
         early: early.and_then(|section| section.si("age")).unwrap_or(0.0),
         name,
+    };
+    let study = match draws {
+        Some(draws) => {
+            let pairs = draws.pairs(study.seed, "life", &study.pair, &study.scatter);
+            study.among(pairs)
+        }
+        None => study,
     };
     let until = root.si("until");
     Some(StudyFile { study, until, costs, sensitivity, write_lives: root.flag("write_lives")? })
@@ -174,6 +188,19 @@ fn pair(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<(Pair, 
             None
         }
     }
+}
+
+/// The draws that `parameters_from` names; `None` without the key and where a problem was noted.
+fn draws(walk: &mut Walk, root: &Section<'_>, pair: &Pair, directory: &Path) -> Option<Posterior> {
+    let file = root.text("parameters_from")?;
+    let path = directory.join(file);
+    let read = read_posterior_of_pair(&path, root, pair);
+    walk.named(path);
+    let refuse = |reason| {
+        let reason = format!("parameters_from \"{file}\": {reason}");
+        walk.fault(root.span_of("parameters_from"), Fault::Table { reason });
+    };
+    read.map_err(refuse).ok()
 }
 
 /// Every cut of the grids, with its name; at least one.

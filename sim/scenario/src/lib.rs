@@ -63,7 +63,7 @@ pub use inspection::{InspectedTo, InspectedUnit, Inspection, InspectionOutcome};
 pub use order::{InProcess, MachineChoice, Order};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
 pub use policy::{Knowledge, PolicyRule, SensorSheet, ToolChangeRule};
-pub use posterior::{DrawReader, DrawTable, Posterior, set_draw_reader};
+pub use posterior::{DrawReader, DrawTable, Posterior, read_posterior, read_posterior_of_pair, set_draw_reader};
 pub use resource::{Attendance, Operator, SetupMatrix};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use speed::{Course, SpeedChoice, SpeedEntry, SpeedPart, SpeedRule};

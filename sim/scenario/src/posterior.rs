@@ -4,8 +4,11 @@ use crate::ProcessModel;
 use rand::seq::SliceRandom;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
+use toolroom_cutting::Turning;
+use toolroom_form::{Section, Value};
 use toolroom_kernel::{Entity, Purpose, Streams};
 use toolroom_process::{AnyRecord, Process as _, unit};
+use toolroom_wear::{Pair, Scatter};
 
 /// Name of the scatter of edges among the columns.
 const EDGE_SCATTER: &str = toolroom_wear::EDGE_SCATTER_NAME;
@@ -40,9 +43,40 @@ pub fn set_draw_reader(reader: DrawReader) {
 }
 
 /// Reads a table of draws.
-pub(crate) fn read_draws(path: &Path) -> Result<DrawTable, String> {
+fn read_draws(path: &Path) -> Result<DrawTable, String> {
     let reader = READER.get().ok_or("this program has no reader of tables of draws")?;
     reader(path)
+}
+
+/// The draws of a file for a process whose section of a scenario or study also has the keys `scatter` and `parameters`:
+/// what is stated there stays, or is refused where the draws hold it as well.
+///
+/// # Errors
+/// In words: a file that is no table of draws, or draws that do not fit the section.
+pub fn read_posterior(path: &Path, section: &Section<'_>, process: &ProcessModel) -> Result<Posterior, String> {
+    let posterior = Posterior::of(&read_draws(path)?, process, section.given("scatter"))?;
+    let stated = |name: &&String| {
+        let own = name.split_once('.').zip(section.got("parameters"));
+        own.is_some_and(|((group, field), got)| match &got.value {
+            Value::Raw(raw) => raw.get(group).is_some_and(|group| group.get_ref().get(field).is_some()),
+            _ => false,
+        })
+    };
+    match posterior.names().iter().find(stated) {
+        Some(name) => {
+            Err(format!("`parameters` states {name}, which the draws hold as well: leave one of the two out"))
+        }
+        None => Ok(posterior),
+    }
+}
+
+/// The same for a section whose process is turning of a pair.
+///
+/// # Errors
+/// As [`read_posterior`].
+pub fn read_posterior_of_pair(path: &Path, section: &Section<'_>, pair: &Pair) -> Result<Posterior, String> {
+    let turning = Turning { pair: pair.clone(), ..Turning::default() };
+    read_posterior(path, section, &ProcessModel::Turning(Arc::new(turning)))
 }
 
 /// What a column of draws stands for.
@@ -155,6 +189,27 @@ impl Posterior {
 
     /// Draw number `number` of a study for a tool, SI; numbers beyond the last draw begin again.
     pub fn draw(&self, seed: u64, tool: &str, number: u32) -> &[f64] {
+        &self.draws[self.order(seed, tool)[number as usize % self.draws.len()]]
+    }
+
+    /// Tool and work material with its scatter as each draw has them, in the order in which a study takes the draws for a
+    /// tool. A column that stands for no parameter of the pair leaves it as it is.
+    pub fn pairs(&self, seed: u64, tool: &str, pair: &Pair, scatter: &Scatter) -> Vec<(Pair, Scatter)> {
+        let turning = Turning { pair: pair.clone(), ..Turning::default() };
+        let process = ProcessModel::Turning(Arc::new(turning));
+        let of = |place: usize| {
+            let (mut process, mut scatter) = (process.clone(), *scatter);
+            self.put(&self.draws[place], &mut process, &mut scatter);
+            match process {
+                ProcessModel::Turning(turning) => Some((turning.pair.clone(), scatter)),
+                ProcessModel::Milling(_) | ProcessModel::Infeed(_) | ProcessModel::Other(_) => None,
+            }
+        };
+        self.order(seed, tool).into_iter().filter_map(of).collect()
+    }
+
+    /// Places of the draws in the order in which a study takes them for a tool.
+    fn order(&self, seed: u64, tool: &str) -> Vec<usize> {
         let count = self.draws.len();
         let mut random = Streams::new(seed, 0).open(Entity::named(tool), Purpose::Parameters);
         let parts = PARTS.min(count);
@@ -167,11 +222,11 @@ impl Posterior {
             turn.shuffle(&mut random);
             order.extend(turn.iter().filter_map(|part| members[*part].get(round)));
         }
-        &self.draws[order[number as usize % count]]
+        order
     }
 
     /// A tool whose set takes the values of a draw; `bare` is its process without effects and calibration.
-    pub(crate) fn put(&self, draw: &[f64], bare: &mut ProcessModel, scatter: &mut toolroom_wear::Scatter) {
+    pub(crate) fn put(&self, draw: &[f64], bare: &mut ProcessModel, scatter: &mut Scatter) {
         for (column, value) in self.columns.iter().zip(draw) {
             match column {
                 Column::Parameter(group, index) => {
@@ -268,7 +323,6 @@ fn along_the_first_component(draws: &mut [Vec<f64>]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use toolroom_cutting::Turning;
 
     fn process() -> ProcessModel {
         let pair = toolroom_wear::Pair::named("c45_t15k6").expect("shipped");

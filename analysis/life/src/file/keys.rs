@@ -49,6 +49,11 @@ pub static STUDY: Form = Form {
             Kind::Name,
             "Tool and work material: name of a shipped parameter set of turning, or path of a file",
         ),
+        Key::optional(
+            "parameters_from",
+            Kind::Text,
+            "Draws of a calibration, a Parquet table beside this file: each edge takes one; policies know the set",
+        ),
         Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
         Key::default(
             "scatter",

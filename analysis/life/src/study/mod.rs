@@ -37,6 +37,7 @@ pub mod tally;
 use points::Sampling;
 use policy::{Policy, Reading, Rule};
 use spread::{Copula, Spread};
+use std::sync::Arc;
 use toolroom_process::Record;
 use toolroom_scenario::SensorSheet;
 use toolroom_wear::{Cut, Pair, Scatter};
@@ -189,6 +190,9 @@ pub struct Study {
     pub lives: u64,
     /// Nominal pair.
     pub pair: Pair,
+    /// The same study with the pair and scatter of each draw of a posterior, but without cells; none without draws. Edge `i` is
+    /// one of study `i`, beginning again after the last.
+    pub worlds: Arc<[Self]>,
     /// Scatter of edges, work pieces and wear.
     pub scatter: Scatter,
     /// Further numbers that vary.
@@ -230,6 +234,7 @@ impl Study {
             seed: 0,
             lives: 1,
             pair,
+            worlds: Arc::default(),
             scatter,
             fields: Vec::new(),
             copula: None,
@@ -273,8 +278,20 @@ impl Study {
         if self.ends.rough_wear < pair.limits.wear_limit.min(self.ends.wear) { End::Roughness } else { End::WearLimit }
     }
 
-    /// Lives edge `index` in a cell at a point.
-    pub fn live(&self, cell: &Cell, point: &[f64], draws: &mut edge::Draws) -> edge::Outcome {
+    /// The study with tool, work material and scatter of each of some draws; policies know what they knew before.
+    #[must_use]
+    pub fn among(self, draws: Vec<(Pair, Scatter)>) -> Self {
+        let bare = Self { cells: Vec::new(), ..self.clone() };
+        let world = |(pair, scatter)| Self { pair, scatter, ..bare.clone() };
+        Self { worlds: draws.into_iter().map(world).collect(), ..self }
+    }
+
+    /// Lives edge number `index` in a cell at a point.
+    pub fn live(&self, cell: &Cell, index: u64, point: &[f64], draws: &mut edge::Draws) -> edge::Outcome {
+        let count = self.worlds.len() as u64;
+        if count > 0 {
+            return self.worlds[(index % count) as usize].live(cell, index, point, draws);
+        }
         if self.fields.is_empty() {
             return edge::live(self, &self.pair, &cell.cut, &cell.speed, point, draws);
         }

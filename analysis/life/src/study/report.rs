@@ -188,6 +188,10 @@ fn summary(
             object
                 .insert("replacement_by_wear".to_owned(), json!({ "flank_wear [mm]": wear * 1e3, "cost_rate": rate }));
         }
+        if let Some([low, middle, high]) = cell.median_edge {
+            let drawn = json!({ "draws": study.worlds.len(), "median [min]": middle, "ci90 [min]": [low, high] });
+            object.insert("edge_of_median_level".to_owned(), drawn);
+        }
         if study.early > 0.0 {
             let (probability, error) = early(tally);
             object.insert("early".to_owned(), json!({ "age [min]": study.early / 60.0, "probability": probability, "standard_error": error, "effective_lives": tally.effective() }));
@@ -256,6 +260,14 @@ fn text(inputs: &Inputs<'_>, worked: &[Worked<'_>]) -> String {
             number(tally.path.variation(), 3),
             number(100.0 * chipped(tally), 3),
         );
+        if let Some([low, middle, high]) = cell.median_edge {
+            let [low, middle, high] = [low, middle, high].map(|life| number(life, 3));
+            let _ = writeln!(
+                text,
+                "    edge of median level over {} draws of the parameters: {middle} min, 90 % {low} … {high}",
+                study.worlds.len()
+            );
+        }
         if study.early > 0.0 {
             let (probability, error) = early(tally);
             let _ = writeln!(

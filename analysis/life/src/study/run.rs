@@ -143,7 +143,7 @@ pub fn lives(study: &Study, cell: &Cell, from: u64, to: u64, keep: bool) -> (Tal
                 if let Some(copula) = &study.copula {
                     copula.apply(&mut point);
                 }
-                let outcome = study.live(cell, &point, &mut Draws::of(study.seed, index));
+                let outcome = study.live(cell, index, &point, &mut Draws::of(study.seed, index));
                 tally.push(index, &outcome, study.early);
                 if keep {
                     outcomes.push(outcome);

@@ -101,32 +101,41 @@ pub(super) fn notes(scenario: &Scenario, study: &Study, decision: &Decision) -> 
             "tool {name} has {count} draws, fewer than the {draws} that are taken: they are reused in order"
         ));
     }
-    let (Some(adaptive), Some(rival), Some(cost)) = (decision.adaptive, decision.rival, study.index("cost_per_part"))
-    else {
-        return notes;
-    };
-    let (costs, other) = (study.values(adaptive, cost), study.values(rival, cost));
-    let differences: Vec<f64> = costs.iter().zip(&other).map(|(cost, other)| cost - other).collect();
-    let Some(found) = DrawnDifference::of_replications(&differences, per_draw as usize) else {
+    let Some(cost) = study.index("cost_per_part") else { return notes };
+    if study.policies.len() > 1 && (study.replications / per_draw) < 2 {
         notes.push(format!(
             "the parameters are drawn from a posterior; with fewer than two draws of {per_draw} replications the interval \
              does not tell what they leave open: take {} replications or more",
             2 * per_draw
         ));
         return notes;
+    }
+    let pairs: Vec<(usize, usize)> = match (decision.adaptive, decision.rival) {
+        (Some(adaptive), Some(rival)) => vec![(adaptive, rival)],
+        // Where nothing is adaptive, as in milling, every policy stands against the first.
+        (None, _) | (_, None) => (1..study.policies.len()).map(|policy| (policy, 0)).collect(),
     };
-    let digits = decimals(found.difference, found.sd_parameters.max(found.se_simulation));
-    let value = found.value_of_information();
-    notes.push(format!(
-        "over {} draws of the parameters: difference {}, ±{} from what the data leave open, ±{} from simulation (one \
-         deviation each); better in {:.0} % of what your data allow; to know the parameters is worth {} {} a part",
-        differences.len() / per_draw as usize,
-        signed(found.difference, digits),
-        plain(found.sd_parameters, digits),
-        plain(found.se_simulation, digits),
-        100.0 * found.better(),
-        plain(value, decimals(value, 0.1 * value)),
-        scenario.currency,
-    ));
+    let name = |place: usize| scenario.policies[study.policies[place]].name.as_str();
+    for (policy, other) in pairs {
+        let (own, rival) = (study.values(policy, cost), study.values(other, cost));
+        let differences: Vec<f64> = own.iter().zip(&rival).map(|(own, rival)| own - rival).collect();
+        let Some(found) = DrawnDifference::of_replications(&differences, per_draw as usize) else { continue };
+        let digits = decimals(found.difference, found.sd_parameters.max(found.se_simulation));
+        let value = found.value_of_information();
+        notes.push(format!(
+            "{} against {} over {} draws of the parameters: difference {}, ±{} from what the data leave open, ±{} from \
+             simulation (one deviation each); better in {:.0} % of what your data allow; to know the parameters is worth {} {} \
+             a part",
+            name(policy),
+            name(other),
+            differences.len() / per_draw as usize,
+            signed(found.difference, digits),
+            plain(found.sd_parameters, digits),
+            plain(found.se_simulation, digits),
+            100.0 * found.better(),
+            plain(value, decimals(value, 0.1 * value)),
+            scenario.currency,
+        ));
+    }
     notes
 }

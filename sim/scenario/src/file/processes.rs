@@ -5,7 +5,7 @@ use super::fault::ScenarioFault;
 use super::imported;
 use super::resolve::NamedTool;
 use super::stability;
-use crate::{MachineType, Posterior, ProcessModel, SwitchedEffect};
+use crate::{MachineType, Posterior, ProcessModel, SwitchedEffect, read_posterior};
 use std::fmt::Display;
 use std::sync::Arc;
 use toolroom_cutting::{MILLING_CATALOGUE, Milling, MillingInput, Turning};
@@ -106,31 +106,13 @@ pub(super) fn process(
 pub(super) fn posterior(walk: &mut Walk, tool: &Section<'_>, process: &ProcessModel) -> Option<Posterior> {
     let file = tool.text("parameters_from")?;
     let path = walk.folder.join(file);
-    let refuse = |reason| ScenarioFault::Draws { file: file.to_owned(), reason };
-    let span = tool.span_of("parameters_from");
-    let read =
-        crate::posterior::read_draws(&path).and_then(|table| Posterior::of(&table, process, tool.given("scatter")));
+    let read = read_posterior(&path, tool, process);
     walk.named(path);
-    let posterior = match read {
-        Ok(posterior) => posterior,
-        Err(reason) => {
-            walk.fault(span, refuse(reason));
-            return None;
-        }
-    };
-    let stated = |name: &String| {
-        let (group, field) = name.split_once('.')?;
-        match tool.got("parameters").map(|got| &got.value) {
-            Some(Value::Raw(raw)) => raw.get(group)?.get_ref().get(field).map(|_| name.clone()),
-            _ => None,
-        }
-    };
-    if let Some(name) = posterior.names().iter().find_map(stated) {
-        let reason = format!("`parameters` states {name}, which the draws hold as well: leave one of the two out");
-        walk.fault(span, refuse(reason));
-        return None;
-    }
-    Some(posterior)
+    read.map_err(|reason| {
+        let fault = ScenarioFault::Draws { file: file.to_owned(), reason };
+        walk.fault(tool.span_of("parameters_from"), fault);
+    })
+    .ok()
 }
 
 /// Whether the chipping rate follows from the share of chipped edges; a rate that the file gives
