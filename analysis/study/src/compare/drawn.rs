@@ -51,9 +51,9 @@ impl DrawnDifference {
             return None;
         }
         let count = per_draw as f64;
-        let draws = differences.chunks_exact(per_draw).map(|own| {
-            let mean = own.iter().sum::<f64>() / count;
-            let variance = own.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let draws = differences.chunks_exact(per_draw).map(|values| {
+            let mean = values.iter().sum::<f64>() / count;
+            let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
             (mean, (variance / count).sqrt())
         });
         Self::of(&draws.collect::<Vec<_>>())
@@ -117,8 +117,8 @@ pub(super) fn notes(scenario: &Scenario, study: &Study, decision: &Decision) -> 
     };
     let name = |place: usize| scenario.policies[study.policies[place]].name.as_str();
     for (policy, other) in pairs {
-        let (own, rival) = (study.values(policy, cost), study.values(other, cost));
-        let differences: Vec<f64> = own.iter().zip(&rival).map(|(own, rival)| own - rival).collect();
+        let (costs, rival) = (study.values(policy, cost), study.values(other, cost));
+        let differences: Vec<f64> = costs.iter().zip(&rival).map(|(cost, rival)| cost - rival).collect();
         let Some(found) = DrawnDifference::of_replications(&differences, per_draw as usize) else { continue };
         let digits = decimals(found.difference, found.sd_parameters.max(found.se_simulation));
         let value = found.value_of_information();
