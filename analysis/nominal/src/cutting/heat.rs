@@ -4,6 +4,9 @@ use super::run::{MOST, Parts};
 use super::{Cutting, Nominal};
 use toolroom_records::Records;
 
+/// Time by which a row may begin before the end of the last one and still follow it, s (assumption).
+const OVERLAP: f64 = 2.0;
+
 impl<P: Nominal> Cutting<P> {
     /// Share of its heat that the body keeps until each row begins: it cools by its time constant as long as the records
     /// say that the edge was out of cut, else for as long as the scenario handles a part. A new edge is cold.
@@ -19,12 +22,9 @@ impl<P: Nominal> Cutting<P> {
             let recorded = starts.map(|starts| starts[row] - starts[before] - self.durations[before]);
             // Clocks are read to the second: a row that begins a little before the end of the last one follows it at once.
             let recorded = recorded.filter(|idle| *idle > -OVERLAP).map(|idle| idle.max(0.0));
-            let planned = || self.handling[row];
-            let idle = recorded.unwrap_or_else(planned);
+            let planned = Some(self.handling[row]).filter(|time| *time > 0.0);
             // Where neither is known the edge has cooled.
-            if recorded.is_some() || idle > 0.0 {
-                kept[row] = (-idle / lag).exp();
-            }
+            kept[row] = recorded.or(planned).map_or(0.0, |idle| (-idle / lag).exp());
         }
         kept
     }
@@ -36,6 +36,3 @@ impl<P: Nominal> Cutting<P> {
         }
     }
 }
-
-/// Time by which a row may begin before the end of the last one and still follow it, s (assumption).
-const OVERLAP: f64 = 2.0;
