@@ -57,9 +57,9 @@ pub fn read_posterior(path: &Path, section: &Section<'_>, process: &ProcessModel
     let posterior = Posterior::of(&read_draws(path)?, process, section.given("scatter"))?;
     let stated = |name: &&String| {
         let own = name.split_once('.').zip(section.got("parameters"));
-        own.is_some_and(|((group, field), got)| match &got.value {
-            Value::Raw(raw) => raw.get(group).is_some_and(|group| group.get_ref().get(field).is_some()),
-            _ => false,
+        own.is_some_and(|((group, field), got)| {
+            let Value::Raw(raw) = &got.value else { return false };
+            raw.get(group).is_some_and(|group| group.get_ref().get(field).is_some())
         })
     };
     match posterior.names().iter().find(stated) {
@@ -325,7 +325,7 @@ mod tests {
     use super::*;
 
     fn process() -> ProcessModel {
-        let pair = toolroom_wear::Pair::named("c45_t15k6").expect("shipped");
+        let pair = Pair::named("c45_t15k6").expect("shipped");
         ProcessModel::Turning(Arc::new(Turning { pair, ..Turning::default() }))
     }
 
@@ -363,7 +363,7 @@ mod tests {
         let rows: &[&[&str]] = &[&["1.5", "0.21", "energy_balance", "1"], &["1.6", "0.22", "energy_balance", "1"]];
         let header = [WEAR, "edge_scatter", "law", "weight"];
         let draws = Posterior::of(&table(&header, rows), &process(), false).expect("draws");
-        let (mut bare, mut scatter) = (process(), toolroom_wear::Scatter::shop());
+        let (mut bare, mut scatter) = (process(), Scatter::shop());
         draws.put(&draws.draws[1].clone(), &mut bare, &mut scatter);
         let ProcessModel::Turning(turning) = &bare else { panic!("turning") };
         let toolroom_wear::WearLaw::EnergyBalance(law) = turning.pair.law else { panic!("an energy balance") };
