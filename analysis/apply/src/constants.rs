@@ -8,12 +8,12 @@ use toml_edit::{DocumentMut, Item, Table, value};
 use toolroom_scenario::Calibration;
 
 /// Writes a constant that moved.
-pub fn calibrate(document: &mut DocumentMut, own: &Value, by: &str) -> Result<(), ApplyError> {
-    let text = |key: &str| own[key].as_str().map(str::to_owned).ok_or_else(|| unreadable("a calibration"));
+pub fn calibrate(document: &mut DocumentMut, constant: &Value, by: &str) -> Result<(), ApplyError> {
+    let text = |key: &str| constant[key].as_str().map(str::to_owned).ok_or_else(|| unreadable("a calibration"));
     let (parameter, target) = (text("parameter")?, text("target")?);
-    let (scope, machines) = (scoped_json(&own["scope"]), machines(document));
+    let (scope, machines) = (scoped_json(&constant["scope"]), machines(document));
     let unit = Calibration::WORDS.iter().find(|(word, _)| *word == parameter).map_or("1", |(_, unit)| *unit);
-    let summand = own["summand"].as_f64();
+    let summand = constant["summand"].as_f64();
     let entries = tables(document, "calibration")?;
     let same = |entry: &Table| {
         let is = |key: &str, wanted: &str| entry.get(key).and_then(Item::as_str) == Some(wanted);
@@ -34,21 +34,21 @@ pub fn calibrate(document: &mut DocumentMut, own: &Value, by: &str) -> Result<()
             put(&mut table, "summand", written(before + added, unit));
         }
         None => {
-            let factor = number(&own["factor"], "a factor")?;
+            let factor = number(&constant["factor"], "a factor")?;
             let before = table.get("factor").and_then(Item::as_value).map(amount("1")).unwrap_or(1.0);
             put(&mut table, "factor", value(before * factor));
         }
     }
     let unit = if summand.is_some() { unit } else { "1" };
-    if let Some(error) = own["se"].as_f64() {
+    if let Some(error) = constant["se"].as_f64() {
         put(&mut table, "standard_error", written(error, unit));
     }
     if table.get("prior").is_none()
-        && let Some(prior) = own["prior"].as_f64()
+        && let Some(prior) = constant["prior"].as_f64()
     {
         table.insert("prior", written(prior, unit));
     }
-    if let (None, Some(scope)) = (found, scope_item(&own["scope"])) {
+    if let (None, Some(scope)) = (found, scope_item(&constant["scope"])) {
         table.insert("scope", value(scope));
     }
     put(&mut table, "by", value(by));

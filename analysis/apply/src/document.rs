@@ -74,18 +74,18 @@ fn found_json(found: &Found, target: &str, process: &str) -> Value {
     value
 }
 
-fn constant_json(own: &Constant, process: &str) -> Value {
+fn constant_json(constant: &Constant, process: &str) -> Value {
     let mut value = json!({
-        "parameter": own.movable.parameter, "target": own.movable.target.words(), "process": process,
-        "scope": scope_json(&own.movable.scope),
-        "se": number(own.standard_error), "prior": number(own.prior), "moved_sd": number(own.moved),
+        "parameter": constant.movable.parameter, "target": constant.movable.target.words(), "process": process,
+        "scope": scope_json(&constant.movable.scope),
+        "se": number(constant.standard_error), "prior": number(constant.prior), "moved_sd": number(constant.moved),
     });
-    if own.movable.summand {
-        let word = |(word, _): &&(&str, &'static str)| *word == own.movable.parameter;
-        value["summand"] = number(own.value);
+    if constant.movable.summand {
+        let word = |(word, _): &&(&str, &'static str)| *word == constant.movable.parameter;
+        value["summand"] = number(constant.value);
         value["unit"] = json!(Calibration::WORDS.iter().find(word).map_or("1", |(_, unit)| *unit));
     } else {
-        value["factor"] = number(own.value);
+        value["factor"] = number(constant.value);
     }
     value
 }
@@ -142,14 +142,14 @@ pub fn document(mut document: Value, processes: &[Process<'_>], data: (String, u
             }
         }
     };
-    for own in processes {
-        records(own, &mut document["effects"]);
-        if document["processes"][own.name].is_object() {
-            let list = &mut document["processes"][own.name]["effects"];
+    for each_process in processes {
+        records(each_process, &mut document["effects"]);
+        if document["processes"][each_process.name].is_object() {
+            let list = &mut document["processes"][each_process.name]["effects"];
             let mut taken = list.take();
-            records(own, &mut taken);
-            document["processes"][own.name]["effects"] = taken;
-            document["processes"][own.name]["schema"] = json!(SCHEMA);
+            records(each_process, &mut taken);
+            document["processes"][each_process.name]["effects"] = taken;
+            document["processes"][each_process.name]["schema"] = json!(SCHEMA);
         }
     }
     if document["processes"].is_null()
@@ -187,17 +187,17 @@ pub fn predictions_of(records: &Records, parts: &[Applied]) -> Vec<PredictionRow
     };
     let row = |part: &Applied, i: usize| {
         let [nominal, calibrated, applied] = &part.predictions;
-        let own = &applied[i];
+        let applied_row = &applied[i];
         PredictionRow {
-            operation_id: id(own.row.min(records.len().saturating_sub(1))),
-            channel: own.channel.to_owned(),
-            unit: own.unit.to_owned(),
-            measured: own.measured,
+            operation_id: id(applied_row.row.min(records.len().saturating_sub(1))),
+            channel: applied_row.channel.to_owned(),
+            unit: applied_row.unit.to_owned(),
+            measured: applied_row.measured,
             nominal: nominal[i].value,
             calibrated: calibrated[i].value,
-            applied: own.value,
-            standard_deviation: own.standard_deviation,
-            used: own.used,
+            applied: applied_row.value,
+            standard_deviation: applied_row.standard_deviation,
+            used: applied_row.used,
         }
     };
     parts.iter().flat_map(|part| (0..part.predictions[2].len()).map(move |i| row(part, i))).collect()

@@ -83,9 +83,9 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
         .map(|all| all.iter().filter_map(|own| own.as_str().map(str::to_owned)).collect())
         .unwrap_or_default();
     unmark(&mut document);
-    let own = diagnosis["data"]["hash"].as_str().unwrap_or_default().to_owned();
-    if !own.is_empty() && !data.contains(&own) {
-        data.push(own);
+    let data_hash = diagnosis["data"]["hash"].as_str().unwrap_or_default().to_owned();
+    if !data_hash.is_empty() && !data.contains(&data_hash) {
+        data.push(data_hash);
     }
     let mut changes =
         Changes { text: String::new(), effects: Vec::new(), constants: Vec::new(), data, notes: Vec::new() };
@@ -107,13 +107,13 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
         }
         changes.effects.push(id.to_owned());
     }
-    for own in constants {
+    for constant in constants {
         if process == "program" {
-            program::calibrate(&mut document, own)?;
+            program::calibrate(&mut document, constant)?;
         } else {
-            calibrate(&mut document, own, &by)?;
+            calibrate(&mut document, constant, &by)?;
         }
-        let text = |key: &str| own[key].as_str().unwrap_or_default();
+        let text = |key: &str| constant[key].as_str().unwrap_or_default();
         changes.constants.push(format!("{} of {}", text("parameter"), text("target")));
     }
     let mark = request.text.chars().next().filter(|first| *first == BYTE_ORDER_MARK);

@@ -39,8 +39,8 @@ fn define(document: &mut DocumentMut, definition: &Definition) -> Result<(), App
         return Ok(());
     }
     let text: DocumentMut = definition.text().parse().map_err(|_| unreadable("the definition of an effect"))?;
-    let own = text.get("effect").and_then(Item::as_array_of_tables).and_then(|all| all.get(0)).cloned();
-    entries.push(own.ok_or_else(|| unreadable("the definition of an effect"))?);
+    let definition = text.get("effect").and_then(Item::as_array_of_tables).and_then(|all| all.get(0)).cloned();
+    entries.push(definition.ok_or_else(|| unreadable("the definition of an effect"))?);
     Ok(())
 }
 
@@ -103,11 +103,11 @@ pub fn of_tool(document: &mut DocumentMut, effect: &Value) -> Result<(), ApplyEr
     let named = |table: &&mut Table| table.get("name").and_then(Item::as_str) == Some(&name);
     let tool = tools.and_then(|tools| tools.iter_mut().find(named)).ok_or(ApplyError::Target { target })?;
     let same = |entry: &dyn TableLike| {
-        let own = entry.get("id").and_then(Item::as_str) == Some(&id)
+        let same_effect = entry.get("id").and_then(Item::as_str) == Some(&id)
             && effect_of(&id, &shape_of_entry(entry), definition) == Some(wanted);
-        let mut at = scoped_item(entry, &machines);
-        at.retain(|key, names| key != "tool" || !names.contains(&name));
-        own && at == scope
+        let mut entry_scope = scoped_item(entry, &machines);
+        entry_scope.retain(|key, names| key != "tool" || !names.contains(&name));
+        same_effect && entry_scope == scope
     };
     if let Some(entries) = tool.get_mut("effects").and_then(Item::as_array_of_tables_mut) {
         let found = entries.iter().position(|entry| same(entry));
@@ -162,9 +162,9 @@ fn fill(
     let total = set_size(entry, effect)?;
     if new && !shape.is_empty() {
         let mut table = InlineTable::new();
-        for (key, own) in shape {
-            let number = || own.as_f64().unwrap_or(f64::NAN).into();
-            table.insert(key, own.as_str().map_or_else(number, Into::into));
+        for (key, value) in shape {
+            let number = || value.as_f64().unwrap_or(f64::NAN).into();
+            table.insert(key, value.as_str().map_or_else(number, Into::into));
         }
         entry.insert("shape", value(table));
     }

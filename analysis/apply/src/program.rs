@@ -32,9 +32,9 @@ pub fn switch_on(document: &mut DocumentMut, effect: &Value) -> Result<(), Apply
     let before = effects.get(key).and_then(Item::as_value).map(amount(si)).unwrap_or(0.0);
     put(effects, key, written(before + added, si));
     for drive in ["corner_deviation", "jerk_time"] {
-        let own = &effect["shape"][drive];
-        if let Some(value) = own["value"].as_f64() {
-            let unit = own["unit"].as_str().unwrap_or("1").to_owned();
+        let drive_value = &effect["shape"][drive];
+        if let Some(value) = drive_value["value"].as_f64() {
+            let unit = drive_value["unit"].as_str().unwrap_or("1").to_owned();
             put(table(document, "drives")?, drive, written(value, &unit));
         }
     }
@@ -42,10 +42,10 @@ pub fn switch_on(document: &mut DocumentMut, effect: &Value) -> Result<(), Apply
 }
 
 /// Multiplies a constant of the drives.
-pub fn calibrate(document: &mut DocumentMut, own: &Value) -> Result<(), ApplyError> {
-    let parameter = own["parameter"].as_str().unwrap_or_default();
+pub fn calibrate(document: &mut DocumentMut, constant: &Value) -> Result<(), ApplyError> {
+    let parameter = constant["parameter"].as_str().unwrap_or_default();
     let key = parameter.strip_prefix("drives.").ok_or_else(|| unreadable("a calibration"))?;
-    let factor = number(&own["factor"], "a factor")?;
+    let factor = number(&constant["factor"], "a factor")?;
     // A tool changer is not calibrated but has an effect of its own, tool_change_delay.
     let drive = Drives::<f64>::FIELDS.iter().find(|drive| drive.name == key && key != "tool_change_time");
     let Field { unit, start, .. } = *drive.ok_or_else(|| unreadable("a calibration"))?;

@@ -34,11 +34,11 @@ pub fn scoped_item(entry: &dyn TableLike, machines: &[(String, Vec<String>)]) ->
     for (key, item) in entry.get("scope").and_then(Item::as_table_like).into_iter().flat_map(TableLike::iter) {
         let mut names = texts(item);
         if key == "machine" {
-            let each = |name: &String| {
+            let known_machine = |name: &String| {
                 let known = machines.iter().find(|(own, _)| own == name).map(|(_, all)| all.clone());
                 known.unwrap_or_else(|| vec![name.clone()])
             };
-            names = names.iter().flat_map(each).collect();
+            names = names.iter().flat_map(known_machine).collect();
         }
         if matches!(key, "from" | "until") {
             names = names.iter().map(|text| time(text)).collect();
@@ -70,11 +70,11 @@ pub fn machines(document: &DocumentMut) -> Vec<(String, Vec<String>)> {
 pub fn scope_item(scope: &Value) -> Option<InlineTable> {
     let map = scope.as_object().filter(|map| !map.is_empty())?;
     let mut table = InlineTable::new();
-    for (key, own) in map {
-        let item = match own.as_array().map(Vec::as_slice) {
+    for (key, names) in map {
+        let item = match names.as_array().map(Vec::as_slice) {
             Some([only]) => only.as_str().unwrap_or_default().into(),
             Some(all) => all.iter().filter_map(Value::as_str).collect::<Array>().into(),
-            None => own.as_str().unwrap_or_default().into(),
+            None => names.as_str().unwrap_or_default().into(),
         };
         table.insert(key, item);
     }

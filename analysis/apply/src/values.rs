@@ -11,8 +11,8 @@ pub fn unreadable(what: &str) -> ApplyError {
 }
 
 /// A number of the diagnosis.
-pub fn number(of: &Value, what: &str) -> Result<f64, ApplyError> {
-    of.as_f64().ok_or_else(|| unreadable(what))
+pub fn number(value: &Value, what: &str) -> Result<f64, ApplyError> {
+    value.as_f64().ok_or_else(|| unreadable(what))
 }
 
 /// A number of a file: bare where it is a ratio, else text with its unit. Rust prints as many digits as bring back

@@ -201,9 +201,9 @@ fn an_effect_of_a_user_beside_the_model_is_written_into_it_with_its_definition()
     let defined = toolroom_effects::parse_definitions("mine.toml", CRATER).expect("a definition");
     let nominal = model(TURNING).with_effects(Path::new("model.toml"), &defined).expect("one of its id");
     let forward = nominal.over(&records, None, |_, _| false).0;
-    let own = |candidate: &toolroom_gap::Candidate| candidate.id == "my.crater";
+    let is_crater = |candidate: &toolroom_gap::Candidate| candidate.id == "my.crater";
     let all: Vec<usize> =
-        (0..forward.frame().candidates.len()).filter(|i| own(&forward.frame().candidates[*i])).collect();
+        (0..forward.frame().candidates.len()).filter(|i| is_crater(&forward.frame().candidates[*i])).collect();
     assert_eq!(all.len(), 4, "its own speed and three over the range");
     let basis = Basis::of_sheet(forward.as_ref(), Method::default());
     let mut applied = applied_to(forward.as_ref(), forward.as_ref(), &[], &basis, &[all[1]], None);
@@ -230,7 +230,10 @@ fn an_effect_of_a_user_beside_the_model_is_written_into_it_with_its_definition()
     assert_eq!(read.stated.defined, defined);
     let stated = read.stated.effects.first().expect("the effect of the tool");
     assert!((stated.effect.size() - applied.effects[0].size).abs() <= 1e-12 * stated.effect.size());
-    assert_eq!(stated.effect.parameters().value(1), applied.effects[0].written.shape.first().map(|own| own.1));
+    assert_eq!(
+        stated.effect.parameters().value(1),
+        applied.effects[0].written.shape.first().map(|parameter| parameter.1)
+    );
     // In the file already, it is found there and written once.
     every_effect_is_kept("turning", &format!("{TURNING}{CRATER}"));
     // A model that defines it otherwise is refused beside the file.

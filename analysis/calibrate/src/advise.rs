@@ -215,7 +215,8 @@ impl Calibration {
             |name: &str| parameters.iter().position(|parameter| parameter.name == name).map(|place| map[place].exp());
         let scatter = value(EDGE_SCATTER).unwrap_or(0.0);
         let noise = value(READING_NOISE).unwrap_or(0.0) / self.request.limit;
-        let own = self.least_known().map(|place| DVector::from_fn(map.len(), |i, _| f64::from(u8::from(i == place))));
+        let least_known =
+            self.least_known().map(|place| DVector::from_fn(map.len(), |i, _| f64::from(u8::from(i == place))));
         let mut tests = Vec::new();
         for step in 0..SPEEDS {
             let speed = low * (high / low).powf(step as f64 / (SPEEDS - 1) as f64);
@@ -235,7 +236,9 @@ impl Calibration {
                     cost: costs.machine * (minutes + edges as f64 * costs.change) + edges as f64 * costs.edge,
                     deviation_after: after,
                     worth: worth(mean, now, after),
-                    parameter_after: own.as_ref().map_or(f64::NAN, |own| deviation_after(covariance, own, &observed)),
+                    parameter_after: least_known
+                        .as_ref()
+                        .map_or(f64::NAN, |least_known| deviation_after(covariance, least_known, &observed)),
                 });
             }
         }
@@ -308,13 +311,13 @@ impl Advice {
                 writeln!(text, "no test of new edges pays for itself within {WITHIN} km of path: do not test, decide");
         }
         if let (Some((place, test)), Some(first)) = (&self.parameter, self.tests.first()) {
-            let (own, other) = (test.condition.cut.cutting_speed, first.condition.cut.cutting_speed);
-            if (own / other - 1.0).abs() > 0.02 {
+            let (speed, other) = (test.condition.cut.cutting_speed, first.condition.cut.cutting_speed);
+            if (speed / other - 1.0).abs() > 0.02 {
                 let name = &model.parameters()[*place].name;
                 let _ = writeln!(
                     text,
                     "{name} by itself would be told best at {:.0} m/min: the decision asks for something else",
-                    own * 60.0
+                    speed * 60.0
                 );
             }
         }

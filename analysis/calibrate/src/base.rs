@@ -108,12 +108,13 @@ impl Base {
             // Its laws have levels of different kinds, which their groups state at the reference cut of the set.
             Self::Turning(_) => self,
             Self::Milling { life, diameter, chipping } => {
-                let at = Condition { group: 0, ..*condition };
+                let reference = Condition { group: 0, ..*condition };
                 let reference_life = Self::Milling { life, diameter, chipping }
-                    .taylor(&at)
+                    .taylor(&reference)
                     .map_or(life.reference_life, |(minutes, ..)| minutes * 60.0);
-                let [reference_speed, reference_feed, reference_depth, width] = at.quantities();
-                let reference_width = if at.width.is_some() { width.min(diameter) } else { life.reference_width };
+                let [reference_speed, reference_feed, reference_depth, width] = reference.quantities();
+                let reference_width =
+                    if reference.width.is_some() { width.min(diameter) } else { life.reference_width };
                 let life = CutterLife {
                     reference_life: reference_life.clamp(1.0, 1e7),
                     reference_speed,

@@ -437,7 +437,7 @@ pub fn life_at(
         .collect();
     levels.sort_by(f64::total_cmp);
     next.sort_by(f64::total_cmp);
-    let at = order_quantile;
+    let order_value = order_quantile;
     LifeAt {
         condition,
         median: at(&levels, 0.5),
@@ -453,8 +453,8 @@ fn usual_cut(measured: &Measured) -> Condition {
         edge.stretches.first().map(|stretch| stretch.condition).or(edge.life.map(|(condition, _)| condition))
     };
     let mut best = (0, 0);
-    for (index, own) in measured.conditions.iter().enumerate() {
-        let same = |other: &Condition| other.quantities()[1..] == own.quantities()[1..];
+    for (index, condition) in measured.conditions.iter().enumerate() {
+        let same = |other: &Condition| other.quantities()[1..] == condition.quantities()[1..];
         let count = measured
             .edges
             .iter()

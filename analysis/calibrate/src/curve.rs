@@ -48,9 +48,9 @@ impl Curve {
     /// limit. A node lies there and no rule reaches across it; the table ends a little beyond `greatest`.
     pub fn bent(greatest: f64, bend: f64, rate: impl Fn(f64) -> f64) -> Self {
         let cells = CELLS as f64;
-        let at = ((bend / greatest).sqrt() * cells).floor().clamp(1.0, cells);
-        let greatest = if bend < greatest { bend * (cells / at).powi(2) } else { greatest };
-        let bend = if bend < greatest { at as usize } else { CELLS };
+        let node = ((bend / greatest).sqrt() * cells).floor().clamp(1.0, cells);
+        let greatest = if bend < greatest { bend * (cells / node).powi(2) } else { greatest };
+        let bend = if bend < greatest { node as usize } else { CELLS };
         let step = greatest / (CELLS * CELLS) as f64;
         let wear: Vec<f64> = (0..=CELLS).map(|k| step * (k * k) as f64).collect();
         let rate: Vec<f64> = wear.iter().map(|wear| rate(*wear)).collect();

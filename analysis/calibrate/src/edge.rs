@@ -228,12 +228,12 @@ impl Common<'_> {
                 }
                 None => (None, None),
             };
-            let at = &mut |z: f64, stride: usize| joint(z, stride, held);
+            let density = &mut |z: f64, stride: usize| joint(z, stride, held);
             let top = match z {
                 Some(z) => (z, at(z, 1)),
-                None => mode(at, read.len(), start),
+                None => mode(density, read.len(), start),
             };
-            if well_read { few_nodes(at, top) } else { nine_nodes(at, top) }
+            if well_read { few_nodes(density, top) } else { nine_nodes(density, top) }
         };
         let Some(begun) = edge.begun else { return from(0.0) };
         // The reading at the beginning has the error of any other; every wear before is as good as another.

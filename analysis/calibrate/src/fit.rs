@@ -50,13 +50,13 @@ impl Scaled<'_> {
     }
 
     fn gradient(&self, x: &DVector<f64>) -> DVector<f64> {
-        let mut at = x.clone();
+        let mut point = x.clone();
         DVector::from_fn(x.len(), |i, _| {
-            at[i] = x[i] + STEP;
-            let above = self.density(&at);
-            at[i] = x[i] - STEP;
-            let below = self.density(&at);
-            at[i] = x[i];
+            point[i] = x[i] + STEP;
+            let above = self.density(&point);
+            point[i] = x[i] - STEP;
+            let below = self.density(&point);
+            point[i] = x[i];
             (above - below) / (2.0 * STEP)
         })
     }
@@ -65,10 +65,10 @@ impl Scaled<'_> {
     fn curvature(&self, x: &DVector<f64>, here: f64) -> DMatrix<f64> {
         let size = x.len();
         let moved = |i: usize, a: f64, j: usize, b: f64| {
-            let mut at = x.clone();
-            at[i] += a * WIDE;
-            at[j] += b * WIDE;
-            self.density(&at)
+            let mut point = x.clone();
+            point[i] += a * WIDE;
+            point[j] += b * WIDE;
+            self.density(&point)
         };
         let ends: Vec<[f64; 2]> = (0..size).map(|i| [moved(i, 1.0, i, 0.0), moved(i, -1.0, i, 0.0)]).collect();
         let mut curvature = DMatrix::zeros(size, size);

@@ -42,18 +42,18 @@ impl InLife {
     /// joint normal distribution with [`InLife::covariance`] in a time in proportion to the readings (A. C. Harvey,
     /// Forecasting, Structural Time Series Models and the Kalman Filter, Cambridge 1989, section 3.4).
     pub(crate) fn filter(&self, steps: &[Step], readings: impl Iterator<Item = Noisy>) -> Filtered {
-        let own = self.deviation * self.deviation;
+        let reading_variance = self.deviation * self.deviation;
         // Mean of the integral and the noise given the readings so far, for the deviations and for the slopes; covariance.
         let (mut off, mut slope) = ([0.0; 2], [0.0; 2]);
-        let [mut xx, mut xo, mut oo] = [0.0, 0.0, own];
+        let [mut xx, mut xo, mut oo] = [0.0, 0.0, reading_variance];
         let mut found = Filtered::default();
         // Of the variances, whose logarithms are asked for only when the product would leave the range of numbers.
         let mut product = 1.0;
         for (step, reading) in steps.iter().zip(readings) {
             let Step { kept, reach, integral, mixed, noise } = *step;
-            xx += reach * (2.0 * xo + reach * oo) + own * integral;
-            xo = kept * (xo + reach * oo) + own * mixed;
-            oo = kept * kept * oo + own * noise;
+            xx += reach * (2.0 * xo + reach * oo) + reading_variance * integral;
+            xo = kept * (xo + reach * oo) + reading_variance * mixed;
+            oo = kept * kept * oo + reading_variance * noise;
             for mean in [&mut off, &mut slope] {
                 *mean = [mean[0] + reach * mean[1], kept * mean[1]];
             }
@@ -173,8 +173,8 @@ mod tests {
         let steps = noise.steps(times.into_iter());
         let found = noise.filter(&steps, readings);
         let covariance = DMatrix::from_fn(5, 5, |i, j| {
-            let own = if i == j { variance(i) } else { 0.0 };
-            own + pace[i] * pace[j] * noise.covariance(times[i], times[j])
+            let diagonal = if i == j { variance(i) } else { 0.0 };
+            diagonal + pace[i] * pace[j] * noise.covariance(times[i], times[j])
         });
         let factor = Cholesky::new(covariance).expect("positive");
         let (off, slope) = (DVector::from_row_slice(&off), DVector::from_row_slice(&slope));

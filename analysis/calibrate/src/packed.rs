@@ -97,11 +97,11 @@ impl Measured {
 /// Mean time from the beginning, mean wear and sums of the readings of some stretches; none without a reading.
 fn block(stretches: &[Stretch]) -> Option<(f64, f64, Block)> {
     let mut passed = 0.0;
-    let at = stretches.iter().filter_map(|stretch| {
+    let times = stretches.iter().filter_map(|stretch| {
         passed += stretch.time;
         Some((passed, stretch.wear?))
     });
-    let read: Vec<(f64, f64)> = at.collect();
+    let read: Vec<(f64, f64)> = times.collect();
     let count = read.len() as f64;
     if read.is_empty() {
         return None;

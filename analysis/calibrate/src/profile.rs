@@ -64,7 +64,7 @@ fn end(model: &dyn Model, edges: &[usize], at: &Maximum, place: usize, way: f64)
     let others: Vec<usize> = (0..size).filter(|other| *other != place).collect();
     let deviation = at.covariance[(place, place)].sqrt();
     let mut parameters = model.parameters().to_vec();
-    let own = parameters.remove(place);
+    let moved = parameters.remove(place);
     let covariance = &at.covariance;
     // Covariance of the others given this one, and where they go with it.
     let conditional = DMatrix::from_fn(size - 1, size - 1, |i, j| {
@@ -82,7 +82,7 @@ fn end(model: &dyn Model, edges: &[usize], at: &Maximum, place: usize, way: f64)
         } else {
             maximise(&held, edges, &start, Some(&conditional)).map(|maximum| maximum.ln_density)
         };
-        let prior = own.prior.ln_density(value);
+        let prior = moved.prior.ln_density(value);
         found.map_or(f64::INFINITY, |density| at.ln_density - density - prior)
     };
     let (mut low, mut high) = (0.0, 2.0);

@@ -77,8 +77,10 @@ impl Calibration {
             let _ = writeln!(text, "\n[parameters.force]");
             let readings: usize = (0..force.model.edges()).map(|edge| force.model.readings(edge).len()).sum();
             let source = quoted(&format!("calibrated: {} edges, {readings} readings of force", force.model.edges()));
-            let own = force.model.parameters().iter().zip(force.posterior.map.u.iter());
-            for (name, parameter, u) in own.filter_map(|(own, u)| Some((own.name.strip_prefix("force.")?, own, *u))) {
+            let forces = force.model.parameters().iter().zip(force.posterior.map.u.iter());
+            for (name, parameter, u) in
+                forces.filter_map(|(parameter, u)| Some((parameter.name.strip_prefix("force.")?, parameter, *u)))
+            {
                 let number = rounded(parameter.scale.value(u));
                 let value = if parameter.unit == "1" {
                     format!("{number:?}")

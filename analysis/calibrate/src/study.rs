@@ -131,7 +131,7 @@ impl CalibrationStudy {
         let Some(path) = &self.prior else { return Ok(spreads) };
         let wrong = |error: &dyn Display| refuse(error, "--prior takes a file with [prior], see docs/calibration.md");
         let outline = Outline::read(path).map_err(|error| wrong(&error))?;
-        let own = if outline.has("name") {
+        let outline_name = if outline.has("name") {
             let path = std::path::absolute(path).map_err(|error| wrong(&error))?;
             ParameterSet::load(&path.display().to_string(), Path::new(""), self.catalogue())
                 .map_err(|error| wrong(&error))?
@@ -139,7 +139,7 @@ impl CalibrationStudy {
         } else {
             read_priors(path, self.catalogue()).map_err(|error| wrong(&error))?
         };
-        spreads.extend(own);
+        spreads.extend(outline_name);
         Ok(spreads)
     }
 
@@ -284,8 +284,8 @@ impl CalibrationStudy {
         };
         let mut candidates: Vec<Candidate> = Vec::new();
         for law in laws {
-            let own: &[Shape] = if law.states_lives() { &shapes } else { &[Shape::Curved] };
-            candidates.extend(own.iter().map(|shape| Candidate { law, shape: *shape }));
+            let allowed: &[Shape] = if law.states_lives() { &shapes } else { &[Shape::Curved] };
+            candidates.extend(allowed.iter().map(|shape| Candidate { law, shape: *shape }));
         }
         candidates.dedup();
         Ok(candidates)

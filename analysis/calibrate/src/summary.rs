@@ -398,8 +398,8 @@ impl Calibration {
     /// Header of the table of draws: one column a parameter in its unit, the law, and the weight.
     pub fn draw_columns(&self) -> Vec<String> {
         let of_force = self.force.iter().flat_map(|force| shared_columns(force.model.parameters()));
-        let own = self.carried().model.parameters().iter().chain(of_force).map(with_unit);
-        own.chain(self.chips().map(|_| "chipping.rate [1/km]".to_owned())).collect()
+        let fitted = self.carried().model.parameters().iter().chain(of_force).map(with_unit);
+        fitted.chain(self.chips().map(|_| "chipping.rate [1/km]".to_owned())).collect()
     }
 
     /// The rate of chipping where some edge chipped; a bound enters no set.

@@ -311,13 +311,13 @@ impl Measured {
             }
             let mut condition = |row: usize| {
                 let [speed, feed, depth, width] = quantities(row);
-                let at = Condition {
+                let condition = Condition {
                     cut: Cut::nominal(speed, feed, depth),
                     width: (process == Process::Milling).then_some(width),
                     group: groups.as_ref().map_or(0, |(_, of)| of[row]),
                 };
-                measured.conditions.iter().position(|known| *known == at).unwrap_or_else(|| {
-                    measured.conditions.push(at);
+                measured.conditions.iter().position(|known| *known == condition).unwrap_or_else(|| {
+                    measured.conditions.push(condition);
                     measured.conditions.len() - 1
                 })
             };

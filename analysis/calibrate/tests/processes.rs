@@ -102,8 +102,8 @@ fn lives_of_milling_are_those_of_the_process() {
         ..MillingInput::default()
     };
     let (life, _) = Milling::named("c45_endmill_d12").expect("shipped").life(&input).expect("a life");
-    let own = model.life(&u, condition);
-    assert!((own * 60.0 / life.cutting_time - 1.0).abs() < 1e-6, "{own} min against {} s", life.cutting_time);
+    let found = model.life(&u, condition);
+    assert!((found * 60.0 / life.cutting_time - 1.0).abs() < 1e-6, "{found} min against {} s", life.cutting_time);
 }
 
 #[test]
@@ -251,11 +251,11 @@ fn blocks_of_readings_say_what_the_readings_say() {
         let whole = WearModel::new(law, &pair(), conditions.clone(), edges.clone(), 0.3);
         let blocks = WearModel::new(law, &pair(), packed.conditions.clone(), packed.edges.clone(), 0.3);
         let every: Vec<usize> = (0..edges.len()).collect();
-        let at = maximise(&whole, &every, &prior_means(&whole), None).expect("a maximum");
-        let other = maximise(&blocks, &every, &at.u, Some(&at.covariance)).expect("a maximum");
-        for index in 0..at.u.len() {
-            let deviation = at.covariance[(index, index)].sqrt();
-            let off = (at.u[index] - other.u[index]) / deviation;
+        let best = maximise(&whole, &every, &prior_means(&whole), None).expect("a maximum");
+        let other = maximise(&blocks, &every, &best.u, Some(&best.covariance)).expect("a maximum");
+        for index in 0..best.u.len() {
+            let deviation = best.covariance[(index, index)].sqrt();
+            let off = (best.u[index] - other.u[index]) / deviation;
             let name = &whole.parameters()[index].name;
             assert!(off.abs() < 0.05, "{}, {name}: {off} deviations", law.group());
             let ratio = other.covariance[(index, index)].sqrt() / deviation;
@@ -270,22 +270,22 @@ fn densities_near_a_place_are_those_that_are_found_from_anywhere() {
     let every: Vec<usize> = (0..edges.len()).collect();
     for law in [Law::ExtendedTaylor, Law::EnergyBalance] {
         let model = WearModel::new(law, &pair(), conditions.clone(), edges.clone(), 0.3);
-        let at = maximise(&model, &every, &prior_means(&model), None).expect("a maximum");
-        let near = model.near(at.u.as_slice()).expect("edges with many readings");
+        let best = maximise(&model, &every, &prior_means(&model), None).expect("a maximum");
+        let near = model.near(best.u.as_slice()).expect("edges with many readings");
         let mut random = ChaCha8Rng::seed_from_u64(3);
-        let root = at.covariance.clone().cholesky().expect("positive").l();
+        let root = best.covariance.clone().cholesky().expect("positive").l();
         let mut compared = 0;
         for _ in 0..20 {
-            let normal = DVector::from_fn(at.u.len(), |_, _| StandardNormal.sample(&mut random));
-            let there = &at.u + 2.0 * &root * normal;
-            let (own, other) =
+            let normal = DVector::from_fn(best.u.len(), |_, _| StandardNormal.sample(&mut random));
+            let there = &best.u + 2.0 * &root * normal;
+            let (approximate, other) =
                 (near.ln_posterior(there.as_slice(), &every), model.ln_posterior(there.as_slice(), &every));
-            if own == other {
+            if approximate == other {
                 // An exponent below zero has no density.
                 continue;
             }
             compared += 1;
-            assert!((own - other).abs() < 1e-5, "{}: {own} against {other}", law.group());
+            assert!((approximate - other).abs() < 1e-5, "{}: {approximate} against {other}", law.group());
         }
         assert!(compared > 5, "{}: {compared}", law.group());
     }

@@ -44,8 +44,9 @@ fn number(row: &std::collections::HashMap<String, String>, column: &str) -> Opti
 fn measured(text: &str) -> (Vec<Cut>, Vec<Edge>) {
     let (mut conditions, mut edges): (Vec<Cut>, Vec<Edge>) = (Vec::new(), Vec::new());
     for row in rows(text) {
-        let of = |column| number(&row, column).expect("a number");
-        let cut = Cut::nominal(of("cutting_speed") / 60.0, of("feed_per_rev") * 1e-3, of("depth_of_cut") * 1e-3);
+        let value = |column| number(&row, column).expect("a number");
+        let cut =
+            Cut::nominal(value("cutting_speed") / 60.0, value("feed_per_rev") * 1e-3, value("depth_of_cut") * 1e-3);
         let condition = conditions.iter().position(|other| *other == cut).unwrap_or_else(|| {
             conditions.push(cut);
             conditions.len() - 1
@@ -55,7 +56,7 @@ fn measured(text: &str) -> (Vec<Cut>, Vec<Edge>) {
         }
         let edge = edges.last_mut().expect("an edge");
         if let Some(life) = number(&row, "life") {
-            let life = match (number(&row, "inspected"), of("censored") > 0.0) {
+            let life = match (number(&row, "inspected"), value("censored") > 0.0) {
                 (Some(good), _) => Life::Between(good, life),
                 (None, true) => Life::Censored(life),
                 (None, false) => Life::Exact(life),
@@ -63,7 +64,7 @@ fn measured(text: &str) -> (Vec<Cut>, Vec<Edge>) {
             edge.life = Some((condition, life));
         } else {
             let wear = number(&row, "flank_wear");
-            edge.stretches.push(Stretch { wear, ..Stretch::unread(condition, of("cutting_time")) });
+            edge.stretches.push(Stretch { wear, ..Stretch::unread(condition, value("cutting_time")) });
         }
     }
     (conditions, edges)
@@ -188,13 +189,14 @@ fn forces_against_wear_are_those_computed_independently() {
     let Some(text) = text("forces-8.csv") else { return };
     let mut edges: Vec<(String, Vec<ForceReading>)> = Vec::new();
     for row in rows(&text) {
-        let of = |column| number(&row, column).expect("a number");
-        let cut = Cut::nominal(of("cutting_speed") / 60.0, of("feed_per_rev") * 1e-3, of("depth_of_cut") * 1e-3);
+        let value = |column| number(&row, column).expect("a number");
+        let cut =
+            Cut::nominal(value("cutting_speed") / 60.0, value("feed_per_rev") * 1e-3, value("depth_of_cut") * 1e-3);
         if edges.last().is_none_or(|(name, _)| *name != row["tool_id"]) {
             edges.push((row["tool_id"].clone(), Vec::new()));
         }
         let readings = &mut edges.last_mut().expect("an edge").1;
-        readings.push(ForceReading { cut, wear: of("flank_wear"), force: of("cutting_force") });
+        readings.push(ForceReading { cut, wear: value("flank_wear"), force: value("cutting_force") });
     }
     let base = Pair::named("c45_t15k6").expect("shipped");
     let readings = edges.into_iter().map(|(_, readings)| readings).collect();

@@ -37,15 +37,15 @@ pub fn amplitudes(gram: &Gram, precision: &[f64], classes: &[Range<usize>]) -> (
 
 /// Log marginal likelihood with the prior of the amplitudes, beside constants.
 fn posterior(gram: &Gram, precision: &[f64], classes: &[Range<usize>], amplitudes: &[f64]) -> f64 {
-    let mut at: Vec<usize> = (0..precision.len()).collect();
+    let mut free: Vec<usize> = (0..precision.len()).collect();
     let mut prior = precision.to_vec();
     for (class, amplitude) in classes.iter().zip(amplitudes).filter(|(_, amplitude)| **amplitude > 0.0) {
-        at.extend(class.clone());
-        prior.resize(at.len(), amplitude.powi(-2));
+        free.extend(class.clone());
+        prior.resize(free.len(), amplitude.powi(-2));
     }
-    let mut matrix = part(&gram.total, &at, &at);
-    (0..at.len()).for_each(|i| matrix[(i, i)] += prior[i]);
-    let right = part_column(&gram.total, &at, gram.last());
+    let mut matrix = part(&gram.total, &free, &free);
+    (0..free.len()).for_each(|i| matrix[(i, i)] += prior[i]);
+    let right = part_column(&gram.total, &free, gram.last());
     let whole = factor(matrix);
     let explained = right.dot(&whole.solve(&right));
     let logarithms: f64 = prior.iter().map(|precision| precision.ln()).sum();
@@ -73,10 +73,10 @@ mod tests {
     #[test]
     fn an_amplitude_is_that_of_what_the_columns_explain_and_zero_for_noise() {
         let classes = 1..5;
-        let of = |size: f64| amplitudes(&gram(size), &[1.0], std::slice::from_ref(&classes));
-        assert_eq!(of(0.9).0, [0.0]);
+        let amplitudes_of = |size: f64| amplitudes(&gram(size), &[1.0], std::slice::from_ref(&classes));
+        assert_eq!(amplitudes_of(0.9).0, [0.0]);
         // Of four values of 3, of which noise of 1 is a part, the amplitude is about √8; its prior draws to zero.
-        let (chosen, gain) = of(3.0);
+        let (chosen, gain) = amplitudes_of(3.0);
         assert_eq!(chosen, [2.0]);
         // ½ Σ (x² τ²/(1 + τ²) − ln(1 + τ²)) − ½ τ² with four columns.
         let exact = 0.5 * 4.0 * (9.0 * 4.0 / 5.0 - 5.0_f64.ln()) - 2.0;

@@ -85,8 +85,8 @@ pub fn within(matrix: &DMatrix<f64>, right: &DVector<f64>, reach: &[f64]) -> DVe
             factor(matrix.clone()).solve(right)
         } else {
             let mut right = DVector::from_fn(free.len(), |i, _| right[free[i]]);
-            for (own, value) in &held {
-                right -= part_column(matrix, &free, *own) * *value;
+            for (column, value) in &held {
+                right -= part_column(matrix, &free, *column) * *value;
             }
             let inside = factor(part(matrix, &free, &free)).solve(&right);
             let mut all = DVector::zeros(matrix.nrows());
@@ -103,12 +103,12 @@ pub fn within(matrix: &DMatrix<f64>, right: &DVector<f64>, reach: &[f64]) -> DVe
 
 /// Log marginal likelihood of everything that was fitted, over all columns.
 pub fn marginal(gram: &Gram, nuisance: usize) -> f64 {
-    let at: Vec<usize> = (0..gram.last()).collect();
-    let mut all = part(&gram.total, &at, &at);
-    for i in 0..at.len() {
+    let columns: Vec<usize> = (0..gram.last()).collect();
+    let mut all = part(&gram.total, &columns, &columns);
+    for i in 0..columns.len() {
         all[(i, i)] += if i < nuisance { 1.0 } else { 1.0 / 9.0 };
     }
-    let right = part_column(&gram.total, &at, gram.last());
+    let right = part_column(&gram.total, &columns, gram.last());
     let whole = factor(all);
     let squares = gram.total[(gram.last(), gram.last())];
     -0.5 * (squares - right.dot(&whole.solve(&right)) + log_determinant(&whole) + gram.log_determinant)

@@ -65,11 +65,11 @@ impl Design {
                 rows
             })
             .collect();
-        let of = |((group, rows), weighted): ((Group, Range<usize>), DMatrix<f64>)| {
+        let part_of = |((group, rows), weighted): ((Group, Range<usize>), DMatrix<f64>)| {
             let (directions, shrink) = root(&group, &without[group.fold]);
             Part { group, rows, weighted, directions, shrink }
         };
-        let parts = groups.into_par_iter().zip(rows).zip(weighted).map(of).collect();
+        let parts = groups.into_par_iter().zip(rows).zip(weighted).map(part_of).collect();
         Self { parts, without, shared, readings: first }
     }
 
@@ -96,9 +96,9 @@ impl Design {
         let mut by_fold = vec![DMatrix::<f64>::zeros(self.shared, sets); self.without.len()];
         let mut total = DMatrix::<f64>::zeros(self.shared, sets);
         for part in &self.parts {
-            let own = part.weighted.tr_mul(&residuals.rows_range(part.rows.clone()));
-            by_fold[part.group.fold] += &own;
-            total += own;
+            let local = part.weighted.tr_mul(&residuals.rows_range(part.rows.clone()));
+            by_fold[part.group.fold] += &local;
+            total += local;
         }
         let found: Vec<DMatrix<f64>> =
             self.without.iter().zip(by_fold).map(|(factor, own)| factor.solve(&(&total - own))).collect();
@@ -119,9 +119,9 @@ impl Design {
     ///
     /// # Panics
     /// Where there are fewer numbers than columns.
-    pub fn add(&self, shared: &DVector<f64>, own: &[DVector<f64>], column: &mut DVector<f64>) {
-        for (part, own) in self.parts.iter().zip(own) {
-            let moved = &part.group.shared * shared + &part.group.own * own;
+    pub fn add(&self, shared: &DVector<f64>, locals: &[DVector<f64>], column: &mut DVector<f64>) {
+        for (part, locals) in self.parts.iter().zip(locals) {
+            let moved = &part.group.shared * shared + &part.group.own * locals;
             let mut rows = column.rows_range_mut(part.rows.clone());
             rows += moved;
         }
@@ -140,8 +140,8 @@ impl Design {
         let weigh = |columns: &DMatrix<f64>| {
             let mut to = columns.clone();
             for part in &self.parts {
-                let own = solved(&part.group.own, &columns.rows_range(part.rows.clone()).into_owned());
-                to.rows_range_mut(part.rows.clone()).copy_from(&own);
+                let local = solved(&part.group.own, &columns.rows_range(part.rows.clone()).into_owned());
+                to.rows_range_mut(part.rows.clone()).copy_from(&local);
             }
             to
         };
@@ -172,9 +172,9 @@ fn weighted(group: &Group) -> DMatrix<f64> {
 }
 
 /// `(1 + own·own')⁻¹ columns`.
-fn solved(own: &DMatrix<f64>, columns: &DMatrix<f64>) -> DMatrix<f64> {
-    let inner = own.tr_mul(own) + DMatrix::identity(own.ncols(), own.ncols());
-    columns - own * factor(inner).solve(&own.tr_mul(columns))
+fn solved(local: &DMatrix<f64>, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let inner = local.tr_mul(local) + DMatrix::identity(local.ncols(), local.ncols());
+    columns - local * factor(inner).solve(&local.tr_mul(columns))
 }
 
 /// Cholesky factor of a matrix that is positive definite but for rounding.
@@ -198,10 +198,10 @@ fn factor(mut matrix: DMatrix<f64>) -> Cholesky<f64, Dyn> {
 fn root(group: &Group, without: &Cholesky<f64, Dyn>) -> (DMatrix<f64>, DVector<f64>) {
     let shared = without.l().solve_lower_triangular(&group.shared.transpose());
     let shared = shared.unwrap_or_else(|| DMatrix::zeros(group.shared.ncols(), group.shared.nrows()));
-    let (rows, own, all) = (group.shared.nrows(), group.own.ncols(), group.own.ncols() + shared.nrows());
+    let (rows, counts, all) = (group.shared.nrows(), group.own.ncols(), group.own.ncols() + shared.nrows());
     let mut scatter = DMatrix::zeros(rows, all);
-    scatter.columns_range_mut(..own).copy_from(&group.own);
-    scatter.columns_range_mut(own..).tr_copy_from(&shared);
+    scatter.columns_range_mut(..counts).copy_from(&group.own);
+    scatter.columns_range_mut(counts..).tr_copy_from(&shared);
     // The smaller of the two products has the same lengths.
     let wide = all >= rows;
     let product = if wide { &scatter * scatter.transpose() } else { scatter.tr_mul(&scatter) };

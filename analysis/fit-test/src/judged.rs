@@ -27,16 +27,16 @@ pub struct Judged {
 /// Where a draw has fewer statistics than were observed.
 pub fn judge(observed: &[f64], draws: &[Vec<f64>]) -> Judged {
     let count = draws.len() as f64;
-    let mut each = Vec::with_capacity(observed.len());
+    let mut p_values = Vec::with_capacity(observed.len());
     let mut scales = Vec::with_capacity(observed.len());
     for (index, value) in observed.iter().enumerate() {
-        let mut own: Vec<f64> = draws.iter().map(|draw| draw[index]).collect();
-        let above = own.iter().filter(|draw| *draw >= value).count() as f64;
-        each.push((above + 1.0) / (count + 1.0));
-        let varies = own.iter().any(|draw| *draw != own[0]);
-        own.push(if varies { *value } else { own.first().copied().unwrap_or(*value) });
-        own.sort_by(f64::total_cmp);
-        scales.push([order_quantile(&own, 0.5), order_quantile(&own, 0.95)]);
+        let mut drawn: Vec<f64> = draws.iter().map(|draw| draw[index]).collect();
+        let above = drawn.iter().filter(|draw| *draw >= value).count() as f64;
+        p_values.push((above + 1.0) / (count + 1.0));
+        let varies = drawn.iter().any(|draw| *draw != drawn[0]);
+        drawn.push(if varies { *value } else { drawn.first().copied().unwrap_or(*value) });
+        drawn.sort_by(f64::total_cmp);
+        scales.push([order_quantile(&drawn, 0.5), order_quantile(&drawn, 0.95)]);
     }
     let standardised: Vec<f64> = observed.iter().zip(&scales).map(|(value, scale)| distance(*value, *scale)).collect();
     let greatest_of = |values: &[f64]| {
@@ -44,9 +44,9 @@ pub fn judge(observed: &[f64], draws: &[Vec<f64>]) -> Judged {
     };
     let mut greatest: Vec<f64> = draws.iter().map(|draw| greatest_of(draw)).collect();
     greatest.sort_by(f64::total_cmp);
-    let own = standardised.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let above = greatest.iter().filter(|draw| **draw >= own).count() as f64;
-    Judged { p: (above + 1.0) / (count + 1.0), each, standardised, greatest, scales }
+    let largest = standardised.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let above = greatest.iter().filter(|draw| **draw >= largest).count() as f64;
+    Judged { p: (above + 1.0) / (count + 1.0), each: p_values, standardised, greatest, scales }
 }
 
 impl Judged {

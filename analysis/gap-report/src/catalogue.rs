@@ -34,24 +34,24 @@ pub fn catalogue_json(defined: &[&'static Definition]) -> Value {
 
 /// Effects of the processes, then those of the shop, of empirical responses, and of a user.
 fn catalogue<'a>(defined: &'a [&'static Definition]) -> impl Iterator<Item = &'static CatalogueEntry> + 'a {
-    let own = defined.iter().map(|own| own.entry());
-    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(EMPIRICAL_EFFECTS).chain(own)
+    let defined_entries = defined.iter().map(|effect| effect.entry());
+    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(EMPIRICAL_EFFECTS).chain(defined_entries)
 }
 
 /// What the formulas of effects of one's own may name: quantities of the context, then terms.
 pub fn vocabulary_text() -> String {
     let mut text = String::from("quantities that a formula may read\n");
     let mut terms = false;
-    for own in vocabulary() {
-        if own.factor.is_some() && !terms {
+    for quantity in vocabulary() {
+        if quantity.factor.is_some() && !terms {
             terms = true;
             text.push_str("\nterms that an effect may change\n");
         }
-        let unit = if own.field.unit == "1" { "a number" } else { own.field.unit };
-        let how = own.factor.map_or("", |factor| if factor { ", by a factor" } else { ", by a summand" });
-        let processes = own.processes.iter().flatten().copied().collect::<Vec<_>>().join(", ");
-        let doc = own.field.doc.split_whitespace().collect::<Vec<_>>().join(" ");
-        let _ = writeln!(text, "  {:24} {unit}{how}; {processes}\n    {doc}", own.field.name);
+        let unit = if quantity.field.unit == "1" { "a number" } else { quantity.field.unit };
+        let how = quantity.factor.map_or("", |factor| if factor { ", by a factor" } else { ", by a summand" });
+        let processes = quantity.processes.iter().flatten().copied().collect::<Vec<_>>().join(", ");
+        let doc = quantity.field.doc.split_whitespace().collect::<Vec<_>>().join(" ");
+        let _ = writeln!(text, "  {:24} {unit}{how}; {processes}\n    {doc}", quantity.field.name);
     }
     text
 }

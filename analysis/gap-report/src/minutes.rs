@@ -106,10 +106,10 @@ mod tests {
         let rates =
             Rates { currency: "EUR".to_owned(), by_machine: BTreeMap::from([("L1".to_owned(), 60.0 / 3600.0)]) };
         let minutes = Minutes::of(&readings, &rates).expect("a week of times");
-        let of: Vec<f64> = minutes.steps.iter().map(|step| step.minutes).collect();
-        assert!((of[..4].iter().sum::<f64>() - of[4]).abs() < 1e-9, "{of:?}");
+        let by_step: Vec<f64> = minutes.steps.iter().map(|step| step.minutes).collect();
+        assert!((by_step[..4].iter().sum::<f64>() - by_step[4]).abs() < 1e-9, "{by_step:?}");
         assert_eq!(minutes.cost("feed_override").as_deref(), Some("2 min and 2 EUR a week"));
-        assert!((of[2] - 2.0).abs() < 1e-12, "twenty operations, 6 s each");
+        assert!((by_step[2] - 2.0).abs() < 1e-12, "twenty operations, 6 s each");
         assert!(Minutes::of(&Readings { list: vec![reading(0.0, 1.0)], ..readings }, &rates).is_none());
     }
 }

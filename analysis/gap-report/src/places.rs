@@ -55,14 +55,14 @@ fn of_days(records: &Records, part: &dyn Forward) -> impl Fn(usize, &str) -> Pla
     let mut counts: BTreeMap<String, [usize; 3]> = BTreeMap::new();
     for visit in &seen.list {
         let name = format!("{} day {}", seen.machines[visit.machine], (visit.start / DAY).floor() as i64 + 1);
-        let own = counts.entry(name).or_default();
-        *own = [own[0] + 1, own[1] + visit.changes.len(), own[2] + visit.holds.len()];
+        let count = counts.entry(name).or_default();
+        *count = [count[0] + 1, count[1] + visit.changes.len(), count[2] + visit.holds.len()];
     }
     let measured = &part.frame().measured;
     let mut blocks: BTreeMap<(usize, String), f64> = BTreeMap::new();
-    for own in &measured.observations {
-        let channel = measured.channels[own.channel].name.to_owned();
-        *blocks.entry((measured.group_of_row[own.row], channel)).or_default() += 1.0;
+    for observation in &measured.observations {
+        let channel = measured.channels[observation.channel].name.to_owned();
+        *blocks.entry((measured.group_of_row[observation.row], channel)).or_default() += 1.0;
     }
     let (groups, of_row) = (measured.groups.clone(), measured.group_of_row.clone());
     move |row, channel| {

@@ -93,9 +93,9 @@ impl Readings {
         let frame = part.frame();
         let mut effects: Vec<(usize, f64, String)> = Vec::new();
         for effect in &diagnosis.effects {
-            let own =
+            let is_effect =
                 |candidate: &toolroom_gap::Candidate| candidate.id == effect.id && candidate.shape == effect.shape;
-            if let Some(index) = frame.candidates.iter().position(own) {
+            if let Some(index) = frame.candidates.iter().position(is_effect) {
                 effects.push((index, effect.size / report_units(frame, effect.id).0, effect.id.to_owned()));
             }
         }
@@ -130,13 +130,13 @@ impl Readings {
         }));
         for (i, observation) in frame.measured.observations.iter().enumerate() {
             let relative = self.channels[first + observation.channel].relative;
-            let mut own: Vec<f64> = stages.iter().map(|stage| stage[i]).collect();
-            own.resize(self.stages.len() + 1, own[own.len() - 1]);
+            let mut values: Vec<f64> = stages.iter().map(|stage| stage[i]).collect();
+            values.resize(self.stages.len() + 1, values[values.len() - 1]);
             self.list.push(Reading {
                 channel: first + observation.channel,
                 place: place(observation.row, &self.channels[first + observation.channel].name),
                 measured: if relative { observation.value.exp() } else { observation.value },
-                stages: own,
+                stages: values,
             });
         }
     }

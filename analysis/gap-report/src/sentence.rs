@@ -13,8 +13,8 @@ pub fn sentence(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Min
     let mut parts = match diagnosis.verdict {
         GapVerdict::Effect => effects(diagnosis, readings, minutes),
         GapVerdict::Constant => {
-            let own = diagnosis.constant().map(|words| format!(" {}.", capital(&words)));
-            vec![format!("The file has another constant than the shop.{}", own.unwrap_or_default())]
+            let constant = diagnosis.constant().map(|words| format!(" {}.", capital(&words)));
+            vec![format!("The file has another constant than the shop.{}", constant.unwrap_or_default())]
         }
         GapVerdict::Unknown => vec![unknown(diagnosis, minutes)],
         GapVerdict::Masked => vec![masked(diagnosis)],
@@ -168,10 +168,11 @@ mod tests {
             (GapVerdict::CannotTell, "Too little was measured for any answer: two edges were measured."),
         ];
         for (verdict, words) in all {
-            let mut own = diagnosis(verdict);
-            own.next = NextExperiment { design: "two speeds on one edge".to_owned(), minutes: 60.0, separates: vec![] };
+            let mut example = diagnosis(verdict);
+            example.next =
+                NextExperiment { design: "two speeds on one edge".to_owned(), minutes: 60.0, separates: vec![] };
             if verdict == GapVerdict::Effect {
-                own.effects.push(NamedEffect {
+                example.effects.push(NamedEffect {
                     id: "wear_force",
                     title: "forces grow with flank wear",
                     shape: String::new(),
@@ -199,10 +200,10 @@ mod tests {
                     ci90: [33958.0, 106167.0],
                     least_seen: [0.1, 2.6],
                 };
-                own.findings.push(Finding { fact: 0, constant: true, words: fact.words() });
-                own.facts.push(fact);
+                example.findings.push(Finding { fact: 0, constant: true, words: fact.words() });
+                example.facts.push(fact);
             }
-            own.cells.push(Cell {
+            example.cells.push(Cell {
                 channel: "cutting_force".to_owned(),
                 group: "machine=L1".to_owned(),
                 regime: "all".to_owned(),
@@ -211,13 +212,13 @@ mod tests {
                 rms_after: 0.04,
             });
             if verdict == GapVerdict::Masked {
-                own.suspected = Some("stock_offset would explain the records better (gain 9.0)".to_owned());
-                let text = sentence(&own, &Readings::default(), None);
+                example.suspected = Some("stock_offset would explain the records better (gain 9.0)".to_owned());
+                let text = sentence(&example, &Readings::default(), None);
                 let words = "a cause. Stock_offset would explain the records better (gain 9.0). Next";
                 assert!(text.contains(words), "{text}");
-                own.suspected = None;
+                example.suspected = None;
             }
-            let text = sentence(&own, &Readings::default(), None);
+            let text = sentence(&example, &Readings::default(), None);
             assert!(text.to_lowercase().contains(&words.to_lowercase()), "{verdict:?}: {text}");
             assert!(text.ends_with("Next: two speeds on one edge (60 min of machine time)."), "{text}");
         }

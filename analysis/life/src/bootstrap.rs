@@ -56,8 +56,8 @@ fn resampled(sample: &Sample, mut uniform: impl FnMut() -> f64) -> Option<Sample
             cumulative.push(cumulative.last().unwrap_or(&0.0) + weight);
         }
         for _ in 0..size.round() as usize {
-            let at = uniform() * size;
-            counts[cumulative.partition_point(|sum| *sum <= at).min(lives.len() - 1)] += 1.0;
+            let point = uniform() * size;
+            counts[cumulative.partition_point(|sum| *sum <= point).min(lives.len() - 1)] += 1.0;
         }
     }
     Sample::weighted(lives.iter().zip(counts).map(|((life, _), count)| (*life, count))).ok()

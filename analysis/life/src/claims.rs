@@ -47,10 +47,10 @@ pub fn claims() -> Result<Vec<Claim>, SampleError> {
         [(2.0, 5.0, 0.5107, 0.276), (3.0, 5.0, 0.5026, 0.459), (4.08, 5.0, 0.5414, 0.552), (4.08, 10.0, 0.4434, 0.728)]
     {
         let best = Costs { planned: 1.0, failure }.best_age(&Law::Weibull { shape, scale: 1.0 });
-        let of = format!("Weibull shape {shape}, failure {failure} times as dear");
+        let case = format!("Weibull shape {shape}, failure {failure} times as dear");
         // Four digits are published: half of the last one.
-        add(format!("best age of replacement over the scale, {of}"), barlow, age, best.age, 0.5e-4 / age);
-        add(format!("what it saves against running to failure, {of}"), barlow, saving, best.saving(), 2e-3);
+        add(format!("best age of replacement over the scale, {case}"), barlow, age, best.age, 0.5e-4 / age);
+        add(format!("what it saves against running to failure, {case}"), barlow, saving, best.saving(), 2e-3);
     }
     Ok(claims)
 }

@@ -172,19 +172,19 @@ impl Fit {
         let value = self.law.quantile(share);
         // The first parameter of the search is exchanged for the quantile.
         let with = |x: &[f64]| -> Option<Law> {
-            let mut at = x.to_vec();
-            at[0] = match family {
+            let mut start = x.to_vec();
+            start[0] = match family {
                 Family::CompetingRisks => return None,
                 Family::Normal => x[0] - x[1].exp() * normal::quantile(share),
                 Family::Weibull | Family::Weibull3 | Family::Lognormal | Family::Gamma | Family::InverseGaussian => {
                     let quantile = x[0].exp() * self.unit;
-                    at[0] = 0.0;
-                    let one = law(family, &at, self.unit);
+                    start[0] = 0.0;
+                    let one = law(family, &start, self.unit);
                     let location = if let Law::Weibull3 { location, .. } = one { location } else { 0.0 };
                     ((quantile - location) / (one.quantile(share) - location)).ln()
                 }
             };
-            Some(law(family, &at, self.unit))
+            Some(law(family, &start, self.unit))
         };
         let likelihood = |x: &[f64]| with(x).map_or(f64::NAN, |law| log_likelihood(sample, &law));
         let mut start = self.peak.at.clone();

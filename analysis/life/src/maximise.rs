@@ -49,36 +49,36 @@ impl Maximum {
 /// ```
 pub fn maximise(f: &dyn Fn(&[f64]) -> f64, start: &[f64]) -> Option<Maximum> {
     let finite = |x: &[f64]| Some(f(x)).filter(|value| value.is_finite());
-    let mut at = start.to_vec();
-    let mut value = finite(&at)?;
+    let mut point = start.to_vec();
+    let mut value = finite(&point)?;
     let mut damping = 0.0;
     for _ in 0..STEPS {
-        let (gradient, information) = derivatives(f, &at, value);
+        let (gradient, information) = derivatives(f, &point, value);
         if !gradient.iter().chain(information.iter()).all(|entry| entry.is_finite()) {
-            return Some(Maximum { at, value, information });
+            return Some(Maximum { at: point, value, information });
         }
         let settled = SETTLED + 1e-13 * value.abs();
         let mut moved = false;
         // Damping grows until the step climbs; it ends at steps below rounding.
         for _ in 0..40 {
             let mut damped = information.clone();
-            for i in 0..at.len() {
+            for i in 0..point.len() {
                 damped[(i, i)] += damping * information[(i, i)].abs().max(1e-6);
             }
             if let Some(factor) = damped.cholesky() {
                 let mut step = factor.solve(&gradient);
                 let gain = 0.5 * gradient.dot(&step);
                 if gain < settled {
-                    return Some(Maximum { at, value, information });
+                    return Some(Maximum { at: point, value, information });
                 }
                 // A parameter is a logarithm or a ratio: two units are far.
                 let longest = step.amax();
                 if longest > 2.0 {
                     step *= 2.0 / longest;
                 }
-                let trial: Vec<f64> = at.iter().zip(step.iter()).map(|(x, dx)| x + dx).collect();
+                let trial: Vec<f64> = point.iter().zip(step.iter()).map(|(x, dx)| x + dx).collect();
                 if let Some(better) = finite(&trial).filter(|better| *better > value) {
-                    (at, value, moved) = (trial, better, true);
+                    (point, value, moved) = (trial, better, true);
                     damping = if damping < 1e-6 { 0.0 } else { damping / 10.0 };
                     break;
                 }
@@ -86,11 +86,11 @@ pub fn maximise(f: &dyn Fn(&[f64]) -> f64, start: &[f64]) -> Option<Maximum> {
             damping = if damping == 0.0 { 1e-3 } else { 4.0 * damping };
         }
         if !moved {
-            return Some(Maximum { at, value, information });
+            return Some(Maximum { at: point, value, information });
         }
     }
-    let information = derivatives(f, &at, value).1;
-    Some(Maximum { at, value, information })
+    let information = derivatives(f, &point, value).1;
+    Some(Maximum { at: point, value, information })
 }
 
 /// Gradient and negative second derivatives.

@@ -214,17 +214,17 @@ pub fn read(file: &str, bytes: &[u8], layout: &Layout, covariates: &[String]) ->
             let mut edges: BTreeMap<String, Vec<Reading<'_>>> = BTreeMap::new();
             for row in &table.rows {
                 let name = names.iter().map(|column| row.cells[*column].as_str()).collect::<Vec<_>>().join(" ");
-                let at = table.number(row, age)?;
+                let age_read = table.number(row, age)?;
                 let worn = if row.cells[wear].is_empty() { None } else { Some(table.number(row, wear)?) };
                 let readings = edges.entry(name.clone()).or_insert_with(|| {
                     order.push(name.clone());
                     Vec::new()
                 });
-                if let Some((_, before, _)) = readings.last().filter(|last| last.1 > at) {
+                if let Some((_, before, _)) = readings.last().filter(|last| last.1 > age_read) {
                     let (file, line, before) = (file.to_owned(), row.line, *before);
-                    return Err(MeasuredError::Backwards { file, line, edge: name, age: at, before });
+                    return Err(MeasuredError::Backwards { file, line, edge: name, age: age_read, before });
                 }
-                readings.push((row, at, worn));
+                readings.push((row, age_read, worn));
             }
             let mut lives = Vec::new();
             for name in order {
@@ -467,11 +467,11 @@ mod tests {
             group: None,
             interpolate,
         };
-        let of = |interpolate| read("f.csv", text.as_bytes(), &layout(interpolate), &[]).unwrap();
+        let lives_by = |interpolate| read("f.csv", text.as_bytes(), &layout(interpolate), &[]).unwrap();
         let kinds = |m: &Measured| m.lives.iter().map(|life| life.life).collect::<Vec<_>>();
-        assert_eq!(kinds(&of(true)), [Failed(3.0), Censored(5.0), Between(0.0, 2.0)]);
-        assert_eq!(kinds(&of(false)), [Between(2.0, 4.0), Censored(5.0), Between(0.0, 2.0)]);
-        assert!(of(true).notes[0].contains("edge 4"));
+        assert_eq!(kinds(&lives_by(true)), [Failed(3.0), Censored(5.0), Between(0.0, 2.0)]);
+        assert_eq!(kinds(&lives_by(false)), [Between(2.0, 4.0), Censored(5.0), Between(0.0, 2.0)]);
+        assert!(lives_by(true).notes[0].contains("edge 4"));
         let back = "tool,t,VB\n1,4,0.1\n1,2,0.2\n";
         let error = read("f.csv", back.as_bytes(), &layout(true), &[]).unwrap_err();
         assert!(matches!(error, MeasuredError::Backwards { line: 3, .. }), "{error}");

@@ -66,8 +66,8 @@ pub fn probability(analysis: &Analysis, unit: &str) -> impl Chart + use<> {
     let ticks = shares.map(|share| (height(share), format!("{} %", 100.0 * share)));
     let inside = |failed: f64| (0.0005..0.9995).contains(&failed);
     let line = |curve: &[Banded]| -> Vec<(f64, f64)> {
-        let at = curve.iter().filter(|at| inside(1.0 - at.value));
-        at.map(|at| (at.age, height(1.0 - at.value))).collect()
+        let points = curve.iter().filter(|point| inside(1.0 - point.value));
+        points.map(|point| (point.age, height(1.0 - point.value))).collect()
     };
     let reliability = &analysis.reliability;
     let band = reliability.iter().filter(|at| inside(1.0 - at.high) && inside(1.0 - at.low));

@@ -218,8 +218,8 @@ mod tests {
         assert!((fitted.sigma - 1.2f64.sqrt()).abs() < 1e-5);
         assert!((fitted.standard_errors[1] - 0.346_410).abs() < 1e-4, "{:?}", fitted.standard_errors);
         // predict(lm, x = 3, interval = "prediction", level = 0.9): 3 ± 2.824.
-        let at = fitted.predict(&[3.0], 0.9);
-        assert!((at.prediction.1.ln() - 3.0 - 2.823_95).abs() < 1e-3, "{:?}", at.prediction.1.ln());
+        let predicted = fitted.predict(&[3.0], 0.9);
+        assert!((predicted.prediction.1.ln() - 3.0 - 2.823_95).abs() < 1e-3, "{:?}", predicted.prediction.1.ln());
     }
 
     #[test]

@@ -38,8 +38,8 @@ fn each_edge_is_one_draw_the_same_under_every_condition() {
     assert!(lives[0] < lives[1] && lives[1] < lives[2], "{lives:?}");
     // The slowest draw is near the set's own rate, so that all lives are of its order.
     let plain = read(&STUDY.replace("parameters_from = \"draws.parquet\"\n", "")).expect("a study").content.study;
-    let own = plain.live(&plain.cells[0], 0, &point, &mut Draws::of(study.seed, 7)).life;
-    assert!(lives[0] < own && own < lives[2], "{own} among {lives:?}");
+    let life = plain.live(&plain.cells[0], 0, &point, &mut Draws::of(study.seed, 7)).life;
+    assert!(lives[0] < life && life < lives[2], "{life} among {lives:?}");
 }
 
 #[test]

@@ -62,9 +62,9 @@ impl Rule {
 
     /// Weights of the samples that interpolate at `t`: the second barycentric formula.
     pub fn interpolation(&self, t: f64) -> Vec<f64> {
-        if let Some(at) = self.nodes.iter().position(|node| *node == t) {
+        if let Some(place) = self.nodes.iter().position(|node| *node == t) {
             let mut unit = vec![0.0; self.nodes.len()];
-            unit[at] = 1.0;
+            unit[place] = 1.0;
             return unit;
         }
         let mut weights: Vec<f64> = self.nodes.iter().zip(&self.barycentric).map(|(node, b)| b / (t - node)).collect();

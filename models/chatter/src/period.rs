@@ -175,8 +175,8 @@ impl LinearMap for PeriodMap<'_> {
                                 let sample = &samples[j];
                                 let nodes = sample.weights.len();
                                 let history: &[f64] = if sample.present { before } else { past };
-                                let at = period.offsets[sample.element] + b * nodes;
-                                dot(&sample.weights, &history[at..at + nodes])
+                                let start = period.offsets[sample.element] + b * nodes;
+                                dot(&sample.weights, &history[start..start + nodes])
                             }
                         };
                         let difference = *depth * (earlier - here[b * n + j]);

@@ -110,9 +110,9 @@ impl Response {
             let matrix = factors.begin(n);
             for k in 0..n {
                 for j in 0..n {
-                    let at = j * n + k;
-                    matrix[k * n + j] = 2.0 * modal.damping_ratio * w * rule.integration[at]
-                        + w * w * rule.double_integration[at]
+                    let place = j * n + k;
+                    matrix[k * n + j] = 2.0 * modal.damping_ratio * w * rule.integration[place]
+                        + w * w * rule.double_integration[place]
                         + f64::from(u8::from(j == k));
                 }
             }
@@ -154,9 +154,9 @@ impl Response {
             let transition = modal.transition(node * self.duration);
             for (channel, output) in modal.output.iter().enumerate().take(samples / n) {
                 for side in 0..2 {
-                    let at = (2 * index + side) * samples + channel * n + j;
-                    self.free_displacement[at] = output * transition[side];
-                    if let Some(rate) = self.free_rate.get_mut(at) {
+                    let place = (2 * index + side) * samples + channel * n + j;
+                    self.free_displacement[place] = output * transition[side];
+                    if let Some(rate) = self.free_rate.get_mut(place) {
                         *rate = output * modal.frequency * transition[2 + side];
                     }
                 }
@@ -181,8 +181,8 @@ fn add_blocks(matrix: &mut [f64], column: &[f64], k: usize, modal: &Modal, sampl
         for a in 0..samples / n {
             let factor = modal.output[a] * modal.input[b];
             if factor != 0.0 {
-                let at = (b * n + k) * samples + a * n;
-                crate::krylov::subtract(&mut matrix[at..at + n], -factor, column);
+                let start = (b * n + k) * samples + a * n;
+                crate::krylov::subtract(&mut matrix[start..start + n], -factor, column);
             }
         }
     }

@@ -231,8 +231,8 @@ impl Turning {
         };
         let leave = |step: usize, u: [f64; 2]| {
             let cuts = chip(step, u) > 0.0;
-            let at = &mut surface.borrow_mut()[step % settings.steps];
-            *at = if cuts { u[0] } else { *at + feed_per_rev };
+            let left_surface = &mut surface.borrow_mut()[step % settings.steps];
+            *left_surface = if cuts { u[0] } else { *left_surface + feed_per_rev };
             (1, u32::from(!cuts))
         };
         run(&mut stepper, settings, (dt, f64::MAX), force, leave)
@@ -324,8 +324,8 @@ impl Milling {
             let (mut engaged, mut air) = (0, 0);
             visit(step, &mut |slice, bin, j| {
                 let (h, position) = chip(slice, bin, j, u);
-                let at = &mut surface.borrow_mut()[slice][bin];
-                *at = if h > 0.0 { position } else { *at - self.feed_per_tooth * bins[bin].sine };
+                let left_surface = &mut surface.borrow_mut()[slice][bin];
+                *left_surface = if h > 0.0 { position } else { *left_surface - self.feed_per_tooth * bins[bin].sine };
                 engaged += 1;
                 air += u32::from(h <= 0.0);
             });

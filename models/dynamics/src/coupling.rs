@@ -246,9 +246,9 @@ mod tests {
             close(*frequency, f, 1e-4);
             close(*height, h, 1e-4);
         }
-        let at = tip(TAU * 500.0) * 1e6;
-        close(at.re, -28.45019, 1e-6);
-        close(at.im, -1.27665, 1e-5);
+        let receptance = tip(TAU * 500.0) * 1e6;
+        close(receptance.re, -28.45019, 1e-6);
+        close(receptance.im, -1.27665, 1e-5);
         close(tip(TAU * 0.5).norm() * 1e6, 6.65340, 1e-4);
     }
 

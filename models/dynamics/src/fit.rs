@@ -219,12 +219,12 @@ impl Search {
     /// further candidates one by one, each where it explains most of what is left. `forced` takes just `most` modes.
     fn modes(&mut self, columns: &[(f64, f64)], poles: &[Pole], most: usize, forced: bool) -> Option<Maximum> {
         let start = self.likelihood.linear(columns)?;
-        let of = |((frequency, damping_ratio), residues): (&(f64, f64), &[f64; 3])| RealMode {
+        let mode_of = |((frequency, damping_ratio), residues): (&(f64, f64), &[f64; 3])| RealMode {
             frequency: *frequency,
             damping_ratio: *damping_ratio,
             shape: self.shape(*residues),
         };
-        let modes: Vec<RealMode> = columns.iter().zip(&start.residues).map(of).collect();
+        let modes: Vec<RealMode> = columns.iter().zip(&start.residues).map(mode_of).collect();
         let mut model = Model { modes, upper: start.upper, lower: [0.0; 3] };
         let mut best = if model.modes.is_empty() { None } else { self.pruned(model.clone(), most, forced) };
         model = best.as_ref().map_or(Model { modes: Vec::new(), ..model }, |best| best.model.clone());
@@ -339,9 +339,9 @@ impl Search {
         {
             return 0.0;
         }
-        let each = 2 + self.likelihood.directions.len();
+        let per_mode = 2 + self.likelihood.directions.len();
         let parts = self.likelihood.directions.iter().enumerate();
-        let gradient: Vec<(usize, f64)> = parts.map(|(k, d)| (each * r + 2 + k, 2.0 * mode.shape[*d])).collect();
+        let gradient: Vec<(usize, f64)> = parts.map(|(k, d)| (per_mode * r + 2 + k, 2.0 * mode.shape[*d])).collect();
         let mut variance = 0.0;
         for (i, a) in &gradient {
             for (j, b) in &gradient {
@@ -380,7 +380,7 @@ impl Search {
     ) -> Fit {
         let Maximum { model, chi2, freedom, covariance } = &maximum;
         let scale = self.scale(&maximum);
-        let each = 2 + self.likelihood.directions.len();
+        let per_mode = 2 + self.likelihood.directions.len();
         let mut order: Vec<usize> = (0..model.modes.len()).collect();
         order.sort_by(|a, b| model.modes[*a].frequency.total_cmp(&model.modes[*b].frequency));
         // Frequency (Hz), damping ratio, stiffness and angle of every mode by the parameters of the search.
@@ -389,14 +389,14 @@ impl Search {
             let mode = &model.modes[*r];
             let square: f64 = mode.shape.iter().map(|part| part * part).sum();
             let stiffness = mode.frequency * mode.frequency / square;
-            slopes[(4 * place, each * r)] = mode.frequency / TAU;
-            slopes[(4 * place + 1, each * r + 1)] = mode.damping_ratio;
-            slopes[(4 * place + 2, each * r)] = 2.0 * stiffness;
+            slopes[(4 * place, per_mode * r)] = mode.frequency / TAU;
+            slopes[(4 * place + 1, per_mode * r + 1)] = mode.damping_ratio;
+            slopes[(4 * place + 2, per_mode * r)] = 2.0 * stiffness;
             for (k, direction) in self.likelihood.directions.iter().enumerate() {
-                let at = each * r + 2 + k;
-                slopes[(4 * place + 2, at)] = -2.0 * stiffness * mode.shape[*direction] / square;
+                let column = per_mode * r + 2 + k;
+                slopes[(4 * place + 2, column)] = -2.0 * stiffness * mode.shape[*direction] / square;
                 let across = if *direction == 0 { -mode.shape[1] } else { mode.shape[0] };
-                slopes[(4 * place + 3, at)] = across / square;
+                slopes[(4 * place + 3, column)] = across / square;
             }
         }
         let spread = &slopes * covariance * slopes.transpose() * scale;
@@ -426,7 +426,7 @@ impl Search {
             .collect();
         let kept: Vec<usize> = (0..4 * modes.len()).filter(|i| i % 4 != 3).collect();
         let pairs = self.likelihood.pairs();
-        let first = each * modes.len();
+        let first = per_mode * modes.len();
         let upper = pairs.iter().enumerate().map(|(i, pair)| {
             let sd = (covariance[(first + i, first + i)] * scale).max(0.0).sqrt();
             (PAIRS[*pair], Estimate { value: model.upper[*pair], sd })

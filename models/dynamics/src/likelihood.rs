@@ -172,9 +172,9 @@ impl Likelihood {
     }
 
     fn model(&self, parameters: &[f64], modes: usize) -> Model {
-        let each = 2 + self.directions.len();
-        let (of_modes, residuals) = parameters.split_at(each * modes);
-        let modes = of_modes.chunks_exact(each).map(|values| {
+        let per_mode = 2 + self.directions.len();
+        let (of_modes, residuals) = parameters.split_at(per_mode * modes);
+        let modes = of_modes.chunks_exact(per_mode).map(|values| {
             let mut shape = [0.0; 2];
             for (direction, value) in self.directions.iter().zip(&values[2..]) {
                 shape[*direction] = *value;
@@ -194,20 +194,20 @@ impl Likelihood {
 
     /// What a model leaves of every target.
     pub fn left(&self, model: &Model) -> Vec<Vec<Complex<f64>>> {
-        let of = |target: &Target| {
+        let part_of = |target: &Target| {
             let lines = self.lines.iter().zip(&target.values);
             lines.map(|(w, h)| h - model.receptance(target.response, target.force, *w)).collect()
         };
-        self.targets.iter().map(of).collect()
+        self.targets.iter().map(part_of).collect()
     }
 
     /// Sum of squared deviations over their variances.
     pub fn chi2(&self, model: &Model) -> f64 {
-        let of = |target: &Target| -> f64 {
+        let sum_of = |target: &Target| -> f64 {
             let lines = self.lines.iter().zip(&target.values).zip(&target.variance);
             lines.map(|((w, h), v)| (h - model.receptance(target.response, target.force, *w)).norm_sqr() / v).sum()
         };
-        self.targets.iter().map(of).sum()
+        self.targets.iter().map(sum_of).sum()
     }
 
     /// Residues of every pair of directions and upper residuals that fit best with given poles, frequency (rad/s) and damping
@@ -219,10 +219,10 @@ impl Likelihood {
             .lines
             .iter()
             .map(|w| {
-                let of = |(frequency, damping_ratio): &(f64, f64)| {
+                let mode_of = |(frequency, damping_ratio): &(f64, f64)| {
                     RealMode { frequency: *frequency, damping_ratio: *damping_ratio, shape: [0.0; 2] }.response(*w)
                 };
-                poles.iter().map(of).chain([Complex::from(1.0)]).collect()
+                poles.iter().map(mode_of).chain([Complex::from(1.0)]).collect()
             })
             .collect();
         for known in self.pairs() {
@@ -246,9 +246,9 @@ impl Likelihood {
 
     /// Normal equations at a model: curvature and gradient of half the misfit.
     fn normal(&self, model: &Model) -> (DMatrix<f64>, DVector<f64>) {
-        let each = 2 + self.directions.len();
+        let per_mode = 2 + self.directions.len();
         let pairs = self.pairs();
-        let residuals = each * model.modes.len();
+        let residuals = per_mode * model.modes.len();
         let size = residuals + pairs.len() * (1 + usize::from(self.lower));
         let (mut matrix, mut gradient) = (DMatrix::zeros(size, size), DVector::zeros(size));
         let mut row: Vec<(usize, Complex<f64>)> = Vec::with_capacity(size);
@@ -265,8 +265,8 @@ impl Likelihood {
                     let (wr, zeta) = (mode.frequency, mode.damping_ratio);
                     let damped = Complex::new(0.0, 2.0 * zeta * wr * w);
                     let slope = -g * g * both;
-                    row.push((each * r, slope * (damped + 2.0 * wr * wr)));
-                    row.push((each * r + 1, slope * damped));
+                    row.push((per_mode * r, slope * (damped + 2.0 * wr * wr)));
+                    row.push((per_mode * r + 1, slope * damped));
                     for (k, direction) in self.directions.iter().enumerate() {
                         let mut share = 0.0;
                         if *direction == p {
@@ -276,7 +276,7 @@ impl Likelihood {
                             share += mode.shape[p];
                         }
                         if share != 0.0 {
-                            row.push((each * r + 2 + k, g * share));
+                            row.push((per_mode * r + 2 + k, g * share));
                         }
                     }
                 }

@@ -171,8 +171,8 @@ impl Quality {
             }
         }
         for mode in modes {
-            let own = mode.damping_ratio.value * TAU * mode.natural_frequency.value;
-            if own <= LEAST_OWN_DAMPING * measured.window_decay && measured.window_decay > 0.0 {
+            let decay = mode.damping_ratio.value * TAU * mode.natural_frequency.value;
+            if decay <= LEAST_OWN_DAMPING * measured.window_decay && measured.window_decay > 0.0 {
                 refusals.push(Refusal::WindowDamping { frequency: mode.natural_frequency.value });
             }
         }

@@ -14,13 +14,13 @@ const AVERAGES: u32 = 5;
 
 /// Receptance of a structure in direction `p` over force in direction `q`.
 fn receptance(truth: &[Truth], upper: f64, p: usize, q: usize, frequency: f64) -> Complex<f64> {
-    let of = |[f, zeta, k, angle]: &Truth| {
+    let receptance = |[f, zeta, k, angle]: &Truth| {
         let r = frequency / f;
         let (sine, cosine) = angle.to_radians().sin_cos();
         let shape = [cosine, sine];
         shape[p] * shape[q] / k / Complex::new(1.0 - r * r, 2.0 * zeta * r)
     };
-    truth.iter().map(of).sum::<Complex<f64>>() + if p == q { upper } else { 0.0 }
+    truth.iter().map(receptance).sum::<Complex<f64>>() + if p == q { upper } else { 0.0 }
 }
 
 /// A tap test; `noise` is that of the accelerometer over its greatest signal.

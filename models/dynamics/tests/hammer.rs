@@ -81,11 +81,11 @@ fn series() -> Vec<Pulse> {
 }
 
 fn receptance(truth: &[Truth], frequency: f64) -> Complex<f64> {
-    let of = |[f, zeta, k]: &Truth| {
+    let receptance = |[f, zeta, k]: &Truth| {
         let r = frequency / f;
         1.0 / k / Complex::new(1.0 - r * r, 2.0 * zeta * r)
     };
-    truth.iter().map(of).sum()
+    truth.iter().map(receptance).sum()
 }
 
 fn measured(record: &Record) -> Measurement {
@@ -174,8 +174,9 @@ fn a_soft_hammer_does_not_reach_far() {
 #[test]
 fn estimators_lie_on_either_side_of_their_mean() {
     let noisy = record(&TOOL, &series(), 5.2, 0.01, 4);
-    let of = |estimator| responses(&noisy, &HammerOptions { estimator, highest: None }).unwrap().functions[0].clone();
-    let (h1, h2, hv) = (of(Estimator::H1), of(Estimator::H2), of(Estimator::Hv));
+    let response_by =
+        |estimator| responses(&noisy, &HammerOptions { estimator, highest: None }).unwrap().functions[0].clone();
+    let (h1, h2, hv) = (response_by(Estimator::H1), response_by(Estimator::H2), response_by(Estimator::Hv));
     for ((a, b), v) in h1.receptance.iter().zip(&h2.receptance).zip(&hv.receptance) {
         assert!(
             a.norm() <= b.norm() * (1.0 + 1e-12) && (v.norm() - (a.norm() * b.norm()).sqrt()).abs() < 1e-12 * v.norm()

@@ -130,15 +130,15 @@ fn mix(word: u64) -> u64 {
 fn permuted(index: u64, count: u64, key: u64) -> u64 {
     let half = (64 - (count - 1).max(1).leading_zeros()).div_ceil(2).max(1);
     let mask = (1u64 << half) - 1;
-    let mut at = index;
+    let mut scrambled = index;
     loop {
-        let (mut left, mut right) = (at >> half, at & mask);
+        let (mut left, mut right) = (scrambled >> half, scrambled & mask);
         for round in 0..4 {
             (left, right) = (right, left ^ (mix(right ^ key ^ (round << 56)) & mask));
         }
-        at = left << half | right;
-        if at < count {
-            return at;
+        scrambled = left << half | right;
+        if scrambled < count {
+            return scrambled;
         }
     }
 }
@@ -208,9 +208,9 @@ mod tests {
         // scipy.stats.qmc.Sobol(21, scramble=False), points 5 and 100 in natural order: their
         // sequence is in Gray code order, position g(i) = i ^ (i >> 1).
         let gray = |i: u32| i ^ (i >> 1);
-        let of = |i: u32| (0..SOBOL).map(|j| f64::from(sobol(gray(i), j)) / 4_294_967_296.0).collect::<Vec<_>>();
+        let point = |i: u32| (0..SOBOL).map(|j| f64::from(sobol(gray(i), j)) / 4_294_967_296.0).collect::<Vec<_>>();
         for (i, expected) in SCIPY {
-            assert_eq!(of(i), expected, "point {i}");
+            assert_eq!(point(i), expected, "point {i}");
         }
     }
 

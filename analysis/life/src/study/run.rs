@@ -96,12 +96,12 @@ impl Tally {
         self.early.merge(&other.early);
         self.digest.merge(&other.digest);
         let sketches = [(&mut self.ends, &other.ends), (&mut self.passages, &other.passages)];
-        for (own, others) in sketches {
-            own.iter_mut().zip(others).for_each(|(own, other)| own.merge(other));
+        for (merged, others) in sketches {
+            merged.iter_mut().zip(others).for_each(|(merged, other)| merged.merge(other));
         }
-        for (own, other) in self.cycles.iter_mut().zip(&other.cycles) {
-            own.failed.merge(&other.failed);
-            own.length.merge(&other.length);
+        for (cycle, other) in self.cycles.iter_mut().zip(&other.cycles) {
+            cycle.failed.merge(&other.failed);
+            cycle.length.merge(&other.length);
         }
     }
 

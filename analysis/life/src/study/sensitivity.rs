@@ -139,12 +139,12 @@ pub fn morris(f: impl Fn(&[f64], u64) -> f64 + Sync, dimensions: usize, trajecto
     let n = trajectories as f64;
     (0..dimensions)
         .map(|j| {
-            let of = |g: &dyn Fn(f64) -> f64| paths.iter().map(|path| g(path[j])).sum::<f64>() / n;
-            let mean = of(&|effect| effect);
+            let mean_of = |g: &dyn Fn(f64) -> f64| paths.iter().map(|path| g(path[j])).sum::<f64>() / n;
+            let mean = mean_of(&|effect| effect);
             Effect {
-                size: of(&f64::abs),
+                size: mean_of(&f64::abs),
                 mean,
-                scatter: (of(&|effect| (effect - mean).powi(2)) * n / (n - 1.0)).sqrt(),
+                scatter: (mean_of(&|effect| (effect - mean).powi(2)) * n / (n - 1.0)).sqrt(),
             }
         })
         .collect()

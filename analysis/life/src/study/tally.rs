@@ -126,11 +126,11 @@ impl Sketch {
             self.counts.splice(0..0, std::iter::repeat_n(0, missing));
             self.first = class;
         }
-        let at = (class - self.first) as usize;
-        if at >= self.counts.len() {
-            self.counts.resize(at + 1, 0);
+        let index = (class - self.first) as usize;
+        if index >= self.counts.len() {
+            self.counts.resize(index + 1, 0);
         }
-        self.counts[at] += (weight * STEPS).round() as u64;
+        self.counts[index] += (weight * STEPS).round() as u64;
     }
 
     /// Adds the values of another part.
@@ -274,13 +274,13 @@ mod tests {
 
     #[test]
     fn a_digest_feels_every_life_and_no_order() {
-        let of = |lives: &[[u64; 2]]| {
+        let digest_of = |lives: &[[u64; 2]]| {
             let mut digest = Digest::default();
             lives.iter().for_each(|life| digest.push(life));
             digest
         };
-        assert_eq!(of(&[[1, 2], [3, 4]]), of(&[[3, 4], [1, 2]]));
-        assert_ne!(of(&[[1, 2], [3, 4]]), of(&[[1, 4], [3, 2]]));
-        assert_ne!(of(&[[1, 2], [3, 4]]), of(&[[1, 2], [3, 5]]));
+        assert_eq!(digest_of(&[[1, 2], [3, 4]]), digest_of(&[[3, 4], [1, 2]]));
+        assert_ne!(digest_of(&[[1, 2], [3, 4]]), digest_of(&[[1, 4], [3, 2]]));
+        assert_ne!(digest_of(&[[1, 2], [3, 4]]), digest_of(&[[1, 2], [3, 5]]));
     }
 }

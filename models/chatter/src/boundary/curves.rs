@@ -61,13 +61,13 @@ impl Boundary {
             }
             let mut path = vec![start];
             visited[start] = true;
-            let mut at = start;
-            while let Some(next) = links[at].into_iter().flatten().find(|next| !visited[*next]) {
+            let mut node = start;
+            while let Some(next) = links[node].into_iter().flatten().find(|next| !visited[*next]) {
                 visited[next] = true;
                 path.push(next);
-                at = next;
+                node = next;
             }
-            let closed = path.len() > 1 && links[at].contains(&Some(start)) && !links[start].contains(&None);
+            let closed = path.len() > 1 && links[node].contains(&Some(start)) && !links[start].contains(&None);
             let flips = path.iter().filter(|node| nodes[**node].1.limit.kind == ChatterKind::Flip).count();
             let kind = if 2 * flips > path.len() { ChatterKind::Flip } else { ChatterKind::Hopf };
             let mut points: Vec<[f64; 3]> = path.into_iter().map(point).collect();

@@ -149,9 +149,9 @@ impl<'a> Harmonics<'a> {
         let orders = 2 * self.count + 1;
         let mut matrix = DMatrix::zeros(2 * size, 2 * size);
         for r in 0..size {
-            let at = frequency(r);
-            let mut g = (self.response)(at.abs());
-            if at < 0.0 {
+            let w = frequency(r);
+            let mut g = (self.response)(w.abs());
+            if w < 0.0 {
                 g = g.map(|g| g.conj());
             }
             for s in 0..size {
@@ -159,7 +159,7 @@ impl<'a> Harmonics<'a> {
                 let mut force = self.gain[order].map(|gain| gain * delay);
                 if let Some(damping) = &self.damping {
                     for (force, damping) in force.iter_mut().zip(damping[order]) {
-                        *force += damping * Complex::new(0.0, at);
+                        *force += damping * Complex::new(0.0, w);
                     }
                 }
                 let [a, b, c, d] = force;

@@ -282,10 +282,10 @@ impl<N: Number> Milling<N> {
     /// | form_error | `F_n/static_stiffness` |
     /// | size_error | `VB·tan α + (F_n − F_n of the new cutter)/static_stiffness` |
     pub fn observe(&self, x: &MillingState<N>, u: &MillingInput<N>) -> MillingOutput<N> {
-        let at = self.engagement(x, u);
+        let engagement = self.engagement(x, u);
         let settled = self.effects.is_empty() && self.structure.is_none();
-        let unworn = if settled { at } else { self.engagement(&unworn(x), u) };
-        self.observe_in(&at, &unworn, x)
+        let unworn = if settled { engagement } else { self.engagement(&unworn(x), u) };
+        self.observe_in(&engagement, &unworn, x)
     }
 
     /// The same in a cut that is known already, and that of the cutter without wear.
@@ -357,11 +357,11 @@ impl Engagement {
     /// and another `factor` on the rate of wear; `None` where they do.
     #[inline]
     pub(super) fn under(&self, terms: &Terms<f64>, factor: f64) -> Option<Self> {
-        let own = &self.terms;
-        if terms.runout != own.runout || terms.width_of_cut != own.width_of_cut {
+        let held_terms = &self.terms;
+        if terms.runout != held_terms.runout || terms.width_of_cut != held_terms.width_of_cut {
             return None;
         }
-        let chip = terms.specific_cutting_force / own.specific_cutting_force;
+        let chip = terms.specific_cutting_force / held_terms.specific_cutting_force;
         Some(Self {
             terms: *terms,
             sharp: Coefficients {
@@ -369,7 +369,7 @@ impl Engagement {
                 radial_cutting: self.sharp.radial_cutting * chip,
                 ..self.sharp
             },
-            damage_rate: self.damage_rate * factor * (terms.mechanical_wear / own.mechanical_wear),
+            damage_rate: self.damage_rate * factor * (terms.mechanical_wear / held_terms.mechanical_wear),
             ..*self
         })
     }

@@ -127,17 +127,17 @@ mod tests {
             Effects::every(Milling::NAME).iter().map(|effect| effect.with_size(size(effect))).collect();
         for effects in every.iter().map(|effect| vec![*effect]).chain([Vec::new(), every.clone()]) {
             let milling = Milling { effects: Effects::new(effects.clone()).unwrap(), ..Milling::default() };
-            let of = format!("{:?}", effects.iter().map(|effect| effect.entry().id).collect::<Vec<_>>());
+            let case = format!("{:?}", effects.iter().map(|effect| effect.entry().id).collect::<Vec<_>>());
             let held = milling.held(&u);
-            assert_close(&held.output(&worn), &milling.output(&worn, &u), &of);
+            assert_close(&held.output(&worn), &milling.output(&worn, &u), &case);
             let (all, read) = (held.output(&worn), held.readings(&worn));
             for name in HeldMilling::READINGS {
                 let output =
                     |output: &MillingOutput| MillingOutput::index_of(name).and_then(|i| output.get(i)).unwrap();
-                assert_eq!(output(&read), output(&all), "{name}, {of}");
+                assert_eq!(output(&read), output(&all), "{name}, {case}");
             }
             let faster = MillingInput { wear_rate_factor: 1.7, ..u };
-            assert_close(&held.rates(&worn, 1.7), &milling.rates(&worn, &faster), &of);
+            assert_close(&held.rates(&worn, 1.7), &milling.rates(&worn, &faster), &case);
         }
     }
 }

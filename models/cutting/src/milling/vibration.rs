@@ -17,8 +17,8 @@ impl<N: Number> Milling<N> {
 
     /// The cut as the stability model sees it; `None` without a structure, and where it is none.
     pub fn regenerative(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Option<toolroom_chatter::Milling> {
-        let at = self.tooth(x, u, &self.effect_terms(x, u));
-        self.structure.as_ref()?.regenerative(&at).ok()
+        let tooth = self.tooth(x, u, &self.effect_terms(x, u));
+        self.structure.as_ref()?.regenerative(&tooth).ok()
     }
 
     /// The verdict under effects that are worked out.

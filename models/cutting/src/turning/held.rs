@@ -137,18 +137,19 @@ mod tests {
             let every: Vec<Effect> = Effects::every(Turning::NAME).iter().map(|effect| effect.with_size(0.3)).collect();
             for effects in every.iter().map(|effect| vec![*effect]).chain([Vec::new(), every.clone()]) {
                 let turning = Turning { effects: Effects::new(effects.clone()).unwrap(), ..nominal.clone() };
-                let of = format!("{set} with {:?}", effects.iter().map(|effect| effect.entry().id).collect::<Vec<_>>());
+                let case =
+                    format!("{set} with {:?}", effects.iter().map(|effect| effect.entry().id).collect::<Vec<_>>());
                 let held = turning.held(&u);
                 let output = held.output(&worn);
-                assert_close(&output, &turning.output(&worn, &u), &of);
+                assert_close(&output, &turning.output(&worn, &u), &case);
                 let readings = held.readings(&worn);
                 for name in HeldTurning::READINGS {
                     let i = TurningOutput::<f64>::index_of(name).unwrap();
                     let (some, all) = (readings.get(i).unwrap(), output.get(i).unwrap());
-                    assert!((some - all).abs() <= 1e-12 * all.abs(), "{of}: {name} is {some} instead of {all}");
+                    assert!((some - all).abs() <= 1e-12 * all.abs(), "{case}: {name} is {some} instead of {all}");
                 }
                 let faster = TurningInput { wear_rate_factor: 1.7, ..u };
-                assert_close(&held.rates(&worn, 1.7), &turning.rates(&worn, &faster), &of);
+                assert_close(&held.rates(&worn, 1.7), &turning.rates(&worn, &faster), &case);
             }
         }
     }

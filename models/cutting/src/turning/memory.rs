@@ -30,8 +30,8 @@ impl Known {
     /// common.
     fn differs_in_speed_at_most(&self, u: &TurningInput) -> bool {
         let at_speed = TurningInput { cutting_speed: u.cutting_speed, ..self.input };
-        let (own, speed) = (self.input.cutting_speed, u.cutting_speed);
-        (own == speed || own > 0.0 && speed > 0.0) && at_speed == *u
+        let (kept_speed, speed) = (self.input.cutting_speed, u.cutting_speed);
+        (kept_speed == speed || kept_speed > 0.0 && speed > 0.0) && at_speed == *u
     }
 }
 

@@ -31,8 +31,8 @@ impl<N: Number> Turning<N> {
 
     /// The cut as the stability model sees it; `None` without a structure, and where it is none.
     pub fn regenerative(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Option<toolroom_chatter::Turning> {
-        let at = self.edge(x, u, &self.effect_terms(x, u));
-        self.structure.as_ref()?.regenerative(&at).ok()
+        let edge = self.edge(x, u, &self.effect_terms(x, u));
+        self.structure.as_ref()?.regenerative(&edge).ok()
     }
 
     /// The verdict under effects that are worked out.

@@ -174,15 +174,15 @@ impl<'a> Machining<'a> {
         let acceleration = (ramp.end - ramp.start) / duration;
         let sampling = self.policy.sampling(duration);
         let load = self.policy.sensors().map(|_| self.pair.force.load(contact.cut()));
-        let (mut at, mut sampled, mut next_sample) = (0.0, 0.0, sampling);
+        let (mut time, mut sampled, mut next_sample) = (0.0, 0.0, sampling);
         let mut first = *contact;
-        while at < duration * (1.0 - 1e-12) {
+        while time < duration * (1.0 - 1e-12) {
             if self.held <= 1e-9 * self.noise.held {
                 self.noise.next(&mut self.draws.wear);
                 self.held = self.noise.held;
             }
-            let most = (duration - at).min(self.held);
-            let speed = ramp.start + acceleration * at;
+            let most = (duration - time).min(self.held);
+            let speed = ramp.start + acceleration * time;
             // No sliver is left for one more step.
             let mut dt = if self.next_step > most - 1e-9 * duration { most } else { self.next_step };
             let start = self.slope(&first, (self.wear + self.offset).powi(2), self.body);
@@ -201,8 +201,8 @@ impl<'a> Machining<'a> {
                 return Some(outcome);
             }
             // What the sensors show on the way changes nothing before the next pass.
-            while let Some(load) = load.filter(|_| next_sample <= (at + dt) * (1.0 + 1e-12) && sampled < duration) {
-                let share = ((next_sample - at) / dt).min(1.0);
+            while let Some(load) = load.filter(|_| next_sample <= (time + dt) * (1.0 + 1e-12) && sampled < duration) {
+                let share = ((next_sample - time) / dt).min(1.0);
                 let speed = ramp.start + acceleration * next_sample;
                 let seen = if share == 1.0 { step.last } else { first.near_speed(speed) };
                 let land = self.land(step.square.at(share));
@@ -218,7 +218,7 @@ impl<'a> Machining<'a> {
             (self.wear, self.body, self.path) = (wear, step.body.ends[1], step.path[1]);
             self.time += dt;
             self.held -= dt;
-            at += dt;
+            time += dt;
             first = step.last;
         }
         None

@@ -31,11 +31,11 @@ fn lives(study: &Study, edges: u64, parts: u32) -> Vec<Outcome> {
 
 /// Greatest relative difference of the lives of two runs; every edge ends in the same way.
 fn difference(rows: &[Outcome], others: &[Outcome]) -> f64 {
-    let each = rows.iter().zip(others).map(|(row, other)| {
+    let pairs = rows.iter().zip(others).map(|(row, other)| {
         assert_eq!(row.end, other.end);
         (row.life / other.life - 1.0).abs().max((row.path / other.path - 1.0).abs())
     });
-    each.fold(0.0, f64::max)
+    pairs.fold(0.0, f64::max)
 }
 
 #[test]

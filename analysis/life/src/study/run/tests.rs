@@ -10,10 +10,10 @@ fn study(scatter: Scatter, rules: &[Rule], lagged: bool, pause: f64) -> Study {
     let pair = Pair::default();
     let cut = pair.reference_cut().at_speed(0.5);
     let passes = Passes { path: 37.7, pause };
-    let of = |rule: &Rule| {
+    let cell_of = |rule: &Rule| {
         cell(("", cut), ("", *rule, Reading::Period), &pair, &scatter, SensorSheet::default(), (passes, lagged))
     };
-    let cells = rules.iter().map(of).collect();
+    let cells = rules.iter().map(cell_of).collect();
     let plain = Study::plain(pair, scatter, cells, (passes, lagged));
     Study { name: "test".to_owned(), seed: 7, lives: 20_000, early: 480.0, ..plain }
 }
