@@ -182,8 +182,8 @@ impl Empirical {
 /// Conditions that the nominal response of a channel knows: those of the file, or all.
 fn known(channel: &str, settings: &Settings) -> Vec<String> {
     let timed = TIMED.contains(&channel).then(|| "cutting_time".to_owned());
-    let own = settings.conditions.clone();
-    own.unwrap_or_else(|| CONDITIONS.iter().map(|name| (*name).to_owned()).chain(timed).collect())
+    let named = settings.conditions.clone();
+    named.unwrap_or_else(|| CONDITIONS.iter().map(|name| (*name).to_owned()).chain(timed).collect())
 }
 
 /// Time in cut of each edge at the end of a row, s; its operations, where no times are recorded.

@@ -128,15 +128,15 @@ impl NominalModel {
     /// # Errors
     /// [`ModelFileError::Defined`] where two of them have one id.
     pub fn with_effects(mut self, file: &Path, defined: &[&'static Definition]) -> Result<Self, ModelFileError> {
-        for own in defined {
-            let known = self.stated.defined.iter().find(|known| known.entry().id == own.entry().id);
+        for definition in defined {
+            let known = self.stated.defined.iter().find(|known| known.entry().id == definition.entry().id);
             match known {
-                None => self.stated.defined.push(own),
-                Some(known) if *known == *own => {}
+                None => self.stated.defined.push(definition),
+                Some(known) if *known == *definition => {}
                 Some(_) => {
                     return Err(ModelFileError::Defined {
                         file: file.display().to_string(),
-                        id: own.entry().id.to_owned(),
+                        id: definition.entry().id.to_owned(),
                     });
                 }
             }

@@ -18,8 +18,8 @@ pub struct Untried {
 /// Effects of the catalogue that act on a process, then those that a user has defined for it.
 pub(super) fn effects_of(process: &'static str, defined: &[&'static Definition]) -> Vec<Effect> {
     let every = Effects::every(process);
-    let own = defined.iter().filter(|own| own.entry().search(process).is_some());
-    every.iter().copied().chain(own.map(|own| Effect::User(UserEffect::new(own)))).collect()
+    let searched = defined.iter().filter(|effect| effect.entry().search(process).is_some());
+    every.iter().copied().chain(searched.map(|effect| Effect::User(UserEffect::new(effect)))).collect()
 }
 
 /// Effects of a catalogue that are not among the candidates, each with what the records lack.

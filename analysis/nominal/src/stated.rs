@@ -84,16 +84,16 @@ impl Stated {
         let mean = self.handling.iter().map(|(_, time)| time).sum::<f64>() / self.handling.len().max(1) as f64;
         let machines = records.texts("machine");
         let time = |row: usize| {
-            let own = machines.and_then(|names| self.handling.iter().find(|(name, _)| *name == names[row]));
-            own.map_or(mean, |(_, time)| *time)
+            let handling = machines.and_then(|names| self.handling.iter().find(|(name, _)| *name == names[row]));
+            handling.map_or(mean, |(_, time)| *time)
         };
         (0..records.len()).map(time).collect()
     }
 
     /// Spread of a calibration before these records: as its file says, or as it was left by other records.
-    pub fn spread(own: &Calibration, default: f64) -> f64 {
-        let prior = own.prior.filter(|prior| *prior > 0.0).unwrap_or(default);
-        match own.standard_error {
+    pub fn spread(calibration: &Calibration, default: f64) -> f64 {
+        let prior = calibration.prior.filter(|prior| *prior > 0.0).unwrap_or(default);
+        match calibration.standard_error {
             // A quarter of the prior stays: what one set of records shows another may not (assumption).
             Some(error) => error.hypot(0.25 * prior),
             None => prior,
@@ -106,14 +106,14 @@ impl Stated {
         let same = |own: &Calibration| {
             own.parameter == what.parameter && own.target == what.target && self.normal(&own.scope) == what.scope
         };
-        let at = self.calibrations.iter().position(same)?;
-        let value = match self.calibrations[at].moved {
+        let place = self.calibrations.iter().position(same)?;
+        let value = match self.calibrations[place].moved {
             Moved::Factor(factor) if !what.summand => factor.ln(),
             Moved::Summand(summand) if what.summand => summand,
             Moved::Factor(_) | Moved::Summand(_) => return None,
         };
         let value = if what.inverse { -value } else { value };
-        Some((self.calibrations.remove(at), value))
+        Some((self.calibrations.remove(place), value))
     }
 }
 
@@ -185,20 +185,20 @@ impl Words {
         let mut found = Self { effects: words.effects.clone(), ..Self::default() };
         for (name, movable) in &words.movable {
             for (i, parameter) in frame.parameters.iter_mut().enumerate().filter(|(_, own)| own.name == *name) {
-                if let Some((own, value)) = stated.take(movable) {
-                    parameter.deviation = Stated::spread(&own, parameter.deviation);
+                if let Some((calibration, value)) = stated.take(movable) {
+                    parameter.deviation = Stated::spread(&calibration, parameter.deviation);
                     found.parameters.push((i, value / parameter.deviation));
                 }
             }
             for (i, surface) in frame.surfaces.iter_mut().enumerate().filter(|(_, own)| own.name == *name) {
-                if let Some((own, value)) = stated.take(movable) {
-                    surface.deviation = Stated::spread(&own, surface.deviation);
+                if let Some((calibration, value)) = stated.take(movable) {
+                    surface.deviation = Stated::spread(&calibration, surface.deviation);
                     found.surfaces.push((i, value / surface.deviation));
                 }
             }
         }
-        for own in stated.calibrations.drain(..) {
-            let (parameter, target) = (&own.parameter, own.target.words());
+        for calibration in stated.calibrations.drain(..) {
+            let (parameter, target) = (&calibration.parameter, calibration.target.words());
             frame.notes.push(format!("[[calibration]] {parameter} of {target} says nothing about these records"));
         }
         frame.words = Self { movable: words.movable, ..found };

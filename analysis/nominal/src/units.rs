@@ -64,9 +64,9 @@ fn reach(model: &dyn Forward, channel: usize) -> f64 {
         let mut point = Point::nominal(model);
         point.effects[index] = candidate.typical;
         let raw = super::predict(model, &point).1;
-        let own = (0..raw.len()).filter(|i| frame.measured.observations[*i].channel == channel);
+        let of_channel = (0..raw.len()).filter(|i| frame.measured.observations[*i].channel == channel);
         let mut changes: Vec<f64> =
-            own.map(|i| (raw[i] / nominal[i]).ln().abs()).filter(|change| change.is_finite()).collect();
+            of_channel.map(|i| (raw[i] / nominal[i]).ln().abs()).filter(|change| change.is_finite()).collect();
         median(&mut changes)
     };
     frame.candidates.iter().enumerate().map(by).filter(|change| change.is_finite()).fold(0.0, f64::max)

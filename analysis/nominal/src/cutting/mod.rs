@@ -259,8 +259,8 @@ impl<P: Nominal> Cutting<P> {
         let raw = self.simulate(&Point::nominal(self));
         for channel in signed {
             let observations = self.frame.measured.observations.iter().zip(&raw);
-            let own = observations.filter(|(observation, _)| observation.channel == channel);
-            if own.map(|(observation, raw)| observation.value * raw).sum::<f64>() < 0.0 {
+            let of_channel = observations.filter(|(observation, _)| observation.channel == channel);
+            if of_channel.map(|(observation, raw)| observation.value * raw).sum::<f64>() < 0.0 {
                 self.signs[channel] = -1.0;
                 let name = self.frame.measured.channels[channel].name;
                 self.frame.notes.push(format!("{name} has the opposite sign to the model's: compared so"));

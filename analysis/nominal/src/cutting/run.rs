@@ -134,22 +134,22 @@ impl<P: Nominal> Cutting<P> {
                 let held = self.process.held(&self.inputs[*row]);
                 let duration = self.durations[*row];
                 let short = duration <= LEFT_OUT;
-                let mut at = 0.0;
-                while at < duration {
+                let mut time = 0.0;
+                while time < duration {
                     let rate = P::rates(&held, &P::State::from_slice(&x), 1.0).get(parts.land).unwrap_or(0.0);
                     let allowed = GROWTH * (x[parts.land] + SMALL_LAND) / rate.max(f64::MIN_POSITIVE);
-                    let mut end = at + allowed.clamp(2.0, LONGEST_STEP);
-                    if at < LEFT_OUT && end > LEFT_OUT && duration > LEFT_OUT {
+                    let mut end = time + allowed.clamp(2.0, LONGEST_STEP);
+                    if time < LEFT_OUT && end > LEFT_OUT && duration > LEFT_OUT {
                         end = LEFT_OUT;
                     }
                     // No slivers at the end.
                     if end > duration - 1.0 {
                         end = duration;
                     }
-                    let step = Step::new(at, end, at >= LEFT_OUT || short, lag);
+                    let step = Step::new(time, end, time >= LEFT_OUT || short, lag);
                     taken::<P>(&parts, &held, &mut x, &step, [1.0; 2], &OfLand(Vec::new()));
                     steps[*row].push(step);
-                    at = end;
+                    time = end;
                 }
                 wear[*row] = x[parts.land];
             }
@@ -220,12 +220,12 @@ impl<P: Nominal> Cutting<P> {
             }
         }
         process = process.with_effects(Effects::overlaid(effects));
-        for own in &self.fixed {
-            let acts = own.rows.is_none() || mask >> bit & 1 == 1;
-            bit += usize::from(own.rows.is_some());
+        for fixed in &self.fixed {
+            let acts = fixed.rows.is_none() || mask >> bit & 1 == 1;
+            bit += usize::from(fixed.rows.is_some());
             if acts {
                 // A constant that the process lacks was refused with its file.
-                let _ = move_constant(process.parameters_mut(), &own.group, &own.field, own.moved);
+                let _ = move_constant(process.parameters_mut(), &fixed.group, &fixed.field, fixed.moved);
             }
         }
         for ((change, x), parameter) in self.changes.iter().zip(&at.parameters).zip(&self.frame.parameters) {
@@ -233,8 +233,8 @@ impl<P: Nominal> Cutting<P> {
             if *x == 0.0 {
                 continue;
             }
-            for (own, record) in process.parameters_mut() {
-                if own == *group
+            for (known_group, record) in process.parameters_mut() {
+                if known_group == *group
                     && let Some(i) = record.fields().iter().position(|field| field.name == *name)
                     && let Some(value) = record.value(i)
                 {

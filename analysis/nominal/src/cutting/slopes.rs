@@ -123,9 +123,9 @@ impl<P: Nominal> Cutting<P> {
                 })
                 .collect();
             self.cool(&parts, *row, &mut x);
-            for each in &mut carried {
-                self.cool(&parts, *row, &mut each.x);
-                each.s[1] *= self.warm[*row];
+            for way in &mut carried {
+                self.cool(&parts, *row, &mut way.x);
+                way.s[1] *= self.warm[*row];
             }
             means.fill(0.0);
             let mut seen = 0.0;
@@ -351,8 +351,8 @@ mod tests {
                 there.iter().zip(&here).map(|(there, here)| (there - here) / step).collect()
             };
             for (channel, name) in frame.measured.channels.iter().enumerate().map(|(i, channel)| (i, channel.name)) {
-                let own = |i: &usize| frame.measured.observations[*i].channel == channel;
-                let inside: Vec<usize> = (0..here.len()).filter(own).collect();
+                let of_channel = |i: &usize| frame.measured.observations[*i].channel == channel;
+                let inside: Vec<usize> = (0..here.len()).filter(of_channel).collect();
                 let scale = inside.iter().map(|i| difference[*i].abs().max(1e-6 * here[*i].abs())).fold(0.0, f64::max);
                 for i in inside {
                     let off = (slope[i] - difference[i]).abs() / scale;

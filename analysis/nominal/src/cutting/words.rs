@@ -84,8 +84,8 @@ impl<P: Nominal> Cutting<P> {
 
     /// Effects of the tool: sizes of their candidates, which are added where the records asked for none.
     fn switch_on(&mut self, records: &Records, stated: &Stated) {
-        for own in &stated.effects {
-            let (effect, scope) = (own.effect, stated.normal(&own.scope));
+        for entry in &stated.effects {
+            let (effect, scope) = (entry.effect, stated.normal(&entry.scope));
             let same = |(action, candidate): (&Action, &Candidate)| match action {
                 Action::Effect(other) => scope.is_everywhere() && other.with_size(0.0) == effect.with_size(0.0),
                 Action::Scoped(other, at, _) => *at == scope && other.with_size(0.0) == effect.with_size(0.0),
@@ -130,36 +130,37 @@ impl<P: Nominal> Cutting<P> {
             return;
         };
         let firsts = first_of_group(&self.frame.measured.group_of_row);
-        for own in &stated.deviations {
-            let scope = stated.normal(&own.scope);
+        for deviation in &stated.deviations {
+            let scope = stated.normal(&deviation.scope);
             let same = |(i, candidate): (usize, &Candidate)| {
                 matches!(self.actions[i], Action::Reading { .. })
-                    && candidate.id == own.id
+                    && candidate.id == deviation.id
                     && self.written_effect(i).scope == scope
-                    && (own.id == "feed_hold" || self.written_effect(i).recorded.is_some() == own.recorded.is_some())
+                    && (deviation.id == "feed_hold"
+                        || self.written_effect(i).recorded.is_some() == deviation.recorded.is_some())
             };
             let found = self.frame.candidates.iter().enumerate().position(same);
             let index = found.or_else(|| {
                 let rows = stated.rows(records, &scope);
-                let value = |row: usize| match own.id {
+                let value = |row: usize| match deviation.id {
                     "feed_override" => Some(self.durations[row]),
                     "operator_delay" => Some(1.0),
                     "tool_change_delay" => Some(firsts[row]),
                     "micro_stops" => Some(MICRO_STOP * self.durations[row]),
-                    "feed_hold" => Some(own.share),
+                    "feed_hold" => Some(deviation.share),
                     _ => None,
                 };
                 let column: Option<Vec<f64>> =
                     rows.iter().enumerate().map(|(row, on)| Some(on * value(row)?)).collect();
-                let (id, column) = (id_of(own.id)?, column?);
-                let typical = if own.size == 0.0 { 1.0 } else { own.size.abs() };
+                let (id, column) = (id_of(deviation.id)?, column?);
+                let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
                 let shape = if scope.is_everywhere() { "planned times".to_owned() } else { scope.words() };
-                let recorded = own.recorded;
+                let recorded = deviation.recorded;
                 let action = Action::Reading { channel, column, scope: scope.clone(), recorded };
                 Some(self.append(Candidate { id, shape, typical, greatest: f64::INFINITY, least: 0.0 }, action))
             });
             if let Some(index) = index {
-                self.frame.words.effects.push((index, own.size));
+                self.frame.words.effects.push((index, deviation.size));
             }
         }
     }
@@ -170,27 +171,30 @@ impl<P: Nominal> Cutting<P> {
             own.parameter == parameter && own.target == *target && own.scope == *scope && own.summand == summand
         };
         let cycle = self.frame.measured.channels.iter().position(|channel| channel.name == "cycle_time");
-        for (number, own) in stated.calibrations.clone().into_iter().enumerate() {
-            let scope = stated.normal(&own.scope);
-            let summand = matches!(own.moved, Moved::Summand(_));
+        for (number, calibration) in stated.calibrations.clone().into_iter().enumerate() {
+            let scope = stated.normal(&calibration.scope);
+            let summand = matches!(calibration.moved, Moved::Summand(_));
             let words = &self.frame.words.movable;
-            if words.iter().any(|(_, word)| known(word, &own.parameter, &own.target, &scope, summand)) {
+            if words.iter().any(|(_, word)| known(word, &calibration.parameter, &calibration.target, &scope, summand)) {
                 continue;
             }
-            let of_other_tool = matches!(&own.target, Target::Tool(name) if Some(name) != stated.tool.as_ref());
+            let of_other_tool = matches!(&calibration.target, Target::Tool(name) if Some(name) != stated.tool.as_ref());
             if of_other_tool {
-                stated.calibrations.retain(|other| *other != own);
+                stated.calibrations.retain(|other| *other != calibration);
                 continue;
             }
             let mut rows = stated.rows(records, &scope);
             for (row, on) in rows.iter_mut().enumerate() {
                 let occasion = occasion(records, row, stated.tool.as_deref());
-                *on *= f64::from(u8::from(own.target.has(&occasion)));
+                *on *= f64::from(u8::from(calibration.target.has(&occasion)));
             }
-            let name = format!("{} of {}, {}", own.parameter, own.target.words(), number + 1);
-            let movable =
-                Movable { scope: scope.clone(), summand, ..Movable::factor(own.parameter.clone(), own.target.clone()) };
-            let spread = own.prior.unwrap_or(UNKNOWN);
+            let name = format!("{} of {}, {}", calibration.parameter, calibration.target.words(), number + 1);
+            let movable = Movable {
+                scope: scope.clone(),
+                summand,
+                ..Movable::factor(calibration.parameter.clone(), calibration.target.clone())
+            };
+            let spread = calibration.prior.unwrap_or(UNKNOWN);
             let channel = |name: &str| self.frame.measured.channels.iter().position(|channel| channel.name == name);
             let mut surface = |channel: Option<usize>, feature: Vec<f64>, absolute: bool| {
                 let Some(channel) = channel else { return false };
@@ -199,7 +203,7 @@ impl<P: Nominal> Cutting<P> {
                 self.frame.surfaces.push(Surface { name, channels, feature, deviation, allowance: false, absolute });
                 true
             };
-            let moved = match (own.parameter.as_str(), own.moved) {
+            let moved = match (calibration.parameter.as_str(), calibration.moved) {
                 ("wear_rate", Moved::Factor(_)) => {
                     self.frame.parameters.push(Parameter { name: name.clone(), deviation: spread, allowance: false });
                     self.changes.push(Change::WearFeature(rows));
@@ -208,7 +212,7 @@ impl<P: Nominal> Cutting<P> {
                 ("handling_time", Moved::Summand(_)) => surface(cycle, rows, true),
                 ("handling_time" | "programmed_time", Moved::Factor(factor)) => {
                     // A share of a time: as a summand it is its logarithm that moves.
-                    let times = if own.parameter == "handling_time" { &self.handling } else { &self.durations };
+                    let times = if calibration.parameter == "handling_time" { &self.handling } else { &self.durations };
                     let share = (factor - 1.0) / factor.ln();
                     let share = if share.is_finite() { share } else { 1.0 };
                     let feature = rows.iter().zip(times).map(|(on, time)| on * time * share).collect();
@@ -217,10 +221,10 @@ impl<P: Nominal> Cutting<P> {
                 (parameter, moved) => match (parameter.split_once('.'), moved) {
                     (Some(("gain", name)), Moved::Factor(_)) => surface(channel(name), rows, false),
                     (Some(("offset", name)), Moved::Summand(_)) => surface(channel(name), rows, true),
-                    (Some((group, field)), moved) if own.constant().is_some() => {
+                    (Some((group, field)), moved) if calibration.constant().is_some() => {
                         let rows = (!scope.is_everywhere()).then_some(rows);
                         self.fixed.push(Fixed { group: group.to_owned(), field: field.to_owned(), moved, rows });
-                        stated.calibrations.retain(|other| *other != own);
+                        stated.calibrations.retain(|other| *other != calibration);
                         continue;
                     }
                     _ => false,

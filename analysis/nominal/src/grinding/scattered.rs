@@ -44,14 +44,14 @@ impl Grinding {
             for i in measured.spans[group].clone() {
                 let observation = &measured.observations[i];
                 let channel = &measured.channels[observation.channel];
-                let own = place[&observation.row];
-                let [here, there] = [&nominal, &harder].map(|all| all[own].channel(channel.name));
+                let index = place[&observation.row];
+                let [here, there] = [&nominal, &harder].map(|all| all[index].channel(channel.name));
                 let slope = match channel.transform {
                     Transform::Linear => (there - here) / SMALL,
                     Transform::Log => (there / here).ln() / SMALL,
                 };
                 let slope = if slope.is_finite() { slope } else { 0.0 };
-                readings[own].push(Reading { place: i, by: [0.0, 0.0, slope], deviation: observation.deviation });
+                readings[index].push(Reading { place: i, by: [0.0, 0.0, slope], deviation: observation.deviation });
             }
             let row = |(readings, row): (Vec<Reading>, &usize)| Row {
                 readings,

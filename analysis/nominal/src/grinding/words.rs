@@ -36,18 +36,18 @@ impl Grinding {
         }
         self.switch_on(records, stated);
         // Other constants of the process are moved and do not move further.
-        for own in stated.calibrations.clone() {
-            let known = list.iter().any(|(_, word)| word.parameter == own.parameter);
-            let ours = own.target == tool() && own.scope.is_everywhere();
-            if let (Some((group, field)), true, false) = (own.constant(), ours, known) {
+        for calibration in stated.calibrations.clone() {
+            let known = list.iter().any(|(_, word)| word.parameter == calibration.parameter);
+            let ours = calibration.target == tool() && calibration.scope.is_everywhere();
+            if let (Some((group, field)), true, false) = (calibration.constant(), ours, known) {
                 // A constant that the process lacks was refused with its file.
                 let _ = move_constant(
                     toolroom_process::Process::parameters_mut(&mut self.process),
                     group,
                     field,
-                    own.moved,
+                    calibration.moved,
                 );
-                stated.calibrations.retain(|other| *other != own);
+                stated.calibrations.retain(|other| *other != calibration);
             }
         }
         self.frame.words.movable = list;
@@ -56,8 +56,8 @@ impl Grinding {
 
     /// Effects of the wheel: sizes of their candidates, which are added where the records asked for none.
     fn switch_on(&mut self, records: &Records, stated: &Stated) {
-        for own in &stated.effects {
-            let (effect, scope) = (own.effect, stated.normal(&own.scope));
+        for entry in &stated.effects {
+            let (effect, scope) = (entry.effect, stated.normal(&entry.scope));
             let same = |index: usize| {
                 let written = self.written_effect(index);
                 self.frame.candidates[index].id == effect.entry().id

@@ -97,13 +97,13 @@ impl Stretches {
         let inside: Vec<bool> = group_of_row.iter().map(|group| fitted[*group]).collect();
         let rows = rows(&model, &records, &inside);
         let whole = rows.of_program.iter().all(Option::is_none);
-        let own = settings.sensors.iter().find(|(name, _)| name == "cycle_time").map(|(_, sensor)| *sensor);
+        let sensor = settings.sensors.iter().find(|(name, _)| name == "cycle_time").map(|(_, sensor)| *sensor);
         let channel = Channel {
             name: "cycle_time",
             display: "s",
             unit: "s",
             transform: if whole { Transform::Log } else { Transform::Linear },
-            sensor: own.unwrap_or(if whole { WHOLE } else { STRETCH }),
+            sensor: sensor.unwrap_or(if whole { WHOLE } else { STRETCH }),
         };
         let times = records.numbers("cycle_time").map_or_else(|| vec![f64::NAN; records.len()], <[f64]>::to_vec);
         // A row without nominal time says nothing.
@@ -116,7 +116,7 @@ impl Stretches {
                 HOLE_SCATTER * rows.holes[row].sqrt(),
                 HOLD_SCATTER * rows.hold_time[row],
             ];
-            observation.deviation = scatter.iter().fold(observation.deviation, |sum, own| sum.hypot(*own));
+            observation.deviation = scatter.iter().fold(observation.deviation, |sum, part| sum.hypot(*part));
         }
         // Motions, holes and tool changes are off by times of their own order.
         let kind = |row: usize| usize::from(rows.holes[row] > 0.0) + 2 * usize::from(rows.changes[row] > 0.0);
@@ -177,12 +177,12 @@ impl Stretches {
             }
         }
         if !whole {
-            let own = (self.model.drives.corner_deviation, self.model.drives.jerk_time);
+            let identified = (self.model.drives.corner_deviation, self.model.drives.jerk_time);
             let all =
                 || CORNERS.into_iter().flat_map(|corner| JERKS.map(|jerk| (1e-6 * corner, 1e-3 * jerk))).collect();
             // An acceleration that is on already only grows: its corners are known.
             let on = self.model.effects.axis_acceleration > 0.0;
-            let shapes: Vec<(f64, f64)> = if on { vec![own] } else { all() };
+            let shapes: Vec<(f64, f64)> = if on { vec![identified] } else { all() };
             for (corner, jerk) in shapes {
                 let mut shape = format!("corners within {} um", rounded(corner * 1e6));
                 if jerk > 0.0 {
@@ -223,10 +223,10 @@ impl Stretches {
     /// Time of every row without effects that are only candidates, with an inverse acceleration, corner
     /// deviation and jerk time where given, s.
     fn nominal(&self, rapid: f64, acceleration: Option<(f64, f64, f64)>) -> Vec<f64> {
-        let own = &self.model.effects;
+        let effects = &self.model.effects;
         let mut drives = self.model.drives;
         drives.rapid_speed *= rapid;
-        drives.inverse_acceleration += own.axis_acceleration;
+        drives.inverse_acceleration += effects.axis_acceleration;
         if let Some((inverse, corner, jerk)) = acceleration {
             drives.inverse_acceleration += inverse;
             drives.corner_deviation = corner;
@@ -239,10 +239,10 @@ impl Stretches {
                 Some((program, first, end)) => clocks[program][end] - clocks[program][first],
                 None => rows.median[row],
             };
-            base + own.feed_override * rows.overridden[row]
-                + own.tool_change_delay * rows.changes[row]
-                + own.canned_cycle_dwell * rows.holes[row]
-                + own.feed_hold * rows.hold_share[row]
+            base + effects.feed_override * rows.overridden[row]
+                + effects.tool_change_delay * rows.changes[row]
+                + effects.canned_cycle_dwell * rows.holes[row]
+                + effects.feed_hold * rows.hold_share[row]
                 + self.model.hold_each * rows.holds[row]
         };
         (0..rows.of_program.len()).map(time).collect()

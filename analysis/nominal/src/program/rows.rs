@@ -83,9 +83,9 @@ pub(super) fn rows(model: &ProgramModel, records: &Records, inside: &[bool]) -> 
     let untouched = |row: usize| (share[row] - 1.0).abs() < UNTOUCHED && holds[row] == 0.0 && inside[row];
     let mut usual: BTreeMap<&str, (Vec<f64>, Vec<f64>)> = BTreeMap::new();
     for row in (0..count).filter(|row| untouched(*row) && times[*row].is_finite()) {
-        let own = usual.entry(&programs[row]).or_default();
-        own.0.push(times[row]);
-        own.1.push(rows.changes[row]);
+        let usual_times = usual.entry(&programs[row]).or_default();
+        usual_times.0.push(times[row]);
+        usual_times.1.push(rows.changes[row]);
     }
     let usual: BTreeMap<&str, (f64, f64)> = usual
         .into_iter()
@@ -139,8 +139,8 @@ fn means(
     for (observation, predicted) in measured.observations.iter().zip(predicted) {
         let Some((program, first, _)) = rows.of_program[observation.row] else { continue };
         if inside(observation.row) {
-            let own = sums.entry((program, first)).or_insert((0.0, 0.0, 0.0, observation.row));
-            *own = (own.0 + observation.value, own.1 + predicted, own.2 + 1.0, own.3);
+            let sum = sums.entry((program, first)).or_insert((0.0, 0.0, 0.0, observation.row));
+            *sum = (sum.0 + observation.value, sum.1 + predicted, sum.2 + 1.0, sum.3);
         }
     }
     sums.into_values().map(|(value, predicted, count, row)| (value / count, predicted / count, row)).collect()
@@ -151,16 +151,18 @@ pub(super) fn totals(model: &ProgramModel, rows: &Rows, measured: &Measured, pre
     let out = |row: usize| !measured.fitted[measured.group_of_row[row]];
     let any = (0..rows.of_program.len()).any(out);
     let list = means(rows, measured, predicted, |row| !any || out(row));
-    let of = |(index, (name, _)): (usize, &(String, toolroom_program::Program))| {
-        let own = list.iter().filter(|(_, _, row)| rows.of_program[*row].is_some_and(|(program, ..)| program == index));
-        let (value, predicted) = own.fold((0.0, 0.0), |sum, (value, predicted, _)| (sum.0 + value, sum.1 + predicted));
+    let level_of = |(index, (name, _)): (usize, &(String, toolroom_program::Program))| {
+        let of_program =
+            list.iter().filter(|(_, _, row)| rows.of_program[*row].is_some_and(|(program, ..)| program == index));
+        let (value, predicted) =
+            of_program.fold((0.0, 0.0), |sum, (value, predicted, _)| (sum.0 + value, sum.1 + predicted));
         let whose = if any { " held out" } else { "" };
         (value > 0.0).then(|| {
             let gap = 100.0 * (value / predicted - 1.0);
             format!("{name}: a run{whose} takes {value:.1} s, nominal {predicted:.1} s ({gap:+.1} %)")
         })
     };
-    model.programs.iter().enumerate().filter_map(of).collect()
+    model.programs.iter().enumerate().filter_map(level_of).collect()
 }
 
 /// The stretches that differ most from `predicted` in the mean of their runs, in words.
@@ -176,14 +178,14 @@ pub(super) fn places(
     let words = |(value, predicted, row): &(f64, f64, usize)| {
         let (program, first, end) = rows.of_program[*row].unwrap_or_default();
         let (name, program) = &model.programs[program];
-        let own = &program.blocks[first..end];
-        let (from, to) = (own.first().map_or(0, |block| block.line), own.last().map_or(0, |block| block.line));
-        let tool = own.last().and_then(|block| block.tool).map_or(String::new(), |tool| format!(" T{tool}"));
-        let what = if own.iter().any(|block| block.tool_change) {
+        let blocks = &program.blocks[first..end];
+        let (from, to) = (blocks.first().map_or(0, |block| block.line), blocks.last().map_or(0, |block| block.line));
+        let tool = blocks.last().and_then(|block| block.tool).map_or(String::new(), |tool| format!(" T{tool}"));
+        let what = if blocks.iter().any(|block| block.tool_change) {
             "tool change"
-        } else if own.iter().any(|block| block.holes > 0) {
+        } else if blocks.iter().any(|block| block.holes > 0) {
             "holes"
-        } else if own.iter().all(|block| block.motions.is_empty()) {
+        } else if blocks.iter().all(|block| block.motions.is_empty()) {
             "no motion"
         } else {
             "motions"

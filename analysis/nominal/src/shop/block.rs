@@ -128,10 +128,10 @@ impl Blocks {
         let shift = |visit: &Visit| shop.shift(&seen.machines[visit.machine], visit.start);
         let mut blocks = Self::default();
         for (program, name) in seen.programs.iter().enumerate() {
-            let own = || visits.iter().filter(|visit| visit.program == program);
+            let runs = || visits.iter().filter(|visit| visit.program == program);
             let nominal = shop.programs.get(name).map(|nominal| nominal.time);
             blocks.known.push(nominal.is_some());
-            let measured = median(&mut own().map(|visit| visit.cutting).collect::<Vec<f64>>());
+            let measured = median(&mut runs().map(|visit| visit.cutting).collect::<Vec<f64>>());
             blocks.times.push(nominal.unwrap_or(measured));
         }
         let mut index: BTreeMap<(usize, i64), usize> = BTreeMap::new();
@@ -197,11 +197,13 @@ impl Blocks {
             by(&visits, |visit| (visit.machine, day(visit.start), part(visit), visit.program))
         {
             let Some(group) = index.get(&(machine, day)).copied() else { continue };
-            let own: Vec<&Visit> = at.iter().map(|at| visits[*at]).collect();
-            let mean = |value: &dyn Fn(&Visit) -> f64| own.iter().map(|v| value(v)).sum::<f64>() / own.len() as f64;
-            let mut block = empty(machine, Some(program), shift(own[0]), mean(&|v| v.start), group);
+            let pooled_visits: Vec<&Visit> = at.iter().map(|at| visits[*at]).collect();
+            let mean = |value: &dyn Fn(&Visit) -> f64| {
+                pooled_visits.iter().map(|v| value(v)).sum::<f64>() / pooled_visits.len() as f64
+            };
+            let mut block = empty(machine, Some(program), shift(pooled_visits[0]), mean(&|v| v.start), group);
             let clock = CLOCK / blocks.times[program];
-            block.class = class(own.len());
+            block.class = class(pooled_visits.len());
             let mut cut = logarithms(&at, &|visit| visit.cutting);
             block.values[0] = median(&mut cut).exp();
             block.deviations[0] = of_median(cut.len()) * blocks.scatter[program].hypot(0.3 * clock);
@@ -210,8 +212,8 @@ impl Blocks {
                 block.values[4] = median(&mut handling).exp();
                 block.deviations[4] = of_median(handling.len()) * handling_scatter[&machine];
             }
-            if own.iter().any(|visit| visit.override_excess > 0.0) {
-                block.excesses = own.iter().map(|visit| visit.override_excess).collect();
+            if pooled_visits.iter().any(|visit| visit.override_excess > 0.0) {
+                block.excesses = pooled_visits.iter().map(|visit| visit.override_excess).collect();
                 block.excesses.sort_by(f64::total_cmp);
             }
             block.new_edges = mean(&|v| f64::from(u8::from(v.new_edge)));
@@ -220,14 +222,14 @@ impl Blocks {
         // How times scatter, by shifts.
         for ((machine, day, program, shift), at) in &pooled {
             let Some(group) = index.get(&(*machine, *day)).copied() else { continue };
-            let own: Vec<&Visit> = at.iter().map(|at| visits[*at]).collect();
-            let time = own.iter().map(|visit| visit.start).sum::<f64>() / own.len() as f64;
+            let pooled_visits: Vec<&Visit> = at.iter().map(|at| visits[*at]).collect();
+            let time = pooled_visits.iter().map(|visit| visit.start).sum::<f64>() / pooled_visits.len() as f64;
             let mut block = empty(*machine, Some(*program), shift.clone(), time, group);
-            let count = own.len() as f64;
-            block.class = class(own.len());
-            block.cutting = own.iter().map(|visit| visit.cutting).sum();
-            block.new_edges = own.iter().filter(|visit| visit.new_edge).count() as f64 / count;
-            if own.len() >= SHAPED {
+            let count = pooled_visits.len() as f64;
+            block.class = class(pooled_visits.len());
+            block.cutting = pooled_visits.iter().map(|visit| visit.cutting).sum();
+            block.new_edges = pooled_visits.iter().filter(|visit| visit.new_edge).count() as f64 / count;
+            if pooled_visits.len() >= SHAPED {
                 let scatter = blocks.scatter[*program];
                 let shape = Shape::of(&mut logarithms(at, &full_feed), scatter);
                 block.values[1] = TAIL + shape.tail;
@@ -247,22 +249,22 @@ impl Blocks {
                     block.deviations[5] = (2.0 * (count - 1.0)).sqrt().recip();
                 }
             }
-            let stops: usize = own.iter().map(|visit| visit.stops.len()).sum();
+            let stops: usize = pooled_visits.iter().map(|visit| visit.stops.len()).sum();
             block.values[8] = stops as f64;
             blocks.list.push(block);
         }
         // What belongs to a machine and day as a whole, or to a shift of it.
         for ((machine, day, shift), at) in by(&visits, |visit| (visit.machine, day(visit.start), shift(visit))) {
             let Some(group) = index.get(&(machine, day)).copied() else { continue };
-            let own: Vec<&Visit> = at.iter().map(|at| visits[*at]).collect();
-            let time = own.iter().map(|visit| visit.start).sum::<f64>() / own.len() as f64;
+            let pooled_visits: Vec<&Visit> = at.iter().map(|at| visits[*at]).collect();
+            let time = pooled_visits.iter().map(|visit| visit.start).sum::<f64>() / pooled_visits.len() as f64;
             let mut block = empty(machine, None, shift, time, group);
-            let changes: Vec<f64> = own.iter().flat_map(|visit| visit.changes.iter().copied()).collect();
+            let changes: Vec<f64> = pooled_visits.iter().flat_map(|visit| visit.changes.iter().copied()).collect();
             if !changes.is_empty() {
                 block.values[6] = median(&mut changes.clone());
                 block.deviations[6] = of_median(changes.len());
             }
-            let holds: Vec<f64> = own.iter().flat_map(|visit| visit.holds.iter().copied()).collect();
+            let holds: Vec<f64> = pooled_visits.iter().flat_map(|visit| visit.holds.iter().copied()).collect();
             if !holds.is_empty() {
                 block.values[7] = holds.iter().sum::<f64>() / holds.len() as f64;
                 block.deviations[7] = (holds.len() as f64).sqrt().recip();
@@ -291,9 +293,9 @@ impl Blocks {
         let mut used: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         seen.failure_gaps.iter().for_each(|(machine, _, used_for)| used.entry(*machine).or_default().push(*used_for));
         for (machine, time, used_for) in &seen.failure_gaps {
-            let own = &used[machine];
-            let mean = own.iter().sum::<f64>() / own.len() as f64;
-            if let (Some(group), true) = (group(*machine, *time), own.len() >= 4) {
+            let days = &used[machine];
+            let mean = days.iter().sum::<f64>() / days.len() as f64;
+            if let (Some(group), true) = (group(*machine, *time), days.len() >= 4) {
                 // How far from the middle under an exponential distribution of the same mean.
                 let score = normal_score(-(-used_for / mean).exp_m1()).abs().sqrt();
                 split.entry(group).or_insert((*machine, *time, Vec::new(), Vec::new())).3.push(score);
@@ -385,10 +387,10 @@ fn normal_spread(replicated: &[f64], measured: &[f64]) -> Option<f64> {
     if measured.len() < SHAPED || constant {
         return None;
     }
-    let own = median(&mut measured.to_vec());
+    let level = median(&mut measured.to_vec());
     let count = replicated.len() as f64;
     let score = |y: &f64| {
-        let time = (y - own + middle).exp();
+        let time = (y - level + middle).exp();
         let below = replicated.partition_point(|other| *other < time);
         normal_score((below as f64 + 0.5) / (count + 1.0))
     };

@@ -22,12 +22,13 @@ pub fn groups_of(shop: &Shop, events: &Records, by: Option<&str>) -> BTreeSet<St
 /// so that shifts stay what they are.
 #[must_use]
 pub fn after(shop: &Shop, first: &Records, mut second: Records) -> Records {
-    let (Some(own), Some(times)) = (first.numbers("time"), second.numbers("time")) else { return second };
-    let end = own.iter().copied().fold(f64::NEG_INFINITY, f64::max) + APART;
+    let (Some(times_before), Some(times)) = (first.numbers("time"), second.numbers("time")) else { return second };
+    let end = times_before.iter().copied().fold(f64::NEG_INFINITY, f64::max) + APART;
     let start = times.iter().copied().fold(f64::INFINITY, f64::min);
     if start < end {
         let calendars = shop.stations.iter().filter_map(|station| station.calendar.as_ref());
-        let period = calendars.fold(WEEK, |all, own| multiple(all, own.period().round().max(1.0) as u64)) as f64;
+        let period =
+            calendars.fold(WEEK, |all, calendar| multiple(all, calendar.period().round().max(1.0) as u64)) as f64;
         let moved = ((end - start) / period).ceil() * period;
         let times = times.iter().map(|time| time + moved).collect();
         // Edges of one name in logs of the same days are not the same.

@@ -227,16 +227,22 @@ impl ShopModel {
         let scatter = |block: &Block| block.program.map_or(0.0, |program| self.blocks.scatter[program]);
         let scatters: Vec<f64> = blocks.iter().map(scatter).collect();
         for (program, name) in seen.programs.iter().enumerate() {
-            let own = on(&|block| block.program == Some(program));
+            let of_program = on(&|block| block.program == Some(program));
             let level = if self.blocks.known[program] { PROGRAM } else { UNKNOWN };
-            add(Constant::ProgrammedTime(name).to_string(), time.clone(), own.clone(), level, false);
-            add(Constant::HandlingOfProgram(name).to_string(), handling.clone(), own.clone(), 0.5 * HANDLING, false);
-            add(format!("scatter of {name}"), self.place(3), own.clone(), SCATTER, false);
+            add(Constant::ProgrammedTime(name).to_string(), time.clone(), of_program.clone(), level, false);
+            add(
+                Constant::HandlingOfProgram(name).to_string(),
+                handling.clone(),
+                of_program.clone(),
+                0.5 * HANDLING,
+                false,
+            );
+            add(format!("scatter of {name}"), self.place(3), of_program.clone(), SCATTER, false);
             // What adds to every handling makes its relative scatter smaller.
-            add(format!("scatter of handling for {name}"), self.place(5), own.clone(), 0.5 * SCATTER, false);
-            let skew: Vec<f64> = own.iter().map(|own| own * self.blocks.scatter[program]).collect();
+            add(format!("scatter of handling for {name}"), self.place(5), of_program.clone(), 0.5 * SCATTER, false);
+            let skew: Vec<f64> = of_program.iter().map(|share| share * self.blocks.scatter[program]).collect();
             add(format!("skewness of {name}"), self.place(2), skew, SKEW, true);
-            add(format!("tails of {name}"), self.place(1), own, TAILS, false);
+            add(format!("tails of {name}"), self.place(1), of_program, TAILS, false);
         }
         add("scatter of handling".to_owned(), self.place(5), ones(), SCATTER, false);
         add("tails of all".to_owned(), self.place(1), ones(), 2.0 * TAILS, false);
@@ -245,21 +251,21 @@ impl ShopModel {
         add("rate of booked stops".to_owned(), self.place(8), ones(), SCATTER, false);
         add("scores of breakdowns".to_owned(), self.place(10), ones(), 0.02, false);
         for (machine, name) in seen.machines.iter().enumerate() {
-            let own = on(&|block| block.machine == machine);
-            add(Constant::MachineGain(name).to_string(), time.clone(), own.clone(), MACHINE, false);
+            let of_machine = on(&|block| block.machine == machine);
+            add(Constant::MachineGain(name).to_string(), time.clone(), of_machine.clone(), MACHINE, false);
             let stranger = shop.station(name).is_none();
             let level = |known: f64| if stranger { UNKNOWN } else { known };
             add(
                 Constant::HandlingAtMachine(name).to_string(),
                 handling.clone(),
-                own.clone(),
+                of_machine.clone(),
                 level(0.5 * HANDLING),
                 false,
             );
-            add(Constant::ChangeAtMachine(name).to_string(), change.clone(), own.clone(), level(CHANGE), false);
-            add(format!("scatter of handling at {name}"), self.place(5), own.clone(), 0.5 * SCATTER, false);
-            add(format!("scatter at {name}"), self.place(3), own.clone(), 0.5 * SCATTER, false);
-            add(format!("lives of edges at {name}"), self.place(9), own, 0.1, false);
+            add(Constant::ChangeAtMachine(name).to_string(), change.clone(), of_machine.clone(), level(CHANGE), false);
+            add(format!("scatter of handling at {name}"), self.place(5), of_machine.clone(), 0.5 * SCATTER, false);
+            add(format!("scatter at {name}"), self.place(3), of_machine.clone(), 0.5 * SCATTER, false);
+            add(format!("lives of edges at {name}"), self.place(9), of_machine, 0.1, false);
         }
         let spread = self.place(5);
         for shift in self.shifts() {
@@ -363,18 +369,18 @@ impl ShopModel {
                 covariates.push(Covariate { name, values });
             }
         };
-        let each = |value: &dyn Fn(&Block) -> f64| blocks.iter().map(value).collect::<Vec<f64>>();
+        let by_block = |value: &dyn Fn(&Block) -> f64| blocks.iter().map(value).collect::<Vec<f64>>();
         let turn = std::f64::consts::TAU / 86400.0;
-        add("ln programmed time".to_owned(), each(&|b| b.program.map_or(f64::NAN, |p| self.blocks.times[p].ln())));
-        add("calendar".to_owned(), each(&|block| block.time));
-        if let Some(z) = standardised(&each(&|block| block.time)) {
+        add("ln programmed time".to_owned(), by_block(&|b| b.program.map_or(f64::NAN, |p| self.blocks.times[p].ln())));
+        add("calendar".to_owned(), by_block(&|block| block.time));
+        if let Some(z) = standardised(&by_block(&|block| block.time)) {
             add("calendar²".to_owned(), z.iter().map(|z| z * z).collect());
         }
-        add("time of day (sin)".to_owned(), each(&|block| (turn * block.time).sin()));
-        add("time of day (cos)".to_owned(), each(&|block| (turn * block.time).cos()));
-        add("feed_override".to_owned(), each(&Block::mean_excess));
-        add("first operation of an edge".to_owned(), each(&|block| block.new_edges));
-        let level = |test: &dyn Fn(&Block) -> bool| each(&|block| f64::from(u8::from(test(block))));
+        add("time of day (sin)".to_owned(), by_block(&|block| (turn * block.time).sin()));
+        add("time of day (cos)".to_owned(), by_block(&|block| (turn * block.time).cos()));
+        add("feed_override".to_owned(), by_block(&Block::mean_excess));
+        add("first operation of an edge".to_owned(), by_block(&|block| block.new_edges));
+        let level = |test: &dyn Fn(&Block) -> bool| by_block(&|block| f64::from(u8::from(test(block))));
         for shift in self.shifts() {
             add(format!("shift={shift}"), level(&|block| block.shift == shift));
         }
@@ -411,10 +417,10 @@ impl ShopModel {
     /// Shape of the blocks of each program and class under a rate of stops.
     fn shapes_at(&self, rate: f64) -> Vec<Vec<Shape>> {
         let blocks = &self.blocks;
-        let of = |program: usize| {
+        let classes_of = |program: usize| {
             let mut classes = [false; SIZES];
-            let own = blocks.list.iter().filter(|block| block.program == Some(program));
-            own.for_each(|block| classes[block.class] = true);
+            let of_program = blocks.list.iter().filter(|block| block.program == Some(program));
+            of_program.for_each(|block| classes[block.class] = true);
             let (time, deviation, exact) = (blocks.times[program], blocks.scatter[program], blocks.exact[program]);
             let program = Timed { time, deviation, exact, pools: &blocks.pools[program] };
             let mut shapes = self.stops.shapes(rate, program, &classes);
@@ -422,7 +428,7 @@ impl ShopModel {
             shapes.iter_mut().filter(|_| exact).for_each(|shape| shape.location = 0.0);
             shapes
         };
-        (0..blocks.times.len()).into_par_iter().map(of).collect()
+        (0..blocks.times.len()).into_par_iter().map(classes_of).collect()
     }
 
     /// Raw values of every observation, given the shapes of [`ShopModel::shapes`] at the rates of `at`.
@@ -440,8 +446,8 @@ impl ShopModel {
             let (row, kind) = (observation.row, self.kinds[observation.channel]);
             let block = &self.blocks.list[row];
             let nominal = self.nominal[row][kind];
-            let own = shapes.get(&rates[row].to_bits());
-            let shape = block.program.and_then(|program| own?.get(program)?.get(block.class)).copied();
+            let known_shape = shapes.get(&rates[row].to_bits());
+            let shape = block.program.and_then(|program| known_shape?.get(program)?.get(block.class)).copied();
             let shape = shape.unwrap_or_default();
             let group = measured.group_of_row[row];
             let local = |kind: usize| (self.frame.locals[kind].deviation * at.locals[kind][group]).exp();
@@ -550,12 +556,12 @@ pub(super) fn groups(blocks: &Blocks, seen: &Visits, by: Option<&str>) -> (Vec<S
 fn nominal(shop: &Shop, seen: &Visits, blocks: &Blocks, block: &Block) -> [f64; CHANNELS.len()] {
     let station = shop.station(&seen.machines[block.machine]);
     // A machine that the nominal shop does not know is compared with itself.
-    let own = |channel: usize| {
+    let of_channel = |channel: usize| {
         let of_machine = blocks.list.iter().filter(|other| other.machine == block.machine);
         let values = of_machine.map(|other| other.values[channel]).filter(|value| value.is_finite());
         median(&mut values.collect::<Vec<f64>>())
     };
-    let handling = station.map_or_else(|| own(4), |station| station.handling[station.handling.len() / 2]);
+    let handling = station.map_or_else(|| of_channel(4), |station| station.handling[station.handling.len() / 2]);
     [
         block.program.map_or(f64::NAN, |program| blocks.times[program]),
         TAIL,
@@ -563,7 +569,7 @@ fn nominal(shop: &Shop, seen: &Visits, blocks: &Blocks, block: &Block) -> [f64; 
         1.0,
         handling,
         1.0,
-        station.map_or_else(|| own(6), |station| station.tool_change),
+        station.map_or_else(|| of_channel(6), |station| station.tool_change),
         0.0,
         BOOKED * block.cutting,
         station.and_then(|station| station.edge_life).map_or(f64::NAN, |(mean, _)| mean.exp()),

@@ -68,9 +68,9 @@ impl Shop {
                 let feed_speeds = match &operation.work {
                     Work::Cutting(cuts) => {
                         let process = operation.tool.map(|tool| &scenario.tools[tool].process);
-                        let of =
+                        let feeds_of =
                             |process| cuts.iter().map(|cut| feed_speed(cut, *time / cuts.len() as f64, process)).sum();
-                        process.map_or(0.0, of)
+                        process.map_or(0.0, feeds_of)
                     }
                     // Neither a wheel nor a planned contour runs at a programmed feed, plain work at none.
                     Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => 0.0,

@@ -123,18 +123,18 @@ impl Stops {
     /// Logarithms of the times of operations under `rate` stops per running time, 1/s, of a program
     /// of `time` s, over that time.
     fn replicated(&self, rate: f64, time: f64, scatter: f64) -> Vec<f64> {
-        let each = |i: usize| {
-            let (mut at, mut stopped) = (0.0, 0.0);
+        let drawn = |i: usize| {
+            let (mut programmed, mut stopped) = (0.0, 0.0);
             for (arrivals, durations) in self.arrivals.iter().zip(&self.durations) {
-                at += arrivals[i];
-                if at > rate * time {
+                programmed += arrivals[i];
+                if programmed > rate * time {
                     break;
                 }
                 stopped += MICRO_STOP * durations[i];
             }
             ((scatter * self.scores[i]).exp() + stopped / time).ln()
         };
-        (0..REPLICATIONS).map(each).collect()
+        (0..REPLICATIONS).map(drawn).collect()
     }
 
     /// What stops add to the shape of blocks of every class of `classes`: means over replicated
@@ -220,21 +220,22 @@ mod tests {
     #[test]
     fn a_few_stops_last_as_long_in_the_mean_as_many() {
         // Of 2400 operations of 150 s half a stop an hour stops 50, three stops an hour 280.
-        let of = |hourly: f64| {
+        let stops_at = |hourly: f64| {
             let program = Timed { time: 150.0, deviation: 0.005, exact: false, pools: &[18] };
             let shape = Stops::default().shapes(hourly / 3600.0, program, &[true; SIZES])[class(20)];
             (shape.excess + shape.location).exp_m1() / (hourly * MICRO_STOP / 3600.0)
         };
         for hourly in [0.5, 1.0, 1.5, 3.0] {
-            assert!((of(hourly) - 1.0).abs() < 0.06, "{hourly} 1/h: {}", of(hourly));
+            assert!((stops_at(hourly) - 1.0).abs() < 0.06, "{hourly} 1/h: {}", stops_at(hourly));
         }
     }
 
     #[test]
     fn the_scatter_of_small_pools_is_low_and_that_of_the_pools_that_were_measured() {
         let normal = Stops::default().replicated(0.0, 100.0, 1e-3);
-        let of = |pools: &[usize]| pooled_deviation(&normal, pools) / 1e-3;
-        let [small, both, large, whole] = [of(&[4]), of(&[4, 30]), of(&[30]), of(&[])];
+        let deviation_of = |pools: &[usize]| pooled_deviation(&normal, pools) / 1e-3;
+        let [small, both, large, whole] =
+            [deviation_of(&[4]), deviation_of(&[4, 30]), deviation_of(&[30]), deviation_of(&[])];
         assert!(small < 0.9 && small < both && both < large && large <= whole * 1.01, "{small} {both} {large} {whole}");
         assert!((whole - 1.0).abs() < 0.02, "{whole}");
     }

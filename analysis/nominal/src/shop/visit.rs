@@ -160,8 +160,8 @@ pub fn visits(events: &Records) -> Visits {
             if !named && (resting || !before) {
                 count += 1;
             }
-            let own = || if resting { String::new() } else { format!("{}#{count}", programs[row]) };
-            let operation = if named { text("operation_id")[row].clone() } else { own() };
+            let run_name = || if resting { String::new() } else { format!("{}#{count}", programs[row]) };
+            let operation = if named { text("operation_id")[row].clone() } else { run_name() };
             let (start, end) = (times[row], times[next]);
             let (program, tool, feed) = (programs[row].as_str(), text("tool_id")[row].as_str(), feeds[row]);
             stays.push(Stay { state, start, end, program, operation, tool, feed });
@@ -192,20 +192,20 @@ pub fn visits(events: &Records) -> Visits {
 /// Gives loading and unloading that bear no name to the operations around them: of several stays the
 /// first is the unloading of the operation before; one alone belongs to what follows at once.
 fn adopt(stays: &mut [Stay<'_>]) {
-    let mut at = 0;
-    while at < stays.len() {
+    let mut place = 0;
+    while place < stays.len() {
         let nameless = |stay: &Stay<'_>| stay.state == State::Handling && stay.operation.is_empty();
-        let count = stays[at..].iter().take_while(|stay| nameless(stay)).count();
-        let end = at + count;
+        let count = stays[place..].iter().take_while(|stay| nameless(stay)).count();
+        let end = place + count;
         if count > 0 {
-            let before = at.checked_sub(1).map_or_else(String::new, |before| stays[before].operation.clone());
+            let before = place.checked_sub(1).map_or_else(String::new, |before| stays[before].operation.clone());
             let after = stays.get(end).map_or_else(String::new, |after| after.operation.clone());
             let unloaded = if after.is_empty() { count } else { (count - 1).min(1) };
-            for (place, stay) in stays[at..end].iter_mut().enumerate() {
+            for (place, stay) in stays[place..end].iter_mut().enumerate() {
                 stay.operation.clone_from(if place < unloaded { &before } else { &after });
             }
         }
-        at = end.max(at + 1);
+        place = end.max(place + 1);
     }
 }
 
@@ -233,15 +233,15 @@ fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
     let mut seen: BTreeSet<&str> = BTreeSet::new();
     let mut life: BTreeMap<&str, (f64, bool)> = BTreeMap::new();
     let mut last_tool = "";
-    let mut at = 0;
-    while at < stays.len() {
-        if stays[at].operation.is_empty() {
-            at += 1;
+    let mut place = 0;
+    while place < stays.len() {
+        if stays[place].operation.is_empty() {
+            place += 1;
             continue;
         }
         // Breaks without a name between two stays of one operation belong to it.
-        let id = &stays[at].operation;
-        let mut end = at + 1;
+        let id = &stays[place].operation;
+        let mut end = place + 1;
         let mut next = end;
         while next < stays.len() && (stays[next].operation.is_empty() || stays[next].operation == *id) {
             next += 1;
@@ -249,19 +249,19 @@ fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
                 end = next;
             }
         }
-        let own = &stays[at..end];
+        let inside = &stays[place..end];
         let known = |stay: &Stay<'_>| stay.state != State::Unknown;
-        let program = own.iter().find(|stay| !stay.program.is_empty()).map_or("", |stay| stay.program);
+        let program = inside.iter().find(|stay| !stay.program.is_empty()).map_or("", |stay| stay.program);
         let mut visit = Visit {
             machine,
             program: all.programs.binary_search_by(|name| name.as_str().cmp(program)).unwrap_or(usize::MAX),
             job: id.split_once('/').map_or(id.as_str(), |(job, _)| job).to_owned(),
-            start: own[0].start,
-            end: own[own.len() - 1].end,
+            start: inside[0].start,
+            end: inside[inside.len() - 1].end,
             ..Visit::default()
         };
         let mut slowed = 0.0;
-        for stay in own {
+        for stay in inside {
             let time = stay.end - stay.start;
             match stay.state {
                 State::Cutting => {
@@ -294,13 +294,13 @@ fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
         }
         // Time at feed f does f times the work of time at full feed.
         visit.override_excess = if visit.cutting > slowed { slowed / (visit.cutting - slowed) } else { 0.0 };
-        let whole = at > 0 && end < stays.len() && own.iter().all(known) && visit.cutting > 0.0;
+        let whole = place > 0 && end < stays.len() && inside.iter().all(known) && visit.cutting > 0.0;
         if whole && visit.program != usize::MAX {
             all.list.push(visit)
         } else {
             left_out += 1
         }
-        at = end;
+        place = end;
     }
     if let Some((cut, true)) = life.get(last_tool).copied() {
         all.edge_ages.push((machine, cut));
@@ -310,7 +310,7 @@ fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
 
 /// Adds the breakdowns of a machine and the times between them.
 fn breakdowns(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) {
-    let mut own = Breakdowns::default();
+    let mut breakdowns = Breakdowns::default();
     // Since the last breakdown: time in use, and up.
     let (mut used, mut up) = (f64::NAN, f64::NAN);
     let mut down = 0.0;
@@ -319,11 +319,11 @@ fn breakdowns(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) {
         if stay.state == State::Stopped {
             // A repair may be logged in pieces.
             if down <= SHORT_STOP && down + time > SHORT_STOP {
-                own.times.push(stay.start);
+                breakdowns.times.push(stay.start);
                 if used.is_finite() {
                     all.failure_gaps.push((machine, stay.start, used));
-                    own.used_between.push(used);
-                    own.up_between.push(up);
+                    breakdowns.used_between.push(used);
+                    breakdowns.up_between.push(up);
                 }
                 (used, up) = (0.0, 0.0);
             }
@@ -331,21 +331,21 @@ fn breakdowns(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) {
             continue;
         }
         if down > SHORT_STOP && stay.state != State::Unknown {
-            own.repairs.push(down);
+            breakdowns.repairs.push(down);
         }
         down = 0.0;
         match stay.state {
             State::Unknown => (used, up) = (f64::NAN, f64::NAN),
             State::Idle | State::OffShift => {
                 up += time;
-                own.up += time;
+                breakdowns.up += time;
             }
             State::Cutting | State::Handling | State::ToolChange | State::Setup | State::Hold => {
                 (used, up) = (used + time, up + time);
-                (own.used, own.up) = (own.used + time, own.up + time);
+                (breakdowns.used, breakdowns.up) = (breakdowns.used + time, breakdowns.up + time);
             }
             State::Stopped => {}
         }
     }
-    all.breakdowns.push(own);
+    all.breakdowns.push(breakdowns);
 }

@@ -12,20 +12,20 @@ impl ShopModel {
     /// Takes over what the file states about these blocks.
     pub(super) fn state(&mut self, shop: &Shop, seen: &Visits, stated: &mut Stated) {
         self.frame.words.movable = movable(shop, self.frame.surfaces.iter().map(|surface| surface.name.as_str()));
-        for own in stated.deviations.clone() {
+        for deviation in stated.deviations.clone() {
             let same = |index: usize| {
                 let written = self.written_effect(index);
-                self.frame.candidates[index].id == own.id
-                    && written.scope == own.scope
-                    && (own.id == "feed_hold" || written.recorded.is_some() == own.recorded.is_some())
+                self.frame.candidates[index].id == deviation.id
+                    && written.scope == deviation.scope
+                    && (deviation.id == "feed_hold" || written.recorded.is_some() == deviation.recorded.is_some())
                     && !matches!(self.actions[index], Action::Booked)
             };
             let index = match (0..self.actions.len()).find(|index| same(*index)) {
                 Some(index) => index,
-                None => match self.scoped(seen, own.id, &own.scope) {
+                None => match self.scoped(seen, deviation.id, &deviation.scope) {
                     Some((id, action)) => {
-                        let typical = if own.size == 0.0 { 1.0 } else { own.size.abs() };
-                        let shape = own.scope.words();
+                        let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
+                        let shape = deviation.scope.words();
                         self.frame.candidates.push(Candidate {
                             id,
                             shape,
@@ -37,7 +37,7 @@ impl ShopModel {
                         self.actions.len() - 1
                     }
                     None => {
-                        let (id, words) = (own.id, own.scope.words());
+                        let (id, words) = (deviation.id, deviation.scope.words());
                         self.frame
                             .notes
                             .push(format!("[[deviation]] {id} {words} is not predicted in blocks of a log"));
@@ -45,7 +45,7 @@ impl ShopModel {
                     }
                 },
             };
-            self.frame.words.effects.push((index, own.size));
+            self.frame.words.effects.push((index, deviation.size));
         }
         // Constants of tools are in the processes behind the lives of edges already, those of breakdowns in the stations.
         let of_breakdowns = |own: &Calibration| {
@@ -111,7 +111,7 @@ pub fn scope_names(shape: &str) -> Vec<(&'static str, Vec<String>)> {
 fn movable<'a>(shop: &Shop, names: impl Iterator<Item = &'a str>) -> Vec<(String, Movable)> {
     let machine = |name: &str| shop.station(name).map(|_| Target::Machine(name.to_owned()));
     let program = |name: &str| shop.programs.get(name).map(|_| Target::Operation(name.to_owned()));
-    let of = |name: &str| -> Option<Movable> {
+    let movable_of = |name: &str| -> Option<Movable> {
         let whole = match name {
             "programmed times" => Some("programmed_time"),
             "handling time" => Some("handling_time"),
@@ -135,5 +135,5 @@ fn movable<'a>(shop: &Shop, names: impl Iterator<Item = &'a str>) -> Vec<(String
                 Some(Movable { inverse: true, ..Movable::factor("wear_rate", target) })
             })
     };
-    names.filter_map(|name| Some((name.to_owned(), of(name)?))).collect()
+    names.filter_map(|name| Some((name.to_owned(), movable_of(name)?))).collect()
 }
