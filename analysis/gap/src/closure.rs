@@ -91,7 +91,7 @@ pub fn closures(
     let among = counted(measured, touched);
     let channels = measured.channels.len();
     let sums = |[base, chosen]: [&[f64]; 2]| -> Vec<Sums> {
-        let of = |channel: usize| {
+        let closure_of = |channel: usize| {
             let counts = |i: usize| match measured.observations[i].channel {
                 own if channel < channels => own == channel,
                 own => among[own],
@@ -115,7 +115,7 @@ pub fn closures(
             }
             sums
         };
-        (0..=channels).map(of).collect()
+        (0..=channels).map(closure_of).collect()
     };
     let values = sums([&base.residual, &chosen.residual]);
     let fits: Vec<Vec<Sums>> = if base.moves() && chosen.moves() {
@@ -162,7 +162,7 @@ fn readings(
     let kinds: Vec<usize> = all.iter().map(|i| frame.kind_of(row(i))).collect();
     let mut usual_of = vec![f64::INFINITY; measured.len()];
     all.iter().zip(usual(&before, &repeats, &kinds)).for_each(|(i, own)| usual_of[*i] = own);
-    let of = |i: usize| {
+    let weight_of = |i: usize| {
         let deviation = basis.noise.deviation(measured, i);
         let deviation =
             if transform == Transform::Log { deviation * measured.observations[i].value.exp() } else { deviation };
@@ -170,7 +170,7 @@ fn readings(
         (i, Left { before, after, deviation, usual: usual_of[i] })
     };
     let places = scored.iter().flat_map(|group| measured.spans[*group].clone());
-    places.filter(|i| measured.observations[*i].channel == channel).map(of).collect()
+    places.filter(|i| measured.observations[*i].channel == channel).map(weight_of).collect()
 }
 
 /// The same of all channels that `count`, in standard deviations of the noise.
@@ -181,9 +181,9 @@ fn among_channels(
     scored: &[usize],
     count: &[bool],
 ) -> Vec<Left> {
-    let own = |channel: usize| readings(model, basis, left, scored, channel);
-    let all = (0..count.len()).filter(|channel| count[*channel]).flat_map(own);
-    all.map(|(_, own)| own.standardised()).collect()
+    let readings_of = |channel: usize| readings(model, basis, left, scored, channel);
+    let all = (0..count.len()).filter(|channel| count[*channel]).flat_map(readings_of);
+    all.map(|(_, reading)| reading.standardised()).collect()
 }
 
 /// What two models leave of the scored readings of the channels `touched` (all, if none is named), in standard deviations
@@ -197,26 +197,27 @@ pub(super) fn standardised(model: &dyn Forward, basis: &Basis, left: [&LeftOut; 
 pub(super) fn standing_apart(model: &dyn Forward, basis: &Basis, left: [&LeftOut; 2], scored: &[usize]) -> Vec<Apart> {
     let frame = model.frame();
     let measured = &frame.measured;
-    let of = |channel: usize| {
-        let (places, own): (Vec<usize>, Vec<Left>) = readings(model, basis, left, scored, channel).into_iter().unzip();
+    let closed_by = |channel: usize| {
+        let (places, lefts): (Vec<usize>, Vec<Left>) =
+            readings(model, basis, left, scored, channel).into_iter().unzip();
         let about = &measured.channels[channel];
         let row = |at: usize| Apart {
             row: frame.record_of(measured.observations[places[at]].row),
             operation_id: String::new(),
             channel: about.name,
-            excess: own[at].before,
+            excess: lefts[at].before,
             unit: about.unit,
         };
-        apart(&own).into_iter().map(row).collect::<Vec<_>>()
+        apart(&lefts).into_iter().map(row).collect::<Vec<_>>()
     };
-    (0..measured.channels.len()).flat_map(of).collect()
+    (0..measured.channels.len()).flat_map(closed_by).collect()
 }
 
 /// Whether each channel counts for effects that touch some: all, if none of them is measured.
 pub(super) fn counted(measured: &Measured, touched: &[&str]) -> Vec<bool> {
-    let own: Vec<bool> = measured.channels.iter().map(|channel| touched.contains(&channel.name)).collect();
+    let is_touched: Vec<bool> = measured.channels.iter().map(|channel| touched.contains(&channel.name)).collect();
     // An effect may act where the catalogue does not list it: then everything counts.
-    if own.iter().any(|counts| *counts) { own } else { vec![true; own.len()] }
+    if is_touched.iter().any(|counts| *counts) { is_touched } else { vec![true; is_touched.len()] }
 }
 
 /// Channels that the effects of a trial touch.
@@ -310,15 +311,20 @@ mod tests {
 
     #[test]
     fn fits_to_other_groups_widen_an_interval_around_the_same_closure() {
-        let own = sums([8.0, 9.0, 10.0, 11.0, 9.5, 10.5, 12.0, 10.0]);
+        let sums_here = sums([8.0, 9.0, 10.0, 11.0, 9.5, 10.5, 12.0, 10.0]);
         let others =
             [0.5, 0.8, 1.1, 1.6].map(|factor| sums([8.0, 9.0, 10.0, 11.0, 9.5, 10.5, 12.0, 10.0].map(|x| factor * x)));
-        let (narrow, wide) = (closure(&own, &[], &[], 1), closure(&own, &others.iter().collect::<Vec<_>>(), &[], 1));
+        let (narrow, wide) =
+            (closure(&sums_here, &[], &[], 1), closure(&sums_here, &others.iter().collect::<Vec<_>>(), &[], 1));
         assert_eq!(narrow.closed, wide.closed);
         assert!((narrow.closed - 0.5).abs() < 1e-12);
         let width = |closure: &Closure| closure.ci90[1] - closure.ci90[0];
         assert!(width(&wide) > 3.0 * width(&narrow), "{narrow:?} {wide:?}");
         assert!(wide.ci90[0] < 0.5 && 0.5 < wide.ci90[1]);
-        assert_eq!(closure(&own, &[&own], &[], 1).ci90, narrow.ci90, "a fit that does not move changes nothing");
+        assert_eq!(
+            closure(&sums_here, &[&sums_here], &[], 1).ci90,
+            narrow.ci90,
+            "a fit that does not move changes nothing"
+        );
     }
 }

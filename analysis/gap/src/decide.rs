@@ -98,19 +98,19 @@ impl Decision {
 
     /// Candidates that the data cannot tell from `candidate`, by other ids.
     pub fn class(&self, model: &dyn Forward, candidate: usize) -> Vec<(&'static str, String)> {
-        let own = self.singles.iter().find(|single| single.candidate == candidate);
-        let Some(own) = own else { return Vec::new() };
+        let single = self.singles.iter().find(|single| single.candidate == candidate);
+        let Some(single) = single else { return Vec::new() };
         let id = model.frame().candidates[candidate].id;
         let cosine = self.base.scores().cosine;
-        let own_gain = gain(&own.evidence, &self.base.evidence);
+        let own_gain = gain(&single.evidence, &self.base.evidence);
         let mut class: Vec<(&'static str, String)> = Vec::new();
         for other in &self.singles {
             let other_id = model.frame().candidates[other.candidate].id;
             if other_id == id || class.iter().any(|(known, _)| *known == other_id) {
                 continue;
             }
-            let lead = gain(&own.evidence, &other.evidence);
-            let (left_out, error) = predictive_gain(&own.evidence, &other.evidence);
+            let lead = gain(&single.evidence, &other.evidence);
+            let (left_out, error) = predictive_gain(&single.evidence, &other.evidence);
             let other_gain = gain(&other.evidence, &self.base.evidence);
             let close = lead < GATE || (lead < CLEAR && left_out < CLEARLY_LEFT_OUT * error);
             let alike = cosine[(candidate, other.candidate)];
@@ -157,12 +157,12 @@ pub(super) fn decide(context: Diagnosing<'_>, base: Trial) -> Decision {
 fn shape(context: Diagnosing<'_>, decision: &Decision, index: usize, closed: &Closure) -> Option<(usize, String)> {
     let model = context.model;
     let candidates = &model.frame().candidates;
-    let [own] = decision.trials[index].fit.active[..] else { return None };
-    let scope = model.written(own).scope;
+    let [candidate] = decision.trials[index].fit.active[..] else { return None };
+    let scope = model.written(candidate).scope;
     let stands = |other: usize| {
         let trial = &decision.trials[other];
         // Where an effect acts is no shape of it: a part of the records has to be asked for by itself.
-        let same = |one: usize| candidates[one].id == candidates[own].id && model.written(one).scope == scope;
+        let same = |one: usize| candidates[one].id == candidates[candidate].id && model.written(one).scope == scope;
         let alike = other != index && matches!(trial.fit.active[..], [one] if same(one));
         alike && trial.evidence.admissible && stands(&Judged::against_nominal(context, decision, trial))
     };
@@ -181,8 +181,8 @@ fn shape(context: Diagnosing<'_>, decision: &Decision, index: usize, closed: &Cl
     };
     let note = format!(
         "{}: {} fits better beside the form allowance, but closes {:.0} % of the gap on groups left out where {} closes {:.0} %",
-        candidates[own].id,
-        name(own),
+        candidates[candidate].id,
+        name(candidate),
         100.0 * closed.closed,
         name(decision.trials[other].fit.active[0]),
         100.0 * further.closed,
@@ -218,19 +218,19 @@ fn not_named(decision: &mut Decision, context: Diagnosing<'_>, index: usize, rul
 /// certain.
 fn unsplit(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> usize {
     let model = context.model;
-    let [own] = decision.trials[index].fit.active[..] else { return index };
-    let written = model.written(own);
+    let [candidate] = decision.trials[index].fit.active[..] else { return index };
+    let written = model.written(candidate);
     let candidates = &model.frame().candidates;
     if written.scope.is_everywhere() {
         return index;
     }
     let alike = |other: &usize| {
         let there = model.written(*other);
-        candidates[*other].id == candidates[own].id && there.shape == written.shape && there.scope.is_everywhere()
+        candidates[*other].id == candidates[candidate].id && there.shape == written.shape && there.scope.is_everywhere()
     };
     // An effect that is only ever tried on parts has nothing that it could be instead.
     let Some(everywhere) = (0..candidates.len()).find(alike) else { return index };
-    let parts = (0..candidates.len()).filter(|other| candidates[*other].id == candidates[own].id).count();
+    let parts = (0..candidates.len()).filter(|other| candidates[*other].id == candidates[candidate].id).count();
     let known = decision.trials.iter().position(|trial| trial.fit.active == [everywhere]);
     let whole = known.unwrap_or_else(|| {
         decision.trials.push(context.trial(&decision.base.fit, &[everywhere]));

@@ -45,8 +45,8 @@ impl<'a> Widened<'a> {
 
     /// What a reader has to know of it.
     pub fn note(&self) -> String {
-        let of = |(name, share, _): &(&str, f64, f64)| format!("{name} by {:.1} %", 100.0 * share);
-        let all: Vec<String> = self.found.iter().map(of).collect();
+        let words_of = |(name, share, _): &(&str, f64, f64)| format!("{name} by {:.1} %", 100.0 * share);
+        let all: Vec<String> = self.found.iter().map(words_of).collect();
         format!("the equations are off by a smooth function of the cut: {}", all.join(", "))
     }
 
@@ -70,13 +70,13 @@ impl Tried {
         let surfaces: Vec<Vec<Surface>> =
             discrepancy.classes.iter().map(|class| class.surfaces(frame, &features)).collect();
         let linear = &fit.linear;
-        let own: Vec<Vec<f64>> = surfaces
+        let deviations: Vec<Vec<f64>> = surfaces
             .iter()
             .flatten()
             .map(|surface| super::linear::surface_column(frame, surface, &linear.raw))
             .collect();
         let columns: Vec<&[f64]> =
-            linear.nuisance.iter().chain(linear.effects.iter()).chain(&own).map(Vec::as_slice).collect();
+            linear.nuisance.iter().chain(linear.effects.iter()).chain(&deviations).map(Vec::as_slice).collect();
         let residual = offset_residual(model, linear, &[]);
         let gram =
             normal_equations(&frame.measured, &basis.noise, linear, &columns, &residual, &basis.local_scale, &[]);

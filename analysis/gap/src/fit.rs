@@ -217,19 +217,19 @@ impl<'a> Normal<'a> {
         let mut point = self.linear.point.clone();
         let sizes = self.active.iter().map(|index| point.effects[*index] / candidates[*index].typical);
         let here: Vec<f64> = point.parameters.iter().chain(&point.surfaces).copied().chain(sizes).collect();
-        let mut at: Vec<usize> = (0..self.columns.len()).collect();
+        let mut free: Vec<usize> = (0..self.columns.len()).collect();
         let solution = loop {
-            let mut matrix = part(&self.gram.total, &at, &at);
-            let mut right = part_column(&self.gram.total, &at, self.gram.last());
-            for (i, column) in at.iter().enumerate() {
+            let mut matrix = part(&self.gram.total, &free, &free);
+            let mut right = part_column(&self.gram.total, &free, self.gram.last());
+            for (i, column) in free.iter().enumerate() {
                 let prior = if *column < nuisance { 1.0 } else { EFFECT_PRIOR.powi(-2) };
                 matrix[(i, i)] += prior + damping;
                 right[i] += damping * here[*column];
             }
             let solution = within(&matrix, &right, reach);
-            let two_sided = |i: usize| candidates[self.active[at[i] - nuisance]].two_sided();
-            match (nuisance..at.len()).find(|i| solution[*i] < 0.0 && !two_sided(*i)) {
-                Some(negative) => at.remove(negative),
+            let two_sided = |i: usize| candidates[self.active[free[i] - nuisance]].two_sided();
+            match (nuisance..free.len()).find(|i| solution[*i] < 0.0 && !two_sided(*i)) {
+                Some(negative) => free.remove(negative),
                 None => break solution,
             };
         };
@@ -237,12 +237,12 @@ impl<'a> Normal<'a> {
         point.parameters.copy_from_slice(&solution.as_slice()[..parameters]);
         point.surfaces.copy_from_slice(&solution.as_slice()[parameters..nuisance]);
         self.active.iter().for_each(|index| point.effects[*index] = 0.0);
-        for (column, x) in at.iter().zip(solution.iter()).skip(nuisance) {
+        for (column, x) in free.iter().zip(solution.iter()).skip(nuisance) {
             let index = self.active[column - nuisance];
             let candidate = &candidates[index];
             point.effects[index] = (x * candidate.typical).min(candidate.greatest).max(candidate.least);
         }
-        let columns: Vec<&[f64]> = at.iter().map(|column| self.columns[*column]).collect();
+        let columns: Vec<&[f64]> = free.iter().map(|column| self.columns[*column]).collect();
         let found = locals(self.model, self.noise, self.linear, &columns, &self.residual, &solution, self.local_scale);
         for (here, there) in point.locals.iter_mut().zip(found) {
             let near = |here: f64, there: f64| there.max(here - FARTHEST).min(here + FARTHEST);

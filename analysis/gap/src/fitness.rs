@@ -196,7 +196,7 @@ impl<'a> Test<'a> {
         let white = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
             columns.par_iter().map(|column| noise.whiten(measured, column)).collect()
         };
-        let (shared, own) = (white(&linear.nuisance), white(&linear.locals));
+        let (shared, locals) = (white(&linear.nuisance), white(&linear.locals));
         let mut fold_of = vec![0; measured.groups.len()];
         folds.iter().enumerate().for_each(|(fold, groups)| groups.iter().for_each(|group| fold_of[*group] = fold));
         let group = |group: &usize| {
@@ -206,7 +206,7 @@ impl<'a> Test<'a> {
             };
             Group {
                 shared: matrix(&shared, &|_| 1.0),
-                own: matrix(&own, &|kind| basis.local_scale[kind]),
+                own: matrix(&locals, &|kind| basis.local_scale[kind]),
                 fold: fold_of[*group],
             }
         };
@@ -237,8 +237,8 @@ impl<'a> Test<'a> {
         let scores: DVector<f64> = scores.column(0).into_owned();
         let (mut values, mut names) = (Vec::new(), Vec::new());
         for (channel, places, layout) in &self.channels {
-            let own: Vec<f64> = places.iter().map(|place| scores[*place]).collect();
-            let statistics = Statistics::of(&own, layout);
+            let of_channel: Vec<f64> = places.iter().map(|place| scores[*place]).collect();
+            let statistics = Statistics::of(&of_channel, layout);
             for statistic in Statistic::ALL {
                 let follows = statistics.strongest.filter(|_| statistic == Statistic::Covariate);
                 let follows = follows.map_or_else(String::new, |index| frame.covariates[index].name.clone());
@@ -266,23 +266,23 @@ impl<'a> Test<'a> {
             let residuals = DMatrix::from_columns(&sets);
             let effects = self.catalogue.tr_mul(&residuals);
             let scores = self.scores(residuals);
-            let of = |(index, number): (usize, &usize)| {
-                let own = scores.column(index).into_owned();
-                let mut values = self.statistics(&own);
+            let values_of = |(index, number): (usize, &usize)| {
+                let of_draw = scores.column(index).into_owned();
+                let mut values = self.statistics(&of_draw);
                 values.push(effects.column(index).iter().copied().reduce(f64::max).unwrap_or(0.0));
-                (values, (*number < FIRST.0).then_some(own))
+                (values, (*number < FIRST.0).then_some(of_draw))
             };
-            numbers.iter().enumerate().map(of).collect()
+            numbers.iter().enumerate().map(values_of).collect()
         };
         numbers.par_chunks(SIDE_BY_SIDE).map(chunk).collect::<Vec<_>>().into_iter().flatten().collect()
     }
 
     fn statistics(&self, scores: &DVector<f64>) -> Vec<f64> {
-        let of = |(_, places, layout): &(usize, Vec<usize>, Channel)| {
-            let own: Vec<f64> = places.iter().map(|place| scores[*place]).collect();
-            Statistics::of(&own, layout).values
+        let statistics_of = |(_, places, layout): &(usize, Vec<usize>, Channel)| {
+            let of_channel: Vec<f64> = places.iter().map(|place| scores[*place]).collect();
+            Statistics::of(&of_channel, layout).values
         };
-        self.channels.iter().flat_map(of).collect()
+        self.channels.iter().flat_map(statistics_of).collect()
     }
 
     /// The whitened residual of data set `number`.
@@ -335,10 +335,10 @@ impl<'a> Test<'a> {
         let place = |name: &str| frame.covariates.iter().position(|covariate| covariate.name == name);
         let Some(along) = place("calendar").or_else(|| place("age of the edge")) else { return Vec::new() };
         let one = |(index, channel): (usize, &(usize, Vec<usize>, Channel))| {
-            let own = &frame.measured.channels[channel.0];
+            let about = &frame.measured.channels[channel.0];
             let value = self.least_drift(along, Statistic::ALL.len() * index, channel, judged, draws, critical);
-            let what = format!("{} over {}", own.name, frame.covariates[along].name);
-            let unit = if own.transform == Transform::Log { "1" } else { own.unit };
+            let what = format!("{} over {}", about.name, frame.covariates[along].name);
+            let unit = if about.transform == Transform::Log { "1" } else { about.unit };
             LeastSeen { what, value, unit, power: POWER }
         };
         self.channels.par_iter().enumerate().map(one).collect()
@@ -400,18 +400,18 @@ impl<'a> Test<'a> {
                 .map(|group| squares[group.clone()].iter().map(|square| square - mean).sum::<f64>().powi(2))
                 .sum();
             let error = (by_group.sqrt() / count).max((2.0 / count).sqrt());
-            let own = &measured.channels[*channel];
+            let about = &measured.channels[*channel];
             let mut sensor: Vec<f64> =
                 places.iter().map(|place| measured.observations[self.places[*place]].deviation).collect();
             let sensor = toolroom_statistics::median(&mut sensor);
             let mut level: Vec<f64> =
                 places.iter().map(|place| self.fit.linear.raw[self.places[*place]].abs()).collect();
-            let (relative, typical) = (own.transform == Transform::Log, toolroom_statistics::median(&mut level));
+            let (relative, typical) = (about.transform == Transform::Log, toolroom_statistics::median(&mut level));
             // In units of the sheet: a noise that was read off the records is part of what they hold beside it.
             let scale = self.noise.scale[*channel];
             let excess = (mean + super::constants::NINETY * error) * scale * scale - 1.0;
             let level = if relative { 1.0 } else { typical };
-            Structure { channel: own.name, upper: sensor * excess.max(0.0).sqrt(), level, sensor }
+            Structure { channel: about.name, upper: sensor * excess.max(0.0).sqrt(), level, sensor }
         };
         self.channels.iter().map(one).collect()
     }
@@ -425,15 +425,15 @@ fn channel_of(
     design: &Design,
     channel: usize,
 ) -> (usize, Vec<usize>, Channel) {
-    let (mut own, mut groups) = (Vec::new(), Vec::new());
+    let (mut locals, mut groups) = (Vec::new(), Vec::new());
     for rows in design.rows() {
-        let first = own.len();
-        own.extend(rows.filter(|row| measured.observations[places[*row]].channel == channel));
-        groups.push(first..own.len());
+        let first = locals.len();
+        locals.extend(rows.filter(|row| measured.observations[places[*row]].channel == channel));
+        groups.push(first..locals.len());
     }
     let covariate = |covariate: &super::Covariate| -> Vec<f64> {
-        own.iter().map(|row| covariate.values[measured.observations[places[*row]].row]).collect()
+        locals.iter().map(|row| covariate.values[measured.observations[places[*row]].row]).collect()
     };
     let covariates = model.frame().covariates.iter().map(covariate).collect();
-    (channel, own, Channel::new(groups, covariates))
+    (channel, locals, Channel::new(groups, covariates))
 }

@@ -65,12 +65,12 @@ pub fn dictionary(model: &dyn Forward, linear: &Linear) -> Vec<Signature> {
 
 fn relative(model: &dyn Forward, linear: &Linear, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
     let measured = &model.frame().measured;
-    let each = |(i, observation): (usize, &super::Observation)| {
+    let relative_of = |(i, observation): (usize, &super::Observation)| {
         let relative = value(i, observation.row);
         match measured.channels[observation.channel].transform {
             Transform::Log => relative,
             Transform::Linear => relative * linear.raw[i],
         }
     };
-    measured.observations.iter().enumerate().map(each).collect()
+    measured.observations.iter().enumerate().map(relative_of).collect()
 }

@@ -51,16 +51,16 @@ fn batches(
     let white: Vec<Vec<f64>> = all.par_iter().map(|column| noise.whiten(measured, column)).collect();
     let locals: Vec<Vec<f64>> = linear.locals.iter().map(|column| noise.whiten(measured, column)).collect();
     let fitted: Vec<usize> = measured.fitted_groups().collect();
-    let of = |groups: &[usize]| {
+    let part_of = |groups: &[usize]| {
         let spans: Vec<_> = groups.iter().map(|group| measured.spans[*group].clone()).collect();
         let rows = spans.iter().map(|span| span.len()).sum();
         let gathered = |columns: &[Vec<f64>]| {
             let mut matrix = DMatrix::zeros(rows, columns.len());
             for (to, column) in matrix.as_mut_slice().chunks_exact_mut(rows.max(1)).zip(columns) {
-                let mut at = 0;
+                let mut row = 0;
                 for span in &spans {
-                    to[at..at + span.len()].copy_from_slice(&column[span.clone()]);
-                    at += span.len();
+                    to[row..row + span.len()].copy_from_slice(&column[span.clone()]);
+                    row += span.len();
                 }
             }
             matrix
@@ -76,8 +76,8 @@ fn batches(
         Batch { squares: squared(&x), groups }
     };
     match folds {
-        [] if fitted.is_empty() => vec![of(&[])],
-        [] => fitted.par_chunks(BATCH).map(of).collect(),
-        folds => folds.par_iter().map(|groups| of(groups)).collect(),
+        [] if fitted.is_empty() => vec![part_of(&[])],
+        [] => fitted.par_chunks(BATCH).map(part_of).collect(),
+        folds => folds.par_iter().map(|groups| part_of(groups)).collect(),
     }
 }

@@ -110,14 +110,14 @@ fn pushes(push: f64, moved: f64) -> bool {
 fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<Shown> {
     let scores = trial.scores();
     let nuisance = trial.fit.linear.nuisance.len();
-    let at: Vec<usize> = (0..nuisance).collect();
-    let mut matrix = super::gram::part(&trial.gram.total, &at, &at);
+    let shared: Vec<usize> = (0..nuisance).collect();
+    let mut matrix = super::gram::part(&trial.gram.total, &shared, &shared);
     (0..nuisance).for_each(|i| matrix[(i, i)] += 1.0);
     let matrix = super::gram::factor(matrix);
     let row = |(index, candidate): (usize, &super::Candidate)| {
         let entry = entry(model.frame(), candidate.id)?;
         let (factor, unit) = report_units(model.frame(), candidate.id);
-        let moved = matrix.solve(&super::gram::part_column(&trial.gram.total, &at, nuisance + index));
+        let moved = matrix.solve(&super::gram::part_column(&trial.gram.total, &shared, nuisance + index));
         let least = least(model, basis, trial, index, &moved, scores.length[index])
             / between(model, basis, trial, &scores, index);
         let worst = (0..nuisance).max_by(|a, b| moved[*a].abs().total_cmp(&moved[*b].abs()));
@@ -188,18 +188,18 @@ fn between(model: &dyn Forward, basis: &Basis, trial: &Trial, scores: &Scores, i
     let frame = model.frame();
     let effects = &trial.fit.linear.effects;
     let dot = |a: usize, b: usize| -> f64 {
-        let each = effects[a].iter().zip(&effects[b]).enumerate();
-        each.map(|(i, (a, b))| a * b / basis.noise.deviation(&frame.measured, i).powi(2)).sum()
+        let products = effects[a].iter().zip(&effects[b]).enumerate();
+        products.map(|(i, (a, b))| a * b / basis.noise.deviation(&frame.measured, i).powi(2)).sum()
     };
     let alike = |other: &usize| *other != index && frame.candidates[*other].id == frame.candidates[index].id;
     let cosine = |other: usize| (other, dot(index, other) / (dot(index, index) * dot(other, other)).sqrt());
     let near = (0..frame.candidates.len()).filter(alike).map(cosine).filter(|(_, cosine)| *cosine > NEIGHBOURS);
     let Some((other, _)) = near.max_by(|a, b| a.1.total_cmp(&b.1)) else { return 1.0 };
-    let (own, its, common) = (scores.length[index], scores.length[other], scores.cosine[(index, other)]);
-    if own == 0.0 {
+    let (length, its, common) = (scores.length[index], scores.length[other], scores.cosine[(index, other)]);
+    if length == 0.0 {
         return 1.0;
     }
-    (0.5 * (own + its * common).max(its + own * common) / own).clamp(ANYHOW, 1.0)
+    (0.5 * (length + its * common).max(its + length * common) / length).clamp(ANYHOW, 1.0)
 }
 
 #[cfg(test)]

@@ -55,9 +55,9 @@ impl LeftOut {
 /// Columns of the Gram of `trial` that predict groups left out: calibration and effects, no form allowance.
 pub(super) fn scoring(model: &dyn Forward, trial: &Trial) -> Vec<usize> {
     let allowance = model.frame().allowances();
-    let mut at: Vec<usize> = columns(trial.shared, &trial.fit.active);
-    at.retain(|i| *i >= trial.shared || allowance.get(*i).is_some_and(|allowance| !allowance));
-    at
+    let mut columns_used: Vec<usize> = columns(trial.shared, &trial.fit.active);
+    columns_used.retain(|i| *i >= trial.shared || allowance.get(*i).is_some_and(|allowance| !allowance));
+    columns_used
 }
 
 /// The part of a trial that is scored on groups left out.
@@ -76,11 +76,11 @@ struct Scored<'a> {
 
 impl<'a> Scored<'a> {
     fn new(model: &'a dyn Forward, basis: &'a Basis, trial: &'a Trial, folds: &'a [Vec<usize>]) -> Self {
-        let (shared, at) = (trial.shared, scoring(model, trial));
+        let (shared, columns_used) = (trial.shared, scoring(model, trial));
         // No allowance has a reach.
-        let reach: Vec<f64> = at.iter().map_while(|i| trial.reach.get(*i).copied()).collect();
-        let solutions = left_out_solutions(&trial.gram, &at, shared, &reach);
-        Self { model, basis, trial, folds, at, reach, solutions }
+        let reach: Vec<f64> = columns_used.iter().map_while(|i| trial.reach.get(*i).copied()).collect();
+        let solutions = left_out_solutions(&trial.gram, &columns_used, shared, &reach);
+        Self { model, basis, trial, folds, at: columns_used, reach, solutions }
     }
 
     fn linear(&self) -> &Linear {
@@ -136,10 +136,11 @@ impl<'a> Scored<'a> {
     fn without_scatter(&self, left: &mut [f64]) {
         let frame = self.model.frame();
         let linear = self.linear();
-        let own = own_factors(self.model, &self.basis.noise, linear, left, &self.basis.local_scale);
-        for ((column, x), _) in linear.locals.iter().zip(&own).zip(&frame.locals).filter(|(_, local)| local.scatter) {
-            let each = frame.measured.spans.iter().zip(x).flat_map(|(span, x)| span.clone().map(move |row| (row, x)));
-            each.for_each(|(row, x)| left[row] -= column[row] * x);
+        let factors = own_factors(self.model, &self.basis.noise, linear, left, &self.basis.local_scale);
+        for ((column, x), _) in linear.locals.iter().zip(&factors).zip(&frame.locals).filter(|(_, local)| local.scatter)
+        {
+            let by_row = frame.measured.spans.iter().zip(x).flat_map(|(span, x)| span.clone().map(move |row| (row, x)));
+            by_row.for_each(|(row, x)| left[row] -= column[row] * x);
         }
     }
 }

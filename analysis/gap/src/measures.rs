@@ -57,11 +57,11 @@ pub fn usual(before: &[f64], repeats: &[Option<usize>], kinds: &[usize]) -> Vec<
     };
     let alike = medians(&|i| repeats.get(i).copied().flatten(), FEWEST_ALIKE);
     let of_kind = medians(&|i| kinds.get(i).copied(), 1);
-    let own = |i: usize| {
-        let same = repeats.get(i).copied().flatten().and_then(|own| alike.get(&own));
+    let usual_of = |i: usize| {
+        let same = repeats.get(i).copied().flatten().and_then(|repeat| alike.get(&repeat));
         same.or_else(|| of_kind.get(kinds.get(i)?)).copied().unwrap_or(f64::INFINITY)
     };
-    (0..before.len()).map(own).collect()
+    (0..before.len()).map(usual_of).collect()
 }
 
 /// Measures of how far a gap shrinks; `NaN` where there is no gap of that kind.
@@ -140,8 +140,8 @@ mod tests {
 
     fn readings(before: [f64; 8], after: [f64; 8]) -> Vec<Left> {
         let usual = usual(&before, &[], &[0; 8])[0];
-        let own = |(before, after): (f64, f64)| Left { before, after, deviation: 1.0, usual };
-        before.into_iter().zip(after).map(own).collect()
+        let left = |(before, after): (f64, f64)| Left { before, after, deviation: 1.0, usual };
+        before.into_iter().zip(after).map(left).collect()
     }
 
     const BEFORE: [f64; 8] = [6.0, 5.2, 4.1, 5.8, 120.0, 4.7, 5.5, 6.3];
@@ -159,8 +159,8 @@ mod tests {
             (found.rms, 0.0524909),
             (found.robust, 0.122357),
         ];
-        for (own, golden) in golden {
-            assert!((own / golden - 1.0).abs() < 2e-6, "{own} instead of {golden}");
+        for (found, golden) in golden {
+            assert!((found / golden - 1.0).abs() < 2e-6, "{found} instead of {golden}");
         }
         assert_eq!(found.of_closable, 1.0, "1.024 of what lies above the noise is all of it");
     }
@@ -170,8 +170,8 @@ mod tests {
         let before: Vec<f64> = BEFORE.into_iter().chain([110.0, 118.0, 125.0]).collect();
         let places = |repeats: &[Option<usize>], kinds: &[usize]| {
             let usual = usual(&before, repeats, kinds).into_iter();
-            let own = |(before, usual): (&f64, f64)| Left { before: *before, after: 100.0, deviation: 1.0, usual };
-            apart(&before.iter().zip(usual).map(own).collect::<Vec<_>>())
+            let left = |(before, usual): (&f64, f64)| Left { before: *before, after: 100.0, deviation: 1.0, usual };
+            apart(&before.iter().zip(usual).map(left).collect::<Vec<_>>())
         };
         let mut kinds = [0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1];
         assert_eq!(places(&[], &kinds), [4]);

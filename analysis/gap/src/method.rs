@@ -73,10 +73,10 @@ impl<'a> Bare<'a> {
 
     /// The point of this model at a point of the whole one; what was left out is dropped.
     pub fn part(&self, whole: &Point) -> Point {
-        let of = |kept: &[usize], all: &[f64]| kept.iter().map(|i| all.get(*i).copied().unwrap_or(0.0)).collect();
+        let kept_of = |kept: &[usize], all: &[f64]| kept.iter().map(|i| all.get(*i).copied().unwrap_or(0.0)).collect();
         Point {
-            parameters: of(&self.kept[0], &whole.parameters),
-            surfaces: of(&self.kept[1], &whole.surfaces),
+            parameters: kept_of(&self.kept[0], &whole.parameters),
+            surfaces: kept_of(&self.kept[1], &whole.surfaces),
             ..whole.clone()
         }
     }

@@ -44,13 +44,13 @@ impl Noise {
         let deviation = |(observation, residual): (&Observation, &f64)| {
             let channel = &measured.channels[observation.channel];
             let predicted = observation.value - residual;
-            let of = |transformed: f64| match channel.transform {
+            let deviation_of = |transformed: f64| match channel.transform {
                 Transform::Linear => channel.sensor.deviation(transformed),
                 Transform::Log => channel.sensor.deviation(transformed.exp()) / transformed.exp(),
             };
             // What else an observation scatters by stays.
-            let other = observation.deviation.powi(2) - of(observation.value).powi(2);
-            (other.max(0.0) + of(predicted).powi(2)).sqrt()
+            let other = observation.deviation.powi(2) - deviation_of(observation.value).powi(2);
+            (other.max(0.0) + deviation_of(predicted).powi(2)).sqrt()
         };
         let deviations = measured.observations.iter().zip(residual).map(deviation).collect();
         Self::of_deviations(measured, deviations, chains)
@@ -181,8 +181,8 @@ impl Noise {
     fn standardised(&self, measured: &Measured, column: &[f64]) -> Vec<f64> {
         let mut standardised = vec![0.0; column.len()];
         if self.filters.is_empty() {
-            let each = standardised.iter_mut().zip(column).enumerate();
-            each.for_each(|(i, (to, value))| *to = value / self.deviation(measured, i));
+            let entries = standardised.iter_mut().zip(column).enumerate();
+            entries.for_each(|(i, (to, value))| *to = value / self.deviation(measured, i));
             return standardised;
         }
         for (filter, span) in self.filters.iter().zip(&measured.spans) {

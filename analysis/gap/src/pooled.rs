@@ -15,15 +15,16 @@ pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure
         let mut sums: BTreeMap<(usize, &str), [f64; 4]> = BTreeMap::new();
         for (process, model, diagnosed) in parts {
             let measured = &model.frame().measured;
-            let of = |left: &LeftOut| draw.map_or_else(|| left.residual.clone(), |draw| left.drawn(seed, draw));
-            let [base, chosen] = [&diagnosed.held_out[0], &diagnosed.held_out[1]].map(of);
+            let residuals_of =
+                |left: &LeftOut| draw.map_or_else(|| left.residual.clone(), |draw| left.drawn(seed, draw));
+            let [base, chosen] = [&diagnosed.held_out[0], &diagnosed.held_out[1]].map(residuals_of);
             let counts = counted(measured, &touched(*model, diagnosed));
             for group in scored(measured) {
-                let own = sums.entry((*process, measured.groups[group].as_str())).or_default();
+                let sum = sums.entry((*process, measured.groups[group].as_str())).or_default();
                 for i in measured.spans[group].clone().filter(|i| counts[measured.observations[*i].channel]) {
                     let unit = diagnosed.basis.noise.deviation(measured, i);
-                    let each = [huber(base[i] / unit), huber(chosen[i] / unit), 1.0, 1.0];
-                    own.iter_mut().zip(each).for_each(|(sum, value)| *sum += value);
+                    let terms = [huber(base[i] / unit), huber(chosen[i] / unit), 1.0, 1.0];
+                    sum.iter_mut().zip(terms).for_each(|(sum, value)| *sum += value);
                 }
             }
         }

@@ -65,10 +65,13 @@ pub fn diagnosed_processes(asked: &[Asked], seed: u64) -> (Answers, Vec<Vec<Diag
     let (diagnoses, diagnosed): (Vec<_>, Vec<_>) = all.into_iter().unzip();
     let processes = asked.iter().zip(diagnoses).map(|(own, diagnosis)| (own.process, diagnosis)).collect();
     let mut untried: Vec<(&'static str, Untried)> = Vec::new();
-    for (own, part) in asked.iter().flat_map(|own| own.parts.iter().map(move |part| (own, part))) {
+    for (asked_process, part) in
+        asked.iter().flat_map(|asked_process| asked_process.parts.iter().map(move |part| (asked_process, part)))
+    {
         // Parts of a power law leave out the same.
-        let new = part.frame().untried.iter().filter(|each| !untried.contains(&(own.process, (*each).clone())));
-        let new: Vec<_> = new.map(|each| (own.process, each.clone())).collect();
+        let new =
+            part.frame().untried.iter().filter(|each| !untried.contains(&(asked_process.process, (*each).clone())));
+        let new: Vec<_> = new.map(|each| (asked_process.process, each.clone())).collect();
         untried.extend(new);
     }
     (Answers { processes, total, untried }, diagnosed)
@@ -78,9 +81,9 @@ fn answered(asked: &Asked, processes: usize, seed: u64) -> (Diagnosis, Vec<Diagn
     let (mut diagnosis, mut diagnosed) = diagnose_among(&asked.parts, processes, seed);
     // A condition in a wrong unit bends every channel; those that still look possible prove nothing.
     if asked.impossible > 1 && !diagnosis.effects.is_empty() {
-        for own in diagnosed.iter_mut().map(|each| &mut each.diagnosis).chain([&mut diagnosis]) {
-            own.effects.clear();
-            own.verdict = GapVerdict::Unknown;
+        for one in diagnosed.iter_mut().map(|each| &mut each.diagnosis).chain([&mut diagnosis]) {
+            one.effects.clear();
+            one.verdict = GapVerdict::Unknown;
         }
         diagnosis.notes.push("several channels are impossible at once: no effect is named".to_owned());
     }
@@ -99,15 +102,16 @@ impl Answers {
     /// of a list. Several processes are put together in it, and `processes` holds the whole document
     /// of each.
     pub fn json(&self) -> Value {
-        let own: Vec<(&str, Value)> = self.processes.iter().map(|(process, own)| (*process, own.json())).collect();
-        if let [(process, document)] = &own[..] {
+        let documents: Vec<(&str, Value)> =
+            self.processes.iter().map(|(process, answer)| (*process, answer.json())).collect();
+        if let [(process, document)] = &documents[..] {
             let mut document = document.clone();
             LISTS.iter().for_each(|list| document[*list] = tagged(&document, list, process).into());
             document["untried"] = self.untried_json();
             return document;
         }
         let list = |name: &str| -> Vec<Value> {
-            own.iter().flat_map(|(process, document)| tagged(document, name, process)).collect()
+            documents.iter().flat_map(|(process, document)| tagged(document, name, process)).collect()
         };
         let mut places = list("where");
         let score = |place: &Value| place["score"].as_f64().unwrap_or(0.0).abs();
@@ -116,12 +120,14 @@ impl Answers {
         let groups = self
             .processes
             .iter()
-            .flat_map(|(process, own)| own.held_out.iter().map(move |group| format!("{process}: {group}")));
+            .flat_map(|(process, answer)| answer.held_out.iter().map(move |group| format!("{process}: {group}")));
         total["heldout_groups"] = groups.collect::<Vec<_>>().into();
-        let budget = mean_budget(self.processes.iter().map(|(_, own)| own));
+        let budget = mean_budget(self.processes.iter().map(|(_, answer)| answer));
         let notes: Vec<String> = self.notes().collect();
         let mut next = json!({ "design": "", "minutes": 0.0, "separates": [] });
-        if let Some((process, document)) = own.iter().find(|(_, own)| own["next_experiment"]["design"] != "") {
+        if let Some((process, document)) =
+            documents.iter().find(|(_, document)| document["next_experiment"]["design"] != "")
+        {
             next = document["next_experiment"].clone();
             next["process"] = (*process).into();
         }
@@ -132,7 +138,7 @@ impl Answers {
             "calibration": list("calibration"), "ranking": list("ranking"), "tried": list("tried"),
             "not_named": list("not_named"), "untried": self.untried_json(), "notes": notes, "facts": list("facts"),
             "apart": list("apart"),
-            "processes": own.into_iter().map(|(process, own)| (process.to_owned(), own)).collect::<Map<_, _>>(),
+            "processes": documents.into_iter().map(|(process, document)| (process.to_owned(), document)).collect::<Map<_, _>>(),
         })
     }
 
@@ -143,8 +149,8 @@ impl Answers {
             *times.entry(name).or_default() += 1;
         }
         let mut channels = Map::new();
-        for (process, own) in &self.processes {
-            for (name, closure) in &own.channels {
+        for (process, answer) in &self.processes {
+            for (name, closure) in &answer.channels {
                 let key = if times[name] > 1 { format!("{process}.{name}") } else { (*name).to_owned() };
                 channels.insert(key, closure.json(None));
             }
@@ -164,18 +170,18 @@ impl Answers {
     /// Names of the effects that were not tried, process by process; the reasons stand in the report.
     fn untried_line(&self) -> String {
         let several = self.processes.len() > 1;
-        let mut each: Vec<String> = Vec::new();
+        let mut lines: Vec<String> = Vec::new();
         for (process, _) in &self.processes {
             let names = self.untried.iter().filter(|(own, _)| own == process).map(|(_, untried)| untried.id);
             let names = names.collect::<Vec<_>>().join(", ");
             if !names.is_empty() {
-                each.push(if several { format!("{process}: {names}") } else { names });
+                lines.push(if several { format!("{process}: {names}") } else { names });
             }
         }
-        if each.is_empty() {
+        if lines.is_empty() {
             return String::new();
         }
-        format!("\nuntried  {}; --out says why", each.join("; "))
+        format!("\nuntried  {}; --out says why", lines.join("; "))
     }
 
     /// About ten lines that say what was found and what to do.
@@ -184,9 +190,9 @@ impl Answers {
             return only.terminal() + &self.untried_line();
         }
         let mut text = String::new();
-        for (process, own) in &self.processes {
-            let _ = writeln!(text, "{process:8} {}", verdict(own));
-            for effect in &own.effects {
+        for (process, answer) in &self.processes {
+            let _ = writeln!(text, "{process:8} {}", verdict(answer));
+            for effect in &answer.effects {
                 let _ = writeln!(
                     text,
                     "  {}  {} (90 %: {} … {}), probability {:.2}{}",
@@ -208,13 +214,14 @@ impl Answers {
             let _ = writeln!(text, "where    {process}: {} follows {place} (score {:.1})", cell.channel, cell.score);
         }
         if self.verdict() == GapVerdict::Effect {
-            let of = |name: &str, closure: &Closure| {
+            let line_of = |name: &str, closure: &Closure| {
                 let [low, high] = closure.ci90.map(percent);
                 format!("{name} {} (90 %: {low} … {high})", percent(closure.closed))
             };
             let found = self.processes.iter().filter(|(_, own)| !own.effects.is_empty());
-            let each: Vec<String> = found.map(|(process, own)| of(process, &own.total)).collect();
-            let _ = writeln!(text, "closed   on groups left out: {}; {}", each.join(", "), of("in all", &self.total));
+            let shown: Vec<String> = found.map(|(process, answer)| line_of(process, &answer.total)).collect();
+            let _ =
+                writeln!(text, "closed   on groups left out: {}; {}", shown.join(", "), line_of("in all", &self.total));
         }
         let budget = |(process, own): &(&str, Diagnosis)| {
             format!(
@@ -234,8 +241,8 @@ impl Answers {
         if !hidden.is_empty() {
             let _ = writeln!(text, "hidden   {}", hidden.join(", "));
         }
-        if let Some((process, own)) = self.processes.iter().find(|(_, own)| !own.next.design.is_empty()) {
-            let _ = writeln!(text, "next     {process}: {}", own.next.design);
+        if let Some((process, answer)) = self.processes.iter().find(|(_, answer)| !answer.next.design.is_empty()) {
+            let _ = writeln!(text, "next     {process}: {}", answer.next.design);
         }
         let notes: Vec<String> = self.notes().collect();
         let room = LINES.saturating_sub(text.lines().count() + 1);
@@ -280,22 +287,22 @@ impl Answers {
             .reference(0.0, "nothing");
         let mut table = Table::new(["process", "verdict", "effects", "closed, %", "90 % from", "to", "groups scored"]);
         let all = self.processes.iter().map(|(process, own)| (*process, Some(own), &own.total));
-        for (process, own, closure) in all.chain([("in all", None, &self.total)]) {
+        for (process, answer, closure) in all.chain([("in all", None, &self.total)]) {
             let [closed, low, high] = [closure.closed, closure.ci90[0], closure.ci90[1]].map(|share| 100.0 * share);
             if closed.is_finite() {
                 chart = chart.row(process, Estimate::new(closed, low, high));
             }
-            let effects = |own: &Diagnosis| {
-                own.effects.iter().map(|effect| named(effect.id, &effect.shape)).collect::<Vec<_>>().join(", ")
+            let effects = |answer: &Diagnosis| {
+                answer.effects.iter().map(|effect| named(effect.id, &effect.shape)).collect::<Vec<_>>().join(", ")
             };
             table.push([
                 process.into(),
-                own.map_or_else(|| self.verdict(), |own| own.verdict).name().into(),
-                own.map_or_else(String::new, effects).into(),
+                answer.map_or_else(|| self.verdict(), |answer| answer.verdict).name().into(),
+                answer.map_or_else(String::new, effects).into(),
                 closed.into(),
                 low.into(),
                 high.into(),
-                own.map_or_else(String::new, |own| own.held_out.len().to_string()).into(),
+                answer.map_or_else(String::new, |answer| answer.held_out.len().to_string()).into(),
             ]);
         }
         Section::new("All processes")

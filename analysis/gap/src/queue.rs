@@ -72,15 +72,15 @@ pub fn queues(shop: &Shop, seen: &Visits, stated: &Stated, diagnosis: &Diagnosis
     let calls = calls(seen);
     let model = Occupation::new(shop, seen, stated, diagnosis);
     let one = |pool: &Vec<usize>| {
-        let mut own: Vec<&Call<'_>> = calls.iter().filter(|call| pool.contains(&call.visit.machine)).collect();
-        own.sort_by(|a, b| a.ready.total_cmp(&b.ready));
-        let scored: Vec<usize> = (0..own.len()).filter(|at| own[*at].known).collect();
-        let days: BTreeSet<i64> = scored.iter().map(|at| (own[*at].ready / DAY).floor() as i64).collect();
+        let mut in_pool: Vec<&Call<'_>> = calls.iter().filter(|call| pool.contains(&call.visit.machine)).collect();
+        in_pool.sort_by(|a, b| a.ready.total_cmp(&b.ready));
+        let scored: Vec<usize> = (0..in_pool.len()).filter(|at| in_pool[*at].known).collect();
+        let days: BTreeSet<i64> = scored.iter().map(|at| (in_pool[*at].ready / DAY).floor() as i64).collect();
         if scored.len() < WAITS || days.len() < DAYS {
             return None;
         }
-        let wait = |at: &usize| (own[*at].visit.start - own[*at].ready).max(0.0);
-        let [without, with] = [false, true].map(|effects| fit(seen, pool, &own, &scored, &model, effects, seed));
+        let wait = |at: &usize| (in_pool[*at].visit.start - in_pool[*at].ready).max(0.0);
+        let [without, with] = [false, true].map(|effects| fit(seen, pool, &in_pool, &scored, &model, effects, seed));
         Some(QueueScore {
             machines: pool.iter().map(|machine| seen.machines[*machine].clone()).collect(),
             waits: scored.len(),
@@ -116,8 +116,9 @@ impl QueueScore {
 fn pools(seen: &Visits) -> Vec<Vec<usize>> {
     let mut pools: Vec<(BTreeSet<usize>, BTreeSet<usize>)> = Vec::new();
     for machine in 0..seen.machines.len() {
-        let own = seen.list.iter().filter(|visit| visit.machine == machine);
-        let mut merged = (BTreeSet::from([machine]), own.map(|visit| visit.program).collect::<BTreeSet<usize>>());
+        let of_machine = seen.list.iter().filter(|visit| visit.machine == machine);
+        let mut merged =
+            (BTreeSet::from([machine]), of_machine.map(|visit| visit.program).collect::<BTreeSet<usize>>());
         let (same, other) = pools.into_iter().partition(|(_, programs)| !programs.is_disjoint(&merged.1));
         pools = other;
         for (machines, programs) in same {
@@ -134,10 +135,11 @@ fn calls(seen: &Visits) -> Vec<Call<'_>> {
     let mut jobs: BTreeMap<&str, Vec<&Visit>> = BTreeMap::new();
     seen.list.iter().for_each(|visit| jobs.entry(&visit.job).or_default().push(visit));
     let mut calls = Vec::with_capacity(seen.list.len());
-    for own in jobs.values_mut() {
-        own.sort_by(|a, b| a.start.total_cmp(&b.start));
-        for (at, visit) in own.iter().enumerate() {
-            let before = at.checked_sub(1).map(|before| own[before]).filter(|before| before.program != visit.program);
+    for visits in jobs.values_mut() {
+        visits.sort_by(|a, b| a.start.total_cmp(&b.start));
+        for (index, visit) in visits.iter().enumerate() {
+            let before =
+                index.checked_sub(1).map(|before| visits[before]).filter(|before| before.program != visit.program);
             let ready = before.map_or(visit.start, |before| before.end.min(visit.start));
             calls.push(Call { visit, ready, known: before.is_some() });
         }
@@ -186,9 +188,9 @@ impl Acting {
         Self { id: effect.id, as_recorded: effect.shape == "as recorded", scope, size: effect.size }
     }
 
-    fn stated(own: &Deviation) -> Self {
-        let size = if own.id == "micro_stops" { own.size * 3600.0 } else { own.size };
-        Self { id: own.id, as_recorded: own.recorded.is_some(), scope: own.scope.clone(), size }
+    fn stated(deviation: &Deviation) -> Self {
+        let size = if deviation.id == "micro_stops" { deviation.size * 3600.0 } else { deviation.size };
+        Self { id: deviation.id, as_recorded: deviation.recorded.is_some(), scope: deviation.scope.clone(), size }
     }
 }
 
@@ -291,8 +293,8 @@ fn fit(
     let mut others = vec![Days::default(); REPLICATIONS];
     let mut means = vec![0.0; REPLICATIONS];
     let mut probabilities = Vec::with_capacity(scored.len());
-    for at in scored {
-        let (call, replicated) = (calls[*at], &waits[*at]);
+    for place in scored {
+        let (call, replicated) = (calls[*place], &waits[*place]);
         let day = (call.ready / DAY).floor() as i64;
         let u = rank(call.visit.start - call.ready, replicated, 0.0, random.random());
         days.add(day, u);

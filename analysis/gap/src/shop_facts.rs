@@ -97,8 +97,8 @@ fn of_failures(shop: &Shop, seen: &Visits, shaped: bool, seed: u64) -> Vec<Fact>
         facts.extend(of_mode(mode, place, &all, shaped, seed));
         if machines.len() > 1 {
             for machine in machines {
-                let own = [&seen.breakdowns[*machine]];
-                facts.extend(of_mode(mode, seen.machines[*machine].clone(), &own, true, seed));
+                let breakdowns = [&seen.breakdowns[*machine]];
+                facts.extend(of_mode(mode, seen.machines[*machine].clone(), &breakdowns, true, seed));
             }
         }
     }
@@ -129,14 +129,14 @@ fn of_mode(mode: &FailureMode, place: String, all: &[&Breakdowns], shaped: bool,
 
 /// Lives of the edges of every machine.
 fn of_edges(shop: &Shop, seen: &Visits) -> Vec<Fact> {
-    let of = |(machine, name): (usize, &String)| {
+    let lives_of = |(machine, name): (usize, &String)| {
         let ended = seen.edge_lives.iter().filter(|own| own.0 == machine);
         let ages = seen.edge_ages.iter().filter(|own| own.0 == machine);
         let mut recorded: Vec<Life> = ended.map(|own| Life { time: own.2, ended: true }).collect();
         recorded.extend(ages.map(|own| Life { time: own.1, ended: false }));
         lives(name, &recorded, &shop.station(name)?.lives, LIFE)
     };
-    seen.machines.iter().enumerate().filter_map(of).collect()
+    seen.machines.iter().enumerate().filter_map(lives_of).collect()
 }
 
 /// How loading and unloading scatters at every machine, among operations of one program in one shift. Delays of operators
@@ -147,7 +147,7 @@ fn of_handling(shop: &Shop, seen: &Visits, stated: &Stated) -> Vec<Fact> {
         let delays = stated.deviations.iter().filter(|own| own.id == "operator_delay" && own.scope.holds(&place));
         delays.map(|own| own.size).sum()
     };
-    let of = |(machine, name): (usize, &String)| {
+    let times_of = |(machine, name): (usize, &String)| {
         let mut alike: BTreeMap<(usize, String), Vec<f64>> = BTreeMap::new();
         for visit in seen.list.iter().filter(|visit| visit.machine == machine) {
             let handling = visit.handling - late(visit);
@@ -158,7 +158,7 @@ fn of_handling(shop: &Shop, seen: &Visits, stated: &Stated) -> Vec<Fact> {
         let recorded: Vec<Vec<f64>> = alike.into_values().collect();
         spread(Quantity::HandlingScatter, name, &recorded, &shop.station(name)?.handling)
     };
-    seen.machines.iter().enumerate().filter_map(of).collect()
+    seen.machines.iter().enumerate().filter_map(times_of).collect()
 }
 
 fn of_queue(score: &QueueScore, explained: bool) -> Option<Fact> {

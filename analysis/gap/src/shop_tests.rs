@@ -193,8 +193,8 @@ fn queues_of_the_true_shop_fit_and_slow_machines_show_in_them() {
         diagnosis.calibration.clear();
         queues(shop, &visits(records), &Stated::default(), &diagnosis, 1)
     };
-    let own = scored(&recorded(7, &[]));
-    let mills = own.iter().find(|score| score.machines == ["M1", "M2"]).expect("a pool of mills");
+    let scores = scored(&recorded(7, &[]));
+    let mills = scores.iter().find(|score| score.machines == ["M1", "M2"]).expect("a pool of mills");
     assert!(mills.waits > 500 && mills.without.score.abs() < 2.5 && mills.without.area < 0.1, "{mills:?}");
     assert_eq!(mills.without, mills.with);
     let late = scored(&recorded(7, &[Deviation::new("operator_delay", 40.0)]));
@@ -251,8 +251,9 @@ fn with_facts(records: &Records) -> Diagnosis {
 
 /// Findings of a diagnosis.
 fn found(diagnosis: &Diagnosis) -> Vec<(Quantity, &str)> {
-    let of = |finding: &Finding| (diagnosis.facts[finding.fact].quantity, diagnosis.facts[finding.fact].place.as_str());
-    diagnosis.findings.iter().map(of).collect()
+    let found =
+        |finding: &Finding| (diagnosis.facts[finding.fact].quantity, diagnosis.facts[finding.fact].place.as_str());
+    diagnosis.findings.iter().map(found).collect()
 }
 
 #[test]

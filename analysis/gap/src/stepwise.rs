@@ -152,18 +152,18 @@ pub(super) fn further(context: Diagnosing<'_>, decision: &mut Decision, index: u
 /// exchanged, since what was best alone need not be best beside the others.
 pub(super) fn swapped(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> Option<usize> {
     let Diagnosing { model, basis, folds, .. } = context;
-    let own = decision.trials[index].clone();
+    let trial = decision.trials[index].clone();
     let without = |place: usize| {
-        let mut active = own.fit.active.clone();
+        let mut active = trial.fit.active.clone();
         active.remove(place);
-        let left = context.trial(&own.fit, &active).complete(model, basis, folds);
-        beside(model, &left, 1).pop().filter(|other| *other != own.fit.active)
+        let left = context.trial(&trial.fit, &active).complete(model, basis, folds);
+        beside(model, &left, 1).pop().filter(|other| *other != trial.fit.active)
     };
-    let places: Vec<usize> = (0..own.fit.active.len()).collect();
+    let places: Vec<usize> = (0..trial.fit.active.len()).collect();
     let mut sought: Vec<Vec<usize>> = places.into_par_iter().filter_map(without).collect();
     sought.dedup();
     let other = best(context, decision, index, &sought)?;
-    let better = gain(&decision.trials[other].evidence, &own.evidence) > GATE;
+    let better = gain(&decision.trials[other].evidence, &trial.evidence) > GATE;
     better.then_some(other)
 }
 

@@ -17,9 +17,9 @@ pub(super) fn columns(model: &dyn Forward, linear: &Linear, active: &[usize], si
         let contribution: Vec<f64> = linear.effects[*index].iter().map(|slope| slope * size).collect();
         // An effect that is there or not has no other exponent: rows without it do not count.
         let mean_square = |channel: usize| {
-            let own = contribution.iter().zip(&measured.observations);
-            let own = own.filter(|(value, each)| each.channel == channel && **value != 0.0);
-            let (sum, count) = own.fold((0.0, 0.0), |(sum, count), (value, _)| (sum + value * value, count + 1.0));
+            let pairs = contribution.iter().zip(&measured.observations);
+            let pairs = pairs.filter(|(value, each)| each.channel == channel && **value != 0.0);
+            let (sum, count) = pairs.fold((0.0, 0.0), |(sum, count), (value, _)| (sum + value * value, count + 1.0));
             if count > 0.0 { sum / count } else { 0.0 }
         };
         let levels: Vec<f64> = (0..measured.channels.len()).map(mean_square).map(f64::sqrt).collect();
@@ -29,16 +29,16 @@ pub(super) fn columns(model: &dyn Forward, linear: &Linear, active: &[usize], si
                 let share = value.abs() / levels[*channel];
                 if share > 0.0 { value * share.ln() } else { 0.0 }
             };
-            let of = |change: &dyn Fn(f64) -> f64| -> Vec<f64> {
-                let each = contribution.iter().zip(&measured.observations);
-                let inside = |(value, each): (&f64, &super::Observation)| {
-                    if each.channel == *channel { TOLERANCE * change(*value) } else { 0.0 }
+            let moments_of = |change: &dyn Fn(f64) -> f64| -> Vec<f64> {
+                let pairs = contribution.iter().zip(&measured.observations);
+                let inside = |(value, observation): (&f64, &super::Observation)| {
+                    if observation.channel == *channel { TOLERANCE * change(*value) } else { 0.0 }
                 };
-                each.map(inside).collect()
+                pairs.map(inside).collect()
             };
-            columns.push(of(&bent));
+            columns.push(moments_of(&bent));
             if touched.len() > 1 {
-                columns.push(of(&|value| value));
+                columns.push(moments_of(&|value| value));
             }
         }
     }

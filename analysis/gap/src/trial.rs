@@ -76,9 +76,9 @@ impl Trial {
         let tolerance = tolerance(model, basis, &fit);
         let gram = gram(model, basis, &fit, &tolerance, &[], folds);
         let shared = fit.linear.nuisance.len() + tolerance.len();
-        let at = columns(shared, &fit.active);
+        let columns_used = columns(shared, &fit.active);
         let two_sided: Vec<bool> = model.frame().candidates.iter().map(super::Candidate::two_sided).collect();
-        let evidence = evidence(&gram, &at, shared, &|column| two_sided[column - shared]);
+        let evidence = evidence(&gram, &columns_used, shared, &|column| two_sided[column - shared]);
         Self { fit, gram, shared, evidence, reach: Vec::new(), two_sided }
     }
 
@@ -122,13 +122,13 @@ impl Trial {
         let allowance = model.frame().allowances();
         let calibration: Vec<usize> = (0..allowance.len()).filter(|i| !allowance[*i]).collect();
         let both: Vec<usize> = (0..allowance.len()).collect();
-        let own = self.shared + candidate;
+        let column = self.shared + candidate;
         let total = &self.gram.total;
         let left = |nuisance: &[usize]| {
             let mut matrix = part(total, nuisance, nuisance);
             (0..nuisance.len()).for_each(|i| matrix[(i, i)] += 1.0);
-            let cross = part_column(total, nuisance, own);
-            total[(own, own)] - cross.dot(&factor(matrix).solve(&cross))
+            let cross = part_column(total, nuisance, column);
+            total[(column, column)] - cross.dot(&factor(matrix).solve(&cross))
         };
         let before = left(&calibration);
         if before > 0.0 { 1.0 - left(&both) / before } else { 1.0 }
@@ -137,15 +137,15 @@ impl Trial {
     /// Standard error of each active size over groups left out, in ordinary sizes.
     pub fn jackknife(&self) -> Vec<f64> {
         let nuisance = self.shared;
-        let at = columns(nuisance, &self.fit.active);
-        let solutions = super::evidence::left_out_solutions(&self.gram, &at, nuisance, &[]);
+        let columns_used = columns(nuisance, &self.fit.active);
+        let solutions = super::evidence::left_out_solutions(&self.gram, &columns_used, nuisance, &[]);
         let count = solutions.len() as f64;
         let error = |i: usize| {
             let mean = solutions.iter().map(|solution| solution[i]).sum::<f64>() / count;
             let squares: f64 = solutions.iter().map(|solution| (solution[i] - mean).powi(2)).sum();
             ((count - 1.0) / count * squares).sqrt()
         };
-        (nuisance..at.len()).map(error).collect()
+        (nuisance..columns_used.len()).map(error).collect()
     }
 
     /// Sizes of the active candidates, in ordinary sizes.
@@ -169,9 +169,9 @@ impl Trial {
     /// Posterior standard deviations of nuisance, form tolerance and active sizes.
     fn posterior(&self) -> Vec<f64> {
         let nuisance = self.shared;
-        let at = columns(nuisance, &self.fit.active);
-        let mut matrix = part(&self.gram.total, &at, &at);
-        for i in 0..at.len() {
+        let columns_used = columns(nuisance, &self.fit.active);
+        let mut matrix = part(&self.gram.total, &columns_used, &columns_used);
+        for i in 0..columns_used.len() {
             matrix[(i, i)] += if i < nuisance { 1.0 } else { super::evidence::EFFECT_PRIOR.powi(-2) };
         }
         inverse_diagonal(&factor(matrix)).iter().map(|variance| variance.sqrt()).collect()
@@ -206,8 +206,8 @@ pub(crate) fn gram(
     // A candidate whose derivative nobody asked for is as one that cannot be seen.
     let none = vec![0.0; linear.raw.len()];
     let effects = linear.effects.iter().map(|column| if column.is_empty() { &none } else { column });
-    let own = linear.nuisance.iter().chain(tolerance).chain(effects).map(Vec::as_slice);
-    let columns: Vec<&[f64]> = own.chain(more.iter().copied()).collect();
+    let fitted = linear.nuisance.iter().chain(tolerance).chain(effects).map(Vec::as_slice);
+    let columns: Vec<&[f64]> = fitted.chain(more.iter().copied()).collect();
     let residual = offset_residual(model, linear, &fit.active);
     super::gram::normal_equations(
         &model.frame().measured,
@@ -251,8 +251,8 @@ pub fn remainder(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], trial
     let tolerance = tolerance(model, basis, fit);
     let nuisance = fit.linear.nuisance.len() + tolerance.len();
     let active = fit.active.iter().map(|index| &fit.linear.effects[*index]);
-    let own = fit.linear.nuisance.iter().chain(&tolerance).chain(active);
-    let mut columns: Vec<&[f64]> = own.map(Vec::as_slice).collect();
+    let fitted = fit.linear.nuisance.iter().chain(&tolerance).chain(active);
+    let mut columns: Vec<&[f64]> = fitted.map(Vec::as_slice).collect();
     let first = columns.len();
     columns.extend(dictionary.iter().map(|signature| signature.column.as_slice()));
     let residual = offset_residual(model, &fit.linear, &fit.active);
@@ -274,7 +274,7 @@ pub fn remainder(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], trial
     let strongest =
         (0..dictionary.len()).max_by(|a, b| scores.score[*a].abs().total_cmp(&scores.score[*b].abs())).unwrap_or(0);
     columns = columns[..first].iter().copied().chain(columns.get(first + strongest).copied()).collect();
-    let at: Vec<usize> = (0..columns.len()).collect();
-    let evidence = evidence(&gram(&columns, folds), &at, nuisance, &|_| true);
+    let all_columns: Vec<usize> = (0..columns.len()).collect();
+    let evidence = evidence(&gram(&columns, folds), &all_columns, nuisance, &|_| true);
     Remainder { dictionary, scores, threshold, strongest, evidence }
 }

@@ -111,8 +111,8 @@ fn rejected(fit: Option<&Fitness>) -> String {
 impl Diagnosis {
     /// What to say of the constant that calibration moved furthest, if that is further than is believed.
     pub fn constant(&self) -> Option<String> {
-        let own = self.calibration.iter().filter(|each| each.constant);
-        let furthest = own.max_by(|a, b| a.prior_sd_moved.abs().total_cmp(&b.prior_sd_moved.abs()))?;
+        let constants = self.calibration.iter().filter(|each| each.constant);
+        let furthest = constants.max_by(|a, b| a.prior_sd_moved.abs().total_cmp(&b.prior_sd_moved.abs()))?;
         (furthest.prior_sd_moved.abs() > FAR_CONSTANT).then(|| {
             format!(
                 "the constant `{}` is off: calibrated {:.4} ({:.4} … {:.4}), {:.1} prior standard deviations from nominal",

@@ -190,11 +190,11 @@ fn minutes(runs: &Records) -> f64 {
     let count = runs.len() as f64;
     let turning = |revolutions: &[f64]| -> f64 {
         let speeds = runs.numbers("work_rotation_speed");
-        let each = revolutions.iter().enumerate().map(|(row, revolutions)| {
+        let rows = revolutions.iter().enumerate().map(|(row, revolutions)| {
             let speed = speeds.map_or(f64::NAN, |speeds| speeds[row]);
             if speed > 0.0 { revolutions * std::f64::consts::TAU / speed } else { 0.0 }
         });
-        each.sum()
+        rows.sum()
     };
     let cutting = match (runs.numbers("cutting_time"), runs.numbers("revolutions")) {
         (Some(times), _) => times.iter().filter(|time| time.is_finite()).sum(),
