@@ -437,12 +437,11 @@ pub fn life_at(
         .collect();
     levels.sort_by(f64::total_cmp);
     next.sort_by(f64::total_cmp);
-    let order_value = order_quantile;
     LifeAt {
         condition,
-        median: at(&levels, 0.5),
-        ci90: [at(&levels, 0.05), at(&levels, 0.95)],
-        next_edge90: [at(&next, 0.05), at(&next, 0.95)],
+        median: order_quantile(&levels, 0.5),
+        ci90: [order_quantile(&levels, 0.05), order_quantile(&levels, 0.95)],
+        next_edge90: [order_quantile(&next, 0.05), order_quantile(&next, 0.95)],
         tested,
     }
 }
@@ -453,8 +452,8 @@ fn usual_cut(measured: &Measured) -> Condition {
         edge.stretches.first().map(|stretch| stretch.condition).or(edge.life.map(|(condition, _)| condition))
     };
     let mut best = (0, 0);
-    for (index, condition) in measured.conditions.iter().enumerate() {
-        let same = |other: &Condition| other.quantities()[1..] == condition.quantities()[1..];
+    for (index, known) in measured.conditions.iter().enumerate() {
+        let same = |other: &Condition| other.quantities()[1..] == known.quantities()[1..];
         let count = measured
             .edges
             .iter()

@@ -230,7 +230,7 @@ impl Common<'_> {
             };
             let density = &mut |z: f64, stride: usize| joint(z, stride, held);
             let top = match z {
-                Some(z) => (z, at(z, 1)),
+                Some(z) => (z, density(z, 1)),
                 None => mode(density, read.len(), start),
             };
             if well_read { few_nodes(density, top) } else { nine_nodes(density, top) }
