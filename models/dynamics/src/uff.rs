@@ -244,14 +244,14 @@ fn function(cursor: &mut Cursor<'_>, header: &str, start: usize) -> Result<Funct
         }
         flat
     };
-    let start = usize::from(!even);
+    let of_value = usize::from(!even);
     let rows = || flat.chunks_exact(parts).take(promised);
     let frequencies = if even {
         (0..promised).map(|i| first + step * i as f64).collect()
     } else {
         rows().map(|row| row[0]).collect()
     };
-    let values = rows().map(|row| Complex::new(row[start], if complex { row[start + 1] } else { 0.0 })).collect();
+    let values = rows().map(|row| Complex::new(row[of_value], if complex { row[of_value + 1] } else { 0.0 })).collect();
     Ok(Function { line: start, kind, response, force, double, frequencies, values, types, labels })
 }
 
