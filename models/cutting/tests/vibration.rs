@@ -318,4 +318,10 @@ fn milling_chatter_is_that_of_a_simulation() {
         assert_eq!(milling.vibration(&x, &u), vibration);
     }
     assert!(judged >= 4, "{judged}");
+    // Far beyond its limit a cut leaves chatter marks still: the forced response, which grows with the depth, does not hide them.
+    let deep = |depth_of_cut: f64| {
+        milling.vibration(&milling.initial(), &MillingInput { depth_of_cut, cutting_speed: 1.31, ..Default::default() })
+    };
+    let (near, far) = (deep(1.6e-3), deep(60e-3));
+    assert!(near.chatter > 0.0 && far.chatter > 0.5 * near.chatter, "{near:?} {far:?}");
 }

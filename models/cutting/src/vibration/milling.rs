@@ -226,8 +226,10 @@ impl MillingStructure {
         let ratio = at.depth / boundary.limit;
         let cycle = self.cycle(at, ratio).unwrap_or_else(|| boundary.tabulated(ratio));
         let vibration = quiet.chattering(boundary.kind, &cycle, at.feed_per_tooth, &self.regeneration);
-        // The cycle holds what the teeth force.
-        Vibration { chatter: (vibration.chatter - quiet.forced).max(f64::MIN_POSITIVE), ..vibration }
+        // The cycle holds what the teeth force. Beyond the limit the response of a stable cut is none any more: what they
+        // force stays that of the limit, and all else is chatter.
+        let forced = quiet.forced / ratio;
+        Vibration { forced, chatter: (vibration.chatter - forced).max(f64::MIN_POSITIVE), ..vibration }
     }
 
     /// The limit cycle at a `ratio` of depth to limit, between those of two ratios at a rounded speed and process damping; none
