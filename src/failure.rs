@@ -116,7 +116,7 @@ impl Failure {
     }
 
     fn plain(&self, voice: &Voice, message: impl fmt::Display, help: Option<&str>, code: u8) -> ExitCode {
-        told(voice, self.code(), &message.to_string(), help);
+        report_on(voice, self.code(), &message.to_string(), help);
         voice.error(format_args!("error: {message}"));
         if let Some(help) = help {
             voice.error(format_args!("  help: {help}"));
@@ -180,7 +180,7 @@ impl From<KindError> for Failure {
 }
 
 /// Tells a program that asked for JSON why there is no result, unless one was printed before.
-pub fn told(voice: &Voice, code: &str, message: &str, help: Option<&str>) {
+pub fn report_on(voice: &Voice, code: &str, message: &str, help: Option<&str>) {
     if voice.json && !voice.has_spoken() {
         let error = serde_json::json!({ "code": code, "message": message, "help": help });
         // Where standard output is gone there is nobody to tell.

@@ -66,26 +66,26 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     })
 }
 
-/// Boundaries, operating points and what was asked for beside the grid, then every file.
+/// Boundaries, operating points and what was requested beside the grid, then every file.
 fn finish(
     file: &FormFile<LobesFile>,
     grid: Option<Lobes>,
     origin: &Origin<'_>,
-    asked: Option<&LobesArgs>,
+    requested: Option<&LobesArgs>,
     out: OutputDir,
     voice: &Voice,
 ) -> Result<(), Failure> {
     let mut study = ChartStudy::new(&file.content, grid).map_err(refused)?;
-    if let Some(asked) = asked {
-        workbench(&mut study, asked, voice)?;
+    if let Some(requested) = requested {
+        workbench(&mut study, requested, voice)?;
     }
     for warning in study.holes() {
         voice.say(format_args!("warning: {warning}"));
     }
     let inputs = [(origin.file.to_owned(), file.text.as_bytes())];
     let changes = origin.changes.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
-    let asked = asked.map_or_else(Vec::new, arguments);
-    let provenance = provenance("lobes", &inputs, changes.chain(asked), None);
+    let requested = requested.map_or_else(Vec::new, arguments);
+    let provenance = provenance("lobes", &inputs, changes.chain(requested), None);
     let (summary, files) = study.files(&file.echo, provenance.clone());
     out.put_all(&files)?;
     out.record(&provenance, origin.start.elapsed())?;
@@ -100,25 +100,25 @@ fn finish(
     Ok(())
 }
 
-/// What is asked for beside the chart, as it has to be typed.
-fn arguments(asked: &LobesArgs) -> Vec<String> {
-    let mut typed: Vec<String> = asked.show.iter().flat_map(|map| ["--show".to_owned(), map.clone()]).collect();
-    if asked.best {
-        typed.extend(["--best".to_owned(), "--probability".to_owned(), asked.probability.to_string()]);
+/// What is requested beside the chart, as it has to be typed.
+fn arguments(requested: &LobesArgs) -> Vec<String> {
+    let mut typed: Vec<String> = requested.show.iter().flat_map(|map| ["--show".to_owned(), map.clone()]).collect();
+    if requested.best {
+        typed.extend(["--best".to_owned(), "--probability".to_owned(), requested.probability.to_string()]);
     }
-    typed.extend(asked.robust.iter().flat_map(|depth| ["--robust".to_owned(), depth.clone()]));
+    typed.extend(requested.robust.iter().flat_map(|depth| ["--robust".to_owned(), depth.clone()]));
     typed
 }
 
-/// Robust speeds, the best point and maps, as they are asked for.
-fn workbench(study: &mut ChartStudy<'_>, asked: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
+/// Robust speeds, the best point and maps, as they are requested.
+fn workbench(study: &mut ChartStudy<'_>, requested: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     let failed = |error: MapError| match error {
         MapError::Refused(error) => refused(error),
         error @ (MapError::Process { .. } | MapError::NoFeed { .. }) => {
             Failure::argument(error, "see docs/dynamics.md")
         }
     };
-    if let Some(depth) = &asked.robust {
+    if let Some(depth) = &requested.robust {
         let speed = study.file.cut.axes().speed;
         let start = format!("{} {}", speed.shown(study.file.chart.speed.start), speed.unit);
         let place = study.file.cut.place(&start, depth);
@@ -129,17 +129,17 @@ fn workbench(study: &mut ChartStudy<'_>, asked: &LobesArgs, voice: &Voice) -> Re
             return Err(Failure::argument(message, "leave out --robust"));
         }
     }
-    if asked.best {
-        if !(0.5..1.0).contains(&asked.probability) {
-            let message = format!("a probability of {} is not within 0.5 … 1", asked.probability);
+    if requested.best {
+        if !(0.5..1.0).contains(&requested.probability) {
+            let message = format!("a probability of {} is not within 0.5 … 1", requested.probability);
             return Err(Failure::argument(message, "write for example --probability 0.95"));
         }
-        study.best = Best::of(study, asked.probability).map_err(failed)?;
+        study.best = Best::of(study, requested.probability).map_err(failed)?;
         if study.best.is_none() {
             voice.say(format_args!("warning: no point of the chart is stable with this probability within all limits"));
         }
     }
-    for word in &asked.show {
+    for word in &requested.show {
         // The words are checked with the arguments.
         if let Some(kind) = MapKind::from_word(word)
             && !study.maps.iter().any(|map| map.kind == kind)

@@ -69,7 +69,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Ends with what clap says of a command line that cannot be understood; as JSON, too, where that was asked for.
+/// Ends with what clap says of a command line that cannot be understood; as JSON, too, where that was requested.
 fn refused(error: &clap::Error) -> ! {
     if error.use_stderr() && std::env::args_os().any(|argument| argument == "--json") {
         let voice = Voice::new(&args::Common {

@@ -90,8 +90,8 @@ def examples(program):
     assert len(kinds) > 10, usage
     for kind in kinds:
         with tempfile.TemporaryDirectory() as folder:
-            told = subprocess.run([program, "new", kind, folder + "/new", "--json"], capture_output=True, text=True, check=True)
-            for command in json.loads(told.stdout)["next"]:
+            answer = subprocess.run([program, "new", kind, folder + "/new", "--json"], capture_output=True, text=True, check=True)
+            for command in json.loads(answer.stdout)["next"]:
                 start = time.monotonic()
                 words = shlex.split(command)
                 assert words[0] == "toolroom", command

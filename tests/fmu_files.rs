@@ -88,15 +88,15 @@ fn a_package_goes_into_the_file_that_is_named_and_takes_the_place_of_no_other() 
         (output.status.code(), text(&output.stderr))
     };
     for (more, version) in [(&[][..], "3.0"), (&["--fmi", "2"], "2.0")] {
-        let (code, told) = export(more);
-        assert_eq!(code, Some(0), "{told}");
+        let (code, message) = export(more);
+        assert_eq!(code, Some(0), "{message}");
         let info = toolroom(&["fmu", "info", &mine.display().to_string(), "--json"]);
         let info: Value = serde_json::from_slice(&info.stdout).expect("JSON");
         assert_eq!(info["fmi_version"], version);
         std::fs::remove_file(&mine).expect("a file");
     }
     std::fs::write(&mine, "mine").expect("writable");
-    let (code, told) = export(&["--fmi", "3"]);
-    assert!(code == Some(2) && told.contains("was changed since toolroom wrote it"), "{told}");
+    let (code, message) = export(&["--fmi", "3"]);
+    assert!(code == Some(2) && message.contains("was changed since toolroom wrote it"), "{message}");
     assert_eq!(std::fs::read_to_string(&mine).expect("there"), "mine");
 }

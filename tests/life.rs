@@ -144,7 +144,7 @@ fn lives_that_no_edge_has_are_refused_and_others_of_any_size_are_fitted() {
     let file = folder.join("lives.csv");
     let out = folder.join("out");
     let fit = ["life", "--fit", text(&file), "--out", text(&out), "--bootstrap", "20", "--goodness", "19", "--json"];
-    // Each among lives that are fine: line, value and fix are told.
+    // Each among lives that are fine: line, value and fix are reported.
     for wrong in ["0", "-3", "1e200", "1e300", "1e-300", "1e13", "inf", "-inf", "NaN", "1e400", "", "x"] {
         fs::write(&file, format!("life [min],group\n12,a\n{wrong},a\n17,a\n21,a\n")).unwrap();
         let said = refused(&fit);

@@ -195,12 +195,12 @@ fn a_boundary_alone_is_the_exact_limit() {
 
 #[test]
 fn the_shipped_bar_and_chuck_are_charts() {
-    for (name, told) in [(BAR, "roughing"), (CHUCK, "limit at lag 40 us: least 0.0423 at speed ratio 2")] {
+    for (name, message) in [(BAR, "roughing"), (CHUCK, "limit at lag 40 us: least 0.0423 at speed ratio 2")] {
         let out = directory("lobes", &name.replace('/', "-")).join("out").display().to_string();
         let output = toolroom(&["lobes", &shipped(name), "--out", &out, "--set", "chart.boundary_only=true"]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         let text = String::from_utf8(output.stdout).expect("UTF-8");
-        assert!(text.contains(told), "{text}");
+        assert!(text.contains(message), "{text}");
     }
 }
 
@@ -356,8 +356,8 @@ fn a_point_without_verdict_is_a_hole_that_is_told_in_one_piece_and_in_shards() {
     ];
     let output = toolroom(&[&["lobes", &path, "--json", "--out", &place("whole")][..], &small].concat());
     let whole = json(&output);
-    let told = stderr(&output);
-    assert!(told.contains("5 of 30 points have no verdict") && told.contains("first 40 rpm"), "{told}");
+    let message = stderr(&output);
+    assert!(message.contains("5 of 30 points have no verdict") && message.contains("first 40 rpm"), "{message}");
     assert_eq!(whole["holes"], 5);
     let first = &whole["without_verdict"][0];
     assert_eq!(first["spindle_speed [rpm]"], 40.0);
@@ -411,7 +411,7 @@ fn a_point_without_verdict_is_a_hole_that_is_told_in_one_piece_and_in_shards() {
     assert!(fs::read_to_string(folder.join("none/lobes.svg")).expect("a picture").contains("Slot with two teeth"));
 }
 
-/// A faulty structure is told through the scenario whose tool names it, with place, value and fix in
+/// A faulty structure is reported through the scenario whose tool names it, with place, value and fix in
 /// either file.
 #[test]
 fn faults_of_a_structure_are_told_through_the_scenario() {
@@ -435,7 +435,7 @@ fn faults_of_a_structure_are_told_through_the_scenario() {
     };
     let none = ("", "");
     assert_eq!(check([none, none, none]).0, Some(0));
-    for (shaft, mill, told) in [
+    for (shaft, mill, messages) in [
         (
             ("stiffness = \"60 N/um\"", "stiffness = \"0 N/um\""),
             none,
@@ -452,14 +452,14 @@ fn faults_of_a_structure_are_told_through_the_scenario() {
         (none, ("stiffness = \"11 N/um\"", "stiffness = \"inf N/um\""), ["endmill.toml:", "inf", "number"]),
     ] {
         let (code, answer) = check([none, shaft, mill]);
-        assert_eq!(code, Some(2), "{told:?}: {answer}");
+        assert_eq!(code, Some(2), "{messages:?}: {answer}");
         assert!(answer.contains("structure ="), "{answer}");
-        for told in told {
-            assert!(answer.contains(told), "{told} in\n{answer}");
+        for message in messages {
+            assert!(answer.contains(message), "{message} in\n{answer}");
         }
     }
     // What the scenario says about the cut itself.
-    for (from, to, told) in [
+    for (from, to, message) in [
         ("width_of_cut = \"3 mm\"", "width_of_cut = \"13 mm\"", "13 mm"),
         ("width_of_cut = \"3 mm\"", "width_of_cut = \"0 mm\"", "above 0"),
         ("depth_of_cut = \"2 mm\"", "depth_of_cut = \"nan mm\"", "number"),
@@ -471,7 +471,7 @@ fn faults_of_a_structure_are_told_through_the_scenario() {
     ] {
         let (code, answer) = check([(from, to), none, none]);
         assert_eq!(code, Some(2), "{to}: {answer}");
-        assert!(answer.contains(told) && answer.contains("shop.toml:"), "{told} in\n{answer}");
+        assert!(answer.contains(message) && answer.contains("shop.toml:"), "{message} in\n{answer}");
     }
 }
 
@@ -505,7 +505,7 @@ fn faults_of_a_file_are_told_with_their_place_and_fix() {
         ("teeth = 2", "teeth = 2\nrunout = \"10 um\"", "lacks `feed_per_tooth`"),
         ("schema = 1", "schema = 2", "write schema = 1"),
     ];
-    for (from, to, told) in cases {
+    for (from, to, message) in cases {
         assert!(text.contains(from), "{from}");
         let path = directory("lobes", "faults").join("faulty.toml");
         fs::write(&path, text.replacen(from, to, 1)).expect("writable");
@@ -515,7 +515,7 @@ fn faults_of_a_file_are_told_with_their_place_and_fix() {
         assert!(output.stdout.is_empty() && answer.contains("faulty.toml:"), "{to}: {answer}");
         // The message may be broken over lines that start with a bar.
         let words: Vec<&str> = answer.split_whitespace().filter(|word| *word != "│").collect();
-        assert!(words.join(" ").contains(told), "{told} in\n{answer}");
+        assert!(words.join(" ").contains(message), "{message} in\n{answer}");
     }
 }
 
@@ -535,7 +535,7 @@ fn a_file_without_modes_is_refused() {
 #[test]
 fn points_that_are_none_are_input_errors() {
     let path = shipped(SLOT);
-    for (point, told) in [
+    for (point, message) in [
         (["5000", "0.5 mm"], "has no unit"),
         (["5000 rpm", "0.5 kg"], "is not a unit of"),
         (["0 rpm", "0.5 mm"], "must be positive"),
@@ -544,7 +544,7 @@ fn points_that_are_none_are_input_errors() {
     ] {
         let output = toolroom(&["lobes", &path, "--at", point[0], point[1]]);
         assert_eq!(output.status.code(), Some(2), "{point:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains(told), "{point:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(message), "{point:?}: {}", stderr(&output));
     }
     let output = toolroom(&["lobes", "/nowhere.toml"]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));

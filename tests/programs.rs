@@ -244,7 +244,7 @@ fn a_setup_follows_the_stock_through_the_program() {
     assert_eq!(engagement["tools"].as_array().map(Vec::len), Some(3));
     let rows = fs::read_to_string(&csv).expect("a table");
     assert!(rows.lines().count() > 100 && rows.starts_with("line,tool,rapid,"), "{rows}");
-    // A rapid motion into the stock is told, and refused with --strict.
+    // A rapid motion into the stock is reported, and refused with --strict.
     let bad = directory("programs", "engagement-bad").join("part.nc");
     fs::write(&bad, "G21 G90\nT2 M6\nG0 X40. Y27. Z5. S6000 M3\nZ-2.\nX45.\nG1 X50. F700.\nM30\n").expect("writable");
     let bad = bad.display().to_string();

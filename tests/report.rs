@@ -134,9 +134,9 @@ fn every_text_of_a_report_can_be_read_in_light_and_in_the_dark() {
     let html = std::fs::read_to_string(demo(&folder.path().join("demo"))).expect("a report");
     let themed = |theme: &str| html.replacen("<html", &format!("<html data-theme=\"{theme}\""), 1);
     for theme in ["light", "dark"] {
-        let told = measured(browser, folder.path(), &themed(theme), CONTRAST, 1400);
-        let (seen, poor) = told.split_once(' ').expect("a count");
-        assert!(seen.parse::<u32>().expect("a number") > 100, "{told}");
+        let answer = measured(browser, folder.path(), &themed(theme), CONTRAST, 1400);
+        let (seen, poor) = answer.split_once(' ').expect("a count");
+        assert!(seen.parse::<u32>().expect("a number") > 100, "{answer}");
         assert_eq!(poor, "[]", "{theme}");
     }
 }

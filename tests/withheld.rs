@@ -104,7 +104,7 @@ fn a_shop_that_hides_nothing_is_blamed_on_nothing() {
 
 #[test]
 fn a_feed_override_above_programmed_in_one_shift_is_named_there_with_its_sign() {
-    // A late shift that cuts in 0.84 of the programmed time was told as an early shift that is slow.
+    // A late shift that cuts in 0.84 of the programmed time was reported as an early shift that is slow.
     let diagnosis = diagnosed(&Case::one("shop", "feed_override", -2.0, 1));
     assert_eq!(diagnosis.effects.len(), 1, "{}", diagnosis.terminal());
     let effect = &diagnosis.effects[0];

@@ -152,10 +152,10 @@ def elsewhere(importer, path, step, steps, name, theirs):
     if done.returncode:
         said = (done.stderr.strip().splitlines() or ["fails"])[-1]
         return "not installed" if "ModuleNotFoundError" in said else "refuses"
-    told = [line for line in done.stdout.splitlines() if line.startswith("result ")]
-    if not told:
+    results = [line for line in done.stdout.splitlines() if line.startswith("result ")]
+    if not results:
         return "refuses"
-    time, value = json.loads(told[-1].removeprefix("result "))
+    time, value = json.loads(results[-1].removeprefix("result "))
     near = [i for i, other in enumerate(theirs["time"]) if abs(other - time) < 1e-6 * max(1.0, time)]
     if not near:
         return f"ends at {time:g} s"

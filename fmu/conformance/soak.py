@@ -75,8 +75,8 @@ def watched(arguments, threads, folder):
             time.sleep(arguments.every)
         if run.returncode:
             sys.exit(run.stderr.read().decode())
-    told = json.loads((out / "run.json").read_text())
-    return rows, told["digest"], len(told["policies"]), workers
+    summary = json.loads((out / "run.json").read_text())
+    return rows, summary["digest"], len(summary["policies"]), workers
 
 
 def main():

@@ -22,7 +22,7 @@ pub enum Fault {
     /// A function called in the wrong mode.
     #[error("{call} may not be called in {mode}")]
     Mode {
-        /// What was asked for.
+        /// What was requested.
         call: &'static str,
         /// Where the unit is.
         mode: Mode,
@@ -103,7 +103,7 @@ pub enum Fault {
     /// A parameter set that does not exist.
     #[error("no parameter set `{name}`; there are {known}")]
     UnknownSet {
-        /// What was asked for.
+        /// What was requested.
         name: String,
         /// What there is.
         known: String,

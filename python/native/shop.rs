@@ -86,10 +86,10 @@ pub fn study(py: Python<'_>, options: Options, progress: Option<Py<PyAny>>) -> R
         if let Some(stopped) = &recorded.stopped {
             return Err(Failure::work(stopped));
         }
-        let told = summary(scenario, &recorded.study, &recorded.comparison).to_string();
+        let text_of_summary = summary(scenario, &recorded.study, &recorded.comparison).to_string();
         let style = Style { colour: false, wall: None, width: None };
         let text = table(scenario, &recorded.study, &recorded.comparison, style);
-        Ok((told, text, recorded.study.complete))
+        Ok((text_of_summary, text, recorded.study.complete))
     })
 }
 

@@ -52,14 +52,14 @@ pub fn gently<T: Send>(
             if let Some(result) = look(py, &mut done)? {
                 return raised.map_or(result, |error| Err(Failure::Python(error)));
             }
-            let told = match &progress {
+            let heard = match &progress {
                 Some(progress) if raised.is_none() && shown != pace.steps() => {
                     shown = pace.steps();
                     progress.call1(py, shown).map(drop)
                 }
                 _ => Ok(()),
             };
-            if let Err(error) = py.check_signals().and(told) {
+            if let Err(error) = py.check_signals().and(heard) {
                 pace.stop.store(true, Ordering::Relaxed);
                 raised.get_or_insert(error);
             }

@@ -30,7 +30,7 @@ pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Fai
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut set = ParameterSet::load(&named.parameter_set, folder, catalogue)
         .map_err(|error| Failure::argument(&error, "mend the set of the tool"))?;
-    let mut told = stated(&mut set, named, &place.to_string());
+    let mut statements = stated(&mut set, named, &place.to_string());
     let mut left = Vec::new();
     for calibration in &scenario.calibrations {
         let of_tool = matches!(&calibration.target, Target::Tool(name) if name == tool);
@@ -59,9 +59,9 @@ pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Fai
         if let Some(spread) = spread {
             set.prior.insert(calibration.parameter.clone(), spread);
         }
-        told.push(format!("{}: {before} {moved}", calibration.parameter));
+        statements.push(format!("{}: {before} {moved}", calibration.parameter));
     }
-    if told.is_empty() {
+    if statements.is_empty() {
         let reason = format!("{place}: nothing of the tool `{tool}` is stated or calibrated everywhere");
         return Err(Failure::argument(reason, "`gap apply` writes [[calibration]] into a scenario"));
     }
@@ -71,9 +71,10 @@ pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Fai
     files.check(out)?;
     files.put(out, set.to_toml().as_bytes())?;
     if voice.json {
-        return voice.json(&json!({ "schema": 1, "out": out.display().to_string(), "moved": told, "left_out": left }));
+        return voice
+            .json(&json!({ "schema": 1, "out": out.display().to_string(), "moved": statements, "left_out": left }));
     }
-    told.iter().try_for_each(|line| voice.data(line))?;
+    statements.iter().try_for_each(|line| voice.data(line))?;
     left.iter().for_each(|line| voice.say(format_args!("left out, no value of this set everywhere: {line}")));
     voice.say(format_args!("wrote {}; leave the baked entries out of the scenario that uses it", out.display()));
     Ok(())
@@ -87,7 +88,7 @@ fn stated(set: &mut ParameterSet, tool: &ToolType, place: &str) -> Vec<String> {
         ProcessModel::Milling(process) => Arc::make_mut(process).parameters_mut(),
         ProcessModel::Infeed(_) | ProcessModel::Other(_) => Vec::new(),
     };
-    let mut told = Vec::new();
+    let mut statements = Vec::new();
     for (group, record) in groups {
         for (index, field) in record.fields().iter().enumerate() {
             let Some(now) = record.value(index) else { continue };
@@ -96,8 +97,8 @@ fn stated(set: &mut ParameterSet, tool: &ToolType, place: &str) -> Vec<String> {
             let before = value.shown();
             (value.value, value.origin) = (now, Origin::Given);
             value.source = format!("stated in {place}");
-            told.push(format!("{}: {before} is {}", value.key(), value.shown()));
+            statements.push(format!("{}: {before} is {}", value.key(), value.shown()));
         }
     }
-    told
+    statements
 }

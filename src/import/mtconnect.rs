@@ -76,7 +76,7 @@ fn put(out: &OutputDir, name: &str, records: &Records) -> Result<(), Failure> {
     Ok(out.put(name, &String::from_utf8_lossy(&csv))?)
 }
 
-/// Stretches of the part program in every run of it; runs that are left out are told.
+/// Stretches of the part program in every run of it; runs that are left out are reported.
 fn timed(args: &MtconnectArgs, nc: &Path, found: &[Run], voice: &Voice) -> Result<Records, Failure> {
     let name = nc.display().to_string();
     let text = program::read(nc)?;

@@ -47,7 +47,7 @@ fn every_problem_is_reported_at_once_with_file_line_and_column() {
     let output = toolroom(&["check", &path]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stdout(&output).is_empty());
-    let told = stderr(&output);
+    let message = stderr(&output);
     for expected in [
         "did you mean `tool_change_time`?",
         "accepted: ",
@@ -56,11 +56,11 @@ fn every_problem_is_reported_at_once_with_file_line_and_column() {
         "4 problems",
         &format!("{path}:12:"),
     ] {
-        assert!(told.contains(expected), "{expected} in\n{told}");
+        assert!(message.contains(expected), "{expected} in\n{message}");
     }
-    let told = toolroom(&["check", &path, "--json"]);
-    assert_eq!(told.status.code(), Some(2));
-    let result: Value = serde_json::from_slice(&told.stdout).expect("JSON");
+    let output = toolroom(&["check", &path, "--json"]);
+    assert_eq!(output.status.code(), Some(2));
+    let result: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(result["problems"].as_array().map(Vec::len), Some(4));
     assert_eq!(result["problems"][0]["line"], 12);
 }
@@ -90,11 +90,11 @@ fn check_tells_every_kind_of_file_by_its_content() {
         assert_eq!(output.status.code(), Some(0), "{name}: {}", stderr(&output));
         let result = json(&output);
         assert_eq!(result["valid"], true, "{name}");
-        let told = if kind == "scenario" { Value::Null } else { kind.into() };
-        assert_eq!(result["kind"], told, "{name}");
+        let expected = if kind == "scenario" { Value::Null } else { kind.into() };
+        assert_eq!(result["kind"], expected, "{name}");
         // Neither the name of the file nor a header in a comment tells anything.
         let path = file(&format!("kind_{}", name.replace('/', "_")), format!("# [shop]\n{text}"));
-        assert_eq!(json(&toolroom(&["check", &path, "--json"]))["kind"], told, "{name}");
+        assert_eq!(json(&toolroom(&["check", &path, "--json"]))["kind"], expected, "{name}");
     }
 }
 
@@ -132,11 +132,11 @@ fn a_file_of_no_kind_is_an_error_that_names_the_kinds() {
     let path = file("no_kind", "schema = 1\ntitle = \"\"\"\n[shop]\n\"\"\"\n");
     let output = toolroom(&["check", &path]);
     assert_eq!(output.status.code(), Some(2));
-    let told = stderr(&output);
+    let message = stderr(&output);
     for (kind, _) in KINDS {
-        assert!(told.contains(&format!("{kind} by ")), "{kind} in\n{told}");
+        assert!(message.contains(&format!("{kind} by ")), "{kind} in\n{message}");
     }
-    assert!(told.contains("--kind"), "{told}");
+    assert!(message.contains("--kind"), "{message}");
     // With the kind, its reader tells what is missing.
     let output = toolroom(&["check", &path, "--kind", "scenario"]);
     assert_eq!(output.status.code(), Some(2));

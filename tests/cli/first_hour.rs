@@ -11,9 +11,9 @@ fn new_writes_an_example_of_every_kind_that_check_takes() {
     let all = directory("cli", "new_kinds");
     for kind in KINDS {
         let folder = all.join(kind);
-        let told = json(&toolroom(&["new", kind, &folder.display().to_string(), "--json"]));
-        assert_eq!(told["kind"], kind);
-        let file = told[kind].as_str().expect("the file");
+        let answer = json(&toolroom(&["new", kind, &folder.display().to_string(), "--json"]));
+        assert_eq!(answer["kind"], kind);
+        let file = answer[kind].as_str().expect("the file");
         let text = fs::read_to_string(file).expect("written");
         assert!(text.starts_with(&format!("#:schema ./{kind}.schema.json\n")), "{kind}");
         assert!(folder.join(format!("{kind}.schema.json")).is_file(), "{kind}");
@@ -103,14 +103,14 @@ fn programs_are_told_why_there_is_no_result() {
     ] {
         let output = toolroom(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-        assert_eq!(told["error"]["code"], code, "{arguments:?}: {told}");
-        assert!(told["error"]["message"].as_str().is_some_and(|text| !text.is_empty()), "{told}");
+        let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(answer["error"]["code"], code, "{arguments:?}: {answer}");
+        assert!(answer["error"]["message"].as_str().is_some_and(|text| !text.is_empty()), "{answer}");
     }
     let broken = file("first_problem", "[shop]\nnamee = 1\n");
     let output = toolroom(&["check", &broken, "--json"]);
-    let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(told["error"], told["problems"][0]);
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(answer["error"], answer["problems"][0]);
 }
 
 #[test]

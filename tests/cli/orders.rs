@@ -7,8 +7,8 @@ fn an_order_table_is_checked_and_answered() {
     let scenario = shipped("shop/orders");
     let checked = toolroom(&["check", &scenario]);
     assert_eq!(checked.status.code(), Some(0), "{}", stderr(&checked));
-    let told = stderr(&checked) + &stdout(&checked);
-    assert!(told.contains("warning[late]: order O6 cannot be finished before 2026-04-07 12:40"), "{told}");
+    let message = stderr(&checked) + &stdout(&checked);
+    assert!(message.contains("warning[late]: order O6 cannot be finished before 2026-04-07 12:40"), "{message}");
     let out = directory("cli", "orders");
     let ran = |more: &[&str]| {
         let out = out.display().to_string();
@@ -38,8 +38,8 @@ fn an_order_table_is_checked_and_answered() {
     );
     let loads = fs::read_to_string(out.join("load.csv")).expect("the loads");
     assert_eq!(loads.lines().count(), 1 + 4 * 2, "four machines in two weeks: {loads}");
-    let told = stdout(&toolroom(&["run", &scenario, "--out", &out.display().to_string(), "--force"]));
-    assert!(told.contains("2 of 6 orders are late") && told.contains("2026-03-31 22:15"), "{told}");
+    let message = stdout(&toolroom(&["run", &scenario, "--out", &out.display().to_string(), "--force"]));
+    assert!(message.contains("2 of 6 orders are late") && message.contains("2026-03-31 22:15"), "{message}");
 }
 
 #[test]
@@ -52,9 +52,9 @@ fn a_bad_row_is_told_with_its_line() {
     fs::write(folder.join("orders.csv"), table.replace("O3,hub", "O3,hubb")).expect("written");
     let checked = toolroom(&["check", &scenario.display().to_string()]);
     assert_eq!(checked.status.code(), Some(2), "{}", stdout(&checked));
-    let told = stderr(&checked);
+    let message = stderr(&checked);
     assert!(
-        told.contains("orders.csv, line 4") && told.contains("hubb") && told.contains("did you mean `hub`"),
-        "{told}"
+        message.contains("orders.csv, line 4") && message.contains("hubb") && message.contains("did you mean `hub`"),
+        "{message}"
     );
 }

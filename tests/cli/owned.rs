@@ -51,8 +51,8 @@ fn a_result_that_somebody_changed_is_replaced_by_force_only() {
     done(&quick("compare", &out, &[]));
     let before = read(out.join("summary.json"));
     write(out.join("summary.json"), "annotated");
-    let told = refused(&quick("compare", &out, &["--seed", "2"]));
-    assert!(told.contains("summary.json was changed since") && told.contains("--force"), "{told}");
+    let message = refused(&quick("compare", &out, &["--seed", "2"]));
+    assert!(message.contains("summary.json was changed since") && message.contains("--force"), "{message}");
     assert_eq!(read(out.join("summary.json")), "annotated");
     done(&quick("compare", &out, &["--force"]));
     assert_eq!(read(out.join("summary.json")), before);
@@ -67,8 +67,8 @@ fn a_folder_of_others_is_used_where_nothing_stands_in_the_way() {
     fs::create_dir(&out).expect("writable");
     write(out.join("thesis.txt"), "mine");
     write(out.join("report.html"), "mine");
-    let told = refused(&quick("compare", &out, &[]));
-    assert!(told.contains("report.html was not written by toolroom"), "{told}");
+    let message = refused(&quick("compare", &out, &[]));
+    assert!(message.contains("report.html was not written by toolroom"), "{message}");
     assert_eq!(names(&out), ["report.html", "thesis.txt"]);
     fs::rename(out.join("report.html"), out.join("old.html")).expect("writable");
     // Somebody else's run.json proves nothing.
@@ -128,8 +128,8 @@ fn a_folder_has_one_writer_and_a_dead_one_keeps_nobody_out() {
     while !out.join(".toolroom-draft").is_dir() {
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
-    let told = refused(&quick("compare", &out, &[]));
-    assert!(told.contains(&format!("(process {})", first.id())), "{told}");
+    let message = refused(&quick("compare", &out, &[]));
+    assert!(message.contains(&format!("(process {})", first.id())), "{message}");
     assert!(out.join(".toolroom-draft").is_dir(), "the draft of the first stays");
     first.kill().expect("it runs");
     first.wait().expect("it ends");
@@ -148,7 +148,7 @@ fn records_replace_nothing_of_others() {
     let run = |more: &[&str]| quick_of("run", &out, &[&["--replications", "1", "--records", &to], more].concat());
     assert!(refused(&run(&[])).contains("events.csv was not written by toolroom"));
     assert_eq!(read(records.join("events.csv")), "measured");
-    assert!(!out.exists(), "told before any work");
+    assert!(!out.exists(), "refused before any work");
     fs::rename(records.join("events.csv"), records.join("measured.csv")).expect("writable");
     done(&run(&[]));
     let events = read(records.join("events.csv"));

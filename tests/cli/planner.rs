@@ -91,8 +91,8 @@ fn a_planner_goes_from_the_order_system_to_a_paired_answer() {
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     // 300 pieces of 6 min are 30 h; from Monday to Wednesday the lathe works 24. The times of a lot are one draw, and one
     // four deviations below the mean will not come.
-    let told = warnings[0].as_str().expect("a text");
-    assert!(told.starts_with("order 4716 cannot be finished before 2026-04-09 12:00"), "{told}");
+    let message = warnings[0].as_str().expect("a text");
+    assert!(message.starts_with("order 4716 cannot be finished before 2026-04-09 12:00"), "{message}");
     let overloaded =
         json(&toolroom(&["check", &scenario, "--json", "--set", "part.ring.operation.turn.work=\"80 min\""]));
     let warnings = overloaded["warnings"].to_string();
@@ -143,14 +143,14 @@ fn a_planner_goes_from_the_order_system_to_a_paired_answer() {
     let report = fs::read_to_string(folder.join("varied/report.html")).expect("a report");
     assert!(report.contains("Variants of the shop") && report.contains("second setter"));
 
-    // What a variant cannot change is told at its place.
+    // What a variant cannot change is reported at its place.
     fs::write(folder.join("wrong.toml"), format!("{SHOP}\n{}", variant.replace("setter.count", "seter.count")))
         .expect("written");
     let wrong = folder.join("wrong.toml").display().to_string();
     for verb in ["check", "compare"] {
         let output = toolroom(&[verb, &wrong]);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(told.contains("second setter") && told.contains("seter"), "{told}");
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains("second setter") && message.contains("seter"), "{message}");
     }
 }

@@ -59,7 +59,7 @@ fn point_takes_effects_and_refuses_slips() {
     };
     close("cutting_force [N]");
     close("minimum_wear_speed [m/min]");
-    for (wrong, told) in [
+    for (wrong, message) in [
         ("cutting_speed=40", "m/min"),
         ("cuting_speed=40 m/min", "did you mean `cutting_speed`?"),
         ("cutting_speed=40 mm", "m/min"),
@@ -69,6 +69,6 @@ fn point_takes_effects_and_refuses_slips() {
     ] {
         let output = toolroom(&["point", "turning", "--set", wrong]);
         assert_eq!(output.status.code(), Some(2), "{wrong}");
-        assert!(stderr(&output).contains(told), "{wrong}: {}", stderr(&output));
+        assert!(stderr(&output).contains(message), "{wrong}: {}", stderr(&output));
     }
 }

@@ -60,7 +60,7 @@ fn another_study_does_not_go_on_and_says_what_differs() {
     let out = dir.join("out");
     assert_eq!(quick("run", &out, &["--stop-after", "1"]).status.code(), Some(1));
     let before = bytes(&out);
-    for (verb, more, told) in [
+    for (verb, more, message) in [
         ("run", &["--seed", "9"][..], "seed was 1 and is 9"),
         ("run", &["--format", "csv"], "format was \"parquet\" and is \"csv\""),
         ("run", &["--logged", "1"], "logged was 3 and is 1"),
@@ -71,7 +71,7 @@ fn another_study_does_not_go_on_and_says_what_differs() {
     ] {
         let refused = quick(verb, &out, &[more, &["--resume"]].concat());
         assert_eq!(refused.status.code(), Some(2), "{more:?}: {}", stderr(&refused));
-        assert!(stderr(&refused).contains(told), "{more:?}: {}", stderr(&refused));
+        assert!(stderr(&refused).contains(message), "{more:?}: {}", stderr(&refused));
     }
     // A finished part that the program does not repeat.
     let study = fs::read_to_string(out.join("study.json")).expect("there");

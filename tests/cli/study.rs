@@ -178,14 +178,14 @@ fn runs_that_differ_in_the_dispatch_rule_are_compared_in_pairs() {
     assert!(line.contains(" ± ") && !line.contains("within the interval"), "{line}");
 
     // Other random numbers: two samples that have nothing to do with one another.
-    for (other, told) in
+    for (other, message) in
         [(&seed, "their seeds are 5 and 6"), (&renamed, "machine `G` of the first is not in the second")]
     {
         let (all, row, unpaired) = lead(other);
-        assert_eq!((&all["paired"], &all["unpaired_because"]), (&false.into(), &told.into()), "{row}");
+        assert_eq!((&all["paired"], &all["unpaired_because"]), (&false.into(), &message.into()), "{row}");
         assert!(unpaired > 1.5 * half_width, "{unpaired} against {half_width}");
         let text = stdout(&toolroom(&["diff", &fifo, other]));
-        assert!(text.starts_with(&format!("not paired, as {told}; 95 % Welch intervals")), "{text}");
+        assert!(text.starts_with(&format!("not paired, as {message}; 95 % Welch intervals")), "{text}");
     }
 
     // A table that was touched is refused with its line.
@@ -218,7 +218,7 @@ fn a_study_of_nothing_is_an_input_error() {
     let path = shipped("template");
     let out_name = out.display().to_string();
     let with = |more: &[&str]| toolroom(&[&["compare", &path, "--out", &out_name], more].concat());
-    for (more, told) in [
+    for (more, message) in [
         (&["--replications", "0"][..], "--replications"),
         (&["--set", "shop.replications=0"], "1 to 1000000"),
         (&["--policy", "adaptvie"], "did you mean \"adaptive\"?"),
@@ -230,7 +230,7 @@ fn a_study_of_nothing_is_an_input_error() {
     ] {
         let output = with(more);
         assert_eq!(output.status.code(), Some(2), "{more:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains(told), "{more:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(message), "{more:?}: {}", stderr(&output));
     }
     assert!(!out.exists());
 }

@@ -305,8 +305,8 @@ def main():
             if found:
                 faults += 1
                 print(f"{label}: {'; '.join(found)}\n    {tail}", flush=True)
-    told = ", ".join(f"{count} × exit {code}" for code, count in sorted(codes.items(), key=str))
-    print(f"{len(numbers)} mutations of {len(CASES)} commands, seed {options.seed}: {told}; {faults} faults")
+    summary = ", ".join(f"{count} × exit {code}" for code, count in sorted(codes.items(), key=str))
+    print(f"{len(numbers)} mutations of {len(CASES)} commands, seed {options.seed}: {summary}; {faults} faults")
     sys.exit(1 if faults else 0)
 
 

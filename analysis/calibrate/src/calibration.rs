@@ -162,11 +162,11 @@ pub struct Calibration {
     pub coverage: Coverage,
     /// Cutting force against wear, where forces were measured.
     pub force: Option<ForceFit>,
-    /// The rate of chipping, where it is told how edges ended.
+    /// The rate of chipping, where it is reported how edges ended.
     pub chipping: Option<ChippingFit>,
     /// Edges that took no part.
     pub held_out: Option<HeldOut>,
-    /// 90 % profile intervals of the working coordinates, where they were asked for.
+    /// 90 % profile intervals of the working coordinates, where they were requested.
     pub profiles: Option<Vec<[f64; 2]>>,
     /// Lives at the tested speeds and between them.
     pub lives: Vec<LifeAt>,
@@ -318,7 +318,7 @@ fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationE
     Ok(())
 }
 
-/// The rate of chipping of edges of which it is told how they ended.
+/// The rate of chipping of edges of which it is reported how they ended.
 fn chipping(model: &WearModel, posterior: &Posterior, measured: &Measured, base: &Base) -> Option<ChippingFit> {
     if !measured.ends_told || measured.clock == Clock::Operations {
         return None;

@@ -124,10 +124,10 @@ impl StabilityLobes {
     /// The boundaries, then the points on top of them.
     pub(super) fn layers(&self) -> impl Iterator<Item = Layer> {
         let points = self.groups.iter().enumerate().flat_map(|(i, (name, standings))| {
-            let mut told: Vec<_> = Standing::ALL.into_iter().zip(standings).collect();
-            told.retain(|(_, points)| !points.is_empty());
-            let worst = told.last().map(|(standing, _)| *standing);
-            told.into_iter().map(move |(standing, points)| {
+            let mut shown: Vec<_> = Standing::ALL.into_iter().zip(standings).collect();
+            shown.retain(|(_, points)| !points.is_empty());
+            let worst = shown.last().map(|(standing, _)| *standing);
+            shown.into_iter().map(move |(standing, points)| {
                 let (label, style) = match name.as_str() {
                     "" => (standing.label().to_owned(), standing.style()),
                     name => {

@@ -213,7 +213,7 @@ fn not_named(decision: &mut Decision, context: Diagnosing<'_>, index: usize, rul
         .push(NotNamed { effects, rules: rules.into_iter().map(|(rule, each)| found((rule, each))).collect() });
 }
 
-/// The trial of the same effect everywhere, where the part of the records on which trial `index` has it is not asked for:
+/// The trial of the same effect everywhere, where the part of the records on which trial `index` has it is not requested:
 /// a part leads by the gate and by the choice among all parts, and closes more of the gap of left-out groups for
 /// certain.
 fn unsplit(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> usize {

@@ -188,7 +188,7 @@ impl<'a> Test<'a> {
         let frame = model.frame();
         let measured = &frame.measured;
         let linear = &fit.linear;
-        // Outliers count in full: they are what is asked for.
+        // Outliers count in full: they are what is requested.
         let mut noise = basis.noise.clone();
         noise.weight.fill(1.0);
         let fitted: Vec<usize> = measured.fitted_groups().collect();

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use toolroom_evidence::{Batch, Gram, crossed, squared};
 pub(crate) use toolroom_evidence::{factor, inverse_diagonal, part, part_column};
 
-/// Groups that are multiplied at a time where no folds are asked for: many rows at once are faster,
+/// Groups that are multiplied at a time where no folds are requested: many rows at once are faster,
 /// few columns of groups need less memory.
 const BATCH: usize = 16;
 

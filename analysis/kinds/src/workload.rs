@@ -11,7 +11,7 @@ use toolroom_scenario::{
 };
 use toolroom_shop::programmed_cutting_times;
 
-/// Most warnings of one kind that are told one by one.
+/// Most warnings of one kind that are reported one by one.
 const MOST_TOLD: usize = 20;
 
 /// Rounds of jobs that are sent back until no more of them count: of a share of 95 % less than 1e-4 is left.

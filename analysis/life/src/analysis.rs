@@ -47,7 +47,7 @@ pub struct Fitted {
     pub fit: Fit,
     /// Parameters with profile-likelihood intervals.
     pub parameters: Vec<(&'static str, Estimated, Dimension)>,
-    /// Distance from the lives and its p; none where no test was asked for.
+    /// Distance from the lives and its p; none where no test was requested.
     pub goodness: Option<Goodness>,
     /// Distance from the lives.
     pub distance: f64,

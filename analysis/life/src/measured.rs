@@ -122,7 +122,7 @@ pub struct MeasuredLife {
     pub group: String,
     /// What is known of its life.
     pub life: Observation,
-    /// The covariates asked for, in their order.
+    /// The covariates requested, in their order.
     pub covariates: Vec<f64>,
 }
 

@@ -19,7 +19,7 @@ use toolroom_scenario::file::{self, GAP};
 use toolroom_scenario::{Calibration, Distribution, GapSection, ProcessModel, Scenario, SensorErrors};
 use toolroom_wear::Scatter;
 
-/// Stretches of part programs that are told by name.
+/// Stretches of part programs that are reported by name.
 const PLACES: usize = 6;
 /// Shares of a distribution by which its variance is taken.
 const QUANTILES: usize = 400;

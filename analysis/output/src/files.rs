@@ -140,7 +140,7 @@ impl Draft {
 impl Drop for Draft {
     fn drop(&mut self) {
         if let Some((draft, _)) = &self.draft {
-            // The failure that brought us here is told already.
+            // The failure that brought us here is reported already.
             let _ = fs::remove_file(draft);
         }
     }

@@ -353,7 +353,7 @@ fn earlier(place: &Path) -> Earlier {
 impl Drop for OutputDir {
     fn drop(&mut self) {
         // Without the lock the draft is that of another process. What cannot be removed is told by nobody: the failure
-        // that brought us here is told already, and the next run removes drafts of dead ones.
+        // that brought us here is reported already, and the next run removes drafts of dead ones.
         if !self.kept && self.lock.is_some() {
             let _ = fs::remove_dir_all(&self.draft);
         }

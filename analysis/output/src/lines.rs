@@ -74,14 +74,14 @@ mod tests {
     #[test]
     fn words_stay_whole_and_nothing_is_lost() {
         let text = "  sound    a line of many words that goes on and on, and a-word-that-is-longer-than-any-line-could-ever-be-here end\n\nshort";
-        let told = fitted(text, 44);
+        let wrapped = fitted(text, 44);
         let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
-        assert_eq!(words(text), words(&told));
-        for line in told.lines() {
+        assert_eq!(words(text), words(&wrapped));
+        for line in wrapped.lines() {
             assert!(line.chars().count() <= 44 || line.split_whitespace().count() == 1, "{line}");
         }
-        assert!(told.lines().nth(1).is_some_and(|line| line.starts_with("           ")), "{told}");
-        assert!(told.ends_with("\n\nshort"));
+        assert!(wrapped.lines().nth(1).is_some_and(|line| line.starts_with("           ")), "{wrapped}");
+        assert!(wrapped.ends_with("\n\nshort"));
     }
 
     #[test]

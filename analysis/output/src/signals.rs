@@ -37,7 +37,7 @@ struct State {
     /// What to remove, by number.
     begun: Vec<(u64, Begun)>,
     next: u64,
-    /// What is told, and the way on.
+    /// What is reported, and the way on.
     kept: Option<(String, String)>,
     gentle: Option<Arc<AtomicBool>>,
 }

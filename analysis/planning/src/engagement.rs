@@ -242,7 +242,7 @@ impl Engagement {
         text
     }
 
-    /// Every motion as CSV; only the header where no table was asked for.
+    /// Every motion as CSV; only the header where no table was requested.
     pub fn table(&self) -> String {
         let columns = [
             "line",

@@ -60,7 +60,7 @@ pub fn drive_names() -> String {
     format!("drives and changer ({}) or control (control. before {})", drives.join(", "), Control::KEYS)
 }
 
-/// The time of a part program. It keeps no motions, and blocks only where a table of them is asked for.
+/// The time of a part program. It keeps no motions, and blocks only where a table of them is requested.
 #[derive(Clone, Debug)]
 pub struct CycleTime {
     shares: Vec<Share>,
@@ -252,7 +252,7 @@ impl CycleTime {
         text
     }
 
-    /// Times by block as CSV, s; only the header where no table was asked for.
+    /// Times by block as CSV, s; only the header where no table was requested.
     pub fn table(&self) -> String {
         let columns =
             ["line", "tool", "feed_time [s]", "rapid_time [s]", "dwell [s]", "tool_change", "holes", "time [s]"];
@@ -311,7 +311,7 @@ impl Share {
             Part::Auxiliary => self.auxiliary += spent.seconds,
             Part::Change => self.change_time += spent.seconds,
             Part::Spindle => self.spindle += spent.seconds,
-            // What they take beside their programmed times is told together.
+            // What they take beside their programmed times is reported together.
             Part::Feed | Part::Rapid | Part::Settling => {}
         }
     }

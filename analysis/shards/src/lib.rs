@@ -246,7 +246,7 @@ pub enum ShardError {
     /// A shard that the plan does not have.
     #[error("shard {shard} does not exist: the plan has {shards}, numbered from 0")]
     NoSuchShard {
-        /// What was asked for.
+        /// What was requested.
         shard: u64,
         /// How many there are.
         shards: u64,

@@ -150,7 +150,7 @@ fn difference(scenario: &Scenario, study: &Study, stations: &[Station], policy: 
     }
 }
 
-/// Excess of the shop gain over the limit that is told: half of the last digit shown.
+/// Excess of the shop gain over the limit that is reported: half of the last digit shown.
 const TOLD: f64 = 0.005;
 
 /// What carries a shop gain beyond the limit of capacity by the factor `excess`, of which fewer scrapped parts explain `good`.

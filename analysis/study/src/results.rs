@@ -124,7 +124,7 @@ impl ResultError {
 /// without a `format`.
 ///
 /// After a stop the files hold the replications that were completed, and `run.json` says
-/// `"complete": false`. A shop that stops ends the study likewise; why is told by
+/// `"complete": false`. A shop that stops ends the study likewise; why is reported by
 /// [`Recorded::stopped`] and in `run.json`, and what happened in that run before is in tables of
 /// their own in the folder `stopped`. With what was [`Finished`] in another directory in the options, the study
 /// goes on from there and every file but `run.json` is as if it had never been stopped.

@@ -184,7 +184,7 @@ pub struct Study {
     pub kpis: Vec<Kpi>,
     /// Replications that all policies finished.
     pub replications: u32,
-    /// Whether everything asked for was run; false after a stop by the user.
+    /// Whether everything requested was run; false after a stop by the user.
     pub complete: bool,
     /// Digest of the digests of all runs, in order.
     pub digest: u64,
@@ -194,7 +194,7 @@ pub struct Study {
     pub tuning: Option<Arc<Tuning>>,
     /// Variants of the shop, run as often on the same random numbers.
     pub(crate) variants: Vec<VariantRuns>,
-    /// The best of them, where that was asked for.
+    /// The best of them, where that was requested.
     pub(crate) selection: Option<Found>,
     /// By policy and replication: key figures, then what a planner asks.
     values: Vec<Rows>,
@@ -242,7 +242,7 @@ impl Study {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// Nothing was asked for.
+    /// Nothing was requested.
     #[error("a study needs at least one replication")]
     NoReplications,
     /// Nothing to compare.
@@ -251,7 +251,7 @@ pub enum StudyError {
     /// A policy that the scenario does not have.
     #[error("there is no policy {policy}: the scenario has {count}")]
     UnknownPolicy {
-        /// Index asked for.
+        /// Index requested.
         policy: usize,
         /// Policies of the scenario.
         count: usize,

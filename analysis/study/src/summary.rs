@@ -91,7 +91,7 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
     summary
 }
 
-/// Prices are told as factors on the present ones, settings held.
+/// Prices are reported as factors on the present ones, settings held.
 fn break_even_json(price: &BreakEven) -> Value {
     json!({
         "key": price.key,

@@ -218,7 +218,7 @@ pub struct Structure {
     pub outputs: Vec<Unknown>,
     /// Derivatives of continuous states.
     pub derivatives: Vec<Unknown>,
-    /// What can be asked for in Initialization Mode.
+    /// What can be requested in Initialization Mode.
     pub initial: Vec<Unknown>,
     /// Event indicators.
     pub event_indicators: usize,

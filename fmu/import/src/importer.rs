@@ -115,8 +115,8 @@ mod tests {
 
     #[test]
     fn a_missing_unit_of_toolroom_is_made_by_its_command() {
-        let told = export(Path::new("out/fmu/toolroom_milling_fmi2.fmu"));
-        assert_eq!(told.as_deref(), Some("make it with `toolroom fmu export milling --out out/fmu`"));
+        let advice = export(Path::new("out/fmu/toolroom_milling_fmi2.fmu"));
+        assert_eq!(advice.as_deref(), Some("make it with `toolroom fmu export milling --out out/fmu`"));
         assert_eq!(export(Path::new("lathe.fmu")), None);
     }
 }

@@ -464,12 +464,12 @@ impl MachineProcess for UnitProcess {
         self.set(u, &mut actions);
         self.get_outputs(&mut actions);
         let mut answer = Answer::default();
-        let asked = self.keeping.with(&self.maker(), &mut state, &mut answer, |turn, answer| {
+        let answered = self.keeping.with(&self.maker(), &mut state, &mut answer, |turn, answer| {
             turn.act(&actions, false, answer)?;
             self.watch.check(&answer.values, turn.time, f64::NEG_INFINITY)?;
             Ok(((), None))
         });
-        match asked {
+        match answered {
             Ok(()) => {
                 let wires = self.outputs.wires.iter().flatten();
                 y.iter_mut().zip(wires.zip(&answer.values)).for_each(|(y, (wire, value))| *y = wire.inward(*value));
@@ -485,11 +485,11 @@ impl MachineProcess for UnitProcess {
         self.set(u, &mut actions);
         actions.push(Action::Get(flag.1));
         let mut answer = Answer::default();
-        let asked = self.keeping.with(&self.maker(), &mut state, &mut answer, |turn, answer| {
+        let answered = self.keeping.with(&self.maker(), &mut state, &mut answer, |turn, answer| {
             turn.act(&actions, false, answer)?;
             Ok(((), None))
         });
-        asked.is_ok() && answer.values[0] != 0.0
+        answered.is_ok() && answer.values[0] != 0.0
     }
     fn advance(&self, x: &mut [f64], u: &mut [f64], dt: f64) -> Result<Advance, ModelError> {
         if !(dt.is_finite() && dt >= 0.0) {

@@ -34,7 +34,7 @@ pub enum LoadError {
         /// What is wrong.
         message: String,
     },
-    /// No interface that can be driven, or not the one that was asked for.
+    /// No interface that can be driven, or not the one that was requested.
     #[error("{path} has no interface for {wanted}; it has: {there}", path = .path.display())]
     Interface {
         /// The file.

@@ -151,7 +151,7 @@ macro_rules! plain {
     )+};
 }
 
-/// What is said where Configuration Mode is asked for.
+/// What is said where Configuration Mode is requested.
 const CONFIGURATION: Fault = Fault::NotOffered { feature: "Configuration Mode: there are no structural parameters" };
 
 plain! {
@@ -188,7 +188,7 @@ pub extern "C" fn fmi3GetVariableDependencies(
     call(instance, "fmi3GetVariableDependencies", |_| Err(PER_ELEMENT.into()))
 }
 
-/// What is said where dependencies of elements are asked for.
+/// What is said where dependencies of elements are requested.
 const PER_ELEMENT: Fault = Fault::NotOffered { feature: "a dependency per element" };
 
 #[unsafe(no_mangle)]

@@ -11,7 +11,7 @@ use toolroom_wear::PARAMETER_SETS;
 const SAMPLES: f64 = 10_000.0;
 
 impl Unit for SpeedController {
-    // Never asked for.
+    // Never requested.
     type Machine = TurningMachine;
     type Memory = ();
     const IDENTIFIER: &'static str = "toolroom_controller";

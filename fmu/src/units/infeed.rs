@@ -11,7 +11,7 @@ use toolroom_process::Process;
 const REVOLUTIONS: f64 = 10_000.0;
 
 impl Unit for InfeedProfile {
-    // Never asked for.
+    // Never requested.
     type Machine = TurningMachine;
     type Memory = ();
     const IDENTIFIER: &'static str = "toolroom_infeed";

@@ -60,11 +60,11 @@ pub(crate) struct Response {
     pub samples: usize,
     /// Displacement at the nodes by force at the nodes.
     pub displacement: Vec<f64>,
-    /// Its rate; empty unless asked for.
+    /// Its rate; empty unless requested.
     pub rate: Vec<f64>,
     /// Displacement at the nodes by the state at the start.
     pub free_displacement: Vec<f64>,
-    /// Its rate; empty unless asked for.
+    /// Its rate; empty unless requested.
     pub free_rate: Vec<f64>,
     /// Transition of every mode over the stretch.
     pub end_free: Vec<[f64; 4]>,

@@ -384,7 +384,7 @@ pub(crate) struct Patience {
     pub window: usize,
 }
 
-/// For a vibration that is asked for: windows that hold the beats of two frequencies, and what chaos reaches now and then.
+/// For a vibration that is requested: windows that hold the beats of two frequencies, and what chaos reaches now and then.
 const PATIENT: Patience = Patience { periods: [320, 2560], window: 80 };
 
 /// Greatest difference of two lists of peak-to-peak displacements, relative to the greatest of them: a direction that hardly
@@ -444,7 +444,7 @@ pub(crate) fn steps_for(modes: &[crate::Mode], length: f64, [least, each]: [f64;
     (each * highest * length).clamp(least, 5000.0).ceil() as usize
 }
 
-/// Least steps in a period, and steps in an oscillation of the highest mode, of a vibration that is asked for.
+/// Least steps in a period, and steps in an oscillation of the highest mode, of a vibration that is requested.
 const FINE: [f64; 2] = [200.0, 40.0];
 
 impl Turning {

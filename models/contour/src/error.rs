@@ -25,7 +25,7 @@ pub enum ContourError {
     /// A profile cut into too few or too many sections.
     #[error("a profile is cut into 3 to {greatest} sections, not {sections}")]
     Division {
-        /// Sections asked for.
+        /// Sections requested.
         sections: u32,
         /// Most sections.
         greatest: u32,
@@ -40,7 +40,7 @@ pub enum ContourError {
         residual: f64,
         /// Distance that is admitted, m.
         tolerance: f64,
-        /// Pairs of arcs asked for.
+        /// Pairs of arcs requested.
         sections: u32,
         /// Pairs of arcs that would do.
         enough: u32,
@@ -158,7 +158,7 @@ pub enum ContourError {
     /// A pass that the file does not have.
     #[error("there is no pass `{name}`; there are {known}")]
     UnknownPass {
-        /// What was asked for.
+        /// What was requested.
         name: String,
         /// Names of the passes.
         known: String,

@@ -172,8 +172,8 @@ mod tests {
         assert_eq!(program("G21 G0 X0 Y0\nG1 X10\nG3 X20 Y10 I0 J9").0, 3);
         assert_eq!(program("G21 G0 X0 Y0\nG2 X10 Y10").0, 2);
         assert_eq!(program("G21 G0 X0 Y0\nG1 X1\nG411").0, 3);
-        let (line, told) = program("G0 X0 Y0\nG1 X1");
-        assert!(line == 2 && told.contains("--units"), "{line} {told}");
+        let (line, reason) = program("G0 X0 Y0\nG1 X1");
+        assert!(line == 2 && reason.contains("--units"), "{line} {reason}");
         assert!(matches!(fault("G21 G0 X0 Y0 Z0\nG18 G2 X10 Z0 I5"), (2, ContourError::GcodePlane)));
         assert!(matches!(fault("M3 S1000"), (1, ContourError::Empty)));
         let open = read("G21 G42 G0 X0 Y0\nG1 X10\nG1 Y10", None, true).unwrap_err();

@@ -103,7 +103,7 @@ impl Trace {
     ///
     /// # Errors
     /// [`ContourError::NoLength`] where the eccentricity is so great that a radius vanishes, [`ContourError::Residual`] where
-    /// the number of pairs that is asked for is too small, [`ContourError::Division`] for fewer than 3.
+    /// the number of pairs that is requested is too small, [`ContourError::Division`] for fewer than 3.
     ///
     /// # Source
     /// Support function of the RK/P3G profile, Lukin's "RK-3 profile hole" (reading of the scan); biarcs of equal tangent

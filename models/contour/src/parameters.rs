@@ -197,7 +197,7 @@ pub enum SetError {
     /// No shipped set has this name.
     #[error("no contour parameter set `{name}`; did you mean `{nearest}`?")]
     Unknown {
-        /// What was asked for.
+        /// What was requested.
         name: String,
         /// The most similar name.
         nearest: &'static str,

@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Least number of lines for a fit (assumption).
 const LEAST_LINES: usize = 20;
-/// Greatest number of modes that are found without being asked for (assumption).
+/// Greatest number of modes that are found without being requested (assumption).
 const MOST_MODES: usize = 12;
 /// Standard deviations by which the residue of a mode has to differ from zero (assumption: noise alone reaches four among
 /// some hundred independent bands, and a real mode of that size moves no limit).

@@ -101,7 +101,7 @@ pub enum Kind {
     Amount,
 }
 
-/// What people and editors are told about a value that a kind of file reads itself.
+/// What messages and editors say about a value that a kind of file reads itself.
 #[derive(Debug)]
 pub struct Content {
     /// What is due, in words.

@@ -138,7 +138,7 @@ impl TrialFault {
     }
 }
 
-/// A number told with six significant digits, or as many decimals as asked for.
+/// A number told with six significant digits, or as many decimals as requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rounded(pub f64);
 

@@ -85,7 +85,7 @@ pub fn finite_outputs<P: Process>(process: &P, points: &[Point<P>]) {
     }
 }
 
-/// A step is as long as asked for, or an event cut it short.
+/// A step is as long as requested, or an event cut it short.
 pub fn events_stop_the_step<P: Process>(process: &P, points: &[Point<P>]) {
     let mut indicators = vec![0.0; P::EVENTS.len()];
     for (input, duration) in points {
@@ -111,7 +111,7 @@ fn ranges(fields: &[Field]) -> impl Iterator<Item = [f64; 2]> + '_ {
     fields.iter().flat_map(|field| std::iter::repeat_n([field.min, field.max], field.len))
 }
 
-/// An event that holds at the start and ends the cut is told at once; past any other the step goes on and
+/// An event that holds at the start and ends the cut is reported at once; past any other the step goes on and
 /// does not tell it again.
 ///
 /// Every component of the state is raised until an event holds, every input is set to either end of its range.
@@ -160,12 +160,12 @@ pub fn held_events_are_told_at_once<P: Process>(process: &P, points: &[Point<P>]
                 Err(error) => panic!("{start:?}: {error}"),
             };
             seen.iter_mut().zip(&held).for_each(|(seen, held)| *seen |= held);
-            let told = advance.event.and_then(|event| P::EVENTS.iter().position(|each| *each == event));
+            let reported = advance.event.and_then(|event| P::EVENTS.iter().position(|each| *each == event));
             if P::EVENTS.iter().zip(&held).any(|(event, held)| *held && event.ends_cut()) {
-                assert!(told.is_some_and(|i| held[i] && P::EVENTS[i].ends_cut()), "{start:?}: {advance:?}");
+                assert!(reported.is_some_and(|i| held[i] && P::EVENTS[i].ends_cut()), "{start:?}: {advance:?}");
                 assert_eq!((advance.elapsed, state), (0.0, start));
             } else {
-                assert!(told.is_none_or(|i| !held[i]), "{start:?}: {advance:?} was told before");
+                assert!(reported.is_none_or(|i| !held[i]), "{start:?}: {advance:?} was reported before");
             }
         }
     }

@@ -49,7 +49,7 @@ pub enum ModelError {
     /// A calculation that has no answer for these numbers.
     #[error("{quantity} has no solution: {reason}")]
     NoSolution {
-        /// What was asked for.
+        /// What was requested.
         quantity: &'static str,
         /// Why there is none.
         reason: &'static str,

@@ -42,7 +42,7 @@ impl ProcessEvent {
 /// How far a step came.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Advance {
-    /// Time taken, s; less than asked for exactly when an event stopped the step.
+    /// Time taken, s; less than requested exactly when an event stopped the step.
     pub elapsed: f64,
     /// The event that stopped it.
     pub event: Option<ProcessEvent>,
@@ -74,7 +74,7 @@ pub trait Process: Send + Sync {
 
     /// Moves `x` by `dt` seconds under held input, or up to the first event.
     ///
-    /// An event that already holds at `x` and ends the cut ([`ProcessEvent::ends_cut`]) is told at once, with
+    /// An event that already holds at `x` and ends the cut ([`ProcessEvent::ends_cut`]) is reported at once, with
     /// no time elapsed. Past any other that holds at `x` the step goes on without telling it again.
     ///
     /// # Errors
@@ -223,7 +223,7 @@ fn stop_at<S>(
         see(i, at);
     }
     let step = advance(at, elapsed, dt - elapsed)?;
-    // A step that runs to its end takes the time asked for, to the bit.
+    // A step that runs to its end takes the time requested, to the bit.
     Ok(Advance { elapsed: if step.event.is_some() { elapsed + step.elapsed } else { dt }, ..step })
 }
 

@@ -9,7 +9,7 @@ const RANGE: (f64, f64) = (0.1, 6.0);
 /// Points of the first scan.
 const POINTS: u32 = 48;
 
-/// Answer to a wear rate that was asked for.
+/// Answer to a wear rate that was requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SetSpeed {
     /// The speed, m/s.
@@ -96,7 +96,7 @@ impl Pair {
     }
 
     /// [`Pair::set_intensity_speed`] for a machine that goes no faster than `highest` (m/s): that
-    /// speed where it wears the edge less than is asked for.
+    /// speed where it wears the edge less than is requested.
     pub fn set_intensity_speed_up_to(&self, cut: &Cut, flank_wear: f64, intensity: f64, highest: f64) -> SetSpeed {
         let contact = self.contact(cut);
         let short = |speed: f64| intensity - contact.at_speed(speed).steady_wear(flank_wear).intensity(speed);

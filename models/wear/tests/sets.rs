@@ -52,8 +52,8 @@ fn what_is_stated_goes_before_the_handbook_and_both_before_the_base() {
     .replace("[handbook]\ntaylor", "[handbook]\ntaylor");
     let set = read(&body).unwrap();
     assert_eq!(value(&set, "extended_taylor.speed_exponent"), (3.5, Origin::Given));
-    let told = "extended_taylor.speed_exponent is 3.5, as line 8 states; the constants of line 6 would give 5";
-    assert!(set.notes.iter().any(|note| note == told), "{:?}", set.notes);
+    let note_expected = "extended_taylor.speed_exponent is 3.5, as line 8 states; the constants of line 6 would give 5";
+    assert!(set.notes.iter().any(|note| note == note_expected), "{:?}", set.notes);
     let (force, origin) = value(&set, "force.specific_force");
     assert!((force - 1618.842).abs() < 1e-3 && origin == Origin::Handbook);
     let load = Pair::of_set(&set).unwrap().force.load(&Cut::nominal(3.0, 0.3e-3, 1.5e-3));
@@ -133,7 +133,7 @@ fn every_fault_is_named_with_its_place_and_fix() {
         let message = refused(body);
         assert!(message.contains(expected), "{body}: {message}");
     }
-    // Life in seconds taken for minutes: both readings are told.
+    // Life in seconds taken for minutes: both readings are reported.
     let seconds = TAYLOR.replace("420 m/min", "20 m/min");
     let message = refused(&seconds);
     assert!(message.contains("in minutes") && message.contains("in seconds") && message.contains("60^m"), "{message}");

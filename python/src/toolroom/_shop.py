@@ -173,15 +173,15 @@ class Scenario:
             "csv": csv,
             "out": folder.name,
         }
-        told = _Bar() if progress is True else progress or None
+        reporter = _Bar() if progress is True else progress or None
         try:
-            summary, text, complete = _native.study(options, told)
+            summary, text, complete = _native.study(options, reporter)
         except BaseException:
             folder.cleanup()
             raise
         finally:
-            if isinstance(told, _Bar):
-                told.end()
+            if isinstance(reporter, _Bar):
+                reporter.end()
         return Comparison(folder, summary, text, complete)
 
     def __repr__(self) -> str:

@@ -52,8 +52,8 @@ def lobes(file: PathLike, set: Optional[Changes] = None, *, threads: int = 0) ->
 
 def verdict(file: PathLike, speed: str, depth: str, set: Optional[Changes] = None) -> dict[str, Any]:
     """The stability at one speed and depth, such as ``"5000 rpm"`` and ``"0.5 mm"``."""
-    told: dict[str, Any] = json.loads(_native.verdict(os.fspath(file), changes(set), speed, depth))
-    return told
+    answer: dict[str, Any] = json.loads(_native.verdict(os.fspath(file), changes(set), speed, depth))
+    return answer
 
 
 def identify(

@@ -20,11 +20,11 @@ pub struct Segment {
     pub state: Vec<f64>,
     /// Output at the end.
     pub output: Vec<f64>,
-    /// Duration asked for, s.
+    /// Duration requested, s.
     pub asked: f64,
     /// Time between samples, s; `None` where nobody watches.
     pub sampling_period: Option<f64>,
-    /// Duration, s; shorter than asked for where the edge is lost.
+    /// Duration, s; shorter than requested where the edge is lost.
     pub elapsed: f64,
     /// What the edge was lost by.
     pub lost: Option<ProcessEvent>,
@@ -152,7 +152,7 @@ impl Segment {
         self.passed.iter().any(|(_, each)| *each == event)
     }
 
-    /// Share of the path of the whole segment as asked for that is behind after `elapsed`
+    /// Share of the path of the whole segment as requested that is behind after `elapsed`
     /// seconds, the speed going linearly from that of the start input.
     pub(super) fn share(&self, ports: &Ports, elapsed: f64) -> f64 {
         let whole = self.asked;

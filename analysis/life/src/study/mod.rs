@@ -216,7 +216,7 @@ pub struct Study {
 }
 
 impl Study {
-    /// A study of one life a cell, seed 0, with nothing else asked for: no further fields, the usual end
+    /// A study of one life a cell, seed 0, with nothing else requested: no further fields, the usual end
     /// criteria, plain points, no age before which a failure is early.
     ///
     /// # Examples

@@ -82,7 +82,7 @@ impl<P: Nominal> Cutting<P> {
         Some((record.value(i)?, field.min, field.max))
     }
 
-    /// Effects of the tool: sizes of their candidates, which are added where the records asked for none.
+    /// Effects of the tool: sizes of their candidates, which are added where the records requested none.
     fn switch_on(&mut self, records: &Records, stated: &Stated) {
         for entry in &stated.effects {
             let (effect, scope) = (entry.effect, stated.normal(&entry.scope));

@@ -74,7 +74,7 @@ impl Grinding {
         for part in &parts(records, &self.frame.measured.group_of_row) {
             for index in 0..effects {
                 let base = self.frame.candidates[index].clone();
-                // Where a wheel is positioned by command, and what another coolant does, is told by rows already.
+                // Where a wheel is positioned by command, and what another coolant does, is reported by rows already.
                 let Action::Effect { effect, by_command: false } = &self.actions[index] else { continue };
                 let full = self.actions.len() >= effects + MOST;
                 if !stated.tries(&base, part) || full {

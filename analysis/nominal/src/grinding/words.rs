@@ -54,7 +54,7 @@ impl Grinding {
         Words::settle(&mut self.frame, stated);
     }
 
-    /// Effects of the wheel: sizes of their candidates, which are added where the records asked for none.
+    /// Effects of the wheel: sizes of their candidates, which are added where the records requested none.
     fn switch_on(&mut self, records: &Records, stated: &Stated) {
         for entry in &stated.effects {
             let (effect, scope) = (entry.effect, stated.normal(&entry.scope));

@@ -119,17 +119,17 @@ fn gains(study: &PassStudy<'_>) -> Section {
         if let Some(all) = study.scatter.last() {
             let sensitivity = &all.by_objective[1];
             let broken = Constraint::ALL.into_iter().map(|constraint| (constraint, sensitivity.broken(constraint)));
-            let mut told: Vec<String> = broken
+            let mut findings: Vec<String> = broken
                 .filter(|(_, share)| *share > 0.0)
                 .map(|(constraint, share)| format!("{constraint} in {:.0} % of the draws", 100.0 * share))
                 .collect();
             if sensitivity.without_plan() > 0.0 {
-                told.push(format!("no plan or no handbook regime in {:.0} %", 100.0 * sensitivity.without_plan()));
+                findings.push(format!("no plan or no handbook regime in {:.0} %", 100.0 * sensitivity.without_plan()));
             }
-            if !told.is_empty() {
+            if !findings.is_empty() {
                 section = section.note(format!(
                     "The plan of least cost as given does not hold in all conditions; it breaks {}.",
-                    told.join(", ")
+                    findings.join(", ")
                 ));
             }
         }

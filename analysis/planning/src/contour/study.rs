@@ -26,7 +26,7 @@ pub struct PassStudy<'a> {
     pub pass: &'a Pass,
     /// The planner of the pass.
     pub planner: Planner<'a>,
-    /// Regimes to compare with; the first is the one that gains are told against.
+    /// Regimes to compare with; the first is the one that gains are reported against.
     pub baselines: Vec<Baseline>,
     /// One for each of [`OBJECTIVES`].
     pub plans: [Plan; 2],

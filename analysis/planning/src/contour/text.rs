@@ -8,7 +8,7 @@ use toolroom_contour::{ContourFile, Plan, PlannedSection};
 
 const MM: f64 = 1e3;
 const UM: f64 = 1e6;
-/// Runs of sections that are told one by one.
+/// Runs of sections that are reported one by one.
 const MOST_RUNS: usize = 24;
 
 /// A share with its sign, in per cent.
@@ -43,15 +43,15 @@ pub fn text(file: &ContourFile, studies: &[PassStudy<'_>]) -> String {
         let _ = writeln!(text, "\nall passes");
         for total in &totals {
             let (gain, cost) = (handbook.time / total.time - 1.0, total.cost / handbook.cost - 1.0);
-            let told = |share| if std::ptr::eq(total, handbook) { "–".to_owned() } else { percent(share) };
+            let shown = |share| if std::ptr::eq(total, handbook) { "–".to_owned() } else { percent(share) };
             let _ = writeln!(
                 text,
                 "  {:22} {:>10.4} {:>10.4} {:>13} {:>9}",
                 total.name,
                 total.time / 60.0,
                 total.cost,
-                told(gain),
-                told(cost)
+                shown(gain),
+                shown(cost)
             );
         }
     }
@@ -104,12 +104,12 @@ fn pass(text: &mut String, study: &PassStudy<'_>) {
     }
     if let Some(all) = study.scatter.last() {
         for ((name, _), sensitivity) in OBJECTIVES.iter().zip(&all.by_objective) {
-            let told = |of: &dyn Fn(f64) -> Option<f64>| {
+            let shown = |of: &dyn Fn(f64) -> Option<f64>| {
                 let [low, middle, high] = [0.05, 0.5, 0.95].map(of);
                 Some(format!("{} ({} … {})", percent(middle?), percent(low?), percent(high?)))
             };
-            let gain = told(&|share| sensitivity.productivity_gain(share));
-            let cost = told(&|share| sensitivity.cost_change(share));
+            let gain = shown(&|share| sensitivity.productivity_gain(share));
+            let cost = shown(&|share| sensitivity.cost_change(share));
             if let (Some(gain), Some(cost)) = (gain, cost) {
                 let draws = sensitivity.draws.len();
                 let _ = writeln!(

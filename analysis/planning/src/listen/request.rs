@@ -1,4 +1,4 @@
-//! What is told of a recorded cut, as it is written on a command line.
+//! What is reported of a recorded cut, as it is written on a command line.
 
 use toolroom_dynamics::DynamicsError;
 use toolroom_process::unit;
@@ -26,7 +26,7 @@ pub enum ListenError {
     Record(#[from] DynamicsError),
 }
 
-/// What is told of a recorded cut.
+/// What is reported of a recorded cut.
 #[derive(Clone, Copy, Debug)]
 pub struct ListenRequest<'a> {
     /// Teeth of the cutter.

@@ -48,7 +48,7 @@ pub struct Best {
     pub depth: f64,
     /// Probability that it is stable, of samples that it was not chosen by.
     pub probability: Probability,
-    /// The probability that was asked for.
+    /// The probability that was requested.
     pub required: f64,
     /// How well the constants are known.
     pub scatter: Scatter,

@@ -149,7 +149,7 @@ fn summary(study: &ChartStudy<'_>) -> Value {
         "points": points,
         "boundaries": boundaries,
     });
-    // What was not asked for is not there.
+    // What was not requested is not there.
     if !limits.is_empty() {
         summary["limits"] = json!(limits);
     }

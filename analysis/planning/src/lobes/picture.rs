@@ -82,7 +82,7 @@ pub(super) fn lobes(study: &ChartStudy<'_>) -> StabilityLobes {
         lobes = lobes.point("", shown(&(judgement.speed, judgement.depth)), standing);
     }
     if let Some(best) = &study.best {
-        // It is stable with the probability that was asked for.
+        // It is stable with the probability that was requested.
         lobes = lobes.point("best", shown(&(best.speed, best.depth)), Standing::Stable);
     }
     lobes
@@ -164,12 +164,12 @@ fn lead(judgements: &[Judged]) -> String {
     let all = judgements.len();
     let unstable = judgements.iter().flatten().filter(|judgement| !judgement.verdict.stable).count();
     let failed = judgements.iter().filter(|judged| judged.is_err()).count();
-    let told = match unstable {
+    let summary = match unstable {
         _ if all == 0 => "No operating point is given.".to_owned(),
         0 if failed == 0 => format!("All {all} operating points are stable."),
         unstable => format!("{unstable} of {all} operating points are unstable."),
     };
-    if failed == 0 { told } else { format!("{told} For {failed} of them no verdict was found.") }
+    if failed == 0 { summary } else { format!("{summary} For {failed} of them no verdict was found.") }
 }
 
 fn points_section(file: &LobesFile, judgements: &[Judged]) -> Section {

@@ -12,7 +12,7 @@ use toolroom_chatter::{ChatterError, RobustSpeed};
 const SAMPLES: u64 = 200;
 /// Seed of these samples.
 const SEED: u64 = 1;
-/// Speeds that are told.
+/// Speeds that are reported.
 const TOLD: usize = 5;
 
 impl LobesFile {

@@ -18,11 +18,11 @@ pub struct ChartStudy<'a> {
     pub speeds: Vec<f64>,
     /// Depths up to which each limit of the file is kept, at these speeds; infinite where it is kept on the whole chart.
     pub limits: Vec<(Limited, Vec<f64>)>,
-    /// Quantities over the chart that were asked for.
+    /// Quantities over the chart that were requested.
     pub maps: Vec<ChartMap>,
     /// The point of greatest removal rate, where it was asked for.
     pub best: Option<Best>,
-    /// Speeds of the chart with the probability that a depth is stable there, where they were asked for.
+    /// Speeds of the chart with the probability that a depth is stable there, where they were requested.
     pub robust: Vec<RobustSpeed>,
 }
 
@@ -85,13 +85,13 @@ impl<'a> ChartStudy<'a> {
     pub fn holes(&self) -> Vec<String> {
         let file = self.file;
         let axes = file.cut.axes();
-        let mut told = Vec::new();
+        let mut lines = Vec::new();
         if let Some(grid) = &self.grid
             && let Some(Hole { speed, depth, reason }) = grid.holes.first()
         {
             let (count, all) = (grid.holes.len(), grid.verdicts.len());
             let (speed, depth) = (with_unit(&axes.speed, *speed), with_unit(&axes.depth, *depth));
-            told.push(format!(
+            lines.push(format!(
                 "{count} of {all} points have no verdict and are holes in the chart, first {speed}, {depth}: {reason}"
             ));
         }
@@ -99,15 +99,15 @@ impl<'a> ChartStudy<'a> {
             if let Some((speed, reason)) = curve.holes.first() {
                 let (count, all, label) = (curve.holes.len(), curve.limit.len(), &curve.label);
                 let speed = with_unit(&axes.speed, *speed);
-                told.push(format!("{label}: not found at {count} of {all} speeds, first {speed}: {reason}"));
+                lines.push(format!("{label}: not found at {count} of {all} speeds, first {speed}: {reason}"));
             }
         }
         for (point, judged) in file.points.iter().zip(&self.judgements) {
             if let Err(error) = judged {
-                told.push(format!("operating point \"{}\" has no verdict: {error}", point.name));
+                lines.push(format!("operating point \"{}\" has no verdict: {error}", point.name));
             }
         }
-        told
+        lines
     }
 }
 

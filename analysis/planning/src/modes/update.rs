@@ -188,7 +188,7 @@ impl Question<'_> {
         let (mut likelihood, mut unstable) = (0.0, Vec::with_capacity(self.cuts.len()));
         for cut in self.cuts {
             let (chatters, frequency) = self.judge(&modes, factor, cut)?;
-            likelihood += told(cut.chatter, chatters).ln();
+            likelihood += cut_likelihood(cut.chatter, chatters).ln();
             if let Some(observed) = cut.frequency {
                 // A limit that was not found is three standard deviations away.
                 let apart = frequency.map_or(3.0, |frequency| (observed / frequency - 1.0) / FREQUENCY);
@@ -201,7 +201,7 @@ impl Question<'_> {
 }
 
 /// Probability of a record.
-fn told(chatter: bool, unstable: bool) -> f64 {
+fn cut_likelihood(chatter: bool, unstable: bool) -> f64 {
     if chatter == unstable { 1.0 - WRONG } else { WRONG }
 }
 
@@ -452,7 +452,7 @@ fn tempered(
 fn surprise(prior: &[Particle], cuts: &[ShopCut], seed: u64) -> f64 {
     let evidence = |records: &[bool]| -> f64 {
         let of = |particle: &Particle| -> f64 {
-            particle.unstable.iter().zip(records).map(|(unstable, record)| told(*record, *unstable)).product()
+            particle.unstable.iter().zip(records).map(|(unstable, record)| cut_likelihood(*record, *unstable)).product()
         };
         prior.iter().map(of).sum::<f64>()
     };

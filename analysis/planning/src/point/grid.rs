@@ -190,12 +190,12 @@ fn grid<P: Process + Clone>(
         numbers.extend(more);
         Ok((numbers, texts))
     };
-    let told = |index: usize| {
+    let result = |index: usize| {
         let refused = |source| PointError::Row { index, source: Box::new(source) };
         row(index).map_err(|source| if axes.is_empty() { source } else { refused(source) })
     };
     let rows: Vec<Row> =
-        (0..points).into_par_iter().map(told).collect::<Vec<_>>().into_iter().collect::<Result<_, _>>()?;
+        (0..points).into_par_iter().map(result).collect::<Vec<_>>().into_iter().collect::<Result<_, _>>()?;
     let fields = [P::Input::FIELDS, P::State::FIELDS, P::Output::FIELDS].into_iter().flatten();
     let field_heads = fields.flat_map(|field| (0..field.len).map(move |element| (header(field, element), Some(field))));
     let heads = field_heads.chain(number_heads.iter().map(|head| ((*head).to_owned(), None)));

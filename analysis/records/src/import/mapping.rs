@@ -205,7 +205,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Mapping> {
         }
     }
     let made = |column: &RecordColumn| kind.generated().is_some_and(|made| made.contains(&column.name));
-    // A [[column]] that is wrong is told where it stands.
+    // A [[column]] that is wrong is reported where it stands.
     let given = |column: &RecordColumn| sections.iter().any(|section| section.text("name") == Some(column.name));
     let lacking = kind.columns().iter().filter(|column| column.required && !made(column) && !given(column));
     let lacking: Vec<&str> = lacking.map(|column| column.name).collect();

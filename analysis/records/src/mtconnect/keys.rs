@@ -26,7 +26,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// Every role with the words by which it is told on the command line.
+    /// Every role with the words by which it is reported on the command line.
     pub const ALL: [(Self, &'static str); 10] = [
         (Self::Availability, "availability"),
         (Self::Execution, "execution"),

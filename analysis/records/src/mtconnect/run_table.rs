@@ -28,7 +28,7 @@ pub enum RunTableError {
     /// No run is left.
     #[error("no run of `{program}` in automatic mode")]
     NoRuns {
-        /// Program asked for, or all.
+        /// Program requested, or all.
         program: String,
     },
 }

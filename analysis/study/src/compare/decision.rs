@@ -164,7 +164,7 @@ impl Decision {
         let objective = tuning.map_or("cost_per_part", |tuning| tuning.objective.as_str());
         let index = study.index(objective).unwrap_or(0);
         let kpi = &study.kpis[index];
-        // Less is better for all that is told below.
+        // Less is better for all that is reported below.
         let sign = if kpi.definition.better == Better::More { -1.0 } else { 1.0 };
         let eligible = |position: usize| {
             let name = policies[position].name.as_str();

@@ -57,9 +57,9 @@ impl Reader {
 
     /// What the schema of the standard says against lines on which nothing else is wrong.
     fn schema(&mut self, root: Node<'_, '_>, major: u8) {
-        let told: BTreeSet<u32> = self.faults.iter().map(|fault| fault.line).collect();
+        let faulty_lines: BTreeSet<u32> = self.faults.iter().map(|fault| fault.line).collect();
         for (node, message) in super::schema::faults(root, major) {
-            if !told.contains(&self.line(node)) {
+            if !faulty_lines.contains(&self.line(node)) {
                 self.fault(node, message);
             }
         }

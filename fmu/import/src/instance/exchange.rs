@@ -4,7 +4,7 @@
 //! Between two calls the unit is in Event Mode, so that inputs of every variability may be set. A communication step
 //! settles what was set, integrates up to its end, and settles again, so that what is read there is what holds after
 //! the events of that instant. State events are located on the dense output of the integrator, time events are met,
-//! and a step event is asked for after each step of the integrator.
+//! and a step event is requested after each step of the integrator.
 
 mod dormand_prince;
 

@@ -127,18 +127,18 @@ impl Two {
     fn discarded(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError> {
         let (mut reached, mut ended) = (f64::NAN, 0);
         // SAFETY: the component is alive, the pointers hold for the call.
-        let told = unsafe {
+        let statuses = unsafe {
             let binding = self.binding();
-            let told = binding.fmi2GetRealStatus(self.component, LAST_SUCCESSFUL_TIME, &mut reached);
-            (told, binding.fmi2GetBooleanStatus(self.component, TERMINATED, &mut ended))
+            let statuses = binding.fmi2GetRealStatus(self.component, LAST_SUCCESSFUL_TIME, &mut reached);
+            (statuses, binding.fmi2GetBooleanStatus(self.component, TERMINATED, &mut ended))
         };
-        self.dead |= told.0 == FATAL || told.1 == FATAL;
+        self.dead |= statuses.0 == FATAL || statuses.1 == FATAL;
         // A unit that does not tell how far it came has taken none of the step.
-        let reached = if told.0 <= 1 { reached } else { time };
+        let reached = if statuses.0 <= 1 { reached } else { time };
         if !(reached >= time && reached <= time + duration) {
             return Err(self.messages.error("fmi2DoStep", format!("discard, and {reached} s as the time it reached")));
         }
-        Ok(if told.1 <= 1 && ended != 0 { Stepped::Ended(reached) } else { Stepped::Part(reached) })
+        Ok(if statuses.1 <= 1 && ended != 0 { Stepped::Ended(reached) } else { Stepped::Part(reached) })
     }
 
     fn judge(&mut self, function: &str, status: u32) -> Result<(), CallError> {

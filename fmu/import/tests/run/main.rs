@@ -139,7 +139,7 @@ fn an_event_stops_the_step_where_it_happens_or_at_the_end_of_a_step_without_stat
     let advance = process.advance(&mut x, &mut u, 400.0).expect("a step");
     assert_eq!(advance.event, Some(ProcessEvent::WearLimit));
     assert!((advance.elapsed - 300.0).abs() <= 1e-9, "{}", advance.elapsed);
-    // It is told once: the flag stays, the step goes on.
+    // It is reported once: the flag stays, the step goes on.
     let rest = process.advance(&mut x, &mut u, 50.0).expect("a step");
     assert_eq!((rest.elapsed, rest.event), (50.0, None));
 }
@@ -303,7 +303,7 @@ fn states_in_memory_do_what_serialised_ones_do_and_are_freed() {
     let in_memory = machine(&path, &wiring()).expect("it fits");
     assert!(in_memory.goes_back());
     let run = |process: &UnitProcess| {
-        let (mut x, mut y, mut told) = (process.initial(), vec![0.0], Vec::new());
+        let (mut x, mut y, mut passes) = (process.initial(), vec![0.0], Vec::new());
         for pass in 0..60 {
             let mut u = input(process, &[("cutting_speed", 1.0)]);
             // Planned whole, interrupted, planned anew from the start.
@@ -311,7 +311,7 @@ fn states_in_memory_do_what_serialised_ones_do_and_are_freed() {
                 let mut plan = x.clone();
                 let advance = process.advance(&mut plan, &mut u, duration).expect("a step");
                 process.output(&plan, &u, &mut y);
-                told.push((pass, advance.elapsed, advance.event, y[0]));
+                passes.push((pass, advance.elapsed, advance.event, y[0]));
                 if duration < 10.0 {
                     x = plan;
                     process.settle(&x);
@@ -319,7 +319,7 @@ fn states_in_memory_do_what_serialised_ones_do_and_are_freed() {
             }
         }
         process.retire(&x);
-        told
+        passes
     };
     let expected = run(&serialised);
     assert!(expected.iter().any(|(_, _, event, _)| *event == Some(ProcessEvent::WearLimit)));

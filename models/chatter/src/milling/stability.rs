@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 enum Effort {
     /// A point of a chart: three digits or so.
     Screening,
-    /// A verdict that is asked for: eight digits.
+    /// A verdict that is requested: eight digits.
     Verdict,
     /// On the boundary, and to find it.
     Boundary,
@@ -389,7 +389,7 @@ impl<'a> AtSpeed<'a> {
         }
     }
 
-    /// Whether the worst phase of a varying speed is asked for.
+    /// Whether the worst phase of a varying speed is requested.
     fn phase_is_free(&self) -> bool {
         matches!(self.motion, Motion::Varying(_, started) if started.variation.phase.is_none())
     }
@@ -554,7 +554,7 @@ impl<'a> AtSpeed<'a> {
         let depth = root(|depth| self.excess(depth, effort), before, after, tolerance)?;
         let (dominant, period) = self.dominant(depth, effort)?;
         let excess = dominant.value.norm().ln().abs();
-        // Where rounding decides about the multiplier its modulus jumps, and no end is told.
+        // Where rounding decides about the multiplier its modulus jumps, and no end is reported.
         if matches!(effort, Effort::Boundary) && excess > NEUTRAL {
             return Err(ChatterError::NotConverged { residual: excess });
         }

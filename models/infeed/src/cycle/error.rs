@@ -67,7 +67,7 @@ pub enum CycleError {
         Rounded(*.finish_stock), Rounded(*.stock)
     )]
     FinishStockBeyondStock {
-        /// Finish stock asked for.
+        /// Finish stock requested.
         finish_stock: f64,
         /// Stock.
         stock: f64,

@@ -77,7 +77,7 @@ pub struct CycleFile {
     pub input: Input,
     /// Limits.
     pub limits: CycleLimits,
-    /// Dressing, where it is asked for.
+    /// Dressing, where it is requested.
     pub dressing: Option<DressingPlan>,
     /// The wheel for which the cycle is designed.
     pub wheel: WheelState,

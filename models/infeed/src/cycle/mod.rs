@@ -70,7 +70,7 @@ record! {
 }
 
 impl CycleLimits {
-    /// Whether a roughness is asked for.
+    /// Whether a roughness is requested.
     pub fn asks_for_roughness(&self) -> bool {
         self.roughness < 1e-3
     }

@@ -224,7 +224,7 @@ impl Iso {
     fn block(&mut self, code: &BlockCode, kernel: &mut Kernel) -> Result<Flow, Fault> {
         let mut words = std::mem::take(&mut self.words);
         words.clear();
-        // Positions are asked for by variables only.
+        // Positions are requested by variables only.
         if code.words.iter().any(|word| word.value.literal().is_none()) {
             self.refresh(kernel);
         }

@@ -358,7 +358,7 @@ fn passed_over(
     converted: &Values,
     line: &dyn Fn(&Range<usize>) -> usize,
 ) -> Vec<String> {
-    let told = |((group, name), stated): (&(&'static str, &'static str), &Placed)| {
+    let statement = |((group, name), stated): (&(&'static str, &'static str), &Placed)| {
         let entry = converted.get(&(*group, *name)).filter(|entry| entry.origin == Origin::Handbook)?;
         let field = catalogue.group(group)?.fields.iter().find(|field| field.name == *name)?;
         let shown = |value| display(&Quantity::of(field), value);
@@ -371,7 +371,7 @@ fn passed_over(
             )
         })
     };
-    values.iter().filter_map(told).collect()
+    values.iter().filter_map(statement).collect()
 }
 
 /// A stated wear limit must be the one for which the handbook's lives hold.

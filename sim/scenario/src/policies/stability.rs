@@ -19,7 +19,7 @@ const SPEEDS: usize = 141;
 const SAMPLES: u64 = 64;
 /// Seed of these samples: every controller reckons with the same.
 const SEED: u64 = 1;
-/// Places along a pass at which the limit is asked for.
+/// Places along a pass at which the limit is requested.
 const PLACES: usize = 5;
 /// Layers of a pass at most (assumption).
 const MOST_LAYERS: f64 = 20.0;
