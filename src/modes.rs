@@ -6,12 +6,14 @@ use crate::speak::Voice;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_dynamics::{FitOptions, Measurement, Scatter, TapOptions, read_shop_cuts};
-use toolroom_lobes::read_structure;
+use toolroom_dynamics::{FitOptions, Measurement, Scatter, ShopCut, TapOptions, read_shop_cuts};
+use toolroom_lobes::{LobesCut, LobesFile, read_structure};
 use toolroom_output::{Files, OutputDir, provenance};
 use toolroom_planning::modes::{
-    ModesStudy, ModesUpdate, NAMES, Request, RequestError, UpdateOptions, range, read_tool, scatter, summary, tip,
+    ModesStudy, ModesUpdate, NAMES, Request, RequestError, UpdateOptions, is_records, range, read_tool, recorded_cuts,
+    scatter, summary, tip,
 };
+use toolroom_records::{RecordKind, parse_csv};
 
 /// Where the files and the words of a fault are described.
 const GUIDE: &str = "see docs/dynamics.md";
@@ -50,8 +52,7 @@ fn update(args: &ModesArgs, cuts: &Path, lobes: &Path, voice: &Voice) -> Result<
         return Err(Failure::argument(message, "write for example --coefficients 0.15"));
     }
     let records = bytes(cuts)?;
-    let table = read_shop_cuts(&cuts.display().to_string(), &String::from_utf8_lossy(&records))
-        .map_err(|error| Failure::argument(error, GUIDE))?;
+    let table = shop_cuts(cuts, &records, &file.content, args.machine.as_deref(), voice)?;
     let options = UpdateOptions {
         particles: args.particles as usize,
         coefficients: args.coefficients,
@@ -77,12 +78,39 @@ fn update(args: &ModesArgs, cuts: &Path, lobes: &Path, voice: &Voice) -> Result<
         "--particles".to_owned(),
         args.particles.to_string(),
     ];
+    let machine = args.machine.iter().flat_map(|name| ["--machine".to_owned(), name.clone()]);
+    let changes = changes.into_iter().chain(machine);
     let made = provenance("modes", &inputs, changes, None);
     let digests = made.inputs.iter().map(|(name, digest)| format!("{name} ({digest})"));
     let source = format!("{} of {}", made.command, digests.collect::<Vec<_>>().join(", "));
     files.put(out, update.structure(&source).as_bytes())?;
     voice.say(format_args!("wrote {}; a lobes file takes it by structure = \"…\"", out.display()));
     Ok(())
+}
+
+/// Cuts of a plain table, or of the records of a shop.
+fn shop_cuts(
+    path: &Path,
+    bytes: &[u8],
+    file: &LobesFile,
+    machine: Option<&str>,
+    voice: &Voice,
+) -> Result<Vec<ShopCut>, Failure> {
+    let (name, text) = (path.display().to_string(), String::from_utf8_lossy(bytes));
+    if !is_records(&text) {
+        if machine.is_some() {
+            return Err(Failure::argument("--machine: a plain table of cuts names no machine", "leave it out"));
+        }
+        return read_shop_cuts(&name, &text).map_err(|error| Failure::argument(error, GUIDE));
+    }
+    let milling = matches!(file.cut, LobesCut::Milling(_));
+    let kind = if milling { RecordKind::Milling } else { RecordKind::Turning };
+    let (records, _) = parse_csv(&name, bytes, kind).map_err(|error| Failure::argument(error, GUIDE))?;
+    let found = recorded_cuts(&records, file, machine).map_err(|error| Failure::argument(error, GUIDE))?;
+    if let Some(words) = found.words() {
+        voice.say(format_args!("{words}"));
+    }
+    Ok(found.cuts)
 }
 
 /// The frequency responses of a file, and its bytes.

@@ -44,9 +44,12 @@ pub struct ModesArgs {
     /// Say what the file holds, and fit nothing
     #[arg(long, conflicts_with_all = ["out", "report"])]
     pub read: bool,
-    /// Cuts of the shop that chattered or did not (CSV): the file is a structure file that they bring up to date
+    /// Cuts of the shop that chattered or did not (CSV), or records of a run: the file is a structure file that they bring up to date
     #[arg(long, value_name = "FILE", requires = "lobes", conflicts_with_all = ["read", "report"])]
     pub cuts: Option<PathBuf>,
+    /// Machine of the records whose cuts count
+    #[arg(long, value_name = "NAME", requires = "cuts")]
+    pub machine: Option<String>,
     /// Lobes file with cutter, engagement and force of these cuts
     #[arg(long, value_name = "FILE", requires = "cuts")]
     pub lobes: Option<PathBuf>,

@@ -32,6 +32,10 @@ pub enum Quantity {
     EdgeLife,
     /// Wait of a job before a pool of machines.
     QueueWait,
+    /// Natural frequencies of what vibrates around a cut.
+    NaturalFrequency,
+    /// Depth at which cuts become unstable: stiffness times damping over the coefficient of the force.
+    StabilityLimit,
 }
 
 impl Quantity {
@@ -49,6 +53,8 @@ impl Quantity {
             Self::ArrivalInterval => "arrival_interval",
             Self::EdgeLife => "edge_life",
             Self::QueueWait => "queue_wait",
+            Self::NaturalFrequency => "natural_frequency",
+            Self::StabilityLimit => "stability_limit",
         }
     }
 
@@ -66,6 +72,8 @@ impl Quantity {
             Self::ArrivalInterval => "time between arrivals",
             Self::EdgeLife => "life of edges",
             Self::QueueWait => "wait",
+            Self::NaturalFrequency => "natural frequency (dynamics drift)",
+            Self::StabilityLimit => "depth of the stability limit (dynamics drift)",
         }
     }
 
@@ -81,7 +89,9 @@ impl Quantity {
             | Self::HandlingScatter
             | Self::Scrap
             | Self::ArrivalInterval
-            | Self::EdgeLife => true,
+            | Self::EdgeLife
+            | Self::NaturalFrequency
+            | Self::StabilityLimit => true,
             Self::QueueWait => false,
         }
     }
@@ -95,6 +105,8 @@ impl Quantity {
         match self {
             Self::FailureShape => digits(value),
             Self::HandlingScatter | Self::Scrap => format!("{} %", digits(100.0 * value)),
+            Self::NaturalFrequency => format!("{} Hz", digits(value)),
+            Self::StabilityLimit => format!("{} mm", digits(1e3 * value)),
             Self::TimeBetweenFailures
             | Self::TimeToRepair
             | Self::SetupTime

@@ -156,7 +156,12 @@ impl Page {
         for fact in &self.diagnosis.facts {
             let [low, high] = fact.least_seen.map(|factor| number(factor, 3));
             let what = format!("{} of {}", fact.quantity.words(), fact.place);
-            table.push([what.into(), format!("a factor below {low} or above {high}").into(), "a longer log".into()]);
+            let (least, by) = if fact.least_seen.iter().all(|factor| factor.is_nan()) {
+                ("not worked out".to_owned(), "more cuts near the limit")
+            } else {
+                (format!("a factor below {low} or above {high}"), "a longer log")
+            };
+            table.push([what.into(), least.into(), by.into()]);
         }
         table
     }

@@ -11,7 +11,7 @@ use toolroom_chart::page::Provenance;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{
-    Answers, Asked, Diagnosed, Diagnosis, GapVerdict, NextExperiment, NominalModel, NominalProcess,
+    Answers, Asked, Diagnosed, Diagnosis, GapVerdict, NextExperiment, NominalModel, NominalProcess, add_dynamics,
     diagnosed_processes, joined,
 };
 use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
@@ -262,6 +262,7 @@ fn completed(
         if let NominalProcess::Shop(shop) = &model.process {
             add_facts(shop, &records, &model.stated, diagnosis, request.seed);
         }
+        add_dynamics(&model, &records, diagnosis, request.seed);
         if request.pages {
             let readings = Readings::of_process(&model, &records, &asked.parts, diagnosis);
             let rates = request.models.iter().find_map(|path| rates(path, request.set)).unwrap_or_default();

@@ -94,6 +94,7 @@ fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Dia
         not_named: each().flat_map(|own| own.not_named.clone()).collect(),
         facts: Vec::new(),
         findings: Vec::new(),
+        dynamics: Vec::new(),
     }
 }
 

@@ -125,6 +125,7 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
         not_named: decision.not_named.clone(),
         facts: Vec::new(),
         findings: Vec::new(),
+        dynamics: Vec::new(),
     };
     let pushed = || hidden_by_calibration(model, &decision.base, &hidden);
     let stated_channels = (0..measured.channels.len()).any(|channel| model.scatter_is_known(channel));

@@ -1,6 +1,6 @@
 //! What a diagnosis says, and its JSON form (schema 1).
 
-use super::{Fitness, Identifiable, Measures};
+use super::{DynamicsDrift, Fitness, Identifiable, Measures};
 use serde_json::{Value, json};
 use toolroom_facts::{Fact, Finding};
 
@@ -209,6 +209,8 @@ pub struct Diagnosis {
     pub facts: Vec<Fact>,
     /// The facts that contradict the file.
     pub findings: Vec<Finding>,
+    /// What chatter says of the structure around the cut, machine by machine.
+    pub dynamics: Vec<DynamicsDrift>,
 }
 
 /// A model that was the best of its kind and was not named.
@@ -339,6 +341,7 @@ impl Diagnosis {
             not_named: Vec::new(),
             facts: Vec::new(),
             findings: Vec::new(),
+            dynamics: Vec::new(),
         }
     }
 
@@ -403,6 +406,7 @@ impl Diagnosis {
             "facts": self.facts.iter().enumerate().map(|(index, fact)| {
                 fact.json(self.findings.iter().any(|finding| finding.fact == index))
             }).collect::<Vec<_>>(),
+            "dynamics_drift": self.dynamics.iter().map(DynamicsDrift::json).collect::<Vec<_>>(),
         })
     }
 }

@@ -41,6 +41,7 @@ mod diagnose;
 mod diagnosing;
 mod diagnosis;
 mod discrepancy;
+mod dynamics;
 mod enough;
 mod evidence;
 mod fit;
@@ -82,6 +83,7 @@ pub use diagnosis::{
     Apart, Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed,
     Ranked, Tried,
 };
+pub use dynamics::{DriftExplanation, DynamicsDrift, add_dynamics};
 pub use fit::{Fit, fit};
 pub use fitness::{Fitness, LeastSeen, Part, Structure};
 pub use gram::normal_equations;

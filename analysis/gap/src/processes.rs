@@ -22,8 +22,8 @@ use toolroom_chart::{Axis, Estimate, Intervals, Table};
 /// Lines of the terminal's summary.
 const LINES: usize = 10;
 /// Lists of a diagnosis whose entries say of which process they are.
-const LISTS: [&str; 9] =
-    ["effects", "where", "masked", "calibration", "ranking", "tried", "not_named", "facts", "apart"];
+const LISTS: [&str; 10] =
+    ["effects", "where", "masked", "calibration", "ranking", "tried", "not_named", "facts", "dynamics_drift", "apart"];
 
 /// What is said of every process of a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,7 +137,7 @@ impl Answers {
             "budget": budget.json(), "masked": list("masked"), "next_experiment": next,
             "calibration": list("calibration"), "ranking": list("ranking"), "tried": list("tried"),
             "not_named": list("not_named"), "untried": self.untried_json(), "notes": notes, "facts": list("facts"),
-            "apart": list("apart"),
+            "dynamics_drift": list("dynamics_drift"), "apart": list("apart"),
             "processes": documents.into_iter().map(|(process, document)| (process.to_owned(), document)).collect::<Map<_, _>>(),
         })
     }

@@ -31,6 +31,7 @@ pub mod program;
 mod search;
 mod settings;
 pub mod shop;
+mod stability;
 mod stated;
 mod units;
 
@@ -43,4 +44,5 @@ pub use nominal::{Asked, ModelFileError, NominalModel, NominalProcess, sensor_sh
 pub use predict::{correct, predict, touches, transformed};
 pub use search::Untried;
 pub use settings::Settings;
+pub use stability::{HeardCut, StructurePrior};
 pub use stated::{Movable, Stated, Words};

@@ -368,6 +368,8 @@ fn is_plain(outline: &Outline) -> bool {
 fn randomness(settings: &mut Settings, scenario: &Scenario, process: &str) {
     let tool = scenario.tools.iter().find(|tool| tool.process.name() == process);
     settings.scatter = tool.map(|tool| tool.scatter).filter(|scatter| *scatter != Scatter::none());
+    let own = tool.map(|tool| tool.structure_scatter).unwrap_or_default();
+    settings.structure_scatter = [own.natural_frequency, own.damping_ratio];
     settings.lots = scenario.parts.iter().map(|part| (part.name.clone(), part.batch_size)).collect();
     let variance = |distribution: &Distribution| {
         if distribution.is_constant() {

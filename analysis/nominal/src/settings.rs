@@ -41,6 +41,8 @@ pub struct Settings {
     pub lots: Vec<(String, u32)>,
     /// Standard deviation of the time to load and unload a part, s.
     pub handling: f64,
+    /// How natural frequencies and damping ratios of the machines differ in the scenario, relative standard deviations.
+    pub structure_scatter: [f64; 2],
 }
 
 impl Default for Settings {
@@ -62,6 +64,7 @@ impl Default for Settings {
             scatter: None,
             lots: Vec::new(),
             handling: 0.0,
+            structure_scatter: [0.0; 2],
         }
     }
 }

@@ -51,7 +51,62 @@ pub fn records(run: &Run<'_>, kind: RecordKind) -> Records {
     run.channel(&mut records, "vibration_rms", &of_passes(&|pass| positive(pass.vibration_amplitude / root)));
     run.channel(&mut records, "roughness_ra", &of_passes(&|pass| positive(pass.roughness)));
     times(run, &rows, &mut records);
+    if passes.iter().any(|pass| !pass.stability_margin.is_nan()) {
+        chatter(run, &passes, &mut records);
+    }
     records
+}
+
+/// What was heard of chatter: 1 where it set in, 0 in a stable cut; nothing is known of a cut that was unstable for too short a
+/// time to be heard, and of tools without a structure. Beside that how fast the spindle turned, and where along the work
+/// the pass began.
+fn chatter(run: &Run<'_>, passes: &[&PassRow], records: &mut Records) {
+    let onsets: Vec<(u32, f64)> = run
+        .log
+        .events
+        .iter()
+        .filter(|event| event.event == "chatter_onset")
+        .filter_map(|event| Some((event.machine?, event.time)))
+        .collect();
+    let set_in = |pass: &PassRow| {
+        let within = |(machine, time): &(u32, f64)| *machine == pass.machine && (pass.start..=pass.end).contains(time);
+        onsets.iter().any(within)
+    };
+    let heard = |pass: &&PassRow| {
+        if pass.stability_margin.is_nan() {
+            f64::NAN
+        } else if set_in(pass) {
+            1.0
+        } else if pass.chatter_time > 0.0 {
+            f64::NAN
+        } else {
+            0.0
+        }
+    };
+    let heard: Vec<f64> = passes.iter().map(heard).collect();
+    let known = |(pass, heard): (&&PassRow, &f64)| {
+        if *heard == 1.0 && pass.chatter_frequency > 0.0 { pass.chatter_frequency } else { f64::NAN }
+    };
+    let frequencies: Vec<f64> = passes.iter().zip(&heard).map(known).collect();
+    if frequencies.iter().any(|frequency| frequency.is_finite()) {
+        let readings = run.readings(records.kind, "chatter_frequency", &frequencies);
+        records.set_numbers("chatter_frequency", readings);
+    }
+    records.set_numbers("chatter", heard);
+    let work = |pass: &PassRow| programmed(run, pass).unwrap_or_default();
+    if records.kind == RecordKind::Turning {
+        let speeds = records.numbers("cutting_speed").map_or_else(Vec::new, <[f64]>::to_vec);
+        let turned = |(pass, speed): (&&PassRow, f64)| {
+            let diameter = work(pass).diameter;
+            if diameter > 0.0 { 2.0 * speed / diameter } else { f64::NAN }
+        };
+        records.set_numbers("spindle_speed", passes.iter().zip(speeds).map(turned).collect());
+        let places: Vec<f64> = passes.iter().map(|pass| work(pass).position).collect();
+        if places.iter().any(|place| *place > 0.0) {
+            let place = |place: f64| if place > 0.0 { place } else { f64::NAN };
+            records.set_numbers("position", places.into_iter().map(place).collect());
+        }
+    }
 }
 
 /// What was commanded, and where.

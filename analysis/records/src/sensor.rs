@@ -40,6 +40,8 @@ impl Sensor {
             "cycle_time" => sensor(0.5, 0.0, 0.0),
             "form_error" => sensor(0.5e-6, 0.0, 0.0),
             "roughness_ra" => sensor(0.0, 0.05, 0.0),
+            // Assumption: lines of the spectrum of a second of sound.
+            "chatter_frequency" => sensor(1.0, 0.0, 1.0),
             _ => sensor(0.0, 0.05, 0.0),
         }
     }

@@ -1,7 +1,7 @@
 //! Fits of synthetic tap tests whose truth is known: accelerometers of white noise, five averages.
 
 use nalgebra::Complex;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
@@ -161,5 +161,130 @@ fn taps_in_two_directions_without_a_response_across_are_fitted() {
             assert!(turned.abs() <= 5.0 * mode.direction_sd.unwrap_or(0.0).to_degrees() + 1e-9, "{mode:?}");
         }
         assert_eq!([found.modes[0].direction, found.modes[1].direction], [[1.0, 0.0], [0.0, 1.0]]);
+    }
+}
+
+/// A structure drawn at random with the range and step in which it is measured well: a range from a quarter of the first to one and a
+/// half of the last frequency, eight lines and more in the narrowest half-power band.
+fn drawn(random: &mut ChaCha8Rng, plane: bool) -> (Vec<Truth>, [f64; 2], f64) {
+    let mut uniform = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+    let count = uniform(1.0, 4.99) as usize;
+    let mut frequency = uniform(300.0, 900.0);
+    let mut truth = Vec::new();
+    for _ in 0..count {
+        let angle = if plane { uniform(-90.0, 90.0) } else { 0.0 };
+        let zeta = uniform(0.01, 0.045);
+        truth.push([frequency, zeta, uniform(5e6, 40e6), angle]);
+        // Neighbours are apart by one and a half of their half-power bands at least.
+        frequency *= 1.0 + uniform(0.14, 0.8);
+    }
+    let narrowest = truth.iter().map(|[f, zeta, ..]| 2.0 * zeta * f).fold(f64::INFINITY, f64::min);
+    let range = [0.25 * truth[0][0], 1.5 * truth[count - 1][0]];
+    (truth, range, (narrowest / 8.0).min(4.0))
+}
+
+/// Run as `cargo test -p toolroom-dynamics --test fit -- --ignored --nocapture`; some minutes.
+#[test]
+#[ignore = "a study of some minutes"]
+fn of_a_hundred_bad_taps_all_are_refused_and_of_a_hundred_good_ones_none() {
+    let mut random = ChaCha8Rng::seed_from_u64(20);
+    let (mut right, mut refused_good, mut accepted_bad) = (0, Vec::new(), Vec::new());
+    let (mut inside, mut all) = (0.0, 0.0);
+    for i in 0..100 {
+        let plane = i % 4 == 3;
+        let (truth, range, step) = drawn(&mut random, plane);
+        let noise = 0.002 + 0.018 * random.random::<f64>();
+        let measured = tap(&truth, plane, range, step, noise, 5000 + i);
+        let found = fit(&measured, &FitOptions::default()).unwrap();
+        right += u32::from(found.modes.len() == truth.len());
+        if let Some(refusal) = found.quality.refusals.first() {
+            refused_good.push((i, refusal.code(), truth.clone()));
+        }
+        if found.modes.len() == truth.len() {
+            for (mode, [f, zeta, k, _]) in found.modes.iter().zip(&truth) {
+                let estimates = [(mode.natural_frequency, f), (mode.damping_ratio, zeta), (mode.stiffness, k)];
+                for (estimate, truth) in estimates {
+                    inside += f64::from(u8::from((estimate.value - truth).abs() < 1.96 * estimate.sd));
+                    all += 1.0;
+                }
+            }
+        }
+    }
+    for i in 0..100 {
+        let plane = i % 8 == 7;
+        let (truth, range, step) = drawn(&mut random, plane);
+        // The mode that limits the cut: the one of the highest peak.
+        let soft = |a: &&Truth, b: &&Truth| (a[1] * a[2]).total_cmp(&(b[1] * b[2]));
+        let [f, zeta, ..] = *truth.iter().min_by(soft).unwrap();
+        let (kind, measured) = match i % 5 {
+            0 => ("noise", tap(&truth, plane, range, step, 2.5, 9000 + i)),
+            1 => (
+                "range",
+                tap(&truth, plane, [range[0], f * (1.0 + zeta * (random.random::<f64>() - 0.5))], step, 0.01, 9000 + i),
+            ),
+            2 => (
+                "step",
+                tap(&truth, plane, range, 2.0 * zeta * f / (2.0 + 2.0 * random.random::<f64>()), 0.01, 9000 + i),
+            ),
+            3 => {
+                let mut turned = tap(&truth, plane, range, step, 0.01, 9000 + i);
+                turned.functions[0].receptance.iter_mut().for_each(|value| *value = -*value);
+                ("sign", turned)
+            }
+            _ => {
+                // A part that rattles: the response is not that of a linear structure, and its coherence does not say so.
+                let mut rattles = tap(&truth, plane, range, step, 0.01, 9000 + i);
+                let phase = 6.3 * random.random::<f64>();
+                for function in &mut rattles.functions {
+                    for (value, at) in function.receptance.iter_mut().zip(&measured_frequencies(range, step)) {
+                        *value *= 1.0 + 0.5 * (TAU * at / (0.37 * zeta * f) + phase).sin();
+                    }
+                }
+                ("rattle", rattles)
+            }
+        };
+        match fit(&measured, &FitOptions::default()) {
+            Ok(found) if found.quality.refusals.is_empty() => accepted_bad.push((i, kind, truth.clone())),
+            Ok(_) | Err(_) => {}
+        }
+    }
+    println!("modes right in {right} of 100; intervals of 95 % cover {:.3} of {all}", inside / all);
+    println!("good ones refused: {refused_good:?}\nbad ones accepted: {accepted_bad:?}");
+    assert!(refused_good.is_empty() && accepted_bad.is_empty());
+    assert!(right >= 98 && (0.92..=0.98).contains(&(inside / all)), "{right} {}", inside / all);
+}
+
+fn measured_frequencies(range: [f64; 2], step: f64) -> Vec<f64> {
+    (0..).map(|i| range[0] + step * f64::from(i)).take_while(|f| *f <= range[1]).collect()
+}
+
+/// Run as above: 200 taps each of three structures.
+#[test]
+#[ignore = "a study of some minutes"]
+fn intervals_of_six_hundred_taps_cover_the_truth() {
+    for (name, truth, plane, range, step, noise) in [
+        ("tool", &TOOL[..], false, [100.0, 3200.0], 4.0, 0.02),
+        ("close modes", &CLOSE[..], false, [300.0, 1600.0], 1.0, 0.01),
+        ("spindle", &SPINDLE[..], true, [80.0, 3200.0], 4.0, 0.01),
+    ] {
+        let (mut inside, mut all) = ([0.0; 3], 0.0);
+        for seed in 0..200 {
+            let found = fit(&tap(truth, plane, range, step, noise, 700 + seed), &FitOptions::default()).unwrap();
+            if found.modes.len() != truth.len() {
+                println!("{name} {seed}: {} modes", found.modes.len());
+                continue;
+            }
+            for (mode, [f, zeta, k, _]) in found.modes.iter().zip(truth) {
+                let estimates = [(mode.natural_frequency, f), (mode.damping_ratio, zeta), (mode.stiffness, k)];
+                for (sum, (estimate, truth)) in inside.iter_mut().zip(estimates) {
+                    *sum += f64::from(u8::from((estimate.value - truth).abs() < 1.96 * estimate.sd));
+                }
+                all += 1.0;
+            }
+        }
+        let shares = inside.map(|sum| sum / all);
+        println!("{name}: f, zeta, k cover {shares:.3?} of {all}");
+        let mean = shares.iter().sum::<f64>() / 3.0;
+        assert!((0.92..=0.98).contains(&mean), "{name} {mean}");
     }
 }

@@ -90,6 +90,9 @@ impl Vibration {
     pub(super) fn note(&self, row: &mut PassRow, surface: &mut Surface) {
         row.chatter_time += self.chatter_time;
         row.stability_margin = row.stability_margin.min(self.margin);
+        if row.chatter_frequency == 0.0 {
+            row.chatter_frequency = self.frequency;
+        }
         row.vibration_amplitude = row.vibration_amplitude.max(self.amplitude);
         row.roughness = row.roughness.max(self.roughness);
         surface.roughness = surface.roughness.max(self.roughness);

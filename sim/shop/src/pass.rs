@@ -255,6 +255,7 @@ impl<R: Recorder> Shop<'_, R> {
             size_error: 0.0,
             chatter_time: 0.0,
             stability_margin: if ports.structure { f64::INFINITY } else { f64::NAN },
+            chatter_frequency: 0.0,
             vibration_amplitude: 0.0,
             roughness: 0.0,
         };

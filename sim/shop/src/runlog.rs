@@ -202,6 +202,8 @@ pub struct PassRow {
     pub chatter_time: f64,
     /// Least stability margin, 1 − depth/limit; NaN where stability is not judged.
     pub stability_margin: f64,
+    /// Frequency with which it chattered first, Hz; 0 without chatter.
+    pub chatter_frequency: f64,
     /// Greatest amplitude of the vibration, m.
     pub vibration_amplitude: f64,
     /// Greatest roughness Ra, m.

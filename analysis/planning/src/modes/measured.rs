@@ -124,7 +124,7 @@ const LINES: f64 = 0.5;
 /// modes of `cut`; none where no neutral vibration lies below it.
 ///
 /// # Errors
-/// [`MeasuredError`]: a missing function, no clear lines, a cut with a helix, unequal pitch or runout.
+/// [`MeasuredError`]: a missing function, no clear lines, a cut with unequal pitch or runout.
 pub fn measured_milling_limit(
     measured: &Measurement,
     cut: &Milling,

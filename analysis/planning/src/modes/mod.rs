@@ -3,7 +3,9 @@
 
 mod files;
 mod measured;
+mod particles;
 mod picture;
+mod records;
 mod request;
 mod swap;
 mod text;
@@ -12,6 +14,7 @@ mod update;
 
 pub use files::NAMES;
 pub use measured::{MeasuredError, MeasuredLimit, measured_limit, measured_milling_limit};
+pub use records::{RecordedCuts, is_records, recorded_cuts};
 pub use request::{Request, RequestError, range, scatter};
 pub use swap::{SwapError, tip};
 pub use text::read as summary;

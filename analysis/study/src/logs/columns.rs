@@ -106,6 +106,7 @@ pub fn operations() -> Vec<Column<PassRow>> {
         real("size_error", "m", "um", |row| row.size_error),
         real("chatter_time", "s", "min", |row| row.chatter_time),
         real("stability_margin", "1", "1", |row| row.stability_margin),
+        real("chatter_frequency", "1/s", "Hz", |row| row.chatter_frequency),
         real("vibration_amplitude", "m", "um", |row| row.vibration_amplitude),
         real("roughness_ra", "m", "um", |row| row.roughness),
         real("engaged_time", "s", "min", |row| row.engaged_time),

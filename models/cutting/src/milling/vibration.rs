@@ -15,6 +15,14 @@ impl<N: Number> Milling<N> {
         self.judged(x, u, &self.effect_terms(x, u))
     }
 
+    /// Depth (m) at which the cut becomes unstable, and the frequency (Hz) of that vibration; `None` without a structure. Limits
+    /// are searched up to two to four times the depth of `u`: where none lies there, the depth is the last that was searched
+    /// and the frequency 0. It is that of [`Milling::vibration`] at less cost: nothing beyond the limit is worked out.
+    pub fn stability_limit(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Option<(f64, f64)> {
+        let structure = self.structure.as_ref()?;
+        Some(structure.limit(&self.tooth(x, u, &self.effect_terms(x, u))))
+    }
+
     /// The cut as the stability model sees it; `None` without a structure, and where it is none.
     pub fn regenerative(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Option<toolroom_chatter::Milling> {
         let tooth = self.tooth(x, u, &self.effect_terms(x, u));

@@ -29,6 +29,13 @@ impl<N: Number> Turning<N> {
         self.judged(x, u, &self.effect_terms(x, u))
     }
 
+    /// Depth (m) at which the cut becomes unstable, infinite where none does, and the frequency (Hz) of that vibration; `None`
+    /// without a structure. It is that of [`Turning::vibration`] at less cost: nothing beyond the limit is worked out.
+    pub fn stability_limit(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Option<(f64, f64)> {
+        let structure = self.structure.as_ref()?;
+        Some(structure.limit(&self.edge(x, u, &self.effect_terms(x, u))))
+    }
+
     /// The cut as the stability model sees it; `None` without a structure, and where it is none.
     pub fn regenerative(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Option<toolroom_chatter::Turning> {
         let edge = self.edge(x, u, &self.effect_terms(x, u));

@@ -206,6 +206,15 @@ impl MillingStructure {
         })
     }
 
+    /// Depth (m) and frequency (Hz) of the least limit; where none lies below the depths that are searched, the last of these
+    /// and no frequency.
+    pub(crate) fn limit(&self, at: &Tooth) -> (f64, f64) {
+        let boundary = self.boundary(at, &self.key(at));
+        let (tangential, _) = self.worn(at);
+        let scale = if self.helix_angle == 0.0 { NOMINAL / tangential } else { 1.0 };
+        (boundary.limit * scale, boundary.frequency)
+    }
+
     /// How the cut vibrates.
     pub(crate) fn vibration(&self, at: &Tooth) -> Vibration {
         let key = self.key(at);

@@ -205,6 +205,12 @@ impl TurningStructure {
         self.boundaries.of(*key, || judge().unwrap_or_else(refused))
     }
 
+    /// Depth (m) and frequency (Hz) of the least limit.
+    pub(crate) fn limit(&self, at: &Edge) -> (f64, f64) {
+        let boundary = self.boundary(at, &self.key(at));
+        (boundary.limit / self.coefficient(at), boundary.frequency)
+    }
+
     /// How the cut vibrates.
     pub(crate) fn vibration(&self, at: &Edge) -> Vibration {
         let key = self.key(at);

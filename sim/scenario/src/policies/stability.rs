@@ -221,13 +221,15 @@ impl Nominal {
                 let x = TurningState { flank_wear, ..TurningState::default() };
                 let limit_at = |i: usize| {
                     let position = input.position - run * i as f64 / (PLACES - 1) as f64;
-                    process.vibration(&x, &TurningInput { cutting_speed, position, ..*input }).limit
+                    let input = TurningInput { cutting_speed, position, ..*input };
+                    process.stability_limit(&x, &input).map_or(f64::INFINITY, |(depth, _)| depth)
                 };
                 (0..places).map(limit_at).fold(f64::INFINITY, f64::min)
             }
             Self::Milling { process, input } => {
                 let x = MillingState { flank_wear, ..MillingState::default() };
-                process.vibration(&x, &MillingInput { cutting_speed, ..*input }).limit
+                let input = MillingInput { cutting_speed, ..*input };
+                process.stability_limit(&x, &input).map_or(f64::INFINITY, |(depth, _)| depth)
             }
         }
     }
@@ -259,7 +261,8 @@ impl Nominal {
                 let places = (0..if *run > 0.0 { PLACES } else { 1 })
                     .map(|i| input.position - run * i as f64 / (PLACES - 1) as f64);
                 let limit = |position: &f64| {
-                    process.vibration(&TurningState::default(), &TurningInput { position: *position, ..*input }).limit
+                    let input = TurningInput { position: *position, ..*input };
+                    process.stability_limit(&TurningState::default(), &input).map_or(f64::INFINITY, |(depth, _)| depth)
                 };
                 let softest = places.min_by(|a, b| limit(a).total_cmp(&limit(b))).unwrap_or(input.position);
                 let input = TurningInput { position: softest, ..*input };
