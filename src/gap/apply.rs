@@ -46,6 +46,12 @@ fn changed(args: &ApplyArgs, path: &Path, nominal: &NominalModel, diagnosis: &Va
     Ok(changes)
 }
 
+/// Channels from which the applied model of a process is farther than the model that was read.
+fn grew(diagnosis: &Value, process: &str) -> Vec<Value> {
+    let list = diagnosis["applied"]["grew"].as_array().into_iter().flatten();
+    list.filter(|own| own["process"] == process).cloned().collect()
+}
+
 fn refused(error: &ApplyError) -> Failure {
     Failure::argument(error, error.fix())
 }
@@ -59,6 +65,10 @@ fn one(args: &ApplyArgs, model: &Path, files: &Files, diagnosis: &Value, voice: 
         return voice.raw(toolroom_apply::changed_lines(&toolroom_form::text(model)?, &changes.text).trim_end());
     }
     put(files, out, &changes.text)?;
+    let grew = grew(diagnosis, nominal.kind().name());
+    for note in grew.iter().filter_map(|own| own["words"].as_str()) {
+        voice.say(format_args!("warning: {note}"));
+    }
     for note in &changes.notes {
         voice.say(note);
     }
@@ -67,11 +77,13 @@ fn one(args: &ApplyArgs, model: &Path, files: &Files, diagnosis: &Value, voice: 
     }
     let figures =
         args.data.as_ref().map(|data| reading(voice, |reading| figures(model, out, data, reading))).transpose()?;
+    let warnings = figures.iter().flatten().filter_map(Figure::warning);
+    warnings.for_each(|warning| voice.say(format_args!("warning: {warning}")));
     if voice.json {
         let figures = figures.iter().flatten().map(Figure::json).collect::<Vec<_>>();
         return voice.json(&json!({
             "schema": 1, "model": out.display().to_string(), "effects": changes.effects,
-            "calibration": changes.constants, "kpi": figures,
+            "calibration": changes.constants, "kpi": figures, "grew": grew,
         }));
     }
     if let Some(figures) = &figures {

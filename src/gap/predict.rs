@@ -5,10 +5,12 @@ use crate::args::PredictArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
+use std::collections::BTreeMap;
 use toolroom_apply::{Prediction, predictions};
 use toolroom_gap_study::tables;
 use toolroom_output::Files;
 use toolroom_process::table::{Cell, csv_text};
+use toolroom_process::unit;
 
 pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     let mut rows: Vec<(String, Prediction)> = Vec::new();
@@ -25,6 +27,9 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
         let ids = ["operation_id", "trial_id"].iter().find_map(|name| records.texts(name));
         let id = |row: usize| ids.and_then(|ids| ids.get(row)).cloned().unwrap_or_else(|| (row + 1).to_string());
         rows.extend(asked.parts.iter().flat_map(|part| predictions(part.as_ref())).map(|own| (id(own.row), own)));
+    }
+    for line in summary(&rows) {
+        voice.say(line);
     }
     let header = ["operation_id", "channel", "unit", "measured", "predicted", "standard_deviation"];
     let text = csv_text(header, rows.iter().map(cells)).expect("every row is as long as the header");
@@ -50,6 +55,28 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
         return voice.json(&json!({ "schema": 1, "predictions": list }));
     }
     voice.raw(text.trim_end())
+}
+
+/// How far the model is from each channel, in the unit for people.
+fn summary(rows: &[(String, Prediction)]) -> Vec<String> {
+    let mut channels: BTreeMap<&str, (&str, f64, f64, f64)> = BTreeMap::new();
+    for (_, own) in rows {
+        let shown = |value: f64| unit::convert(value, own.unit, own.display);
+        let off = shown(own.measured) - shown(own.value);
+        if off.is_finite() {
+            let sums = channels.entry(own.channel).or_insert((own.display, 0.0, 0.0, 0.0));
+            *sums = (sums.0, sums.1 + off, sums.2 + off * off, sums.3 + 1.0);
+        }
+    }
+    let digits = |value: f64| format!("{value:.2e}").parse().unwrap_or(value).to_string();
+    let line = |(channel, (unit, sum, squares, count)): (&str, (&str, f64, f64, f64))| {
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        let [mean, rms] = [sum / count, (squares / count).sqrt()].map(digits);
+        format!(
+            "{channel}: measured less predicted {mean}{unit} in the mean, {rms}{unit} root mean square, of {count} values"
+        )
+    };
+    channels.into_iter().map(line).collect()
 }
 
 fn cells((id, own): &(String, Prediction)) -> [Cell<'_>; 6] {

@@ -1,6 +1,7 @@
 //! `diagnosis.json`, schema 2: everything that an application needs, as numbers with units.
 
 use crate::applied::{Applied, Constant, Found};
+use crate::grew::grew;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use toolroom_effects::{Definition, Effect};
@@ -102,6 +103,7 @@ pub fn applied_json(parts: &[Applied], target: &str, process: &str) -> Value {
         "effects": all(&|own| own.effects.iter().map(|each| found_json(each, target, process)).collect()),
         "covariance": covariance.first().cloned().unwrap_or(Value::Null),
         "left": all(&|own| own.left.iter().map(|name| json!(name)).collect()),
+        "grew": grew(parts).iter().map(|own| own.json(process)).collect::<Vec<Value>>(),
     })
 }
 
@@ -125,10 +127,13 @@ pub fn document(mut document: Value, processes: &[Process<'_>], data: (String, u
     document["schema"] = json!(SCHEMA);
     let applied: Vec<Value> = processes.iter().map(|own| applied_json(own.parts, &own.target, own.name)).collect();
     let records = |own: &Process<'_>, list: &mut Value| {
+        // One effect may act twice, on two parts of the records: both lists have their effects in the same order.
+        let mut left: Vec<&Found> = own.parts.iter().flat_map(|part| &part.effects).collect();
         for effect in list.as_array_mut().into_iter().flatten() {
-            let named = |found: &&Found| Some(found.id) == effect["id"].as_str();
             let mine = effect["process"].as_str().is_none_or(|process| process == own.name);
-            let found = own.parts.iter().flat_map(|part| &part.effects).find(named);
+            let named = |found: &&Found| Some(found.id) == effect["id"].as_str();
+            let place = left.iter().position(named).filter(|_| mine);
+            let found = place.map(|place| left.remove(place));
             if let (Some(found), true, true) = (found, mine, effect["size"].is_number()) {
                 effect["kind"] = json!("cause");
                 effect["words"] = effect["shape"].take();
@@ -162,6 +167,7 @@ pub fn document(mut document: Value, processes: &[Process<'_>], data: (String, u
     };
     document["applied"] = json!({
         "calibration": join("calibration"), "effects": join("effects"), "left": join("left"),
+        "grew": join("grew"),
         "covariance": applied.first().map_or(Value::Null, |own| own["covariance"].clone()),
     });
     let models: Vec<Value> = processes

@@ -13,6 +13,7 @@
 //! | [`apply`] | the text of a model with what a diagnosis has found |
 //! | [`marked`] | a model with a mark, by which the next application knows that it may replace it |
 //! | [`model_hash`] | the hash by which a diagnosis knows the model that it read |
+//! | [`grew()`] | channels from which a model is farther with it than before |
 //! | [`predictions()`] | what a model predicts of records, without a fit |
 //!
 //! # The applied point
@@ -35,6 +36,7 @@ mod document;
 mod edit;
 mod effects;
 mod error;
+mod grew;
 mod hash;
 mod mark;
 mod predict;
@@ -47,6 +49,7 @@ pub use difference::changed_lines;
 pub use document::{PredictionRow, Process, SCHEMA, document, predictions_of};
 pub use edit::{Changes, Request, apply};
 pub use error::ApplyError;
+pub use grew::{Grew, grew};
 pub use hash::model_hash;
 pub use mark::{is_marked, marked};
 pub use predict::{Prediction, predictions};

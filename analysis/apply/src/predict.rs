@@ -11,12 +11,16 @@ pub struct Prediction {
     pub channel: &'static str,
     /// SI unit.
     pub unit: &'static str,
+    /// Unit for people.
+    pub display: &'static str,
     /// What was measured.
     pub measured: f64,
     /// What the model predicts, without factors of groups.
     pub value: f64,
     /// Standard deviation of the reading: of its logarithm times the value, where errors are relative.
     pub standard_deviation: f64,
+    /// Edge, dressing, section or day to which it belongs.
+    pub group: usize,
     /// Whether the row was fitted rather than held out.
     pub used: bool,
 }
@@ -42,9 +46,11 @@ pub(crate) fn at(model: &dyn Forward, point: &Point) -> Vec<Prediction> {
             row: model.frame().record_of(observation.row),
             channel: channel.name,
             unit: channel.unit,
+            display: channel.display,
             measured: value_measured,
             value,
             standard_deviation: observation.deviation * scale,
+            group: measured.group_of_row[observation.row],
             used: measured.fitted[measured.group_of_row[observation.row]],
         }
     };

@@ -262,6 +262,11 @@ pub fn findings(facts: &[Fact]) -> Vec<Finding> {
     rejected.map(finding).collect()
 }
 
+/// Probability of each fact as if it were the only one that was tested: multiplied by its share of the level, at most 1.
+pub fn adjusted(facts: &[Fact]) -> Vec<f64> {
+    facts.iter().zip(levels(facts)).map(|(fact, level)| (fact.p * LEVEL / level).min(1.0)).collect()
+}
+
 /// The facts that contradict their file at their level, by less than matters.
 pub fn slight(facts: &[Fact]) -> Vec<&Fact> {
     let below = |(fact, level): (&Fact, f64)| fact.p < level && !fact.is_rejected(level);

@@ -39,4 +39,4 @@ pub mod survival;
 pub mod times;
 pub mod waits;
 
-pub use fact::{Fact, Finding, Quantity, findings, slight};
+pub use fact::{Fact, Finding, Quantity, adjusted, findings, slight};

@@ -1,41 +1,64 @@
 //! Key figures of the recorded shop, of its nominal model, and of the model with the effects.
 
+use crate::closed::Replicated;
 use crate::{GapStudyError, Reading};
 use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
-use toolroom_gap::shop::{Shop, ShopKpi, mix, visits};
+use toolroom_gap::shop::{Shop, ShopKpi, Visits, mix, visits};
 use toolroom_gap::{ModelFileError, NominalModel, NominalProcess, Settings};
 use toolroom_recording::simulated;
-use toolroom_records::RecordKind;
+use toolroom_records::{RecordKind, Records};
+use toolroom_scenario::Scenario;
 use toolroom_scenario::file::read;
+
+/// Replications of either model. Source: the least number at which an interval by Student's t is of use (spec of the key
+/// figures: ten).
+const REPLICATIONS: u32 = 10;
+const DAY: f64 = 86400.0;
 
 /// One key figure: of the recorded shop, of its nominal model, and of the model with the effects.
 #[derive(Clone, Debug)]
 pub struct Figure {
     name: &'static str,
     unit: &'static str,
-    recorded: f64,
-    before: f64,
-    after: f64,
+    values: Replicated,
 }
 
 impl Figure {
-    /// Share of the gap that the effects close.
-    fn closed(&self) -> f64 {
-        1.0 - (self.recorded - self.after).abs() / (self.recorded - self.before).abs()
-    }
-
     /// For programs.
     pub fn json(&self) -> Value {
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let closed = self.values.closed();
         json!({
-            "kpi": self.name, "unit": self.unit, "recorded": self.recorded, "nominal": self.before,
-            "with_effects": self.after, "closed": self.closed().is_finite().then(|| self.closed()),
+            "kpi": self.name, "unit": self.unit,
+            "recorded": self.values.recorded, "standard_error": self.values.error,
+            "nominal": mean(&self.values.nominal), "with_effects": mean(&self.values.applied),
+            "replications": self.values.nominal.len(),
+            "closed": closed.map(|own| own.share), "closed_ci90": closed.map(|own| own.ci90),
+            "grew": self.values.grew(),
         })
+    }
+
+    /// What to say where the gap is larger with the effects than without them, for certain.
+    pub fn warning(&self) -> Option<String> {
+        let [before, after] = self.values.gaps();
+        let words = || {
+            format!(
+                "the gap of {} grows from {} to {} {}: look at what was found before you go on with the model",
+                self.name,
+                digits(before),
+                digits(after),
+                self.unit
+            )
+        };
+        self.values.grew().then(words)
     }
 }
 
-/// Runs the shop of `model` and of `better`, the model with the effects, and holds both against the recorded events.
+/// Runs the shop of `model` and of `better`, the model with the effects, on common random numbers, and holds both against
+/// the recorded events.
 ///
 /// # Errors
 /// [`GapStudyError`]: a file that cannot be read, a model that is no shop, a run that stops.
@@ -44,52 +67,150 @@ pub fn figures(model: &Path, better: &Path, data: &Path, reading: &Reading<'_>) 
     let NominalProcess::Shop(shop) = &nominal.process else { return Err(GapStudyError::NoShop) };
     let seen = visits(&reading.records(data, &nominal)?);
     let mix = mix(&seen);
-    let recorded = ShopKpi::of(shop, &seen, &mix);
-    let [before, after] = [run(model, shop, &mix)?, run(better, shop, &mix)?];
-    let figure = |name, unit, value: &dyn Fn(&ShopKpi) -> f64| Figure {
-        name,
-        unit,
-        recorded: value(&recorded),
-        before: value(&before),
-        after: value(&after),
+    let rates: BTreeMap<String, f64> = {
+        let scenario = read(model, &[]).map_err(ModelFileError::from)?.scenario;
+        scenario.machines.iter().map(|machine| (machine.name.clone(), machine.rate)).collect()
     };
-    Ok(vec![
-        figure("cycle_time", "s", &|kpi| kpi.cycle_time),
-        figure("throughput", "1/h", &|kpi| 3600.0 * kpi.throughput),
-        figure("effectiveness", "1", &|kpi| kpi.effectiveness),
-    ])
+    let of_log = |seen: &Visits| Figures::of(shop, seen, &mix, &rates);
+    // Days are batches of all figures but the availability, whose batches are machines.
+    let (recorded, days) = (of_log(&seen), by_day(&seen).iter().map(of_log).collect::<Vec<Figures>>());
+    let [before, after] = [runs(model)?, runs(better)?].map(|logs| logs.iter().map(of_log).collect::<Vec<Figures>>());
+    let figure = |(at, (name, unit)): (usize, &(&'static str, &'static str))| {
+        let values = |all: &[Figures]| all.iter().map(|own| own.0[at]).collect::<Vec<f64>>();
+        let batches = if *name == AVAILABILITY { availabilities(&seen) } else { values(&days) };
+        let (nominal, applied) = (values(&before), values(&after));
+        let values = Replicated { recorded: recorded.0[at], error: error(&batches), nominal, applied };
+        Figure { name, unit, values }
+    };
+    let told = |figure: &Figure| {
+        let all = figure.values.nominal.iter().chain(&figure.values.applied);
+        figure.values.recorded.is_finite() && all.into_iter().all(|value| value.is_finite())
+    };
+    Ok(NAMES.iter().enumerate().map(figure).filter(told).collect())
 }
 
-fn run(model: &Path, shop: &Shop, mix: &std::collections::BTreeMap<String, f64>) -> Result<ShopKpi, GapStudyError> {
+const AVAILABILITY: &str = "availability";
+/// Names and units of the figures, in the order of [`Figures`].
+const NAMES: [(&str, &str); 7] = [
+    ("cycle_time", "s"),
+    ("throughput", "1/h"),
+    ("effectiveness", "1"),
+    ("parts_per_shift", "1"),
+    ("lead_time", "min"),
+    (AVAILABILITY, "1"),
+    ("machine_cost_per_part", "currency"),
+];
+
+/// Key figures of one log. Cycle time, throughput and effectiveness are on the recorded mix of programs; a part is done with
+/// the last operation that was seen of it; lead times begin with its first one. Cost is that of machines while they are
+/// occupied or broken down: a log has no edges.
+struct Figures([f64; NAMES.len()]);
+
+impl Figures {
+    fn of(shop: &Shop, seen: &Visits, mix: &BTreeMap<String, f64>, rates: &BTreeMap<String, f64>) -> Self {
+        let kpi = ShopKpi::of(shop, seen, mix);
+        let mut jobs: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
+        let mut shifts: BTreeSet<(i64, String)> = BTreeSet::new();
+        let mut cost = 0.0;
+        for visit in &seen.list {
+            let times = jobs.entry(&visit.job).or_insert((visit.start, visit.end));
+            *times = (times.0.min(visit.start), times.1.max(visit.end));
+            let machine = &seen.machines[visit.machine];
+            shifts.insert(((visit.start / DAY).floor() as i64, shop.shift(machine, visit.start)));
+            let extra: f64 = visit.changes.iter().chain(&visit.holds).chain(&visit.stops).sum();
+            let occupied = visit.cutting + visit.handling + visit.setup + extra;
+            cost += rates.get(machine).copied().unwrap_or(0.0) * occupied;
+        }
+        let (mut up, mut down) = (0.0, 0.0);
+        for (machine, own) in seen.breakdowns.iter().enumerate() {
+            let repairs: f64 = own.repairs.iter().sum();
+            (up, down) = (up + own.up, down + repairs);
+            cost += rates.get(&seen.machines[machine]).copied().unwrap_or(0.0) * repairs;
+        }
+        let parts = jobs.len() as f64;
+        let lead = jobs.values().map(|(from, to)| to - from).sum::<f64>() / parts;
+        Self([
+            kpi.cycle_time,
+            3600.0 * kpi.throughput,
+            kpi.effectiveness,
+            parts / shifts.len() as f64,
+            lead / 60.0,
+            up / (up + down),
+            if rates.values().any(|rate| *rate > 0.0) { cost / parts } else { f64::NAN },
+        ])
+    }
+}
+
+/// The log day by day: operations that began on it. Breakdowns have no day, and no part in it.
+fn by_day(seen: &Visits) -> Vec<Visits> {
+    let day = |time: f64| (time / DAY).floor() as i64;
+    let days: BTreeSet<i64> = seen.list.iter().map(|visit| day(visit.start)).collect();
+    let one = |today: i64| {
+        let list = seen.list.iter().filter(|visit| day(visit.start) == today).cloned().collect();
+        Visits { list, breakdowns: Vec::new(), ..seen.clone() }
+    };
+    days.into_iter().map(one).collect()
+}
+
+/// Share of the time that each machine was not broken down.
+fn availabilities(seen: &Visits) -> Vec<f64> {
+    seen.breakdowns.iter().map(|own| own.up / (own.up + own.repairs.iter().sum::<f64>())).collect()
+}
+
+/// Standard error of the mean of batches; those without a value do not count. Of fewer than two nothing is known: zero.
+fn error(batches: &[f64]) -> f64 {
+    let known: Vec<f64> = batches.iter().copied().filter(|value| value.is_finite()).collect();
+    let count = known.len() as f64;
+    if count < 2.0 {
+        return 0.0;
+    }
+    let mean = known.iter().sum::<f64>() / count;
+    (known.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count * (count - 1.0))).sqrt()
+}
+
+/// Logs of the replications of a model.
+fn runs(model: &Path) -> Result<Vec<Visits>, GapStudyError> {
     let scenario = read(model, &[]).map_err(ModelFileError::from)?.scenario;
-    let log = toolroom_shop::run(&scenario, 0, 0).map_err(|error| GapStudyError::Work(error.to_string()))?;
-    let all = simulated(&scenario, &log, &|_, channel| Settings::default().sensor(channel));
-    let events = all.iter().find(|records| records.kind == RecordKind::Shop);
-    Ok(ShopKpi::of(shop, &events.map(visits).unwrap_or_default(), mix))
+    (0..REPLICATIONS).map(|replication| run(&scenario, replication)).collect()
+}
+
+fn run(scenario: &Scenario, replication: u32) -> Result<Visits, GapStudyError> {
+    let log = toolroom_shop::run(scenario, 0, replication).map_err(|error| GapStudyError::Work(error.to_string()))?;
+    let all = simulated(scenario, &log, &|_, channel| Settings::default().sensor(channel));
+    let events = all.iter().find(|records: &&Records| records.kind == RecordKind::Shop);
+    Ok(events.map(visits).unwrap_or_default())
+}
+
+/// Four significant digits.
+fn digits(value: f64) -> String {
+    format!("{value:.3e}").parse().unwrap_or(value).to_string()
 }
 
 /// The figures as people read them.
 pub fn table(figures: &[Figure]) -> String {
     let mut text = format!(
-        "{:16} {:>10} {:>10} {:>14} {:>20}\n",
-        "on recorded mix", "recorded", "nominal", "with effects", "gap before → after"
+        "{:32} {:>16} {:>10} {:>14} {:>20}  {}\n",
+        "on recorded mix", "recorded", "nominal", "with effects", "gap before → after", "closed (90 %)"
     );
     for figure in figures {
-        let name =
-            if figure.unit == "1" { figure.name.to_owned() } else { format!("{}, {}", figure.name, figure.unit) };
-        let digits = match figure.recorded.abs() {
-            size if size < 10.0 => 3,
-            size if size < 100.0 => 2,
-            _ => 1,
+        let Figure { name, unit, values } = figure;
+        let name = if *unit == "1" { (*name).to_owned() } else { format!("{name}, {unit}") };
+        let [before, after] = values.gaps();
+        let closed = match values.closed() {
+            Some(own) => {
+                let [low, high] = own.ci90.map(|end| 100.0 * end);
+                format!("{:.0} % ({low:.0} … {high:.0})", 100.0 * own.share)
+            }
+            None => "no gap in this figure".to_owned(),
         };
+        let recorded =
+            format!("{} ± {}", digits(values.recorded), format!("{:.1e}", values.error).parse().unwrap_or(0.0));
         let _ = writeln!(
             text,
-            "{name:16} {:>10.digits$} {:>10.digits$} {:>14.digits$} {:>9.digits$} → {:.digits$}",
-            figure.recorded,
-            figure.before,
-            figure.after,
-            figure.recorded - figure.before,
-            figure.recorded - figure.after,
+            "{name:32} {recorded:>16} {:>10} {:>14} {:>20}  {closed}",
+            digits(values.recorded - before),
+            digits(values.recorded - after),
+            format!("{} → {}", digits(before), digits(after)),
         );
     }
     text

@@ -12,6 +12,7 @@
 //! | [`tables()`], [`Table`] | which model reads which table of a data set |
 //! | [`GapStudy`], [`GapRequest`] | the diagnosis of a data set, with its documents |
 //! | [`figures()`], [`Figure`] | what the effects do to the key figures of a shop |
+//! | [`Replicated`], [`Closed`] | how far a key figure closes, with its interval |
 //! | [`recorded()`] | a simulated run as the sensors of its file would have recorded it |
 //! | [`GapStudyError`] | why there is none, and the likely fix |
 //!
@@ -20,15 +21,18 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod closed;
 mod constants;
 mod error;
 mod figures;
 mod known;
+mod proposed;
 mod recorded;
 mod request;
 mod study;
 mod tables;
 
+pub use closed::{Closed, Replicated};
 pub use error::GapStudyError;
 pub use figures::{Figure, figures, table};
 pub use recorded::{RECORDED, recorded};

@@ -2,10 +2,11 @@
 
 use crate::constants::constants_of_facts;
 use crate::known::{self, Known};
+use crate::proposed::{Proposed, proposed};
 use crate::{GapRequest, GapStudyError, Reading, Table, tables};
 use serde_json::Value;
 use std::path::Path;
-use toolroom_apply::{Applied, PredictionRow, Process, document, predictions_of};
+use toolroom_apply::{Applied, Grew, PredictionRow, Process, document, grew, predictions_of};
 use toolroom_chart::ResultFiles;
 use toolroom_chart::page::Provenance;
 use toolroom_gap::plan::plan;
@@ -18,7 +19,8 @@ use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
 use toolroom_records::{ColumnKind, Records};
 
 /// The files of a diagnosis.
-pub const NAMES: &[&str] = &["diagnosis.json", "report.html", "report.md", "report.json", "predictions.csv"];
+pub const NAMES: &[&str] =
+    &["diagnosis.json", "report.html", "report.md", "report.json", "predictions.csv", "proposed.toml"];
 
 /// What is said of a data set.
 pub struct GapStudy {
@@ -30,6 +32,8 @@ pub struct GapStudy {
     pub predictions: Vec<PredictionRow>,
     /// The report, process by process; without pictures where none were wanted.
     pub pages: Vec<Page>,
+    /// Terms that describe a gap of which no cause is known.
+    proposals: Vec<Proposed>,
 }
 
 /// A process before it is diagnosed.
@@ -64,7 +68,11 @@ impl GapStudy {
                 (answers, diagnosed, asked) = (second, rests_on, parts);
             }
         }
+        let proposals = proposals(request, &mut answers, &rest)?;
         let points = points(&stated, &asked, &diagnosed);
+        for ((_, diagnosis), own) in answers.processes.iter_mut().zip(&points) {
+            diagnosis.notes.extend(grew(own).iter().map(Grew::words));
+        }
         let with_records = stated.iter().zip(&points).filter_map(|(known, own)| Some((known.records.as_ref()?, own)));
         let predictions = with_records.flat_map(|(records, points)| predictions_of(records, points)).collect();
         let pages = completed(request, &mut answers, rest, &asked);
@@ -73,7 +81,8 @@ impl GapStudy {
         if let Some(list) = document["applied"]["calibration"].as_array_mut() {
             list.extend(answers.processes.iter().flat_map(|(process, own)| constants_of_facts(process, own)));
         }
-        Ok(Self { answers, document, predictions, pages })
+        document["proposals"] = proposals.iter().flat_map(|own| own.entries.clone()).collect();
+        Ok(Self { answers, document, predictions, pages, proposals })
     }
 
     /// Processes of which too little was measured for an answer, each with what is too little.
@@ -90,6 +99,9 @@ impl GapStudy {
         files.push("report.html", html(&self.pages, self.answers.sections(), provenance));
         files.push("report.md", markdown(&self.pages));
         files.push("report.json", pretty(&toolroom_gap_report::json(&self.pages)));
+        if let Some(proposed) = self.proposals.first() {
+            files.push("proposed.toml", proposed.text.clone());
+        }
         files
     }
 }
@@ -228,6 +240,26 @@ fn only_values_are_missing(model: &NominalModel, records: &Records, asked: &Aske
     }
     let mut channels = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
     asked.impossible == 0 && channels.any(|column| records.numbers(column.name).is_some())
+}
+
+/// What describes the gap of a process of which no cause is known, where pages are wanted; a note says so.
+fn proposals(
+    request: &GapRequest<'_>,
+    answers: &mut Answers,
+    tables: &[Option<(NominalModel, Records)>],
+) -> Result<Vec<Proposed>, GapStudyError> {
+    let mut all = Vec::new();
+    if !request.pages {
+        return Ok(all);
+    }
+    for (((process, diagnosis), table), path) in answers.processes.iter_mut().zip(tables).zip(request.models) {
+        let Some((model, records)) = table else { continue };
+        if let Some(own) = proposed(process, diagnosis, (model, records), path, request)? {
+            diagnosis.notes.push(own.note.clone());
+            all.push(own);
+        }
+    }
+    Ok(all)
 }
 
 /// The applied point of each part of each process.

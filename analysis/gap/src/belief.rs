@@ -25,6 +25,25 @@ fn calibration(model: &dyn Forward, trial: &Trial) -> Vec<f64> {
     moved
 }
 
+/// Draws the reach of the constants of a family in where they went farther together than is believed of so many, or than
+/// the model with effects needs them to: many that each go two standard deviations are as little believed as one that goes
+/// six. The sum of n squares of standard normal numbers has the mean n and the standard deviation √2n.
+fn together(model: &dyn Forward, moved: &[f64], needed: &[f64], reach: &mut [f64]) {
+    let frame = model.frame();
+    let place = |name: &String| frame.surfaces.iter().position(|surface| surface.name == *name);
+    for family in &frame.families {
+        let members: Vec<usize> =
+            family.surfaces.iter().filter_map(place).map(|surface| frame.parameters.len() + surface).collect();
+        let length = |all: &[f64]| members.iter().map(|i| all.get(*i).map_or(0.0, |x| x * x)).sum::<f64>().sqrt();
+        let count = members.len() as f64;
+        let believed = (count + FAR_CONSTANT * (2.0 * count).sqrt()).sqrt().max(length(needed));
+        let gone = length(moved);
+        if gone > believed {
+            members.iter().for_each(|i| reach[*i] = reach[*i].min(moved[*i].abs() * believed / gone));
+        }
+    }
+}
+
 /// The model of `before` with no constant farther from nominal than is believed, or than `after` needs it; `None` where
 /// that is how it stands.
 fn believed(context: Diagnosing<'_>, before: &Trial, after: Option<&Trial>) -> Option<Trial> {
@@ -34,7 +53,8 @@ fn believed(context: Diagnosing<'_>, before: &Trial, after: Option<&Trial>) -> O
     let reach = |(i, allowance): (usize, &bool)| {
         if *allowance { f64::INFINITY } else { needed.get(i).map_or(0.0, |x: &f64| x.abs()).max(FAR_CONSTANT) }
     };
-    let reach: Vec<f64> = model.frame().allowances().iter().enumerate().map(reach).collect();
+    let mut reach: Vec<f64> = model.frame().allowances().iter().enumerate().map(reach).collect();
+    together(model, &moved, &needed, &mut reach);
     if moved.iter().zip(&reach).all(|(x, reach)| x.abs() <= *reach) {
         return None;
     }

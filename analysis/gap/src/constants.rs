@@ -123,6 +123,12 @@ pub(super) const LENGTHS: [f64; 3] = [0.9, 1.5, 2.5];
 /// every diagnosis would pay in time and power for an amplitude that noise alone asks for.
 pub(super) const DISCREPANT: f64 = 2.0;
 
+/// Factors on the prior standard deviation of constants of one kind that are tried (1). Assumption: what records have not
+/// shown may still be off, so that no constant counts as known better than to two fifths of what was believed of it.
+pub(super) const SCALES_OF_CONSTANTS: [f64; 2] = [0.6, 0.4];
+/// Log marginal likelihood that a smaller spread of constants gains before it counts (1). Assumption: as [`DISCREPANT`].
+pub(super) const NARROWER: f64 = 2.0;
+
 // Classes: which effects the data cannot tell apart.
 
 /// Cosine of projected signatures above which two effects are the same to the data (1). Assumption: less

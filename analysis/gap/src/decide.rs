@@ -1,7 +1,9 @@
 //! From fitted trials to a verdict.
 
 use super::closure::crossed;
-use super::constants::{CLEAR, CLEARLY_LEFT_OUT, FEW_GROUPS_GATE, FEWEST_GROUPS, GATE, MOST_EFFECTS, RIVAL, SAME};
+use super::constants::{
+    CLEAR, CLEARLY_LEFT_OUT, FEW_GROUPS_GATE, FEWEST_GROUPS, FURTHER, GATE, MOST_EFFECTS, RIVAL, SAME,
+};
 use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain, predictive_gain};
 use super::rules::{Judged, Refusal, Rule, agreed, stands};
@@ -193,6 +195,11 @@ fn shape(context: Diagnosing<'_>, decision: &Decision, index: usize, closed: &Cl
 /// The trial of that many effects with the greatest gain, among those on which the groups agree: where they disagree
 /// about the best effect, the next may be the one they agree on.
 fn best_of(context: Diagnosing<'_>, decision: &Decision, effects: usize) -> Option<usize> {
+    ranked(context, decision, effects).first().copied()
+}
+
+/// All trials of that many effects on which the groups agree, by falling gain.
+fn ranked(context: Diagnosing<'_>, decision: &Decision, effects: usize) -> Vec<usize> {
     let (model, count) = (context.model, context.candidates());
     let few = model.frame().measured.fitted_groups().count() < FEWEST_GROUPS;
     let eligible = |index: &usize| {
@@ -200,7 +207,11 @@ fn best_of(context: Diagnosing<'_>, decision: &Decision, effects: usize) -> Opti
         trial.fit.active.len() == effects && trial.evidence.admissible && (few || agreed(model, trial))
     };
     let value = |index: &usize| decision.gain_of(&decision.trials[*index], count);
-    (0..decision.trials.len()).filter(eligible).max_by(|a, b| value(a).total_cmp(&value(b)))
+    let mut ranked: Vec<usize> = (0..decision.trials.len()).filter(eligible).collect();
+    // Of equals the later one comes first.
+    ranked.reverse();
+    ranked.sort_by(|a, b| value(b).total_cmp(&value(a)));
+    ranked
 }
 
 /// Notes the rules against trial `index`.
@@ -215,7 +226,7 @@ fn not_named(decision: &mut Decision, context: Diagnosing<'_>, index: usize, rul
 
 /// The trial of the same effect everywhere, where the part of the records on which trial `index` has it is not requested:
 /// a part leads by the gate and by the choice among all parts, and closes more of the gap of left-out groups for
-/// certain.
+/// certain than an effect everywhere that the records ask for.
 fn unsplit(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> usize {
     let model = context.model;
     let [candidate] = decision.trials[index].fit.active[..] else { return index };
@@ -238,7 +249,9 @@ fn unsplit(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> us
     });
     let (first, second) = (&decision.trials[whole], &decision.trials[index]);
     let lead = gain(&second.evidence, &first.evidence);
-    let asked_for = lead > GATE + (parts as f64).ln() && crossed(context, first, second).ci90[0] > 0.0;
+    // The same effect everywhere is no rival where the records do not ask for it: then the rules decide about the part.
+    let rival = decision.gain_of(first, candidates.len()) > GATE;
+    let asked_for = lead > GATE + (parts as f64).ln() && (!rival || crossed(context, first, second).ci90[0] > 0.0);
     if asked_for || !first.evidence.admissible { index } else { whole }
 }
 
@@ -247,18 +260,7 @@ fn best_model(context: Diagnosing<'_>, decision: &mut Decision) -> Option<usize>
     let mut chosen = best_of(context, decision, 1)?;
     chosen = unsplit(context, decision, chosen);
     for effects in 2..=MOST_EFFECTS {
-        let next = match effects {
-            // Beside each of the best singles a second one was sought, whether or not they are the very best.
-            2 => best_of(context, decision, 2),
-            _ => stepwise::further(context, decision, chosen),
-        };
-        let Some(next) = next else { break };
-        let judged = Judged::against(context, decision, &decision.trials[next], &decision.trials[chosen]);
-        let rules = judged.refusals();
-        if !rules.is_empty() {
-            not_named(decision, context, next, rules);
-            break;
-        }
+        let Some(next) = kept(context, decision, chosen, effects) else { break };
         chosen = next;
         if effects > 2
             && let Some(other) = stepwise::swapped(context, decision, chosen)
@@ -267,6 +269,34 @@ fn best_model(context: Diagnosing<'_>, decision: &mut Decision) -> Option<usize>
         }
     }
     Some(chosen)
+}
+
+/// The first model of so many effects that the rules let stand beside trial `chosen`: where they refuse the one that leads
+/// most, the next may hold the effect that is missing.
+fn kept(context: Diagnosing<'_>, decision: &mut Decision, chosen: usize, effects: usize) -> Option<usize> {
+    let sought = match effects {
+        // Beside each of the best singles a second one was sought, whether or not they are the very best.
+        2 => {
+            let mut pairs = ranked(context, decision, 2);
+            pairs.truncate(FURTHER);
+            pairs.extend(stepwise::further(context, decision, chosen));
+            pairs
+        }
+        _ => stepwise::further(context, decision, chosen),
+    };
+    for (place, next) in sought.into_iter().enumerate() {
+        let judged = Judged::against(context, decision, &decision.trials[next], &decision.trials[chosen]);
+        // Of the first everything is said that stands against it; of the others it has to lead at least.
+        if place > 0 && !stands(&judged) {
+            continue;
+        }
+        let rules = judged.refusals();
+        if rules.is_empty() {
+            return Some(next);
+        }
+        not_named(decision, context, next, rules);
+    }
+    None
 }
 
 fn choose(context: Diagnosing<'_>, decision: &mut Decision) {

@@ -8,13 +8,14 @@ use super::decide::{Decision, decide};
 use super::diagnosing::Diagnosing;
 use super::discrepancy::Widened;
 use super::evidence::{folds, gain, predictive_gain};
-use super::fitness::tested;
+use super::fitness::{exchangeable, tested};
 use super::identifiability::{hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
 use super::method::Bare;
+use super::narrowed::Narrowed;
 use super::settle::{settled, stated};
 use super::trial::Trial;
-use super::verdict::{backed, unrejected};
+use super::verdict::{backed, doubted, unrejected};
 use super::{
     Basis, Budget, Calibrated, Cell, Diagnosis, Fit, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
     Transform, Tried,
@@ -60,6 +61,12 @@ pub fn diagnose_by(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed 
 
 fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     let (basis, refit) = settled(model, method);
+    if let Some(narrowed) = Narrowed::new(model, &basis, &refit) {
+        let (basis, refit) = settled(&narrowed.model, method);
+        let mut diagnosed = judged(&narrowed.model, basis, refit, seed);
+        diagnosed.diagnosis.notes.push(narrowed.note());
+        return diagnosed;
+    }
     match Widened::new(model, &basis, &refit) {
         None => judged(model, basis, refit, seed),
         Some(widened) => {
@@ -139,8 +146,18 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
         let spared = diagnosis.verdict == GapVerdict::Effect && spares(context, &decision.base, decision.model());
         let asked = || decision.asked_for(context);
         backed(&mut diagnosis, pushed, asked, spared, || closed_by_constants(context, &decision.base));
-    } else if diagnosis.verdict == GapVerdict::NoGap {
-        unrejected(&mut diagnosis, pushed);
+    } else {
+        if diagnosis.verdict == GapVerdict::NoGap {
+            unrejected(&mut diagnosis, pushed);
+        }
+        if basis.method.abstention {
+            let test = |fit: &Fit| exchangeable(model, &basis, &fit.clone().complete(model), &folds, seed);
+            diagnosis.fit = Some(test(&decision.base.fit));
+            if decision.verdict == GapVerdict::Effect {
+                diagnosis.fit_with_effects = Some(test(&decision.model().fit));
+            }
+            doubted(&mut diagnosis);
+        }
     }
     diagnosis.next = next(model.frame(), &diagnosis);
     Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }

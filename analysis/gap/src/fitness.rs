@@ -7,13 +7,13 @@
 
 use super::constants::{FEWEST_VALUES, NULL_LEVEL};
 use super::fit::offset_residual;
-use super::{Basis, Fit, Forward, Measured, Noise, Transform};
+use super::gram::{factor, inverse_diagonal, normal_equations, part};
+use super::{Basis, Fit, Fitness, Forward, LeastSeen, Measured, Noise, Part, Structure, Transform};
 use nalgebra::{DMatrix, DVector};
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use serde_json::{Value, json};
 use std::ops::Range;
 use toolroom_fit_test::{Channel, Design, Group, Judged, Statistic, Statistics, interpolated, judge};
 
@@ -27,106 +27,20 @@ const SIDE_BY_SIDE: usize = 20;
 /// Power at which the least deviation counts as seen (1).
 const POWER: f64 = 0.9;
 
-/// The answer of the test.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Fitness {
-    /// Probability of a misfit like this where the model is right.
-    pub p: f64,
-    /// Level of the test.
-    pub level: f64,
-    /// Each statistic, least probable first.
-    pub parts: Vec<Part>,
-    /// What would have been seen.
-    pub least_seen: Vec<LeastSeen>,
-    /// How much of each channel the model leaves beside noise and scatter.
-    pub structure: Vec<Structure>,
-}
-
-/// One statistic of the test.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Part {
-    /// Channel, or `catalogue`.
-    pub what: &'static str,
-    /// Kind of misfit; `effect` of the catalogue.
-    pub test: &'static str,
-    /// Covariate or effect that is followed most; may be empty.
-    pub follows: String,
-    /// Probability by itself.
-    pub p: f64,
-    /// The statistic.
-    pub statistic: f64,
-}
-
-/// A deviation that would have been seen.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LeastSeen {
-    /// What deviates.
-    pub what: String,
-    /// The least size that is seen; infinite where calibration takes up any.
-    pub value: f64,
-    /// Its unit.
-    pub unit: &'static str,
-    /// With which probability it is seen.
-    pub power: f64,
-}
-
-/// What a channel holds beside noise and scatter.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Structure {
-    /// The channel.
-    pub channel: &'static str,
-    /// Upper 90 % end of its root mean square, in the unit of comparison (relative, or SI).
-    pub upper: f64,
-    /// Typical value, SI; 1 where the comparison is relative.
-    pub level: f64,
-    /// Standard deviation of the sensor, in the unit of comparison.
-    pub sensor: f64,
-}
-
-impl Fitness {
-    /// Whether the model fits.
-    pub fn passed(&self) -> bool {
-        self.p > self.level
-    }
-
-    /// Several tests as one: the least probability counts as often as tests were made (Bonferroni).
-    pub(super) fn together<'a>(all: impl Iterator<Item = &'a Self>) -> Option<Self> {
-        let all: Vec<&Self> = all.collect();
-        let [first, others @ ..] = &all[..] else { return None };
-        let mut whole = (*first).clone();
-        for other in others {
-            whole.p = whole.p.min(other.p);
-            whole.parts.extend(other.parts.iter().cloned());
-            whole.least_seen.extend(other.least_seen.iter().cloned());
-            whole.structure.extend(other.structure.iter().cloned());
-        }
-        whole.parts.sort_by(|a, b| a.p.total_cmp(&b.p));
-        whole.p = (whole.p * all.len() as f64).min(1.0);
-        Some(whole)
-    }
-
-    /// The entry `fit` of the document.
-    pub fn json(&self) -> Value {
-        let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
-        let part = |part: &Part| {
-            json!({ "what": part.what, "test": part.test, "follows": part.follows, "p": part.p,
-                    "statistic": finite(part.statistic) })
-        };
-        let seen = |seen: &LeastSeen| json!({ "what": seen.what, "value": finite(seen.value), "unit": seen.unit, "power": seen.power });
-        let structure = |own: &Structure| json!({ "channel": own.channel, "upper": finite(own.upper) });
-        json!({
-            "p": self.p, "level": self.level, "passed": self.passed(),
-            "parts": self.parts.iter().map(part).collect::<Vec<_>>(),
-            "least_seen": self.least_seen.iter().map(seen).collect::<Vec<_>>(),
-            "structure": self.structure.iter().map(structure).collect::<Vec<_>>(),
-        })
-    }
-}
-
 /// Tests whether the model of `fit`, a fit without effects and with derivatives by all candidates, leaves what
 /// `basis` says of noise and scatter, in the channels of which that is known.
 pub(super) fn tested(model: &dyn Forward, basis: &Basis, fit: &Fit, folds: &[Vec<usize>], seed: u64) -> Fitness {
-    let test = Test::new(model, basis, fit, folds);
+    judged(&Test::new(model, basis, fit, folds), basis, seed)
+}
+
+/// The same where nobody says beforehand how readings scatter, so that their noise was read off the records: its scale and
+/// its distribution are no question then. What is left may follow nothing, though: it has to be exchangeable among the
+/// readings of a channel, and is held against data sets in which it is exchanged.
+pub(super) fn exchangeable(model: &dyn Forward, basis: &Basis, fit: &Fit, folds: &[Vec<usize>], seed: u64) -> Fitness {
+    judged(&Test::exchanging(model, basis, fit, folds), basis, seed)
+}
+
+fn judged(test: &Test<'_>, basis: &Basis, seed: u64) -> Fitness {
     let observed = test.observed();
     let mut draws = test.drawn(0..FIRST.0, seed);
     let values = |draws: &[Draw]| draws.iter().map(|(own, _)| own.clone()).collect::<Vec<_>>();
@@ -181,16 +95,35 @@ struct Test<'a> {
     /// Weights of the residual that give the scores of the candidates.
     catalogue: DMatrix<f64>,
     candidates: Vec<usize>,
+    /// What the fit leaves of each reading of the design, in units of its noise, where it is exchanged.
+    innovations: Option<Vec<f64>>,
 }
 
 impl<'a> Test<'a> {
     fn new(model: &'a dyn Forward, basis: &Basis, fit: &'a Fit, folds: &[Vec<usize>]) -> Self {
-        let frame = model.frame();
-        let measured = &frame.measured;
-        let linear = &fit.linear;
         // Outliers count in full: they are what is requested.
         let mut noise = basis.noise.clone();
         noise.weight.fill(1.0);
+        Self::of(model, basis, fit, folds, noise, &|channel| model.scatter_is_known(channel))
+    }
+
+    fn exchanging(model: &'a dyn Forward, basis: &Basis, fit: &'a Fit, folds: &[Vec<usize>]) -> Self {
+        let test = Self::of(model, basis, fit, folds, basis.noise.clone(), &|_| true);
+        let innovations = test.innovations(basis);
+        Self { innovations: Some(innovations), ..test }
+    }
+
+    fn of(
+        model: &'a dyn Forward,
+        basis: &Basis,
+        fit: &'a Fit,
+        folds: &[Vec<usize>],
+        noise: Noise,
+        takes_part: &dyn Fn(usize) -> bool,
+    ) -> Self {
+        let frame = model.frame();
+        let measured = &frame.measured;
+        let linear = &fit.linear;
         let fitted: Vec<usize> = measured.fitted_groups().collect();
         let places: Vec<usize> = fitted.iter().flat_map(|group| measured.spans[*group].clone()).collect();
         let white = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
@@ -214,7 +147,7 @@ impl<'a> Test<'a> {
         let residual = noise.whiten(measured, &offset_residual(model, linear, &[]));
         let residual = DVector::from_iterator(places.len(), places.iter().map(|place| residual[*place]));
         let channels = (0..measured.channels.len())
-            .filter(|channel| model.scatter_is_known(*channel))
+            .filter(|channel| takes_part(*channel))
             .map(|channel| channel_of(model, measured, &places, &design, channel))
             .filter(|(_, places, _)| places.len() >= FEWEST_VALUES)
             .collect();
@@ -228,7 +161,59 @@ impl<'a> Test<'a> {
             .collect();
         let signatures = DMatrix::from_fn(places.len(), effects.len(), |i, j| effects[j][i]);
         let catalogue = design.projected(&signatures);
-        Self { model, fit, noise, places, design, residual, channels, catalogue, candidates }
+        let innovations = None;
+        Self { model, fit, noise, places, design, residual, channels, catalogue, candidates, innovations }
+    }
+
+    /// What the fit leaves of each reading of the design, in units of the noise, made up for the freedom that the fit has
+    /// taken.
+    fn innovations(&self, basis: &Basis) -> Vec<f64> {
+        let measured = &self.model.frame().measured;
+        let linear = &self.fit.linear;
+        let white = self.noise.whiten(measured, &linear.residual);
+        let columns: Vec<&[f64]> = linear.nuisance.iter().map(Vec::as_slice).collect();
+        let scale = &basis.local_scale;
+        let gram = normal_equations(measured, &self.noise, linear, &columns, &linear.residual, scale, &[]);
+        let shared: Vec<usize> = (0..columns.len()).collect();
+        let mut precision = part(&gram.total, &shared, &shared);
+        shared.iter().for_each(|i| precision[(*i, *i)] += 1.0);
+        // The trace of the hat matrix: of what is shared, and of the factors of the groups.
+        let by_shared: f64 = inverse_diagonal(&factor(precision)).iter().map(|variance| 1.0 - variance).sum();
+        let own = |(kind, column): (usize, &Vec<f64>)| -> f64 {
+            let white = self.noise.whiten(measured, column);
+            let square = |group: usize| {
+                let square: f64 = measured.spans[group].clone().map(|i| (white[i] * scale[kind]).powi(2)).sum();
+                square / (1.0 + square)
+            };
+            measured.fitted_groups().map(square).sum()
+        };
+        let by_groups: f64 = linear.locals.iter().enumerate().map(own).sum();
+        let count = self.places.len().max(1) as f64;
+        // Where hardly any reading is free nothing can be told of them anyway.
+        let freedom = (1.0 - (by_shared + by_groups) / count).max(0.2);
+        self.places.iter().map(|place| white[*place] / freedom.sqrt()).collect()
+    }
+
+    /// The innovations, those of each channel in another order.
+    fn exchanged(&self, innovations: &[f64], random: &mut ChaCha8Rng) -> DVector<f64> {
+        let mut column = DVector::from_column_slice(innovations);
+        for (_, places, _) in &self.channels {
+            for last in (1..places.len()).rev() {
+                column.swap_rows(places[last], places[random.random_range(0..=last)]);
+            }
+        }
+        column
+    }
+
+    /// The statistics of a channel that the test asks for: those of the noise are at zero where that was read off the
+    /// records.
+    fn asked(&self, statistics: &Statistics) -> [f64; Statistic::ALL.len()] {
+        let mut values = statistics.values;
+        if self.innovations.is_some() {
+            values[Statistic::Scale as usize] = 0.0;
+            values[Statistic::Shape as usize] = 0.0;
+        }
+        values
     }
 
     fn observed(&self) -> Observed {
@@ -243,7 +228,7 @@ impl<'a> Test<'a> {
                 let follows = statistics.strongest.filter(|_| statistic == Statistic::Covariate);
                 let follows = follows.map_or_else(String::new, |index| frame.covariates[index].name.clone());
                 names.push((frame.measured.channels[*channel].name, statistic.name(), follows));
-                values.push(statistics.get(statistic));
+                values.push(self.asked(&statistics)[statistic as usize]);
             }
         }
         let effects = self.catalogue.tr_mul(&self.residual);
@@ -280,7 +265,7 @@ impl<'a> Test<'a> {
     fn statistics(&self, scores: &DVector<f64>) -> Vec<f64> {
         let statistics_of = |(_, places, layout): &(usize, Vec<usize>, Channel)| {
             let of_channel: Vec<f64> = places.iter().map(|place| scores[*place]).collect();
-            Statistics::of(&of_channel, layout).values
+            self.asked(&Statistics::of(&of_channel, layout))
         };
         self.channels.iter().flat_map(statistics_of).collect()
     }
@@ -293,7 +278,10 @@ impl<'a> Test<'a> {
         let mut normal = |count: usize| DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
         let (calibration, locals) =
             (normal(shared), (0..self.design.rows().count()).map(|_| normal(own)).collect::<Vec<_>>());
-        let mut column = self.readings(&mut random);
+        let mut column = match &self.innovations {
+            Some(innovations) => self.exchanged(innovations, &mut random),
+            None => self.readings(&mut random),
+        };
         self.design.add(&calibration, &locals, &mut column);
         column
     }
@@ -372,7 +360,7 @@ impl<'a> Test<'a> {
             for scores in draws.iter().filter_map(|(_, scores)| scores.as_ref()) {
                 let moved: Vec<f64> =
                     places.iter().zip(&drift).map(|(place, drift)| scores[*place] + size * drift).collect();
-                let values = Statistics::of(&moved, layout).values;
+                let values = self.asked(&Statistics::of(&moved, layout));
                 let beyond = |(i, value): (usize, &f64)| {
                     let [middle, high] = judged.scales[first + i];
                     high > middle && (value - middle) / (high - middle) > critical
@@ -409,6 +397,7 @@ impl<'a> Test<'a> {
             let (relative, typical) = (about.transform == Transform::Log, toolroom_statistics::median(&mut level));
             // In units of the sheet: a noise that was read off the records is part of what they hold beside it.
             let scale = self.noise.scale[*channel];
+            let (sensor, scale) = if self.innovations.is_some() { (sensor * scale, 1.0) } else { (sensor, scale) };
             let excess = (mean + super::constants::NINETY * error) * scale * scale - 1.0;
             let level = if relative { 1.0 } else { typical };
             Structure { channel: about.name, upper: sensor * excess.max(0.0).sqrt(), level, sensor }

@@ -45,6 +45,7 @@ mod dynamics;
 mod enough;
 mod evidence;
 mod fit;
+mod fit_answer;
 mod fitness;
 mod generic;
 mod gram;
@@ -54,10 +55,12 @@ mod left_out;
 mod linear;
 mod measures;
 mod method;
+mod narrowed;
 mod noise;
 pub mod plan;
 mod pooled;
 mod processes;
+mod propose;
 mod queue;
 mod reframed;
 mod rules;
@@ -85,7 +88,7 @@ pub use diagnosis::{
 };
 pub use dynamics::{DriftExplanation, DynamicsDrift, add_dynamics};
 pub use fit::{Fit, fit};
-pub use fitness::{Fitness, LeastSeen, Part, Structure};
+pub use fit_answer::{Fitness, LeastSeen, Part, Structure};
 pub use gram::normal_equations;
 pub use identifiability::{Identifiable, identifiability};
 pub use joined::joined;
@@ -94,14 +97,15 @@ pub use measures::{Left, Measures, apart};
 pub use method::{Bare, Method};
 pub use noise::Noise;
 pub use processes::{Answers, diagnose_processes, diagnosed_processes};
+pub use propose::{Proposal, ProposedTerm, propose};
 pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
 pub use toolroom_evidence::{EFFECT_PRIOR, Evidence, Gram};
 pub use toolroom_nominal::{
     Asked, Candidate, Channel, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EmpiricalSizes,
-    Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel, NominalProcess, Observation, On, Parameter,
-    Point, Settings, Stated, Surface, Transform, Untried, Words, WrittenEffect, cutting, empirical, features, grinding,
-    program, sensor_sheet,
+    Family, Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel, NominalProcess, Observation, On,
+    Parameter, Point, Settings, Stated, Surface, Transform, Untried, Words, WrittenEffect, cutting, empirical,
+    features, grinding, program, sensor_sheet,
 };
 pub use trial::Trial;
 

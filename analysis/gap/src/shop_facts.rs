@@ -4,14 +4,14 @@
 //! for the scatter of handling.
 
 use super::queue::{QueueScore, occasion, queues};
-use super::{Diagnosis, GapVerdict};
+use super::{Diagnosis, Fitness, GapVerdict, Part};
 use std::collections::BTreeMap;
 use toolroom_facts::failures::{History, shape, time_between};
 use toolroom_facts::spread::spread;
 use toolroom_facts::survival::{Life, lives};
 use toolroom_facts::times::{share_above, times};
 use toolroom_facts::waits::waits;
-use toolroom_facts::{Fact, Quantity, findings, slight};
+use toolroom_facts::{Fact, Quantity, adjusted, findings, slight};
 use toolroom_nominal::Stated;
 use toolroom_nominal::shop::{Breakdowns, SHORT_STOP, Shop, Station, Visit, Visits, visits};
 use toolroom_records::Records;
@@ -44,6 +44,9 @@ pub fn add_facts(shop: &Shop, records: &Records, stated: &Stated, diagnosis: &mu
     facts.extend(scores.iter().filter_map(|score| of_queue(score, explained)));
     diagnosis.notes.extend(scores.iter().map(|score| score.words(explained)));
     diagnosis.notes.push("not asked, since the log has no orders: arrivals, scrap, lead times".to_owned());
+    if let Some(fit) = &mut diagnosis.fit {
+        add_to(fit, &facts);
+    }
     diagnosis.findings = findings(&facts);
     diagnosis.facts = facts;
     if matches!(diagnosis.verdict, GapVerdict::NoGap | GapVerdict::Masked) && !diagnosis.findings.is_empty() {
@@ -66,6 +69,20 @@ pub fn add_facts(shop: &Shop, records: &Records, stated: &Stated, diagnosis: &mu
             diagnosis.notes.extend(doubts.into_iter().map(words));
         }
     }
+}
+
+/// Makes facts part of a test: a right file fails that of the channels and that of the facts once in a hundred each.
+fn add_to(fit: &mut Fitness, facts: &[Fact]) {
+    let part = |fact: &Fact| Part {
+        what: fact.quantity.name(),
+        test: "fact",
+        follows: fact.place.clone(),
+        p: fact.p,
+        statistic: fact.factor(),
+    };
+    fit.parts.extend(facts.iter().map(part));
+    fit.parts.sort_by(|a, b| a.p.total_cmp(&b.p));
+    fit.p = adjusted(facts).into_iter().fold(fit.p, f64::min);
 }
 
 /// The one way in which a machine breaks down; none where several run side by side.

@@ -130,6 +130,51 @@ fn an_effect_of_one_machine_or_part_is_named_there_with_its_size_and_its_queue()
     }
 }
 
+/// What a deviation does at these machines.
+fn at_machines(id: &'static str, size: f64, machines: &[&str]) -> Deviation {
+    let names = machines.iter().map(|name| (*name).to_owned()).collect();
+    Deviation { scope: Scope { names: vec![("machine", names)], ..Scope::default() }, ..Deviation::new(id, size) }
+}
+
+/// The named effects, each with where it acts and its size.
+fn named(records: &Records) -> Vec<(&'static str, String, f64)> {
+    let diagnosis = diagnose(nominal().over(records, None, |_, _| false).0.as_ref(), 1).diagnosis;
+    diagnosis.effects.into_iter().map(|own| (own.id, own.shape, own.size)).collect()
+}
+
+#[test]
+fn what_a_pool_of_machines_or_the_whole_shop_does_is_no_chance_of_many_constants() {
+    // Each of the constants that could stand in for it is within what is believed of it.
+    let cases = [
+        (at_machines("feed_override", 0.15, &["M1", "M2"]), "machine=M1|M2"),
+        (Deviation::new("feed_override", 0.15), ""),
+        (at_machines("operator_delay", 15.0, &["L1", "L2"]), "machine=L1|L2"),
+    ];
+    for (deviation, place) in cases {
+        let found = named(&recorded(1, std::slice::from_ref(&deviation)));
+        let [(id, shape, size)] = &found[..] else { panic!("{}: {found:?}", deviation.id) };
+        assert_eq!((*id, shape.as_str()), (deviation.id, place));
+        assert!((size / deviation.size - 1.0).abs() < 0.05, "{size} instead of {}", deviation.size);
+    }
+}
+
+#[test]
+fn three_effects_at_once_are_named_with_their_sizes() {
+    let shift = Scope { names: vec![("shift", vec!["S2".to_owned()])], ..Scope::default() };
+    let hidden = [
+        Deviation { scope: shift, ..Deviation::new("feed_override", 0.12) },
+        Deviation::new("micro_stops", 2.0 / 3600.0),
+        at_machines("operator_delay", 20.0, &["L1"]),
+    ];
+    let mut found = named(&recorded(2, &hidden));
+    found.sort_by_key(|own| own.0);
+    let places: Vec<(&str, &str)> = found.iter().map(|(id, shape, _)| (*id, shape.as_str())).collect();
+    assert_eq!(places, [("feed_override", "shift=S2"), ("micro_stops", ""), ("operator_delay", "machine=L1")]);
+    for ((_, _, size), true_size) in found.iter().zip([0.12, 2.0, 20.0]) {
+        assert!((size / true_size - 1.0).abs() < 0.1, "{size} instead of {true_size}");
+    }
+}
+
 #[test]
 fn handling_that_scatters_more_than_its_file_is_a_constant_of_it() {
     let uneven = |scenario: &mut Scenario| {

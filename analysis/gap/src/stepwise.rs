@@ -122,7 +122,11 @@ pub(super) fn pairs(context: Diagnosing<'_>, decision: &mut Decision) {
 fn beside(model: &dyn Forward, trial: &Trial, most: usize) -> Vec<Vec<usize>> {
     let candidates = &model.frame().candidates;
     let scores = trial.strengths();
-    let known = |other: usize| trial.fit.active.iter().any(|index| candidates[*index].id == candidates[other].id);
+    // One effect may act twice where that is on two parts of the records.
+    let known = |other: usize| {
+        let alike = |index: &usize| candidates[*index].id == candidates[other].id;
+        trial.fit.active.iter().filter(|index| alike(index)).any(|index| !apart(model, *index, other))
+    };
     let mut leads: Vec<(usize, f64)> = (0..candidates.len())
         .filter(|other| !known(*other) && scores[*other] > PAIRED_SCORE)
         .map(|other| (other, trial.with(other)))
@@ -140,12 +144,19 @@ fn beside(model: &dyn Forward, trial: &Trial, most: usize) -> Vec<Vec<usize>> {
     leads.into_iter().take(most).map(with).collect()
 }
 
-/// The best model with one effect more than trial `index`, fitted; `None` where none leads.
-pub(super) fn further(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> Option<usize> {
+/// Whether two candidates of one effect differ in nothing but the part of the records on which they act, neither on all.
+fn apart(model: &dyn Forward, one: usize, other: usize) -> bool {
+    let [one, other] = [one, other].map(|index| model.written(index));
+    let scoped = !one.scope.is_everywhere() && !other.scope.is_everywhere();
+    scoped && one.scope != other.scope && one.shape == other.shape
+}
+
+/// The models with one effect more than trial `index` that lead, fitted, the best first.
+pub(super) fn further(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> Vec<usize> {
     let Diagnosing { model, basis, folds, .. } = context;
     decision.trials[index] = decision.trials[index].clone().complete(model, basis, folds);
     let sought = beside(model, &decision.trials[index], FURTHER);
-    best(context, decision, index, &sought)
+    fitted(context, decision, index, &sought)
 }
 
 /// Another model of as many effects as trial `index` that is better by the gate: with one of the earlier effects
@@ -162,18 +173,21 @@ pub(super) fn swapped(context: Diagnosing<'_>, decision: &mut Decision, index: u
     let places: Vec<usize> = (0..trial.fit.active.len()).collect();
     let mut sought: Vec<Vec<usize>> = places.into_par_iter().filter_map(without).collect();
     sought.dedup();
-    let other = best(context, decision, index, &sought)?;
+    let other = fitted(context, decision, index, &sought).first().copied()?;
     let better = gain(&decision.trials[other].evidence, &trial.evidence) > GATE;
     better.then_some(other)
 }
 
-/// Fits the models of the effects `sought` from trial `index`, keeps them, and gives the best that is admissible.
-fn best(context: Diagnosing<'_>, decision: &mut Decision, index: usize, sought: &[Vec<usize>]) -> Option<usize> {
+/// Fits the models of the effects `sought` from trial `index`, keeps them, and gives those that are admissible, the best
+/// first.
+fn fitted(context: Diagnosing<'_>, decision: &mut Decision, index: usize, sought: &[Vec<usize>]) -> Vec<usize> {
     let first = decision.trials.len();
     let from = decision.trials[index].fit.clone();
     let fitted: Vec<Trial> = sought.par_iter().map(|active| context.trial(&from, active)).collect();
     decision.trials.extend(fitted);
     let profile = |index: &usize| decision.trials[*index].evidence.profile;
-    let admissible = (first..decision.trials.len()).filter(|index| decision.trials[*index].evidence.admissible);
-    admissible.max_by(|a, b| profile(a).total_cmp(&profile(b)))
+    let admissible = |index: &usize| decision.trials[*index].evidence.admissible;
+    let mut ranked: Vec<usize> = (first..decision.trials.len()).filter(admissible).collect();
+    ranked.sort_by(|a, b| profile(b).total_cmp(&profile(a)));
+    ranked
 }

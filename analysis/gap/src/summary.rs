@@ -8,8 +8,10 @@ use toolroom_chart::{Axis, Estimate, Intervals, Table, Waterfall};
 /// Effects that cannot be seen which the terminal lists.
 const LISTED: usize = 4;
 
+/// Four significant digits without trailing zeros: more of a size are below its own interval.
 pub(super) fn rounded(value: f64) -> String {
-    toolroom_form::significant(value)
+    let four = format!("{value:.3e}").parse();
+    toolroom_form::significant(four.unwrap_or(value))
 }
 
 pub(super) fn percent(share: f64) -> String {
@@ -227,4 +229,16 @@ impl Diagnosis {
 /// A unit beside a number; that of a pure number is not written.
 fn written(unit: &'static str) -> &'static str {
     if unit == "1" { "" } else { unit }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_told_to_four_digits() {
+        let told = [0.152_385_7, -0.166_666_7, 1234.567, 2.0, 0.0, f64::INFINITY].map(rounded);
+        assert_eq!(told, ["0.1524", "-0.1667", "1235", "2", "0", "inf"]);
+        assert_eq!(with_unit(14.987_65, "s"), "14.99 s");
+    }
 }

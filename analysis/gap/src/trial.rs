@@ -41,13 +41,22 @@ impl Trial {
     /// them may have gone far astray, from the nominal point.
     pub(super) fn fitted(model: &dyn Forward, basis: &Basis, from: &Fit, active: &[usize]) -> Fit {
         let start = |linear: &Linear| fit(model, &basis.noise, linear.clone(), active, &basis.local_scale);
+        let from_there = Self::without_others(model, &from.linear, active);
         let (near, (far, sized)) = rayon::join(
-            || start(&from.linear),
+            || start(&from_there),
             || rayon::join(|| start(&basis.nominal), || Self::from_size(model, basis, active)),
         );
         let fitted = [Some(near), Some(far), sized];
         let best = fitted.into_iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost));
         best.unwrap_or_else(|| from.clone())
+    }
+
+    /// `linear` without the effects that are not `active`: a fit moves no others, and one that was there before would stay.
+    fn without_others(model: &dyn Forward, linear: &Linear, active: &[usize]) -> Linear {
+        let mut point = linear.point.clone();
+        let others = (0..point.effects.len()).filter(|index| !active.contains(index));
+        others.for_each(|index| point.effects[index] = 0.0);
+        if point == linear.point { linear.clone() } else { Linear::with(model, point, active) }
     }
 
     /// A fit from the ordinary size of the effects, where they move the wear of edges by so much that

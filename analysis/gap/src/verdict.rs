@@ -94,6 +94,22 @@ pub(super) fn unrejected(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<
     }
 }
 
+/// Takes back a `no_gap` that the test of a model contradicts whose noise was read off the records. Names are no question
+/// of it: there calibration may follow what an effect does, and evidence tells them apart.
+pub(super) fn doubted(diagnosis: &mut Diagnosis) {
+    if let Some(with) = diagnosis.fit_with_effects.as_ref().filter(|fit| !fit.passed()) {
+        let words = rejected(Some(with));
+        diagnosis.notes.push(format!("beside it: {words}"));
+    }
+    let Some(fit) = diagnosis.fit.as_ref().filter(|fit| !fit.passed()) else { return };
+    if diagnosis.verdict == GapVerdict::NoGap {
+        let small = !fit.structure.iter().any(Structure::may_matter);
+        let words = rejected(Some(fit));
+        diagnosis.verdict = if small { GapVerdict::Small } else { GapVerdict::Unknown };
+        diagnosis.notes.insert(0, words);
+    }
+}
+
 /// Where a rejected model is off, and by how much.
 fn rejected(fit: Option<&Fitness>) -> String {
     let Some(fit) = fit else { return String::new() };

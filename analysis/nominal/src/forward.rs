@@ -36,6 +36,15 @@ pub struct Surface {
     pub absolute: bool,
 }
 
+/// Constants of one kind, of which records with many of them show how well they are known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Family {
+    /// What they are, in words.
+    pub name: &'static str,
+    /// Names of their surfaces.
+    pub surfaces: Vec<String>,
+}
+
 /// A factor that differs from group to group, mean 1; counts in prior standard deviations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Local {
@@ -147,6 +156,8 @@ pub struct Frame {
     pub parameters: Vec<Parameter>,
     /// Corrections without simulation.
     pub surfaces: Vec<Surface>,
+    /// Calibration that was stated alike: surfaces whose common spread the records may show to be smaller.
+    pub families: Vec<Family>,
     /// Factors of the groups.
     pub locals: Vec<Local>,
     /// Effects that may be missing.
@@ -178,6 +189,7 @@ impl Frame {
             measured,
             parameters: Vec::new(),
             surfaces: Vec::new(),
+            families: Vec::new(),
             locals: Vec::new(),
             candidates: Vec::new(),
             defined: Vec::new(),

@@ -38,7 +38,9 @@ mod units;
 pub use constants::{HUBER, MAD};
 pub use discrepancy::{Discrepancy, Discrepant, On};
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
-pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface, WrittenEffect};
+pub use forward::{
+    Candidate, Covariate, Direction, Family, Forward, Frame, Local, Parameter, Point, Surface, WrittenEffect,
+};
 pub use measured::{Channel, Measured, Observation, Transform};
 pub use nominal::{Asked, ModelFileError, NominalModel, NominalProcess, sensor_sheet};
 pub use predict::{correct, predict, touches, transformed};

@@ -22,6 +22,7 @@ mod kpi;
 mod logs;
 mod model;
 mod nominal;
+mod scopes;
 mod state;
 mod stops;
 mod visit;

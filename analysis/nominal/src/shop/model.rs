@@ -3,12 +3,13 @@
 use super::super::features::standardised;
 use super::super::search;
 use super::super::{
-    Candidate, Channel, Covariate, Direction, Forward, Frame, Local, Measured, Point, Settings, Stated, Surface,
-    Transform, WrittenEffect,
+    Candidate, Channel, Covariate, Direction, Family, Forward, Frame, Local, Measured, Point, Settings, Stated,
+    Surface, Transform, WrittenEffect,
 };
 use super::block::{Block, Blocks, CHANNELS, ROOT_SCORE, TAIL};
 use super::constant::Constant;
 use super::nominal::Shop;
+use super::scopes::parts;
 use super::stops::{SIZES, Shape, Stops, Timed};
 use super::visit::{Visits, visits};
 use rayon::prelude::*;
@@ -47,10 +48,6 @@ const BOOKED: f64 = 0.2 / 3600.0;
 
 /// Channels that live on the few operations of a block that were stopped.
 const RARE: [&str; 5] = ["cutting_tail", "cutting_excess", "cutting_spread", "feed_hold_time", "stop_count"];
-
-/// Shifts, machines or parts among which one may have an effect of its own (count). Assumption: among more the price of
-/// the choice hides what is to be found.
-const MOST_LEVELS: usize = 12;
 
 /// What a candidate does to a block.
 pub(super) enum Action {
@@ -183,30 +180,6 @@ impl ShopModel {
         shifts
     }
 
-    /// Scopes in which an effect may act: shifts, machines and parts, where blocks differ in them, with the weight of each
-    /// block.
-    fn scopes(&self, seen: &Visits) -> Vec<(String, Vec<f64>)> {
-        let blocks = &self.blocks.list;
-        let part = |block: &Block| block.program.and_then(|program| Some(seen.programs[program].split_once('/')?.0));
-        let of_block = |key: &str, block: &Block| match key {
-            "shift" => block.shift.clone(),
-            "machine" => seen.machines[block.machine].clone(),
-            _ => part(block).unwrap_or_default().to_owned(),
-        };
-        let mut scopes = Vec::new();
-        for key in ["shift", "machine", "part"] {
-            let names: Vec<String> = blocks.iter().map(|block| of_block(key, block)).collect();
-            let mut levels: Vec<&String> = names.iter().filter(|name| !name.is_empty()).collect();
-            levels.sort();
-            levels.dedup();
-            for level in levels.iter().filter(|_| (2..=MOST_LEVELS).contains(&levels.len())) {
-                let on = names.iter().map(|name| f64::from(u8::from(name == *level))).collect();
-                scopes.push((format!("{key}={level}"), on));
-            }
-        }
-        scopes
-    }
-
     fn calibration(&mut self, shop: &Shop, seen: &Visits) {
         let rows = self.blocks.list.len();
         let blocks = &self.blocks.list;
@@ -280,6 +253,11 @@ impl ShopModel {
             }
         }
         surfaces.retain(|surface| !surface.channels.is_empty());
+        self.frame.families = families(
+            &surfaces,
+            &[(0, "times in cut"), (4, "handling times"), (6, "change times")]
+                .map(|(kind, name)| (self.place(kind), name)),
+        );
         self.frame.surfaces = surfaces;
         self.frame.locals = vec![
             Local { name: "cutting time of the day", deviation: DAILY, estimated: true, scatter: false },
@@ -290,7 +268,7 @@ impl ShopModel {
     fn catalogue(&mut self, shop: &Shop, seen: &Visits) {
         let blocks = &self.blocks.list;
         let has = |kind: usize| self.kinds.contains(&kind);
-        let scopes = self.scopes(seen);
+        let scopes = parts(shop, seen, blocks);
         let mut list: Vec<(&'static str, String, f64, Action)> = Vec::new();
         if has(0) {
             let everywhere = vec![1.0; blocks.len()];
@@ -451,10 +429,11 @@ impl ShopModel {
             let shape = shape.unwrap_or_default();
             let group = measured.group_of_row[row];
             let local = |kind: usize| (self.frame.locals[kind].deviation * at.locals[kind][group]).exp();
-            let (mut slower, mut delay, mut change, mut blocks, mut overridden) = (0.0, 0.0, 0.0, 0.0, 0.0);
+            // Two overrides that act together multiply, as they do in a run.
+            let (mut slower, mut delay, mut change, mut blocks, mut overridden) = (1.0, 0.0, 0.0, 0.0, 0.0);
             for (action, size) in self.actions.iter().zip(&at.effects) {
                 match action {
-                    Action::Slower(weights) => slower += size * weights[row],
+                    Action::Slower(weights) => slower *= 1.0 + size * weights[row],
                     Action::Overridden(mean) => overridden += size / mean,
                     Action::Delay(weights) => delay += size * weights[row],
                     Action::Change(weights) => change += size * weights[row],
@@ -463,7 +442,7 @@ impl ShopModel {
                 }
             }
             match kind {
-                0 => (nominal * (1.0 + slower) * block.slowed(overridden) + blocks) * shape.location.exp() * local(0),
+                0 => (nominal * slower * block.slowed(overridden) + blocks) * shape.location.exp() * local(0),
                 1 => nominal + shape.tail,
                 2 => nominal * shape.excess.exp(),
                 3 => nominal * shape.spread.exp(),
@@ -534,6 +513,16 @@ impl Forward for ShopModel {
         };
         along.par_iter().map(slope).collect()
     }
+}
+
+/// The constants of each kind of time, whose spread a shop with many of them shows.
+fn families(surfaces: &[Surface], kinds: &[(Vec<usize>, &'static str)]) -> Vec<Family> {
+    let family = |(channels, name): &(Vec<usize>, &'static str)| {
+        let own = surfaces.iter().filter(|surface| !surface.allowance && surface.deviation < UNKNOWN);
+        let own = own.filter(|surface| surface.channels == *channels);
+        Family { name, surfaces: own.map(|surface| surface.name.clone()).collect() }
+    };
+    kinds.iter().filter(|(channels, _)| !channels.is_empty()).map(family).collect()
 }
 
 /// Groups of blocks and the group of each.

@@ -31,6 +31,8 @@ pub struct Program {
 pub struct Station {
     /// Name.
     pub name: String,
+    /// Process that it runs, in the word of its scenario.
+    pub process: String,
     /// Replicated handling times of one operation, ascending, s.
     pub handling: Vec<f64>,
     /// Changing an edge, s.
@@ -134,6 +136,7 @@ fn station(scenario: &Scenario, failures: &[FailureMode], index: usize, log: &Ru
     let life = |edge: &EdgeRow| Life { time: edge.cutting_time, ended: edge.reason != ChangeReason::EndOfRun };
     Station {
         name: machine.name.clone(),
+        process: machine.process.clone(),
         handling,
         tool_change: machine.tool_change_time,
         calendar: machine.calendar.map(|at| scenario.calendars[at].clone()),

@@ -1,0 +1,98 @@
+//! Parts of a shop's log on which an effect may act alone: shifts, machines, pools of machines, parts.
+
+use super::block::Block;
+use super::nominal::Shop;
+use super::visit::Visits;
+use std::collections::BTreeSet;
+
+/// Shifts, machines or parts among which one may have an effect of its own (count). Assumption: among more the price of
+/// the choice hides what is to be found.
+const MOST_LEVELS: usize = 12;
+/// Machines or pools in one shift that are tried (count). Assumption: as above.
+const MOST_CROSSED: usize = 24;
+
+/// The shape of a candidate on a part of the blocks, such as `machine=M1|M2, shift=S2`, with the weight of each block.
+pub(super) type Part = (String, Vec<f64>);
+
+/// Parts of the blocks on which an effect may act: shifts, machines and parts one by one, pools of machines, and machines
+/// and pools in one shift. Of parts that hold the same blocks the first counts.
+pub(super) fn parts(shop: &Shop, seen: &Visits, blocks: &[Block]) -> Vec<Part> {
+    let part = |block: &Block| block.program.and_then(|program| Some(seen.programs[program].split_once('/')?.0));
+    let shifts: Vec<String> = blocks.iter().map(|block| block.shift.clone()).collect();
+    let machines: Vec<String> = blocks.iter().map(|block| seen.machines[block.machine].clone()).collect();
+    let made: Vec<String> = blocks.iter().map(|block| part(block).unwrap_or_default().to_owned()).collect();
+    let mut found: Vec<Part> = Vec::new();
+    let mut add = |shape: String, on: Vec<f64>| {
+        let known = |own: &Part| own.1 == on;
+        if on.contains(&1.0) && on.contains(&0.0) && !found.iter().any(known) {
+            found.push((shape, on));
+        }
+    };
+    let on = |names: &[String], test: &dyn Fn(&str) -> bool| -> Vec<f64> {
+        names.iter().map(|name| f64::from(u8::from(test(name)))).collect()
+    };
+    for (key, names) in [("shift", &shifts), ("machine", &machines), ("part", &made)] {
+        for level in levels(names) {
+            add(format!("{key}={level}"), on(names, &|name| name == level));
+        }
+    }
+    let pools = pools(shop, seen);
+    for pool in pools.iter().chain(&all_but_one(seen)) {
+        add(format!("machine={}", pool.join("|")), on(&machines, &|name| pool.contains(&name)));
+    }
+    let alone = seen.machines.iter().map(|name| vec![name.as_str()]);
+    let (places, turns) = (alone.chain(pools).collect::<Vec<_>>(), levels(&shifts));
+    if places.len() * turns.len() <= MOST_CROSSED {
+        for place in &places {
+            for shift in &turns {
+                let both = machines
+                    .iter()
+                    .zip(&shifts)
+                    .map(|(machine, own)| f64::from(u8::from(place.contains(&machine.as_str()) && own == *shift)));
+                add(format!("machine={}, shift={shift}", place.join("|")), both.collect());
+            }
+        }
+    }
+    found
+}
+
+/// Names that occur, where they are two to twelve.
+fn levels(names: &[String]) -> Vec<&str> {
+    let levels: BTreeSet<&str> = names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+    if (2..=MOST_LEVELS).contains(&levels.len()) { levels.into_iter().collect() } else { Vec::new() }
+}
+
+/// Several of the machines that have something in common, but not all: those of one process, those that run one program.
+fn pools<'a>(shop: &Shop, seen: &'a Visits) -> Vec<Vec<&'a str>> {
+    let process = |machine: usize| shop.station(&seen.machines[machine]).map(|station| station.process.as_str());
+    let kinds: BTreeSet<&str> = (0..seen.machines.len()).filter_map(process).collect();
+    let mut pools: Vec<Vec<&str>> =
+        kinds.iter().map(|kind| those(seen, &|machine| process(machine) == Some(*kind))).collect();
+    for program in 0..seen.programs.len() {
+        let runs = seen.list.iter().filter(|visit| visit.program == program).map(|visit| visit.machine);
+        let runs: BTreeSet<usize> = runs.collect();
+        pools.push(those(seen, &|machine| runs.contains(&machine)));
+    }
+    let mut several: Vec<Vec<&str>> = Vec::new();
+    for pool in pools.into_iter().filter(|pool| pool.len() > 1 && pool.len() < seen.machines.len()) {
+        if !several.contains(&pool) {
+            several.push(pool);
+        }
+    }
+    several
+}
+
+/// All machines but one of three or more.
+fn all_but_one(seen: &Visits) -> Vec<Vec<&str>> {
+    let count = seen.machines.len();
+    if !(3..=MOST_LEVELS).contains(&count) {
+        return Vec::new();
+    }
+    (0..count).map(|left_out| those(seen, &|machine| machine != left_out)).collect()
+}
+
+/// Names of the machines for which `test` holds.
+fn those<'a>(seen: &'a Visits, test: &dyn Fn(usize) -> bool) -> Vec<&'a str> {
+    let chosen = (0..seen.machines.len()).filter(|machine| test(*machine));
+    chosen.map(|machine| seen.machines[machine].as_str()).collect()
+}
