@@ -7,6 +7,7 @@ use crate::shard::{leave, refused};
 use crate::speak::Voice;
 use crate::study::{Place, RESUME, Request, default_out, perform, request_in};
 use crate::sweep;
+use crate::warm_up::settle;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -25,7 +26,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if !args.sweep.is_empty() {
         return sweep::run(args, voice);
     }
-    let file = read(&args.scenario.file, &args.scenario.changes.overrides())?;
+    let mut file = read(&args.scenario.file, &args.scenario.changes.overrides())?;
     let mut policies = policies_named(&file.scenario, &args.study.policy)?;
     if policies.len() == 1 && policies[0] != 0 {
         policies.insert(0, 0); // one policy by name is compared with the scenario's baseline
@@ -34,7 +35,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if args.axis == Some(Axis::Variant) {
         policies.truncate(1);
     }
-    let variants = if wants(Axis::Variant) { file.variants.as_slice() } else { &[] };
+    let variants = if wants(Axis::Variant) { file.variants.clone() } else { Vec::new() };
     if policies.len() < 2 && variants.is_empty() {
         let help = "add a [[policy]] or a [[variant]] to the scenario, or use toolroom run";
         return Err(Failure::argument("there is only one policy and no variant of the shop, nothing to compare", help));
@@ -51,10 +52,14 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
                 "tune first with --tune, then plan with the settings that it prints given by --set, and --no-tune";
             return Err(Failure::argument("a plan does not tune its policies", help));
         }
+        if file.scenario.seeks_warm_up {
+            let help = "find it with toolroom run, then plan with the time that it prints: --set shop.warm_up=…";
+            return Err(Failure::argument("a plan does not find its warm-up", help));
+        }
         return plan(args, &file, &policies, target, voice);
     }
     let out = default_out(&file.scenario.name);
-    let variants = variants::shops(&args.scenario.file, &args.scenario.changes.overrides(), variants)
+    let mut variants = variants::shops(&args.scenario.file, &args.scenario.changes.overrides(), &variants)
         .map_err(|error| Failure::argument(&error, error.fix()))?;
     let select = args.select.as_deref().map(|text| Wanted::parse(&file.scenario, text)).transpose();
     let select = select.map_err(|error| Failure::argument(error, "see `toolroom compare --help`"))?;
@@ -62,8 +67,12 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         let help = "add a [[variant]] to the scenario";
         return Err(Failure::argument("there is only one shop, nothing to select", help));
     }
+    let target = args.study.out.as_deref().unwrap_or(&out);
+    let warm_up = settle(&mut file, &mut variants, &policies, &args.study, target, voice)?;
+    let mut changes = args.scenario.changes.overrides();
+    changes.extend(warm_up.iter().map(|found| found.change()));
     let ((file, tuning), place) = match wanted {
-        Some(wanted) => tuned_in_place(args, &input, file, (&policies, &wanted), &out, voice)?,
+        Some(wanted) => tuned_in_place((args, changes), &input, file, (&policies, &wanted), &out, voice)?,
         None => ((file, None), None),
     };
     let axis = args.axis.map_or("", Axis::typed);
@@ -81,6 +90,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         tuning,
         variants,
         select,
+        warm_up,
     };
     perform(&request, place, voice)
 }
@@ -91,7 +101,7 @@ type Tuned = (ScenarioFile, Option<Arc<Tuning>>);
 /// The scenario tuned, with the journal of an earlier search and of this one in the place of the results; without any
 /// search where an earlier run was tuned.
 fn tuned_in_place(
-    args: &CompareArgs,
+    (args, mut changes): (&CompareArgs, Vec<String>),
     input: &str,
     file: ScenarioFile,
     (policies, wanted): (&[usize], &TuneRequest),
@@ -99,7 +109,6 @@ fn tuned_in_place(
     voice: &Voice,
 ) -> Result<(Tuned, Option<Place>), Failure> {
     let target = args.study.out.as_deref().unwrap_or(out);
-    let mut changes = args.scenario.changes.overrides();
     let earlier = if args.study.resume { request_in(target) } else { None };
     if let Some(found) = earlier.and_then(|earlier| earlier.tuning()) {
         changes.extend(found.changes());
@@ -221,6 +230,7 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
         tuning: None,
         variants: Vec::new(),
         select: None,
+        warm_up: None,
     };
     perform(&request, None, voice)
 }

@@ -26,6 +26,7 @@ pub fn run(args: &DemoArgs, voice: &Voice) -> Result<(), Failure> {
         tuning: None,
         variants: Vec::new(),
         select: None,
+        warm_up: None,
     };
     perform(&request, None, voice)?;
     voice.say("your own shop: toolroom new myshop");

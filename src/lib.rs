@@ -61,6 +61,7 @@ pub use toolroom_shards as shards;
 pub use toolroom_shop as shop;
 pub use toolroom_ssp as ssp;
 pub use toolroom_statistics as statistics;
+pub use toolroom_steady as steady;
 pub use toolroom_stock as stock;
 pub use toolroom_study as study;
 pub use toolroom_wear as wear;

@@ -42,6 +42,7 @@ mod ssp;
 mod study;
 mod sweep;
 mod validate;
+mod warm_up;
 
 use args::{Command, Toolroom};
 use clap::Parser;

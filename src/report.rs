@@ -47,8 +47,8 @@ fn draw(dir: &Path, results: &FinishedRun) -> Result<(), Failure> {
     };
     requested.refuse_version(dir, env!("CARGO_PKG_VERSION"))?;
     let file = requested.scenario()?;
-    let (policies, tuning) = (requested.policies(&file)?, requested.tuning());
-    let options = StudyOptions { policies, tuning, ..StudyOptions::of(&file.scenario) };
+    let (policies, tuning, warm_up) = (requested.policies(&file)?, requested.tuning(), requested.warm_up());
+    let options = StudyOptions { policies, tuning, warm_up, ..StudyOptions::of(&file.scenario) };
     let command = results.run["command"].as_str().unwrap_or_default().to_owned();
     let stopped = results.run["stopped"]["reason"].as_str().map(str::to_owned);
     let information = RunInfo { stopped, ..requested.information(command).map_err(Failure::Json)? };

@@ -16,6 +16,7 @@ use toolroom_records::{RecordKind, write_csv};
 use toolroom_scenario::file::ScenarioFile;
 use toolroom_shards::Journal;
 use toolroom_shop::RunLog;
+use toolroom_steady::WarmUp;
 use toolroom_study::logs::{Format, LogWriter};
 use toolroom_study::request::StudyRequest;
 use toolroom_study::results::{self, FinishedRun, STOPPED, record};
@@ -48,6 +49,8 @@ pub struct Request<'a> {
     pub variants: Vec<VariantShop>,
     /// By what the best of them is selected.
     pub select: Option<Wanted>,
+    /// How the warm-up of `file` was found.
+    pub warm_up: Option<Arc<WarmUp>>,
 }
 
 /// The place of the results, taken before any work, and the folder of the journals.
@@ -93,13 +96,15 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
         tuning: request.tuning.clone(),
         variants: request.variants.clone(),
         select: request.select.clone(),
+        warm_up: request.warm_up.clone(),
         ..StudyOptions::of(scenario)
     };
     let target = args.out.as_deref().unwrap_or(&request.out);
     let format = format(file, args);
     let version = env!("CARGO_PKG_VERSION");
     let tuned = request.tuning.iter().flat_map(|tuning| tuning.changes());
-    let changes = request.changes.overrides().into_iter().chain(tuned).collect();
+    let settled = request.warm_up.iter().map(|found| found.change());
+    let changes = request.changes.overrides().into_iter().chain(settled).chain(tuned).collect();
     let requested = StudyRequest::new(version, reproduce(request), &request.input, file, changes, &options, format);
     if args.resume && target.join("run.json").exists() {
         let earlier = FinishedRun::read(target)?;

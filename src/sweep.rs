@@ -5,7 +5,9 @@ use crate::compare::{tuned, tuning_wanted};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::speak::Voice;
+use crate::warm_up::settle;
 use serde_json::Value;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use toolroom_output::signals as stop;
@@ -32,9 +34,11 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     for value in values {
         let mut overrides = args.scenario.changes.overrides();
         overrides.push(format!("{key}={value}"));
-        let file = read(&args.scenario.file, &overrides)?;
+        let mut file = read(&args.scenario.file, &overrides)?;
         let policies = policies_named(&file.scenario, &args.study.policy)?;
         voice.say(format_args!("{key} = {value}"));
+        let warm_up = settle(&mut file, &mut [], &policies, &args.study, Path::new(""), voice)?;
+        overrides.extend(warm_up.iter().map(|found| found.change()));
         let (file, tuning) = match tuning_wanted(args, &file) {
             Some(wanted) => tuned(args, overrides, &file, (&policies, &wanted), voice, &stop, None)?,
             None => (file, None),
@@ -43,6 +47,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         let options = StudyOptions {
             policies,
             tuning,
+            warm_up,
             threads: args.study.threads,
             until: args.study.until,
             logged: 0,

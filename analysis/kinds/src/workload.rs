@@ -386,7 +386,10 @@ impl Shop<'_> {
                 operation.machines.iter().any(|machine| self.scenario.machines[*machine].batch.is_some());
             let once = batch_machine || operation.work_per != WorkPer::Part;
             let alone = self.alone(order.part, number);
+            let able = operation.machines.len() as f64;
+            let together = if one_by_one { able } else { f64::from(order.split.unwrap_or(1)).min(able) };
             let after = |time: f64, pieces: f64| {
+                let pieces = (pieces / together).ceil();
                 let ends = operation.machines.iter().map(|&machine| {
                     let calendar = self.scenario.machines[machine].calendar;
                     worked(
@@ -397,13 +400,9 @@ impl Shop<'_> {
                 });
                 ends.fold(f64::INFINITY, f64::min)
             };
-            if one_by_one {
-                finished = after(finished, (pieces / operation.machines.len() as f64).ceil());
-            } else {
-                let first = after(begun, batch);
-                finished = after(begun, pieces).max(after(finished, last));
-                begun = first;
-            }
+            let first = after(begun, batch);
+            finished = after(begun, pieces).max(after(finished, last));
+            begun = first;
         }
         finished
     }

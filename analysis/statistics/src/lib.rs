@@ -6,8 +6,10 @@
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
 mod select;
+mod steady;
 
 pub use select::{FIRST_STAGE, Selected, Selection};
+pub use steady::{BATCHES, BatchMeans, Batched, MSER_BATCH, MSER_LEAST, Truncation, batch_means, mser};
 
 use statrs::distribution::{Beta, ContinuousCDF, Normal, StudentsT};
 

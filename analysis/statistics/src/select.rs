@@ -125,6 +125,19 @@ mod tests {
     }
 
     #[test]
+    fn four_differences_together_are_as_computed_independently() {
+        let sample = |system: usize| (0..20).map(|replication| example(system, replication)).collect::<Vec<f64>>();
+        let difference = |system: usize| crate::paired(&sample(system), &sample(0), 1.0 - 0.05 / 4.0).difference;
+        for (system, mean, half_width) in [(1, 0.383_918_4, 0.373_275_7), (4, 1.935_673_6, 0.438_321_6)] {
+            let found = difference(system);
+            assert!((found.mean - mean).abs() < 5e-8, "{}", found.mean);
+            assert!((found.half_width - half_width).abs() < 5e-8, "{}", found.half_width);
+        }
+        let ten: Moments = (0..10).map(|replication| example(0, replication) - example(1, replication)).collect();
+        assert!((ten.variance() - 0.382_984_221_1).abs() < 5e-11, "{}", ten.variance());
+    }
+
+    #[test]
     fn the_best_is_found_as_often_as_promised() {
         // Normal values that share half of their variance; the best is better by just the indifference.
         let uniform = |seed: u64| {

@@ -97,6 +97,7 @@ pub(crate) fn scenario() -> Scenario {
         replications: 20,
         horizon: 3600.0,
         warm_up: 0.0,
+        seeks_warm_up: false,
         shift_length: 3600.0,
         machines: vec![
             machine("L1", "turning", 0.01, 60.0),

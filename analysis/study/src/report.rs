@@ -12,7 +12,7 @@ use crate::compare::{Comparison, Difference};
 use crate::figure::{decimals, factor, label, plain, shown, signed};
 use crate::results::RunInfo;
 use crate::study::Study;
-use crate::terminal::gains;
+use crate::terminal::{gains, steady_text};
 use crate::tune::{TunedSetting, Tuning};
 use crate::variants;
 use toolroom_chart::page::{Provenance, Report, Section, Tile};
@@ -81,6 +81,9 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
     }
     if let Some(difference) = source.headline() {
         report = report.lead(sentence(&comparison.decision.line)).lead(sentence(&gains(study, comparison, difference)));
+    }
+    for line in steady_text(scenario, study).lines() {
+        report = report.lead(sentence(line));
     }
     for tile in tiles(&source) {
         report = report.tile(tile);

@@ -13,6 +13,7 @@ use toolroom_form::{ReadError, nearest};
 use toolroom_scenario::Scenario;
 use toolroom_scenario::file::{ScenarioFile, parse};
 use toolroom_shards::fingerprint;
+use toolroom_steady::WarmUp;
 
 /// Everything that the results of a study depend on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,6 +37,9 @@ pub struct StudyRequest {
     /// How the settings of the policies were found; `changes` holds them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     tuning: Option<Tuning>,
+    /// How the warm-up was found; `changes` holds it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    warm_up: Option<WarmUp>,
     /// Where the command was typed: the name of the file is read from there. May differ.
     directory: PathBuf,
 }
@@ -163,6 +167,7 @@ impl StudyRequest {
             logged: options.logged,
             format: format.map(|format| format.extension().to_owned()),
             tuning: options.tuning.as_deref().cloned(),
+            warm_up: options.warm_up.as_deref().cloned(),
             directory: std::env::current_dir().unwrap_or_default(),
         }
     }
@@ -198,6 +203,11 @@ impl StudyRequest {
     /// How the settings of its policies were found.
     pub fn tuning(&self) -> Option<Arc<Tuning>> {
         self.tuning.clone().map(Arc::new)
+    }
+
+    /// How its warm-up was found.
+    pub fn warm_up(&self) -> Option<Arc<WarmUp>> {
+        self.warm_up.clone().map(Arc::new)
     }
 
     /// The scenario, understood as it was then.

@@ -35,6 +35,7 @@ use toolroom_shards::{FNV_OFFSET, Journal, fnv};
 use toolroom_shop::runlog::{ChangeReason, EdgeRow};
 use toolroom_shop::{Recorder, RunLog, Shop, ShopError};
 use toolroom_statistics::{CONFIDENCE, t_interval};
+use toolroom_steady::{LeadTimes, OneRun, WarmUp};
 
 /// Replications between two checks of the stop rule where logs are kept.
 const LOGGED_CHUNK: u32 = 4;
@@ -69,6 +70,8 @@ pub struct StudyOptions {
     pub variants: Vec<VariantShop>,
     /// By what the best of the shop and its variants is selected.
     pub select: Option<Wanted>,
+    /// How the warm-up of the scenario was found.
+    pub warm_up: Option<Arc<WarmUp>>,
 }
 
 impl StudyOptions {
@@ -87,6 +90,7 @@ impl StudyOptions {
             tuning: None,
             variants: Vec::new(),
             select: None,
+            warm_up: None,
         }
     }
 }
@@ -192,6 +196,10 @@ pub struct Study {
     pub first_logs: Vec<RunLog>,
     /// How the settings of the policies were found.
     pub tuning: Option<Arc<Tuning>>,
+    /// How the warm-up of the scenario was found.
+    pub warm_up: Option<Arc<WarmUp>>,
+    /// The mean lead time by policy, where there is but one run of a shop that goes on.
+    pub one_run: Vec<Option<OneRun>>,
     /// Variants of the shop, run as often on the same random numbers.
     pub(crate) variants: Vec<VariantRuns>,
     /// The best of them, where that was requested.
@@ -256,6 +264,9 @@ pub enum StudyError {
         /// Policies of the scenario.
         count: usize,
     },
+    /// The warm-up has to be found before.
+    #[error("the warm-up is still to be found: `run` and `compare` do that; here `warm_up` has to be a time")]
+    SeeksWarmUp,
     /// The threads cannot be started.
     #[error("cannot start the threads: {source}")]
     Threads {
@@ -324,10 +335,11 @@ pub fn run_study_as_far(
     let simulate = |policy: usize, replication| {
         let world = scenario.drawn(replication)?;
         let log = keeps_log(scenario, options, replication).then(RunLog::default);
-        let recorder = (Counting::new(scenario), log);
+        let lead_times = if options.is_one_run() { OneRun::recorder(scenario) } else { None };
+        let recorder = ((Counting::new(scenario), log), lead_times);
         let shop = Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, recorder)?;
         let ended = unless_stopped(shop, scenario.horizon, stop)?;
-        Ok(ended.map(|(counting, log)| Run::of(scenario, &counting, log)))
+        Ok(ended.map(|((counting, log), lead_times)| Run { lead_times, ..Run::of(scenario, &counting, log) }))
     };
     let shops = 1 + options.variants.len() as u32;
     let of_all = |at: Progress| progress(Progress { done: at.done, total: at.total.saturating_mul(shops) });
@@ -414,6 +426,8 @@ struct Run {
     digest: u64,
     lives: Vec<EdgeLife>,
     log: Option<RunLog>,
+    /// Lead times one by one, where it is the only run.
+    lead_times: Option<LeadTimes>,
 }
 
 impl Run {
@@ -431,7 +445,7 @@ impl Run {
         }
         let life = |edge: &EdgeRow| EdgeLife { cutting_time: edge.cutting_time, reason: edge.reason };
         let digest = counting.closing().map_or(0, |closing| closing.digest);
-        Self { values, digest, lives: counting.lives().map(life).collect(), log }
+        Self { values, digest, lives: counting.lives().map(life).collect(), log, lead_times: None }
     }
 }
 
@@ -484,7 +498,7 @@ where
             return None;
         }
         let with_log = replication < options.logged;
-        let known = options.known.get(&(replication, policy)).filter(|_| !with_log);
+        let known = options.known.get(&(replication, policy)).filter(|_| !with_log && !options.is_one_run());
         let run = known.map_or_else(|| evaluated(policy, replication), |known| Some(Ok(known.run())))?;
         match (&run, &options.journal) {
             (Err(_), _) => _ = last_wanted.fetch_min(replication, Ordering::Relaxed),
@@ -507,6 +521,8 @@ where
         tuning: options.tuning.clone(),
         variants: Vec::new(),
         selection: None,
+        warm_up: options.warm_up.clone(),
+        one_run: vec![None; count],
         values: vec![Rows::default(); count],
         edge_lives: vec![Rows::default(); count],
     };
@@ -572,10 +588,20 @@ fn check(scenario: &Scenario, options: &StudyOptions) -> Result<(), StudyError> 
     if options.policies.is_empty() {
         return Err(StudyError::NoPolicies);
     }
+    if scenario.seeks_warm_up {
+        return Err(StudyError::SeeksWarmUp);
+    }
     let count = scenario.policies.len();
     match options.policies.iter().find(|&&policy| policy >= count) {
         Some(&policy) => Err(StudyError::UnknownPolicy { policy, count }),
         None => Ok(()),
+    }
+}
+
+impl StudyOptions {
+    /// Whether there is but one run, whose jobs alone tell how well its mean is known.
+    fn is_one_run(&self) -> bool {
+        self.replications == 1
     }
 }
 
@@ -588,6 +614,7 @@ impl Study {
         logs: Option<&mut LogWriter>,
     ) -> Result<(), StudyError> {
         self.digest = fnv(self.digest, &run.digest.to_le_bytes());
+        self.one_run[position] = run.lead_times.as_ref().and_then(OneRun::of);
         self.values[position].push(&run.values);
         run.lives.iter().for_each(|life| self.edge_lives[position].push(&life.numbers()));
         if let Some(log) = run.log {

@@ -68,6 +68,16 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
         "break_even": break_even,
         "digest": format!("{:016x}", study.digest),
     });
+    summary["run"] = if scenario.is_terminating() { "terminating" } else { "steady_state" }.into();
+    if let Some(found) = &study.warm_up {
+        summary["warm_up"] = found.json();
+    }
+    let one_run = study.policies.iter().zip(&study.one_run);
+    let one_run = one_run.filter_map(|(policy, found)| Some(found.as_ref()?.json(&scenario.policies[*policy].name)));
+    let one_run: Vec<Value> = one_run.collect();
+    if !one_run.is_empty() {
+        summary["batch_means"] = one_run.into();
+    }
     for (key, value) in planner::json(scenario, study).into_iter().flatten() {
         summary[key] = value;
     }

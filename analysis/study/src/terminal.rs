@@ -86,11 +86,22 @@ pub fn table(scenario: &Scenario, study: &Study, comparison: &Comparison, style:
         }
     }
     out.push_str(&late_orders(scenario, study));
+    out.push_str(&steady_text(scenario, study));
     varied(scenario, study, &mut out);
     if !study.complete {
         let _ = writeln!(out, "stopped early: {} replications are complete", study.replications);
     }
     out
+}
+
+/// How the warm-up was found, and how well the only run of a shop that goes on is known; empty where neither was asked.
+pub(crate) fn steady_text(scenario: &Scenario, study: &Study) -> String {
+    let mut text = study.warm_up.as_ref().map_or_else(String::new, |found| found.text());
+    for (policy, found) in study.policies.iter().zip(&study.one_run) {
+        let name = (study.policies.len() > 1).then_some(scenario.policies[*policy].name.as_str());
+        text.push_str(&found.map_or_else(String::new, |found| found.text(name)));
+    }
+    text
 }
 
 /// Cell gain, shop gain and what lies between them, in one line.

@@ -69,6 +69,13 @@ pub enum Kind {
     Flag,
     /// One word of these.
     Choice(&'static [&'static str]),
+    /// One of these words, or something else.
+    Or {
+        /// The words.
+        words: &'static [&'static str],
+        /// What else it may be.
+        other: &'static Kind,
+    },
     /// The name of another section's entry, of this kind.
     Reference(&'static str),
     /// One or more, in brackets; a single one may stand without.

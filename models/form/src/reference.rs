@@ -68,7 +68,7 @@ fn inner(kind: &'static Kind, found: &mut dyn FnMut(Inner)) {
         Kind::Table(form) | Kind::Tables(form) => found(Inner::Form(form)),
         Kind::Shorthand { form, .. } => found(Inner::Form(form)),
         Kind::Fields { fields, .. } => found(Inner::Fields(fields)),
-        Kind::List(item) => inner(item, found),
+        Kind::List(item) | Kind::Or { other: item, .. } => inner(item, found),
         Kind::Name
         | Kind::Text
         | Kind::Quantity(_)
@@ -127,6 +127,10 @@ fn takes(kind: &Kind) -> String {
         Kind::Count { min, max } => format!("a whole number, {min} to {max}"),
         Kind::Flag => "`true` or `false`".to_owned(),
         Kind::Choice(choices) => choices.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", "),
+        Kind::Or { words, other } => {
+            let words: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
+            format!("{}; or {}", words.join(", "), takes(other))
+        }
         Kind::Reference(kind) => format!("the name of a {kind}"),
         Kind::List(item) => format!("one or more: {}", takes(item)),
         Kind::Table(form) => format!("a table: {}", heading(form)),

@@ -84,6 +84,7 @@ fn property(key: &'static Key) -> Value {
             Kind::Name
             | Kind::Text
             | Kind::Quantity(_)
+            | Kind::Or { .. }
             | Kind::Choice(_)
             | Kind::Reference(_)
             | Kind::List(_)
@@ -120,6 +121,7 @@ fn kind(value: &'static Kind) -> Value {
         }
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Choice(choices) => json!({ "enum": choices }),
+        Kind::Or { words, other } => json!({ "anyOf": [{ "enum": words }, kind(other)] }),
         Kind::List(item) => {
             let item = kind(item);
             json!({ "anyOf": [{ "type": "array", "items": item.clone() }, item] })

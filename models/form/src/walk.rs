@@ -288,6 +288,22 @@ impl Walk {
                 self.fault(span, fault);
                 Value::Faulty
             }
+            (Kind::Or { words, .. }, DeValue::String(text)) if words.contains(&&**text) => {
+                Value::Text(text.to_string())
+            }
+            (Kind::Or { words, other }, DeValue::String(text))
+                if text.trim_start().starts_with(char::is_alphabetic) =>
+            {
+                let fault = Fault::UnknownChoice {
+                    key: key.to_owned(),
+                    read: text.to_string(),
+                    nearest: nearest(text, words.iter().copied()).map(str::to_owned),
+                    choices: format!("{}, or {}", words.join(", "), expected(other)),
+                };
+                self.fault(span, fault);
+                Value::Faulty
+            }
+            (Kind::Or { other, .. }, _) => self.value(key, other, raw),
             (Kind::Count { min, max }, DeValue::Integer(integer)) => {
                 match u64::from_str_radix(integer.as_str(), integer.radix())
                     .ok()
@@ -418,6 +434,7 @@ pub(crate) fn table_form(form: &Form, key: &str) -> Option<&'static Form> {
         | Kind::Count { .. }
         | Kind::Flag
         | Kind::Choice(_)
+        | Kind::Or { .. }
         | Kind::Reference(_)
         | Kind::List(_)
         | Kind::Fields { .. }

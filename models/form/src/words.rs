@@ -13,6 +13,7 @@ pub(crate) fn understood(kind: &Kind, value: &Value<'_>) -> Option<String> {
         (_, Value::Text(text)) => text.clone(),
         (_, Value::Flag(flag)) => flag.to_string(),
         (Kind::Shorthand { word, .. } | Kind::Fields { word, .. }, value) => return understood(word, value),
+        (Kind::Or { other, .. }, value) => return understood(other, value),
         (Kind::List(item), Value::List(list)) => {
             list.iter().filter_map(|got| understood(item, &got.value)).collect::<Vec<_>>().join(", ")
         }
@@ -96,6 +97,7 @@ pub(crate) fn expected(kind: &Kind) -> String {
         Kind::Count { .. } => "a whole number".to_owned(),
         Kind::Flag => "true or false".to_owned(),
         Kind::Choice(choices) => format!("one of {}", choices.join(", ")),
+        Kind::Or { words, other } => format!("{}, or {}", words.join(", "), expected(other)),
         Kind::Reference(kind) => format!("the name of a {kind} in quotes"),
         Kind::List(_) => "a list in brackets".to_owned(),
         Kind::Table(form) => format!("a section {}", form.title),
@@ -122,7 +124,7 @@ pub fn example(kind: &Kind) -> String {
         Kind::Choice(choices) => quoted(choices.first().copied().unwrap_or_default()),
         Kind::List(item) => format!("[{}]", example(item)),
         Kind::Table(form) | Kind::Tables(form) => form.title.to_owned(),
-        Kind::Shorthand { word, .. } | Kind::Fields { word, .. } => example(word),
+        Kind::Shorthand { word, .. } | Kind::Fields { word, .. } | Kind::Or { other: word, .. } => example(word),
         Kind::Parameters => "{ limits = { wear_limit = \"0.5 mm\" } }".to_owned(),
         Kind::Texts => "{ cutting_speed = \"vc [m/min]\" }".to_owned(),
         Kind::Content(content) => content.example.to_owned(),

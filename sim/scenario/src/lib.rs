@@ -26,7 +26,6 @@ mod calibration;
 mod contour;
 mod deviation;
 mod dispatch;
-mod distribution;
 pub mod effects;
 pub mod file;
 mod flow;
@@ -55,7 +54,6 @@ pub use calibration::{Calibration, Moved, ShopConstant, Target, calibrated, cali
 pub use contour::{ContourRule, ContourWork};
 pub use deviation::{Deviation, MICRO_STOP, ShopEffect};
 pub use dispatch::{DispatchRule, MOST_RULES, Preemption};
-pub use distribution::{Distribution, Empirical};
 pub use flow::{Blocking, Buffer, Deadlock};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
@@ -72,6 +70,7 @@ pub use station::{FailureClock, FailureMode, MachineType, ProcessModel, ToolType
 pub use toolroom_calendar::{
     Boundary, Dated, Hours, Interruption, Joined, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime, date,
 };
+pub use toolroom_distribution::{Distribution, Empirical};
 pub use transport::{Crew, Parking, Transport, TransportRule};
 pub use tuning::{Setting, SettingRange, Tunable, TuneRequest};
 pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
@@ -94,8 +93,10 @@ pub struct Scenario {
     pub replications: u32,
     /// Simulated time of one replication, s, warm-up included.
     pub horizon: f64,
-    /// Time at the start that no statistic counts, s.
+    /// Time at the start that no statistic counts, s; 0 while it is still to be found.
     pub warm_up: f64,
+    /// Whether the warm-up is to be found from runs before figures are counted.
+    pub seeks_warm_up: bool,
     /// Length of the shift to which rates refer (parts per shift), s.
     pub shift_length: f64,
     /// Machines.
@@ -175,6 +176,13 @@ impl Scenario {
                 .map_err(|reason| policies::ResolveError::Draw { tool: tool.name.clone(), replication, reason })?;
         }
         Ok(Cow::Owned(world))
+    }
+
+    /// Whether the run ends by itself: with the last of its orders, or of jobs that come at given times. Nothing
+    /// settles then, and the whole run counts.
+    pub fn is_terminating(&self) -> bool {
+        let given = |arrival: &Arrival| matches!(arrival.pattern, ArrivalPattern::Schedule(_));
+        !self.orders.is_empty() || self.arrivals.iter().all(given)
     }
 
     /// Rules of the queue of a machine.

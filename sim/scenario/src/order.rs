@@ -24,6 +24,10 @@ pub struct Order {
     pub customer: String,
     /// Pieces that move on together; `None`: all of them.
     pub transfer: Option<u32>,
+    /// Most machines over which it is divided, each with a setup of its own; `None`: it stays on one.
+    pub split: Option<u32>,
+    /// Whether a machine is set up for its next operation as soon as the one before has begun.
+    pub setup_ahead: bool,
     /// How far it has come when the run begins; `None`: it is released in the run.
     pub in_process: Option<InProcess>,
 }
@@ -49,15 +53,22 @@ impl Order {
         Urgency { priority: self.priority, weight: self.weight, due: self.due }
     }
 
-    /// Pieces that make one job: all that move on together where all work is plain, else one.
+    /// Pieces that make one job: all that move on together where all work is plain and no order is divided over several
+    /// machines, else one.
     pub fn job_size(&self, part: &Part) -> u32 {
-        let plain = part.operations.iter().all(|operation| matches!(operation.work, Work::Plain(_)));
+        let plain = self.split.is_none_or(|most| most < 2)
+            && part.operations.iter().all(|operation| matches!(operation.work, Work::Plain(_)));
         if plain { self.transfer.unwrap_or(self.quantity).min(self.quantity) } else { 1 }
     }
 
     /// Whether it goes through the shop as several jobs.
     pub fn is_divided(&self, part: &Part) -> bool {
         self.quantity > self.job_size(part)
+    }
+
+    /// Whether machines are kept for it: it goes through the shop as several jobs, or is awaited by them.
+    pub fn keeps_machines(&self, part: &Part) -> bool {
+        self.is_divided(part) || self.setup_ahead
     }
 
     /// Of the jobs in which it goes through the shop, those that have passed the operation at which it is when the

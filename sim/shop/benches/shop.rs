@@ -95,6 +95,7 @@ fn scenario() -> Scenario {
         replications: 1,
         horizon: 28_800.0,
         warm_up: 0.0,
+        seeks_warm_up: false,
         shift_length: 28_800.0,
         machines: Vec::new(),
         tools: Vec::new(),

@@ -116,6 +116,7 @@ impl<R: Recorder> Shop<'_, R> {
             divisions: 0,
             rest: None,
             supplied: false,
+            stand_in: false,
             handling,
         };
         let slot = self.world.jobs.insert(job);
@@ -154,9 +155,9 @@ impl<R: Recorder> Shop<'_, R> {
         let (size, together) =
             (ordered.job_size(part), ordered.transfer.unwrap_or(ordered.quantity).min(ordered.quantity));
         let count = ordered.quantity.div_ceil(size);
-        if count > 1 {
+        if count > 1 || ordered.setup_ahead {
             let moving = together.div_ceil(size);
-            self.world.lots[order] = Some(Lot::new(count, moving, part.operations.len()));
+            self.world.lots[order] = Some(Lot::new(count, moving, ordered.split, part.operations.len()));
         }
         let passed = ordered.jobs_passed(part);
         if let Some(inside) = &ordered.in_process {
@@ -212,6 +213,7 @@ impl<R: Recorder> Shop<'_, R> {
                 divisions: 0,
                 rest: None,
                 supplied: false,
+                stand_in: false,
                 handling,
             });
             for (operation, time) in drawn.iter().enumerate() {

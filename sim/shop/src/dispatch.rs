@@ -200,13 +200,26 @@ impl<R: Recorder> Shop<'_, R> {
             }
         }
         self.world.candidates.clear();
+        if !self.world.dividing.is_empty() {
+            self.divide_lots();
+            if !self.world.candidates.is_empty() {
+                return self.dispatch(); // jobs that were offered are back in line
+            }
+        }
+        if !self.world.ahead.is_empty() {
+            self.set_up_ahead()?;
+        }
         Ok(())
     }
 
     /// The job that a machine takes next: of the order for which it is kept, or by its rules.
     fn pick(&mut self, machine: usize) -> Option<u32> {
         if let Some((order, operation)) = self.world.machines[machine].kept_for {
-            return self.world.next_of_lot(order, operation);
+            let next = self.world.next_of_lot(order, operation, machine);
+            if next.is_none() {
+                self.starves(machine, (order, operation));
+            }
+            return next;
         }
         let reserves = self.world.flow.is_limited() && self.scenario.blocking == Blocking::BeforeService;
         let found = if reserves || self.layout.assembles[machine] {
@@ -264,6 +277,12 @@ impl<R: Recorder> Shop<'_, R> {
         if operation.machines.len() == 1 || self.world.machines[machine].kept_for.is_some() {
             return machine;
         }
+        self.idle_for(part, index, job.buffer).unwrap_or(machine)
+    }
+
+    /// Of the idle machines that may do an operation and stand behind `buffer`, the one that the choice of machines prefers.
+    pub(super) fn idle_for(&self, part: usize, index: usize, buffer: Option<usize>) -> Option<usize> {
+        let operation = &self.scenario.parts[part].operations[index];
         let group = self.layout.operations[part][index].setup_group;
         let choice = self.machine_choice();
         let dislike = |candidate: usize| {
@@ -278,7 +297,7 @@ impl<R: Recorder> Shop<'_, R> {
             }
         };
         // A job in a buffer goes to the machines behind it only.
-        let (limited, buffer) = (self.world.flow.is_limited(), job.buffer);
+        let limited = self.world.flow.is_limited();
         let free = |candidate: &usize| {
             let state = &self.world.machines[*candidate];
             let behind = !limited || self.input(*candidate) == buffer;
@@ -286,17 +305,21 @@ impl<R: Recorder> Shop<'_, R> {
         };
         let others = operation.machines.iter().copied().filter(free);
         let order = |a: &usize, b: &usize| dislike(*a).total_cmp(&dislike(*b)).then(a.cmp(b));
-        others.min_by(order).unwrap_or(machine)
+        others.min_by(order)
     }
 
     /// A job joins the queues of its operation.
     pub(super) fn wait(&mut self, slot: u32) {
-        let scenario = self.scenario;
+        self.weigh(slot, Weighing::Comes);
+        self.queue_up(slot);
+    }
+
+    /// A job whose work is counted at its station already joins the queues of its operation.
+    pub(super) fn queue_up(&mut self, slot: u32) {
         self.world.jobs.at_mut(slot).waiting = true;
-        if scenario.preemption != Preemption::None {
+        if self.scenario.preemption != Preemption::None {
             self.world.challengers.push(slot);
         }
-        self.weigh(slot, Weighing::Comes);
         self.join_all(slot);
     }
 

@@ -75,6 +75,7 @@ impl<R: Recorder> Shop<'_, R> {
                 (Content::Machining(_), ContentPlan::Plain) => unreachable!("plain work has no passes"),
             }
         }
+        self.look_ahead(slot);
         let state = &mut self.world.machines[machine];
         state.task = Some(task);
         if inside.setup_left == 0.0 {

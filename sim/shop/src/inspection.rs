@@ -123,6 +123,7 @@ impl<R: Recorder> Shop<'_, R> {
         let (entity, visit, part, origin) = (job.entity, u64::from(job.visits), job.row.part as usize, job.origin);
         if let Origin::Order(order) = origin {
             self.world.repeat_in_lot(order, to, from);
+            self.look_again(order);
         }
         for index in to as usize..=from as usize {
             if let Work::Plain(time) = &scenario.parts[part].operations[index].work {

@@ -215,6 +215,8 @@ impl<R: Recorder> Shop<'_, R> {
         let (end, whole) = (self.now().seconds(), self.world.jobs.at(slot).row.quantity);
         let row = OperationRow { end, result: OperationResult::Lost, ..self.row(machine, task, slot, whole) };
         self.recorder.operation(row);
-        self.leave(slot, outcome)
+        self.leave(slot, outcome)?;
+        self.took_out(machine);
+        Ok(())
     }
 }

@@ -50,6 +50,8 @@ pub struct Job {
     pub rest: Option<f64>,
     /// Whether it has taken the components of its part.
     pub supplied: bool,
+    /// Whether it only has the place of a job for which a machine is set up.
+    pub stand_in: bool,
     /// Its times of loading and unloading, where any machine's are random.
     pub handling: Option<Stream>,
 }
@@ -76,6 +78,23 @@ impl Jobs {
     /// Lets a job in.
     pub fn insert(&mut self, job: Job) -> u32 {
         self.released += 1;
+        self.place(job)
+    }
+
+    /// Gives a place to a job that is none of its own, with the times of plain work of the one at `of`.
+    pub(super) fn insert_beside(&mut self, job: Job, of: u32) -> u32 {
+        let slot = self.place(job);
+        let from = of as usize * self.stride;
+        self.drawn.copy_within(from..from + self.stride, slot as usize * self.stride);
+        slot
+    }
+
+    /// The place of the first job of a kind.
+    pub(super) fn find(&self, of_kind: impl Fn(&Job) -> bool) -> Option<u32> {
+        self.slots.iter().position(|job| job.as_ref().is_some_and(&of_kind)).map(|slot| slot as u32)
+    }
+
+    fn place(&mut self, job: Job) -> u32 {
         match self.free.pop() {
             Some(slot) => {
                 self.slots[slot as usize] = Some(job);

@@ -33,6 +33,7 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod ahead;
 mod arrival;
 mod assembly;
 mod batch;
@@ -85,7 +86,7 @@ pub use event::Event;
 pub use flow::{Flow, Place};
 pub use job::{Job, Jobs, Origin};
 pub use layout::programmed_cutting_times;
-pub use lot::{Lot, LotStep};
+pub use lot::{KeptMachine, Lot, LotStep};
 pub use machine::{Content, Machine, Machining, Pass, Piece, Readiness, Step, Task};
 pub use operator::OperatorState;
 pub use program::{Block, Program};
@@ -203,6 +204,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
             stock: vec![VecDeque::new(); scenario.parts.len()],
             challengers: Vec::new(),
             branched: false,
+            dividing: Vec::new(),
+            ahead: Vec::new(),
         };
         let pairs = scenario.tools.iter().map(|tool| draws::pair(&tool.scatter, &streams, &tool.name)).collect();
         let mut shop = Self {
@@ -312,7 +315,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             self.log_state(machine);
         }
         self.retire_all();
-        for job in self.world.jobs.iter() {
+        for job in self.world.jobs.iter().filter(|job| !job.stand_in) {
             self.recorder.job(job.number, job.row);
         }
         let closing = Closing {

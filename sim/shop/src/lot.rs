@@ -1,8 +1,10 @@
-//! Orders of which several jobs are in the shop: pieces, or as many as are transferred at a time.
+//! Orders of which several jobs are in the shop: pieces, or as many as are transferred at a time; and orders for which
+//! machines are set up before they come.
 //!
 //! The jobs of an order wait for each other before an operation until as many are there as move on
 //! together. The machine that takes the first of them is kept for the order until the last is through, so
-//! that it is set up once; where the next one is not there yet, it starves.
+//! that it is set up once; where the next one is not there yet, it starves. An order that is split has as many machines
+//! as take its jobs in the instant in which the first is taken, and each does its share of them.
 
 use super::Shop;
 use super::dispatch::Weighing;
@@ -16,6 +18,10 @@ use std::collections::VecDeque;
 pub struct Lot {
     /// Jobs that move on together.
     pub moving: usize,
+    /// Most machines that do one of its operations at a time.
+    pub split: usize,
+    /// Whether an inspection has sent some of them back.
+    pub returned: bool,
     /// By operation.
     pub steps: Vec<LotStep>,
 }
@@ -29,22 +35,57 @@ pub struct LotStep {
     pub gathered: Vec<u32>,
     /// Places of jobs that may be worked on, but are in no queue: one of them is in the queue for all.
     pub line: VecDeque<u32>,
-    /// Whether one of them is in the queue.
-    pub queued: bool,
-    /// The machine that is kept for the order.
-    pub machine: Option<u32>,
+    /// The place of the job that is in the queue.
+    pub queued: Option<u32>,
+    /// The machines that are kept for the order, in the order in which they took it.
+    pub machines: Vec<KeptMachine>,
+    /// Whether it is settled which machines these are.
+    pub divided: bool,
+}
+
+/// A machine that is kept for an order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KeptMachine {
+    /// The machine.
+    pub machine: u32,
+    /// Jobs that it has taken.
+    pub taken: u32,
+    /// Jobs that it is to take in all; `None`: all that come.
+    pub share: Option<u32>,
+}
+
+impl KeptMachine {
+    pub(super) fn new(machine: u32) -> Self {
+        Self { machine, taken: 0, share: None }
+    }
+
+    /// Whether it takes no more.
+    fn is_done(&self) -> bool {
+        self.share.is_some_and(|share| self.taken >= share)
+    }
 }
 
 impl Lot {
-    pub(super) fn new(jobs: u32, moving: u32, operations: usize) -> Self {
+    pub(super) fn new(jobs: u32, moving: u32, split: Option<u32>, operations: usize) -> Self {
         let step = LotStep { left: jobs, ..LotStep::default() };
-        Self { moving: moving as usize, steps: vec![step; operations] }
+        let split = split.unwrap_or(1).max(1) as usize;
+        Self { moving: moving as usize, split, returned: false, steps: vec![step; operations] }
+    }
+}
+
+impl LotStep {
+    fn kept(&mut self, machine: usize) -> Option<&mut KeptMachine> {
+        self.machines.iter_mut().find(|kept| kept.machine as usize == machine)
     }
 }
 
 impl World {
     fn lot_mut(&mut self, order: u32) -> Option<&mut Lot> {
         self.lots[order as usize].as_mut()
+    }
+
+    fn step_mut(&mut self, (order, operation): (u32, u32)) -> Option<&mut LotStep> {
+        self.lot_mut(order)?.steps.get_mut(operation as usize)
     }
 
     /// The jobs of an order, where several are in the shop, have passed all operations before `operation`, and `passed`
@@ -54,9 +95,11 @@ impl World {
         let index = operation as usize;
         lot.steps[..index].iter_mut().for_each(|step| step.left = 0);
         lot.steps[index].left -= passed;
-        lot.steps[index].machine = machine;
+        lot.steps[index].divided = machine.is_some();
+        lot.steps[index].machines = machine.into_iter().map(KeptMachine::new).collect();
         if let Some(machine) = machine {
-            self.machines[machine as usize].kept_for = Some((order, operation));
+            let state = &mut self.machines[machine as usize];
+            (state.kept_for, state.set_up) = (Some((order, operation)), true);
         }
     }
 
@@ -69,12 +112,40 @@ impl World {
     /// A job of an order has to pass the operations `to` to `from` once more, where several are in the shop.
     pub(super) fn repeat_in_lot(&mut self, order: u32, to: u32, from: u32) {
         let Some(lot) = self.lot_mut(order) else { return };
+        lot.returned = true;
         lot.steps[to as usize..=from as usize].iter_mut().for_each(|step| step.left += 1);
     }
 
-    /// The next job of an order at the machine that is kept for it.
-    pub(super) fn next_of_lot(&mut self, order: u32, operation: u32) -> Option<u32> {
-        self.lot_mut(order)?.steps[operation as usize].line.pop_front()
+    /// The next job of an order at a machine that is kept for it.
+    pub(super) fn next_of_lot(&mut self, order: u32, operation: u32, machine: usize) -> Option<u32> {
+        let step = self.step_mut((order, operation))?;
+        if step.kept(machine).is_some_and(|kept| kept.is_done()) {
+            return None;
+        }
+        step.line.pop_front()
+    }
+
+    /// Machines that an order may still have at an operation.
+    pub(super) fn machines_wanted(&self, (order, operation): (u32, u32)) -> usize {
+        let lot = self.lots[order as usize].as_ref();
+        lot.map_or(0, |lot| lot.split.saturating_sub(lot.steps[operation as usize].machines.len()))
+    }
+
+    /// Whether jobs of an order will come to an operation at which none has been yet.
+    pub(super) fn awaits_first(&self, (order, operation): (u32, u32)) -> bool {
+        let step = self.lots[order as usize].as_ref().map(|lot| &lot.steps[operation as usize]);
+        step.is_some_and(|step| {
+            step.left > 0 && !step.divided && step.machines.is_empty() && step.queued.is_none() && step.line.is_empty()
+        })
+    }
+
+    /// A machine is kept for an order whose jobs are on their way.
+    pub(super) fn keep_ahead(&mut self, (order, operation): (u32, u32), kept: KeptMachine) {
+        if let Some(step) = self.step_mut((order, operation)) {
+            step.machines.push(kept);
+        }
+        let state = &mut self.machines[kept.machine as usize];
+        (state.kept_for, state.set_up) = (Some((order, operation)), true);
     }
 }
 
@@ -97,40 +168,150 @@ impl<R: Recorder> Shop<'_, R> {
         // Before the first operation all jobs come in one instant.
         let still_to_come = operation.checked_sub(1).map_or(0, |before| lot.steps[before as usize].left);
         let first = operation == 0;
+        let (split, moving) = (lot.split, lot.moving);
         let step = &mut lot.steps[operation as usize];
-        if step.gathered.len() < lot.moving && still_to_come > 0 && !first || step.gathered.is_empty() {
+        if step.gathered.len() < moving && still_to_come > 0 && !first || step.gathered.is_empty() {
             return;
         }
-        let (moving, machine) = (std::mem::take(&mut step.gathered), step.machine);
+        let moving = std::mem::take(&mut step.gathered);
         if apart {
             // No machine is kept for an order where jobs of several are worked on together.
             moving.into_iter().for_each(|slot| self.wait(slot));
             return;
         }
-        let lead = if machine.is_none() && !step.queued { moving.first().copied() } else { None };
-        step.queued |= lead.is_some();
-        step.line.extend(moving.iter().filter(|slot| Some(**slot) != lead));
-        for slot in moving {
-            if Some(slot) == lead {
-                self.wait(slot);
-            } else {
-                self.weigh(slot, Weighing::Comes);
-            }
+        step.line.extend(&moving);
+        let divided = step.divided;
+        let machines: Vec<usize> = step.machines.iter().map(|kept| kept.machine as usize).collect();
+        moving.iter().for_each(|slot| self.weigh(*slot, Weighing::Comes));
+        self.world.ahead.retain(|wanted| *wanted != (order, operation));
+        if machines.is_empty() {
+            self.offer(order, operation);
+            return;
         }
-        if let Some(machine) = machine {
-            self.may_choose(machine as usize);
+        if !divided {
+            // Machines were set up before it came; others may join them now.
+            if machines.len() < split {
+                self.offer(order, operation);
+            }
+            self.world.dividing.push((order, operation));
+        }
+        machines.into_iter().for_each(|machine| self.may_choose(machine));
+    }
+
+    /// Puts one of the jobs that may be worked on into the queues, for all of them.
+    fn offer(&mut self, order: u32, operation: u32) {
+        let Some(step) = self.world.step_mut((order, operation)) else { return };
+        if step.queued.is_some() {
+            return;
+        }
+        step.queued = step.line.pop_front();
+        if let Some(slot) = step.queued {
+            self.queue_up(slot);
         }
     }
 
-    /// A machine that takes the first of several jobs of an order is kept for them.
+    /// A machine that takes a job of an order of which several are in the shop is kept for them.
     pub(super) fn keep(&mut self, machine: usize, slot: u32) {
         let job = self.world.jobs.at(slot);
         let (Origin::Order(order), operation) = (job.origin, job.operation) else { return };
         let Some(lot) = self.world.lot_mut(order) else { return };
+        let split = lot.split;
         let step = &mut lot.steps[operation as usize];
-        step.queued = false;
-        step.machine = Some(machine as u32);
-        self.world.machines[machine].kept_for = Some((order, operation));
+        if step.queued == Some(slot) {
+            step.queued = None;
+        }
+        if let Some(kept) = step.kept(machine) {
+            kept.taken += 1;
+            return;
+        }
+        let first = step.machines.is_empty();
+        step.machines.push(KeptMachine { taken: 1, ..KeptMachine::new(machine as u32) });
+        let more = !step.divided && step.machines.len() < split;
+        if split == 1 {
+            step.divided = true;
+        } else if first {
+            self.world.dividing.push((order, operation));
+        }
+        let state = &mut self.world.machines[machine];
+        (state.kept_for, state.set_up) = (Some((order, operation)), false);
+        if more {
+            self.offer(order, operation);
+        }
+    }
+
+    /// The machines of orders that were begun in this instant are settled: each gets an equal share of the jobs, the first
+    /// ones one more where that does not come out even.
+    pub(super) fn divide_lots(&mut self) {
+        for (order, operation) in std::mem::take(&mut self.world.dividing) {
+            let Some(step) = self.world.step_mut((order, operation)) else { continue };
+            if step.divided || step.machines.is_empty() {
+                continue;
+            }
+            step.divided = true;
+            let (count, jobs) = (step.machines.len() as u32, step.left);
+            if count > 1 {
+                for (place, kept) in (0..).zip(&mut step.machines) {
+                    kept.share = Some(jobs / count + u32::from(place < jobs % count));
+                }
+            }
+            let machines: Vec<usize> = step.machines.iter().map(|kept| kept.machine as usize).collect();
+            if let Some(slot) = step.queued.take() {
+                step.line.push_front(slot);
+                self.stop_waiting(slot, None);
+                machines.into_iter().for_each(|machine| self.may_choose(machine));
+            }
+            self.release_done(order, operation);
+        }
+    }
+
+    /// Machines that have done their share of an order are free; jobs that came in addition find another.
+    fn release_done(&mut self, order: u32, operation: u32) {
+        let Some(step) = self.world.step_mut((order, operation)) else { return };
+        let done: Vec<usize> =
+            step.machines.iter().filter(|kept| kept.is_done()).map(|kept| kept.machine as usize).collect();
+        for machine in done {
+            if self.world.machines[machine].task.is_some() {
+                continue; // it still has its last one
+            }
+            if let Some(step) = self.world.step_mut((order, operation)) {
+                step.machines.retain(|kept| kept.machine as usize != machine);
+            }
+            self.set_free(machine);
+        }
+        if self.world.step_mut((order, operation)).is_some_and(|step| step.machines.is_empty()) {
+            self.offer(order, operation);
+        }
+    }
+
+    /// A machine is kept for nobody any more.
+    fn set_free(&mut self, machine: usize) {
+        let state = &mut self.world.machines[machine];
+        (state.kept_for, state.set_up) = (None, false);
+        self.show_state(machine);
+        self.may_choose(machine);
+    }
+
+    /// A machine that is kept for an order has none of its jobs. Where some were sent back, it is kept no longer: they may need
+    /// this very machine before they come again.
+    pub(super) fn starves(&mut self, machine: usize, (order, operation): (u32, u32)) {
+        let Some(lot) = self.world.lot_mut(order).filter(|lot| lot.returned) else { return };
+        lot.steps[operation as usize].machines.retain(|kept| kept.machine as usize != machine);
+        self.set_free(machine);
+    }
+
+    /// Jobs of an order have been sent back: machines that are kept for what comes after look again.
+    pub(super) fn look_again(&mut self, order: u32) {
+        let Some(lot) = self.world.lot_mut(order) else { return };
+        let machines: Vec<usize> =
+            lot.steps.iter().flat_map(|step| &step.machines).map(|kept| kept.machine as usize).collect();
+        machines.into_iter().for_each(|machine| self.may_choose(machine));
+    }
+
+    /// A machine has ended work on a job of the order for which it is kept.
+    pub(super) fn took_out(&mut self, machine: usize) {
+        if let Some((order, operation)) = self.world.machines[machine].kept_for {
+            self.release_done(order, operation);
+        }
     }
 
     /// A job has passed an operation: the machine is free where it was the last of its order.
@@ -150,17 +331,14 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// One job less has to pass an operation.
     fn count_down(&mut self, order: u32, operation: u32) {
-        let Some(lot) = self.world.lot_mut(order) else { return };
-        let step = &mut lot.steps[operation as usize];
+        let Some(step) = self.world.step_mut((order, operation)) else { return };
         step.left -= 1;
         if step.left > 0 {
             return;
         }
-        if let Some(machine) = step.machine.take() {
-            self.world.machines[machine as usize].kept_for = None;
-            self.show_state(machine as usize);
-            self.may_choose(machine as usize);
-        }
+        let machines = std::mem::take(&mut step.machines);
+        self.world.ahead.retain(|wanted| *wanted != (order, operation));
+        machines.into_iter().for_each(|kept| self.set_free(kept.machine as usize));
         if self.world.lot_mut(order).is_some_and(|lot| operation as usize + 1 == lot.steps.len()) {
             self.world.lots[order as usize] = None; // all are through
         }

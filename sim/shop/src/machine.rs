@@ -31,6 +31,8 @@ pub struct Machine {
     pub ready: Readiness,
     /// The order and operation for which it is kept, until the last job of that order is through.
     pub kept_for: Option<(u32, u32)>,
+    /// Whether it has been set up for that, or is being set up.
+    pub set_up: bool,
     /// Batches that it has made.
     pub batch: BatchState,
     /// The job that is done on it and cannot move on.
@@ -314,6 +316,7 @@ impl Machine {
             magazine: kind.magazine,
             ready,
             kept_for: None,
+            set_up: false,
             batch: BatchState::default(),
             blocked: None,
             held_up: false,

@@ -37,12 +37,15 @@ impl<R: Recorder> Shop<'_, R> {
         let (kind, group) = (&self.scenario.machines[machine], self.layout.operations[part][index].setup_group);
         let state = &mut self.world.machines[machine];
         let setup = self.scenario.parts[part].operations[index].setup_time.unwrap_or(kind.setup_time);
-        let needed = self.layout.setup(self.scenario, machine, state.ready, group, setup);
+        // A machine is set up once for all jobs of an order.
+        let again = std::mem::replace(&mut state.set_up, state.kept_for.is_some());
+        let needed = self.layout.setup(self.scenario, machine, state.ready, group, setup).filter(|_| !again);
         let setup = asked.calibrated(self.scenario, ShopConstant::SetupTime, needed.unwrap_or(0.0));
         state.task = Some(Task { left: if needed.is_some() { setup } else { 0.0 }, ..task });
         if needed.is_some() {
             self.log_event("setup", Some(machine), Some(number), None);
         }
+        self.look_ahead(slot);
         self.start_clocks(machine)?;
         self.drive(machine, true)
     }
@@ -178,8 +181,13 @@ impl<R: Recorder> Shop<'_, R> {
             Step::Setup => {
                 let job = self.world.jobs.at(slot);
                 let plan = self.layout.operations[job.row.part as usize][job.operation as usize];
+                let stand_in = job.stand_in;
                 self.world.machines[machine].ready = Readiness::Group(plan.setup_group);
-                self.load(machine);
+                if stand_in {
+                    self.end_ahead(machine);
+                } else {
+                    self.load(machine);
+                }
                 Ok(())
             }
             Step::Load => match task.content {
@@ -320,6 +328,7 @@ impl<R: Recorder> Shop<'_, R> {
             self.free_place(slot); // with blocking before service the machine's place counts with the buffer's
         }
         self.passed(slot, index);
+        self.took_out(machine);
         self.show_state(machine);
         self.may_choose(machine);
         match verdict {
@@ -358,6 +367,9 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn log_in_process(&mut self, machine: usize) {
         let Some(task) = &self.world.machines[machine].task else { return }; // nothing is in work
         let job = self.world.jobs.at(task.slot);
+        if job.stand_in {
+            return; // the machine is set up for what is not there yet
+        }
         let time_left = self.time_left(task, job.row.part as usize, job.operation as usize);
         let jobs = std::iter::once(&task.slot).chain(&task.riders);
         let rows: Vec<OperationRow> = jobs

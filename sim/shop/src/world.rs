@@ -45,6 +45,10 @@ pub struct World {
     pub edges_mounted: u32,
     /// Number and time (s) of the operations that wait at every station, kept where a rule looks at them.
     pub(super) waiting_work: Vec<(u32, f64)>,
+    /// Orders and operations that machines begin in this instant: others may still join them.
+    pub(super) dividing: Vec<(u32, u32)>,
+    /// Orders on their way to operations for which a machine may be set up.
+    pub(super) ahead: Vec<(u32, u32)>,
     /// Machines that may choose a job now.
     pub(super) candidates: Vec<u32>,
 }

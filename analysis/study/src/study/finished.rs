@@ -8,6 +8,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use toolroom_scenario::Scenario;
+use toolroom_steady::OneRun;
 
 /// Figures and edges of every finished replication.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -146,6 +147,7 @@ impl Finished {
                 study.values[position].push(&values);
             }
             lives.iter().for_each(|life| study.edge_lives[position].push(&life.numbers()));
+            study.one_run[position] = run.lead_times.as_ref().and_then(OneRun::of);
             study.first_logs.extend(run.log);
         }
         study.digest = self.digest;

@@ -116,6 +116,7 @@ impl StoredRun {
             digest: self.digest,
             lives: self.lives.iter().filter_map(EdgeLife::of_named).collect(),
             log: None,
+            lead_times: None,
         }
     }
 }

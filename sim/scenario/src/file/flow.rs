@@ -81,7 +81,7 @@ pub(super) fn check(
         }
     }
     for order in orders {
-        let Some(part) = parts.get(order.part).filter(|part| order.is_divided(part)) else { continue };
+        let Some(part) = parts.get(order.part).filter(|part| order.keeps_machines(part)) else { continue };
         let visited = part.operations.iter().flat_map(|operation| &operation.machines);
         let limited =
             visited.filter_map(|machine| machines[*machine].input_buffer.or(machines[*machine].output_buffer));

@@ -201,6 +201,7 @@ pub(super) fn check(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) {
     }
     for order in orders {
         let Some(part) = parts.get(order.part) else { continue };
+        lot_rules(order, part, &mut refuse);
         let size = order.job_size(part);
         let visited =
             part.operations.iter().flat_map(|operation| &operation.machines).map(|machine| &machines[*machine]);
@@ -232,5 +233,29 @@ pub(super) fn check(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) {
                 "take out `preempt`, or the limits of the buffers: together they are not modelled",
             );
         }
+    }
+}
+
+/// Finds what the lot rules of an order ask for and is not modelled.
+fn lot_rules(order: &Order, part: &Part, refuse: &mut dyn FnMut(&str, String, &str)) {
+    let back = |own: &&Operation| own.inspection.outcomes.iter().any(|outcome| outcome.to != InspectedTo::Scrap);
+    if order.setup_ahead
+        && let Some(operation) = part.operations.iter().find(back)
+    {
+        let reason =
+            format!("order \"{}\" has machines set up ahead, but \"{}\" sends parts back", order.id, operation.name);
+        refuse(
+            "order",
+            reason,
+            "take out `setup_ahead`: a part may come back to a machine that is kept for what comes after it",
+        );
+    }
+    let once = |own: &&Operation| own.work_per == WorkPer::Lot;
+    if order.split.is_some_and(|most| most > 1)
+        && let Some(operation) = part.operations.iter().find(once)
+    {
+        let reason =
+            format!("order \"{}\" is split, but \"{}\" takes one time for all of it", order.id, operation.name);
+        refuse("order", reason, "take out `split`, or give the work per part");
     }
 }

@@ -106,7 +106,12 @@ static SHOP: Form = Form {
             "Date of second 0, such as \"2026-03-30 00:00\"; due where anything has a date",
         ),
         Key::required("horizon", LONG_DURATION, "Simulated time of one replication, warm-up included"),
-        Key::default("warm_up", TIME, "0 h", "Time at the start that no statistic counts"),
+        Key::default(
+            "warm_up",
+            Kind::Or { words: &["mser5"], other: &TIME },
+            "0 h",
+            "Time at the start that no statistic counts; mser5: as long as lead times still rise, found from runs before",
+        ),
         Key::default(
             "shift_length",
             LONG_DURATION,

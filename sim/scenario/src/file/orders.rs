@@ -102,6 +102,11 @@ impl Reader<'_> {
             weight: section.required("weight"),
             customer: section.text("customer").unwrap_or_default().to_owned(),
             transfer: section.count("transfer").and_then(|pieces| u32::try_from(pieces).ok()),
+            split: match section.text("split") {
+                Some(_) => Some(u32::MAX),
+                None => section.count("split").and_then(|machines| u32::try_from(machines).ok()),
+            },
+            setup_ahead: section.flag("setup_ahead").unwrap_or(false),
             in_process: None,
         });
     }

@@ -160,7 +160,8 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         seed,
         replications: shop.count32("replications"),
         horizon: shop.required("horizon"),
-        warm_up: shop.required("warm_up"),
+        warm_up: shop.si("warm_up").unwrap_or(0.0),
+        seeks_warm_up: shop.text("warm_up").is_some(),
         shift_length: shop.required("shift_length"),
         machines,
         tools,
@@ -187,6 +188,11 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         currency,
         branch: None,
     };
+    if scenario.seeks_warm_up && scenario.is_terminating() {
+        let reason = "a shop that ends with its orders or given jobs settles into nothing".to_owned();
+        let fix = "take out `warm_up`: all of the run counts; or let jobs come from a source that goes on".to_owned();
+        walk.fault(shop.span_of("warm_up"), ScenarioFault::Arrangement { reason, fix });
+    }
     planned::policies(walk, &scenario, &places);
     Some(Resolved { scenario, output, gap, tune, variants })
 }

@@ -119,8 +119,10 @@ fn entry<'d>(
     cell: &'d str,
     place: &Span,
 ) -> (Spanned<Cow<'d, str>>, Spanned<DeValue<'d>>) {
-    let whole = matches!(form.key(column).map(|key| key.kind), Some(Kind::Count { .. }));
-    let number = if whole { DeValue::parse(cell).ok().map(Spanned::into_inner) } else { None };
-    let value = number.filter(DeValue::is_integer).unwrap_or(DeValue::String(cell.into()));
+    let kind = form.key(column).map(|key| key.kind);
+    let bare = matches!(kind, Some(Kind::Count { .. } | Kind::Or { .. } | Kind::Flag));
+    let read = if bare { DeValue::parse(cell).ok().map(Spanned::into_inner) } else { None };
+    let read = read.filter(|value| value.is_integer() || value.is_bool());
+    let value = read.unwrap_or(DeValue::String(cell.into()));
     (Spanned::new(place.clone(), column.into()), Spanned::new(place.clone(), value))
 }

@@ -139,6 +139,8 @@ fn a_part_goes_on_within_its_passes_and_an_edge_is_as_worn_as_it_was() {
         weight: 1.0,
         customer: String::new(),
         transfer: None,
+        split: None,
+        setup_ahead: false,
         in_process: Some(toolroom_scenario::InProcess {
             operation: 0,
             machine: Some(0),

@@ -17,12 +17,14 @@ mod in_process;
 mod instances;
 mod interruptions;
 mod jobs_flow;
+mod lots;
 mod operators;
 mod orders;
 mod places;
 mod queues;
 mod replay;
 mod scenarios;
+mod setups;
 mod shifts;
 #[path = "../../../kernel/tests/kernel/statistics.rs"]
 mod statistics;

@@ -198,6 +198,7 @@ pub fn scenario() -> Scenario {
         replications: 1,
         horizon: 1000.0,
         warm_up: 0.0,
+        seeks_warm_up: false,
         shift_length: 28_800.0,
         machines: vec![machine("lathe")],
         tools: vec![tool(eternal())],

@@ -100,6 +100,17 @@ pub(super) static ORDER: Form = Form {
             Kind::Count { min: 1, max: 1_000_000 },
             "Pieces that move on together, while the others are still worked on; left out: all",
         ),
+        Key::optional(
+            "split",
+            Kind::Or { words: &["all"], other: &Kind::Count { min: 1, max: 1_000 } },
+            "Most machines over which an operation is divided, of those that are free when it begins; left out: one",
+        ),
+        Key::default(
+            "setup_ahead",
+            Kind::Flag,
+            "false",
+            "Whether a free machine is set up for its next operation as soon as the one before has begun",
+        ),
     ],
 };
 

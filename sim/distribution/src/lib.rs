@@ -1,4 +1,8 @@
-//! Distributions of times.
+//! Random times of a shop: families, each drawn by inversion of exactly one uniform number, so that long and short times
+//! meet the same jobs when a parameter changes.
+
+#![deny(clippy::wildcard_enum_match_arm)]
+#![cfg_attr(test, allow(clippy::wildcard_enum_match_arm))]
 
 use rand::RngExt;
 use statrs::function::beta::beta_reg;
