@@ -61,6 +61,7 @@ impl Entity {
 
     /// Number `index` of this entity: job 17 of a part type, spindle 2 of a machine.
     #[must_use]
+    #[inline]
     pub fn part(self, index: u64) -> Self {
         Self(finalise(self.0.wrapping_add(index.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15))))
     }
@@ -136,6 +137,7 @@ impl Streams {
 }
 
 /// The finaliser of SplitMix64: one-to-one, every input bit reaches every output bit.
+#[inline]
 pub(super) fn finalise(word: u64) -> u64 {
     let word = (word ^ word >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let word = (word ^ word >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);

@@ -186,6 +186,7 @@ impl Scenario {
     }
 
     /// Rules of the queue of a machine.
+    #[inline]
     pub fn rules(&self, machine: usize) -> &[DispatchRule] {
         self.machines[machine].rules.as_deref().unwrap_or(&self.dispatch)
     }

@@ -79,7 +79,7 @@ impl<R: Recorder> Shop<'_, R> {
         let part = self.scenario.arrivals[source].part;
         let index = self.world.sources[source].released;
         self.world.sources[source].released += 1;
-        let origin = Entity::named("job").part(source as u64);
+        let origin = self.layout.sources[source];
         let entity = origin.part(index);
         let lot = index / u64::from(self.scenario.parts[part].batch_size.max(1));
         // Nobody counts beyond that.
@@ -97,7 +97,7 @@ impl<R: Recorder> Shop<'_, R> {
             divided_from: None,
             outcome: JobOutcome::InProcess,
         };
-        let handling = self.layout.random_handling.then(|| self.streams.open(entity, Purpose::Processing));
+        let handling = self.layout.random_handling.then(|| Box::new(self.streams.open(entity, Purpose::Processing)));
         let job = Job {
             number,
             entity,
@@ -194,7 +194,8 @@ impl<R: Recorder> Shop<'_, R> {
                 divided_from: None,
                 outcome: JobOutcome::InProcess,
             };
-            let handling = self.layout.random_handling.then(|| self.streams.open(entity, Purpose::Processing));
+            let handling =
+                self.layout.random_handling.then(|| Box::new(self.streams.open(entity, Purpose::Processing)));
             let slot = self.world.jobs.insert(Job {
                 number,
                 entity,
@@ -240,7 +241,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn enqueue(&mut self, slot: u32, machine: Option<usize>) -> Result<(), ShopError> {
         let job = self.world.jobs.at(slot);
         let (part, operation) = (job.row.part as usize, job.operation as usize);
-        if operation >= self.scenario.parts[part].operations.len() {
+        if operation >= self.layout.operations[part].len() {
             return self.leave(slot, JobOutcome::Good);
         }
         if let Some(machine) = machine.filter(|_| !self.scenario.transports.is_empty())

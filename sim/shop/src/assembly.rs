@@ -28,10 +28,10 @@ impl<R: Recorder> Shop<'_, R> {
     /// Whether a job needs no components for its operation, has taken them, or may take them now.
     pub(super) fn is_supplied(&self, slot: u32) -> bool {
         let job = self.world.jobs.at(slot);
-        let part = &self.scenario.parts[job.row.part as usize];
-        if job.supplied || !part.operations[job.operation as usize].assembles {
+        if job.supplied || !self.layout.operations[job.row.part as usize][job.operation as usize].assembles {
             return true;
         }
+        let part = &self.scenario.parts[job.row.part as usize];
         let needed = |quantity: u32| u64::from(quantity) * u64::from(job.row.quantity);
         part.components.iter().all(|component| self.in_stock(component.part) >= needed(component.quantity))
     }
@@ -40,10 +40,10 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn supply(&mut self, slot: u32) -> Result<(), ShopError> {
         let scenario = self.scenario;
         let job = self.world.jobs.at_mut(slot);
-        let part = &scenario.parts[job.row.part as usize];
-        if job.supplied || !part.operations[job.operation as usize].assembles {
+        if job.supplied || !self.layout.operations[job.row.part as usize][job.operation as usize].assembles {
             return Ok(());
         }
+        let part = &scenario.parts[job.row.part as usize];
         job.supplied = true;
         let quantity = job.row.quantity;
         for component in &part.components {

@@ -118,15 +118,14 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn plain_work(&self, machine: usize, slot: u32) -> (f64, f64) {
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
-        let operation = &self.scenario.parts[part].operations[index];
-        match operation.work_per {
+        match self.layout.operations[part][index].work_per {
             WorkPer::Part => (f64::from(job.row.quantity), self.world.jobs.drawn(slot, index)),
             WorkPer::Lot => (1.0, self.world.jobs.drawn(slot, index)),
             WorkPer::Batch => {
                 let number = self.world.machines[machine].batch.begun;
                 let owner = Entity::named(&format!("batches of {}", self.scenario.machines[machine].name));
                 let mut stream = self.streams.at(owner, Purpose::Processing, number);
-                let Work::Plain(time) = &operation.work else { return (1.0, 0.0) };
+                let Work::Plain(time) = &self.scenario.parts[part].operations[index].work else { return (1.0, 0.0) };
                 (1.0, time.sample(&mut stream))
             }
         }

@@ -64,6 +64,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
 }
 
 /// Rules of the queue of a machine, before or after the shop is changed.
+#[inline]
 pub(super) fn rules(scenario: &Scenario, branched: bool, machine: usize) -> &[DispatchRule] {
     match &scenario.branch {
         Some(branch) if !branched => &branch.rules[machine],

@@ -22,20 +22,22 @@ pub struct Moved {
     pub wear_rate: f64,
 }
 
-/// An operation that is about to begin, as scopes see it.
+/// An operation that is about to begin, as scopes see it; nothing where there are no scopes.
 pub(super) struct Asked {
-    occasion: Occasion<'static>,
+    occasion: Option<Box<Occasion<'static>>>,
 }
 
 impl Asked {
     pub fn calibrated(&self, scenario: &Scenario, constant: ShopConstant, value: f64) -> f64 {
-        calibrated(&scenario.calibrations, constant, &self.occasion, value)
+        self.occasion.as_ref().map_or(value, |occasion| calibrated(&scenario.calibrations, constant, occasion, value))
     }
 
     /// Size of a deviation that acts on it.
     fn deviation(&self, scenario: &Scenario, effect: ShopEffect) -> f64 {
-        let acting = Deviation::acting(&scenario.deviations, effect, &self.occasion);
-        acting.map(|own| own.size * own.recorded.unwrap_or(1.0)).sum()
+        let size = |own: &Deviation| own.size * own.recorded.unwrap_or(1.0);
+        self.occasion
+            .as_ref()
+            .map_or(0.0, |occasion| Deviation::acting(&scenario.deviations, effect, occasion).map(size).sum())
     }
 
     /// Times of loading and unloading, s: what is added is added to loading.
@@ -46,8 +48,8 @@ impl Asked {
         if moved == whole {
             return times;
         }
-        let factor = calibrated(&scenario.calibrations, ShopConstant::HandlingTime, &self.occasion, 1.0)
-            - calibrated(&scenario.calibrations, ShopConstant::HandlingTime, &self.occasion, 0.0);
+        let calibrated = |value| self.calibrated(scenario, ShopConstant::HandlingTime, value);
+        let factor = calibrated(1.0) - calibrated(0.0);
         let unload = (factor * times[1]).min(moved).max(0.0);
         [(moved - unload).max(0.0), unload]
     }
@@ -61,7 +63,7 @@ impl Asked {
 
     /// What acts on it among the entries of a tool that have a scope.
     pub fn acting(&self, scenario: &Scenario, tool: usize) -> u32 {
-        scenario.tools[tool].variants.acting(&self.occasion)
+        self.occasion.as_ref().map_or(0, |occasion| scenario.tools[tool].variants.acting(occasion))
     }
 }
 
@@ -87,18 +89,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
         occasion
     }
 
-    /// Whether anything has a scope or a target.
-    fn is_as_planned(&self) -> bool {
-        let scenario = self.scenario;
-        scenario.deviations.is_empty()
-            && scenario.calibrations.is_empty()
-            && scenario.tools.iter().all(|tool| !tool.variants.has_scopes())
-    }
-
     /// The next operation of a job on a machine.
     pub(super) fn asked(&self, machine: usize, slot: u32) -> Asked {
-        if self.is_as_planned() {
-            return Asked { occasion: Occasion::default() };
+        if self.layout.as_planned {
+            return Asked { occasion: None };
         }
         let mut occasion = self.machine_occasion(machine);
         let job = self.world.jobs.at(slot);
@@ -113,14 +107,14 @@ impl<'a, R: Recorder> Shop<'a, R> {
                 occasion.set("tool_id", format!("E{}", edge.number));
             }
         }
-        Asked { occasion }
+        Asked { occasion: Some(Box::new(occasion)) }
     }
 
     /// The operation in a machine, or the machine alone.
     fn occupied(&self, machine: usize) -> Asked {
         match &self.world.machines[machine].task {
             Some(task) => self.asked(machine, task.slot),
-            None => Asked { occasion: self.machine_occasion(machine) },
+            None => Asked { occasion: Some(Box::new(self.machine_occasion(machine))) },
         }
     }
 
@@ -194,10 +188,11 @@ impl<'a, R: Recorder> Shop<'a, R> {
         if self.scenario.deviations.is_empty() {
             return 0.0;
         }
+        let Some(occasion) = &asked.occasion else { return 0.0 };
         let job = self.world.jobs.at(slot);
         let owner: Entity = job.entity.part(u64::from(job.operation)).part(HOLDS);
         let mut stream = self.streams.open(owner, Purpose::Processing);
-        let acting = Deviation::acting(&self.scenario.deviations, ShopEffect::FeedHold, &asked.occasion);
+        let acting = Deviation::acting(&self.scenario.deviations, ShopEffect::FeedHold, occasion);
         acting.filter(|own| stream.random::<f64>() < own.share).map(|own| own.size).sum()
     }
 }

@@ -2,6 +2,7 @@
 
 use super::branch;
 use super::job::Jobs;
+use super::kinetic::Plan;
 use super::layout::Layout;
 use super::machine::Readiness;
 use super::queue::{Facts, Keys, Queue, QueueKind, Waiting};
@@ -34,13 +35,8 @@ pub(super) fn queue_kind(rules: &[DispatchRule]) -> QueueKind {
         QueueKind::Line
     } else if rules.iter().all(|rule| rule.stands()) {
         QueueKind::Heap
-    } else if let [first, others @ ..] = rules
-        && !first.stands()
-        && others.iter().all(|rule| rule.stands())
-    {
-        QueueKind::Kinetic(*first)
     } else {
-        QueueKind::Scan
+        Plan::of(rules).map_or(QueueKind::Scan, QueueKind::Kinetic)
     }
 }
 
@@ -106,6 +102,7 @@ pub(super) fn keys(rules: &[DispatchRule], since: f64, facts: &Facts, moment: &M
 }
 
 /// Whether a job still waits for what a place in a queue says.
+#[inline]
 fn is_here(jobs: &Jobs, waiting: &Waiting) -> bool {
     let job = jobs.get(waiting.slot);
     job.is_some_and(|job| {
@@ -115,7 +112,28 @@ fn is_here(jobs: &Jobs, waiting: &Waiting) -> bool {
     })
 }
 
-/// What the rules of a machine look at of a job that comes to its queue.
+/// Whether a rule looks at the time of this and all later operations.
+fn looks_at_work_left(rule: DispatchRule) -> bool {
+    matches!(
+        rule,
+        DispatchRule::ShortestRemaining
+            | DispatchRule::LongestRemaining
+            | DispatchRule::Slack
+            | DispatchRule::SlackPerOperation
+            | DispatchRule::CriticalRatio
+            | DispatchRule::ModifiedDueDate
+            | DispatchRule::TimeNextQueueAndSlack
+            | DispatchRule::Atc
+            | DispatchRule::Covert
+    )
+}
+
+/// Whether a rule looks at when this operation is due.
+fn looks_at_operation_due(rule: DispatchRule) -> bool {
+    matches!(rule, DispatchRule::EarliestOperationDue | DispatchRule::ModifiedOperationDue)
+}
+
+/// What the rules of a machine look at of a job that comes to its queue; what no rule looks at is not worked out.
 fn facts(
     scenario: &Scenario,
     layout: &Layout,
@@ -128,10 +146,13 @@ fn facts(
     let plans = &layout.operations[part];
     let work = |operations: Range<usize>| operations.map(|each| layout.time(jobs, slot, part, each)).sum::<f64>();
     let (count, release, due) = (plans.len(), job.row.arrival, job.row.due);
-    let total = work(0..count);
-    let share = if total > 0.0 { work(0..index + 1) / total } else { 1.0 };
-    let setup = scenario.parts[part].operations[index].setup_time.unwrap_or(scenario.machines[machine].setup_time);
-    let draws = rules.contains(&DispatchRule::Random);
+    let asks = |of: fn(DispatchRule) -> bool| rules.iter().any(|rule| of(*rule));
+    // Sums over a routing cost more than all the rest: only where a rule looks at them.
+    let operation_due = |total: f64| {
+        let share = if total > 0.0 { work(0..index + 1) / total } else { 1.0 };
+        release + (due - release) * share
+    };
+    let setup = plans[index].setup_time.unwrap_or(scenario.machines[machine].setup_time);
     let rank = || streams.open(job.entity.part(index as u64), Purpose::Policy).random();
     let next = plans.get(index + 1);
     Facts {
@@ -139,15 +160,15 @@ fn facts(
         priority: f64::from(job.priority),
         weight: job.weight,
         due,
-        operation_due: release + (due - release) * share,
+        operation_due: if asks(looks_at_operation_due) { operation_due(work(0..count)) } else { due },
         time: layout.time(jobs, slot, part, index),
-        work_left: work(index..count),
+        work_left: if asks(looks_at_work_left) { work(index..count) } else { 0.0 },
         operations_left: (count - index) as f64,
         next_time: next.map_or(0.0, |_| layout.time(jobs, slot, part, index + 1)),
         next_station: next.map(|plan| plan.station),
         setup_group: plans[index].setup_group,
         setup_time: setup,
-        rank: if draws { rank() } else { 0.0 },
+        rank: if rules.contains(&DispatchRule::Random) { rank() } else { 0.0 },
     }
 }
 
@@ -236,6 +257,9 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at_mut(slot);
         job.waiting = false;
         let (part, operation) = (job.row.part as usize, job.operation as usize);
+        if machine.is_some() && self.layout.operations[part][operation].only_machine.is_some() {
+            return;
+        }
         for &other in
             self.scenario.parts[part].operations[operation].machines.iter().filter(|own| Some(**own) != machine)
         {
@@ -273,8 +297,8 @@ impl<R: Recorder> Shop<'_, R> {
     fn preferred(&self, machine: usize, slot: u32) -> usize {
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
-        let operation = &self.scenario.parts[part].operations[index];
-        if operation.machines.len() == 1 || self.world.machines[machine].kept_for.is_some() {
+        let plan = &self.layout.operations[part][index];
+        if plan.only_machine.is_some() || self.world.machines[machine].kept_for.is_some() {
             return machine;
         }
         self.idle_for(part, index, job.buffer).unwrap_or(machine)
@@ -326,9 +350,17 @@ impl<R: Recorder> Shop<'_, R> {
     /// A job joins the queues of its operation, which may choose.
     pub(super) fn join_all(&mut self, slot: u32) {
         let job = self.world.jobs.at(slot);
+        let (part, operation) = (job.row.part as usize, job.operation as usize);
         // A job in a buffer waits for the machines behind it only.
         let (limited, buffer) = (self.world.flow.is_limited(), job.buffer);
-        let machines = &self.scenario.parts[job.row.part as usize].operations[job.operation as usize].machines;
+        if let Some(only) = self.layout.operations[part][operation].only_machine
+            && !limited
+        {
+            self.join(only as usize, slot);
+            self.may_choose(only as usize);
+            return;
+        }
+        let machines = &self.scenario.parts[part].operations[operation].machines;
         for &machine in machines {
             if !limited || self.input(machine) == buffer {
                 self.join(machine, slot);

@@ -63,6 +63,7 @@ pub enum Event {
 
 impl Event {
     /// Its place within an instant.
+    #[inline]
     pub(super) fn class(self) -> Class {
         match self {
             Self::StepEnd { .. } | Self::Failure { .. } | Self::Repair { .. } => Class::Finish,
@@ -74,6 +75,7 @@ impl Event {
     }
 
     /// Its content for the digest.
+    #[inline]
     pub(super) fn word(self) -> u64 {
         let (kind, index) = match self {
             Self::StepEnd { machine } => (0, machine),

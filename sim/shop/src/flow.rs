@@ -77,6 +77,7 @@ impl Flow {
     }
 
     /// Whether any place is limited.
+    #[inline]
     pub(super) fn is_limited(&self) -> bool {
         !self.buffers.is_empty()
     }

@@ -97,7 +97,7 @@ impl<R: Recorder> Shop<'_, R> {
         let (row, origin, operation) = (job.row, job.origin, job.operation);
         let operations = self.scenario.parts[row.part as usize].operations.len();
         if self.layout.random_handling {
-            job.handling = Some(self.streams.open(entity, Purpose::Processing));
+            job.handling = Some(Box::new(self.streams.open(entity, Purpose::Processing)));
         }
         let drawn: Vec<(usize, f64)> = (0..operations)
             .filter(|each| matches!(self.scenario.parts[row.part as usize].operations[*each].work, Work::Plain(_)))

@@ -52,8 +52,9 @@ pub struct Job {
     pub supplied: bool,
     /// Whether it only has the place of a job for which a machine is set up.
     pub stand_in: bool,
-    /// Its times of loading and unloading, where any machine's are random.
-    pub handling: Option<Stream>,
+    /// Its times of loading and unloading, where any machine's are random. Kept apart: the few hundred bytes of a stream
+    /// would be moved with every job that comes and goes.
+    pub handling: Option<Box<Stream>>,
 }
 
 /// Jobs in the shop; a place is used again when its job has left.
@@ -76,6 +77,7 @@ impl Jobs {
     }
 
     /// Lets a job in.
+    #[inline]
     pub fn insert(&mut self, job: Job) -> u32 {
         self.released += 1;
         self.place(job)
@@ -110,16 +112,19 @@ impl Jobs {
 
     /// Time of the plain work of an operation of a job, s. It is drawn when the job enters the shop, so
     /// that it is the same whatever machine does the work and whenever.
+    #[inline]
     pub fn drawn(&self, slot: u32, operation: usize) -> f64 {
         self.drawn[slot as usize * self.stride + operation]
     }
 
     /// The same to draw it.
+    #[inline]
     pub(super) fn drawn_mut(&mut self, slot: u32, operation: usize) -> &mut f64 {
         &mut self.drawn[slot as usize * self.stride + operation]
     }
 
     /// Lets a job out.
+    #[inline]
     pub fn remove(&mut self, slot: u32) -> Option<Job> {
         let job = self.slots.get_mut(slot as usize)?.take();
         if job.is_some() {
@@ -129,16 +134,19 @@ impl Jobs {
     }
 
     /// The job at a place, if there is one.
+    #[inline]
     pub fn get(&self, slot: u32) -> Option<&Job> {
         self.slots.get(slot as usize)?.as_ref()
     }
 
     /// The job at a place that is known to be taken.
+    #[inline]
     pub(super) fn at(&self, slot: u32) -> &Job {
         self.slots[slot as usize].as_ref().expect("a job in work is in the shop")
     }
 
     /// The same to change it.
+    #[inline]
     pub(super) fn at_mut(&mut self, slot: u32) -> &mut Job {
         self.slots[slot as usize].as_mut().expect("a job in work is in the shop")
     }

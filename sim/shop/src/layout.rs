@@ -38,10 +38,19 @@ pub(super) struct Layout {
     matrix_places: Vec<Vec<Option<usize>>>,
     /// Name of every machine as an owner of random streams.
     pub machines: Vec<Entity>,
+    /// Owner of the jobs of every source.
+    pub sources: Vec<Entity>,
+    /// Whether nothing has a scope or a target: no calibration, no deviation, no entry of a tool.
+    pub as_planned: bool,
     /// Most operations of a part that has plain work.
     pub plain_operations: usize,
     /// Whether any machine's time of loading or unloading is random.
     pub random_handling: bool,
+    /// Mean times of loading and unloading, s, by machine.
+    pub handling: Vec<[f64; 2]>,
+    /// Machines on which plain work that needs no setup is one step: nothing is loaded or unloaded, nobody attends, nothing
+    /// breaks down and nothing is calibrated.
+    pub one_step: Vec<bool>,
     /// Rows of the schedule of every source in the order of time.
     pub schedules: Vec<Vec<usize>>,
 }
@@ -54,7 +63,8 @@ pub(super) struct ToolPlan {
     pub input: Vec<f64>,
 }
 
-/// An operation as the engine sees it.
+/// An operation as the engine sees it, small and beside the others of its part: the scenario is too large to be looked at
+/// several times an event.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OperationPlan {
     pub content: ContentPlan,
@@ -66,6 +76,14 @@ pub(super) struct OperationPlan {
     /// Expected time on its first machine, s: loading, passes as programmed, unloading; plain work is not
     /// in it.
     pub known_time: f64,
+    /// The machine that does it, if no other may.
+    pub only_machine: Option<u32>,
+    /// Its setup time where it has one of its own, s.
+    pub setup_time: Option<f64>,
+    /// Whether it needs the components of its part.
+    pub assembles: bool,
+    /// Whether chance decides what becomes of its pieces.
+    pub inspected: bool,
 }
 
 /// What an operation does, as the engine sees it.
@@ -128,6 +146,10 @@ impl Layout {
                     work_per: operation.work_per,
                     station: station as u32,
                     known_time: machine.load_time.mean() + cutting_time + machine.unload_time.mean(),
+                    only_machine: if let [only] = operation.machines[..] { Some(only as u32) } else { None },
+                    setup_time: operation.setup_time,
+                    assembles: operation.assembles,
+                    inspected: !operation.inspection.outcomes.is_empty(),
                 });
             }
             operations.push(plans);
@@ -156,8 +178,18 @@ impl Layout {
             }
         }
         let machines = scenario.machines.iter().map(|machine| Entity::named(&machine.name)).collect();
+        let sources = (0..scenario.arrivals.len() as u64).map(|source| Entity::named("job").part(source)).collect();
+        let as_planned = scenario.deviations.is_empty()
+            && scenario.calibrations.is_empty()
+            && scenario.tools.iter().all(|tool| !tool.variants.has_scopes());
         let random = |machine: &MachineType| !(machine.load_time.is_constant() && machine.unload_time.is_constant());
         let random_handling = scenario.machines.iter().any(random);
+        let handling: Vec<[f64; 2]> =
+            scenario.machines.iter().map(|own| [own.load_time.mean(), own.unload_time.mean()]).collect();
+        let alone = as_planned && scenario.operators.is_empty() && !random_handling;
+        let one_step =
+            handling.iter().zip(&modes_of).map(|(times, modes)| alone && modes.is_empty() && *times == [0.0; 2]);
+        let one_step = one_step.collect();
         let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
         let plain = |part: &&Part| part.operations.iter().any(|each| matches!(each.work, Work::Plain(_)));
         let plain_operations = scenario.parts.iter().filter(plain).map(|part| part.operations.len()).max().unwrap_or(0);
@@ -174,8 +206,12 @@ impl Layout {
             matrix_places,
             groups,
             machines,
+            sources,
+            as_planned,
             plain_operations,
             random_handling,
+            handling,
+            one_step,
             schedules,
         })
     }
@@ -184,6 +220,7 @@ impl Layout {
 impl Layout {
     /// Time of an operation of a job as rules see it, s: mean handling on its first machine with the
     /// programmed passes, or with the plain work that was drawn for the job.
+    #[inline]
     pub fn time(&self, jobs: &Jobs, slot: u32, part: usize, operation: usize) -> f64 {
         let plan = &self.operations[part][operation];
         match plan.content {
@@ -200,6 +237,7 @@ impl Layout {
 
     /// Setup that a machine needs for a setup group, s; `None` where it needs none. `usual` is the time of machine
     /// or operation, which a setup matrix of the machine replaces.
+    #[inline]
     pub fn setup(&self, scenario: &Scenario, machine: usize, ready: Readiness, group: u32, usual: f64) -> Option<f64> {
         let Some(index) = scenario.machines[machine].setup_matrix else {
             return if ready.suits(group) { None } else { Some(usual) };

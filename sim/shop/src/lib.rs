@@ -52,6 +52,7 @@ mod error;
 mod event;
 mod flow;
 mod grinding;
+mod heap;
 mod in_process;
 mod inspection;
 mod interruption;
@@ -71,6 +72,7 @@ mod recorder;
 pub mod runlog;
 mod shift;
 mod tooling;
+mod tournament;
 mod transport;
 mod world;
 

@@ -74,6 +74,7 @@ pub enum Readiness {
 
 impl Readiness {
     /// Whether work of a setup group needs no setup.
+    #[inline]
     pub fn suits(self, group: u32) -> bool {
         match self {
             Self::Anything => true,
@@ -119,8 +120,8 @@ pub struct Task {
 pub enum Content {
     /// Plain work that takes this time, s: its one step is [`Step::Work`].
     Plain(f64),
-    /// Passes of a tool, with all that comes between them.
-    Machining(Machining),
+    /// Passes of a tool, with all that comes between them; apart, so that plain work moves little.
+    Machining(Box<Machining>),
 }
 
 impl Task {
@@ -128,6 +129,7 @@ impl Task {
     ///
     /// # Panics
     /// Where the work is plain: only what belongs to passes asks.
+    #[inline]
     pub(super) fn machining(&self) -> &Machining {
         match &self.content {
             Content::Machining(machining) => machining,
@@ -292,6 +294,7 @@ impl Step {
     }
 
     /// State of a machine that does it.
+    #[inline]
     pub fn state(&self) -> MachineState {
         match self {
             Self::Setup => MachineState::Setup,
@@ -334,16 +337,19 @@ impl Machine {
     }
 
     /// Whether it can work now.
+    #[inline]
     pub fn is_up(&self) -> bool {
         self.failures == 0 && !self.off_shift
     }
 
     /// Whether it can take a job now.
+    #[inline]
     pub fn is_free(&self) -> bool {
         self.is_up() && self.task.is_none() && self.blocked.is_none()
     }
 
     /// The state that the log should show.
+    #[inline]
     pub fn current_state(&self) -> MachineState {
         if self.failures > 0 {
             MachineState::Down

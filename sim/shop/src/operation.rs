@@ -7,7 +7,7 @@ use super::machine::{Content, IN_WORK, Machining, Piece, Readiness, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, OperationResult, OperationRow};
-use toolroom_scenario::{Distribution, Operation, ShopConstant, WorkPer};
+use toolroom_scenario::{Operation, ShopConstant, WorkPer};
 
 impl Piece {
     /// Why it is no good part, if it is none.
@@ -30,16 +30,19 @@ impl Piece {
 impl<R: Recorder> Shop<'_, R> {
     /// A machine takes a job, and in a batch others with it.
     pub(super) fn begin(&mut self, machine: usize, slot: u32, riders: Vec<u32>) -> Result<(), ShopError> {
+        if self.layout.one_step[machine] && riders.is_empty() && self.begin_one_step(machine, slot)? {
+            return Ok(());
+        }
         let asked = self.asked(machine, slot);
         let task = self.task_of(machine, slot, riders, &asked);
         let job = self.world.jobs.at(slot);
-        let (number, part, index) = (job.number, job.row.part as usize, job.operation as usize);
-        let (kind, group) = (&self.scenario.machines[machine], self.layout.operations[part][index].setup_group);
+        let number = job.number;
+        let plan = &self.layout.operations[job.row.part as usize][job.operation as usize];
         let state = &mut self.world.machines[machine];
-        let setup = self.scenario.parts[part].operations[index].setup_time.unwrap_or(kind.setup_time);
+        let setup = plan.setup_time.unwrap_or(self.scenario.machines[machine].setup_time);
         // A machine is set up once for all jobs of an order.
         let again = std::mem::replace(&mut state.set_up, state.kept_for.is_some());
-        let needed = self.layout.setup(self.scenario, machine, state.ready, group, setup).filter(|_| !again);
+        let needed = self.layout.setup(self.scenario, machine, state.ready, plan.setup_group, setup).filter(|_| !again);
         let setup = asked.calibrated(self.scenario, ShopConstant::SetupTime, needed.unwrap_or(0.0));
         state.task = Some(Task { left: if needed.is_some() { setup } else { 0.0 }, ..task });
         if needed.is_some() {
@@ -48,6 +51,50 @@ impl<R: Recorder> Shop<'_, R> {
         self.look_ahead(slot);
         self.start_clocks(machine)?;
         self.drive(machine, true)
+    }
+
+    /// Begins plain work that is one step, to the same effect as step by step; false where it is not.
+    fn begin_one_step(&mut self, machine: usize, slot: u32) -> Result<bool, ShopError> {
+        let (now, job) = (self.now(), self.world.jobs.at(slot));
+        let plan = &self.layout.operations[job.row.part as usize][job.operation as usize];
+        if !matches!(plan.content, ContentPlan::Plain) {
+            return Ok(false);
+        }
+        let (ready, group) = (self.world.machines[machine].ready, plan.setup_group);
+        let usual = plan.setup_time.unwrap_or(self.scenario.machines[machine].setup_time);
+        if self.layout.setup(self.scenario, machine, ready, group, usual).is_some() {
+            return Ok(false);
+        }
+        let (times, drawn) = self.plain_work(machine, slot);
+        let time = job.rest.unwrap_or(times * drawn.max(0.0));
+        if time <= 0.0 {
+            return Ok(false);
+        }
+        let end = self.schedule(now.after(time)?, super::Event::StepEnd { machine: machine as u32 })?;
+        let job = self.world.jobs.at_mut(slot);
+        job.rest = None;
+        if job.row.start.is_nan() {
+            job.row.start = now.seconds();
+        }
+        let state = &mut self.world.machines[machine];
+        state.ready = Readiness::Group(group);
+        state.task = Some(Task {
+            slot,
+            begun: now,
+            step: Step::Work,
+            left: time,
+            since: now,
+            end: Some(end),
+            operator: None,
+            waits: false,
+            load_time: 0.0,
+            unload_time: 0.0,
+            content: Content::Plain(time),
+            before: 0.0,
+            riders: Vec::new(),
+        });
+        self.show_state(machine);
+        Ok(true)
     }
 
     /// An operation in a machine as it begins, without setup.
@@ -70,7 +117,7 @@ impl<R: Recorder> Shop<'_, R> {
             }
             ContentPlan::Machining { tool, cutting_time, .. } => {
                 let moved = asked.moved(self.scenario, cutting_time);
-                Content::Machining(Machining {
+                Content::Machining(Box::new(Machining {
                     tool,
                     delay: self.delay(asked, slot, moved.pace * cutting_time),
                     hold: self.hold(asked, slot),
@@ -78,7 +125,7 @@ impl<R: Recorder> Shop<'_, R> {
                     acting: asked.acting(self.scenario, tool as usize),
                     lost_edges: 0,
                     piece: Piece::default(),
-                })
+                }))
             }
         };
         Task {
@@ -113,11 +160,10 @@ impl<R: Recorder> Shop<'_, R> {
         }
         // Drawn here, once: work that is repeated takes the same time, and two draws an
         // operation keep a job's later times the same under every policy.
-        let mut draw = |time: &Distribution| match &mut job.handling {
-            Some(stream) => time.sample(stream),
-            None => time.mean(),
+        let times = match &mut job.handling {
+            Some(stream) => [kind.load_time.sample(stream), kind.unload_time.sample(stream)],
+            None => self.layout.handling[machine],
         };
-        let times = [draw(&kind.load_time), draw(&kind.unload_time)];
         let pieces = f64::from(job.row.quantity);
         asked.handling(self.scenario, times).map(|time| pieces * time)
     }
@@ -154,6 +200,9 @@ impl<R: Recorder> Shop<'_, R> {
         let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
         task.end = None;
         task.left = 0.0;
+        if matches!(task.step, Step::Work) && task.unload_time == 0.0 {
+            return self.end_operation(machine); // there is nothing to take off
+        }
         self.end_step(machine)?;
         self.drive(machine, false)
     }
@@ -290,16 +339,16 @@ impl<R: Recorder> Shop<'_, R> {
     /// The operation in a machine is over for one of its jobs.
     fn end_for(&mut self, machine: usize, task: &Task, slot: u32) -> Result<(), ShopError> {
         let job = self.world.jobs.at(slot);
-        let operation = &self.scenario.parts[job.row.part as usize].operations[job.operation as usize];
+        let (part, index) = (job.row.part as usize, job.operation as usize);
         let bad = match &task.content {
             Content::Plain(_) => None,
-            Content::Machining(Machining { piece, .. }) => piece.fault(operation),
+            Content::Machining(machining) => machining.piece.fault(&self.scenario.parts[part].operations[index]),
         };
         let whole = job.row.quantity;
         if let Some(outcome) = bad {
             return self.end_as(machine, task, (slot, Verdict::Scrap(outcome)), whole);
         }
-        if operation.inspection.outcomes.is_empty() {
+        if !self.layout.operations[part][index].inspected {
             return self.end_as(machine, task, (slot, Verdict::Good), whole);
         }
         self.inspect(slot).into_iter().try_for_each(|own| self.end_as(machine, task, own, whole))
@@ -342,8 +391,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn row(&self, machine: usize, task: &Task, slot: u32, whole: u32) -> OperationRow {
         let job = self.world.jobs.at(slot);
         let pieces = f64::from(job.row.quantity);
-        let operation = &self.scenario.parts[job.row.part as usize].operations[job.operation as usize];
-        let share = match operation.work_per {
+        let share = match self.layout.operations[job.row.part as usize][job.operation as usize].work_per {
             WorkPer::Part => pieces,
             WorkPer::Lot | WorkPer::Batch => pieces / f64::from(whole),
         };
@@ -392,7 +440,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// passes to come is not known: they count as programmed.
     fn time_left(&self, task: &Task, part: usize, operation: usize) -> f64 {
         let Machining { delay, hold, piece, .. } = match &task.content {
-            Content::Machining(machining) => machining,
+            Content::Machining(machining) => &**machining,
             Content::Plain(time) => {
                 return match task.step {
                     Step::Setup => task.load_time + time + task.unload_time,

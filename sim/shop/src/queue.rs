@@ -1,10 +1,11 @@
 //! Jobs that wait at a machine, kept in the way that its rules ask for.
 
-use super::kinetic::Kinetic;
-use std::cmp::{Ordering, Reverse};
-use std::collections::{BinaryHeap, VecDeque};
+use super::heap::Heap;
+use super::kinetic::{Kinetic, Plan};
+use std::cmp::Ordering;
+use std::collections::VecDeque;
 use toolroom_kernel::SimTime;
-use toolroom_scenario::{DispatchRule, MOST_RULES};
+use toolroom_scenario::MOST_RULES;
 
 /// A place in a queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,15 +92,23 @@ pub struct Queue(Order);
 #[derive(Clone, Debug)]
 enum Order {
     /// First come, first served: by arrival at the queue, then job number.
-    Line(VecDeque<Waiting>),
+    Line {
+        jobs: VecDeque<Waiting>,
+        /// Length at which places of jobs that are gone are looked for.
+        full: usize,
+    },
     /// By keys that stand while a job waits: a decision costs the logarithm of the length.
     Heap {
-        jobs: BinaryHeap<Reverse<Ranked>>,
+        jobs: Heap,
         /// Length at which places of jobs that are gone are looked for.
         full: usize,
     },
     /// By keys that change with the clock, other queues or the machine: a decision looks at all once.
-    Scan(Vec<(Waiting, Facts)>),
+    Scan {
+        jobs: Vec<(Waiting, Facts)>,
+        /// As above.
+        full: usize,
+    },
     /// The same without looking at all.
     Kinetic(Box<Kinetic>),
 }
@@ -113,20 +122,21 @@ pub(super) enum QueueKind {
     Heap,
     /// By keys that change.
     Scan,
-    /// By keys of which the first, under this rule, changes in a known way.
-    Kinetic(DispatchRule),
+    /// By keys of which one changes in a known way.
+    Kinetic(Plan),
 }
 
-/// Length from which a heap is looked through for jobs that are gone.
+/// Length from which a queue is looked through for jobs that are gone: a machine that does not choose for long would
+/// otherwise keep the places of all that others have done since.
 const FULL: usize = 64;
 
 impl Queue {
     pub(super) fn of(kind: QueueKind) -> Self {
         Self(match kind {
-            QueueKind::Line => Order::Line(VecDeque::new()),
-            QueueKind::Heap => Order::Heap { jobs: BinaryHeap::new(), full: FULL },
-            QueueKind::Scan => Order::Scan(Vec::new()),
-            QueueKind::Kinetic(rule) => Order::Kinetic(Box::new(Kinetic::of(rule))),
+            QueueKind::Line => Order::Line { jobs: VecDeque::new(), full: FULL },
+            QueueKind::Heap => Order::Heap { jobs: Heap::default(), full: FULL },
+            QueueKind::Scan => Order::Scan { jobs: Vec::new(), full: FULL },
+            QueueKind::Kinetic(plan) => Order::Kinetic(Box::new(Kinetic::of(plan))),
         })
     }
 
@@ -140,19 +150,29 @@ impl Queue {
         here: impl Fn(&Waiting) -> bool,
     ) {
         match &mut self.0 {
-            Order::Line(jobs) => {
+            Order::Line { jobs, full } => {
+                if jobs.len() >= *full {
+                    jobs.retain(&here);
+                    *full = (2 * jobs.len()).max(FULL);
+                }
                 let after = |other: &Waiting| (other.since, other.number) > (waiting.since, waiting.number);
                 let behind = jobs.iter().rev().take_while(|other| after(other)).count();
                 jobs.insert(jobs.len() - behind, waiting);
             }
             Order::Heap { jobs, full } => {
                 if jobs.len() >= *full {
-                    jobs.retain(|Reverse(ranked)| here(&ranked.waiting));
+                    jobs.retain(&here);
                     *full = (2 * jobs.len()).max(FULL);
                 }
-                jobs.push(Reverse(Ranked { keys: keys(&facts()), waiting }));
+                jobs.push(Ranked { keys: keys(&facts()), waiting });
             }
-            Order::Scan(jobs) => jobs.push((waiting, facts())),
+            Order::Scan { jobs, full } => {
+                if jobs.len() >= *full {
+                    jobs.retain(|(waiting, _)| here(waiting));
+                    *full = (2 * jobs.len()).max(FULL);
+                }
+                jobs.push((waiting, facts()));
+            }
             Order::Kinetic(jobs) => {
                 let facts = facts();
                 let keys = keys(&facts);
@@ -164,7 +184,7 @@ impl Queue {
     /// A job is gone to another machine: only queues that cannot see that have to be told.
     pub(super) fn leave(&mut self, slot: u32) {
         match &mut self.0 {
-            Order::Line(_) | Order::Heap { .. } | Order::Scan(_) => {}
+            Order::Line { .. } | Order::Heap { .. } | Order::Scan { .. } => {}
             Order::Kinetic(jobs) => _ = jobs.leave(slot),
         }
     }
@@ -179,11 +199,9 @@ impl Queue {
         keys: impl Fn(&Waiting, &Facts, f64) -> Keys,
     ) -> Option<Waiting> {
         match &mut self.0 {
-            Order::Line(jobs) => std::iter::from_fn(|| jobs.pop_front()).find(here),
-            Order::Heap { jobs, .. } => {
-                std::iter::from_fn(|| jobs.pop()).map(|Reverse(ranked)| ranked.waiting).find(here)
-            }
-            Order::Scan(jobs) => {
+            Order::Line { jobs, .. } => std::iter::from_fn(|| jobs.pop_front()).find(here),
+            Order::Heap { jobs, .. } => std::iter::from_fn(|| jobs.pop()).find(here),
+            Order::Scan { jobs, .. } => {
                 jobs.retain(|(waiting, _)| here(waiting));
                 let mean = jobs.iter().map(|(_, facts)| facts.time).sum::<f64>() / jobs.len() as f64;
                 let ranked = |(waiting, facts): &(Waiting, Facts)| Ranked {
@@ -204,7 +222,7 @@ impl Queue {
         here: impl Fn(&Waiting) -> bool,
         keys: impl Fn(&Waiting, &Facts, f64) -> Keys,
     ) -> Vec<Waiting> {
-        let Order::Scan(jobs) = &mut self.0 else { unreachable!("queues of batch machines are looked through") };
+        let Order::Scan { jobs, .. } = &mut self.0 else { unreachable!("queues of batch machines are looked through") };
         jobs.retain(|(waiting, _)| here(waiting));
         let mean = jobs.iter().map(|(_, facts)| facts.time).sum::<f64>() / jobs.len() as f64;
         let ranked =
@@ -218,9 +236,9 @@ impl Queue {
     /// Number of places, those of jobs that are gone included.
     pub fn len(&self) -> usize {
         match &self.0 {
-            Order::Line(jobs) => jobs.len(),
+            Order::Line { jobs, .. } => jobs.len(),
             Order::Heap { jobs, .. } => jobs.len(),
-            Order::Scan(jobs) => jobs.len(),
+            Order::Scan { jobs, .. } => jobs.len(),
             Order::Kinetic(jobs) => jobs.len(),
         }
     }

@@ -8,7 +8,7 @@ use toolroom_scenario::Scenario;
 use toolroom_shop::runlog::{
     ChangeReason, EdgeRow, EventRow, JobRow, MachineState, OperationRow, PassRow, RunLog, StateRow,
 };
-use toolroom_shop::{Closing, Recorder, programmed_cutting_times};
+use toolroom_shop::{Closing, Recorder};
 
 /// Sums of one run under way.
 ///
@@ -18,7 +18,6 @@ use toolroom_shop::{Closing, Recorder, programmed_cutting_times};
 #[derive(Clone, Debug)]
 pub struct Counting<'a> {
     scenario: &'a Scenario,
-    programmed: Vec<Vec<f64>>,
     in_cell: Vec<bool>,
     tally: Tally,
     machines: Vec<Stays>,
@@ -43,7 +42,6 @@ impl<'a> Counting<'a> {
         cell(scenario).into_iter().for_each(|machine| in_cell[machine] = true);
         Self {
             scenario,
-            programmed: programmed_cutting_times(scenario),
             in_cell,
             tally: Tally::new(scenario),
             machines: vec![Stays::default(); scenario.machines.len()],
@@ -103,7 +101,9 @@ impl<'a> Counting<'a> {
 
     /// Adds jobs that left before now.
     fn add_leaving(&mut self) {
-        self.leaving.sort_by_key(|(number, _)| *number);
+        if self.leaving.len() > 1 {
+            self.leaving.sort_by_key(|(number, _)| *number);
+        }
         for (_, row) in self.leaving.drain(..) {
             self.tally.add_job(self.scenario, &row, f64::NAN);
         }
@@ -111,21 +111,25 @@ impl<'a> Counting<'a> {
 
     /// Adds operations of a machine that ended by then, all of them at the end of the run.
     fn add_operations(&mut self, machine: usize, until: f64, horizon: Option<f64>) {
-        let warm_up = self.scenario.warm_up;
         let Stays { production, operations } = &mut self.machines[machine];
+        if operations.is_empty() {
+            return;
+        }
+        let warm_up = self.scenario.warm_up;
         while let Some(row) = operations.front().filter(|row| row.end <= until || horizon.is_some()) {
             let end = if row.end.is_nan() { horizon.unwrap_or(row.end) } else { row.end };
             while production.front().is_some_and(|(_, over)| *over <= row.start) {
                 production.pop_front();
             }
-            let during = production.iter().take_while(|(from, _)| *from < end);
-            let since = |from: f64| during.clone().map(|(start, over)| (over - start.max(from)).max(0.0)).sum::<f64>();
-            let (done, inside) = (since(row.start), since(row.start.max(warm_up)));
+            let (mut done, mut inside) = (0.0, 0.0);
+            for &(start, over) in production.iter().take_while(|(from, _)| *from < end) {
+                done += (over - start.max(row.start)).max(0.0);
+                inside += (over - start.max(row.start.max(warm_up))).max(0.0);
+            }
             let completed = row.end >= warm_up;
             let whole = row.time_before + done + row.time_left;
             let share = if whole > 0.0 { inside / whole } else { f64::from(u8::from(completed)) };
-            let programmed = self.programmed[row.part as usize][row.operation as usize];
-            self.tally.add_operation(self.scenario, programmed, row, share, completed);
+            self.tally.add_operation(row, share, completed);
             operations.pop_front();
         }
     }

@@ -1,7 +1,8 @@
 //! Everything that the key figures divide: sums to which every fact of a run is added once.
 
 use super::cell;
-use toolroom_scenario::{ArrivalPattern, ProcessModel, Scenario, ShiftCalendar};
+use toolroom_scenario::{ArrivalPattern, Operation, ProcessModel, Scenario, ShiftCalendar};
+use toolroom_shop::programmed_cutting_times;
 use toolroom_shop::runlog::{
     ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, MachineState, OperationResult, OperationRow, PassRow, StateRow,
 };
@@ -69,12 +70,27 @@ impl MachineTally {
     }
 }
 
+/// What is planned of an operation.
+#[derive(Clone, Copy, Debug)]
+struct Planned {
+    /// Programmed time in cut, s.
+    programmed: f64,
+    /// The same with the mean time of plain work, s.
+    work: f64,
+    /// Whether a wheel does it.
+    ground: bool,
+}
+
 /// Sums of the shop within the window.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
     pub window: f64,
     /// Whether a part goes into others, by part.
     components: Vec<bool>,
+    /// By part and operation.
+    planned: Vec<Vec<Planned>>,
+    /// Mean time of loading and unloading, s, by machine.
+    handling: Vec<f64>,
     pub machines: Vec<MachineTally>,
     /// Good parts.
     pub good: u32,
@@ -144,6 +160,7 @@ impl Speed {
 }
 
 /// Share of `start..end` that lies at or after `from`.
+#[inline]
 fn share_after(from: f64, start: f64, end: f64) -> f64 {
     if start >= from {
         1.0
@@ -162,7 +179,20 @@ fn calendar(scenario: &Scenario, machine: usize) -> Option<&ShiftCalendar> {
 impl Tally {
     pub fn new(scenario: &Scenario) -> Self {
         let components = (0..scenario.parts.len()).map(|part| scenario.is_component(part)).collect();
-        Self { components, machines: vec![MachineTally::default(); scenario.machines.len()], ..Self::default() }
+        let planned = |(operation, programmed): (&Operation, f64)| {
+            let tool = operation.tool.and_then(|tool| scenario.tools.get(tool));
+            let ground = tool.is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
+            Planned { programmed, work: programmed + operation.work.plain_time(), ground }
+        };
+        let parts = scenario.parts.iter().zip(programmed_cutting_times(scenario));
+        let machines = &scenario.machines;
+        Self {
+            components,
+            planned: parts.map(|(part, times)| part.operations.iter().zip(times).map(planned).collect()).collect(),
+            handling: machines.iter().map(|machine| machine.load_time.mean() + machine.unload_time.mean()).collect(),
+            machines: vec![MachineTally::default(); machines.len()],
+            ..Self::default()
+        }
     }
 
     /// Operations that wheels did, by their part in the window.
@@ -175,9 +205,9 @@ impl Tally {
         if row.time < scenario.warm_up {
             return;
         }
-        if row.event == "failure"
-            && let Some(machine) = row.machine
-        {
+        // What is not of a machine, arrivals for example, is not looked at further.
+        let Some(machine) = row.machine else { return };
+        if row.event == "failure" {
             self.machines[machine as usize].failures += 1.0;
         }
         self.chatter_onsets += u32::from(row.event == "chatter_onset");
@@ -279,24 +309,13 @@ impl Tally {
         row.cutting_time * share
     }
 
-    /// An operation of `programmed` cutting time earns its planned time by the share of its own production time
+    /// An operation earns its planned time by the share of its own production time
     /// that lies in the window; the quantities count what is completed in it. What an interruption undid took
     /// time and earns nothing.
-    pub fn add_operation(
-        &mut self,
-        scenario: &Scenario,
-        programmed: f64,
-        row: &OperationRow,
-        share: f64,
-        completed: bool,
-    ) {
-        let machine = &scenario.machines[row.machine as usize];
-        let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
-        let work = programmed + operation.work.plain_time();
+    pub fn add_operation(&mut self, row: &OperationRow, share: f64, completed: bool) {
+        let Planned { programmed, work, ground } = self.planned[row.part as usize][row.operation as usize];
         let pieces = f64::from(row.quantity);
-        let planned = row.work * work + pieces * (machine.load_time.mean() + machine.unload_time.mean());
-        let tool = operation.tool.and_then(|tool| scenario.tools.get(tool));
-        let ground = tool.is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
+        let planned = row.work * work + pieces * self.handling[row.machine as usize];
         let tally = &mut self.machines[row.machine as usize];
         if row.result == OperationResult::Lost {
             return;

@@ -2,7 +2,13 @@
 
 use crate::scenarios::{self, machine, run};
 use crate::statistics::Estimate;
-use toolroom_scenario::{Arrival, ArrivalPattern, Distribution, Scenario, Work};
+use std::sync::Arc;
+use toolroom_kernel::SimTime;
+use toolroom_scenario::policies::ResolvedPolicy;
+use toolroom_scenario::{
+    Arrival, ArrivalPattern, DispatchRule, Distribution, Interruption, Scenario, Shift, ShiftCalendar, Work,
+};
+use toolroom_shop::{Shop, Silent};
 
 fn queue(servers: usize, rate: f64, service: Distribution, customers: f64) -> Scenario {
     let mut shop = scenarios::scenario();
@@ -46,6 +52,23 @@ fn several_servers_wait_as_erlang_says() {
         let service = Distribution::Exponential { mean: 1.0 };
         let waits = waits(&queue(servers, rate, service, 400_000.0));
         Estimate::of_series(&waits).assert_agrees("waiting time", exact, 0.03);
+    }
+}
+
+#[test]
+fn a_machine_that_stands_by_keeps_no_places_of_jobs_that_others_have_done() {
+    for rule in [DispatchRule::Fifo, DispatchRule::ShortestProcessingTime, DispatchRule::CriticalRatio] {
+        let mut shop = queue(2, 0.8, Distribution::Exponential { mean: 1.0 }, 20_000.0);
+        let shifts = vec![Shift { start: 9e6, end: 9.1e6 }];
+        shop.calendars = vec![ShiftCalendar::periodic("later", 1e7, shifts, Interruption::Resume)];
+        shop.machines[1].calendar = Some(0);
+        shop.dispatch = vec![rule];
+        let policy = Arc::new(ResolvedPolicy::of(&shop, 0).unwrap());
+        let mut running = Shop::with_recorder(&shop, policy, 0, Silent).unwrap();
+        running.run_until(SimTime::from_seconds(shop.horizon).unwrap()).unwrap();
+        let machines = &running.world().machines;
+        let (works, stands_by) = (machines[0].queue.len(), machines[1].queue.len());
+        assert!(stands_by < 1000, "{rule:?}: {stands_by} places, {works} jobs wait");
     }
 }
 
