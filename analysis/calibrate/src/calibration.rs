@@ -10,7 +10,7 @@ use crate::left_out::{Coverage, LeftOut, leave_edges_out, left_out};
 use crate::model::Model;
 use crate::parameter::Prior;
 use crate::profile::profiles;
-use crate::sample::{Posterior, maxima, sample, sample_around};
+use crate::sample::{Method, Posterior, maxima, sample, sample_around};
 use crate::shape::Candidate;
 use crate::treatment::{Clock, End, Measured};
 use crate::wear_model::{EDGE_SCATTER, WearModel};
@@ -275,8 +275,11 @@ impl Calibration {
         }
         if !self.posterior.modes.is_empty() {
             let count = self.posterior.modes.len();
-            warnings
-                .push(format!("{count} more maximum(s) of the posterior within 5 logarithms: the ensemble was used"));
+            let how = match self.posterior.method {
+                Method::Ensemble => "the ensemble was used",
+                Method::ResampledLaplace | Method::MomentMatched => "the draws meet all of them",
+            };
+            warnings.push(format!("{count} more maximum(s) of the posterior within 5 logarithms: {how}"));
         }
         if self.posterior.split_r > 1.01 {
             warnings.push(format!(

@@ -2,7 +2,7 @@
 
 use crate::curve::Curve;
 use crate::in_life::{InLife, Noisy, Step};
-use crate::level::{Joint, Start, few_nodes, mode, nine_nodes, settled};
+use crate::level::{Joint, Nodes, SIDES, Start, ln_integral, mode, settled};
 use crate::normal::{HALF_LN_TAU, ln_below, ln_between, ln_density, ln_sum};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -210,30 +210,45 @@ impl Common<'_> {
     fn ln_readings(&self, edge: &Edge, ln_level: Option<f64>) -> f64 {
         let (read, well_read) = (readings(edge), edge.well_read());
         let steps = self.steps(edge);
-        let (mut predicted, mut at_mode) = (Predicted::default(), Predicted::default());
+        let (mut predicted, mut at_mode, mut sets) = (Predicted::default(), Predicted::default(), Vec::new());
         let start = match ln_level {
-            Some(level) if well_read => Start::At(level / self.scatter),
+            Some(level) => Start::At(level / self.scatter),
             None if well_read => Start::Few,
-            Some(_) | None => Start::Many,
+            None => Start::Many,
         };
+        let nodes = if well_read { Nodes::Three } else { Nodes::Nine };
         let mut from = |begin: f64| {
-            let mut joint = |z: f64, stride: usize, held: Option<&[f64]>| {
-                self.ln_joint(edge, begin, &read, steps.as_deref(), held, z, stride, &mut predicted)
+            let mut joint =
+                |z: f64, stride: usize| self.ln_joint(edge, begin, &read, steps.as_deref(), z, stride, &mut predicted);
+            let Some((noise, steps)) = self.in_life.as_ref().zip(steps.as_deref()) else {
+                let top = mode(&mut joint, read.len(), start);
+                return ln_integral(nodes, top, |levels| levels.iter_mut().for_each(|z| *z = joint(*z, 1).0));
             };
-            let (z, held) = match &steps {
-                Some(_) => {
-                    let (z, _) = settled(&mut |z, stride| joint(z, stride, None), read.len(), start);
-                    self.predict(edge, begin, (self.scatter * z).exp(), 1, &mut at_mode);
-                    (Some(z), Some(at_mode.pace.as_slice()))
+            // What the noise makes of the readings is held as it is at the most probable level.
+            let top = settled(&mut joint, read.len(), start);
+            self.predict(edge, begin, (self.scatter * top.0).exp(), 1, &mut at_mode);
+            ln_integral(nodes, top, |levels| {
+                let mut beside = [0.0; SIDES];
+                sets.clear();
+                sets.resize(read.len(), [0.0; SIDES]);
+                for (set, z) in levels.iter().enumerate() {
+                    self.predict(edge, begin, (self.scatter * z).exp(), 1, &mut predicted);
+                    let off = read.iter().zip(&predicted.wear).map(|((wear, _), expected)| wear - expected);
+                    sets.iter_mut().zip(off).for_each(|(sets, off)| sets[set] = off);
+                    beside[set] = self.ln_level(*z) + self.within(&read, &predicted.pace);
                 }
-                None => (None, None),
-            };
-            let density = &mut |z: f64, stride: usize| joint(z, stride, held);
-            let top = match z {
-                Some(z) => (z, density(z, 1)),
-                None => mode(density, read.len(), start),
-            };
-            if well_read { few_nodes(density, top) } else { nine_nodes(density, top) }
+                let held = || read.iter().zip(&at_mode.pace).map(|((_, block), pace)| (*pace, self.error(block)));
+                let with = |((pace, error), sets): ((f64, f64), &[f64; SIDES])| (pace, error, *sets);
+                let densities = match nodes {
+                    Nodes::Nine => noise.densities(steps, held().zip(&sets).map(with)),
+                    Nodes::Three => {
+                        let few = |(pace, error, [a, b, ..]): (f64, f64, [f64; SIDES])| (pace, error, [a, b]);
+                        let [a, b] = noise.densities(steps, held().zip(&sets).map(with).map(few));
+                        [a, b, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+                    }
+                };
+                levels.iter_mut().zip(densities).zip(beside).for_each(|((z, density), own)| *z = density + own);
+            })
         };
         let Some(begun) = edge.begun else { return from(0.0) };
         // The reading at the beginning has the error of any other; every wear before is as good as another.
@@ -257,9 +272,8 @@ impl Common<'_> {
         let steps = self.steps(edge);
         let mut predicted = Predicted::default();
         let begin = edge.begun.map_or(0.0, |begun| self.begin(begun, 0.0));
-        let mut at = |z: f64, stride: usize| {
-            self.ln_joint(edge, begin, &read, steps.as_deref(), None, z, stride, &mut predicted)
-        };
+        let mut at =
+            |z: f64, stride: usize| self.ln_joint(edge, begin, &read, steps.as_deref(), z, stride, &mut predicted);
         let (z, _) = match &steps {
             Some(_) => settled(&mut at, read.len(), Start::Many),
             None => mode(&mut at, read.len(), Start::Many),
@@ -296,8 +310,7 @@ impl Common<'_> {
     }
 
     /// Log density of every `stride`-th reading and the standardised level `z`, its derivative by `z` and the Gauss–Newton
-    /// curvature. Where readings are thinned, which is to compare starts, no noise joins them. `held` are the wear rates at
-    /// the readings that turn noise within the life into wear, where they are not those of the level `z`.
+    /// curvature. Where readings are thinned, which is to compare starts, no noise joins them.
     #[allow(clippy::too_many_arguments)] // the state of one edge
     fn ln_joint(
         &self,
@@ -305,19 +318,16 @@ impl Common<'_> {
         begin: f64,
         read: &[(f64, Block)],
         steps: Option<&[Step]>,
-        held: Option<&[f64]>,
         z: f64,
         stride: usize,
         predicted: &mut Predicted,
     ) -> Joint {
         self.predict(edge, begin, (self.scatter * z).exp(), stride, predicted);
-        let prior = -0.5 * z * z - HALF_LN_TAU;
+        let prior = self.ln_level(z);
         if let (Some(noise), Some(steps), 1) = (&self.in_life, steps, stride) {
-            let single = self.noise * self.noise;
-            let pace = held.unwrap_or(&predicted.pace);
             let noisy = read.iter().enumerate().map(|(i, (wear, block))| Noisy {
-                pace: pace[i],
-                variance: single / block.count,
+                pace: predicted.pace[i],
+                variance: self.error(block),
                 off: wear - predicted.wear[i],
                 slope: predicted.slope[i] * self.scatter,
             });
@@ -340,6 +350,16 @@ impl Common<'_> {
         }
         let density = prior - 0.5 * weight * squares - count * (self.noise.ln() + HALF_LN_TAU);
         (density, weight * gradient - z, 1.0 + weight * curvature)
+    }
+
+    /// Log density of a standardised level.
+    fn ln_level(&self, z: f64) -> f64 {
+        -0.5 * z * z - HALF_LN_TAU
+    }
+
+    /// Variance of the error of the mean of a block of readings, mm².
+    fn error(&self, block: &Block) -> f64 {
+        self.noise * self.noise / block.count
     }
 
     /// What the readings of blocks say beyond their means.
@@ -392,14 +412,22 @@ mod tests {
                 let read = common.replicate(&edge, &mut ChaCha8Rng::seed_from_u64(seed));
                 edge.stretches.iter_mut().zip(read).for_each(|(stretch, wear)| stretch.wear = Some(wear));
                 let (read, steps, mut predicted) = (readings(&edge), common.steps(&edge), Predicted::default());
+                let (noise, steps) = (common.in_life.expect("noise"), steps.expect("steps"));
                 let level = common.level(&edge);
                 common.predict(&edge, 0.0, level, 1, &mut predicted);
                 let held = predicted.pace.clone();
                 let step = 0.01;
                 let fine = (-700..=700).map(|place: i32| {
                     let z = level.ln() / scatter + step * f64::from(place);
-                    let steps = steps.as_deref();
-                    common.ln_joint(&edge, 0.0, &read, steps, Some(&held), z, 1, &mut predicted).0 + step.ln()
+                    common.predict(&edge, 0.0, (scatter * z).exp(), 1, &mut predicted);
+                    let one = |i: usize| Noisy {
+                        pace: held[i],
+                        variance: reading * reading,
+                        off: read[i].0 - predicted.wear[i],
+                        slope: 0.0,
+                    };
+                    let joined = noise.filter(&steps, (0..read.len()).map(one)).density;
+                    joined - 0.5 * z * z - HALF_LN_TAU + step.ln()
                 });
                 let (fine, found) = (ln_sum(&fine.collect::<Vec<f64>>()), common.ln_density(&edge));
                 // Nine nodes; beyond a great contrast the wear curve has a sharp bend.

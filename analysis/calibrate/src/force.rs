@@ -1,6 +1,6 @@
 //! Cutting force against wear: level, exponents and shear stress on the land.
 
-use crate::level::{Joint, ln_integral};
+use crate::level::{Joint, Nodes, Start, ln_integral, mode};
 use crate::model::Model;
 use crate::normal::{HALF_LN_TAU, ln_density};
 use crate::parameter::{Parameter, Prior, Scale};
@@ -159,7 +159,8 @@ impl Model for ForceModel {
                 }
                 (density, gradient, curvature)
             };
-            ln_integral(&mut joint, parts.len())
+            let top = mode(&mut joint, parts.len(), Start::Many);
+            ln_integral(Nodes::Nine, top, |levels| levels.iter_mut().for_each(|z| *z = joint(*z, 1).0))
         };
         edges.iter().map(of_edge).collect()
     }

@@ -42,43 +42,49 @@ impl InLife {
     /// joint normal distribution with [`InLife::covariance`] in a time in proportion to the readings (A. C. Harvey,
     /// Forecasting, Structural Time Series Models and the Kalman Filter, Cambridge 1989, section 3.4).
     pub(crate) fn filter(&self, steps: &[Step], readings: impl Iterator<Item = Noisy>) -> Filtered {
-        let reading_variance = self.deviation * self.deviation;
-        // Mean of the integral and the noise given the readings so far, for the deviations and for the slopes; covariance.
+        // Mean of the integral and the noise given the readings so far, for the deviations and for the slopes.
         let (mut off, mut slope) = ([0.0; 2], [0.0; 2]);
-        let [mut xx, mut xo, mut oo] = [0.0, 0.0, reading_variance];
+        let mut joined = Joined::new(self);
         let mut found = Filtered::default();
-        // Of the variances, whose logarithms are asked for only when the product would leave the range of numbers.
-        let mut product = 1.0;
         for (step, reading) in steps.iter().zip(readings) {
-            let Step { kept, reach, integral, mixed, noise } = *step;
-            xx += reach * (2.0 * xo + reach * oo) + reading_variance * integral;
-            xo = kept * (xo + reach * oo) + reading_variance * mixed;
-            oo = kept * kept * oo + reading_variance * noise;
             for mean in [&mut off, &mut slope] {
-                *mean = [mean[0] + reach * mean[1], kept * mean[1]];
+                *mean = step.mean(*mean);
             }
             let pace = reading.pace;
-            let variance = pace * pace * xx + reading.variance;
-            let precision = 1.0 / variance;
-            let gain = [pace * xx * precision, pace * xo * precision];
+            let (gain, precision) = joined.read(step, pace, reading.variance);
             let (missed, turned) = (reading.off - pace * off[0], reading.slope - pace * slope[0]);
             for (mean, news) in [(&mut off, missed), (&mut slope, turned)] {
                 *mean = [mean[0] + gain[0] * news, mean[1] + gain[1] * news];
             }
-            oo -= gain[1] * pace * xo;
-            xo -= gain[0] * pace * xo;
-            xx -= gain[0] * pace * xx;
-            product *= variance;
-            if !PRODUCTS.contains(&product) {
-                found.density -= 0.5 * product.ln();
-                product = 1.0;
-            }
-            found.density -= 0.5 * missed * missed * precision + HALF_LN_TAU;
+            found.density -= 0.5 * missed * missed * precision;
             found.gradient += missed * turned * precision;
             found.curvature += turned * turned * precision;
         }
-        found.density -= 0.5 * product.ln();
+        found.density += joined.ln_scale();
         found
+    }
+
+    /// Log densities of `N` sets of deviations of the same readings from what is expected without noise. How the noise joins
+    /// them does not depend on the deviations and is worked out once for all sets. Of each reading come its rate in mm/min, the
+    /// variance of its error in mm², and its deviations in mm.
+    pub(crate) fn densities<const N: usize>(
+        &self,
+        steps: &[Step],
+        readings: impl Iterator<Item = (f64, f64, [f64; N])>,
+    ) -> [f64; N] {
+        let (mut integral, mut noise, mut squares) = ([0.0; N], [0.0; N], [0.0; N]);
+        let mut joined = Joined::new(self);
+        for (step, (pace, variance, off)) in steps.iter().zip(readings) {
+            let (gain, precision) = joined.read(step, pace, variance);
+            for set in 0..N {
+                let [before, now] = step.mean([integral[set], noise[set]]);
+                let missed = off[set] - pace * before;
+                (integral[set], noise[set]) = (before + gain[0] * missed, now + gain[1] * missed);
+                squares[set] += missed * missed * precision;
+            }
+        }
+        let scale = joined.ln_scale();
+        squares.map(|squares| scale - 0.5 * squares)
     }
 
     /// The integral of the noise at the ends of steps, min; `normal` draws standard normal numbers.
@@ -93,6 +99,56 @@ impl InLife {
             self.deviation * integral
         };
         steps.iter().map(at).collect()
+    }
+}
+
+/// The covariance of the integral of the noise and of the noise itself, given the readings so far.
+struct Joined {
+    /// Variance of the noise, 1.
+    variance: f64,
+    /// Variance of the integral, min².
+    xx: f64,
+    /// Covariance of both, min.
+    xo: f64,
+    /// Variance of the noise, 1.
+    oo: f64,
+    /// Of the variances of the readings, whose logarithms are asked for only when it would leave the range of numbers.
+    product: f64,
+    /// Logarithm of the factor of the density that does not depend on the readings.
+    ln_scale: f64,
+}
+
+impl Joined {
+    fn new(noise: &InLife) -> Self {
+        let variance = noise.deviation * noise.deviation;
+        Self { variance, xx: 0.0, xo: 0.0, oo: variance, product: 1.0, ln_scale: 0.0 }
+    }
+
+    /// A step, and a reading at its end: how much of its surprise goes to the integral and to the noise, and the precision of
+    /// the reading.
+    fn read(&mut self, step: &Step, pace: f64, error: f64) -> ([f64; 2], f64) {
+        let Step { kept, reach, integral, mixed, noise } = *step;
+        self.xx += reach * (2.0 * self.xo + reach * self.oo) + self.variance * integral;
+        self.xo = kept * (self.xo + reach * self.oo) + self.variance * mixed;
+        self.oo = kept * kept * self.oo + self.variance * noise;
+        let variance = pace * pace * self.xx + error;
+        let precision = 1.0 / variance;
+        let gain = [pace * self.xx * precision, pace * self.xo * precision];
+        self.oo -= gain[1] * pace * self.xo;
+        self.xo -= gain[0] * pace * self.xo;
+        self.xx -= gain[0] * pace * self.xx;
+        self.product *= variance;
+        if !PRODUCTS.contains(&self.product) {
+            self.ln_scale -= 0.5 * self.product.ln();
+            self.product = 1.0;
+        }
+        self.ln_scale -= HALF_LN_TAU;
+        (gain, precision)
+    }
+
+    /// Logarithm of the factor of the density that does not depend on the readings.
+    fn ln_scale(&self) -> f64 {
+        self.ln_scale - 0.5 * self.product.ln()
     }
 }
 
@@ -115,6 +171,11 @@ pub(crate) struct Step {
 }
 
 impl Step {
+    /// Mean of the integral and of the noise after this step, from those before it.
+    fn mean(&self, [integral, noise]: [f64; 2]) -> [f64; 2] {
+        [integral + self.reach * noise, self.kept * noise]
+    }
+
     /// A step of `d` correlation times of `l` min.
     fn over(d: f64, l: f64) -> Self {
         let kept = (-d).exp();

@@ -33,34 +33,46 @@ const COMPARED: usize = 16;
 /// Log density, its derivative and its Gauss–Newton curvature at a standardised level.
 pub(crate) type Joint = (f64, f64, f64);
 
-/// Logarithm of the integral of a density over the standardised level, by adaptive Gauss–Hermite quadrature. `at` takes the
-/// level and which of the `readings` are looked at: one is all of them, `n` every nth.
-pub(crate) fn ln_integral(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize) -> f64 {
-    let top = mode(at, readings, Start::Many);
-    nine_nodes(at, top)
+/// Middle and positive half of the 3-point rule, from the same table: for edges with so many readings that their level is
+/// all but known.
+const FEW_NODES: [(f64, f64); 2] = [(0.0, 1.181_635_900_603_677), (1.224_744_871_391_589, 0.295_408_975_150_919_4)];
+/// Nodes of the greater rule beside the one in the middle.
+pub(crate) const SIDES: usize = 2 * (HERMITE.len() - 1);
+
+/// How many nodes integrate over the level of an edge.
+#[derive(Clone, Copy)]
+pub(crate) enum Nodes {
+    /// Nine.
+    Nine,
+    /// Three.
+    Three,
 }
 
-/// The same around a known top.
-pub(crate) fn nine_nodes(at: &mut dyn FnMut(f64, usize) -> Joint, (z, (density, _, curvature)): (f64, Joint)) -> f64 {
+/// Logarithm of the integral of a density over the standardised level around its top, by adaptive Gauss–Hermite quadrature.
+/// `far` takes levels away from the top and leaves the logarithms of the density there in their place.
+pub(crate) fn ln_integral(
+    nodes: Nodes,
+    (z, (density, _, curvature)): (f64, Joint),
+    far: impl FnOnce(&mut [f64]),
+) -> f64 {
+    let half: &[(f64, f64)] = match nodes {
+        Nodes::Nine => &HERMITE,
+        Nodes::Three => &FEW_NODES,
+    };
     let width = std::f64::consts::SQRT_2 / curvature.sqrt();
-    let mut terms = [0.0; 9];
-    for (index, (node, weight)) in HERMITE.iter().enumerate() {
-        let term = |density: f64| density + node * node + weight.ln();
-        terms[index] = term(if index == 0 { density } else { at(z + width * node, 1).0 });
-        if index > 0 {
-            terms[4 + index] = term(at(z - width * node, 1).0);
-        }
+    let side = half.len() - 1;
+    let mut values = [0.0; SIDES];
+    for (place, (node, _)) in half[1..].iter().enumerate() {
+        (values[place], values[side + place]) = (z + width * node, z - width * node);
     }
-    width.ln() + ln_sum(&terms)
-}
-
-/// The same of an edge with so many readings that its level is all but known: three nodes do.
-pub(crate) fn few_nodes(at: &mut dyn FnMut(f64, usize) -> Joint, (z, (density, _, curvature)): (f64, Joint)) -> f64 {
-    let width = std::f64::consts::SQRT_2 / curvature.sqrt();
-    // Abramowitz and Stegun, table 25.10.
-    let (node, middle, side): (f64, f64, f64) = (1.224_744_871_391_589, 1.181_635_900_603_677, 0.295_408_975_150_919_4);
-    let mut far = |z: f64| at(z, 1).0 + node * node + side.ln();
-    width.ln() + ln_sum(&[density + middle.ln(), far(z - width * node), far(z + width * node)])
+    far(&mut values[..2 * side]);
+    let mut terms = [0.0; SIDES + 1];
+    terms[0] = density + half[0].1.ln();
+    for (place, density) in values[..2 * side].iter().enumerate() {
+        let (node, weight) = half[1 + place % side];
+        terms[1 + place] = density + node * node + weight.ln();
+    }
+    width.ln() + ln_sum(&terms[..=2 * side])
 }
 
 /// Where the search for the level of an edge begins.

@@ -3,6 +3,7 @@
 use crate::ensemble;
 use crate::fit::{Maximum, climbed, maximise};
 use crate::model::Model;
+use crate::normal::ln_sum;
 use crate::pareto::Weights;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -22,6 +23,11 @@ const EFFECTIVE: f64 = 400.0;
 /// the first could be relied on (assumption): scatter that is barely known has a skewed posterior, of which the Laplace
 /// proposal reaches the far side seldom.
 const EFFICIENT: f64 = 0.3;
+/// Further times that a proposal takes over the moments of the draws before it while none could be relied on (assumption: each
+/// costs a thirtieth of an ensemble).
+const MATCHINGS: usize = 3;
+/// Least share of the proposals around each of several maxima (assumption: a maximum whose width is judged wrongly is still met).
+const LEAST_SHARE: f64 = 0.1;
 /// Starts besides the prior mean (assumption).
 const STARTS: usize = 4;
 /// Edges that show which maxima there are (assumption).
@@ -175,36 +181,23 @@ pub(crate) fn sample_around(
     let model = near.as_deref().unwrap_or(model);
     // Of many edges the proposal is a good one, and more draws than are wanted tell little more.
     let proposals = if edges.len() > 2 * MANY { count.max(1000) } else { (2 * count).max(1000) };
-    if modes.is_empty() {
-        let reliable = |found: &Weighted| found.weights.shape <= TAIL && found.weights.effective() >= EFFECTIVE;
-        let first = Weighted::draw(model, edges, &map.u, &map.covariance, proposals, &mut random);
-        let first_count = first.weights.effective();
-        let mut best = (Method::ResampledLaplace, first);
-        if !reliable(&best.1) || first_count < EFFICIENT * proposals as f64 {
-            let (mean, covariance) = best.1.moments();
-            let second = Weighted::draw(model, edges, &mean, &covariance, proposals, &mut random);
-            if reliable(&second) && (second.weights.effective() > first_count || !reliable(&best.1)) {
-                best = (Method::MomentMatched, second);
-            }
-        }
-        let (method, found) = best;
-        if reliable(&found) {
-            let (mean, covariance) = found.moments();
-            return Posterior {
-                map,
-                modes,
-                draws: found.resampled(count, &mut random),
-                method,
-                effective: found.weights.effective(),
-                pareto_k: found.weights.shape,
-                split_r: f64::NAN,
-                mean,
-                covariance,
-            };
-        }
+    let maxima: Vec<&Maximum> = std::iter::once(&map).chain(&modes).collect();
+    let (method, found) = matched(model, edges, &maxima, proposals, &mut random);
+    if found.reliable() {
+        let (mean, covariance) = found.moments();
+        return Posterior {
+            draws: found.resampled(count, &mut random),
+            map,
+            modes,
+            method,
+            effective: found.weights.effective(),
+            pareto_k: found.weights.shape,
+            split_r: f64::NAN,
+            mean,
+            covariance,
+        };
     }
-    let spread: Vec<&Maximum> = std::iter::once(&map).chain(&modes).collect();
-    let chain = ensemble::run(model, edges, &spread, count, &mut random);
+    let chain = ensemble::run(model, edges, &maxima, count, &mut random);
     let equal = vec![1.0 / chain.draws.len() as f64; chain.draws.len()];
     let (mean, covariance) = moments(&chain.draws, &equal);
     Posterior {
@@ -220,6 +213,99 @@ pub(crate) fn sample_around(
     }
 }
 
+/// Weighted draws around the maxima, or by the moments of those where they cannot be relied on or are few.
+fn matched(
+    model: &dyn Model,
+    edges: &[usize],
+    maxima: &[&Maximum],
+    proposals: usize,
+    random: &mut ChaCha8Rng,
+) -> (Method, Weighted) {
+    let mut method = Method::ResampledLaplace;
+    let (mut best, few) = if let [map] = maxima {
+        let first = Weighted::draw(model, edges, &map.u, &map.covariance, proposals, random);
+        let few = first.weights.effective() < EFFICIENT * proposals as f64;
+        (first, few)
+    } else {
+        (Weighted::around(model, edges, maxima, 2 * proposals, random), false)
+    };
+    let mut wanted = if few || !best.reliable() { proposals } else { 0 };
+    for _ in 0..=MATCHINGS {
+        if wanted == 0 {
+            break;
+        }
+        let (mean, covariance) = best.moments();
+        let next = Weighted::draw(model, edges, &mean, &covariance, wanted, random);
+        let better = next.weights.effective() > best.weights.effective();
+        if (better || !best.reliable()) && next.reliable() || better && !best.reliable() {
+            (method, best) = (Method::MomentMatched, next);
+        }
+        wanted = if best.reliable() { 0 } else { 2 * proposals };
+    }
+    (method, best)
+}
+
+/// Draws from a mixture of t distributions around maxima, each with its log density. A maximum has the share of the density that
+/// lies around it by its height and width, and [`LEAST_SHARE`] at least.
+fn proposed_around(maxima: &[&Maximum], count: usize, random: &mut ChaCha8Rng) -> (Vec<DVector<f64>>, Vec<f64>) {
+    let parts: Vec<Part> = maxima.iter().map(|maximum| Part::new(&maximum.u, &maximum.covariance)).collect();
+    let around = |(maximum, part): (&&Maximum, &Part)| maximum.ln_density + part.root.diagonal().map(f64::ln).sum();
+    let heights: Vec<f64> = maxima.iter().zip(&parts).map(around).collect();
+    let all = ln_sum(&heights);
+    let shares: Vec<f64> = heights.iter().map(|height| (height - all).exp().max(LEAST_SHARE)).collect();
+    let whole: f64 = shares.iter().sum();
+    let chi = ChiSquared::new(FREEDOM).expect("a positive number of degrees");
+    let draw = |_: usize| {
+        let mut place = random.random::<f64>() * whole;
+        let chosen = shares.iter().position(|share| {
+            place -= share;
+            place < 0.0
+        });
+        let part = &parts[chosen.unwrap_or(parts.len() - 1)];
+        let z = DVector::from_fn(part.mean.len(), |_, _| StandardNormal.sample(&mut *random));
+        let stretch: f64 = FREEDOM / chi.sample(random);
+        let draw = &part.mean + &part.root * z * stretch.sqrt();
+        let terms: Vec<f64> =
+            parts.iter().zip(&shares).map(|(part, share)| part.ln_density(&draw) + (share / whole).ln()).collect();
+        (draw, ln_sum(&terms))
+    };
+    (0..count).map(draw).unzip()
+}
+
+/// One t distribution of a mixture.
+struct Part {
+    mean: DVector<f64>,
+    /// Lower triangular root of its shape matrix.
+    root: DMatrix<f64>,
+    constant: f64,
+}
+
+impl Part {
+    fn new(mean: &DVector<f64>, covariance: &DMatrix<f64>) -> Self {
+        let (root, constant) = rooted(covariance);
+        Self { mean: mean.clone(), root, constant }
+    }
+
+    fn ln_density(&self, u: &DVector<f64>) -> f64 {
+        let square = self.root.solve_lower_triangular(&(u - &self.mean)).map_or(f64::INFINITY, |z| z.norm_squared());
+        self.constant - 0.5 * (FREEDOM + u.len() as f64) * (square / FREEDOM).ln_1p()
+    }
+}
+
+/// The lower triangular root of a shape matrix, and the logarithm of the constant of its t distribution.
+fn rooted(covariance: &DMatrix<f64>) -> (DMatrix<f64>, f64) {
+    let size = covariance.nrows() as f64;
+    let root = match covariance.clone().cholesky() {
+        Some(factor) => factor.l(),
+        None => DMatrix::from_diagonal(&covariance.diagonal().map(|variance| variance.max(1e-12).sqrt())),
+    };
+    let constant = ln_gamma(0.5 * (FREEDOM + size))
+        - ln_gamma(0.5 * FREEDOM)
+        - 0.5 * size * (FREEDOM * std::f64::consts::PI).ln()
+        - root.diagonal().map(f64::ln).sum();
+    (root, constant)
+}
+
 /// Draws from the t distribution around a mean, each with its log density.
 pub(crate) fn proposed(
     mean: &DVector<f64>,
@@ -228,15 +314,8 @@ pub(crate) fn proposed(
     random: &mut ChaCha8Rng,
 ) -> (Vec<DVector<f64>>, Vec<f64>) {
     let size = mean.len();
-    let root = match covariance.clone().cholesky() {
-        Some(factor) => factor.l(),
-        None => DMatrix::from_diagonal(&covariance.diagonal().map(|variance| variance.max(1e-12).sqrt())),
-    };
+    let (root, constant) = rooted(covariance);
     let chi = ChiSquared::new(FREEDOM).expect("a positive number of degrees");
-    let constant = ln_gamma(0.5 * (FREEDOM + size as f64))
-        - ln_gamma(0.5 * FREEDOM)
-        - 0.5 * size as f64 * (FREEDOM * std::f64::consts::PI).ln()
-        - root.diagonal().map(f64::ln).sum();
     let mut draws = Vec::with_capacity(count);
     let mut densities = Vec::with_capacity(count);
     for _ in 0..count {
@@ -267,10 +346,24 @@ impl Weighted {
         count: usize,
         random: &mut ChaCha8Rng,
     ) -> Self {
-        let (draws, proposals) = proposed(mean, covariance, count, random);
+        Self::weighed(model, edges, proposed(mean, covariance, count, random))
+    }
+
+    /// Draws from t distributions around several maxima, weighted by the posterior of some edges.
+    fn around(model: &dyn Model, edges: &[usize], maxima: &[&Maximum], count: usize, random: &mut ChaCha8Rng) -> Self {
+        Self::weighed(model, edges, proposed_around(maxima, count, random))
+    }
+
+    /// Draws with the log densities of their proposals, weighted by the posterior of some edges.
+    fn weighed(model: &dyn Model, edges: &[usize], (draws, proposals): (Vec<DVector<f64>>, Vec<f64>)) -> Self {
         let ratio = |(draw, proposal): (&DVector<f64>, &f64)| model.ln_posterior(draw.as_slice(), edges) - proposal;
         let ratios: Vec<f64> = draws.par_iter().zip(&proposals).map(ratio).collect();
         Self { draws, weights: Weights::smoothed(&ratios) }
+    }
+
+    /// Whether the tail of the weights and their effective number let the draws be relied on.
+    fn reliable(&self) -> bool {
+        self.weights.shape <= TAIL && self.weights.effective() >= EFFECTIVE
     }
 
     /// Weighted mean and covariance.

@@ -9,6 +9,7 @@ use crate::model::Model;
 use crate::parameter::{Parameter, Prior, Scale};
 use crate::shape::{Candidate, Shape};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use toolroom_wear::wear_stage;
 
 /// Median of an edge's scatter beforehand, and the standard deviation of its logarithm. The prior keeps away from zero: a
@@ -36,6 +37,14 @@ const OPERATIONS: f64 = 1.5;
 const PER_OPERATION: Prior = Prior { mean: 1.0, deviation: 2.0 };
 /// Points along the life of an edge at which its wear is worked out for the hazard of chipping.
 const FINE: usize = 64;
+
+/// Edges from which on those with [`FOLLOWED`] readings are followed from the level that they have at the maximum, instead of
+/// being looked for anew at every point (assumption: what it spares is then seconds).
+const FEW: usize = 24;
+/// Readings that give the level of an edge a single most probable value (assumption).
+const FOLLOWED: usize = 4;
+/// Edges that are worth more than one thread (assumption: a tenth of a millisecond of work).
+const PARALLEL: usize = 48;
 
 /// mm/min of a rate in m/s.
 const MM_PER_MIN: f64 = 6e4;
@@ -376,7 +385,8 @@ impl WearModel {
         let curves = self.curves(u, edges);
         let common = self.common(u, &curves);
         let near = |index: usize| levels.get(index).copied().filter(|level| level.is_finite());
-        edges.iter().map(|index| common.ln_density_near(&self.edges[*index], near(*index))).collect()
+        let one = |index: &usize| common.ln_density_near(&self.edges[*index], near(*index));
+        if edges.len() < PARALLEL { edges.iter().map(one).collect() } else { edges.par_iter().map(one).collect() }
     }
 
     fn common<'a>(&self, u: &[f64], curves: &'a [Curve]) -> Common<'a> {
@@ -422,7 +432,8 @@ impl Model for WearModel {
     }
 
     fn near(&self, u: &[f64]) -> Option<Box<dyn Model + '_>> {
-        let many = |edge: &Edge| edge.well_read();
+        let enough = self.edges.len() > FEW;
+        let many = |edge: &Edge| edge.well_read() || enough && edge.readings() >= FOLLOWED;
         if !self.edges.iter().any(many) || !self.possible(u) {
             return None;
         }
@@ -434,7 +445,7 @@ impl Model for WearModel {
     }
 }
 
-/// A model of edges whose levels are known nearly.
+/// A model of edges whose levels are known nearly, around a point of the parameters.
 struct Near<'a> {
     model: &'a WearModel,
     /// Logarithms of the levels; NaN of edges whose level has to be looked for.

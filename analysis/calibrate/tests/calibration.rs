@@ -5,7 +5,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write as _;
 use toolroom_calibrate::{
-    Calibration, CalibrationError, DataError, Edge, Law, Life, Measured, Model, Request, Stretch, Verdict, WearModel,
+    Calibration, CalibrationError, DataError, Edge, Law, Life, Measured, Method, Model, Parameter, Prior, Request,
+    Scale, Stretch, Verdict, WearModel, sample,
 };
 use toolroom_records::{RecordKind, Records, parse_csv};
 use toolroom_wear::{Cut, Pair};
@@ -145,4 +146,52 @@ fn forces_are_fitted_against_the_wear_that_was_fitted() {
         columns.contains(&"force.flank_shear_stress [MPa]".to_owned()) && !columns.contains(&"force_noise".to_owned())
     );
     assert!(found.draws().all(|draw| draw.len() == columns.len()));
+}
+
+/// A density with two narrow maxima beside a wide prior.
+struct Twins {
+    parameters: Vec<Parameter>,
+}
+
+impl Twins {
+    fn ln_likelihood_at(u: f64) -> f64 {
+        let one =
+            |mean: f64, deviation: f64, share: f64| share / deviation * (-0.5 * ((u - mean) / deviation).powi(2)).exp();
+        (one(-2.0, 0.3, 0.7) + one(1.5, 0.5, 0.3)).ln()
+    }
+}
+
+impl Model for Twins {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn edges(&self) -> usize {
+        1
+    }
+
+    fn ln_densities(&self, u: &[f64], edges: &[usize]) -> Vec<f64> {
+        edges.iter().map(|_| Self::ln_likelihood_at(u[0])).collect()
+    }
+
+    fn readings(&self, _edge: usize) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn replicate(&self, _u: &[f64], _edge: usize, _random: &mut ChaCha8Rng) -> Vec<f64> {
+        Vec::new()
+    }
+}
+
+#[test]
+fn two_maxima_are_drawn_by_what_lies_around_each_without_an_ensemble() {
+    let prior = Prior::new(0.0, 2.0);
+    let model = Twins { parameters: vec![Parameter::new("u", "1", Scale::Plain, prior, "measure")] };
+    let density = |u: f64| (Twins::ln_likelihood_at(u) + prior.ln_density(u)).exp();
+    let sum = |from: i32, to: i32| (from..to).map(|place| density(0.001 * f64::from(place))).sum::<f64>();
+    let above = sum(0, 8000) / sum(-8000, 8000);
+    let found = sample(&model, &[0], 4000, 3).expect("a density");
+    assert_eq!((found.modes.len(), found.method), (1, Method::ResampledLaplace));
+    let drawn = found.draws.iter().filter(|draw| draw[0] > 0.0).count() as f64 / 4000.0;
+    assert!((drawn - above).abs() < 0.02, "{drawn} against {above}");
 }
