@@ -23,6 +23,7 @@
 mod error;
 mod places;
 mod plan;
+mod presence;
 mod readers;
 mod reference;
 mod samples;
@@ -46,6 +47,10 @@ pub const CODES: &[(&str, &str)] = &[
     (
         "late",
         "A warning of check: an order cannot be finished by its due date even if nothing else is in the shop, every machine stands ready and nothing is set up.",
+    ),
+    (
+        "never-there",
+        "A warning of check: an operation needs somebody with a skill, and everybody who has it works only while all machines of the operation rest. The step waits for ever, and with it its order. Let calendars overlap, give somebody else the skill, or take it out of the operation.",
     ),
     (
         "unusual",

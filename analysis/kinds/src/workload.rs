@@ -3,6 +3,7 @@
 //! Everything here is worked out without a simulation, from mean times.
 
 use crate::Warning;
+use crate::presence::absent;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use toolroom_scenario::{
@@ -73,6 +74,7 @@ pub(crate) fn workload(scenario: &Scenario) -> Workload {
     for load in &loads {
         warnings.extend(shop.overload(load).map(|message| Warning { code: "overload", message }));
     }
+    warnings.extend(absent(scenario));
     let late: Vec<String> = scenario.orders.iter().filter_map(|order| shop.unreachable(order)).collect();
     let more = late.len().saturating_sub(MOST_TOLD);
     let late = late.into_iter().map(|message| Warning { code: "late", message });

@@ -37,7 +37,9 @@ impl OneRun {
             correlation
         );
         if self.0.correlated() {
-            text.push_str("warning: run longer: the batches depend on each other, and the interval is not to be trusted\n");
+            text.push_str(
+                "warning: run longer: the batches depend on each other, and the interval is not to be trusted\n",
+            );
         }
         text
     }
