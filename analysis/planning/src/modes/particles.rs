@@ -26,9 +26,9 @@ const NEXT: ([usize; 2], usize) = ([24, 12], 200);
 /// Cuts at one speed and immersion from which on their limit is worked out once, instead of a verdict for each. What is stable
 /// again beyond the first limit counts as unstable then.
 const MANY: usize = 4;
-/// Depths up to which a limit of milling is searched, over the greatest depth that was cut, and steps of that search: with 48
-/// steps an island thinner than a 48th can be missed.
-const SEARCHED: (f64, usize) = (4.0, 48);
+/// Depths up to which a limit of milling is searched, over the greatest depth that was cut, and steps of that search, as in the
+/// shop: an island thinner than a step can be missed.
+const SEARCHED: (f64, usize) = (2.0, 24);
 
 /// Relative difference of speeds below which cuts have one limit: the step of speeds in the shop.
 const ALIKE: f64 = 5e-4;

@@ -10,6 +10,10 @@
 //! is linear in the depth b: at a given w every neutral depth is `−1/lambda` of the matrix in brackets times G. Those that are
 //! real and positive are neutral; w runs over half of a tooth-passing frequency, at whose end period doubling lies.
 //!
+//! With a helix the directional matrix is the mean over the lag of the teeth, which follows from the depth. At a lag that is held the
+//! neutral depths are eigenvalues as before; a depth is a limit where it is the least neutral one at its own lag. The first
+//! such depth is sought in even steps and narrowed down: an island thinner than a step can be missed.
+//!
 //! # Source
 //! Budak and Altintas, Analytical prediction of chatter stability in milling (1998), the multi-frequency solution; solved for
 //! the depth as an eigenvalue.
@@ -32,6 +36,9 @@ const BEYOND: usize = 2;
 const MOST: usize = 40;
 /// Halvings by which a crossing is narrowed down.
 const HALVINGS: u32 = 40;
+/// Depths at which a helical cut is judged on the way to its limit, and the share of a step to which that is narrowed down.
+const STEPS: usize = 24;
+const NARROW: f64 = 1e-3;
 /// Share of a real eigenvalue that rounding leaves imaginary at half of the tooth-passing frequency.
 const REAL: f64 = 1e-7;
 
@@ -49,8 +56,7 @@ impl Milling {
     /// no neutral vibration lies below it.
     ///
     /// # Errors
-    /// A cut that is none; runout or unequal pitch, and a helix, whose directional matrix depends on the depth; an eigenvalue
-    /// that was not found.
+    /// A cut that is none; runout or unequal pitch; an eigenvalue that was not found.
     pub fn limit_of_response(
         &self,
         spindle_speed: f64,
@@ -65,13 +71,35 @@ impl Milling {
         let within = |quantity, value: f64| {
             if value == 0.0 { Ok(()) } else { Err(ChatterError::OutOfRange { quantity, value, min: 0.0, max: 0.0 }) }
         };
-        within("helix_angle of a limit from a response", self.cutter.helix_angle)?;
         within("unequal pitch or runout of a limit from a response", f64::from(u8::from(!self.cutter.is_regular())))?;
         let tooth = self.cutter.teeth as f64 * spindle_speed;
         let mut harmonics = ((sampling.highest / tooth).ceil() as usize + BEYOND).min(MOST);
+        // The least neutral depth at the lag of a depth.
+        let least = |depth: f64, greatest: f64, harmonics: usize| {
+            Harmonics::new(self, spindle_speed, depth, harmonics, response)?.least(greatest, sampling.step)
+        };
+        let mut bracket = [0.0, greatest];
+        if self.cutter.helix_angle != 0.0 {
+            let place = |i: usize| greatest * i as f64 / STEPS as f64;
+            let mut end = None;
+            for i in 1..=STEPS {
+                if least(place(i), place(i), harmonics)?.is_some() {
+                    end = Some(i);
+                    break;
+                }
+            }
+            // A limit between two steps is narrowed down with every number of harmonics; one step more on either side is
+            // where it may move.
+            let Some(end) = end else { return Ok(None) };
+            bracket = [place(end.saturating_sub(2)), place((end + 1).min(STEPS))];
+        }
         let mut last: Option<Option<StabilityLimit>> = None;
         loop {
-            let found = Harmonics::new(self, spindle_speed, harmonics, response)?.least(greatest, sampling.step)?;
+            let found = if self.cutter.helix_angle == 0.0 {
+                least(0.0, greatest, harmonics)?
+            } else {
+                narrowed(bracket, greatest / STEPS as f64 * NARROW, |depth| least(depth, 2.0 * depth, harmonics))?
+            };
             let settled = match (&last, &found) {
                 (Some(None), None) => true,
                 (Some(Some(last)), Some(found)) => (found.depth / last.depth - 1.0).abs() < TOLERANCE,
@@ -86,7 +114,35 @@ impl Milling {
     }
 }
 
-/// The equations at one speed.
+/// The first depth in a bracket that is the least neutral one at its own lag, to `width` (m); `least` tells the least neutral
+/// depth at the lag of a depth, up to twice that depth.
+fn narrowed(
+    [low, high]: [f64; 2],
+    width: f64,
+    least: impl Fn(f64) -> Result<Option<StabilityLimit>, ChatterError>,
+) -> Result<Option<StabilityLimit>, ChatterError> {
+    // The three steps of the bracket, from below.
+    let part = |i: usize| low + (high - low) * i as f64 / 3.0;
+    let mut before = low;
+    for i in 1..=3 {
+        let mut after = part(i);
+        let Some(mut found) = least(after)?.filter(|found| found.depth <= after) else {
+            before = after;
+            continue;
+        };
+        while after - before > width {
+            let middle = 0.5 * (before + after);
+            match least(middle)?.filter(|found| found.depth <= middle) {
+                Some(nearer) => (after, found) = (middle, nearer),
+                None => before = middle,
+            }
+        }
+        return Ok(Some(StabilityLimit { depth: after, ..found }));
+    }
+    Ok(None)
+}
+
+/// The equations at one speed and lag of the teeth.
 struct Harmonics<'a> {
     /// Tooth-passing frequency (rad/s).
     tooth: f64,
@@ -102,8 +158,14 @@ struct Harmonics<'a> {
 type Branch = Complex<f64>;
 
 impl<'a> Harmonics<'a> {
-    fn new(cut: &Milling, spindle_speed: f64, count: usize, response: &'a Response<'a>) -> Result<Self, ChatterError> {
-        let geometry = Geometry::new(cut, 0.0, false)?;
+    fn new(
+        cut: &Milling,
+        spindle_speed: f64,
+        depth: f64,
+        count: usize,
+        response: &'a Response<'a>,
+    ) -> Result<Self, ChatterError> {
+        let geometry = Geometry::new(cut, depth, false)?;
         let orders = 2 * count + 1;
         let scale = cut.force.process_damping / (spindle_speed * cut.cutter.diameter / 2.0);
         let mut gain = vec![[Complex::new(0.0, 0.0); 4]; 2 * orders + 1];
@@ -296,10 +358,43 @@ mod tests {
         }
     }
 
+    /// Islands of a helical cutter, against the ends of its stable intervals by collocation: 1.78988805 and 6.24774127 mm.
     #[test]
-    fn a_cut_whose_matrix_depends_on_the_depth_is_refused() {
+    fn the_response_of_modes_has_the_limits_of_a_helical_cutter() {
+        let mut island = cut(false, 0.05, 0.0);
+        island.modes =
+            vec![Mode { direction: [1.0, 0.0], natural_frequency: 922.0, damping_ratio: 0.011, stiffness: 1.34e6 }];
+        island.cutter = Cutter { helix_angle: 45f64.to_radians(), ..Cutter::straight(2, 0.008) };
+        let response = |w: f64| {
+            let g = island.frequency_response(w / TAU);
+            [g[(0, 0)], g[(0, 1)], g[(1, 0)], g[(1, 1)]]
+        };
+        let sampling = Sampling { step: 5.0 * TAU, highest: 1200.0 * TAU };
+        for (rpm, expected, greatest) in [(17_850.0, 1.789_888_05e-3, 4e-3), (16_800.0, 6.247_741_27e-3, 8e-3)] {
+            let speed = rpm / 60.0 * TAU;
+            let found = island.limit_of_response(speed, greatest, sampling, &response).unwrap().unwrap();
+            assert!((found.depth / expected - 1.0).abs() < 2e-3, "{rpm} {found:?}");
+            assert_eq!(found.kind, ChatterKind::Flip, "{rpm}");
+        }
+        let quiet = island.limit_of_response(17_850.0 / 60.0 * TAU, 1.7e-3, sampling, &response).unwrap();
+        assert!(quiet.is_none(), "{quiet:?}");
+        // A common helix with modes in both directions, at a Hopf limit.
+        let mut common = cut(true, 0.5, 2e4);
+        common.cutter.helix_angle = 0.5;
+        let speed = 12_000.0 / 60.0 * TAU;
+        let expected = common.at_speed(speed).unwrap().limit(6e-3).unwrap();
+        let response = |w: f64| {
+            let g = common.frequency_response(w / TAU);
+            [g[(0, 0)], g[(0, 1)], g[(1, 0)], g[(1, 1)]]
+        };
+        let found = common.limit_of_response(speed, 6e-3, sampling, &response).unwrap().unwrap();
+        assert!((found.depth / expected.depth - 1.0).abs() < 4e-3, "{found:?} {expected:?}");
+    }
+
+    #[test]
+    fn teeth_at_unequal_pitch_are_refused() {
         let mut cut = cut(false, 0.5, 0.0);
-        cut.cutter.helix_angle = 0.5;
+        cut.cutter.pitch = vec![3.0, TAU - 3.0];
         let sampling = Sampling { step: 30.0, highest: 6e3 };
         let zero = |_| [Complex::new(0.0, 0.0); 4];
         let refused = cut.limit_of_response(500.0, 1e-3, sampling, &zero);
