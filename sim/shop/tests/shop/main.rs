@@ -19,6 +19,7 @@ mod interruptions;
 mod jobs_flow;
 mod operators;
 mod orders;
+mod part_programs;
 mod places;
 mod queues;
 mod replay;
