@@ -7,7 +7,7 @@ use crate::study::default_out;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
 use toolroom_output::{OutputDir, provenance};
-use toolroom_planning::contour::{NAMES, StudyOptions, Task, edge_life, files, studies, summary, text};
+use toolroom_planning::contour::{Drawn, NAMES, StudyOptions, Task, edge_life, files, studies, summary, text};
 use toolroom_program::{Control, Dialect, Units};
 use toolroom_shards::fingerprint;
 
@@ -17,13 +17,19 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
         let dialect = args.dialect.as_deref().and_then(Dialect::named);
         (path, Control { dialect, ..Control::of_file(path, units) })
     });
-    let task = Task::read(&args.file, control.as_ref().map(|(path, control)| (*path, control)), &args.set)?;
+    let units = args.units.as_deref().and_then(Units::named);
+    let drawn = match (&control, &args.dxf) {
+        (Some((path, control)), _) => Some(Drawn::Program(path, control)),
+        (None, Some(path)) => Some(Drawn::Dxf(path, args.layer.as_deref(), units)),
+        (None, None) => None,
+    };
+    let task = Task::read(&args.file, drawn, &args.set)?;
     for name in &args.pass {
         let known = task.file.pass(name);
         known.map_err(|error| Failure::argument(format_args!("--pass: {error}"), "leave --pass out for all"))?;
     }
     let target = args.out.clone().unwrap_or_else(|| default_out(&task.file.name));
-    let inputs = std::iter::once(args.file.as_path()).chain(args.gcode.as_deref());
+    let inputs = std::iter::once(args.file.as_path()).chain(args.gcode.as_deref()).chain(args.dxf.as_deref());
     let out = OutputDir::create(&target, NAMES, inputs, voice.force)?;
     let start = Instant::now();
     let options = options(args)?;
@@ -68,6 +74,12 @@ fn origin(args: &ContourArgs, task: &Task) -> Provenance {
     }
     if let Some(program) = &args.gcode {
         arguments.extend(["--gcode".to_owned(), program.display().to_string()]);
+    }
+    if let Some(drawing) = &args.dxf {
+        arguments.extend(["--dxf".to_owned(), drawing.display().to_string()]);
+    }
+    if let Some(layer) = &args.layer {
+        arguments.extend(["--layer".to_owned(), layer.clone()]);
     }
     if let Some(post) = &args.post {
         arguments.extend(["--post".to_owned(), post.clone()]);

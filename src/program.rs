@@ -23,11 +23,7 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let setup = args.setup.as_deref().map(|path| Setup::read(path, &[])).transpose()?.map(|file| file.content);
     let units = args.units.as_deref().and_then(Units::named);
-    // A machine that the setup names, from its folder unless it is a preset.
-    let named = setup.as_ref().and_then(|setup| setup.drives.clone()).zip(args.setup.as_deref()).map(|(name, file)| {
-        let beside = file.with_file_name(&name);
-        if beside.exists() { beside } else { name.into() }
-    });
+    let named = setup.as_ref().zip(args.setup.as_deref()).and_then(|(setup, file)| setup.machine_file(file));
     let Machine { control, mut drives } = machine(args.drives.as_deref().or(named.as_deref()), &args.set)?;
     let mut control = control.for_file(&args.file, units);
     control.dialect = args.dialect.as_deref().and_then(Dialect::named);

@@ -389,6 +389,28 @@ fn a_contour_in_g_code_gives_the_plan_of_the_same_contour_in_sections() {
 }
 
 #[test]
+fn a_contour_in_a_drawing_gives_the_plan_of_the_same_contour_in_sections() {
+    let setup = written("dxf", "setup.toml", SETUP);
+    let entity = |name: &str, layer: &str, pairs: &[(i32, f64)]| {
+        let pairs: String = pairs.iter().map(|(code, value)| format!("{code}\n{value}\n")).collect();
+        format!("0\n{name}\n8\n{layer}\n{pairs}")
+    };
+    // In disorder; arcs of a drawing turn left, so that the bulge stands against the direction of travel.
+    let drawing = format!(
+        "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{}{}{}{}{}0\nENDSEC\n0\nEOF\n",
+        entity("LINE", "WALL", &[(10, 0.0), (20, 0.0), (11, 40.0), (21, 0.0)]),
+        entity("ARC", "WALL", &[(10, 83.0), (20, 55.0), (40, 18.0), (50, 120.0), (51, 180.0)]),
+        entity("CIRCLE", "HOLES", &[(10, 10.0), (20, 30.0), (40, 4.0)]),
+        entity("LINE", "WALL", &[(10, 65.0), (20, 55.0), (11, 65.0), (21, 25.0)]),
+        entity("ARC", "WALL", &[(10, 40.0), (20, 25.0), (40, 25.0), (50, 270.0), (51, 0.0)]),
+    );
+    let path = written("dxf-drawing", "part.dxf", &drawing);
+    is_the_fresh_plan(&result("dxf", "contour", &setup, &["--dxf", &path, "--layer", "WALL", "--draws", "0"]), 1e-4);
+    let found = problems("contour", &setup, &["--dxf", &path]);
+    assert!(found[0].0 == "dxf" && found[0].1.ends_with("part.dxf") && found[0].2 > 1, "{found:?}");
+}
+
+#[test]
 fn bad_contours_are_refused_with_reason_and_place() {
     let refused = |text: &str, more: &[&str]| problem("contour", &written("bad-contour", "contour.toml", text), more);
     let closed = format!("{SETUP}{DRAWN}").replace("closed = false", "closed = true");

@@ -17,7 +17,7 @@ pub fn advise(path: &Path, calibration: &Calibration) -> Result<Advice, Failure>
     let process = calibration.measured.process;
     let cuts = |operation: &Operation| match &operation.work {
         Work::Cutting(cuts) => cuts.first().copied(),
-        Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => None,
+        Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) | Work::Program(_) => None,
     };
     let of_process = |operation: &&Operation| {
         let tool = operation.tool.map(|tool| &scenario.tools[tool]);

@@ -227,6 +227,7 @@ A lobes file takes the result by coefficients = \"al7075.toml\" in [force] or [c
   toolroom contour scenarios/contour/rk3.toml
   toolroom contour scenarios/contour/rk3.toml --pass finish --set economics.edge_cost=\"20 EUR\"
   toolroom contour setup.toml --gcode part.nc            contour from a part program
+  toolroom contour setup.toml --dxf part.dxf --layer OUTER    contour from a drawing
   toolroom contour scenarios/contour/cam.toml --ramps --json")]
     Contour(ContourArgs),
     /// Nominal cycle time of a part program, block by block: feeds, rapids, dwells, tool changes, holes

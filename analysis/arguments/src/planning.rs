@@ -53,13 +53,19 @@ pub struct ContourArgs {
     /// Contour file
     pub file: PathBuf,
     /// Part program that draws the contour, instead of the sections of the file
-    #[arg(long, value_name = "PROGRAM")]
+    #[arg(long, value_name = "PROGRAM", group = "drawn")]
     pub gcode: Option<PathBuf>,
     /// Language of the part program; found from its words where not given
     #[arg(long, value_name = "DIALECT", value_parser = toolroom_program::Dialect::NAMES, requires = "gcode")]
     pub dialect: Option<String>,
-    /// Unit of lengths of a part program that names none
-    #[arg(long, value_name = "UNIT", value_parser = toolroom_program::Units::NAMES, requires = "gcode")]
+    /// DXF file that draws the contour, instead of the sections of the file
+    #[arg(long, value_name = "DRAWING", group = "drawn")]
+    pub dxf: Option<PathBuf>,
+    /// Layer of the drawing; left out where it is one contour
+    #[arg(long, value_name = "LAYER", requires = "dxf")]
+    pub layer: Option<String>,
+    /// Unit of lengths of a part program or drawing that names none
+    #[arg(long, value_name = "UNIT", value_parser = toolroom_program::Units::NAMES, requires = "drawn")]
     pub units: Option<String>,
     /// Language of the part programs that are written; fanuc where not given
     #[arg(long, value_name = "DIALECT", value_parser = toolroom_program::Dialect::NAMES)]

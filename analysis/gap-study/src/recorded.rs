@@ -7,8 +7,8 @@ use toolroom_scenario::file::ScenarioFile;
 use toolroom_shop::RunLog;
 
 /// Kinds of records that a simulated shop leaves.
-pub const RECORDED: [RecordKind; 4] =
-    [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop];
+pub const RECORDED: [RecordKind; 5] =
+    [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop, RecordKind::Program];
 
 /// What would have been measured of a run of the scenario in `file`, kind by kind; kinds without rows are left out.
 /// Readings carry the errors of the sensors in the section `[gap]`, drawn from the seed of the scenario; `name` is that

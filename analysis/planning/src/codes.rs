@@ -53,6 +53,10 @@ pub const CODES: &[(&str, &str)] = &[
         "A contour is what a part program moves at feed in the plane XY behind its last rapid motion there. The program is read in the language of its control, as by `toolroom program`; a word that is not understood is refused, because passing it over could change the contour. The unit has to be named (G20, G21, --units), and the compensation of the radius or cutter_side has to say on which side the cutter runs.",
     ),
     (
+        "dxf",
+        "A contour is what the lines, arcs, circles and polylines of one layer of an ASCII DXF file draw when they are joined end to end, within a thousandth of a millimetre. A spline, an ellipse or a block on that layer is refused, because passing it over could change the contour; texts, dimensions and hatches are passed over. Where several contours are drawn, each is told with its line: name the layer of one. The unit is that of $INSUNITS, or --units.",
+    ),
+    (
         "no-ramp",
         "With --ramps a feed changes within half of the faster section. Where sections are very short or the acceleration is low, no admissible feed can be reached from the one before; join sections, or raise the acceleration or the range of feeds.",
     ),

@@ -3,11 +3,10 @@
 use crate::tables::table;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 use std::fmt::Write;
 use toolroom_process::table::Cell;
-use toolroom_program::{Control, EventKind, ProgramError, Run, Sense};
-use toolroom_stock::{Cut, Cutting, Load, Setup};
+use toolroom_program::{Control, EventKind, ProgramError, Run};
+use toolroom_stock::{Cut, Follower, Load, NoTool, Setup};
 
 /// Why a program was not followed through its stock.
 #[derive(Debug, thiserror::Error)]
@@ -17,12 +16,12 @@ pub enum EngagementError {
     #[error("{0}")]
     Program(#[from] ProgramError),
     /// A tool that the setup does not have.
-    #[error("{line}:1: {}; add it as [[tool]] to the setup", match tool { Some(tool) => format!("the setup has no tool {tool}"), None => "no tool is called before the first cut, and the setup has more than one".to_owned() })]
+    #[error("{line}:1: {reason}")]
     NoTool {
         /// Line of the program.
         line: usize,
-        /// Its number.
-        tool: Option<u32>,
+        /// Which one.
+        reason: NoTool,
     },
 }
 
@@ -37,6 +36,8 @@ struct Share {
     sampled: f64,
     bound: f64,
     load: Option<Load>,
+    /// Share of the life of an edge that is used.
+    wear: Option<f64>,
 }
 
 /// Where something is greatest: its value and the line.
@@ -50,6 +51,7 @@ pub struct Engagement {
     sampled: Peak,
     power: Option<Peak>,
     force: Option<Peak>,
+    deflection: Option<Peak>,
     /// Lines of rapid motions through material and of plunges, the first of each kind first.
     crashes: Vec<usize>,
     plunges: Vec<usize>,
@@ -79,13 +81,14 @@ impl Engagement {
     /// # Errors
     /// [`EngagementError`]: the program is refused, or cuts with a tool that the setup does not have.
     pub fn new(text: &str, control: &Control, setup: &Setup, motions: bool) -> Result<Self, EngagementError> {
-        let mut cutting = Cutting::new(setup.stock, setup.radius());
+        let mut follower = Follower::new(setup);
         let mut study = Self {
             tools: BTreeMap::new(),
             bound: (0.0, 0),
             sampled: (0.0, 0),
             power: None,
             force: None,
+            deflection: None,
             crashes: Vec::new(),
             plunges: Vec::new(),
             removed: 0.0,
@@ -93,32 +96,19 @@ impl Engagement {
             resolution: 0.02 * setup.radius(),
             rows: motions.then(Vec::new),
         };
-        // A setup of one tool needs no call of it.
-        let only = if setup.tools.len() == 1 { setup.tools.keys().next().copied() } else { None };
-        let (mut tool, mut speed) = (only, 0.0);
-        // Until the program says where Z is, the tool is above everything.
-        let mut lifted = true;
         for event in Run::new(text, control)? {
             let event = event?;
             match event.kind {
-                EventKind::ToolChange(number) => tool = number.or(only),
-                EventKind::Spindle { speed: rpm, sense } => {
-                    speed = if sense == Sense::Clockwise { rpm * TAU / 60.0 } else { 0.0 };
-                }
-                EventKind::Home(axes) => lifted |= axes[2],
+                EventKind::ToolChange(number) => follower.change(number),
+                EventKind::Spindle { speed, sense } => follower.spindle(speed, sense),
+                EventKind::Home(axes) => follower.home(axes[2]),
                 EventKind::Motion(motion) => {
-                    if lifted && motion.rapid && !motion.unknown && motion.start[2] == motion.end[2] {
-                        continue;
+                    let cut = follower
+                        .motion(&motion)
+                        .map_err(|reason| EngagementError::NoTool { line: event.line, reason })?;
+                    if let Some(cut) = cut {
+                        study.take(event.line, follower.tool(), motion.rapid, motion.time, cut);
                     }
-                    lifted = false;
-                    let Some(which) = tool.and_then(|number| setup.tools.get(&number)) else {
-                        if motion.rapid {
-                            continue;
-                        }
-                        return Err(EngagementError::NoTool { line: event.line, tool });
-                    };
-                    let cut = cutting.motion(&motion, which, speed);
-                    study.take(event.line, tool, motion.rapid, motion.time, cut);
                 }
                 EventKind::Block
                 | EventKind::Dwell(_)
@@ -131,7 +121,7 @@ impl Engagement {
                 | EventKind::End => {}
             }
         }
-        study.removed = cutting.removed();
+        study.removed = follower.cutting().removed();
         Ok(study)
     }
 
@@ -156,6 +146,9 @@ impl Engagement {
             if let Some(load) = cut.load {
                 share.load = Some(share.load.map_or(load, |before| before.max(load)));
             }
+            if let Some(wear) = cut.wear {
+                *share.wear.get_or_insert(0.0) += wear;
+            }
             let greater = |peak: &mut Peak, value: f64| {
                 if value > peak.0 {
                     *peak = (value, line);
@@ -166,6 +159,7 @@ impl Engagement {
             if let Some(load) = cut.load {
                 greater(self.power.get_or_insert((0.0, line)), load.power);
                 greater(self.force.get_or_insert((0.0, line)), load.normal_force);
+                greater(self.deflection.get_or_insert((0.0, line)), load.deflection);
             }
         }
         if let Some(rows) = &mut self.rows {
@@ -194,6 +188,9 @@ impl Engagement {
                     "peak_engagement [deg]": share.bound.to_degrees(),
                     "peak_power [kW]": share.load.map(|load| load.power * 1e-3),
                     "peak_normal_force [N]": share.load.map(|load| load.normal_force),
+                    "peak_deflection [um]": share.load.map(|load| load.deflection * 1e6),
+                    "wear": share.wear,
+                    "runs_per_edge": share.wear.filter(|wear| *wear > 0.0).map(|wear| 1.0 / wear),
                 })
             })
             .collect();
@@ -206,6 +203,8 @@ impl Engagement {
             "peak_power [kW]": self.power.map(|(power, _)| power * 1e-3),
             "peak_power_line": self.power.map(|(_, line)| line),
             "peak_normal_force [N]": self.force.map(|(force, _)| force),
+            "peak_deflection [um]": self.deflection.map(|(deflection, _)| deflection * 1e6),
+            "peak_deflection_line": self.deflection.map(|(_, line)| line),
             "removed [cm3]": self.removed * 1e6,
             "stock [cm3]": self.stock * 1e6,
             "resolution [mm]": self.resolution * MM,
@@ -228,12 +227,25 @@ impl Engagement {
             self.bound.1,
             self.sampled.0.to_degrees()
         );
-        if let (Some((power, line)), Some((force, _))) = (self.power, self.force) {
+        if let (Some((power, line)), Some((force, _)), Some((deflection, _))) =
+            (self.power, self.force, self.deflection)
+        {
             let _ = write!(
                 text,
-                "\ngreatest power {:.2} kW (line {line}), greatest normal force {force:.0} N",
-                power * 1e-3
+                "\ngreatest power {:.2} kW (line {line}), greatest normal force {force:.0} N, which bends the tip by {:.0} um",
+                power * 1e-3,
+                deflection * 1e6
             );
+        }
+        for (tool, share) in &self.tools {
+            if let Some(wear) = share.wear.filter(|wear| *wear > 0.0) {
+                let _ = write!(
+                    text,
+                    "\nT{tool} uses {:.2} % of the life of its edges: {:.0} runs each",
+                    100.0 * wear,
+                    (1.0 / wear).floor()
+                );
+            }
         }
         if let [first, ..] = self.crashes[..] {
             let count = self.crashes.len();
@@ -256,8 +268,10 @@ impl Engagement {
             "air",
             "power [kW]",
             "normal_force [N]",
+            "deflection [um]",
+            "wear",
         ];
-        let row = |row: &Row| -> [Cell<'_>; 11] {
+        let row = |row: &Row| -> [Cell<'_>; 13] {
             let load = |of: fn(&Load) -> f64| row.cut.load.as_ref().map(of);
             [
                 row.line.into(),
@@ -271,6 +285,8 @@ impl Engagement {
                 Cell::Fixed(row.cut.air, 6),
                 load(|load| load.power * 1e-3).into(),
                 load(|load| load.normal_force).into(),
+                load(|load| load.deflection * 1e6).into(),
+                row.cut.wear.into(),
             ]
         };
         table(columns, self.rows.iter().flatten().map(row))

@@ -192,11 +192,11 @@ fn times(run: &Run<'_>, rows: &[usize], records: &mut Records) {
     }
 }
 
-/// The programmed cut of a pass; `None` around a contour, where conditions change all the way.
+/// The programmed cut of a pass; `None` around a contour and in a part program, where conditions change all the way.
 fn programmed(run: &Run<'_>, pass: &PassRow) -> Option<Cut> {
     match &run.scenario.parts[pass.part as usize].operations[pass.operation as usize].work {
         Work::Cutting(cuts) => cuts.get(pass.pass as usize).copied(),
-        Work::Plain(_) | Work::Contour(_) | Work::Grinding { .. } | Work::Cycle(_) => None,
+        Work::Plain(_) | Work::Contour(_) | Work::Program(_) | Work::Grinding { .. } | Work::Cycle(_) => None,
     }
 }
 

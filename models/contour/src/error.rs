@@ -174,6 +174,12 @@ pub enum ContourError {
         "no compensation of the radius (G41, G42, RL, RR) says on which side the cutter runs; give cutter_side in the file"
     )]
     GcodeSide,
+    /// A drawing that is no contour.
+    #[error("{message}")]
+    Dxf {
+        /// What is wrong.
+        message: String,
+    },
 }
 
 impl ContourError {
@@ -195,6 +201,7 @@ impl ContourError {
             Self::SettingCount { .. } | Self::SectionForm { .. } => "section-form",
             Self::Set(_) | Self::UnknownPass { .. } => "unknown-name",
             Self::Program { .. } | Self::GcodePlane | Self::GcodeSide => "gcode",
+            Self::Dxf { .. } => "dxf",
         }
     }
 
@@ -224,7 +231,8 @@ impl ContourError {
             | Self::UnknownPass { .. }
             | Self::NoPass
             | Self::GcodePlane
-            | Self::GcodeSide => None,
+            | Self::GcodeSide
+            | Self::Dxf { .. } => None,
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::file_form::{Approximation, CONTOUR, CornerWord, Direction, PathErrorW
 use crate::lobed::Profile;
 use crate::{
     ConditionScatter, Contour, ContourError, CornerPolicy, CutterSide, EngagementModel, FileError, FormError, Milling,
-    Models, Parameters, Pass, PathError, Planner, Point, Trace, VelocityLoop, gcode,
+    Models, Parameters, Pass, PathError, Planner, Point, Trace, VelocityLoop, dxf, gcode,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -74,6 +74,22 @@ pub struct ContourFile {
     pub places: Vec<(usize, usize)>,
 }
 
+/// What draws a contour beside its file.
+#[derive(Clone, Copy, Debug)]
+pub enum Drawing<'a> {
+    /// A part program in the language of a control.
+    Program(&'a str, &'a Control),
+    /// A DXF file, with the layer to read where it has more than one contour.
+    Dxf {
+        /// What the file holds.
+        text: &'a str,
+        /// Layer; `None` where the drawing is one contour.
+        layer: Option<&'a str>,
+        /// Unit of a drawing that names none, m.
+        unit: Option<f64>,
+    },
+}
+
 /// A contour with the places of its sections.
 pub(crate) type Placed = (Contour, Vec<(usize, usize)>);
 
@@ -109,22 +125,25 @@ impl ContourFile {
         })
     }
 
-    /// Reads a contour file whose contour is drawn by a part program, in the language of `control`, instead of sections. The
-    /// compensation of the radius in the program says on which side the cutter runs, else `cutter_side` in the file.
+    /// Reads a contour file whose contour is drawn by a part program or a DXF file instead of sections. The compensation of the
+    /// radius in a program says on which side the cutter runs, else `cutter_side` in the file.
     ///
     /// # Errors
     /// [`GcodeFileError`] says which of the two is at fault and where.
-    pub fn parse_with_gcode(
+    pub fn parse_with_drawing(
         file: &str,
         text: &str,
         overrides: &[String],
-        program: &str,
-        control: &Control,
+        drawing: Drawing<'_>,
     ) -> Result<FormFile<Self>, GcodeFileError> {
         let mut refused = None;
         let read = parse(file, text, overrides, &CONTOUR, |walk, root| {
             let side = root.chosen("cutter_side", CutterSide::from_word);
-            let placed = gcode::read_placed(program, control, side, root.flag("closed").unwrap_or(true));
+            let closed = root.flag("closed").unwrap_or(true);
+            let placed = match drawing {
+                Drawing::Program(program, control) => gcode::read_placed(program, control, side, closed),
+                Drawing::Dxf { text, layer, unit } => dxf::read_placed(text, layer, unit, side, closed),
+            };
             let placed = placed.map_err(|error| refused = Some(error)).ok();
             assemble(walk, root, placed.map(|placed| (placed, 0.0)))
         });
@@ -177,8 +196,8 @@ pub enum GcodeFileError {
     /// The contour file.
     #[error(transparent)]
     File(ReadError),
-    /// The part program.
-    #[error("part program: {0}")]
+    /// The part program or the drawing.
+    #[error("drawing: {0}")]
     Program(FileError),
 }
 

@@ -17,7 +17,7 @@
 //! | item | what it is |
 //! |---|---|
 //! | [`Contour`], [`Section`], [`Corner`], [`Shape`], [`Trace`] | geometry, drawn or read |
-//! | [`ContourFile`], [`read_gcode`] | contour files in TOML, contours in G-code |
+//! | [`ContourFile`], [`read_gcode`], [`read_dxf`] | contour files in TOML, contours in part programs and in drawings |
 //! | [`Parameters`], [`Machine`], [`Cutter`], [`EdgeForce`], [`MillLife`], [`Economics`] | constants, in named sets |
 //! | [`Pass`], [`Models`], [`PathError`], [`FormError`], [`CornerPolicy`], [`Milling`] | what is cut and how it is modelled |
 //! | [`Engagement`], [`MeanForces`], [`HelicalCut`], [`HandbookForce`] | cutting mechanics |
@@ -56,6 +56,7 @@ mod claims;
 mod constraint;
 mod contour;
 mod corner;
+mod dxf;
 mod edge_life;
 mod engagement;
 mod error;
@@ -88,10 +89,11 @@ pub use claims::claims;
 pub use constraint::{Constraint, Ratios};
 pub use contour::Contour;
 pub use corner::{CornerMove, CornerPolicy, loop_length};
+pub use dxf::read as read_dxf;
 pub use edge_life::EdgeLife;
 pub use engagement::Engagement;
 pub use error::{ContourError, FileError};
-pub use file::{ContourFile, GcodeFileError};
+pub use file::{ContourFile, Drawing, GcodeFileError};
 pub use file_form::{CONTOUR, SETUP};
 pub use force::{EdgeForce, Forces, MeanForces, Milling};
 pub use gcode::read as read_gcode;

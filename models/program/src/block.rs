@@ -18,8 +18,8 @@ pub enum Action {
     Stop,
     /// The tool changes to this number, where one was called.
     Change(Option<u32>),
-    /// Axes are at their reference point.
-    Home,
+    /// Axes are at their reference point; whether Z is among them.
+    Home(bool),
     /// The program ends.
     End,
 }
@@ -125,7 +125,7 @@ impl Block {
         let mut act = |action| self.actions.push((self.motions.len(), action));
         match event.kind {
             EventKind::Block | EventKind::Offset(_) => {}
-            EventKind::Home(_) => act(Action::Home),
+            EventKind::Home(axes) => act(Action::Home(axes[2])),
             EventKind::End => act(Action::End),
             EventKind::Motion(motion) => {
                 if motion.unknown && self.unknown.is_none() {

@@ -26,7 +26,7 @@ impl Units {
     }
 
     /// Length of the unit, mm; an inch by its definition.
-    pub(crate) fn scale(self) -> f64 {
+    pub fn scale(self) -> f64 {
         match self {
             Self::Millimetre => 1.0,
             Self::Inch => 25.4,

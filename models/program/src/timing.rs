@@ -154,7 +154,7 @@ impl Timer {
                 self.act(key, *action, block.holes > 0, done);
             }
             // The way to the reference point has a time of its own.
-            if !matches!(actions.peek(), Some((before, Action::Home)) if *before == count + 1) {
+            if !matches!(actions.peek(), Some((before, Action::Home(_))) if *before == count + 1) {
                 self.motion(key, motion, done);
             }
             if block.holes > 0 {
@@ -211,7 +211,7 @@ impl Timer {
                 self.tool = tool.or(self.tool);
                 self.place = Place::Changer;
             }
-            Action::Home => {
+            Action::Home(_) => {
                 self.perhaps(key, drives.home_time, Part::Rapid, done);
                 self.place = Place::Home;
             }

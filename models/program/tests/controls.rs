@@ -1,5 +1,8 @@
 //! What programs in six languages do, worked out independently as lists of moves, and what is refused.
 
+#[path = "controls/shop_floor.rs"]
+mod shop_floor;
+
 use toolroom_program::{Control, Dialect, EventKind, ProgramError, Run};
 
 /// Sums over a program that starts at X0 Y0 Z100.
@@ -265,7 +268,7 @@ mod fuzz {
     use super::*;
     use proptest::prelude::*;
 
-    const WORDS: [&str; 70] = [
+    const WORDS: [&str; 84] = [
         "G0",
         "G1",
         "G2",
@@ -331,6 +334,20 @@ mod fuzz {
         "CYCL DEF 200 Q200=2",
         "M99",
         "Q1 = 3",
+        "G71 U2 R1",
+        "G71 P1 Q1 U1 W0.5",
+        "G70 P1 Q2",
+        "G75 R0.5",
+        "G75 X4 Z-3 P2000 Q3000",
+        "G76 P010060 Q100 R0.1",
+        "G76 X6 Z-9 P900 Q400",
+        "N2",
+        "APPR LCT X+1 Y+2 R3 RL F9",
+        "APPR LT X+1 Y+2 LEN3 RR F9",
+        "DEP CT CCA90 R+5",
+        "DEP LN LEN5",
+        "TOOL CALL 1 Z S100 F99",
+        "CYCL DEF 247 Q339=1",
         "(",
         ")",
         "~",

@@ -1,7 +1,7 @@
 //! Stock that is cut motion by motion.
 
 use crate::engaged::{Engaged, Place, Stock};
-use crate::load::{Load, Tool};
+use crate::load::{Load, Tool, wear_rate};
 use crate::swath::{Index, Swath};
 use std::f64::consts::{PI, TAU};
 use toolroom_contour::{Point, Section};
@@ -37,10 +37,42 @@ pub struct Cut {
     pub air: f64,
     /// Greatest load, at the bound of the engagement; `None` where the forces of the tool are not known.
     pub load: Option<Load>,
+    /// Share of the life of an edge that it uses, 1; `None` where the life of the tool is not known.
+    pub wear: Option<f64>,
+    /// Mean of the way in material.
+    pub mean: Mean,
     /// Whether the motion is a rapid one that meets material.
     pub crash: bool,
     /// Whether the end of the cutter goes straight down into material.
     pub plunge: bool,
+}
+
+/// The engagement of a motion in the mean of its way in material; 0 where there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mean {
+    /// Radial width of cut, m: section of the chips over the depth.
+    pub width: f64,
+    /// Axial depth of cut, m.
+    pub depth: f64,
+    /// Angle of the middle of the chips from the direction of travel, rad; below 0 a clockwise cutter mills down.
+    pub side: f64,
+}
+
+/// Sums along the way of a motion.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// Way in air, m.
+    air: f64,
+    /// Way in material, m.
+    way: f64,
+    /// Section of the chips, m³.
+    area: f64,
+    /// Depth, m².
+    depth: f64,
+    /// Angle of the middle of the chips, m³.
+    side: f64,
+    /// Share of a life times the feed, 1/s·m.
+    wear: Option<f64>,
 }
 
 /// Stock, and what of it is gone.
@@ -109,9 +141,9 @@ impl Cutting {
         let pieces = pieces(motion, &self.stock);
         let length: f64 = pieces.iter().map(|piece| piece.path.length).sum();
         let feed = if motion.rapid || motion.time <= 0.0 { 0.0 } else { 1e-3 * motion.length / motion.time };
-        let mut air = 0.0;
+        let mut sums = Sums::default();
         for piece in &pieces {
-            self.piece(piece, tool, (feed, speed), &mut cut, &mut air);
+            self.piece(piece, tool, (feed, speed), &mut cut, &mut sums);
             let floor = piece.from.max(piece.to);
             if floor < self.stock.top {
                 self.index.push(Swath { path: piece.path, radius: tool.radius, floor });
@@ -120,7 +152,14 @@ impl Cutting {
         if pieces.is_empty() {
             self.straight_down(motion, tool, &mut cut);
         }
-        cut.air = if length > 0.0 { air / length } else { f64::from(u8::from(!cut.plunge)) };
+        if sums.way > 0.0 {
+            cut.mean.depth = sums.depth / sums.way;
+            (cut.mean.width, cut.mean.side) = (sums.area / sums.depth, sums.side / sums.area);
+        }
+        // Time is way over feed; a motion without feed has no wear. Ramps are longer than their way in the plane.
+        let slant = if length > 0.0 { 1e-3 * motion.length / length } else { 1.0 };
+        cut.wear = sums.wear.map(|wear| wear * slant / feed);
+        cut.air = if length > 0.0 { sums.air / length } else { f64::from(u8::from(!cut.plunge)) };
         cut.crash = motion.rapid && (cut.sampled > 0.0 || cut.plunge);
         self.removed += cut.removed;
         cut
@@ -137,11 +176,12 @@ impl Cutting {
         // A disc is looked at by rings, each as a rim in two halves.
         const RINGS: u32 = 40;
         let mut volume = 0.0;
+        let around = self.index.near(centre, tool.radius);
         for ring in 0..RINGS {
             let radius = tool.radius * (f64::from(ring) + 0.5) / f64::from(RINGS);
             for heading in [0.0, PI] {
                 let place = Place { centre, radius, bottom: to, heading };
-                let engaged = self.stock.engaged(&self.index, None, &place, 0.0);
+                let engaged = self.stock.engaged(&around, None, &place, 0.0);
                 let solid: f64 = engaged
                     .layers
                     .iter()
@@ -156,7 +196,7 @@ impl Cutting {
         self.index.push(Swath { path, radius: tool.radius, floor: to });
     }
 
-    fn piece(&self, piece: &Piece, tool: &Tool, (feed, speed): (f64, f64), cut: &mut Cut, air: &mut f64) {
+    fn piece(&self, piece: &Piece, tool: &Tool, (feed, speed): (f64, f64), cut: &mut Cut, sums: &mut Sums) {
         let path = &piece.path;
         let low = piece.from.min(piece.to);
         let middle_height = 0.5 * (piece.from + piece.to);
@@ -164,7 +204,7 @@ impl Cutting {
         let moves = 1.0 + tool.radius * path.curvature.abs();
         // The newest motion comes back on itself only where it turns.
         let swath = (path.curvature != 0.0).then_some(Swath { path: *path, radius: tool.radius, floor: low });
-        let engaged_at = |way: f64, bottom: f64, slack: f64| -> Engaged {
+        let engaged_at = |around: &[&Swath], way: f64, bottom: f64, slack: f64| -> Engaged {
             let place = Place {
                 centre: path.at(way),
                 radius: tool.radius,
@@ -172,24 +212,29 @@ impl Cutting {
                 heading: path.heading + path.curvature * way,
             };
             let swath = swath.map(|swath| Swath { path: Section { length: way, ..swath.path }, ..swath });
-            self.stock.engaged(&self.index, swath.as_ref().filter(|_| way > 0.0), &place, slack)
+            self.stock.engaged(around, swath.as_ref().filter(|_| way > 0.0), &place, slack)
         };
         let mut open = vec![(0.0, path.length)];
         while let Some((from, to)) = open.pop() {
             let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-            let bound = engaged_at(middle, low, half * moves);
+            // Everything that the step can touch is looked up once; its ends lie no farther than half of it from the middle.
+            let around = self.index.near(path.at(middle), tool.radius + half);
+            let bound = engaged_at(&around, middle, low, half * moves);
             if bound.layers.is_empty() {
-                *air += to - from;
+                sums.air += to - from;
                 continue;
             }
-            let samples = [from, middle, to].map(|way| engaged_at(way, middle_height, 0.0));
+            if half * moves > LONGEST * tool.radius {
+                open.extend([(middle, to), (from, middle)]);
+                continue;
+            }
+            let samples = [from, middle, to].map(|way| engaged_at(&around, way, middle_height, 0.0));
             let sampled = samples.iter().map(Engaged::angle).fold(0.0, f64::max);
             let [first, second, third] =
                 [&samples[0], &samples[1], &samples[2]].map(|engaged| engaged.area(tool.radius));
             let [most, least] = [first.max(second).max(third), first.min(second).min(third)];
             // The angle needs its bound close; volume and air need sections of chips that are alike, and near each other.
-            let coarse =
-                bound.angle() - sampled > FINE || most - least > ALIKE * most || half * moves > LONGEST * tool.radius;
+            let coarse = bound.angle() - sampled > FINE || most - least > ALIKE * most;
             if coarse && half * moves > SHORTEST * tool.radius {
                 open.extend([(middle, to), (from, middle)]);
                 continue;
@@ -200,7 +245,19 @@ impl Cutting {
             // Simpson's rule over the step.
             cut.removed += (to - from) * (first + 4.0 * second + third) / 6.0;
             if sampled == 0.0 {
-                *air += to - from;
+                sums.air += to - from;
+            } else {
+                sums.way += to - from;
+            }
+            for (engaged, share) in samples.iter().zip([1.0, 4.0, 1.0]) {
+                let weight = share * (to - from) / 6.0;
+                let area = engaged.area(tool.radius);
+                sums.area += weight * area;
+                sums.depth += weight * engaged.depth();
+                sums.side += weight * area * engaged.side();
+                if let Some(rate) = wear_rate(engaged, tool, feed, speed) {
+                    *sums.wear.get_or_insert(0.0) += weight * rate;
+                }
             }
             if let Some(load) = Load::of(&bound, tool, feed, speed) {
                 cut.load = Some(cut.load.map_or(load, |before| before.max(load)));

@@ -1,6 +1,6 @@
 //! The engaged part of the rim at one position.
 
-use crate::swath::{Index, Swath};
+use crate::swath::Swath;
 use std::f64::consts::{FRAC_PI_2, PI};
 use toolroom_contour::{Point, Rim, Section, distance};
 
@@ -84,15 +84,16 @@ impl Stock {
     }
 
     /// What of a cutter at `centre`, of `radius`, whose end is at the height `bottom` and that moves along `heading`, is in
-    /// material that `index` and `own` swaths have left. Every point of the rim is taken to be deeper in material by `slack`.
-    pub(crate) fn engaged(&self, index: &Index, swath: Option<&Swath>, place: &Place, slack: f64) -> Engaged {
+    /// material that the swaths `around` it, the newest first, and its own have left. Every point of the rim is taken to be deeper in material by `slack`.
+    pub(crate) fn engaged(&self, around: &[&Swath], swath: Option<&Swath>, place: &Place, slack: f64) -> Engaged {
         let &Place { centre, radius, bottom, heading } = place;
         let low = bottom.max(self.base);
         if low >= self.top {
             return Engaged::default();
         }
         let rim = Rim { centre, radius };
-        let near = index.near(centre, radius);
+        let reaches = |swath: &&Swath| distance(&swath.path, centre) < swath.radius + radius;
+        let near = around.iter().copied().filter(reaches);
         let swaths: Vec<&Swath> = swath.into_iter().chain(near).filter(|swath| swath.floor < self.top).collect();
         let mut floors: Vec<f64> =
             swaths.iter().map(|swath| swath.floor).filter(|floor| *floor > low + LEVEL).chain([self.top]).collect();
@@ -156,6 +157,16 @@ impl Engaged {
     /// Height of all layers that are engaged, m.
     pub fn depth(&self) -> f64 {
         self.layers.iter().map(|layer| layer.height).sum()
+    }
+
+    /// Angle of the middle of the chips from the direction of travel, rad: that of the heaviest layer.
+    pub fn side(&self) -> f64 {
+        let heavy = |layer: &Layer| layer.height * layer.angles.iter().map(|(from, to)| to - from).sum::<f64>();
+        let heaviest = self.layers.iter().max_by(|a, b| heavy(a).total_cmp(&heavy(b)));
+        let Some(layer) = heaviest else { return 0.0 };
+        let (sum, whole) = (layer.angles.iter())
+            .fold((0.0, 0.0), |(sum, whole), (from, to)| (sum + 0.5 * (to * to - from * from), whole + to - from));
+        sum / whole
     }
 
     /// Section of the chips that a way along the path takes off, m²: volume per way.

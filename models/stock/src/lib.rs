@@ -16,24 +16,31 @@
 //! |---|---|
 //! | [`Setup`], [`SETUP`] | a file that describes stock and tools |
 //! | [`Stock`], [`Outline`], [`Tool`], [`ToolForce`] | what is cut and with what |
-//! | [`Cutting`], [`Cut`], [`Load`] | stock that is cut motion by motion, and what each does |
+//! | [`Cutting`], [`Cut`], [`Load`], [`Mean`] | stock that is cut motion by motion, and what each does |
+//! | [`Follower`] | tool, spindle and height of a program as it goes on |
+//! | [`Calls`], [`Call`], [`Span`] | a program as tool calls with time and conditions: what a shop does with it |
 //!
 //! # Units
 //! SI, but for the motions, which are those of the crate `program`: mm and s.
 //!
 //! # What is not modelled
 //! Cutters that are not cylinders with flat ends; the tool along another axis than Z; holders and fixtures; stock of other forms
-//! than boxes and cylinders. What a bent cutter leaves. Chips thinner than the edge radius.
+//! than boxes and cylinders. What a bent cutter leaves. Chips thinner than the edge radius. Wear by
+//! plunging and drilling.
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod call;
 mod cutting;
 mod engaged;
+mod follow;
 mod load;
 mod setup;
 mod swath;
 
-pub use cutting::{Cut, Cutting};
+pub use call::{Call, CallError, Calls, Conditions, Span, TimedStretch};
+pub use cutting::{Cut, Cutting, Mean};
 pub use engaged::{Outline, Stock};
+pub use follow::{Follower, NoTool};
 pub use load::{Load, Tool, ToolForce};
 pub use setup::{SETUP, Setup};

@@ -2,7 +2,7 @@
 
 use crate::engaged::Engaged;
 use std::f64::consts::TAU;
-use toolroom_contour::EdgeForce;
+use toolroom_contour::{EdgeForce, MillLife};
 
 /// A cylindrical cutter with a flat end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,15 +11,38 @@ pub struct Tool {
     pub radius: f64,
     /// Teeth.
     pub teeth: f64,
-    /// Forces on its edges, where they are known.
+    /// Forces on its edges, how it bends and how long it lasts, where that is known.
     pub force: Option<ToolForce>,
 }
 
-/// Forces on the edges of a tool in the work at hand.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A tool in the work at hand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToolForce {
-    /// Coefficients.
+    /// Coefficients of the forces on its edges.
     pub edge: EdgeForce,
+    /// Stiffness of its tip, N/m; 0 where it is not known.
+    pub stiffness: f64,
+    /// Life of its edges.
+    pub life: MillLife,
+}
+
+/// Least immersion and depth, m, that count for the life of an edge: thinner chips only rub (assumption).
+const RUBS: f64 = 1e-6;
+
+/// Share of the life of an edge that a second of such a cut uses, 1/s: one over the handbook life at the width and the depth
+/// that are engaged. `None` where the life is not known or the spindle stands.
+pub(crate) fn wear_rate(engaged: &Engaged, tool: &Tool, feed: f64, speed: f64) -> Option<f64> {
+    let ToolForce { life, .. } = tool.force?;
+    if speed <= 0.0 || feed <= 0.0 {
+        return None;
+    }
+    let depth = engaged.depth();
+    if depth < RUBS {
+        return Some(0.0);
+    }
+    let width = (engaged.area(tool.radius) / depth).max(RUBS);
+    let feed_per_tooth = feed * TAU / (speed * tool.teeth);
+    Some(1.0 / life.tool_life(speed, feed_per_tooth, width, depth, tool.teeth, 2.0 * tool.radius))
 }
 
 /// Averages over a revolution.
@@ -31,6 +54,8 @@ pub struct Load {
     pub normal_force: f64,
     /// Force that bends the cutter, N.
     pub force: f64,
+    /// Deflection of its tip across the direction of travel, m; 0 where its stiffness is not known.
+    pub deflection: f64,
 }
 
 impl Load {
@@ -41,13 +66,14 @@ impl Load {
             power: self.power.max(other.power),
             normal_force: self.normal_force.max(other.normal_force),
             force: self.force.max(other.force),
+            deflection: self.deflection.max(other.deflection),
         }
     }
 
     /// The load of a clockwise cutter that feeds `feed` m/s at `speed` rad/s: the linear edge-force model, integrated over the
     /// engaged angles. `None` where the forces of the tool are not known or the spindle stands.
     pub(crate) fn of(engaged: &Engaged, tool: &Tool, feed: f64, speed: f64) -> Option<Self> {
-        let ToolForce { edge } = tool.force?;
+        let ToolForce { edge, stiffness, .. } = tool.force?;
         if speed <= 0.0 || feed <= 0.0 {
             return None;
         }
@@ -71,7 +97,12 @@ impl Load {
         }
         let share = tool.teeth / TAU;
         let [along, across, tangential] = [along, across, tangential].map(|sum| sum * share);
-        Some(Self { power: tangential * speed * tool.radius, normal_force: across.abs(), force: along.hypot(across) })
+        Some(Self {
+            power: tangential * speed * tool.radius,
+            normal_force: across.abs(),
+            force: along.hypot(across),
+            deflection: if stiffness > 0.0 { across.abs() / stiffness } else { 0.0 },
+        })
     }
 }
 
@@ -87,7 +118,7 @@ mod tests {
         let edge = EdgeForce::default();
         let (radius, depth, teeth, immersion) = (0.016, 0.03, 4.0, 0.003);
         let angle = (1.0f64 - immersion / radius).acos();
-        let tool = Tool { radius, teeth, force: Some(ToolForce { edge }) };
+        let tool = Tool { radius, teeth, force: Some(ToolForce { edge, ..ToolForce::default() }) };
         let (feed_per_tooth, speed) = (0.1e-3, 200.0);
         let feed = feed_per_tooth * teeth * speed / TAU;
         for (milling, angles) in [
@@ -104,6 +135,10 @@ mod tests {
                 "{milling:?}: {load:?} {forces:?}"
             );
             assert!((load.force - forces.resultant()).abs() < 1e-9 * load.force, "{milling:?}");
+            // The life of the shoulder is that of the handbook at its depth and immersion.
+            let rate = wear_rate(&engaged, &tool, feed, speed).expect("a life");
+            let life = MillLife::default().tool_life(speed, feed_per_tooth, immersion, depth, teeth, 2.0 * radius);
+            assert!((rate * life - 1.0).abs() < 1e-9, "{milling:?}: {rate} {life}");
         }
     }
 }

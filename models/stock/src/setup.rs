@@ -3,8 +3,8 @@
 use crate::engaged::{Outline, Stock};
 use crate::load::{Tool, ToolForce};
 use std::collections::BTreeMap;
-use std::path::Path;
-use toolroom_contour::{PARAMETER_SETS, Parameters, Point};
+use std::path::{Path, PathBuf};
+use toolroom_contour::{Cutter, PARAMETER_SETS, Parameters, Point};
 use toolroom_form::{Fault, Form, FormFile, Key, Kind, ReadError, Section, Value, Walk, parse, read};
 
 /// Stock and tools of a part program.
@@ -29,6 +29,8 @@ pub struct Setup {
     pub stock: Stock,
     /// Tools by their number in the program.
     pub tools: BTreeMap<u32, Tool>,
+    /// Names of the tools that have one, by their number: those of a scenario, whose edges they wear.
+    pub names: BTreeMap<u32, String>,
     /// Machine file or preset that the file names.
     pub drives: Option<String>,
 }
@@ -74,10 +76,15 @@ static TOOL: Form = Form {
     doc: "A cylindrical end mill with a flat end",
     keys: &[
         Key::required("number", Kind::Count { min: 0, max: 99_999_999 }, "T of the program"),
-        Key::optional("name", Kind::Name, "Name"),
+        Key::optional("name", Kind::Name, "Name; in a shop that of the scenario's tool, whose edges it wears"),
         Key::required("diameter", LENGTH, "Diameter"),
         Key::required("teeth", Kind::Count { min: 1, max: 100 }, "Teeth"),
-        Key::optional("parameter_set", Kind::Choice(&SETS), "Set of contour milling whose edge forces it has"),
+        Key::optional("length", LENGTH, "Length from the holder to the tip; left out: the overhang of the set"),
+        Key::optional(
+            "parameter_set",
+            Kind::Choice(&SETS),
+            "Set of contour milling whose edge forces and life it has; its shank bends with the diameter and length given here",
+        ),
     ],
 };
 
@@ -108,6 +115,13 @@ impl Setup {
     /// [`ReadError`] with every fault found.
     pub fn parse(file: &str, text: &str, set: &[String]) -> Result<FormFile<Self>, ReadError> {
         parse(file, text, set, &SETUP, setup)
+    }
+
+    /// The machine file that a setup read from `file` names, from its folder unless it is a preset.
+    pub fn machine_file(&self, file: &Path) -> Option<PathBuf> {
+        let name = self.drives.as_deref()?;
+        let beside = file.with_file_name(name);
+        Some(if beside.exists() { beside } else { name.into() })
     }
 
     /// Greatest radius of a tool, m; 5 mm where there is none.
@@ -161,7 +175,7 @@ fn stock(walk: &mut Walk, section: &Section<'_>) -> Option<Stock> {
 
 fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
     let stock = walk.table(root, "stock").and_then(|section| stock(walk, &section));
-    let mut tools = BTreeMap::new();
+    let (mut tools, mut names) = (BTreeMap::new(), BTreeMap::new());
     for section in walk.sections(root, "tool", None) {
         let set = section.text("parameter_set").and_then(|name| Parameters::named(name).ok());
         let (Some(number), Some(diameter), Some(teeth)) =
@@ -169,8 +183,15 @@ fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
         else {
             continue;
         };
-        let force = set.map(|set| ToolForce { edge: set.force });
+        let force = set.map(|set| {
+            let overhang = section.si("length").unwrap_or(set.cutter.overhang);
+            let cutter = Cutter { diameter, teeth: teeth as f64, overhang, ..set.cutter };
+            ToolForce { edge: set.force, stiffness: cutter.stiffness(), life: set.life }
+        });
+        if let Some(name) = section.text("name") {
+            names.insert(number as u32, name.to_owned());
+        }
         tools.insert(number as u32, Tool { radius: 0.5 * diameter, teeth: teeth as f64, force });
     }
-    Some(Setup { stock: stock?, tools, drives: root.text("drives").map(str::to_owned) })
+    Some(Setup { stock: stock?, tools, names, drives: root.text("drives").map(str::to_owned) })
 }

@@ -113,7 +113,7 @@ impl Empirical {
     ///
     /// # Examples
     /// ```
-    /// use toolroom_scenario::{Distribution, Empirical};
+    /// use toolroom_distribution::{Distribution, Empirical};
     /// let times = Empirical::new(&[(30.0, 0.3), (5.0, 0.7)]);
     /// assert_eq!(times.mean(), 12.5);
     /// assert_eq!(Distribution::Empirical(times.into()).quantile(0.69), 5.0);
@@ -168,7 +168,7 @@ impl Distribution {
     ///
     /// # Examples
     /// ```
-    /// use toolroom_scenario::Distribution;
+    /// use toolroom_distribution::Distribution;
     /// let law = Distribution::Triangular { low: 1.0, mode: 2.0, high: 6.0 };
     /// assert_eq!(law.scaled(2.0).quantile(0.3), 2.0 * law.quantile(0.3));
     /// ```
@@ -232,7 +232,7 @@ impl Distribution {
     ///
     /// # Examples
     /// ```
-    /// use toolroom_scenario::Distribution;
+    /// use toolroom_distribution::Distribution;
     /// let repair = Distribution::Uniform { low: 10.0, high: 20.0 };
     /// assert_eq!(repair.quantile(0.25), 12.5);
     /// ```
@@ -280,7 +280,7 @@ impl Distribution {
     ///
     /// # Examples
     /// ```
-    /// use toolroom_scenario::Distribution;
+    /// use toolroom_distribution::Distribution;
     /// let repair = Distribution::Uniform { low: 10.0, high: 20.0 };
     /// assert_eq!(repair.share_below(12.5), 0.25);
     /// ```
@@ -332,7 +332,7 @@ impl Distribution {
     ///
     /// # Examples
     /// ```
-    /// use toolroom_scenario::Distribution;
+    /// use toolroom_distribution::Distribution;
     /// use toolroom_kernel::{Entity, Purpose, Streams};
     /// let mut stream = Streams::new(1, 0).open(Entity::named("lathe"), Purpose::Repair);
     /// assert_eq!(Distribution::Constant(5.0).sample(&mut stream), 5.0);

@@ -37,6 +37,7 @@ mod part;
 pub mod policies;
 mod policy;
 mod posterior;
+mod program;
 mod resource;
 mod scope;
 mod speed;
@@ -62,6 +63,7 @@ pub use order::{InProcess, MachineChoice, Order};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
 pub use policy::{Knowledge, PolicyRule, SensorSheet, ToolChangeRule};
 pub use posterior::{DrawReader, DrawTable, Posterior, read_posterior, read_posterior_of_pair, set_draw_reader};
+pub use program::{ProgramWork, ProgramWorkError, ToolCall};
 pub use resource::{Attendance, Operator, SetupMatrix};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use speed::{Course, SpeedChoice, SpeedEntry, SpeedPart, SpeedRule};
@@ -71,6 +73,7 @@ pub use toolroom_calendar::{
     Boundary, Dated, Hours, Interruption, Joined, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime, date,
 };
 pub use toolroom_distribution::{Distribution, Empirical};
+pub use toolroom_stock::{Conditions as CutConditions, Span, TimedStretch};
 pub use transport::{Crew, Parking, Transport, TransportRule};
 pub use tuning::{Setting, SettingRange, Tunable, TuneRequest};
 pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};

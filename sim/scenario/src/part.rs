@@ -1,6 +1,6 @@
 //! Parts, routings, arrivals.
 
-use super::{Attendance, Component, ContourWork, CycleWork, Distribution, Inspection, WorkPer};
+use super::{Attendance, Component, ContourWork, CycleWork, Distribution, Inspection, ProgramWork, WorkPer};
 use std::sync::Arc;
 
 /// A part and its routing.
@@ -41,7 +41,7 @@ pub struct Operation {
     pub name: String,
     /// Machines that may do it, by index.
     pub machines: Vec<usize>,
-    /// Tool, by index; `None` for plain work, which has none.
+    /// Tool, by index, of a part program the first; `None` for plain work, which has none.
     pub tool: Option<usize>,
     /// Name of the fixture and program family; a change of it costs a setup.
     pub setup_group: String,
@@ -68,6 +68,16 @@ pub struct Operation {
     pub scrap_on_tool_failure: f64,
 }
 
+impl Operation {
+    /// Tool of a pass, by index: every pass of a part program has its own. Beyond the last pass it is that of the last.
+    pub fn tool_of_pass(&self, pass: usize) -> Option<usize> {
+        match &self.work {
+            Work::Program(work) => work.calls.get(pass).or(work.calls.last()).map(|call| call.tool),
+            Work::Plain(_) | Work::Cutting(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => self.tool,
+        }
+    }
+}
+
 /// The work of an operation.
 #[derive(Clone, Debug)]
 pub enum Work {
@@ -86,6 +96,8 @@ pub enum Work {
     Cycle(Arc<CycleWork>),
     /// Passes of a mill around a contour.
     Contour(Arc<ContourWork>),
+    /// A part program of a mill: its passes are tool calls.
+    Program(Arc<ProgramWork>),
 }
 
 impl Work {
@@ -93,7 +105,7 @@ impl Work {
     pub fn plain_time(&self) -> f64 {
         match self {
             Self::Plain(time) => time.mean(),
-            Self::Cutting(_) | Self::Grinding { .. } | Self::Cycle(_) | Self::Contour(_) => 0.0,
+            Self::Cutting(_) | Self::Grinding { .. } | Self::Cycle(_) | Self::Contour(_) | Self::Program(_) => 0.0,
         }
     }
 
@@ -105,6 +117,7 @@ impl Work {
             Self::Grinding { phases, .. } => phases.len(),
             Self::Cycle(_) => CycleWork::PHASES,
             Self::Contour(work) => work.passes.len(),
+            Self::Program(work) => work.calls.len(),
         }
     }
 }

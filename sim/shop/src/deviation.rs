@@ -1,6 +1,7 @@
 //! What the true shop does otherwise than planned, and what measurements have moved.
 
 use super::Shop;
+use super::machine::Content;
 use super::recorder::Recorder;
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose};
@@ -101,7 +102,13 @@ impl<'a, R: Recorder> Shop<'a, R> {
         occasion.set("part", part.name.clone());
         occasion.set("operation", operation.name.clone());
         occasion.set("lot", lot_name(&part.name, job.row.lot));
-        if let Some(tool) = operation.tool {
+        // A part program has come to one of its tools.
+        let state = &self.world.machines[machine];
+        let at_work = state.task.as_ref().filter(|task| task.slot == slot).and_then(|task| match &task.content {
+            Content::Machining(machining) => Some(machining.tool as usize),
+            Content::Plain(_) => None,
+        });
+        if let Some(tool) = at_work.or(operation.tool) {
             occasion.set("tool", self.scenario.tools[tool].name.clone());
             if let Some(edge) = &self.world.machines[machine].edges[tool] {
                 occasion.set("tool_id", format!("E{}", edge.number));

@@ -21,7 +21,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn clamp_ground_part(&mut self, machine: usize, place: Place, first_pass: u32) {
         let compensation = match &self.scenario.parts[place.part].operations[place.operation].work {
             Work::Cycle(cycle) => cycle.wear_compensation,
-            Work::Plain(_) | Work::Cutting(_) | Work::Grinding { .. } | Work::Contour(_) => 0.0,
+            Work::Plain(_) | Work::Cutting(_) | Work::Grinding { .. } | Work::Contour(_) | Work::Program(_) => 0.0,
         };
         let ProcessModel::Infeed(infeed) = self.process(machine, place.tool) else { return };
         let state = &mut self.world.machines[machine];
@@ -55,7 +55,9 @@ impl<R: Recorder> Shop<'_, R> {
                 write(&mut input, ports.engaged, 1.0);
                 (cycle.programmed[place.pass], cycle.conditions.work_rotation_speed)
             }
-            Work::Plain(_) | Work::Cutting(_) | Work::Contour(_) => unreachable!("phases are those of grinding"),
+            Work::Plain(_) | Work::Cutting(_) | Work::Contour(_) | Work::Program(_) => {
+                unreachable!("phases are those of grinding")
+            }
         };
         write(&mut input, ports.work_rotation_speed, work_rotation_speed);
         ports.write_ages(&mut input, now, &scenario.machines[machine]);

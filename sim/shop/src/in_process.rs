@@ -69,6 +69,9 @@ impl<R: Recorder> Shop<'_, R> {
                     task.before = done * cutting_time * machining.moved.pace;
                     let (pass, share_left) = come_to(&self.layout.pass_times[part][index], done);
                     machining.piece.pass = pass;
+                    if let Some(tool) = operation.tool_of_pass(pass as usize) {
+                        machining.tool = tool as u32;
+                    }
                     machining.piece.share_left = share_left;
                     begins_within = pass > 0;
                 }

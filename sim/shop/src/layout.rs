@@ -339,6 +339,7 @@ fn programmed_pass_times(scenario: &Scenario, tools: &[ToolPlan]) -> Vec<Vec<Vec
             }
             Work::Grinding { work_rotation_speed, phases: each } => phases(each, *work_rotation_speed),
             Work::Contour(work) => work.programmed.iter().map(|plan| plan.time()).collect(),
+            Work::Program(work) => work.calls.iter().map(|call| call.time).collect(),
             Work::Cycle(cycle) => phases(&cycle.programmed, cycle.conditions.work_rotation_speed),
         }
     };
@@ -374,7 +375,8 @@ fn check(scenario: &Scenario) -> Result<(), ShopError> {
     }
     for part in &scenario.parts {
         for operation in &part.operations {
-            if let Some(tool) = operation.tool {
+            let tools = (0..operation.work.passes()).filter_map(|pass| operation.tool_of_pass(pass));
+            for tool in tools.chain(operation.tool) {
                 inside("tool", tool, scenario.tools.len())?;
             }
             if operation.tool.is_some() == matches!(operation.work, Work::Plain(_)) {
@@ -395,12 +397,14 @@ fn check(scenario: &Scenario) -> Result<(), ShopError> {
         breaks || shifts.is_some_and(|calendar| calendar.at_end != Interruption::Finish)
     };
     for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
-        let Some(tool) = operation.tool.map(|tool| &scenario.tools[tool]) else { continue };
-        if let Some(&machine) = operation.machines.iter().find(|machine| interrupted(**machine))
-            && !tool.process.machine_process().goes_back()
-        {
-            let machine = scenario.machines[machine].name.clone();
-            return Err(ShopError::CannotGoBack { tool: tool.name.clone(), machine });
+        let tools = (0..operation.work.passes()).filter_map(|pass| operation.tool_of_pass(pass));
+        for tool in tools.map(|tool| &scenario.tools[tool]) {
+            if let Some(&machine) = operation.machines.iter().find(|machine| interrupted(**machine))
+                && !tool.process.machine_process().goes_back()
+            {
+                let machine = scenario.machines[machine].name.clone();
+                return Err(ShopError::CannotGoBack { tool: tool.name.clone(), machine });
+            }
         }
     }
     for arrival in &scenario.arrivals {

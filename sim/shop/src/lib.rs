@@ -63,6 +63,7 @@ mod lot;
 mod machine;
 mod operation;
 mod operator;
+mod part_program;
 mod pass;
 mod ports;
 mod preemption;

@@ -16,7 +16,7 @@ use toolroom_scenario::policies::{ForceReading, Observation};
 use toolroom_scenario::{Cut, ShopConstant, ShopEffect, Work};
 
 /// Longest pass that is told to sensors, s: the greatest `pass_time` of the processes.
-const LONG: f64 = 1e6;
+pub(super) const LONG: f64 = 1e6;
 
 /// What identifies the pass in a machine.
 #[derive(Clone, Copy, Debug)]
@@ -94,6 +94,7 @@ impl<R: Recorder> Shop<'_, R> {
             Work::Cutting(cuts) => self.begin_cut(machine, place, plan.first_pass, &cuts[place.pass]),
             Work::Grinding { .. } | Work::Cycle(_) => self.begin_phase(machine, place, plan.first_pass),
             Work::Contour(_) => self.begin_contour(machine, place, plan.first_pass),
+            Work::Program(work) => self.begin_call(machine, place, plan.first_pass, &work.calls[place.pass]),
             Work::Plain(_) => unreachable!("plain work has no passes"),
         }
     }
@@ -345,10 +346,14 @@ impl<R: Recorder> Shop<'_, R> {
                 let state = &mut self.world.machines[machine];
                 let InCut { machining: Machining { piece, .. }, edge, .. } =
                     in_cut(&mut state.task, &mut state.edges[place.tool]);
+                let operation = &self.scenario.parts[place.part].operations[place.operation];
                 piece.pass += 1;
                 piece.share_left = 1.0;
                 let done = piece.pass == plan.passes;
-                edge.row.parts += u32::from(done);
+                let mut later = piece.pass..plan.passes;
+                edge.row.parts +=
+                    u32::from(later.all(|pass| operation.tool_of_pass(pass as usize) != Some(place.tool)));
+                self.take_tool(machine, place);
                 if done {
                     self.judge_wheel(machine, place, plan.first_pass);
                 }
@@ -371,9 +376,12 @@ impl<R: Recorder> Shop<'_, R> {
         let plan = self.layout.passes(place.part, place.operation);
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
         let ports = &self.layout.tools[place.tool].ports;
-        let path = match &self.scenario.parts[place.part].operations[place.operation].work {
+        let work = &self.scenario.parts[place.part].operations[place.operation].work;
+        let programmed = matches!(work, Work::Program(_));
+        let path = match work {
             Work::Cutting(cuts) => cuts[place.pass].path_length,
             Work::Contour(work) => work.programmed[place.pass].path_length,
+            Work::Program(work) => work.calls[place.pass].path,
             Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) => 0.0,
         };
         let form_error = self.form_error(machine, place, plan.first_pass);
@@ -389,7 +397,8 @@ impl<R: Recorder> Shop<'_, R> {
         edge.state.copy_from_slice(&segment.state);
         self.scenario.tools[place.tool].process.machine_process().settle(&edge.state);
         edge.clock = clock;
-        edge.row.cutting_time += segment.elapsed;
+        // A part program spends much of its time out of cut.
+        edge.row.cutting_time += if programmed { segment.engaged_time } else { segment.elapsed };
         let path = path * f64::from(*layers);
         edge.row.path += cut * path;
         edge.last_speed = ports.cutting_speed.map(|i| segment.input[i]);
@@ -421,7 +430,10 @@ impl<R: Recorder> Shop<'_, R> {
         if let Some(vibration) = &segment.vibration {
             vibration.note(row, &mut piece.surface);
         }
-        piece.size_error = row.size_error;
+        // Every tool of a part program leaves surfaces of its own.
+        if !programmed || row.size_error.abs() > piece.size_error.abs() {
+            piece.size_error = row.size_error;
+        }
         // An edge that was mounted past its wear limit never crosses it.
         let worn = edge.spent.is_none()
             && !segment.has(ProcessEvent::WearLimit)

@@ -74,8 +74,13 @@ impl Shop {
                             |process| cuts.iter().map(|cut| feed_speed(cut, *time / cuts.len() as f64, process)).sum();
                         process.map_or(0.0, feeds_of)
                     }
-                    // Neither a wheel nor a planned contour runs at a programmed feed, plain work at none.
-                    Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => 0.0,
+                    // Neither a wheel nor a planned contour runs at a programmed feed, plain work at none; the feeds of a
+                    // part program are in its stretches.
+                    Work::Plain(_)
+                    | Work::Grinding { .. }
+                    | Work::Cycle(_)
+                    | Work::Contour(_)
+                    | Work::Program(_) => 0.0,
                 };
                 programs.insert(format!("{}/{}", part.name, operation.name), Program { time: *time, feed_speeds });
             }

@@ -19,5 +19,5 @@ pub use conditions::{Condition, Gain, OBJECTIVES, REPORTED_COST, REPORTED_PRODUC
 pub use files::{NAMES, files, summary};
 pub use report::report;
 pub use study::{Baseline, PassStudy, RefusedPass, Scattered, StudyOptions, edge_life, studies};
-pub use task::{Task, Text, read_setup};
+pub use task::{Drawn, Task, Text, read_setup};
 pub use text::text;

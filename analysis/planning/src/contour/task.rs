@@ -3,10 +3,10 @@
 use super::files::programs;
 use super::study::{RefusedPass, StudyOptions, studies};
 use std::path::Path;
-use toolroom_contour::{ContourError, ContourFile, FileError, GcodeFileError};
+use toolroom_contour::{ContourError, ContourFile, Drawing, FileError, GcodeFileError};
 use toolroom_form::{Echo, FaultList, FormFile, ReadError, Refusal, key_place};
 use toolroom_process::ModelError;
-use toolroom_program::{Control, Dialect};
+use toolroom_program::{Control, Dialect, Units};
 
 /// A text file with its name.
 #[derive(Clone, Debug)]
@@ -15,6 +15,15 @@ pub struct Text {
     pub name: String,
     /// What it holds.
     pub text: String,
+}
+
+/// What draws a contour beside its file.
+#[derive(Clone, Copy, Debug)]
+pub enum Drawn<'a> {
+    /// A part program in the language of a control.
+    Program(&'a Path, &'a Control),
+    /// A DXF file with the layer to read and the unit of a drawing that names none.
+    Dxf(&'a Path, Option<&'a str>, Option<Units>),
 }
 
 /// A contour task as read.
@@ -29,21 +38,30 @@ pub struct Task {
 }
 
 impl Task {
-    /// Reads a contour file, with the part program `gcode` beside it, read by a control, and the values of `--set`.
+    /// Reads a contour file, with what draws its contour beside it, and the values of `--set`.
     ///
     /// # Errors
     /// [`ReadError`]: a file that cannot be opened or decoded, or every fault found in it.
-    pub fn read(file: &Path, gcode: Option<(&Path, &Control)>, set: &[String]) -> Result<Self, ReadError> {
+    pub fn read(file: &Path, drawn: Option<Drawn<'_>>, set: &[String]) -> Result<Self, ReadError> {
         let setup = open(file)?;
-        let program = gcode.map(|(path, control)| Ok((part_program(path)?, control))).transpose()?;
-        let FormFile { content, echo, .. } = match &program {
+        let path = drawn.map(|drawn| match drawn {
+            Drawn::Program(path, _) | Drawn::Dxf(path, ..) => path,
+        });
+        let program = path.map(part_program).transpose()?;
+        let FormFile { content, echo, .. } = match drawn.zip(program.as_ref()) {
             None => ContourFile::parse(&setup.name, &setup.text, set)?,
-            Some((program, control)) => {
-                ContourFile::parse_with_gcode(&setup.name, &setup.text, set, &program.text, control)
+            Some((drawn, program)) => {
+                let text = program.text.as_str();
+                let drawing = match drawn {
+                    Drawn::Program(_, control) => Drawing::Program(text, control),
+                    Drawn::Dxf(_, layer, units) => {
+                        Drawing::Dxf { text, layer, unit: units.map(|units| 1e-3 * units.scale()) }
+                    }
+                };
+                ContourFile::parse_with_drawing(&setup.name, &setup.text, set, drawing)
                     .map_err(|error| refused(program, error))?
             }
         };
-        let program = program.map(|(program, _)| program);
         Ok(Self { file: content, echo, inputs: std::iter::once(setup).chain(program).collect() })
     }
 

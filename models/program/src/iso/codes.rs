@@ -178,12 +178,7 @@ impl Iso {
                 Modal
             }
             700 | 710 | 720 if haas => Found::Once(Once::Pattern(code / 10)),
-            700 | 710 | 720 | 730 | 740 | 750 | 760 if lathe => {
-                return Err(Fault::new(format!(
-                    "G{} is a cycle of turning in two blocks that is not followed; post it as motions, or as G90, G92 and G94",
-                    written(code)
-                )));
-            }
+            700 | 710 | 720 | 730 | 740 | 750 | 760 if lathe => Found::Once(Once::TwoBlocks(code / 10)),
             730 | 740 | 760 | 810..=890 if !lathe && code.is_multiple_of(10) => {
                 self.begin_cycle(code / 10, kernel)?;
                 Found::Motion(Move::Cycle)

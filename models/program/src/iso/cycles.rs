@@ -43,8 +43,8 @@ impl Iso {
         }
         let initial = self.cycle.map_or(kernel.program_at()[kernel.plane[2]], |cycle| cycle.initial);
         let before = self.cycle;
-        // Depth and plane go on from cycle to cycle on LinuxCNC; elsewhere a new code begins anew.
-        let kept = before.filter(|_| self.dialect == Dialect::LinuxCnc);
+        // Depth and plane go on from cycle to cycle until G80 or a motion code.
+        let kept = before;
         self.cycle = Some(Cycle {
             code,
             initial,

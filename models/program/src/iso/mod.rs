@@ -9,6 +9,7 @@ mod once;
 mod parse;
 mod path;
 mod run;
+mod turning;
 mod variables;
 mod words;
 

@@ -24,6 +24,7 @@ pub(super) enum Once {
     Mirror(bool),
     Macro,
     Pattern(u32),
+    TwoBlocks(u32),
     Spline(bool),
     TimeOnly(f64),
 }
@@ -107,6 +108,7 @@ impl Iso {
             }
             Once::Macro => self.macro_call(words, kernel),
             Once::Pattern(code) => self.pattern(code, words, kernel),
+            Once::TwoBlocks(code) => self.two_blocks(code, words, kernel),
         }
     }
 

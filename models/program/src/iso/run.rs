@@ -1,8 +1,10 @@
 //! The flow of a program: blocks, jumps, loops, calls.
 
 use super::cycles::Cycle;
+use super::lathe::Turned;
 use super::modes::Modes;
 use super::parse::{BlockCode, Code, Order, Statement, statements};
+use super::turning::TwoBlocks;
 use super::variables::{Locals, Store};
 use super::words::Words;
 use crate::Dialect;
@@ -38,7 +40,7 @@ pub(super) struct Call {
 /// The interpreter.
 pub(crate) struct Iso {
     pub(super) dialect: Dialect,
-    statements: Vec<Statement>,
+    pub(super) statements: Vec<Statement>,
     files: Vec<String>,
     programs: HashMap<u32, usize>,
     subs: HashMap<String, usize>,
@@ -49,6 +51,10 @@ pub(crate) struct Iso {
     pub(super) store: Store,
     pub(super) modes: Modes,
     pub(super) cycle: Option<Cycle>,
+    /// The cycle of a lathe that ran last.
+    pub(super) turned: Option<Turned>,
+    /// Values of the first block of a cycle in two.
+    pub(super) two: TwoBlocks,
     library: Library,
     /// Macro that every motion calls (G66): its first statement and its values.
     pub(super) modal_macro: Option<(usize, Locals)>,
@@ -74,6 +80,8 @@ impl Iso {
             store: Store::new(dialect),
             modes: Modes::new(),
             cycle: None,
+            turned: None,
+            two: TwoBlocks::default(),
             library,
             modal_macro: None,
             words: Words::default(),
@@ -411,7 +419,7 @@ impl Interpreter for Iso {
 }
 
 impl Iso {
-    fn run(&mut self, code: &Code, index: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
+    pub(super) fn run(&mut self, code: &Code, index: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
         match code {
             Code::Fault(fault) => return Err(fault.clone()),
             Code::Print => {}

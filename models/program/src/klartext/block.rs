@@ -10,17 +10,17 @@ use crate::run::Flow;
 
 /// Words of a positioning block.
 #[derive(Default)]
-struct Words {
-    target: Target,
+pub(super) struct Words {
+    pub target: Target,
     feed: Option<f64>,
-    fmax: bool,
+    pub fmax: bool,
     auto: bool,
-    side: Option<char>,
-    radius: Option<f64>,
+    pub side: Option<char>,
+    pub radius: Option<f64>,
     left: Option<bool>,
     polar_radius: Option<(f64, bool)>,
     polar_angle: Option<(f64, bool)>,
-    m: Vec<(u32, usize)>,
+    pub m: Vec<(u32, usize)>,
 }
 
 impl Klartext {
@@ -108,11 +108,13 @@ impl Klartext {
                 self.before(&given.m, kernel)?;
                 self.after(&given.m, kernel)?
             }
-            "APPR" | "DEP" => {
-                return Err(Fault::at(
-                    column(0),
-                    format!("{} {} is not followed; write the approach with L and C", word(0), word(1)),
-                ));
+            "APPR" => {
+                self.approach(words, kernel)?;
+                Flow::Going
+            }
+            "DEP" => {
+                self.depart(words, kernel)?;
+                Flow::Going
             }
             "FK" | "FPOL" | "FL" | "FC" | "FLT" | "FCT" | "FSELECT" => {
                 return Err(Fault::at(
@@ -145,7 +147,7 @@ impl Klartext {
         Ok(flow)
     }
 
-    fn words(&self, list: &[(String, usize)], kernel: &Kernel) -> Result<Words, Fault> {
+    pub(super) fn words(&self, list: &[(String, usize)], kernel: &Kernel) -> Result<Words, Fault> {
         let mut parsed = Words::default();
         let mut index = 0;
         while let Some((word, column)) = list.get(index) {
@@ -291,7 +293,7 @@ impl Klartext {
         Ok(())
     }
 
-    fn feed(&mut self, words: &Words, kernel: &mut Kernel) -> Result<(), Fault> {
+    pub(super) fn feed(&mut self, words: &Words, kernel: &mut Kernel) -> Result<(), Fault> {
         kernel.feed_mode = FeedMode::Minute;
         if let Some(feed) = words.feed {
             let scale = if feed == 0.0 { 1.0 } else { kernel.unit()? };
@@ -302,17 +304,13 @@ impl Klartext {
         Ok(())
     }
 
-    fn side(&mut self, side: char, kernel: &mut Kernel) -> Result<(), Fault> {
+    pub(super) fn side(&mut self, side: char, kernel: &mut Kernel) -> Result<(), Fault> {
         kernel.finish_offset()?;
         if side == '0' {
             return Ok(());
         }
         kernel.side = Some(side == 'L');
-        let radius = kernel.tool.and_then(|tool| {
-            let given = kernel.control.diameters.get(&tool).map(|diameter| 0.5 * diameter);
-            given.or_else(|| self.radii.get(&tool).copied())
-        });
-        let Some(radius) = radius else {
+        let Some(radius) = self.cutter_radius(kernel) else {
             let number = kernel.tool.unwrap_or(1);
             kernel.note(format!(
                 "the radius of tool {number} is not known, so the contour is timed as programmed: give --tool D{number}=\"10 mm\""
@@ -323,8 +321,15 @@ impl Klartext {
         Ok(())
     }
 
+    /// Radius of the tool in the spindle, mm, where it is known.
+    pub(super) fn cutter_radius(&self, kernel: &Kernel) -> Option<f64> {
+        let tool = kernel.tool?;
+        let given = kernel.control.diameters.get(&tool).map(|diameter| 0.5 * diameter);
+        given.or_else(|| self.radii.get(&tool).copied())
+    }
+
     /// Functions that act when the block begins.
-    fn before(&mut self, m: &[(u32, usize)], kernel: &mut Kernel) -> Result<(), Fault> {
+    pub(super) fn before(&mut self, m: &[(u32, usize)], kernel: &mut Kernel) -> Result<(), Fault> {
         for (code, column) in m {
             match code {
                 3 | 13 => kernel.spindle(Sense::Clockwise),
@@ -348,7 +353,7 @@ impl Klartext {
         Ok(())
     }
 
-    fn after(&mut self, m: &[(u32, usize)], kernel: &mut Kernel) -> Result<Flow, Fault> {
+    pub(super) fn after(&mut self, m: &[(u32, usize)], kernel: &mut Kernel) -> Result<Flow, Fault> {
         for (code, _) in m {
             match code {
                 89 => self.modal_call = true,
@@ -393,7 +398,7 @@ impl Klartext {
             self.flush(kernel)?;
             self.side(side, kernel)?;
         }
-        if !given.m.is_empty() {
+        if !given.m.is_empty() && self.approach.is_none() {
             self.flush(kernel)?;
         }
         self.before(&given.m, kernel)?;

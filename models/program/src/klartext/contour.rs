@@ -33,6 +33,9 @@ impl Klartext {
     /// Position behind everything that is programmed, with what waits.
     pub(super) fn at(&self, kernel: &Kernel) -> Axes {
         let mut position = kernel.program_at();
+        if let Some(approach) = &self.approach {
+            position = approach.end(&position);
+        }
         if let Some(corner) = &self.corner {
             position = std::array::from_fn(|axis| corner.target.end(axis, &position));
         }
@@ -42,6 +45,7 @@ impl Klartext {
     /// Runs an element, or lets it wait for the corner behind it.
     pub(super) fn follow(&mut self, mut corner: Corner, joins: bool, kernel: &mut Kernel) -> Result<(), Fault> {
         let from = self.at(kernel);
+        self.run_approach(&corner, kernel)?;
         if let Some(before) = self.corner.take() {
             corner = self.join(before, corner, from, kernel)?;
         }
@@ -57,6 +61,9 @@ impl Klartext {
 
     /// Gives the element that waits.
     pub(super) fn flush(&mut self, kernel: &mut Kernel) -> Result<(), Fault> {
+        if self.approach.is_some() {
+            return Err(Fault::new("APPR has no element of a contour behind it, whose direction it could take"));
+        }
         match self.corner.take() {
             Some(own) if own.joint.is_some() => {
                 Err(Fault::new("RND or CHF has no motion behind it that it could join"))
@@ -67,11 +74,12 @@ impl Klartext {
     }
 
     fn run_element(&mut self, corner: &Corner, kernel: &mut Kernel) -> Result<(), Fault> {
+        let from = kernel.program_at();
         match corner.element {
             Element::Line => kernel.straight(&corner.target, corner.rapid)?,
             Element::Arc(round, left, turns) => kernel.round(&corner.target, round, left, turns)?,
         }
-        self.direction = kernel.direction().unwrap_or(self.direction);
+        self.turn_to(corner, &from, kernel);
         Ok(())
     }
 

@@ -8,7 +8,7 @@ use super::{Klartext, Statement};
 use crate::error::Fault;
 use crate::hole::{Clearance, Exit, Hole, Pecks, stops};
 use crate::kernel::{FeedMode, Kernel, Round, Target};
-use crate::motion::AXES;
+use crate::motion::{AXES, Offset};
 
 /// A cycle that a call runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ impl Klartext {
         let (number, line) = name.split_once('.').unwrap_or((name, ""));
         let number: u32 = number.parse().map_err(|_| Fault::at(column, "the number of the cycle is missing"))?;
         if number >= 200 {
-            return self.define_new(number, statement, column);
+            return self.define_new(number, statement, column, kernel);
         }
         let line: u32 = line.parse().map_err(|_| Fault::at(column, "an old cycle is written 7.0, 7.1 and on"))?;
         let rest = &words[3..];
@@ -88,6 +88,8 @@ impl Klartext {
                 }
                 self.transform.factor = factor;
             }
+            // Tolerance of the path: no motion, and no other time at programmed feeds.
+            (32, _) => {}
             _ => {
                 return Err(Fault::at(column, format!("cycle {name} is not followed; post its motions")));
             }
@@ -108,9 +110,33 @@ impl Klartext {
         if dwell { Ok(value) } else { kernel.length(value) }
     }
 
-    fn define_new(&mut self, number: u32, statement: &Statement, column: usize) -> Result<(), Fault> {
+    /// Cycle 247: a datum of the table, Q339. It shifts the program as a whole; where another one was in force, the place of
+    /// the axes in it is not known.
+    fn datum(&mut self, statement: &Statement, column: usize, kernel: &mut Kernel) -> Result<(), Fault> {
+        let text = statement.words.iter().find_map(|(word, _)| word.strip_prefix("Q339="));
+        let text = text.ok_or_else(|| Fault::at(column, "cycle 247 needs Q339, the number of the datum"))?;
+        let number = self.value(text, column)?;
+        if !(0.0..=9999.0).contains(&number) || number.fract() != 0.0 {
+            return Err(Fault::at(column, format!("{number} is no number of a datum")));
+        }
+        let number = number as u32;
+        if self.datum.is_some_and(|before| before != number) {
+            kernel.forget(0..9);
+        }
+        self.datum = Some(number);
+        kernel.offset_by(Offset::Work(number.saturating_sub(1)));
+        Ok(())
+    }
+
+    fn define_new(
+        &mut self,
+        number: u32,
+        statement: &Statement,
+        column: usize,
+        kernel: &mut Kernel,
+    ) -> Result<(), Fault> {
         if number == 247 {
-            return Err(Fault::at(column, "cycle 247 changes the datum by a table, which is not followed"));
+            return self.datum(statement, column, kernel);
         }
         if !matches!(number, 200..=203 | 205..=208) {
             return Err(Fault::at(column, format!("cycle {number} is not followed; post its motions")));

@@ -1,5 +1,6 @@
 //! Heidenhain Klartext: positioning, contours, labels, Q parameters and drilling cycles.
 
+mod approach;
 mod block;
 mod contour;
 mod cycles;
@@ -12,6 +13,7 @@ use crate::library::Library;
 use crate::motion::EventKind;
 use crate::run::{Flow, Interpreter, Place};
 use crate::{Dialect, Units};
+use approach::Approach;
 use contour::Corner;
 use cycles::Cycle;
 use std::collections::{BTreeMap, HashMap};
@@ -86,6 +88,10 @@ pub(crate) struct Klartext {
     modal_call: bool,
     transform: Transform,
     corner: Option<Corner>,
+    /// An approach that waits for the first element of its contour.
+    approach: Option<Approach>,
+    /// The datum of cycle 247 in force.
+    datum: Option<u32>,
 }
 
 /// Depth of subprograms and programs (assumption: 10 as for the other controls; manuals name 8 to 19, cited from memory).
@@ -112,6 +118,8 @@ impl Klartext {
             modal_call: false,
             transform: Transform { shift: [0.0; 9], mirror: [false; 3], angle: 0.0, factor: 1.0 },
             corner: None,
+            approach: None,
+            datum: None,
         };
         interpreter.add(text, String::new());
         interpreter

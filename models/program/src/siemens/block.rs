@@ -37,7 +37,7 @@ impl Values {
 }
 
 /// Words that change how the control computes, but neither the path nor the time at programmed feeds.
-const QUIET: [&str; 34] = [
+const QUIET: [&str; 38] = [
     "FFWON",
     "FFWOF",
     "SOFT",
@@ -70,6 +70,10 @@ const QUIET: [&str; 34] = [
     "DYNROUGH",
     "DYNSEMIFIN",
     "DYNFINISH",
+    "DYNPREC",
+    "FIFOCTRL",
+    "COMPSURF",
+    "FNORM",
     "SBLON",
     "SBLOF",
 ];

@@ -92,6 +92,8 @@ impl Siemens {
             return self.bore(&repeated, kernel);
         }
         match name {
+            // Tolerance and look-ahead of the control: no motion.
+            "CYCLE832" => Ok(()),
             "HOLES1" | "HOLES2" => self.pattern(name, list, kernel),
             _ if name.starts_with("CYCLE")
                 || name.starts_with("POCKET")

@@ -235,7 +235,12 @@ fn read_code(parser: &mut Parser<'_>) -> Result<Code, Fault> {
             parser.at = parser.text.len();
             Code::Nothing
         }
-        "CASE" | "WORKPIECE" | "GOTOC" | "GOTOS" => {
+        "WORKPIECE" => {
+            // The blank of the simulation moves nothing.
+            parser.at = parser.text.len();
+            Code::Nothing
+        }
+        "CASE" | "GOTOC" | "GOTOS" => {
             return Err(Fault::at(start + 1, format!("{word} is not followed; write jumps with IF and GOTOF")));
         }
         _ => {

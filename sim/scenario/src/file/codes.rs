@@ -32,6 +32,10 @@ pub const CODES: &[(&str, &str)] = &[
         "The contour file is at fault, is drawn for another cutter than the tool, or has a section that no spindle speed and feed of this machine can mill within its limits; the message names the section and the limits that conflict. `toolroom contour` shows a contour file by itself.",
     ),
     (
+        "program",
+        "The part program is refused, its setup is at fault, or the setup's tools are not those of the shop: a [[tool]] of the setup wears the edges of the scenario's milling tool of the same name, diameter and number of teeth. `toolroom program FILE --setup SETUP` shows a program by itself.",
+    ),
+    (
         "policy",
         "The work itself can be planned, but not as this policy asks: a cycle designed for a duller wheel may have no solution within the limits, a contour no handbook regime.",
     ),

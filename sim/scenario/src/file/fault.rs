@@ -89,6 +89,20 @@ pub enum ScenarioFault {
         /// Why.
         reason: PlanError,
     },
+    /// A part program that is no work for the shop.
+    #[error("{subject}: {reason}")]
+    Program {
+        /// Operation.
+        subject: String,
+        /// Why.
+        reason: String,
+    },
+    /// A setup of a part program with faults of its own.
+    #[error("{reason}")]
+    SetupFile {
+        /// Each with its place in that file.
+        reason: String,
+    },
     /// A policy that cannot plan the work of a tool.
     #[error("policy \"{policy}\" with tool \"{tool}\": {reason}")]
     Policy {
@@ -256,6 +270,7 @@ impl ContentFault for ScenarioFault {
             Self::ParameterSet { .. } => "parameter-set",
             Self::CycleFile { .. } | Self::Cycle { .. } => "cycle",
             Self::ContourFile { .. } | Self::Contour { .. } => "contour",
+            Self::Program { .. } | Self::SetupFile { .. } => "program",
             Self::Policy { .. } => "policy",
             Self::Structure { .. } => "structure",
             Self::Unit { .. } => "unit",
@@ -323,6 +338,8 @@ impl ContentFault for ScenarioFault {
             | Self::Cycle { .. }
             | Self::ContourFile { .. }
             | Self::Contour { .. }
+            | Self::Program { .. }
+            | Self::SetupFile { .. }
             | Self::Policy { .. }
             | Self::Calibration { .. } => return None,
         })

@@ -6,14 +6,15 @@ use super::fault::ScenarioFault;
 use crate::policies::ResolveError;
 use crate::policies::ResolvedPolicy;
 use crate::{
-    ContourRule, ContourWork, CycleWork, DressingRule, GrindingRule, MachineType, ProcessModel, Scenario, ToolType,
-    Work,
+    ContourRule, ContourWork, CycleWork, DressingRule, GrindingRule, MachineType, ProcessModel, ProgramWork, Scenario,
+    ToolType, Work,
 };
 use std::sync::Arc;
 use toml::de::DeValue;
 use toolroom_contour::ContourFile;
 use toolroom_form::{Fault, Section, Span, Value, Walk, set_record};
 use toolroom_infeed::{CycleFile, CycleLimits, Infeed, Input};
+use toolroom_stock::Setup;
 
 /// Keys of a grinding operation that the cycle file contains.
 const OF_CYCLE_FILE: &[&str] = &["work_rotation_speed", "phase"];
@@ -88,6 +89,47 @@ pub(super) fn contour(
         Ok(work) => Some(Work::Contour(Arc::new(work))),
         Err(reason) => {
             walk.fault(section.span_of("contour"), ScenarioFault::Contour { subject: section.path.clone(), reason });
+            None
+        }
+    }
+}
+
+/// Keys of an operation that a part program makes superfluous.
+const OF_PROGRAM: &[&str] = &["tool", "contour", "contour_passes", "plan"];
+
+/// The part program of a file with its setup; `None` where a problem was noted.
+pub(super) fn program(
+    walk: &mut Walk,
+    section: &Section<'_>,
+    tools: &[Option<&ToolType>],
+    names: &[String],
+) -> Option<Arc<ProgramWork>> {
+    let file = section.text("program")?;
+    not_beside(walk, section, "program", OF_PROGRAM);
+    not_beside(walk, section, "program", OF_CONTOUR);
+    let Some(setup_file) = section.text("setup") else {
+        if !section.given("setup") {
+            let example = "\"plate-setup.toml\"".to_owned();
+            let fault = Fault::MissingKey { section: section.path.clone(), key: "setup", example };
+            walk.fault(section.span_of("program"), fault);
+        }
+        return None;
+    };
+    let text = walk.file(section, "setup", setup_file)?;
+    let setup = match Setup::parse(setup_file, &text, &[]) {
+        Ok(file) => file.content,
+        Err(reason) => {
+            walk.fault(section.span_of("setup"), ScenarioFault::SetupFile { reason: reason.to_string() });
+            return None;
+        }
+    };
+    let folder = walk.folder.clone();
+    walk.named(folder.join(file));
+    match ProgramWork::new(&folder, [file, setup_file], &setup, tools, names) {
+        Ok(work) => Some(Arc::new(work)),
+        Err(reason) => {
+            let (subject, reason) = (section.path.clone(), reason.to_string());
+            walk.fault(section.span_of("program"), ScenarioFault::Program { subject, reason });
             None
         }
     }

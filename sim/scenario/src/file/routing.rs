@@ -3,11 +3,11 @@
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::jobs;
-use super::planned::{contour, cycle};
+use super::planned::{contour, cycle, program};
 use super::random::distribution;
 use super::resolve::{NamedTool, Names, machine_indices, named, reference};
 use super::resources::attendance;
-use crate::{Cut, GrindingPhase, Inspection, MachineType, Operation, Part, ProcessModel, Work, WorkPer};
+use crate::{Cut, GrindingPhase, Inspection, MachineType, Operation, Part, ProcessModel, ToolType, Work, WorkPer};
 use std::f64::consts::PI;
 use toolroom_form::{Fault, Kind, Quantity, Section, Value, Walk, display, significant};
 
@@ -70,7 +70,10 @@ fn operations(
         // Which keys apply hangs on the process of the tool, which the section only names.
         let tool_name = table.get("tool").and_then(|tool| tool.get_ref().as_str());
         let tool_index = names.tools.iter().position(|name| Some(name.as_str()) == tool_name);
-        let process = tool_index.and_then(|tool| tools[tool].process);
+        // A part program calls its tools by itself; only mills run one.
+        let programmed = table.contains_key("program");
+        let of_tool = tool_index.and_then(|tool| tools[tool].process);
+        let process = if programmed { Some(ProcessKind::Milling) } else { of_tool };
         let unnamed = if table.contains_key("name") { String::new() } else { format!(" {}", i + 1) };
         let path = format!("{}, operation{unnamed}", part.path);
         let plain = table.contains_key("work");
@@ -81,7 +84,7 @@ fn operations(
         if operations.iter().any(|other| other.name == name) {
             walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "operation", name: name.clone() });
         }
-        if !plain && !table.contains_key("tool") {
+        if !plain && !programmed && !table.contains_key("tool") {
             let example = "\"insert\"` or `work = \"5 min\"".to_owned();
             let section = form.title.to_owned();
             walk.fault(entry.span(), Fault::MissingKey { section, key: "tool", example });
@@ -94,13 +97,20 @@ fn operations(
         let able = if plain {
             candidates
         } else {
-            able_machines(walk, &section, &name, &candidates, machines, tool_name.unwrap_or_default(), process)
+            {
+                let named = tool_name.or(section.text("program")).unwrap_or_default();
+                able_machines(walk, &section, &name, &candidates, machines, named, process)
+            }
         };
         let known = tool.and_then(|tool| tools[tool].tool.as_ref());
         let model = known.map(|tool| &tool.process);
         let work = match process {
             _ if plain => Work::Plain(distribution(walk, &section, "work")),
             Some(ProcessKind::Infeed) => grinding(walk, &section, model),
+            Some(ProcessKind::Milling) if programmed => {
+                let types: Vec<Option<&ToolType>> = tools.iter().map(|tool| tool.tool.as_ref()).collect();
+                program(walk, &section, &types, &names.tools).map_or(Work::Cutting(Vec::new()), Work::Program)
+            }
             Some(ProcessKind::Milling) if section.given("contour") => {
                 let machine = able.first().map(|machine| &machines[*machine]);
                 contour(walk, &section, known, machine).unwrap_or(Work::Cutting(Vec::new()))
@@ -110,10 +120,15 @@ fn operations(
             }
             None => Work::Cutting(Vec::new()),
         };
+        let mut first = tool;
+        if let Work::Program(work) = &work {
+            work.calls.iter().for_each(|call| used[call.tool] = true);
+            first = work.calls.first().map(|call| call.tool);
+        }
         let mut operation = Operation {
             name,
             machines: able,
-            tool: if plain { None } else { Some(tool.unwrap_or(0)) },
+            tool: if plain { None } else { Some(first.unwrap_or(0)) },
             setup_group: section.text("setup_group").unwrap_or(part_name).to_owned(),
             setup_time: section.si("setup_time"),
             attendance: attendance(walk, &section, names),

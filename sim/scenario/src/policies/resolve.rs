@@ -69,8 +69,12 @@ impl ResolvedPolicy {
                 resolved.grinding.push(grinding.clone());
                 let cut = match &operation.work {
                     Work::Cutting(cuts) => Some(cuts[pass]),
-                    Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => None,
+                    Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) | Work::Program(_) => {
+                        None
+                    }
                 };
+                let index = operation.tool_of_pass(pass).unwrap_or(index);
+                let tool = scenario.tools.get(index).unwrap_or(tool);
                 for (place, machine) in scenario.machines.iter().enumerate() {
                     let able = operation.machines.contains(&place);
                     let contour = match &operation.work {
@@ -83,7 +87,8 @@ impl ResolvedPolicy {
                         | Work::Cutting(_)
                         | Work::Grinding { .. }
                         | Work::Cycle(_)
-                        | Work::Contour(_) => None,
+                        | Work::Contour(_)
+                        | Work::Program(_) => None,
                     };
                     resolved.contour[place].push(contour);
                     if !able {
@@ -142,7 +147,7 @@ fn grinding(
         Work::Grinding { phases, .. } => {
             Some(GrindingController::programmed(phases, wheel, rule.dressing, &rule.sensors))
         }
-        Work::Plain(_) | Work::Cutting(_) | Work::Contour(_) => None,
+        Work::Plain(_) | Work::Cutting(_) | Work::Contour(_) | Work::Program(_) => None,
     })
 }
 

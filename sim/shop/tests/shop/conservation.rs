@@ -127,7 +127,9 @@ fn check(shop: &Scenario, log: &RunLog) {
                 .iter()
                 .flat_map(|operation| match &operation.work {
                     Work::Cutting(cuts) => cuts.clone(),
-                    Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => Vec::new(),
+                    Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) | Work::Program(_) => {
+                        Vec::new()
+                    }
                 })
                 .map(|cut| cut.path_length)
                 .sum();

@@ -20,6 +20,7 @@ mod jobs_flow;
 mod lots;
 mod operators;
 mod orders;
+mod part_programs;
 mod places;
 mod queues;
 mod replay;

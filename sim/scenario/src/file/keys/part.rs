@@ -69,7 +69,7 @@ static OPERATION: Form = Form {
             "Whether it begins only when all components of its part are in stock, and takes them together",
         )
         .when("process", PLAIN),
-        Key::required("tool", Kind::Reference("tool"), "Tool; due unless `work` is given")
+        Key::optional("tool", Kind::Reference("tool"), "Tool; due unless `work` or `program` is given")
             .when("process", ProcessKind::WORDS),
         Key::optional(
             "setup_group",
@@ -134,6 +134,14 @@ static OPERATION: Form = Form {
             "Instead of passes: path of a contour file, from the folder of this file; its constants are what the plan believes",
         )
         .when("process", ProcessKind::PER_TOOTH),
+        Key::optional(
+            "program",
+            Kind::Text,
+            "Instead of tool and passes: path of a part program, from the folder of this file, which a mill runs with the tools of its setup",
+        )
+        .when("process", ProcessKind::PER_TOOTH),
+        Key::optional("setup", Kind::Text, "Setup file of the program: its stock, tools and machine")
+            .when("process", ProcessKind::PER_TOOTH),
         Key::optional("contour_passes", Kind::List(&Kind::Name), "Passes of the contour file in order; left out: all")
             .when("process", ProcessKind::PER_TOOTH),
         Key::optional(

@@ -1,0 +1,83 @@
+//! What a program's events mean for the stock: tool, spindle and height as the program goes on.
+
+use crate::cutting::{Cut, Cutting};
+use crate::setup::Setup;
+use std::f64::consts::TAU;
+use toolroom_program::{Motion, Sense};
+
+/// A program cuts with a tool that the setup does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}; add it as [[tool]] to the setup", match tool { Some(tool) => format!("the setup has no tool {tool}"), None => "no tool is called before the first cut, and the setup has more than one".to_owned() })]
+pub struct NoTool {
+    /// Its number.
+    pub tool: Option<u32>,
+}
+
+/// Follows a program through the stock of a setup, event by event.
+#[derive(Clone, Debug)]
+pub struct Follower<'a> {
+    setup: &'a Setup,
+    cutting: Cutting,
+    /// A setup of one tool needs no call of it.
+    only: Option<u32>,
+    tool: Option<u32>,
+    /// rad/s; 0 where the cutter does not turn clockwise.
+    speed: f64,
+    /// Until the program says where Z is, the tool is above everything.
+    lifted: bool,
+}
+
+impl<'a> Follower<'a> {
+    /// Begins with whole stock, and a tool only where the setup has a single one.
+    pub fn new(setup: &'a Setup) -> Self {
+        let only = if setup.tools.len() == 1 { setup.tools.keys().next().copied() } else { None };
+        let cutting = Cutting::new(setup.stock, setup.radius());
+        Self { setup, cutting, only, tool: only, speed: 0.0, lifted: true }
+    }
+
+    /// The tool in the spindle.
+    pub fn tool(&self) -> Option<u32> {
+        self.tool
+    }
+
+    /// Speed of the spindle, rad/s; 0 where it stands or turns counterclockwise.
+    pub fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// The stock as it is.
+    pub fn cutting(&self) -> &Cutting {
+        &self.cutting
+    }
+
+    /// The tool changes.
+    pub fn change(&mut self, number: Option<u32>) {
+        self.tool = number.or(self.only);
+    }
+
+    /// The spindle is commanded, rpm.
+    pub fn spindle(&mut self, rpm: f64, sense: Sense) {
+        self.speed = if sense == Sense::Clockwise { rpm * TAU / 60.0 } else { 0.0 };
+    }
+
+    /// Axes go to their reference point, Z among them or not.
+    pub fn home(&mut self, z: bool) {
+        self.lifted |= z;
+    }
+
+    /// The tool moves; `None` where the motion is above everything.
+    ///
+    /// # Errors
+    /// [`NoTool`] for a cut with a tool that the setup does not have.
+    pub fn motion(&mut self, motion: &Motion) -> Result<Option<Cut>, NoTool> {
+        if self.lifted && motion.rapid && !motion.unknown && motion.start[2] == motion.end[2] {
+            return Ok(None);
+        }
+        self.lifted = false;
+        match self.tool.and_then(|number| self.setup.tools.get(&number)) {
+            Some(tool) => Ok(Some(self.cutting.motion(motion, tool, self.speed))),
+            None if motion.rapid => Ok(None),
+            None => Err(NoTool { tool: self.tool }),
+        }
+    }
+}
