@@ -177,6 +177,13 @@ impl Scenario {
         Ok(Cow::Owned(world))
     }
 
+    /// Whether policies choose the cutting speed of a tool: that of lathes, and of mills where nothing else has a speed to choose.
+    pub fn commands_speed_of(&self, tool: &ToolType) -> bool {
+        let commanded = |tool: &ToolType| tool.process.takes_speed_commands();
+        let mill = matches!(tool.process, ProcessModel::Milling(_));
+        commanded(tool) || mill && !self.tools.iter().any(commanded)
+    }
+
     /// Rules of the queue of a machine.
     pub fn rules(&self, machine: usize) -> &[DispatchRule] {
         self.machines[machine].rules.as_deref().unwrap_or(&self.dispatch)
