@@ -3,10 +3,12 @@
 //!
 //! ```text
 //!  grid of settings ──► few replications of each ──► border? extend ──► the better third: more replications
-//!        ──► quadratic through the neighbours of the best ──► finer grid around its minimum ──► the best few: what is left
+//!        ──► surface through all of them ──► finer grid around its minimum ──► the best few: what is left
 //! ```
-//! All settings of all rules see the same random numbers, so that means over the same replications compare like with like.
-//! Settings that lose more edges than the guard allows are no rivals.
+//! All settings of all rules see the same random numbers, so that what a replication costs everybody can be told from what a
+//! setting costs. The best setting is that of the least estimate ([`toolroom_surface`]): a quadratic surface through the
+//! settings around the best, and as much of each setting's own deviation from it as its replications bear out. The least
+//! of the settings' own means would mostly be a lucky one. Settings that lose more edges than the guard allows are no rivals.
 //!
 //! Halving the field takes the place of a selection with a promised probability (Kim and Nelson 2001): with the default
 //! indifference of 0.1 % and paired deviations of some per cent that procedure strikes none of 24 settings within 25

@@ -188,6 +188,13 @@ impl Scenario {
         !self.orders.is_empty() || self.arrivals.iter().all(given)
     }
 
+    /// Whether policies choose the cutting speed of a tool: that of lathes, and of mills where nothing else has a speed to choose.
+    pub fn commands_speed_of(&self, tool: &ToolType) -> bool {
+        let commanded = |tool: &ToolType| tool.process.takes_speed_commands();
+        let mill = matches!(tool.process, ProcessModel::Milling(_));
+        commanded(tool) || mill && !self.tools.iter().any(commanded)
+    }
+
     /// Rules of the queue of a machine.
     #[inline]
     pub fn rules(&self, machine: usize) -> &[DispatchRule] {

@@ -103,7 +103,8 @@ impl ProcessModel {
         }
     }
 
-    /// Whether policies choose its cutting speed; milling and grinding run as programmed.
+    /// Whether policies choose its cutting speed; grinding runs as programmed, and so does milling beside a lathe
+    /// ([`Scenario::commands_speed_of`](crate::Scenario::commands_speed_of)).
     pub fn takes_speed_commands(&self) -> bool {
         match self {
             Self::Turning(_) => true,

@@ -51,7 +51,8 @@ pub fn role(policy: &PolicyRule, scenario: &Scenario) -> Role {
         Knowledge::Sensors => of_speed(&policy.speed),
         known @ (Knowledge::Wear | Knowledge::Edge) => Role::Oracle(known),
     };
-    if of_speed != Role::Given {
+    // Without a lathe a rule that works its speed out has no model to do so, and cuts as programmed.
+    if of_speed != Role::Given && scenario.tools.iter().any(|tool| tool.process.takes_speed_commands()) {
         return of_speed;
     }
     let work = || scenario.parts.iter().flat_map(|part| &part.operations).map(|operation| &operation.work);
@@ -66,7 +67,7 @@ pub fn role(policy: &PolicyRule, scenario: &Scenario) -> Role {
         (_, Some(ContourRule::BestConstant)) => Role::BestConstant("cost"),
         (_, Some(ContourRule::Time)) => Role::Planned("time"),
         (_, Some(ContourRule::Cost)) => Role::Planned("cost"),
-        (_, None) => of_speed,
+        (_, None) => Role::Given,
     }
 }
 
@@ -192,7 +193,9 @@ impl Decision {
                 policies.iter().enumerate().any(|(position, policy)| of(&policy.role) && eligible(position))
             };
             let line = if !there(Role::is_candidate) {
-                "no adaptive policy in this study: nothing to decide".to_owned()
+                best_of(&|_, role| role.is_rival())
+                    .and_then(|best| leading(scenario, study, policies, (index, sign), best))
+                    .unwrap_or_else(|| "no adaptive policy in this study: nothing to decide".to_owned())
             } else if !there(Role::is_rival) {
                 "no constant or scheduled speed in this study: nothing to compare adaptive speed with".to_owned()
             } else if kpi.definition.id == "cost_per_part" {
@@ -215,11 +218,7 @@ impl Decision {
         let outcome = judge(&difference.scaled(sign));
         let mean = |position: usize| kpi.definition.display_scale() * policies[position].kpis[index].mean;
         let digits = decimals(mean(other), difference.half_width);
-        let unit = match kpi.definition.display {
-            "currency" => format!(" {}", scenario.currency),
-            "1" => String::new(),
-            unit => format!(" {unit}"),
-        };
+        let unit = shown_unit(scenario, kpi.definition.display);
         let tuned_constant = tuning.is_some() && policies[other].role == Role::Given;
         let rival_role =
             if tuned_constant { "constant speed, tuned".to_owned() } else { policies[other].role.describe() };
@@ -245,6 +244,51 @@ impl Decision {
         notes.extend(bounds(scenario, policies, &|position| sign * (mean(other) - mean(position))));
         Self { outcome, adaptive, rival, difference: Some(difference), line, notes }
     }
+}
+
+/// The unit of a figure behind its number.
+fn shown_unit(scenario: &Scenario, display: &str) -> String {
+    match display {
+        "currency" => format!(" {}", scenario.currency),
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    }
+}
+
+/// The best of policies of which none is adaptive, as in milling, against the first; against the next best where it is the
+/// first. `None` for a single policy.
+fn leading(
+    scenario: &Scenario,
+    study: &Study,
+    policies: &[PolicyResult],
+    (index, sign): (usize, f64),
+    best: usize,
+) -> Option<String> {
+    let definition = &study.kpis[index].definition;
+    let mean = |position: usize| definition.display_scale() * policies[position].kpis[index].mean;
+    let others = (0..policies.len()).filter(|&other| other != best && mean(other).is_finite());
+    let next = others.min_by(|&a, &b| (sign * mean(a)).total_cmp(&(sign * mean(b))));
+    let other = if best == 0 { next? } else { 0 };
+    let difference = paired(&study.values(best, index), &study.values(other, index), CONFIDENCE).difference;
+    let difference = difference.scaled(definition.display_scale());
+    let digits = decimals(mean(other), difference.half_width);
+    let resolved = match judge(&difference.scaled(sign)) {
+        Outcome::NoDifference => match needed(&difference) {
+            Some(replications) => format!("; not resolved (needs about {replications} replications)"),
+            None => "; not resolved".to_owned(),
+        },
+        Outcome::Wins | Outcome::Loses | Outcome::Undecided => String::new(),
+    };
+    Some(format!(
+        "no policy is adaptive. Best on {}: {} {} against {} {}{}, difference {}{resolved}",
+        definition.title.replace(" / ", " per "),
+        policies[best].name,
+        plain(mean(best), digits),
+        policies[other].name,
+        plain(mean(other), digits),
+        shown_unit(scenario, definition.display),
+        with_interval(&difference, CONFIDENCE),
+    ))
 }
 
 /// What an untuned comparison does not say.

@@ -92,6 +92,8 @@ fn one_replication_or_no_adaptive_policy_decides_nothing() {
     let comparison = Comparison::new(&constant, &study(&constant, &[4, 2], 6));
     assert_eq!(comparison.decision.outcome, Outcome::Undecided);
     assert_eq!(comparison.headline, Some(0));
+    let line = &comparison.decision.line;
+    assert!(line.contains("Best on cost per part: p1") && line.contains("against p0"), "{line}");
     let alone = scenario(&[ADAPTIVE]);
     let comparison = Comparison::new(&alone, &study(&alone, &[4], 6));
     assert!(comparison.headline.is_none() && comparison.decision.line.contains("nothing to compare"));

@@ -33,10 +33,10 @@ impl Reference {
     /// Of the first pass that follows a commanded speed; `None` where there is none.
     pub fn of(scenario: &Scenario) -> Option<Self> {
         scenario.parts.iter().flat_map(|part| &part.operations).find_map(|operation| {
-            let process = &scenario.tools[operation.tool?].process;
+            let tool = &scenario.tools[operation.tool?];
             let Work::Cutting(cuts) = &operation.work else { return None };
-            let cut = cuts.first().filter(|_| process.takes_speed_commands())?;
-            Some(Self { speed: cut.cutting_speed, wear_limit: process.wear_limit() })
+            let cut = cuts.first().filter(|_| scenario.commands_speed_of(tool))?;
+            Some(Self { speed: cut.cutting_speed, wear_limit: tool.process.wear_limit() })
         })
     }
 }

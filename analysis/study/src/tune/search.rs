@@ -14,6 +14,7 @@ use toolroom_shards::Journal;
 use toolroom_shop::Shop;
 use toolroom_shop::runlog::ChangeReason;
 use toolroom_statistics::Moments;
+use toolroom_surface::{Estimates, Trial as Tried};
 
 /// Replications of every setting of the first grid, as a share of the budget: 8 of 600. With 24 settings the grid takes a
 /// third of the budget.
@@ -105,12 +106,6 @@ impl Search<'_> {
 }
 
 impl Point {
-    /// Mean objective of the first replications.
-    fn mean(&self, count: usize) -> f64 {
-        let runs = &self.runs[..count.min(self.runs.len())];
-        runs.iter().map(|run| run.objective).sum::<f64>() / runs.len() as f64
-    }
-
     /// Share of edges lost in a way, and its standard deviation.
     fn share(&self, lost: fn(&Run) -> u32) -> (f64, f64) {
         let sum = |of: fn(&Run) -> u32| self.runs.iter().map(|run| f64::from(of(run))).sum::<f64>();
@@ -144,7 +139,7 @@ impl Field<'_> {
         let Some(&incumbent) = kept.first() else { return Ok(()) };
         self.run_to(&kept, 2 * first)?;
         let before = self.points.len();
-        self.add(&self.finer(incumbent, first))?;
+        self.add(&self.finer(incumbent))?;
         self.run_to(&(before..self.points.len()).collect::<Vec<_>>(), 2 * first)?;
         let mut looked = 2 * first;
         for (round, count) in FINALISTS.into_iter().enumerate() {
@@ -254,11 +249,21 @@ impl Field<'_> {
         Ok(run)
     }
 
+    /// What all points that were tried say together.
+    fn estimates(&self) -> Estimates {
+        let tried = |point: &Point| Tried {
+            at: self.axes.iter().zip(&point.values).map(|(axis, value)| axis.position(*value)).collect(),
+            values: point.runs.iter().map(|run| run.objective).collect(),
+        };
+        Estimates::of(&self.points.iter().map(tried).collect::<Vec<_>>())
+    }
+
     /// Admissible points with so many replications, the best first.
     fn best(&self, count: usize) -> Vec<usize> {
+        let estimated = self.estimates().means;
         let known = |point: &Point| point.runs.len() >= count && point.is_admissible(self.search.request);
         let mut points: Vec<usize> = (0..self.points.len()).filter(|&point| known(&self.points[point])).collect();
-        points.sort_by(|&a, &b| self.points[a].mean(count).total_cmp(&self.points[b].mean(count)));
+        points.sort_by(|&a, &b| estimated[a].total_cmp(&estimated[b]));
         points
     }
 
@@ -291,34 +296,15 @@ impl Field<'_> {
         }
     }
 
-    /// A grid of half the step around the least of a parabola through the neighbours of the best point, axis by axis, each
-    /// averaged over the neighbours on the other axes.
-    fn finer(&self, best: usize, count: usize) -> Vec<Vec<f64>> {
-        let home: Vec<f64> = self.points[best].values.clone();
-        let near = |point: &&Point| {
-            let step =
-                |(axis, (value, home)): (&Axis, (&f64, &f64))| (axis.position(*value) - axis.position(*home)).abs();
-            point.runs.len() >= count
-                && self.axes.iter().zip(point.values.iter().zip(&home)).map(step).all(|step| step < 1.5)
-        };
-        let neighbours: Vec<&Point> = self.points.iter().filter(near).collect();
-        let lists = self.axes.iter().enumerate().map(|(number, axis)| {
-            let home = axis.position(home[number]);
-            let level = |side: f64| {
-                let means: Moments = neighbours
-                    .iter()
-                    .filter(|point| (axis.position(point.values[number]) - home - side).abs() < 0.5)
-                    .map(|point| point.mean(count))
-                    .collect();
-                means.mean()
-            };
-            let (below, here, above) = (level(-1.0), level(0.0), level(1.0));
-            let bend = below - 2.0 * here + above;
-            let least =
-                if bend > 0.0 && bend.is_finite() { (0.5 * (below - above) / bend).clamp(-1.0, 1.0) } else { 0.0 };
-            let steps: &[f64] = if self.axes.len() == 1 { &[-0.5, -0.25, 0.0, 0.25, 0.5] } else { &[-0.5, 0.0, 0.5] };
-            steps.iter().map(|step| axis.value(home + least + step)).collect::<Vec<f64>>()
-        });
+    /// A grid of half the step around the least of the surface through all points, around the best where there is none.
+    fn finer(&self, best: usize) -> Vec<Vec<f64>> {
+        let home =
+            || self.axes.iter().zip(&self.points[best].values).map(|(axis, value)| axis.position(*value)).collect();
+        let centre: Vec<f64> = self.estimates().least.unwrap_or_else(home);
+        let steps: &[f64] = if self.axes.len() == 1 { &[-0.5, -0.25, 0.0, 0.25, 0.5] } else { &[-0.5, 0.0, 0.5] };
+        let lists = self.axes.iter().zip(centre);
+        let lists =
+            lists.map(|(axis, centre)| steps.iter().map(|step| axis.value(centre + step)).collect::<Vec<f64>>());
         lists.fold(vec![Vec::new()], |combinations, list| {
             let with = |before: &Vec<f64>| {
                 list.iter().map(|value| [before.as_slice(), &[*value]].concat()).collect::<Vec<_>>()
@@ -340,23 +326,24 @@ impl Field<'_> {
     fn told(&self) -> TunedPolicy {
         let request = self.search.request;
         let in_file = |objective: f64| self.search.objective.sign * self.search.scale * objective;
-        // The best of those that were looked at longest.
-        let longest =
-            self.points.iter().filter(|point| point.is_admissible(request)).map(|point| point.runs.len()).max();
-        let finalists = longest.map_or_else(Vec::new, |longest| self.best((longest - longest / 4).max(1)));
-        let Some(best) = finalists.first().map(|&best| &self.points[best]) else {
+        // Those of the first grid that were not kept are known too little.
+        let known =
+            [2 * self.search.first(), 1].into_iter().map(|count| self.best(count)).find(|best| !best.is_empty());
+        let Some(best) = known.map(|best| &self.points[best[0]]) else {
             let reason = format!(
                 "at every setting that was tried the guard is broken: more than {} % of edges collapse",
                 100.0 * request.collapse
             );
             return TunedPolicy { evaluations: self.spent, ..given(&self.rule.name, reason) };
         };
-        let common = |point: &Point| point.runs.len().min(best.runs.len());
-        let excess = |point: &Point| point.mean(common(point)) - best.mean(common(point));
+        let estimated = self.estimates().means;
+        let place = |point: &Point| self.points.iter().position(|other| std::ptr::eq(other, point));
+        let estimate = |point: &Point| place(point).map_or(f64::INFINITY, |place| estimated[place]);
+        let excess = |point: &Point| estimate(point) - estimate(best);
         let flat = |point: &&Point| {
             point.runs.len() >= 2 * self.search.first()
                 && point.is_admissible(request)
-                && excess(point) <= request.indifference * best.mean(best.runs.len()).abs()
+                && excess(point) <= request.indifference * estimate(best).abs()
         };
         let flat: Vec<&Point> = self.points.iter().filter(flat).collect();
         let settings = self.axes.iter().enumerate().map(|(number, axis)| {
@@ -392,8 +379,7 @@ impl Field<'_> {
             standard_error: Some(self.search.scale * moments.standard_error()),
             collapsed: Some(best.share(|run| run.collapsed).0),
             failed: Some(best.share(|run| run.failed).0),
-            excluded: excluded
-                .map(|point| (self.shown(&point.values), in_file(best.mean(common(point)) + excess(point)))),
+            excluded: excluded.map(|point| (self.shown(&point.values), in_file(moments.mean() + excess(point)))),
         }
     }
 }

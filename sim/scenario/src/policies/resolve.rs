@@ -100,7 +100,9 @@ impl ResolvedPolicy {
                     let controller = match same {
                         Some(controller) => controller,
                         None => {
-                            let made = controller(rule, tool, cut.as_ref(), spoilage, machine).map_err(refuse)?;
+                            let commanded = scenario.commands_speed_of(tool);
+                            let made = controller(rule, (tool, commanded), cut.as_ref(), spoilage, machine);
+                            let made = made.map_err(refuse)?;
                             resolved.controllers.push(made);
                             let number = (resolved.controllers.len() - 1) as u32;
                             known.push((key, number));
@@ -178,7 +180,7 @@ impl MachineKey {
 
 fn controller(
     rule: &PolicyRule,
-    tool: &ToolType,
+    (tool, commanded): (&ToolType, bool),
     cut: Option<&Cut>,
     spoilage: Spoilage,
     machine: &MachineType,
@@ -203,7 +205,7 @@ fn controller(
         ToolChangeRule::WearLimit { limit } | ToolChangeRule::Predicted { limit } => limit.unwrap_or(own_limit),
         ToolChangeRule::PartCount { .. } | ToolChangeRule::CuttingTime { .. } => own_limit,
     };
-    let speed = if tool.process.takes_speed_commands() {
+    let speed = if commanded {
         let edges = Edges { limit, scatter: &tool.scatter, spoilage };
         speed(rule, believed.as_ref(), programmed, &cost, edges)
     } else {
@@ -312,7 +314,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         rules: None,
         calendar: None,
     };
-    controller(rule, &tool, Some(cut), Spoilage::default(), &machine).expect("a shipped pair")
+    controller(rule, (&tool, true), Some(cut), Spoilage::default(), &machine).expect("a shipped pair")
 }
 
 /// The believed pair at a nominal cut, its speed range narrowed to the machine's.
