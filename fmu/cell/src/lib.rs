@@ -168,11 +168,9 @@ fn operation<'s>(scenario: &'s Scenario, machine: usize, choice: &Choice) -> Res
             pass += operation.tool.map_or(0, |_| operation.work.passes() as u32);
             let cuts = match &operation.work {
                 Work::Cutting(cuts) => cuts,
-                Work::Plain(_)
-                | Work::Grinding { .. }
-                | Work::Cycle(_)
-                | Work::Contour(_)
-                | Work::Program(_) => continue,
+                Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) | Work::Program(_) => {
+                    continue;
+                }
             };
             let Some(tool) = operation.tool.filter(|_| operation.machines.contains(&machine)) else { continue };
             let wanted = choice.operation.as_ref().is_none_or(|wanted| *wanted == name || *wanted == operation.name);

@@ -76,11 +76,9 @@ impl Shop {
                     }
                     // Neither a wheel nor a planned contour runs at a programmed feed, plain work at none; the feeds of a
                     // part program are in its stretches.
-                    Work::Plain(_)
-                    | Work::Grinding { .. }
-                    | Work::Cycle(_)
-                    | Work::Contour(_)
-                    | Work::Program(_) => 0.0,
+                    Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) | Work::Program(_) => {
+                        0.0
+                    }
                 };
                 programs.insert(format!("{}/{}", part.name, operation.name), Program { time: *time, feed_speeds });
             }
