@@ -90,6 +90,16 @@ fn the_modes_of_the_truth_are_found_and_no_others() {
     }
 }
 
+/// In these records noise has hidden one of the two columns of stable poles.
+#[test]
+fn close_modes_that_share_one_column_are_divided() {
+    for seed in [713, 736, 782] {
+        let found = fit(&tap(&CLOSE, false, [300.0, 1600.0], 1.0, 0.01, seed), &FitOptions::default()).unwrap();
+        assert_eq!(found.modes.len(), 2, "{seed} {:?}", found.modes);
+        assert!((0.85..1.15).contains(&found.quality.reduced_chi2), "{seed} {}", found.quality.reduced_chi2);
+    }
+}
+
 #[test]
 fn intervals_cover_the_truth_as_often_as_they_say() {
     let (mut inside, mut all) = (0.0, 0.0);
