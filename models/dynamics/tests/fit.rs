@@ -196,6 +196,7 @@ fn drawn(random: &mut ChaCha8Rng, plane: bool) -> (Vec<Truth>, [f64; 2], f64) {
 /// Run as `cargo test -p toolroom-dynamics --test fit -- --ignored --nocapture`; some minutes.
 #[test]
 #[ignore = "a study of some minutes"]
+#[expect(clippy::print_stdout, reason = "the numbers of a study are read")]
 fn of_a_hundred_bad_taps_all_are_refused_and_of_a_hundred_good_ones_none() {
     let mut random = ChaCha8Rng::seed_from_u64(20);
     let (mut right, mut refused_good, mut accepted_bad) = (0, Vec::new(), Vec::new());
@@ -271,6 +272,7 @@ fn measured_frequencies(range: [f64; 2], step: f64) -> Vec<f64> {
 /// Run as above: 200 taps each of three structures.
 #[test]
 #[ignore = "a study of some minutes"]
+#[expect(clippy::print_stdout, reason = "the numbers of a study are read")]
 fn intervals_of_six_hundred_taps_cover_the_truth() {
     for (name, truth, plane, range, step, noise) in [
         ("tool", &TOOL[..], false, [100.0, 3200.0], 4.0, 0.02),
