@@ -7,7 +7,7 @@ use crate::quality::Quality;
 use crate::stabilisation::{Pole, stabilisation};
 use nalgebra::{Complex, DMatrix};
 use std::collections::BTreeMap;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 
 /// Least number of lines for a fit (assumption).
 const LEAST_LINES: usize = 20;
@@ -30,6 +30,9 @@ const STABLE_ORDERS: usize = 5;
 const BROADEST: f64 = 0.05;
 /// Candidates in a row that may fail before the search ends (assumption).
 const MOST_FAILURES: usize = 4;
+/// Misfit over degrees of freedom from which on a mode may stand for two (assumption: of a hundred lines and more chance alone
+/// makes less).
+const MISFIT: f64 = 1.3;
 /// Greatest damping ratio of a mode (assumption).
 const GREATEST_DAMPING: f64 = 0.3;
 /// Frequencies of modes, over the ends of the measured range (assumption): beyond, residuals stand for them.
@@ -256,7 +259,36 @@ impl Search {
                 }
             }
         }
-        best
+        match best {
+            Some(found) if !forced => Some(self.divided(found, most)),
+            best => best,
+        }
+    }
+
+    /// The modes where what is left is more than noise and one of them stands for two: close modes of which noise has hidden one
+    /// column are a broad one, whose band bars further candidates. Both halves have to stand out of the noise.
+    fn divided(&mut self, mut found: Maximum, most: usize) -> Maximum {
+        while found.model.modes.len() < most && !(self.known_scale && found.chi2 < MISFIT * found.freedom as f64) {
+            let count = found.model.modes.len();
+            let halves = |r: usize| {
+                let mut trial = found.model.clone();
+                let mode = trial.modes.remove(r);
+                for side in [-0.5, 0.5] {
+                    trial.modes.push(RealMode {
+                        frequency: mode.frequency * (1.0 + side * mode.damping_ratio),
+                        damping_ratio: 0.7 * mode.damping_ratio,
+                        shape: mode.shape.map(|part| part * FRAC_1_SQRT_2),
+                    });
+                }
+                trial
+            };
+            let trials: Vec<Model> = (0..count).map(halves).collect();
+            let apart = |trial| self.pruned(trial, most, false).filter(|divided| divided.model.modes.len() > count);
+            let Some(divided) = trials.into_iter().find_map(apart) else { break };
+            found = divided;
+        }
+        self.likelihood.reweigh(&found.model);
+        found
     }
 
     /// Whether a response across the force is measured.
