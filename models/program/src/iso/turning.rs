@@ -342,7 +342,7 @@ impl Iso {
         depths.extend((0..finishing).map(|_| height));
         let inwards = if root <= from[0] { -1.0 } else { 1.0 };
         let mode = kernel.feed_mode;
-        let mut cut = || -> Result<(), Fault> {
+        let cut = || -> Result<(), Fault> {
             for depth in depths {
                 let x = root - inwards * (height - depth);
                 kernel.purpose = Some(Purpose::Cycle);
