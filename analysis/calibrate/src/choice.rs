@@ -13,6 +13,8 @@ const ERRORS: f64 = 1.645;
 /// Ratio of two cutting speeds that count as two. A law is chosen to predict at other speeds, and readings at one speed
 /// would choose it by the shape of the wear curve.
 const APART: f64 = 1.2;
+/// Edges below which the differences edge by edge have no standard error worth the name (assumption: two degrees of freedom).
+const FEWEST: usize = 3;
 
 /// What the left-out scores say of the laws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,6 +103,12 @@ impl Choice {
         let laws = scores.iter().any(|score| score.candidate.law != scores[0].candidate.law);
         if candidates.len() == 1 {
             return Self { verdict: Verdict::Given, carried: named(0), class, scores, reason: None };
+        }
+        if best.len() < FEWEST {
+            let carried = simplest(&class);
+            let reason =
+                format!("{} edge(s) do not tell how far scores differ by chance: measure {FEWEST} or more", best.len());
+            return Self { verdict: Verdict::CannotTell, carried, class, scores, reason: Some(reason) };
         }
         if laws && high < APART * low {
             let carried = simplest(&class);

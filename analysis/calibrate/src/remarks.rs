@@ -1,6 +1,6 @@
 //! What is to be said of data before anything is fitted.
 
-use crate::base::{Condition, Process};
+use crate::base::{Base, Condition, Process};
 use crate::edge::Life;
 use crate::treatment::{Clock, Measured};
 
@@ -53,6 +53,20 @@ impl Measured {
         }
         notes.append(&mut self.notes);
         self.notes = notes;
+    }
+
+    /// Says where a cut was wider than the cutter of the set, in whose shops such a cut cannot be made.
+    pub(crate) fn fit_into(&mut self, base: &Base) {
+        let Base::Milling { diameter, .. } = base else { return };
+        let widest = self.conditions.iter().filter_map(|condition| condition.width).fold(0.0, f64::max);
+        if widest > diameter * (1.0 + 1e-9) {
+            self.notes.push(format!(
+                "width_of_cut up to {:.0} mm, and the cutter of the set has {:.0} mm: its cuts are taken as full slots, and scenarios refuse \
+                 them; give --model a set with the diameter of your cutter",
+                widest * 1e3,
+                diameter * 1e3
+            ));
+        }
     }
 
     pub(crate) fn refuse(&mut self, limit: f64) {

@@ -210,9 +210,11 @@ impl CalibrationStudy {
         });
         let (records, read) = self.records(parquet)?;
         let treatment = Treatment { by: by.clone(), begun: self.begun, ..Treatment::of(&base) };
-        let measured = Measured::treated(&records, limit, &treatment).map_err(|error| {
-            refuse(error, "docs/calibration.md lists the columns; `toolroom import csv` maps other tables to records")
+        let mut measured = Measured::treated(&records, limit, &treatment).map_err(|error| {
+            let reason = format!("{}: {error}", self.data.display());
+            refuse(reason, "docs/calibration.md lists the columns; `toolroom import csv` maps other tables to records")
         })?;
+        measured.fit_into(&base);
         let candidates = self.candidates(&laws, measured.clock)?;
         let of_candidates: Vec<Law> = candidates.iter().map(|candidate| candidate.law).collect();
         let spreads = self.spreads(&set)?;

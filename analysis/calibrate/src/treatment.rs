@@ -96,6 +96,16 @@ fn times(records: &Records, rows: &[usize], edge: &str) -> Result<Vec<f64>, Data
         .collect()
 }
 
+/// The unit in which readings would be flank wear, where there is one.
+fn meant(greatest: f64) -> &'static str {
+    let fits = |factor: f64| (LEAST..=MOST).contains(&(greatest * factor));
+    match (fits(1e-3), fits(1e3)) {
+        (true, _) => "; they look like micrometres: write flank_wear [um]",
+        (_, true) => "; they look like metres: write flank_wear [m]",
+        (false, false) => "",
+    }
+}
+
 /// Why records cannot be calibrated on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -129,7 +139,9 @@ pub enum DataError {
     },
     /// Readings of flank wear that no edge has.
     #[error(
-        "the greatest reading of flank_wear is {greatest} mm, and flank wear lies between {LEAST} and {MOST} mm: check its unit"
+        "the greatest reading of flank_wear is {greatest} mm, and flank wear lies between {LEAST} and {MOST} mm: check its \
+         unit{}",
+        meant(*greatest)
     )]
     Unit {
         /// The greatest reading, mm.
@@ -438,7 +450,7 @@ impl Measured {
         }
         let kept: Vec<usize> =
             (0..self.edges.len()).filter(|index| !names.contains(&self.edges[*index].name)).collect();
-        if kept.len() < 2 {
+        if kept.len() < 2 && !names.is_empty() {
             return Err(format!("{} of {} edges would be left: hold out fewer", kept.len(), self.edges.len()));
         }
         Ok(Self {

@@ -195,3 +195,27 @@ fn two_maxima_are_drawn_by_what_lies_around_each_without_an_ensemble() {
     let drawn = found.draws.iter().filter(|draw| draw[0] > 0.0).count() as f64 / 4000.0;
     assert!((drawn - above).abs() < 0.02, "{drawn} against {above}");
 }
+
+#[test]
+fn one_edge_is_fitted_and_neither_a_law_nor_the_scatter_of_edges_is_claimed() {
+    let measured = Measured::of(&records(&made(&[220.0])), 0.3).expect("an edge");
+    let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor, Law::Usui])).expect("a calibration");
+    assert_eq!(found.choice.verdict, Verdict::CannotTell);
+    let text = found.text();
+    assert!(text.contains("1 edge(s): the scatter of edges is the prior; measure three or more"), "{text}");
+    assert!(found.undetermined());
+}
+
+#[test]
+fn readings_in_another_unit_are_refused_with_the_unit_that_they_look_like() {
+    let thousand = made(&[180.0, 220.0]).lines().fold(String::new(), |mut rows, line| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if let Ok(wear) = cells[8].parse::<f64>() {
+            cells[8] = format!("{}", 1000.0 * wear);
+        }
+        let _ = writeln!(rows, "{}", cells.join(","));
+        rows
+    });
+    let error = Measured::of(&records(&thousand), 0.3).expect_err("no flank wear");
+    assert!(error.to_string().contains("write flank_wear [um]"), "{error}");
+}
