@@ -26,7 +26,6 @@ mod constants;
 mod error;
 mod figures;
 mod known;
-mod proposed;
 mod recorded;
 mod request;
 mod study;

@@ -2,7 +2,6 @@
 
 use crate::constants::constants_of_facts;
 use crate::known::{self, Known};
-use crate::proposed::{Proposed, proposed};
 use crate::{GapRequest, GapStudyError, Reading, Table, tables};
 use serde_json::Value;
 use std::path::Path;
@@ -19,8 +18,7 @@ use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
 use toolroom_records::{ColumnKind, Records};
 
 /// The files of a diagnosis.
-pub const NAMES: &[&str] =
-    &["diagnosis.json", "report.html", "report.md", "report.json", "predictions.csv", "proposed.toml"];
+pub const NAMES: &[&str] = &["diagnosis.json", "report.html", "report.md", "report.json", "predictions.csv"];
 
 /// What is said of a data set.
 pub struct GapStudy {
@@ -32,8 +30,6 @@ pub struct GapStudy {
     pub predictions: Vec<PredictionRow>,
     /// The report, process by process; without pictures where none were wanted.
     pub pages: Vec<Page>,
-    /// Terms that describe a gap of which no cause is known.
-    proposals: Vec<Proposed>,
 }
 
 /// A process before it is diagnosed.
@@ -68,7 +64,6 @@ impl GapStudy {
                 (answers, diagnosed, asked) = (second, rests_on, parts);
             }
         }
-        let proposals = proposals(request, &mut answers, &rest)?;
         let points = points(&stated, &asked, &diagnosed);
         for ((_, diagnosis), own) in answers.processes.iter_mut().zip(&points) {
             diagnosis.notes.extend(grew(own).iter().map(Grew::words));
@@ -81,8 +76,7 @@ impl GapStudy {
         if let Some(list) = document["applied"]["calibration"].as_array_mut() {
             list.extend(answers.processes.iter().flat_map(|(process, own)| constants_of_facts(process, own)));
         }
-        document["proposals"] = proposals.iter().flat_map(|own| own.entries.clone()).collect();
-        Ok(Self { answers, document, predictions, pages, proposals })
+        Ok(Self { answers, document, predictions, pages })
     }
 
     /// Processes of which too little was measured for an answer, each with what is too little.
@@ -99,9 +93,6 @@ impl GapStudy {
         files.push("report.html", html(&self.pages, self.answers.sections(), provenance));
         files.push("report.md", markdown(&self.pages));
         files.push("report.json", pretty(&toolroom_gap_report::json(&self.pages)));
-        if let Some(proposed) = self.proposals.first() {
-            files.push("proposed.toml", proposed.text.clone());
-        }
         files
     }
 }
@@ -240,26 +231,6 @@ fn only_values_are_missing(model: &NominalModel, records: &Records, asked: &Aske
     }
     let mut channels = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
     asked.impossible == 0 && channels.any(|column| records.numbers(column.name).is_some())
-}
-
-/// What describes the gap of a process of which no cause is known, where pages are wanted; a note says so.
-fn proposals(
-    request: &GapRequest<'_>,
-    answers: &mut Answers,
-    tables: &[Option<(NominalModel, Records)>],
-) -> Result<Vec<Proposed>, GapStudyError> {
-    let mut all = Vec::new();
-    if !request.pages {
-        return Ok(all);
-    }
-    for (((process, diagnosis), table), path) in answers.processes.iter_mut().zip(tables).zip(request.models) {
-        let Some((model, records)) = table else { continue };
-        if let Some(own) = proposed(process, diagnosis, (model, records), path, request)? {
-            diagnosis.notes.push(own.note.clone());
-            all.push(own);
-        }
-    }
-    Ok(all)
 }
 
 /// The applied point of each part of each process.

@@ -34,7 +34,7 @@ pub(super) fn tested(model: &dyn Forward, basis: &Basis, fit: &Fit, folds: &[Vec
 }
 
 /// The same where nobody says beforehand how readings scatter, so that their noise was read off the records: its scale and
-/// its distribution are no question then. What is left may follow nothing, though: it has to be exchangeable among the
+/// its distribution are no question then, nor is the mean, which no exchange changes. What is left may follow nothing, though: it has to be exchangeable among the
 /// readings of a channel, and is held against data sets in which it is exchanged.
 pub(super) fn exchangeable(model: &dyn Forward, basis: &Basis, fit: &Fit, folds: &[Vec<usize>], seed: u64) -> Fitness {
     judged(&Test::exchanging(model, basis, fit, folds), basis, seed)
@@ -206,10 +206,11 @@ impl<'a> Test<'a> {
     }
 
     /// The statistics of a channel that the test asks for: those of the noise are at zero where that was read off the
-    /// records.
+    /// records, and so is the mean, which no exchange changes.
     fn asked(&self, statistics: &Statistics) -> [f64; Statistic::ALL.len()] {
         let mut values = statistics.values;
         if self.innovations.is_some() {
+            values[Statistic::Level as usize] = 0.0;
             values[Statistic::Scale as usize] = 0.0;
             values[Statistic::Shape as usize] = 0.0;
         }

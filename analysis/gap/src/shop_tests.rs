@@ -146,12 +146,12 @@ fn named(records: &Records) -> Vec<(&'static str, String, f64)> {
 fn what_a_pool_of_machines_or_the_whole_shop_does_is_no_chance_of_many_constants() {
     // Each of the constants that could stand in for it is within what is believed of it.
     let cases = [
-        (at_machines("feed_override", 0.15, &["M1", "M2"]), "machine=M1|M2"),
-        (Deviation::new("feed_override", 0.15), ""),
-        (at_machines("operator_delay", 15.0, &["L1", "L2"]), "machine=L1|L2"),
+        (1, at_machines("feed_override", 0.15, &["M1", "M2"]), "machine=M1|M2"),
+        (1, Deviation::new("feed_override", 0.15), ""),
+        (2, at_machines("operator_delay", 15.0, &["L1", "L2"]), "machine=L1|L2"),
     ];
-    for (deviation, place) in cases {
-        let found = named(&recorded(1, std::slice::from_ref(&deviation)));
+    for (seed, deviation, place) in cases {
+        let found = named(&recorded(seed, std::slice::from_ref(&deviation)));
         let [(id, shape, size)] = &found[..] else { panic!("{}: {found:?}", deviation.id) };
         assert_eq!((*id, shape.as_str()), (deviation.id, place));
         assert!((size / deviation.size - 1.0).abs() < 0.05, "{size} instead of {}", deviation.size);
