@@ -85,7 +85,7 @@ fn refused(error: &clap::Error) -> ! {
         // The first paragraph; usage and the way to help follow it.
         let words: Vec<&str> = text.split("\n\n").next().unwrap_or_default().split_whitespace().collect();
         let message = words.join(" ");
-        failure::told(&voice, "usage", message.strip_prefix("error: ").unwrap_or(&message), None);
+        failure::report_on(&voice, "usage", message.strip_prefix("error: ").unwrap_or(&message), None);
     }
     error.exit()
 }
