@@ -453,7 +453,8 @@ mod tests {
 
     #[test]
     fn polylines_with_bulges_are_lines_and_arcs() {
-        // A square of 20 mm whose right side bulges out by a half circle, closed by its flag; drawn clockwise.
+        // A square of 20 mm whose right side bulges out by a half circle, closed by its flag; drawn clockwise,
+        // and milled outside.
         let corners: &[(i32, f64)] = &[
             (90, 4.0),
             (70, 1.0),
@@ -468,7 +469,7 @@ mod tests {
             (20, 0.0),
         ];
         let contour =
-            read(&drawing(MM, &[("LWPOLYLINE", "0", corners)]), None, None, CutterSide::Left, true).expect("one");
+            read(&drawing(MM, &[("LWPOLYLINE", "0", corners)]), None, None, CutterSide::Right, true).expect("one");
         assert!((contour.length() - (0.06 + 0.01 * PI)).abs() < 1e-9, "{}", contour.length());
         // The old form, mirrored by its extrusion: the same length, on the other side of Y.
         let vertex: [&[(i32, f64)]; 4] = [
@@ -480,7 +481,7 @@ mod tests {
         let mut list: Vec<(&str, &str, &[(i32, f64)])> = vec![("POLYLINE", "0", &[(70, 1.0), (230, -1.0)])];
         list.extend(vertex.iter().map(|pairs| ("VERTEX", "0", *pairs)));
         list.push(("SEQEND", "0", &[]));
-        let mirrored = read(&drawing(MM, &list), None, None, CutterSide::Left, true).expect("one");
+        let mirrored = read(&drawing(MM, &list), None, None, CutterSide::Right, true).expect("one");
         assert!((mirrored.length() - contour.length()).abs() < 1e-9);
         assert!(
             mirrored.sections.iter().all(|section| section.start.x < 1e-9 && section.curvature >= 0.0),
