@@ -54,6 +54,6 @@ fn sought(
     found.map_err(|error| match error {
         SteadyError::Stopped => Failure::Interrupted { message: error.to_string(), help: error.fix().to_owned() },
         SteadyError::TooShort { .. } => Failure::argument(&error, error.fix()),
-        other => Failure::Work { message: other.to_string() },
+        SteadyError::Shop { .. } | SteadyError::Threads { .. } => Failure::Work { message: error.to_string() },
     })
 }

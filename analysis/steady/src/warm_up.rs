@@ -53,7 +53,6 @@ pub struct Wanted<'a> {
 
 /// Why no warm-up was found.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SteadyError {
     /// Too few jobs leave the shop.
     #[error("{name}: {jobs} jobs leave the shop until the horizon, too few to tell where its start ends")]

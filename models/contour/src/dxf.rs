@@ -173,7 +173,7 @@ fn entities(text: &str) -> Result<(Vec<Entity<'_>>, Option<f64>), FileError> {
 }
 
 /// Elements of polylines by their corners, each with the bulge of the way to the next.
-fn polyline(corners: &[(Point, f64, usize)], closed: bool, list: &mut Vec<Element>) {
+fn polyline(corners: &[Corner], closed: bool, list: &mut Vec<Element>) {
     let count = corners.len();
     let ways = if closed { count } else { count.saturating_sub(1) };
     for index in 0..ways {
@@ -191,11 +191,14 @@ fn polyline(corners: &[(Point, f64, usize)], closed: bool, list: &mut Vec<Elemen
     }
 }
 
+/// A corner of a polyline: its place, the bulge of the side that begins there, its line.
+type Corner = (Point, f64, usize);
+
 /// Elements of a layer.
 fn elements(entities: &[Entity<'_>], layer: Option<&str>, unit: f64) -> Result<Vec<Element>, FileError> {
     let mut list = Vec::new();
     // Corners of a polyline of the old kind, which are entities of their own.
-    let mut old: Option<(bool, f64, Vec<(Point, f64, usize)>)> = None;
+    let mut old: Option<(bool, f64, Vec<Corner>)> = None;
     for entity in entities {
         if let (Some((_, mirror, corners)), "VERTEX") = (&mut old, entity.name) {
             let (x, y) = (entity.due(10)?, entity.due(20)?);
@@ -244,7 +247,7 @@ fn elements(entities: &[Entity<'_>], layer: Option<&str>, unit: f64) -> Result<V
             }
             "LWPOLYLINE" => {
                 let mirror = entity.mirror()?;
-                let mut corners: Vec<(Point, f64, usize)> = Vec::new();
+                let mut corners: Vec<Corner> = Vec::new();
                 for (code, value, line) in &entity.pairs {
                     let value = || number(value, *line);
                     match (code, corners.last_mut()) {
@@ -407,8 +410,11 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// A drawing of entities on layers: name, layer, pairs.
-    fn drawing(header: &str, list: &[(&str, &str, &[(i32, f64)])]) -> String {
+    /// An entity: name, layer, pairs.
+    type Drawn<'a> = (&'a str, &'a str, &'a [(i32, f64)]);
+
+    /// A drawing of entities on layers.
+    fn drawing(header: &str, list: &[Drawn<'_>]) -> String {
         let mut text = format!("{header}0\nSECTION\n2\nENTITIES\n");
         for (name, layer, pairs) in list {
             text.push_str(&format!("0\n{name}\n8\n{layer}\n"));
@@ -478,7 +484,7 @@ mod tests {
             &[(10, 20.0), (20, 20.0), (42, -1.0)],
             &[(10, 20.0), (20, 0.0)],
         ];
-        let mut list: Vec<(&str, &str, &[(i32, f64)])> = vec![("POLYLINE", "0", &[(70, 1.0), (230, -1.0)])];
+        let mut list: Vec<Drawn<'_>> = vec![("POLYLINE", "0", &[(70, 1.0), (230, -1.0)])];
         list.extend(vertex.iter().map(|pairs| ("VERTEX", "0", *pairs)));
         list.push(("SEQEND", "0", &[]));
         let mirrored = read(&drawing(MM, &list), None, None, CutterSide::Right, true).expect("one");

@@ -102,7 +102,7 @@ impl<'a> Question<'a> {
         let beyond = |limit: &Result<StabilityLimit, ChatterError>, cut: &ShopCut| match limit {
             Ok(limit) => Ok(cut.depth > limit.depth),
             Err(ChatterError::NoLimit { .. }) => Ok(false),
-            Err(error) => found(Err(error.clone())),
+            Err(error) => found(Err(*error)),
         };
         match &self.file.cut {
             LobesCut::Milling(milling) => {

@@ -79,13 +79,19 @@ impl Approach {
     }
 }
 
+/// What stands behind the kind of an approach or departure.
+struct Sizes {
+    /// Those of a positioning block, R among them.
+    words: Words,
+    /// LEN, mm.
+    len: Option<f64>,
+    /// CCA, rad.
+    angle: Option<f64>,
+}
+
 impl Klartext {
-    /// Words of APPR or DEP behind the kind: LEN, R, CCA, and those of a positioning block.
-    fn sizes(
-        &self,
-        list: &[(String, usize)],
-        kernel: &Kernel,
-    ) -> Result<(Words, Option<f64>, Option<f64>, Option<f64>), Fault> {
+    /// Words of APPR or DEP behind the kind.
+    fn sizes(&self, list: &[(String, usize)], kernel: &Kernel) -> Result<Sizes, Fault> {
         let (mut rest, mut len, mut angle) = (Vec::new(), None, None);
         for (word, column) in list {
             if let Some(text) = word.strip_prefix("LEN") {
@@ -97,8 +103,7 @@ impl Klartext {
             }
         }
         let words = self.words(&rest, kernel)?;
-        let radius = words.radius;
-        Ok((words, len, angle, radius))
+        Ok(Sizes { words, len, angle })
     }
 
     fn way(word: &str, column: usize) -> Result<Way, Fault> {
@@ -111,7 +116,8 @@ impl Klartext {
     pub(super) fn approach(&mut self, list: &[(String, usize)], kernel: &mut Kernel) -> Result<(), Fault> {
         let column = list.get(1).map_or(1, |(_, column)| *column);
         let way = Self::way(list.get(1).map_or("", |(word, _)| word.as_str()), column)?;
-        let (words, len, angle, radius) = self.sizes(list.get(2..).unwrap_or_default(), kernel)?;
+        let Sizes { words, len, angle } = self.sizes(list.get(2..).unwrap_or_default(), kernel)?;
+        let radius = words.radius;
         self.flush(kernel)?;
         self.before(&words.m, kernel)?;
         self.feed(&words, kernel)?;
@@ -163,10 +169,10 @@ impl Klartext {
         // A negative radius comes from the side of the work.
         let left = (side == Some('L')) != (approach.size < 0.0);
         let size = approach.size.abs();
-        if approach.way != Way::LineNormal {
-            if let Some(side) = side {
-                self.side(side, kernel)?;
-            }
+        if approach.way != Way::LineNormal
+            && let Some(side) = side
+        {
+            self.side(side, kernel)?;
         }
         match approach.way {
             Way::LineTangent => {
@@ -205,7 +211,8 @@ impl Klartext {
     pub(super) fn depart(&mut self, list: &[(String, usize)], kernel: &mut Kernel) -> Result<(), Fault> {
         let column = list.get(1).map_or(1, |(_, column)| *column);
         let way = Self::way(list.get(1).map_or("", |(word, _)| word.as_str()), column)?;
-        let (words, len, angle, radius) = self.sizes(list.get(2..).unwrap_or_default(), kernel)?;
+        let Sizes { words, len, angle } = self.sizes(list.get(2..).unwrap_or_default(), kernel)?;
+        let radius = words.radius;
         self.flush(kernel)?;
         self.before(&words.m, kernel)?;
         self.feed(&words, kernel)?;
