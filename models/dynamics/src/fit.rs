@@ -266,9 +266,10 @@ impl Search {
     }
 
     /// The modes where what is left is more than noise and one of them stands for two: close modes of which noise has hidden one
-    /// column are a broad one, whose band bars further candidates. Both halves have to stand out of the noise.
+    /// column are a broad one, whose band bars further candidates. Both halves have to stand out of the noise. Where the noise is
+    /// not known (responses without coherence, computed ones), nothing says that more than noise is left.
     fn divided(&mut self, mut found: Maximum, most: usize) -> Maximum {
-        while found.model.modes.len() < most && !(self.known_scale && found.chi2 < MISFIT * found.freedom as f64) {
+        while self.known_scale && found.model.modes.len() < most && found.chi2 >= MISFIT * found.freedom as f64 {
             let count = found.model.modes.len();
             let halves = |r: usize| {
                 let mut trial = found.model.clone();
