@@ -18,7 +18,7 @@ use toolroom_scenario::file::{self, ScenarioFile};
 use toolroom_shop::Shop;
 
 /// Slips that are tried in each file. All of them would take minutes.
-const TRIED: usize = 20;
+const TRIED: usize = 30;
 
 /// One thing done to one line.
 #[derive(Clone, Copy, Debug, PartialEq)]
