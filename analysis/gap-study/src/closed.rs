@@ -1,6 +1,6 @@
 //! How far a key figure closes: recorded once, simulated in paired replications.
 
-use toolroom_statistics::student;
+use toolroom_statistics::{Moments, student};
 
 /// Standard errors below which a difference is none (1). Source: two standard errors, about 95 %.
 const CERTAIN: f64 = 2.0;
@@ -27,24 +27,20 @@ pub struct Closed {
     pub ci90: [f64; 2],
 }
 
-/// Mean and variance.
-fn moments(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    (mean, values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0))
+fn moments(values: &[f64]) -> Moments {
+    values.iter().copied().collect()
 }
 
 impl Replicated {
     /// Recorded less nominal, and recorded less applied value.
     pub fn gaps(&self) -> [f64; 2] {
-        [&self.nominal, &self.applied].map(|values| self.recorded - moments(values).0)
+        [&self.nominal, &self.applied].map(|values| self.recorded - moments(values).mean())
     }
 
     /// Whether the nominal model is off for certain.
     fn is_gap(&self) -> bool {
-        let (mean, variance) = moments(&self.nominal);
-        let error = self.error.hypot((variance / self.nominal.len() as f64).sqrt());
-        (self.recorded - mean).abs() >= CERTAIN * error
+        let nominal = moments(&self.nominal);
+        (self.recorded - nominal.mean()).abs() >= CERTAIN * self.error.hypot(nominal.standard_error())
     }
 
     /// The share that closes, by the delta method over the error of the record and the paired replications; `None` where
@@ -62,9 +58,8 @@ impl Replicated {
             .zip(&self.applied)
             .map(|(nominal, applied)| (ratio * before.signum() * nominal - after.signum() * applied) / size)
             .collect();
-        let (_, variance) = moments(&differences);
-        let count = differences.len() as f64;
-        let half = student(0.9, count - 1.0) * ((slope * self.error).powi(2) + variance / count).sqrt();
+        let error = (slope * self.error).hypot(moments(&differences).standard_error());
+        let half = student(0.9, differences.len() as f64 - 1.0) * error;
         let share = 1.0 - ratio;
         Some(Closed { share, ci90: [share - half, (share + half).min(1.0)] })
     }
@@ -79,8 +74,7 @@ impl Replicated {
             .zip(&self.applied)
             .map(|(nominal, applied)| first * nominal - second * applied)
             .collect();
-        let (_, variance) = moments(&differences);
-        let error = ((second - first) * self.error).hypot((variance / differences.len() as f64).sqrt());
+        let error = ((second - first) * self.error).hypot(moments(&differences).standard_error());
         after.abs() - before.abs() > CERTAIN * error && after != before
     }
 }

@@ -103,7 +103,7 @@ impl<P> Setting<'_, P> {
     }
 }
 
-/// Places of what a state is requested by name.
+/// Places of what is read of a state by name.
 pub(super) struct Parts {
     pub land: usize,
     pub lagged: Option<usize>,
