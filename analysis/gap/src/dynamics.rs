@@ -34,11 +34,46 @@ use toolroom_records::Records;
 const FEWEST: usize = 8;
 /// Gain by which an explanation leads before the other one is ruled out: odds of seven to one (assumption).
 const LEADS: f64 = 2.0;
+
+/// What may have moved a structure's lobes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StructureChange {
+    /// Natural frequencies, all by one factor: lobes move along the speed.
+    ModeFrequency,
+    /// Stiffness, by which the depth of the limit moves.
+    ModeStiffness,
+}
+
+impl StructureChange {
+    /// Its name in `diagnosis.json`.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::ModeFrequency => "mode_frequency",
+            Self::ModeStiffness => "mode_stiffness",
+        }
+    }
+
+    /// The names of all changes that move the lobes as this one does, itself first.
+    fn alike(self) -> &'static [&'static str] {
+        match self {
+            Self::ModeFrequency => &["mode_frequency"],
+            Self::ModeStiffness => &["mode_stiffness", "mode_damping", "cutting_coefficient"],
+        }
+    }
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::ModeFrequency => "natural frequencies",
+            Self::ModeStiffness => "the depth of the limit",
+        }
+    }
+}
+
 /// What a hypothesis makes of the cuts of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriftExplanation {
-    /// `mode_frequency` or `mode_stiffness`.
-    pub id: &'static str,
+    /// What has moved.
+    pub change: StructureChange,
     /// Factor on the natural frequencies, or on the depth of the limit.
     pub factor: f64,
     /// Its 90 % interval.
@@ -67,25 +102,21 @@ pub struct DynamicsDrift {
 }
 
 impl DynamicsDrift {
-    /// Explanations that the cuts cannot tell from the best: all that move the limit alike, and the other one where it is
-    /// nearly as good.
-    pub fn class(&self) -> Vec<&'static str> {
+    /// The explanations that the cuts leave: the best, and the other one where it is nearly as good.
+    fn left(&self) -> &[DriftExplanation] {
         let [best, other] = &self.explanations;
-        let near = best.gain - other.gain < LEADS;
-        let alike = |id: &'static str| match id {
-            "mode_stiffness" => vec![id, "mode_damping", "cutting_coefficient"],
-            _ => vec![id],
-        };
-        let mut class = alike(best.id);
-        if near {
-            class.extend(alike(other.id));
-        }
-        class
+        if best.gain - other.gain < LEADS { &self.explanations } else { &self.explanations[..1] }
+    }
+
+    /// Names of the changes that the cuts cannot tell from the best: all that move the limit alike, and those of the other
+    /// explanation where it is nearly as good.
+    pub fn class(&self) -> Vec<&'static str> {
+        self.left().iter().flat_map(|own| own.change.alike()).copied().collect()
     }
 
     /// The entry of `dynamics_drift` in `diagnosis.json`.
     pub(super) fn json(&self) -> Value {
-        let explanation = |own: &DriftExplanation| json!({ "id": own.id, "factor": own.factor, "size": own.factor - 1.0, "ci90": own.ci90, "gain": own.gain });
+        let explanation = |own: &DriftExplanation| json!({ "id": own.change.id(), "factor": own.factor, "size": own.factor - 1.0, "ci90": own.ci90, "gain": own.gain });
         json!({
             "machine": self.machine, "cuts": self.cuts, "chattered": self.chattered, "expected": self.expected,
             "p": self.p, "drift": self.drift, "class": self.class(),
@@ -94,15 +125,13 @@ impl DynamicsDrift {
     }
 
     fn words(&self) -> String {
-        let [best, other] = &self.explanations;
+        let best = &self.explanations[0];
         let percent = |factor: f64| 100.0 * (factor - 1.0);
-        let what = |id: &str| if id == "mode_frequency" { "natural frequencies" } else { "the depth of the limit" };
-        let near = if best.gain - other.gain < LEADS {
-            format!("; {} by {:+.1} % would explain it nearly as well", what(other.id), percent(other.factor))
-        } else {
-            String::new()
+        let nearly = |own: &DriftExplanation| {
+            format!("; {} by {:+.1} % would explain it nearly as well", own.change.words(), percent(own.factor))
         };
-        let alike = if self.class().contains(&"mode_stiffness") {
+        let near = self.left().get(1).map(nearly).unwrap_or_default();
+        let alike = if self.left().iter().any(|own| own.change == StructureChange::ModeStiffness) {
             "; stiffness, damping and coefficient of the force move the limit alike"
         } else {
             ""
@@ -113,7 +142,7 @@ impl DynamicsDrift {
             self.chattered,
             self.cuts,
             self.expected,
-            what(best.id),
+            best.change.words(),
             percent(best.factor),
             percent(best.ci90[0]),
             percent(best.ci90[1]),

@@ -85,7 +85,7 @@ pub use diagnosis::{
     Apart, Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed,
     Ranked, Tried,
 };
-pub use dynamics::{DriftExplanation, DynamicsDrift, add_dynamics};
+pub use dynamics::{DriftExplanation, DynamicsDrift, StructureChange, add_dynamics};
 pub use fit::{Fit, fit};
 pub use fit_answer::{Fitness, LeastSeen, Part, Structure};
 pub use gram::normal_equations;

@@ -5,8 +5,8 @@
 //! bring is measured on the rim, at samples, and between them bounded: a point of the rim at a fixed angle to the direction
 //! of travel moves by no more than the way of the step, and the distance from the wall by no more than the point.
 
-use crate::rim::{Rim, distance, opposite, within};
-use crate::{Contour, CutterSide, Engagement, Section};
+use crate::rim::{Rim, opposite, within};
+use crate::{Contour, CutterSide, Engagement, Track};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Difference between bound and sample that is not refined further, rad.
@@ -55,6 +55,8 @@ pub struct Piece {
 #[derive(Clone, Debug)]
 pub struct Along<'a> {
     contour: &'a Contour,
+    /// Of its sections.
+    tracks: Vec<Track>,
     radius: f64,
     allowance: f64,
     backwards: bool,
@@ -64,7 +66,8 @@ impl<'a> Along<'a> {
     /// A cutter of `radius`, m, that leaves nothing of `allowance`, m; `backwards` travels the contour against the order in
     /// which it is drawn.
     pub fn new(contour: &'a Contour, radius: f64, allowance: f64, backwards: bool) -> Self {
-        Self { contour, radius, allowance, backwards }
+        let tracks = contour.sections.iter().copied().map(Track::new).collect();
+        Self { contour, tracks, radius, allowance, backwards }
     }
 
     /// Engagement after `way` along a section's wall.
@@ -90,9 +93,9 @@ impl<'a> Along<'a> {
         let heading = shape.heading + shape.curvature * way;
         let rim = Rim { centre: shape.at(way).ahead(heading + side * FRAC_PI_2, self.radius), radius: self.radius };
         let reach = self.allowance + slack;
-        let near: Vec<&Section> = (self.contour.sections.iter().enumerate())
-            .filter(|(other, section_of)| *other != section && rim.meets(section_of, reach))
-            .map(|(_, section)| section)
+        let near: Vec<&Track> = (self.tracks.iter().enumerate())
+            .filter(|(other, track)| *other != section && track.reaches(rim.centre, rim.radius + reach))
+            .map(|(_, track)| track)
             .collect();
         if near.is_empty() {
             return 0.0;
@@ -104,12 +107,12 @@ impl<'a> Along<'a> {
         let left = (self.contour.side == CutterSide::Left) != self.backwards;
         let start = if left { contact } else { contact - steady };
         let mut angles = vec![start, start + steady];
-        for section in &near {
-            rim.crossings(section, reach, &mut angles);
+        for track in &near {
+            rim.crossings(track, reach, &mut angles);
         }
         rim.measure(ahead - FRAC_PI_2, PI, &mut angles, |angle| {
             let point = rim.at(angle);
-            !within(angle, start, steady) && near.iter().any(|section| distance(section, point) < reach)
+            !within(angle, start, steady) && near.iter().any(|track| track.reaches(point, reach))
         })
     }
 
@@ -169,7 +172,7 @@ impl<'a> Along<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Point, Trace};
+    use crate::{Point, Trace, distance};
     use proptest::prelude::*;
 
     /// A straight wall into a hollow arc of 22 mm, on whichever side the cutter runs.

@@ -24,7 +24,7 @@
 //! | [`Constraint`], [`Ratios`], [`Evaluation`] | limits by name, and what a setting does |
 //! | [`Planner`], [`Setting`], [`Objective`], [`EdgeLife`], [`Plan`] | plans: optimal, with ramps, on a used edge or both, baselines, front of time and cost |
 //! | [`Planner::part_program`], [`Planner::follow`] | G-code with planned feeds; the path the drives make of it |
-//! | [`Along`], [`Piece`], [`Rim`], [`distance`] | engagement along the path, with a bound between samples |
+//! | [`Along`], [`Piece`], [`Rim`], [`Track`], [`distance`] | engagement along the path, with a bound between samples |
 //! | [`Sensitivity`] | gains over scattered conditions |
 //! | [`claims`] | published numbers beside computed ones |
 //!
@@ -82,6 +82,7 @@ mod search;
 mod sensitivity;
 mod spline;
 mod trace;
+mod track;
 mod trajectory;
 
 pub use along::{Along, Piece};
@@ -109,8 +110,9 @@ pub use path_error::{
 };
 pub use plan::{Plan, PlannedSection};
 pub use planner::{Evaluation, Planner, Setting, Warning};
-pub use rim::{Rim, distance};
+pub use rim::Rim;
 pub use search::Objective;
 pub use sensitivity::{ConditionScatter, Draw, Sensitivity};
 pub use trace::{CORNER_ANGLE, POSITION_TOLERANCE, Trace};
+pub use track::{Track, distance};
 pub use trajectory::Deviation;

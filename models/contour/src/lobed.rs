@@ -1,6 +1,6 @@
 //! Holes and discs of equal width as arcs that meet without a corner.
 
-use crate::rim::distance;
+use crate::track::distance;
 use crate::{ContourError, Point, Section, Trace};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -1,6 +1,6 @@
 //! Part programs with the planned feeds.
 
-use crate::rim::distance;
+use crate::track::distance;
 use crate::{
     Contour, ContourError, CornerMove, CornerPolicy, CutterSide, Plan, PlannedSection, Planner, Point, Section, Shape,
 };

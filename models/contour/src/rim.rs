@@ -1,7 +1,7 @@
 //! The rim of a cutter against regions around lines and arcs.
 
 use crate::geometry::wrapped;
-use crate::{Point, Section};
+use crate::{Point, Track};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// The rim of a cutter seen along its axis; angles on it are rad from the X axis.
@@ -21,25 +21,6 @@ pub struct Rim {
     pub centre: Point,
     /// Its radius, m.
     pub radius: f64,
-}
-
-/// Centre of a section's circle; `None` on a line.
-pub(crate) fn circle_centre(section: &Section) -> Option<Point> {
-    (section.curvature != 0.0).then(|| section.start.ahead(section.heading + FRAC_PI_2, 1.0 / section.curvature))
-}
-
-/// Distance of a point from a section, m.
-pub fn distance(section: &Section, point: Point) -> f64 {
-    let ends = || section.start.distance(point).min(section.end().distance(point));
-    let Some(centre) = circle_centre(section) else {
-        let (sin, cos) = section.heading.sin_cos();
-        let (dx, dy) = (point.x - section.start.x, point.y - section.start.y);
-        let ahead = dx * cos + dy * sin;
-        return if (0.0..=section.length).contains(&ahead) { (dy * cos - dx * sin).abs() } else { ends() };
-    };
-    let radius = 1.0 / section.curvature.abs();
-    let turned = section.curvature.signum() * (centre.heading_to(point) - centre.heading_to(section.start));
-    if turned.rem_euclid(TAU) <= section.sweep().abs() { (centre.distance(point) - radius).abs() } else { ends() }
 }
 
 impl Rim {
@@ -63,7 +44,10 @@ impl Rim {
 
     /// Adds the angles at which the rim crosses a straight line through `point` along `heading`.
     pub fn line(&self, point: Point, heading: f64, angles: &mut Vec<f64>) {
-        let (sin, cos) = heading.sin_cos();
+        self.line_along(point, heading, heading.sin_cos(), angles);
+    }
+
+    fn line_along(&self, point: Point, heading: f64, (sin, cos): (f64, f64), angles: &mut Vec<f64>) {
         let left = (point.y - self.centre.y) * cos - (point.x - self.centre.x) * sin;
         if left.abs() <= self.radius {
             let half = (left / self.radius).acos();
@@ -71,28 +55,22 @@ impl Rim {
         }
     }
 
-    /// Adds the angles at which the rim may enter or leave the region within `reach` of a section.
-    pub fn crossings(&self, section: &Section, reach: f64, angles: &mut Vec<f64>) {
+    /// Adds the angles at which the rim may enter or leave the region within `reach`, m, of a section.
+    pub fn crossings(&self, track: &Track, reach: f64, angles: &mut Vec<f64>) {
+        let section = track.section();
         self.circle(section.start, reach, angles);
-        self.circle(section.end(), reach, angles);
-        match circle_centre(section) {
-            Some(centre) => {
-                let radius = 1.0 / section.curvature.abs();
-                self.circle(centre, radius + reach, angles);
-                self.circle(centre, radius - reach, angles);
+        self.circle(track.end(), reach, angles);
+        match track.circle() {
+            Some(circle) => {
+                self.circle(circle.centre, circle.radius + reach, angles);
+                self.circle(circle.centre, circle.radius - reach, angles);
             }
             None => {
                 for side in [reach, -reach] {
-                    self.line(section.start.ahead(section.heading + FRAC_PI_2, side), section.heading, angles);
+                    self.line_along(track.left_of_start(side), section.heading, track.along, angles);
                 }
             }
         }
-    }
-
-    /// Whether the rim may come within `reach` of a section at all.
-    pub fn meets(&self, section: &Section, reach: f64) -> bool {
-        let gap = distance(section, self.centre);
-        gap <= self.radius + reach
     }
 
     /// Intervals of the angles from `from` over `span`, rad, in which `inside` holds, each as its start and end; it changes

@@ -4,7 +4,7 @@ use crate::engaged::{Engaged, Place, Stock};
 use crate::load::{Load, Tool, wear_rate};
 use crate::swath::{Index, Swath};
 use std::f64::consts::{PI, TAU};
-use toolroom_contour::{Point, Section};
+use toolroom_contour::{Point, Section, Track};
 use toolroom_program::{Motion, Path};
 
 /// Difference between bound and samples that is not refined further, rad.
@@ -146,7 +146,7 @@ impl Cutting {
             self.piece(piece, tool, (feed, speed), &mut cut, &mut sums);
             let floor = piece.from.max(piece.to);
             if floor < self.stock.top {
-                self.index.push(Swath { path: piece.path, radius: tool.radius, floor });
+                self.index.push(Swath { track: Track::new(piece.path), radius: tool.radius, floor });
             }
         }
         if pieces.is_empty() {
@@ -193,7 +193,7 @@ impl Cutting {
         }
         cut.removed += volume;
         cut.plunge = volume > 1e-6 * PI * tool.radius.powi(2) * (from.min(self.stock.top) - to);
-        self.index.push(Swath { path, radius: tool.radius, floor: to });
+        self.index.push(Swath { track: Track::new(path), radius: tool.radius, floor: to });
     }
 
     fn piece(&self, piece: &Piece, tool: &Tool, (feed, speed): (f64, f64), cut: &mut Cut, sums: &mut Sums) {
@@ -203,7 +203,7 @@ impl Cutting {
         // Greatest way of a rim point for a way of the centre.
         let moves = 1.0 + tool.radius * path.curvature.abs();
         // The newest motion comes back on itself only where it turns.
-        let swath = (path.curvature != 0.0).then_some(Swath { path: *path, radius: tool.radius, floor: low });
+        let turns = path.curvature != 0.0;
         let engaged_at = |around: &[&Swath], way: f64, bottom: f64, slack: f64| -> Engaged {
             let place = Place {
                 centre: path.at(way),
@@ -211,8 +211,9 @@ impl Cutting {
                 bottom,
                 heading: path.heading + path.curvature * way,
             };
-            let swath = swath.map(|swath| Swath { path: Section { length: way, ..swath.path }, ..swath });
-            self.stock.engaged(around, swath.as_ref().filter(|_| way > 0.0), &place, slack)
+            let behind = || Track::new(Section { length: way, ..*path });
+            let swath = (turns && way > 0.0).then(|| Swath { track: behind(), radius: tool.radius, floor: low });
+            self.stock.engaged(around, swath.as_ref(), &place, slack)
         };
         let mut open = vec![(0.0, path.length)];
         while let Some((from, to)) = open.pop() {

@@ -2,7 +2,7 @@
 
 use crate::swath::Swath;
 use std::f64::consts::{FRAC_PI_2, PI};
-use toolroom_contour::{Point, Rim, Section, distance};
+use toolroom_contour::{Point, Rim, Track};
 
 /// Outline of a stock seen along Z.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ impl Stock {
             return Engaged::default();
         }
         let rim = Rim { centre, radius };
-        let reaches = |swath: &&Swath| distance(&swath.path, centre) < swath.radius + radius;
+        let reaches = |swath: &&Swath| swath.track.reaches(centre, swath.radius + radius);
         let near = around.iter().copied().filter(reaches);
         let swaths: Vec<&Swath> = swath.into_iter().chain(near).filter(|swath| swath.floor < self.top).collect();
         let mut floors: Vec<f64> =
@@ -109,19 +109,19 @@ impl Stock {
         let mut angles: Vec<f64> = Vec::new();
         let mut from = low;
         for floor in floors {
-            let open: Vec<(&Section, f64)> = swaths
+            let open: Vec<(&Track, f64)> = swaths
                 .iter()
                 .filter(|swath| swath.floor <= from + LEVEL)
-                .map(|swath| (&swath.path, swath.radius - slack - TOUCH))
+                .map(|swath| (&swath.track, swath.radius - slack - TOUCH))
                 .filter(|(_, reach)| *reach > 0.0)
                 .collect();
             self.crossings(&rim, slack, &mut angles);
-            for (path, reach) in &open {
-                rim.crossings(path, *reach, &mut angles);
+            for (track, reach) in &open {
+                rim.crossings(track, *reach, &mut angles);
             }
             let inside = |angle: f64| {
                 let point = rim.at(angle);
-                self.holds(point, slack) && !open.iter().any(|(path, reach)| distance(path, point) < *reach)
+                self.holds(point, slack) && !open.iter().any(|(track, reach)| track.reaches(point, *reach))
             };
             let mut list = rim.intervals(heading - FRAC_PI_2, PI, &mut angles, inside);
             list.retain(|(a, b)| b - a > GRAZE);

@@ -1,12 +1,12 @@
 //! What the cutter has run over, found by its place.
 
 use std::collections::BTreeMap;
-use toolroom_contour::{Point, Section, distance};
+use toolroom_contour::{Point, Section, Track};
 
 /// A region around a path, cleared down to a floor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Swath {
-    pub path: Section,
+    pub track: Track,
     /// m.
     pub radius: f64,
     /// Height of the lowest place that is cleared everywhere along it, m.
@@ -50,13 +50,13 @@ impl Index {
 
     pub fn push(&mut self, swath: Swath) {
         let number = self.swaths.len() as u32;
-        let (low, high) = around(&swath.path, swath.radius);
+        let (low, high) = around(swath.track.section(), swath.radius);
         let (from, to) = (self.square(low), self.square(high));
         for x in from.0..=to.0 {
             for y in from.1..=to.1 {
                 // Of a long slanted path only the squares near it are touched.
                 let middle = Point { x: (x as f64 + 0.5) * self.side, y: (y as f64 + 0.5) * self.side };
-                if distance(&swath.path, middle) <= swath.radius + self.side {
+                if swath.track.distance(middle) <= swath.radius + self.side {
                     self.squares.entry((x, y)).or_default().push(number);
                 }
             }
@@ -79,6 +79,6 @@ impl Index {
         found.sort_unstable_by(|a, b| b.cmp(a));
         found.dedup();
         let swaths = found.into_iter().map(|number| &self.swaths[number as usize]);
-        swaths.filter(|swath| distance(&swath.path, centre) < swath.radius + radius).collect()
+        swaths.filter(|swath| swath.track.reaches(centre, swath.radius + radius)).collect()
     }
 }

@@ -168,8 +168,8 @@ impl<R: Recorder> Shop<'_, R> {
         self.challenge(machine);
         self.start_clocks(machine)?;
         let task = self.world.machines[machine].task.as_ref();
-        if task.is_some_and(|task| task.end.is_some()) {
-            return Ok(()); // it never stopped: the shift came back before the part was finished
+        if task.is_some_and(|task| task.end.is_some() || task.waits) {
+            return Ok(()); // its operation never stopped: the shift came back before the part was finished
         }
         if task.is_some_and(|task| matches!(task.step, Step::Pass(_))) {
             self.plan_segment(machine)?;

@@ -1,7 +1,7 @@
 //! Three hypotheses about a structure over a grid of frequency, damping and depth, and what cuts say of them.
 
 use super::super::NominalModel;
-use super::{DriftExplanation, DynamicsDrift};
+use super::{DriftExplanation, DynamicsDrift, StructureChange};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -313,9 +313,10 @@ impl Question {
         if as_great(&drawn) <= 8 {
             drawn.extend((DRAWN[0]..DRAWN[1]).into_par_iter().map(draw).collect::<Vec<_>>());
         }
-        let mut explanations = [(1, 0, "mode_frequency"), (2, 1, "mode_stiffness")].map(|(hypothesis, axis, id)| {
+        let changes = [(1, 0, StructureChange::ModeFrequency), (2, 1, StructureChange::ModeStiffness)];
+        let mut explanations = changes.map(|(hypothesis, axis, change)| {
             let (factor, ci90) = self.posterior(&likelihoods, hypothesis, axis);
-            DriftExplanation { id, factor, ci90, gain: evidence[hypothesis] - evidence[0] }
+            DriftExplanation { change, factor, ci90, gain: evidence[hypothesis] - evidence[0] }
         });
         explanations.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         DynamicsDrift {
@@ -363,10 +364,11 @@ impl Question {
         let commonest = (0..self.conditions.len()).max_by_key(|c| cuts(*c)).unwrap_or(0);
         let like = &self.conditions[commonest].like;
         let (limit, frequency) = model.stability_limit(like, 1.0, 1.0);
-        let (quantity, value) = if best.id == "mode_frequency" {
-            (Quantity::NaturalFrequency, model.nearest_mode(like, frequency).unwrap_or(frequency))
-        } else {
-            (Quantity::StabilityLimit, limit)
+        let (quantity, value) = match best.change {
+            StructureChange::ModeFrequency => {
+                (Quantity::NaturalFrequency, model.nearest_mode(like, frequency).unwrap_or(frequency))
+            }
+            StructureChange::ModeStiffness => (Quantity::StabilityLimit, limit),
         };
         Fact {
             quantity,

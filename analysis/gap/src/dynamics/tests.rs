@@ -159,7 +159,7 @@ fn a_run_whose_end_mill_is_mounted_otherwise_is_found_by_its_chatter() {
     assert!(drifted.dynamics.iter().all(|own| own.drift), "{:?}", drifted.dynamics);
     for drift in &drifted.dynamics {
         let [best, _] = drift.explanations;
-        assert!(best.id == "mode_frequency" && (best.factor - 0.93).abs() < 0.03, "{drift:?}");
+        assert!(best.change == StructureChange::ModeFrequency && (best.factor - 0.93).abs() < 0.03, "{drift:?}");
     }
     let fact = &drifted.facts[0];
     assert!(fact.quantity == Quantity::NaturalFrequency && fact.words().contains("Hz recorded"), "{}", fact.words());

@@ -72,6 +72,26 @@ fn touch(outside: Point, centre: Point, radius: f64, left: bool) -> Option<Point
     Some(along(centre, [angle.cos(), angle.sin()], radius))
 }
 
+/// A point turned about `centre`, rad, to the left.
+fn turned(point: Point, centre: Point, angle: f64) -> Point {
+    let arm = [point[0] - centre[0], point[1] - centre[1]];
+    let (sin, cos) = angle.sin_cos();
+    [centre[0] + cos * arm[0] - sin * arm[1], centre[1] + sin * arm[0] + cos * arm[1]]
+}
+
+/// A place in a plane, by the numbers of its two axes.
+fn in_plane([u, v]: [usize; 2], place: Point) -> Target {
+    let mut target = Target::default();
+    (target.absolute[u], target.absolute[v]) = (Some(place[0]), Some(place[1]));
+    target
+}
+
+/// The first motion of a block, which has the block's height along `axis`.
+fn with_height(mut target: Target, block: &Target, axis: usize) -> Target {
+    (target.absolute[axis], target.step[axis]) = (block.absolute[axis], block.step[axis]);
+    target
+}
+
 impl Approach {
     /// The first point of the contour; `from` is where the approach begins.
     pub fn end(&self, from: &Axes) -> Axes {
@@ -155,16 +175,8 @@ impl Klartext {
         let (feed, line) = ((kernel.feed, kernel.feed_scale), kernel.line);
         (kernel.feed, kernel.feed_scale) = approach.feed;
         kernel.line = approach.line;
-        let at = |place: Point| {
-            let mut target = Target::default();
-            (target.absolute[u], target.absolute[v]) = (Some(place[0]), Some(place[1]));
-            target
-        };
-        // The heights of the block are those of its first motion.
-        let with_height = |mut target: Target| {
-            (target.absolute[w], target.step[w]) = (approach.target.absolute[w], approach.target.step[w]);
-            target
-        };
+        let at = |place: Point| in_plane([u, v], place);
+        let at_height = |place: Point| with_height(at(place), &approach.target, w);
         let side = approach.side.filter(|side| *side != '0');
         // A negative radius comes from the side of the work.
         let left = (side == Some('L')) != (approach.size < 0.0);
@@ -176,12 +188,12 @@ impl Klartext {
         }
         match approach.way {
             Way::LineTangent => {
-                kernel.straight(&with_height(at(along(point, d, -size))), approach.rapid)?;
+                kernel.straight(&at_height(along(point, d, -size)), approach.rapid)?;
                 kernel.straight(&at(point), approach.rapid)?;
             }
             Way::LineNormal => {
                 let away = size + self.cutter_radius(kernel).unwrap_or(0.0);
-                kernel.straight(&with_height(at(along(point, across(d, left), away))), approach.rapid)?;
+                kernel.straight(&at_height(along(point, across(d, left), away)), approach.rapid)?;
                 if let Some(side) = side {
                     self.side(side, kernel)?;
                 }
@@ -190,15 +202,13 @@ impl Klartext {
             Way::Arc | Way::LineArc => {
                 let centre = along(point, across(d, left), size);
                 let begin = if approach.way == Way::Arc {
-                    let arm = [point[0] - centre[0], point[1] - centre[1]];
-                    let (sin, cos) = (if left { -approach.angle } else { approach.angle }).sin_cos();
-                    [centre[0] + cos * arm[0] - sin * arm[1], centre[1] + sin * arm[0] + cos * arm[1]]
+                    turned(point, centre, if left { -approach.angle } else { approach.angle })
                 } else {
                     touch([from[u], from[v]], centre, size, left).ok_or_else(|| {
                         Fault::new("the arc of the approach reaches around its start: take a smaller R")
                     })?
                 };
-                kernel.straight(&with_height(at(begin)), approach.rapid)?;
+                kernel.straight(&at_height(begin), approach.rapid)?;
                 kernel.round(&at(point), Round::Centre(centre), left, 0.0)?;
             }
         }
@@ -222,20 +232,13 @@ impl Klartext {
         if d == [0.0; 2] {
             return Err(Fault::new("the departure needs an element in the plane before it, whose direction it takes"));
         }
-        let at = |place: Point| {
-            let mut target = Target::default();
-            (target.absolute[u], target.absolute[v]) = (Some(place[0]), Some(place[1]));
-            target
-        };
-        let with_height = |mut target: Target| {
-            (target.absolute[w], target.step[w]) = (words.target.absolute[w], words.target.step[w]);
-            target
-        };
+        let at = |place: Point| in_plane([u, v], place);
+        let at_height = |place: Point| with_height(at(place), &words.target, w);
         let side = || kernel.side.ok_or_else(|| Fault::new("the departure has no side: no RL or RR is in force"));
         match way {
             Way::LineTangent => {
                 let len = len.ok_or_else(|| Fault::new("the departure needs LEN, its length"))?;
-                kernel.straight(&with_height(at(along(point, d, len))), words.fmax)?;
+                kernel.straight(&at_height(along(point, d, len)), words.fmax)?;
                 kernel.finish_offset()?;
             }
             Way::LineNormal => {
@@ -243,7 +246,7 @@ impl Klartext {
                 let away = len + self.cutter_radius(kernel).unwrap_or(0.0);
                 let end = along(point, across(d, side()?), away);
                 kernel.finish_offset()?;
-                kernel.straight(&with_height(at(end)), words.fmax)?;
+                kernel.straight(&at_height(end), words.fmax)?;
             }
             Way::Arc | Way::LineArc => {
                 let radius = radius.ok_or_else(|| Fault::new("the departure needs R, its radius"))?;
@@ -251,9 +254,7 @@ impl Klartext {
                 let centre = along(point, across(d, left), radius.abs());
                 let end = if way == Way::Arc {
                     let angle = angle.ok_or_else(|| Fault::new("the departure needs CCA, the angle of its arc"))?;
-                    let arm = [point[0] - centre[0], point[1] - centre[1]];
-                    let (sin, cos) = (if left { angle } else { -angle }).sin_cos();
-                    [centre[0] + cos * arm[0] - sin * arm[1], centre[1] + sin * arm[0] + cos * arm[1]]
+                    turned(point, centre, if left { angle } else { -angle })
                 } else {
                     // The way back is an approach with the other sense.
                     let target = [words.target.end(u, &from), words.target.end(v, &from)];

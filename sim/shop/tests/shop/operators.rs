@@ -129,3 +129,45 @@ fn edges_wear_as_much_while_somebody_stands_beside_them() {
     assert!(waiting(&shared) && !waiting(&attended));
     assert!(shared.passes.len() < alone.passes.len());
 }
+
+/// A shift that comes back finds an operation that may be finished after it, waiting for a person: it goes on waiting, once.
+#[test]
+fn who_waits_over_the_end_of_a_shift_is_served_once() {
+    let text = r#"
+schema = 1
+[shop]
+name = "absent"
+horizon = "10 h"
+[[calendar]]
+name = "machines"
+period = "10 h"
+at_end = "finish"
+shift = [{ start = "0 h", end = "2 h" }, { start = "3 h", end = "10 h" }]
+[[calendar]]
+name = "people"
+period = "10 h"
+shift = [{ start = "0 h", end = "1 h" }, { start = "4 h", end = "10 h" }]
+[[operator]]
+name = "tender"
+count = 2
+skills = "run"
+calendar = "people"
+[[machine]]
+name = "M"
+process = "plain"
+calendar = "machines"
+[[part]]
+name = "part"
+operation = [{ name = "work", machines = "M", work = "2 h", operator = { run = "run" } }]
+[[order]]
+id = "O"
+part = "part"
+quantity = 1
+"#;
+    let scenario = parse("absent.toml", text, &[]).unwrap_or_else(|error| panic!("{error}")).scenario;
+    let mut shop = toolroom_shop::Shop::new(&scenario, 0, 0).unwrap();
+    shop.run_until(toolroom_kernel::SimTime::from_seconds(4.5 * 3600.0).unwrap()).unwrap();
+    let attending = shop.world().operators.iter().filter(|person| person.machine.is_some()).count();
+    assert_eq!(attending, 1, "one person is enough for one machine");
+    assert_eq!(finishes(&shop.run().unwrap()), [300.0]);
+}
