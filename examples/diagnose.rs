@@ -8,7 +8,7 @@ use toolroom::recording::simulated;
 /// Runs the example.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let model = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/gap/turning.toml");
-    let truth = toolroom::scenario::file::read(
+    let truth = toolroom::scenario_file::read(
         model.as_ref(),
         &["shop.horizon=16 h".to_owned(), "tool.insert.effects=[{ id = \"wear_force\", size = 0.4 }]".to_owned()],
     )?;

@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 use toolroom_output::Files;
 use toolroom_output::signals as stop;
 use toolroom_scenario::TuneRequest;
-use toolroom_scenario::file::{ScenarioFile, read};
+use toolroom_scenario_file::{ScenarioFile, read};
 use toolroom_shards::{Journal, Plan};
 use toolroom_study::planned::{self, PlannedError};
 use toolroom_study::request::{StudyRequest, policies_named};

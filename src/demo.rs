@@ -4,7 +4,7 @@ use crate::args::DemoArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use crate::study::{Request, default_out, perform};
-use toolroom_scenario::file::parse;
+use toolroom_scenario_file::parse;
 use toolroom_study::request::policies_named;
 
 /// Three lathes, two mills, a grinder, one shift.

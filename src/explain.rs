@@ -6,7 +6,7 @@ use crate::speak::Voice;
 use serde_json::json;
 use toolroom_form::CODES;
 use toolroom_gap::program;
-use toolroom_scenario::file;
+use toolroom_scenario_file as file;
 
 /// Every code with its text.
 pub fn codes() -> impl Iterator<Item = (&'static str, &'static str)> {

@@ -57,6 +57,7 @@ pub use toolroom_program as program;
 pub use toolroom_recording as recording;
 pub use toolroom_records as records;
 pub use toolroom_scenario as scenario;
+pub use toolroom_scenario_file as scenario_file;
 pub use toolroom_shards as shards;
 pub use toolroom_shop as shop;
 pub use toolroom_ssp as ssp;
@@ -83,7 +84,7 @@ pub use shop::run;
 /// [`ReadError`]: the file cannot be opened or decoded, or every fault found in it, with its place.
 pub fn read_scenario(path: impl AsRef<Path>) -> Result<Scenario, ReadError> {
     study::draws::register();
-    scenario::file::read(path.as_ref(), &[]).map(|file| file.scenario)
+    scenario_file::read(path.as_ref(), &[]).map(|file| file.scenario)
 }
 
 /// Compares every policy of a scenario on common random numbers, over so many replications; the

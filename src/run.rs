@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use crate::study::{Request, default_out, perform};
 use crate::warm_up::settle;
-use toolroom_scenario::file::read;
+use toolroom_scenario_file::read;
 use toolroom_study::request::policies_named;
 
 pub fn run(args: &RunArgs, voice: &Voice) -> Result<(), Failure> {

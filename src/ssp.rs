@@ -10,7 +10,7 @@ use std::path::Path;
 use toolroom_cell::{Cell, Choice};
 use toolroom_fmu::Version;
 use toolroom_output::Files;
-use toolroom_scenario::file::read;
+use toolroom_scenario_file::read;
 use toolroom_ssp::{Package, SspError};
 
 pub fn run(command: &SspCommand, voice: &Voice) -> Result<(), Failure> {

@@ -13,7 +13,7 @@ use toolroom_gap_study::{RECORDED, recorded};
 use toolroom_output::signals as stop;
 use toolroom_output::{Files, OutputDir, quoted};
 use toolroom_records::{RecordKind, write_csv};
-use toolroom_scenario::file::ScenarioFile;
+use toolroom_scenario_file::ScenarioFile;
 use toolroom_shards::Journal;
 use toolroom_shop::RunLog;
 use toolroom_steady::WarmUp;

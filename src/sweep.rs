@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use toolroom_output::signals as stop;
-use toolroom_scenario::file::read;
+use toolroom_scenario_file::read;
 use toolroom_study::compare::Comparison;
 use toolroom_study::request::policies_named;
 use toolroom_study::study::{StudyOptions, run_study};

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use toolroom_output::signals as stop;
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::ScenarioFile;
+use toolroom_scenario_file::ScenarioFile;
 use toolroom_steady::{SteadyError, Wanted, WarmUp, find};
 use toolroom_study::variants::VariantShop;
 

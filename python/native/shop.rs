@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
 use toolroom::kinds::FileKind;
-use toolroom::scenario::file::{ScenarioFile, read};
+use toolroom::scenario_file::{ScenarioFile, read};
 use toolroom::study::logs::Format;
 use toolroom::study::request::{StudyRequest, policies_named};
 use toolroom::study::results::record;

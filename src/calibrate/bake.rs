@@ -13,7 +13,7 @@ use toolroom_wear::{Origin, ParameterSet, Spread, TURNING_SETS};
 
 /// Writes the set of `tool` of the scenario `path` with the values that the scenario states or calibrates everywhere.
 pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Failure> {
-    let scenario = toolroom_scenario::file::read(path, &[])?.scenario;
+    let scenario = toolroom_scenario_file::read(path, &[])?.scenario;
     let place = path.display();
     let named = scenario.tools.iter().find(|own| own.name == tool).ok_or_else(|| {
         let known: Vec<&str> = scenario.tools.iter().map(|own| own.name.as_str()).collect();

@@ -13,7 +13,7 @@ pub fn advise(path: &Path, calibration: &Calibration) -> Result<Advice, Failure>
     if calibration.measured.clock == Clock::Operations {
         return Err(refuse("lives in operations have no cost by time", "give the records cutting_time"));
     }
-    let scenario = toolroom_scenario::file::read(path, &[])?.scenario;
+    let scenario = toolroom_scenario_file::read(path, &[])?.scenario;
     let process = calibration.measured.process;
     let cuts = |operation: &Operation| match &operation.work {
         Work::Cutting(cuts) => cuts.first().copied(),

@@ -11,7 +11,7 @@ use toolroom_gap::{ModelFileError, NominalModel, NominalProcess, Settings};
 use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::read;
+use toolroom_scenario_file::read;
 use toolroom_statistics::Moments;
 
 /// Replications of either model. Assumption: with ten an interval by Student's t is less than a fifth wider than with many.

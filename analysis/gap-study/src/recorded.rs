@@ -3,7 +3,7 @@
 use toolroom_gap::{ModelFileError, Settings, sensor_sheet};
 use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, Records};
-use toolroom_scenario::file::ScenarioFile;
+use toolroom_scenario_file::ScenarioFile;
 use toolroom_shop::RunLog;
 
 /// Kinds of records that a simulated shop leaves.

@@ -277,5 +277,5 @@ fn completed(
 
 /// Rates of the machines of a model file, where it is a scenario.
 fn rates(path: &Path, set: &[String]) -> Option<Rates> {
-    toolroom_scenario::file::read(path, set).ok().map(|read| Rates::of(&read.scenario))
+    toolroom_scenario_file::read(path, set).ok().map(|read| Rates::of(&read.scenario))
 }

@@ -20,7 +20,7 @@ fn recorded(seed: u64, deviations: &[Deviation]) -> Records {
 /// Ten days of the nominal shop under another seed, `changed` in what the planner does not know.
 fn of_shop(seed: u64, changed: &dyn Fn(&mut Scenario)) -> Records {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/shop.toml");
-    let mut scenario = toolroom_scenario::file::read(&path, &[]).expect("the shipped scenario").scenario;
+    let mut scenario = toolroom_scenario_file::read(&path, &[]).expect("the shipped scenario").scenario;
     scenario.seed = seed;
     changed(&mut scenario);
     let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");

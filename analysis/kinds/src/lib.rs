@@ -73,7 +73,7 @@ use toolroom_lobes::{COEFFICIENTS, LOBES, STRUCTURE};
 use toolroom_nominal::NominalModel;
 use toolroom_planning::modes::TOOL;
 use toolroom_records::import::MAPPING;
-use toolroom_scenario::file::SCENARIO;
+use toolroom_scenario_file::SCENARIO;
 
 /// One kind of file.
 #[derive(Debug)]

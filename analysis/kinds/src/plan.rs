@@ -38,7 +38,7 @@ fn check(path: &Path, set: &[String]) -> Result<Checked, KindError> {
 fn content(plan: &Plan) -> Result<&'static str, ReadError> {
     match plan.kind {
         Work::Life => toolroom_life::study::shard::study(plan).map(|_| "lives of each cell of a study"),
-        Work::Compare => toolroom_scenario::file::parse(&plan.file, &plan.text, &plan.overrides)
+        Work::Compare => toolroom_scenario_file::parse(&plan.file, &plan.text, &plan.overrides)
             .map(|_| "replications of a comparison"),
         Work::Lobes => toolroom_planning::lobes::chart(plan).map(|_| "columns of a stability chart"),
     }

@@ -49,7 +49,7 @@ fn meet(a: Option<&ShiftCalendar>, b: Option<&ShiftCalendar>, horizon: f64) -> b
 #[cfg(test)]
 mod tests {
     use super::*;
-    use toolroom_scenario::file::parse;
+    use toolroom_scenario_file::parse;
 
     #[test]
     fn people_who_come_when_their_machines_rest_are_told() {

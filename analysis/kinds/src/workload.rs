@@ -457,7 +457,7 @@ fn worked(calendar: Option<&ShiftCalendar>, time: f64, need: f64) -> f64 {
 mod tests {
     use super::*;
     use std::path::Path;
-    use toolroom_scenario::file::{ScenarioFile, read};
+    use toolroom_scenario_file::{ScenarioFile, read};
 
     fn shipped(name: &str, set: &[&str]) -> ScenarioFile {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/shop").join(name);

@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_form::{Fault, FormFile, ReadError, Section, Walk, nearest, set_parameters, significant};
 use toolroom_process::{Record, unit};
-use toolroom_scenario::file::sensors;
 use toolroom_scenario::{Knowledge, Posterior, SensorSheet, SpeedRule, read_posterior_of_pair};
+use toolroom_scenario_file::sensors;
 use toolroom_wear::{Cut, Pair, ParameterSet, Scatter, SetError, TURNING_SETS};
 use words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, SamplingWord};
 

@@ -366,7 +366,7 @@ mod tests {
     #[test]
     fn the_feed_force_follows_the_hardness_that_the_cutting_force_tells() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/turning.toml");
-        let scenario = toolroom_scenario::file::read(&path, &[]).expect("the shipped scenario").scenario;
+        let scenario = toolroom_scenario_file::read(&path, &[]).expect("the shipped scenario").scenario;
         let process = scenario.tools[0].process.machine_process();
         let mut u: Vec<f64> = process.inputs().iter().flat_map(|own| std::iter::repeat_n(own.start, own.len)).collect();
         let mut set = |name: &str, value: f64| u[place(process.inputs(), name).expect("an input")] = value;

@@ -10,7 +10,7 @@ use toolroom_shop::runlog::{MachineState, StateRow};
 fn shop(file: &str, overrides: &[&str]) -> (Scenario, RunLog, Vec<Records>) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap").join(file);
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-    let scenario = toolroom_scenario::file::read(&path, &overrides).expect("a shipped scenario").scenario;
+    let scenario = toolroom_scenario_file::read(&path, &overrides).expect("a shipped scenario").scenario;
     let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");
     let all = simulated(&scenario, &log, &|_, channel| Sensor::usual(channel));
     let again = |records: &Records| {

@@ -237,7 +237,7 @@ impl WarmUp {
 mod tests {
     use super::*;
     use crate::OneRun;
-    use toolroom_scenario::file::parse;
+    use toolroom_scenario_file::parse;
     use toolroom_shop::Silent;
 
     /// A queue that begins empty: exponential arrivals and service, a load of 90 %.

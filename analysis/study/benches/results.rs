@@ -9,7 +9,7 @@ use toolroom_study::logs::{Format, LogWriter};
 
 fn results(criterion: &mut Criterion) {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/demo.toml"));
-    let scenario = toolroom_scenario::file::read(path, &[]).expect("a shipped scenario").scenario;
+    let scenario = toolroom_scenario_file::read(path, &[]).expect("a shipped scenario").scenario;
     let log = toolroom_shop::run(&scenario, 0, 0).expect("a run");
     let rows = log.passes.len() + log.edges.len() + log.jobs.len() + log.states.len() + log.events.len();
 

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::read;
+use toolroom_scenario_file::read;
 use toolroom_study::kpi::{evaluate, kpis};
 use toolroom_study::tune::tune;
 

@@ -32,7 +32,7 @@
 //! use std::sync::atomic::AtomicBool;
 //! use toolroom_study::{compare::Comparison, study::{StudyOptions, run_study}};
 //! let path = std::path::Path::new("../../scenarios/demo.toml");
-//! let scenario = toolroom_scenario::file::read(path, &[])?.scenario;
+//! let scenario = toolroom_scenario_file::read(path, &[])?.scenario;
 //! let options = StudyOptions { policies: vec![0, 3], replications: 2, ..StudyOptions::of(&scenario) };
 //! let study = run_study(&scenario, &options, None, &|_| {}, &AtomicBool::new(false))?;
 //! let comparison = Comparison::new(&scenario, &study);

@@ -4,7 +4,7 @@ use crate::request::{UnknownPolicy, policies_named};
 use crate::study::{KnownRuns, StoredRun, StudyError, stored_digest, stored_runs};
 use std::path::Path;
 use toolroom_form::ReadError;
-use toolroom_scenario::file::{ScenarioFile, parse};
+use toolroom_scenario_file::{ScenarioFile, parse};
 use toolroom_shards::{Computed, PLAN, Plan, ShardError, Work};
 
 /// Why a planned comparison was not computed.

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_form::{ReadError, nearest};
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::{ScenarioFile, parse};
+use toolroom_scenario_file::{ScenarioFile, parse};
 use toolroom_shards::fingerprint;
 use toolroom_steady::WarmUp;
 

@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn every_stay_is_on_the_page() {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/shop/orders.toml");
-        let mut scenario = toolroom_scenario::file::read(&file, &[]).expect("a scenario").scenario;
+        let mut scenario = toolroom_scenario_file::read(&file, &[]).expect("a scenario").scenario;
         scenario.title = "<script>alert(1)</script>".to_owned();
         scenario.orders[0].customer = "</script>".to_owned();
         let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");

@@ -23,7 +23,7 @@ use std::sync::atomic::AtomicBool;
 use toolroom_form::ReadError;
 use toolroom_process::table::CsvWriter;
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::{AS_IT_IS, ShopVariant, read};
+use toolroom_scenario_file::{AS_IT_IS, ShopVariant, read};
 use toolroom_statistics::{CONFIDENCE, Interval, paired, t_interval};
 
 /// A shop with some values changed.

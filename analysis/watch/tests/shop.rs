@@ -16,7 +16,7 @@ fn path() -> PathBuf {
 
 /// Events of the shipped shop over some days, `changed` in what nobody says.
 fn recorded(seed: u64, days: f64, changed: &dyn Fn(&mut Scenario)) -> Records {
-    let mut scenario = toolroom_scenario::file::read(&path(), &[]).expect("the shipped scenario").scenario;
+    let mut scenario = toolroom_scenario_file::read(&path(), &[]).expect("the shipped scenario").scenario;
     (scenario.seed, scenario.horizon) = (seed, days * DAY);
     changed(&mut scenario);
     let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");

@@ -10,7 +10,8 @@ use tempfile::TempDir;
 use toolroom_fmu::{Binary, Platform, Version, package, units};
 use toolroom_fmu_import::{Instance, Isolation, Unit, UnitProcess};
 use toolroom_process::MachineProcess;
-use toolroom_scenario::{Scenario, UnitRefusal, UnitRequest, file, set_importer};
+use toolroom_scenario::{Scenario, UnitRefusal, UnitRequest, set_importer};
+use toolroom_scenario_file as file;
 use toolroom_shop as shop;
 use toolroom_shop::{RunLog, ShopError};
 

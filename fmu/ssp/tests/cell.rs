@@ -15,7 +15,7 @@ const STOP: f64 = 3000.0;
 fn scenario(changes: &[&str]) -> Scenario {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/lathe-cell.toml");
     let changes: Vec<String> = changes.iter().map(|each| (*each).to_owned()).collect();
-    toolroom_scenario::file::read(&file, &changes).expect("the shipped scenario").scenario
+    toolroom_scenario_file::read(&file, &changes).expect("the shipped scenario").scenario
 }
 
 /// The library that cargo built beside this test.

@@ -3,12 +3,11 @@
 //! ```text
 //!  scenario.toml ──read──► Scenario ──► Shop::new(scenario, policy, replication) ──► RunLog
 //! ```
-//! Everything refers to everything else by index; [`file::read`] turns names
-//! into indices and reports every fault of a file with its place.
+//! Everything refers to everything else by index; the room of scenario files turns names into indices and reports every
+//! fault of a file with its place.
 //!
 //! | module | what it is |
 //! |---|---|
-//! | [`file`](mod@file) | scenario files: keys, reader, faults, schema |
 //! | [`date`] | civil dates of orders and calendars |
 //! | [`policies`] | who chooses the speed and when an edge is changed: a scenario's policy worked out |
 //! | [`effects`] | catalogue rows of what a shop does beside its nominal simulation |
@@ -27,7 +26,6 @@ mod contour;
 mod deviation;
 mod dispatch;
 pub mod effects;
-pub mod file;
 mod flow;
 mod gap;
 mod grinding;
@@ -66,7 +64,7 @@ pub use posterior::{DrawReader, DrawTable, Posterior, read_posterior, read_poste
 pub use program::{ProgramWork, ProgramWorkError, ToolCall};
 pub use resource::{Attendance, Operator, SetupMatrix};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
-pub use speed::{Course, SpeedChoice, SpeedEntry, SpeedPart, SpeedRule};
+pub use speed::{Course, PATH, PRICE, SPEED, SpeedChoice, SpeedEntry, SpeedPart, SpeedRule, WEAR};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{FailureClock, FailureMode, MachineType, ProcessModel, ToolType};
 pub use toolroom_calendar::{
@@ -76,7 +74,7 @@ pub use toolroom_distribution::{Distribution, Empirical};
 pub use toolroom_stock::{Conditions as CutConditions, Span, TimedStretch};
 pub use transport::{Crew, Parking, Transport, TransportRule};
 pub use tuning::{Setting, SettingRange, Tunable, TuneRequest};
-pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
+pub use unit::{Importer, UnitRefusal, UnitRequest, import_unit, set_importer};
 pub use variants::{MOST_SCOPED, SwitchedEffect, Variants, move_constant};
 
 use std::borrow::Cow;

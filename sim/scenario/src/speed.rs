@@ -6,9 +6,19 @@
 //! with its entry. [`policies`](crate::policies) says how shops follow such a law.
 
 use crate::Setting;
-use crate::file::{PATH, PRICE, SPEED, WEAR};
-use toolroom_form::{Key, Section};
+use toolroom_cutting::TurningInput;
+use toolroom_form::{Key, Kind, Section};
+use toolroom_process::Record as _;
 use toolroom_wear::SpeedLaw;
+
+/// A cutting speed that a cut is commanded: what the models of cutting take, in milling as in turning.
+pub const SPEED: Kind = Kind::positive("m/s", "m/min", TurningInput::<f64>::FIELDS[0].max, "60 m/min");
+/// A cutting path.
+pub const PATH: Kind = Kind::positive("m", "m", 1e6, "75 m");
+/// A flank wear.
+pub const WEAR: Kind = Kind::positive("m", "mm", 5e-3, "0.3 mm");
+/// A shadow price of edges.
+pub const PRICE: Kind = Kind::positive("s/m", "s/m", 1e5, "2.4 s/m");
 
 /// Everything that is known of a speed rule beside its name and its numbers.
 #[derive(Clone, Copy, Debug)]
@@ -260,14 +270,34 @@ const fn observing(rules: &[(&str, bool)]) -> usize {
     count
 }
 
+/// Every speed rule, as read from its word and the examples of its numbers.
+#[cfg(test)]
+pub(crate) fn examples() -> Vec<SpeedRule> {
+    use toolroom_form::{Form, Need, example, joined, parse};
+    const WORD: &[Key] = &[Key::required("speed", Kind::Choice(SpeedRule::WORDS), "The rule")];
+    static FORM: Form = Form {
+        title: "the rule",
+        doc: "A speed rule alone",
+        keys: &joined::<{ 1 + SpeedRule::KEYS.len() }>(&[WORD, SpeedRule::KEYS]),
+    };
+    let rule = |word: &&str| {
+        let due =
+            |key: &&Key| matches!(key.need, Need::Required) && key.when.is_some_and(|when| when.values.contains(word));
+        let numbers = SpeedRule::KEYS.iter().filter(due).map(|key| format!("{} = {}\n", key.name, example(&key.kind)));
+        let text = format!("speed = \"{word}\"\n{}", numbers.collect::<String>());
+        let read = parse("rule.toml", &text, &[], &FORM, |_, section| SpeedRule::of_word(word, section));
+        read.unwrap_or_else(|error| panic!("{error}")).content
+    };
+    SpeedRule::WORDS.iter().map(rule).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::file::speed_rules;
 
     #[test]
     fn every_word_reads_as_its_rule_and_no_other() {
-        let read = speed_rules();
+        let read = examples();
         assert_eq!(read.iter().map(|rule| rule.word()).collect::<Vec<_>>(), SpeedRule::WORDS);
         for (i, one) in read.iter().enumerate() {
             assert!(read.iter().skip(i + 1).all(|other| one != other), "{} is another rule, too", one.word());
@@ -276,7 +306,7 @@ mod tests {
 
     #[test]
     fn rules_that_follow_wear_say_so_and_are_adaptive() {
-        for rule in speed_rules() {
+        for rule in examples() {
             let follows = matches!(rule.entry().course, Course::Law(_) | Course::Price(_) | Course::SetIncrement(_));
             assert_eq!(rule.entry().part == SpeedPart::Adaptive, follows, "{}", rule.word());
             // The oracle has its own word for what it knows.

@@ -43,7 +43,7 @@ pub fn set_importer(importer: Importer) {
 ///
 /// # Errors
 /// What the importer says, or that there is none.
-pub(super) fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal> {
+pub fn import_unit(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal> {
     let Some(importer) = IMPORTER.get() else {
         return Err(UnitRefusal {
             reason: "this program was built without the import of units".to_owned(),

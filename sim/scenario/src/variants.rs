@@ -39,6 +39,11 @@ enum Entry<'a> {
 }
 
 impl Variants {
+    /// Effects as a file gives them, which are not worked out yet.
+    pub fn written(effects: Vec<SwitchedEffect>) -> Self {
+        Self { effects, ..Self::default() }
+    }
+
     /// The process of a tool that acts where no scope holds, and what else there is of it. `constants` are the
     /// calibrations of its process; effects of `process` itself do not count.
     ///

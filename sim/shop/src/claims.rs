@@ -5,8 +5,8 @@ use crate::runlog::{EdgeRow, EventRow, JobRow, OperationRow, PassRow, StateRow};
 use crate::{Shop, ShopError};
 use std::sync::Arc;
 use toolroom_process::Claim;
-use toolroom_scenario::file::parse;
 use toolroom_scenario::policies::ResolvedPolicy;
+use toolroom_scenario_file::parse;
 
 /// One server, random arrivals.
 const QUEUE: &str = include_str!("../../../scenarios/shop/queue.toml");

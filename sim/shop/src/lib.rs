@@ -141,7 +141,7 @@ pub struct Shop<'a, R = RunLog> {
 /// # Examples
 /// ```
 /// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/demo.toml");
-/// let scenario = toolroom_scenario::file::read(file.as_ref(), &[]).unwrap().scenario;
+/// let scenario = toolroom_scenario_file::read(file.as_ref(), &[]).unwrap().scenario;
 /// let log = toolroom_shop::run(&scenario, 0, 0).unwrap();
 /// assert_eq!(log.horizon, scenario.horizon);
 /// assert!(log.passes.len() > 1000);

@@ -139,7 +139,7 @@ fn milled(factor: f64) -> Records {
     }
     let path = std::env::temp_dir().join(format!("toolroom-drift-{}-{factor}.toml", std::process::id()));
     std::fs::write(&path, moved).expect("a file");
-    let read = toolroom_scenario::file::parse("chatter.toml", SHOP, &structures(&path.display().to_string()));
+    let read = toolroom_scenario_file::parse("chatter.toml", SHOP, &structures(&path.display().to_string()));
     let mut scenario: Scenario = read.expect("a scenario").scenario;
     std::fs::remove_file(&path).expect("it was there");
     for tool in &mut scenario.tools {

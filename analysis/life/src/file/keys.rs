@@ -4,7 +4,7 @@ use super::words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, SamplingWord};
 use toolroom_form::{Form, Key, Kind, Need, When, joined};
 use toolroom_process::{Field, Record};
 use toolroom_scenario::SpeedRule;
-use toolroom_scenario::file::SENSORS;
+use toolroom_scenario_file::SENSORS;
 use toolroom_wear::{Cut, Scatter, ScatterWord};
 
 const TIME: Kind = Kind::positive("s", "min", 1e9, "15 min");

@@ -7,7 +7,7 @@ use toolroom_form::{ContentFault, Fault, Form, Key, Kind, Section, Walk};
 use toolroom_process::Record;
 use toolroom_program::{Control, DRIVES, Program, ProgramError, Units, drives};
 use toolroom_scenario::effects::ShopDeviations;
-use toolroom_scenario::file::GAP;
+use toolroom_scenario_file::GAP;
 
 /// An effect by its key; a file that does not say has none of it.
 const fn effect(name: &str, none: &'static str) -> Key {

@@ -2,7 +2,7 @@
 //! time (revolutions over speed, a wheel that does not wear), a mill at a known spindle speed.
 
 use super::*;
-use toolroom_scenario::file;
+use toolroom_scenario_file as file;
 use toolroom_shop::runlog::JobOutcome;
 
 /// One grinder of 60 EUR/h with parts of whole minutes back to back; `more` are further keys of

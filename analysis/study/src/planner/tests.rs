@@ -3,7 +3,7 @@
 use super::*;
 use crate::study::{StudyOptions, run_study};
 use std::sync::atomic::AtomicBool;
-use toolroom_scenario::file::read;
+use toolroom_scenario_file::read;
 
 fn shipped(changes: &[&str]) -> Scenario {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();

@@ -66,7 +66,7 @@ fn an_empty_shop_and_a_single_policy_have_reports() {
 fn lobes_carry_the_passes_of_the_policies_by_their_margin() {
     use toolroom_shop::runlog::{EventRow, PassRow};
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/chatter-policies.toml");
-    let scenario = toolroom_scenario::file::read(std::path::Path::new(path), &[]).expect("shipped").scenario;
+    let scenario = toolroom_scenario_file::read(std::path::Path::new(path), &[]).expect("shipped").scenario;
     let pass = |start: f64, stability_margin: f64| PassRow {
         speed_start: 200.0 / 60.0,
         speed_end: 200.0 / 60.0,

@@ -135,7 +135,7 @@ fn urgencies(before: &Scenario, after: &Scenario, at: f64) -> Result<Vec<Urgency
 mod tests {
     use super::*;
     use std::path::Path;
-    use toolroom_scenario::file::{parse, read};
+    use toolroom_scenario_file::{parse, read};
     use toolroom_shop::runlog::RunLog;
 
     /// One machine with four orders of 40, 30, 20 and 10 minutes, all there from the start, and one that comes.

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, Ordering};
 use toolroom_process::unit;
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::AS_IT_IS;
+use toolroom_scenario_file::AS_IT_IS;
 use toolroom_statistics::{CONFIDENCE, Selection};
 
 /// Most replications of a shop.

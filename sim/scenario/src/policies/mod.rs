@@ -316,7 +316,7 @@ mod tests {
 
     /// Every speed rule that a file can name, and the productivity rule at a price of its own.
     fn rules() -> Vec<SpeedRule> {
-        let mut rules = crate::file::speed_rules();
+        let mut rules = crate::speed::examples();
         rules.push(SpeedRule::Productivity { price: Some(2.0) });
         rules
     }

@@ -2,7 +2,7 @@
 
 use toolroom_form::ReadError;
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::read;
+use toolroom_scenario_file::read;
 use toolroom_shop::run;
 use toolroom_shop::runlog::{JobOutcome, RunLog};
 

@@ -1,7 +1,7 @@
 //! Repair crews and vehicles against exact values and by hand.
 
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::parse;
+use toolroom_scenario_file::parse;
 use toolroom_shop::run;
 use toolroom_shop::runlog::{MachineState, RunLog};
 

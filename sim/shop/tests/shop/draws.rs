@@ -10,7 +10,7 @@ const WEAR: &str = "energy_balance.thermal_wear_rate [um/min]";
 fn shop(rates: &[f64]) -> (Scenario, Scenario) {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/steel-shafts.toml");
     let plain =
-        toolroom_scenario::file::read(file.as_ref(), &["shop.horizon=30 h".to_owned()]).expect("shipped").scenario;
+        toolroom_scenario_file::read(file.as_ref(), &["shop.horizon=30 h".to_owned()]).expect("shipped").scenario;
     let mut drawn = plain.clone();
     let tool = drawn.tools.iter_mut().find(|tool| tool.process.pair().is_some()).expect("a turning tool");
     let rows = rates.iter().map(|rate| vec![format!("{rate:?}")]).collect();

@@ -1,7 +1,7 @@
 //! Work that is in the shop when the run begins, against results worked out by hand.
 
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::{parse, read};
+use toolroom_scenario_file::{parse, read};
 use toolroom_shop::run;
 use toolroom_shop::runlog::{MachineState, RunLog};
 

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use std::fmt::Write;
 use toolroom_kernel::SimTime;
-use toolroom_scenario::file::{parse, read};
 use toolroom_scenario::{InspectedTo, Scenario};
+use toolroom_scenario_file::{parse, read};
 use toolroom_shop::runlog::{JobOutcome, MachineState, OperationResult, RunLog};
 use toolroom_shop::{Shop, run};
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use toolroom_kernel::SimTime;
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::parse;
+use toolroom_scenario_file::parse;
 use toolroom_shop::Shop;
 use toolroom_shop::runlog::{JobOutcome, MachineState, RunLog};
 

@@ -1,7 +1,7 @@
 //! Orders, lots and dates against results worked out by hand.
 
-use toolroom_scenario::file::{parse, read};
 use toolroom_scenario::{Scenario, date};
+use toolroom_scenario_file::{parse, read};
 use toolroom_shop::run;
 use toolroom_shop::runlog::{MachineState, OperationRow, RunLog};
 

@@ -12,7 +12,7 @@ fn folder() -> PathBuf {
 
 fn shop(overrides: &[&str]) -> (Scenario, RunLog) {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-    let scenario = toolroom_scenario::file::read(&folder().join("part-program.toml"), &overrides)
+    let scenario = toolroom_scenario_file::read(&folder().join("part-program.toml"), &overrides)
         .expect("a shipped scenario")
         .scenario;
     let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use toolroom_kernel::SimTime;
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::{parse, read};
+use toolroom_scenario_file::{parse, read};
 use toolroom_shop::runlog::{JobOutcome, MachineState, RunLog};
 use toolroom_shop::{Shop, ShopError, World, run};
 

@@ -1,6 +1,6 @@
 //! Setups that depend on the sequence, against a published example.
 
-use toolroom_scenario::file::parse;
+use toolroom_scenario_file::parse;
 use toolroom_shop::run;
 
 /// One machine and four jobs that are there at the start; a setup takes as long as the jobs before and after say.

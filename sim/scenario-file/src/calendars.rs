@@ -1,0 +1,239 @@
+//! Working time, and the dates from which it counts.
+
+use super::fault::ScenarioFault;
+use super::resolve::{Names, named};
+use toml::de::DeValue;
+use toolroom_form::{Fault, Section, Span, Value, Walk};
+use toolroom_scenario::{Dated, Interruption, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime, date};
+
+/// Working time of dates goes on for so long after the horizon, s: somebody may finish a part (assumption).
+const BEYOND: f64 = 14.0 * 86_400.0;
+
+/// The date of second 0, s since 1970-01-01.
+pub(super) fn start(walk: &mut Walk, shop: &Section<'_>) -> Option<f64> {
+    let text = shop.text("start")?;
+    let start = date::parse(text);
+    if start.is_none() {
+        no_date(walk, shop.span_of("start"), "start", text, "date", "\"2026-03-30 00:00\"");
+    }
+    start
+}
+
+fn no_date(walk: &mut Walk, span: Span, key: &'static str, read: &str, expected: &'static str, example: &'static str) {
+    walk.fault(span, ScenarioFault::NoDate { key, read: read.to_owned(), expected, example });
+}
+
+/// The time under `key`, s since the start: a date, or a time with its unit. `None` where it is left out or a
+/// problem was noted.
+pub(super) fn moment(walk: &mut Walk, section: &Section<'_>, key: &'static str, start: Option<f64>) -> Option<f64> {
+    let text = section.text(key)?;
+    if date::is_date(text) {
+        let (time, span) = (date::parse(text), section.span_of(key));
+        match (time, start) {
+            (Some(time), Some(start)) => return Some(time - start),
+            (Some(_), None) => walk.fault(span, ScenarioFault::DateWithoutStart { key, read: text.to_owned() }),
+            (None, _) => no_date(walk, span, key, text, "date", "\"2026-03-30 06:00\""),
+        }
+        return None;
+    }
+    match toolroom_process::unit::quantity(text, "s") {
+        Ok(time) if time.is_finite() => return Some(time),
+        Ok(_) => {
+            let (name, read) = (key.to_owned(), text.to_owned());
+            let fault = Fault::OutOfRange { key: name, read, range: "finite times".to_owned(), meant: Vec::new() };
+            walk.fault(section.span_of(key), fault);
+        }
+        Err(reason) => {
+            let example = "\"2026-03-30 06:00\" or \"6 h\"".to_owned();
+            walk.fault(section.span_of(key), Fault::Quantity { key: key.to_owned(), reason, example });
+        }
+    }
+    None
+}
+
+pub(super) fn calendars(
+    walk: &mut Walk,
+    root: &Section<'_>,
+    names: &mut Names,
+    start: Option<f64>,
+    horizon: f64,
+) -> Vec<ShiftCalendar> {
+    let mut calendars = Vec::new();
+    for (name, section) in named(walk, root, "calendar", None) {
+        names.calendars.push(name.clone());
+        let at_end = section.chosen("at_end", Interruption::from_word);
+        let finish_within = section.required("finish_within");
+        let (time, usual) = if section.given("week") {
+            superfluous(walk, &section, "week", &["shift", "period"]);
+            (WorkingTime::Dated(dated(walk, &section, &name, start, horizon)), Interruption::Resume)
+        } else {
+            superfluous(walk, &section, "shift", &["breaks", "holidays", "overtime"]);
+            (WorkingTime::Periodic(periodic(walk, &section)), Interruption::Finish)
+        };
+        calendars.push(ShiftCalendar { name, time, at_end: at_end.unwrap_or(usual), finish_within });
+    }
+    calendars
+}
+
+/// Keys that mean nothing beside another.
+fn superfluous(walk: &mut Walk, section: &Section<'_>, key: &str, others: &[&'static str]) {
+    for other in others.iter().filter(|other| section.given(other)) {
+        let case = format!("a calendar with `{key}`");
+        let applicable = "period and shift, or week, breaks, holidays and overtime".to_owned();
+        walk.fault(section.span_of(other), Fault::NotApplicable { key: other, case, applicable });
+    }
+}
+
+/// Shifts that repeat.
+fn periodic(walk: &mut Walk, section: &Section<'_>) -> Periodic {
+    let period = section.si("period").unwrap_or(86_400.0);
+    let sections = walk.sections(section, "shift", None);
+    match section.got("shift") {
+        None => {
+            let example =
+                "[{ start = \"6 h\", end = \"14 h\" }]` or `week = { mon-fri = [\"06:00-14:00\"] }".to_owned();
+            let fault = Fault::MissingKey { section: section.form.title.to_owned(), key: "shift", example };
+            walk.fault(section.span.clone(), fault);
+        }
+        Some(got) if sections.is_empty() && matches!(got.value, Value::Raw(_)) => {
+            let example = "shift = [{ start = \"6 h\", end = \"14 h\" }]";
+            walk.fault(section.span_of("shift"), Fault::Nothing { what: "shift", example });
+        }
+        Some(_) => {}
+    }
+    let mut shifts: Vec<Shift> = Vec::new();
+    for (i, stretch) in sections.iter().enumerate() {
+        let shift = Shift { start: stretch.required("start"), end: stretch.required("end") };
+        let hours = |seconds: f64| format!("{} h", seconds / 3600.0);
+        let contradiction = |second, second_value: f64, rule| Fault::Contradiction {
+            first: "end",
+            first_value: hours(shift.end),
+            second,
+            second_value: hours(second_value),
+            rule,
+        };
+        if shift.end <= shift.start {
+            let fault = contradiction("start", shift.start, "a shift ends after it starts; over midnight write two");
+            walk.fault(stretch.span_of("end"), fault);
+        } else if shift.end > period {
+            walk.fault(stretch.span_of("end"), contradiction("period", period, "a shift ends within the period"));
+        }
+        if shifts.last().is_some_and(|before| shift.start < before.end) {
+            walk.fault(stretch.span_of("start"), ScenarioFault::ShiftsOverlap { first: i, second: i + 1 });
+        }
+        shifts.push(shift);
+    }
+    Periodic { period, shifts }
+}
+
+/// Shifts of dates; nothing but a placeholder after a fault.
+fn dated(walk: &mut Walk, section: &Section<'_>, name: &str, start: Option<f64>, horizon: f64) -> Dated {
+    let noted = walk.problems.len();
+    let plan = WeekPlan {
+        week: week(walk, section),
+        breaks: listed(walk, section, "breaks", "break", "\"10:00-10:15\"", |text| {
+            interval(text).filter(|own| own.start < own.end)
+        }),
+        holidays: listed(
+            walk,
+            section,
+            "holidays",
+            "holiday",
+            "\"2026-04-03\" or \"2026-08-03..2026-08-14\"",
+            |text| {
+                let (first, last) = text.split_once("..").unwrap_or((text, text));
+                let days = (date::day(first.trim())?, date::day(last.trim())?);
+                (days.0 <= days.1).then_some(days)
+            },
+        ),
+        overtime: listed(walk, section, "overtime", "stretch of overtime", "\"2026-04-04 06:00-10:00\"", |text| {
+            let (day, times) = text.trim().split_once([' ', 'T'])?;
+            let (midnight, hours) = (date::day(day)? as f64 * 86_400.0, interval(times)?);
+            let end = if hours.end <= hours.start { hours.end + 86_400.0 } else { hours.end };
+            Some(Shift { start: midnight + hours.start, end: midnight + end })
+        }),
+    };
+    if start.is_none() {
+        let read = "a week of dates".to_owned();
+        walk.fault(section.span_of("week"), ScenarioFault::DateWithoutStart { key: "week", read });
+    }
+    let dated = Dated::new(&plan, start.unwrap_or(0.0), horizon + BEYOND);
+    if walk.problems.len() == noted && dated.worked_until(horizon) == 0.0 {
+        walk.fault(section.span_of("week"), ScenarioFault::CalendarEmpty { name: name.to_owned() });
+    }
+    dated
+}
+
+/// What the texts under `key` say; those that say nothing are faults.
+fn listed<T>(
+    walk: &mut Walk,
+    section: &Section<'_>,
+    key: &'static str,
+    expected: &'static str,
+    example: &'static str,
+    read: impl Fn(&str) -> Option<T>,
+) -> Vec<T> {
+    let mut list = Vec::new();
+    for got in section.list(key) {
+        let Value::Text(text) = &got.value else { continue };
+        match read(text) {
+            Some(value) => list.push(value),
+            None => no_date(walk, got.span.clone(), key, text, expected, example),
+        }
+    }
+    list
+}
+
+/// Two times of the day, `06:00-14:00`.
+fn interval(text: &str) -> Option<Shift> {
+    let (start, end) = text.trim().split_once('-')?;
+    let shift = Shift { start: date::clock(start.trim())?, end: date::clock(end.trim())? };
+    (shift.start < 86_400.0 && shift.start != shift.end).then_some(shift)
+}
+
+/// Weekdays as in files, Monday first.
+const DAYS: [&str; 7] = ["mon", "tue", "wed", "thu", "fri", "sat", "sun"];
+
+/// The days of `mon` or `mon-fri`.
+fn days(text: &str) -> Option<std::ops::RangeInclusive<usize>> {
+    let place = |name: &str| DAYS.iter().position(|day| *day == name.trim());
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let days = place(first)?..=place(last)?;
+    (days.start() <= days.end()).then_some(days)
+}
+
+/// `week = { mon-fri = ["06:00-14:00"] }`; a later day replaces an earlier one.
+fn week(walk: &mut Walk, section: &Section<'_>) -> [Vec<Shift>; 7] {
+    let mut week: [Vec<Shift>; 7] = Default::default();
+    let Some(Value::Raw(raw)) = section.got("week").map(|got| &got.value) else { return week };
+    let DeValue::Table(table) = raw else {
+        let example = "{ mon-fri = [\"06:00-14:00\"] }".to_owned();
+        walk.wrong_type("week", raw, "a table of weekdays with their shifts", section.span_of("week"), example);
+        return week;
+    };
+    for (name, value) in table {
+        let Some(days) = days(name.get_ref()) else {
+            no_date(walk, name.span(), "week", name.get_ref(), "weekday", "mon or mon-fri");
+            continue;
+        };
+        let Some(entries) = value.get_ref().as_array() else {
+            let example = "[\"06:00-14:00\"]".to_owned();
+            walk.wrong_type(name.get_ref(), value.get_ref(), "a list of shifts", value.span(), example);
+            continue;
+        };
+        let mut shifts: Vec<Shift> = Vec::new();
+        for (i, entry) in entries.iter().enumerate() {
+            let text = entry.get_ref().as_str().unwrap_or_default();
+            let Some(shift) = interval(text) else {
+                no_date(walk, entry.span(), "week", text, "shift", "\"06:00-14:00\" or \"22:00-06:00\"");
+                continue;
+            };
+            if shifts.last().is_some_and(|before| before.end <= before.start || shift.start < before.end) {
+                walk.fault(entry.span(), ScenarioFault::ShiftsOverlap { first: i, second: i + 1 });
+            }
+            shifts.push(shift);
+        }
+        days.for_each(|day| week[day].clone_from(&shifts));
+    }
+    week
+}

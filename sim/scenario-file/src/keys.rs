@@ -1,0 +1,495 @@
+//! The sections of a scenario file.
+
+mod flow;
+mod gap;
+mod order;
+mod part;
+mod policy;
+mod resource;
+mod transport;
+
+use flow::{BATCH, VARIANT};
+pub use gap::GAP;
+use order::{CALENDAR, EDGE_AT_START, ORDER, TABLES, WIP};
+use part::PART;
+pub use policy::SENSORS;
+use resource::{BUFFER, OPERATOR, PLACES, SETUP_MATRIX};
+use serde_json::{Map, Value, json};
+use toolroom_effects::{Effect, USER_EFFECT};
+use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
+
+use super::choices::{FamilyWord, FormatWord, IsolationWord, PatternWord, ProcessKind};
+use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
+use super::tune::TUNE;
+use policy::POLICY;
+use toolroom_scenario::{
+    Blocking, Deadlock, DispatchRule, FailureClock, Interruption, MachineChoice, MachineType, Preemption,
+};
+pub(super) use toolroom_scenario::{PATH, SPEED, WEAR};
+use toolroom_wear::{Scatter, ScatterWord};
+use transport::{CREW, TRANSPORT};
+
+/// The case of a machine or operation without a process.
+const PLAIN: &[&str] = &[MachineType::PLAIN];
+
+/// Ten years, s: longer times are slips of the unit.
+const DECADE: f64 = 10.0 * 365.0 * 86400.0;
+const TIME: Kind = Kind::quantity("s", "min", 0.0, DECADE, "1.5 min");
+pub(super) const DURATION: Kind = Kind::positive("s", "min", DECADE, "1.5 min");
+const LONG_DURATION: Kind = Kind::positive("s", "h", DECADE, "8 h");
+const COST: Kind = Kind::quantity("EUR", "EUR", 0.0, 1e9, "12 EUR");
+const RATE: Kind = Kind::quantity("EUR/s", "EUR/h", 0.0, 1e6, "60 EUR/h");
+/// What a spindle is able to; above 6000 m/min nothing is cut.
+const SPINDLE: Kind = Kind::positive("m/s", "m/min", 100.0, "60 m/min");
+/// A factor on a commanded speed.
+pub(super) const FACTOR: Kind = Kind::positive("1", "1", 10.0, "1.1");
+pub(super) const SHARE: Kind = Kind::quantity("1", "1", 0.0, 1.0, "0.5");
+const DEVIATION: Kind = Kind::quantity("1", "1", 0.0, 0.5, "2 %");
+const BIAS: Kind = Kind::quantity("1", "1", -0.9, 10.0, "0.05");
+
+/// What may become of a part in a machine that breaks down: nobody can finish it first.
+const AFTER_FAILURE: &[&str] = &[Interruption::Resume.word(), Interruption::Repeat.word(), Interruption::Scrap.word()];
+
+/// A random time; a plain duration in its place is a constant.
+pub(super) static DISTRIBUTION: Form = Form {
+    title: "distribution",
+    doc: "A random time, 0 or longer, drawn by inversion of one random number",
+    keys: &[
+        Key::required("distribution", Kind::Choice(FamilyWord::WORDS), "Family"),
+        Key::required("mean", DURATION, "Mean; of `normal` that of the whole distribution, before it is cut off")
+            .when("distribution", &["constant", "exponential", "erlang", "gamma", "lognormal", "weibull", "normal"]),
+        Key::required("cv", Kind::positive("1", "1", 10.0, "0.3"), "Standard deviation over mean")
+            .when("distribution", &["gamma", "lognormal"]),
+        Key::required("k", Kind::Count { min: 1, max: 10_000 }, "Number of phases").when("distribution", &["erlang"]),
+        Key::required("shape", Kind::quantity("1", "1", 0.2, 50.0, "1.5"), "Weibull shape")
+            .when("distribution", &["weibull"]),
+        Key::required("sd", DURATION, "Standard deviation of the whole distribution").when("distribution", &["normal"]),
+        Key::required("low", TIME, "Least")
+            .when("distribution", &["triangular", "beta", "uniform", "discrete_uniform"]),
+        Key::default("low", TIME, "0 min", "Least").when("distribution", &["normal"]),
+        Key::required("mode", TIME, "Most likely").when("distribution", &["triangular", "beta"]),
+        Key::required("high", DURATION, "Greatest")
+            .when("distribution", &["triangular", "beta", "uniform", "discrete_uniform"]),
+        Key::optional("high", DURATION, "Greatest; left out: as long as it comes").when("distribution", &["normal"]),
+        Key::default("step", DURATION, "1 min", "Distance of neighbouring times")
+            .when("distribution", &["discrete_uniform"]),
+        Key::required("values", Kind::List(&TIME), "Times").when("distribution", &["empirical"]),
+        Key::optional("weights", Kind::List(&WEIGHT), "How often each of them occurs; left out: all alike")
+            .when("distribution", &["empirical"]),
+    ],
+};
+
+/// How often a value occurs against others.
+const WEIGHT: Kind = Kind::quantity("1", "1", 0.0, 1e9, "0.3");
+
+const RANDOM_TIME: Kind = Kind::Shorthand { word: &TIME, form: &DISTRIBUTION };
+
+static SHOP: Form = Form {
+    title: "[shop]",
+    doc: "The study: seed, replications, simulated time",
+    keys: &[
+        Key::required("name", Kind::Name, "Short name, also of the output folder"),
+        Key::default("title", Kind::Text, "", "One line for people"),
+        Key::default("seed", Kind::Count { min: 0, max: u64::MAX }, "1", "Seed of every random stream"),
+        Key::default(
+            "replications",
+            Kind::Count { min: 1, max: 1_000_000 },
+            "20",
+            "Independent repetitions of the horizon",
+        ),
+        Key::optional(
+            "start",
+            Kind::Text,
+            "Date of second 0, such as \"2026-03-30 00:00\"; due where anything has a date",
+        ),
+        Key::required("horizon", LONG_DURATION, "Simulated time of one replication, warm-up included"),
+        Key::default(
+            "warm_up",
+            Kind::Or { words: &["mser5"], other: &TIME },
+            "0 h",
+            "Time at the start that no statistic counts; mser5: as long as lead times still rise, found from runs before",
+        ),
+        Key::default(
+            "shift_length",
+            LONG_DURATION,
+            "8 h",
+            "Length of the shift to which rates refer (parts per shift)",
+        ),
+        Key::default("currency", Kind::Choice(CURRENCIES), "EUR", "Currency of every amount"),
+    ],
+};
+
+static MACHINE: Form = Form {
+    title: "[[machine]]",
+    doc: "A machine tool, or several of one kind",
+    keys: &[
+        Key::required(
+            "name",
+            Kind::Name,
+            "Unique name; with `count` the prefix of L1, L2, …, and the name of them all",
+        ),
+        Key::optional(
+            "count",
+            Kind::Count { min: 1, max: 1000 },
+            "Number of machines of this kind; left out: one, called as it is",
+        ),
+        Key::required(
+            "process",
+            Kind::Choice(ProcessKind::OF_MACHINES),
+            "Process that it can run beside plain work; plain: none",
+        ),
+        Key::required("rate", RATE, "Cost of an hour of machine and operator").when("process", ProcessKind::WORDS),
+        Key::default("rate", RATE, "0 EUR/h", "Cost of an hour of machine and operator").when("process", PLAIN),
+        Key::required("load_time", RANDOM_TIME, "Fastening a part").when("process", ProcessKind::WORDS),
+        Key::default("load_time", RANDOM_TIME, "0 min", "Fastening a part").when("process", PLAIN),
+        Key::required("unload_time", RANDOM_TIME, "Taking it off").when("process", ProcessKind::WORDS),
+        Key::default("unload_time", RANDOM_TIME, "0 min", "Taking it off").when("process", PLAIN),
+        Key::default("tool_change_time", TIME, "0 min", "Changing a worn edge for a new one"),
+        Key::default(
+            "setup_time",
+            TIME,
+            "0 min",
+            "Change over when the setup group changes, unless the operation gives its own",
+        ),
+        Key::optional(
+            "setup_matrix",
+            Kind::Reference("setup_matrix"),
+            "Setup times by the groups before and after; goes before those of machine and operation",
+        ),
+        Key::optional(
+            "setup_at_start",
+            Kind::Text,
+            "Setup group for which it stands ready at the start, \"\" for none; left out: for whatever comes first",
+        ),
+        Key::optional(
+            "edge_at_start",
+            Kind::Tables(&EDGE_AT_START),
+            "Worn edges that are in it at the start; left out: new ones",
+        ),
+        Key::default(
+            "magazine",
+            Kind::Count { min: 1, max: 100_000 },
+            "100000",
+            "Edges in the magazine before an operator has to refill it",
+        ),
+        Key::default("refill_time", TIME, "0 min", "Refilling the magazine"),
+        Key::required("speed_range", Kind::List(&SPINDLE), "Least and greatest cutting speed of spindle and program")
+            .when("process", ProcessKind::CUTTING),
+        Key::default(
+            "idle_power",
+            Kind::quantity("W", "kW", 0.0, 1e6, "1.5 kW"),
+            "0 kW",
+            "Power of the spindle without cut",
+        ),
+        Key::optional(
+            "coolant_change",
+            TIME,
+            "When another coolant is filled in: fresh from then on, and the effect `coolant_change` acts",
+        ),
+        Key::optional("calendar", Kind::Reference("calendar"), "Working time; always, if left out"),
+        Key::optional(
+            "input_buffer",
+            PLACES,
+            "Places before the machines of this section, together; left out: as many as are needed",
+        ),
+        Key::optional(
+            "output_buffer",
+            PLACES,
+            "Places behind them for parts that cannot move on; left out: none, such a part stays on its machine",
+        ),
+        Key::optional("location", Kind::Name, "Where it stands, for [[transport]]; left out: the name of this section"),
+        Key::optional(
+            "batch",
+            Kind::Table(&BATCH),
+            "How it works on several jobs at once; left out: one after the other",
+        )
+        .when("process", PLAIN),
+        Key::optional("rule", Kind::List(&DISPATCH_RULE), "Rule of its queue, or up to three; left out: the shop's"),
+    ],
+};
+
+static TOOL: Form = Form {
+    title: "[[tool]]",
+    doc: "A kind of tool with its process model",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::required("process", Kind::Choice(ProcessKind::WORDS), "Process"),
+        Key::optional(
+            "parameter_set",
+            Kind::Name,
+            "Tool and work material: name of a parameter set of the process; due unless a unit is named",
+        ),
+        Key::optional(
+            "parameters_from",
+            Kind::Text,
+            "Draws of a calibration, a Parquet table beside this file: each replication takes one, the same under every policy",
+        ),
+        Key::optional("fmu", Kind::Text, "FMI unit that stands in for the process; its path from this file")
+            .when("process", ProcessKind::CUTTING),
+        Key::optional("wiring", Kind::Table(&WIRING), "Which variable of the unit stands for which quantity")
+            .when("process", ProcessKind::CUTTING),
+        Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
+        Key::optional("effects", Kind::Content(&EFFECTS), "Effects switched on in the true world"),
+        Key::optional(
+            "structure",
+            Kind::Text,
+            "Lobes file beside this one with the vibration modes around the cut; left out: every cut is stable",
+        )
+        .when("process", ProcessKind::CUTTING),
+        Key::optional(
+            "structure_scatter",
+            Kind::Table(&STRUCTURE_SCATTER),
+            "How the machines' structures differ from that; left out: as the modes of its structure file are known, else not at all",
+        )
+        .when("process", ProcessKind::CUTTING),
+        Key::required("edge_cost", COST, "Cost of one cutting edge, or of one dressing of a wheel"),
+        Key::default("dressing_time", TIME, "1.5 min", "Dressing the wheel").when("process", &["infeed"]),
+        Key::default(
+            "scatter",
+            Scatter::<f64>::KIND,
+            ScatterWord::Shop.word(),
+            "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
+        ),
+    ],
+};
+
+static STRUCTURE_SCATTER: Form = Form {
+    title: "structure_scatter",
+    doc: "Relative standard deviations of the machines' structures, all modes of a machine alike",
+    keys: &[
+        Key::default("natural_frequency", DEVIATION, "0 %", "Of natural frequencies"),
+        Key::default("damping_ratio", DEVIATION, "0 %", "Of damping ratios"),
+    ],
+};
+
+/// How a unit is wired; what is left out is found by name.
+static WIRING: Form = Form {
+    title: "wiring",
+    doc: "Which variable of the unit stands for which quantity; left out: the one of the same name",
+    keys: &[
+        Key::optional("inputs", Kind::Texts, "Variable for an input, such as cutting_speed = \"vc [m/min]\""),
+        Key::optional("outputs", Kind::Texts, "Variable for an output, such as flank_wear = \"tool.VB\""),
+        Key::optional("events", Kind::Texts, "Boolean variable that an event sets, such as wear_limit = \"tool.worn\""),
+        Key::optional("start", Kind::Texts, "Start values of parameters, in the unit's own units"),
+        Key::optional("step", DURATION, "Longest communication step; left out: a whole pass"),
+        Key::default(
+            "isolation",
+            Kind::Choice(IsolationWord::WORDS),
+            IsolationWord::Process.word(),
+            "Where the unit's code runs: in a worker process, or in the program itself",
+        ),
+        Key::default("call_limit", DURATION, "10 s", "Longest time of one call of a unit in a worker process"),
+    ],
+};
+
+static ARRIVALS: Form = Form {
+    title: "[[arrivals]]",
+    doc: "A source of jobs",
+    keys: &[
+        Key::required("part", Kind::Reference("part"), "Part"),
+        Key::required("pattern", Kind::Choice(PatternWord::WORDS), "When jobs come"),
+        order::PRIORITY,
+        order::WEIGHT,
+        Key::required("rate", Kind::positive("1/s", "1/h", 100.0, "5 1/h"), "Jobs per time")
+            .when("pattern", &["poisson"]),
+        Key::required("time_between", RANDOM_TIME, "Time between jobs, and to the first of them")
+            .when("pattern", &["renewal"]),
+        Key::required("interval", LONG_DURATION, "Time between lots, the first at time zero")
+            .when("pattern", &["batch"]),
+        Key::required("size", Kind::Count { min: 1, max: 1_000_000 }, "Jobs in a lot").when("pattern", &["batch"]),
+        Key::required("lot", Kind::Tables(&LOT), "Lots in order").when("pattern", &["schedule"]),
+        Key::required("jobs", Kind::Count { min: 1, max: 1_000_000 }, "Jobs kept in the shop")
+            .when("pattern", &["constant_work"]),
+    ],
+};
+
+static LOT: Form = Form {
+    title: "[[arrivals.lot]]",
+    doc: "Jobs that come together",
+    keys: &[
+        Key::required("time", Kind::quantity("s", "h", 0.0, DECADE, "6 h"), "When"),
+        Key::default("size", Kind::Count { min: 1, max: 1_000_000 }, "1", "How many"),
+    ],
+};
+
+const DISPATCH_RULE: Kind = Kind::Choice(DispatchRule::NAMES);
+
+static DISPATCH: Form = Form {
+    title: "[dispatch]",
+    doc: "Which waiting job a free machine takes, and which machine a waiting job",
+    keys: &[
+        Key::default(
+            "rule",
+            Kind::List(&DISPATCH_RULE),
+            DispatchRule::Fifo.word(),
+            "Rule, or up to three, each deciding where the ones before are equal; then arrival at the queue, then job number",
+        ),
+        Key::default(
+            "machine_choice",
+            Kind::Choice(MachineChoice::WORDS),
+            MachineChoice::LeastSetup.word(),
+            "Which of several idle machines takes a job; ties go to the first of the file",
+        ),
+        Key::default(
+            "blocking",
+            Kind::Choice(Blocking::WORDS),
+            Blocking::AfterService.word(),
+            "Where buffers are limited: a part that is done keeps its machine until there is a place, or a machine begins only when a place is reserved",
+        ),
+        Key::default(
+            "deadlock",
+            Kind::Choice(Deadlock::WORDS),
+            Deadlock::Stop.word(),
+            "Parts that wait for each other's places in a circle: the run stops and names them, or they change places",
+        ),
+        Key::default(
+            "preempt",
+            Kind::Choice(Preemption::WORDS),
+            Preemption::None.word(),
+            "What becomes of plain work in a machine when a waiting job of strictly better priority needs that machine",
+        ),
+    ],
+};
+
+static FAILURE: Form = Form {
+    title: "[[failure]]",
+    doc: "A way for machines to break down",
+    keys: &[
+        Key::required("machines", Kind::List(&Kind::Reference("machine")), "Machines; each breaks down by itself"),
+        Key::required("time_between", RANDOM_TIME, "Time to failure on its clock"),
+        Key::required("time_to_repair", RANDOM_TIME, "Time to repair"),
+        Key::default(
+            "clock",
+            Kind::Choice(FailureClock::WORDS),
+            FailureClock::Busy.word(),
+            "Whether only working time counts towards the failure, or all",
+        ),
+        Key::optional(
+            "crew",
+            Kind::Reference("crew"),
+            "Who repairs it, when they are free; left out: somebody at once",
+        ),
+        Key::default(
+            "part",
+            Kind::Choice(AFTER_FAILURE),
+            Interruption::Resume.word(),
+            "What becomes of the part in the machine",
+        ),
+    ],
+};
+
+static OUTPUT: Form = Form {
+    title: "[output]",
+    doc: "What is written",
+    keys: &[
+        Key::default("format", Kind::Choice(FormatWord::WORDS), FormatWord::Parquet.word(), "Format of the log tables"),
+        Key::default("logs", Kind::Flag, "true", "Whether the log tables are written at all"),
+    ],
+};
+
+/// The whole file.
+pub static SCENARIO: Form = Form {
+    title: "the scenario",
+    doc: "One shop under one or more policies, for toolroom",
+    keys: &[
+        Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
+        Key::required("shop", Kind::Table(&SHOP), "The study"),
+        Key::optional("calendar", Kind::Tables(&CALENDAR), "Working time"),
+        Key::optional("machine", Kind::Tables(&MACHINE), "Machines"),
+        Key::optional("setup_matrix", Kind::Tables(&SETUP_MATRIX), "Setup times between setup groups"),
+        Key::optional("buffer", Kind::Tables(&BUFFER), "Places before machines, where several share them"),
+        Key::optional("operator", Kind::Tables(&OPERATOR), "People"),
+        Key::optional("crew", Kind::Tables(&CREW), "People who repair machines"),
+        Key::optional("transport", Kind::Tables(&TRANSPORT), "Vehicles between places"),
+        Key::optional("tool", Kind::Tables(&TOOL), "Tools"),
+        Key::optional("part", Kind::Tables(&PART), "Parts with their routings"),
+        Key::optional("arrivals", Kind::Tables(&ARRIVALS), "Where jobs come from"),
+        Key::optional("order", Kind::Tables(&ORDER), "Orders: quantities of parts with dates"),
+        Key::optional("wip", Kind::Tables(&WIP), "Orders that are in the shop when the run begins"),
+        Key::optional("tables", Kind::Table(&TABLES), "Tables in files beside this one"),
+        Key::optional("dispatch", Kind::Table(&DISPATCH), "Which waiting job a free machine takes"),
+        Key::optional("failure", Kind::Tables(&FAILURE), "Breakdowns"),
+        Key::optional(
+            "policy",
+            Kind::Tables(&POLICY),
+            "The comparison axis; left out: one policy, everything as programmed",
+        ),
+        Key::optional("deviation", Kind::Tables(&SHOP_DEVIATION), "What the true shop does otherwise than planned"),
+        Key::optional(
+            "variant",
+            Kind::Tables(&VARIANT),
+            "The shop with some values changed, compared with the shop as it is",
+        ),
+        Key::optional("calibration", Kind::Tables(&CALIBRATION), "Constants that measurements have moved"),
+        Key::optional("effect", Kind::Tables(&USER_EFFECT), "Effects of your own, beside those of the catalogue"),
+        Key::optional("tune", Kind::Table(&TUNE), "Tunes the policies before `toolroom compare` judges them"),
+        Key::optional("output", Kind::Table(&OUTPUT), "What is written"),
+        Key::optional("gap", Kind::Table(&GAP), "Priors and sensors of a diagnosis against measured records"),
+    ],
+};
+
+/// Effects of the catalogue.
+static EFFECTS: Content = Content {
+    expected: "a list of effects",
+    example: "[{ id = \"wear_force\", size = 0.2 }]",
+    schema: || {
+        let all = Effect::all().map(effect).chain([user_effect()]);
+        json!({ "type": "array", "items": { "oneOf": all.collect::<Vec<_>>() } })
+    },
+    entry: Some(["id", "size"]),
+};
+
+/// An effect that the file defines itself.
+fn user_effect() -> Value {
+    let amount = json!({ "type": ["number", "string"] });
+    json!({
+        "type": "object", "required": ["id", "size"],
+        "properties": {
+            "id": { "type": "string", "pattern": "\\.", "description": "Id of an [[effect]] of this file" },
+            "size": amount, "standard_error": amount, "shape": { "type": "object" }, "scope": { "type": "object" },
+        },
+    })
+}
+
+/// An effect with its size and shape.
+fn effect(kind: Effect) -> Value {
+    let mut properties = Map::new();
+    properties.insert("id".to_owned(), json!({ "const": kind.entry().id, "description": kind.entry().title }));
+    let fields = kind.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each)));
+    let parameters: Map<String, Value> = fields.collect();
+    let shape: Map<String, Value> = parameters.clone().into_iter().filter(|(name, _)| name != "size").collect();
+    if !shape.is_empty() {
+        properties.insert(
+            "shape".to_owned(),
+            json!({
+                "type": "object", "additionalProperties": false, "properties": shape,
+                "description": "Parameters beside the size; they may also stand beside it",
+            }),
+        );
+    }
+    properties.extend(parameters);
+    properties.insert(
+        "standard_error".to_owned(),
+        json!({ "type": ["number", "string"], "description": "Standard error of the size, in its unit" }),
+    );
+    let mut scope = schema(&SCOPE, "scope");
+    ["$schema", "title"].iter().for_each(|key| drop(scope.as_object_mut().and_then(|scope| scope.remove(*key))));
+    properties.insert("scope".to_owned(), scope);
+    json!({ "type": "object", "additionalProperties": false, "properties": properties, "required": ["id", "size"] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use toolroom_cutting::{MillingInput, TurningInput};
+    use toolroom_process::Record as _;
+
+    #[test]
+    fn speeds_of_a_cut_have_the_range_of_the_models() {
+        let Kind::Quantity(speed) = SPEED else { panic!("a quantity") };
+        for fields in [TurningInput::<f64>::FIELDS, MillingInput::<f64>::FIELDS] {
+            let field = fields.iter().find(|field| field.name == "cutting_speed").expect("a speed");
+            assert_eq!((field.unit, field.max), (speed.unit, speed.max));
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Crews and vehicles.
+
+use super::resource::ROW;
+use toolroom_form::{Form, Key, Kind};
+use toolroom_scenario::{Parking, TransportRule};
+
+pub(super) static CREW: Form = Form {
+    title: "[[crew]]",
+    doc: "People who repair machines: a breakdown that names them waits until one of them is free",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::default("count", Kind::Count { min: 1, max: 1000 }, "1", "Repairs at once"),
+    ],
+};
+
+pub(super) static TRANSPORT: Form = Form {
+    title: "[[transport]]",
+    doc: "Vehicles that carry jobs between places: they drive to where a job waits, empty, and then to where it goes",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::default("count", Kind::Count { min: 1, max: 1000 }, "1", "Number of vehicles"),
+        Key::required(
+            "locations",
+            Kind::List(&Kind::Name),
+            "Places, by `location` of machines or the name of their section; they stand at the first at the start",
+        ),
+        Key::required("times", Kind::List(&ROW), "Times of the ways: a row is the place from, a column the place to"),
+        Key::default("park", Kind::Choice(Parking::WORDS), Parking::Stay.word(), "Where a vehicle waits without a job"),
+        Key::default(
+            "rule",
+            Kind::Choice(TransportRule::WORDS),
+            TransportRule::Fifo.word(),
+            "Which of several jobs a free vehicle takes: that which has waited for longest, or the nearest",
+        ),
+    ],
+};

@@ -1,0 +1,471 @@
+//! From sections to the resolved scenario: names become indices, contradictions are found.
+
+use super::calendars::{calendars, start};
+use super::choices::ProcessKind;
+use super::fault::ScenarioFault;
+use super::random::distribution;
+use super::variants::{ShopVariant, variants};
+use super::{
+    Output, flow, jobs, measured, orders, planned, processes, resources, routing, rules, stability, transport, tune,
+};
+use std::sync::Arc;
+use toml::de::{DeTable, DeValue};
+use toolroom_effects::{Definition, read_definitions};
+use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
+use toolroom_process::Record;
+use toolroom_scenario::{
+    Buffer, Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Target,
+    ToolType, TuneRequest, Variants,
+};
+
+/// Machines, tools and calendars under their names, as references see them.
+#[derive(Default)]
+pub(super) struct Names {
+    pub calendars: Vec<String>,
+    pub setup_matrices: Vec<String>,
+    pub crews: Vec<String>,
+    /// What any operator can do.
+    pub skills: Vec<String>,
+    /// A name and the machines that it stands for.
+    pub machines: Vec<(String, Vec<usize>)>,
+    /// The name of each machine.
+    pub each_machine: Vec<String>,
+    pub tools: Vec<String>,
+    pub parts: Vec<String>,
+    /// Effects that the file defines.
+    pub defined: Vec<&'static Definition>,
+    /// What scopes and targets may name, whatever the order of the sections.
+    pub all: Named,
+}
+
+/// Names of a file before its sections are resolved.
+#[derive(Default)]
+pub(super) struct Named {
+    pub tools: Vec<String>,
+    pub parts: Vec<String>,
+    pub operations: Vec<String>,
+    /// `part/operation`.
+    pub programs: Vec<String>,
+}
+
+impl Named {
+    fn of(root: &Section<'_>) -> Self {
+        let mut all = Self::default();
+        for (name, _) in raw_names(root.got("tool").map(|got| &got.value)) {
+            all.tools.push(name);
+        }
+        for (part, table) in raw_names(root.got("part").map(|got| &got.value)) {
+            let operations = table.get("operation").map(|raw| Value::Raw(raw.get_ref().clone()));
+            for (operation, _) in raw_names(operations.as_ref()) {
+                all.programs.push(format!("{part}/{operation}"));
+                if !all.operations.contains(&operation) {
+                    all.operations.push(operation);
+                }
+            }
+            all.parts.push(part);
+        }
+        all
+    }
+}
+
+/// The tables of a list that have a name.
+fn raw_names<'d>(value: Option<&Value<'d>>) -> Vec<(String, DeTable<'d>)> {
+    let Some(Value::Raw(DeValue::Array(entries))) = value else { return Vec::new() };
+    let tables = entries.iter().filter_map(|entry| entry.get_ref().as_table());
+    tables.filter_map(|table| Some((table.get("name")?.get_ref().as_str()?.to_owned(), table.clone()))).collect()
+}
+
+/// What a file says.
+pub(super) struct Resolved {
+    pub scenario: Scenario,
+    pub output: Output,
+    pub gap: Option<GapSection>,
+    pub tune: Option<TuneRequest>,
+    pub variants: Vec<ShopVariant>,
+}
+
+/// Resolves a whole file; `None` only where `[shop]` is no section.
+pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> {
+    let shop = walk.table(root, "shop");
+    let currency = shop.as_ref().and_then(|shop| shop.text("currency")).unwrap_or("EUR").to_owned();
+    walk.currency.clone_from(&currency);
+    let mut names = Names { all: Named::of(root), ..Names::default() };
+    let start = shop.as_ref().and_then(|shop| start(walk, shop));
+    let horizon = shop.as_ref().and_then(|shop| shop.si("horizon")).unwrap_or(0.0);
+    let calendars = calendars(walk, root, &mut names, start, horizon);
+    let setup_matrices = resources::setup_matrices(walk, root, &mut names);
+    let (mut machines, buffers) = machines(walk, root, &mut names);
+    let buffers = flow::shared(walk, root, &names, &mut machines, buffers);
+    let (operators, skills) = resources::operators(walk, root, &names);
+    names.skills = skills;
+    let crews = transport::crews(walk, root, &mut names);
+    let transports = transport::transports(walk, root, &machines);
+    names.defined = read_definitions(walk, root);
+    let tools = tools(walk, root, &mut names);
+    processes::check_edges(walk, root, &tools, &machines);
+    let parts = routing::parts(walk, root, &mut names, &machines, &tools);
+    let arrivals = rules::arrivals(walk, root, &names);
+    let around = orders::Around { names: &names, machines: &machines, parts: &parts, start, horizon };
+    let orders = orders::orders(walk, root, &around);
+    let dispatch = rules::dispatch(walk, root);
+    let failures = failures(walk, root, &names);
+    let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
+    let output = rules::output(walk, root);
+    let gap = rules::gap(walk, root);
+    let seed = shop.as_ref().and_then(|shop| shop.count("seed")).unwrap_or(1);
+    let tune = tune::request(walk, root, seed);
+    let deviations = measured::deviations(walk, root, &names);
+    let calibrations = measured::calibrations(walk, root, &names);
+    let tools: Vec<ToolType> = tools.into_iter().filter_map(|tool| tool.tool).collect();
+    let tools = tools.into_iter().map(|tool| varied(walk, tool, &calibrations)).collect();
+    let calibrations = calibrations.into_iter().map(|(calibration, _)| calibration).collect();
+    resources::check_pairs(walk, root, &machines, &parts, &setup_matrices);
+    flow::check(walk, root, &dispatch, &machines, &buffers, (&parts, &orders));
+    let around = jobs::Around {
+        machines: &machines,
+        buffers: &buffers,
+        parts: &parts,
+        arrivals: &arrivals,
+        orders: &orders,
+        blocking: dispatch.blocking,
+        rules: &dispatch.rules,
+        preemption: dispatch.preemption,
+    };
+    jobs::check(walk, root, &around);
+    transport::check(walk, root, &transports, &machines, &parts, &buffers);
+    let variants = variants(walk, root, (start, horizon));
+    let shop = shop?;
+    if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
+        && warm_up >= horizon
+    {
+        let hours = |seconds: f64| format!("{} h", seconds / 3600.0);
+        let fault = Fault::Contradiction {
+            first: "warm_up",
+            first_value: hours(warm_up),
+            second: "horizon",
+            second_value: hours(horizon),
+            rule: "the warm-up ends before the horizon, or nothing is counted",
+        };
+        walk.fault(shop.span_of("warm_up"), fault);
+    }
+    for (code, span) in std::mem::take(&mut walk.currencies) {
+        if code != currency {
+            walk.fault(span, Fault::MixedCurrency { read: code.to_owned(), expected: currency.clone() });
+        }
+    }
+    let scenario = Scenario {
+        name: shop.text("name").unwrap_or_default().to_owned(),
+        title: shop.text("title").unwrap_or_default().to_owned(),
+        start,
+        seed,
+        replications: shop.count32("replications"),
+        horizon: shop.required("horizon"),
+        warm_up: shop.si("warm_up").unwrap_or(0.0),
+        seeks_warm_up: shop.text("warm_up").is_some(),
+        shift_length: shop.required("shift_length"),
+        machines,
+        tools,
+        parts,
+        arrivals,
+        orders,
+        skills: names.skills,
+        operators,
+        crews,
+        transports,
+        setup_matrices,
+        machine_choice: dispatch.choice,
+        buffers,
+        blocking: dispatch.blocking,
+        deadlock: dispatch.deadlock,
+        dispatch: dispatch.rules,
+        preemption: dispatch.preemption,
+        calendars,
+        failures,
+        policies,
+        deviations,
+        calibrations,
+        defined: names.defined,
+        currency,
+        branch: None,
+    };
+    if scenario.seeks_warm_up && scenario.is_terminating() {
+        let reason = "a shop that ends with its orders or given jobs settles into nothing".to_owned();
+        let fix = "take out `warm_up`: all of the run counts; or let jobs come from a source that goes on".to_owned();
+        walk.fault(shop.span_of("warm_up"), ScenarioFault::Arrangement { reason, fix });
+    }
+    planned::policies(walk, &scenario, &places);
+    Some(Resolved { scenario, output, gap, tune, variants })
+}
+
+/// A tool as operations see it: known by name and process even where its constants are at fault.
+pub(super) struct NamedTool {
+    pub process: Option<ProcessKind>,
+    pub span: Span,
+    pub tool: Option<ToolType>,
+}
+
+/// Sections under `key`, at least one, no name twice; their names.
+pub(super) fn named<'d>(
+    walk: &mut Walk,
+    root: &Section<'d>,
+    key: &'static str,
+    example: Option<&'static str>,
+) -> Vec<(String, Section<'d>)> {
+    let sections = walk.sections(root, key, None);
+    if let Some(example) = example
+        && sections.is_empty()
+        && !matches!(root.got(key).map(|got| &got.value), Some(Value::Faulty))
+    {
+        walk.fault(0..0, Fault::Nothing { what: key, example });
+    }
+    let mut seen: Vec<String> = Vec::new();
+    let mut named = Vec::with_capacity(sections.len());
+    for section in sections {
+        let name = section.text("name").unwrap_or_default().to_owned();
+        if !name.is_empty() && seen.contains(&name) {
+            walk.fault(section.span_of("name"), Fault::DuplicateName { kind: key, name: name.clone() });
+        }
+        seen.push(name.clone());
+        named.push((name, section));
+    }
+    named
+}
+
+/// Index of the name that `got` holds.
+pub(super) fn reference<'a>(
+    walk: &mut Walk,
+    kind: &'static str,
+    got: Option<&Got<'_>>,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> Option<usize> {
+    let got = got?;
+    let Value::Text(name) = &got.value else { return None };
+    let found = known.clone().position(|each| each == name);
+    if found.is_none() {
+        let fault = Fault::UnknownName {
+            kind,
+            name: name.clone(),
+            nearest: nearest(name, known.clone()).map(str::to_owned),
+            known: known.filter(|name| !name.is_empty()).collect::<Vec<_>>().join(", "),
+        };
+        walk.fault(got.span.clone(), fault);
+    }
+    found
+}
+
+fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<MachineType>, Vec<Buffer>) {
+    let (mut machines, mut buffers): (Vec<MachineType>, Vec<Buffer>) = (Vec::new(), Vec::new());
+    let example = "[[machine]] with name, process, rate, load_time, unload_time";
+    for (name, section) in named(walk, root, "machine", Some(example)) {
+        let calendar = reference(walk, "calendar", section.got("calendar"), names.calendars.iter().map(String::as_str));
+        let matrices = names.setup_matrices.iter().map(String::as_str);
+        let setup_matrix = reference(walk, "setup_matrix", section.got("setup_matrix"), matrices);
+        let load_time = distribution(walk, &section, "load_time");
+        let unload_time = distribution(walk, &section, "unload_time");
+        let speed_range = speed_range(walk, &section);
+        let own_rules = rules::queue_rules(walk, &section);
+        let batch = jobs::batch(walk, &section);
+        let worn = walk.sections(&section, "edge_at_start", None);
+        let known = || names.all.tools.iter().map(String::as_str);
+        let mut edge =
+            |own: &Section<'_>| Some((reference(walk, "tool", own.got("tool"), known())?, own.required("flank_wear")));
+        let edges_at_start: Vec<(usize, f64)> = worn.iter().filter_map(&mut edge).collect();
+        let count = section.count("count");
+        let mut indices = Vec::new();
+        for i in 1..=count.unwrap_or(1) {
+            let machine_name = if count.is_some() { format!("{name}{i}") } else { name.clone() };
+            // L with count = 2 and another machine called L1.
+            if count.is_some() && machines.iter().any(|machine| machine.name == machine_name) {
+                walk.fault(
+                    section.span_of("name"),
+                    Fault::DuplicateName { kind: "machine", name: machine_name.clone() },
+                );
+            }
+            indices.push(machines.len());
+            names.each_machine.push(machine_name.clone());
+            if count.is_some() {
+                names.machines.push((machine_name.clone(), vec![machines.len()]));
+            }
+            machines.push(MachineType {
+                name: machine_name,
+                process: section.text("process").unwrap_or_default().to_owned(),
+                rate: section.required("rate"),
+                load_time: load_time.clone(),
+                unload_time: unload_time.clone(),
+                tool_change_time: section.required("tool_change_time"),
+                setup_time: section.required("setup_time"),
+                setup_matrix,
+                setup_at_start: section.text("setup_at_start").map(str::to_owned),
+                edges_at_start: edges_at_start.clone(),
+                magazine: section.count32("magazine"),
+                refill_time: section.required("refill_time"),
+                speed_range,
+                idle_power: section.required("idle_power"),
+                coolant_change: section.si("coolant_change"),
+                calendar,
+                input_buffer: None,
+                output_buffer: None,
+                location: section.text("location").unwrap_or(&name).to_owned(),
+                batch,
+                rules: own_rules.clone(),
+            });
+        }
+        for (key, behind) in [("input_buffer", false), ("output_buffer", true)] {
+            let Some(places) = section.count(key) else { continue };
+            for &machine in &indices {
+                let kind = &mut machines[machine];
+                *(if behind { &mut kind.output_buffer } else { &mut kind.input_buffer }) = Some(buffers.len());
+            }
+            buffers.push(Buffer { name: name.clone(), places: places as u32, machines: indices.clone() });
+        }
+        names.machines.push((name, indices));
+    }
+    (machines, buffers)
+}
+
+fn speed_range(walk: &mut Walk, section: &Section<'_>) -> (f64, f64) {
+    let speeds: Vec<f64> = section
+        .list("speed_range")
+        .iter()
+        .filter_map(|got| if let Value::Si(speed) = got.value { Some(speed) } else { None })
+        .collect();
+    match (section.list("speed_range").len(), speeds.as_slice()) {
+        (2, &[low, high]) if low < high => (low, high),
+        (0, _) if !section.given("speed_range") => (0.0, f64::INFINITY), // a grinder has none
+        (2, &[_, _]) | (0 | 1 | 3.., _)
+            if !matches!(section.got("speed_range").map(|got| &got.value), Some(Value::Faulty)) =>
+        {
+            let fault = Fault::WrongType {
+                key: "speed_range".to_owned(),
+                read: format!("{} speeds", section.list("speed_range").len()),
+                expected: "the least speed and then the greatest".to_owned(),
+                example: "[\"15 m/min\", \"80 m/min\"]".to_owned(),
+            };
+            walk.fault(section.span_of("speed_range"), fault);
+            (f64::NAN, f64::NAN)
+        }
+        _ => (f64::NAN, f64::NAN),
+    }
+}
+
+fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedTool> {
+    let mut tools = Vec::new();
+    for (name, section) in named(walk, root, "tool", None) {
+        names.tools.push(name.clone());
+        let scatter = processes::tool_scatter(walk, &section);
+        let kind = section.chosen("process", ProcessKind::from_word);
+        let effects = kind.map_or_else(Vec::new, |kind| measured::effects(walk, &section, kind.word(), names));
+        let structure = stability::structure(walk, &section);
+        let structure_scatter = stability::scatter(walk, &section, structure.as_ref());
+        let cut = structure.map(|structure| structure.cut);
+        let process = processes::process(walk, &section, &scatter, &effects, cut);
+        let posterior = process.as_ref().and_then(|process| processes::posterior(walk, &section, process));
+        let tool = process.map(|process| ToolType {
+            name,
+            process,
+            variants: Variants::written(effects),
+            parameter_set: section.text("parameter_set").or(section.text("fmu")).unwrap_or_default().to_owned(),
+            edge_cost: section.required("edge_cost"),
+            dressing_time: section.si("dressing_time").unwrap_or(0.0),
+            scatter,
+            structure_scatter,
+            posterior: posterior.map(Arc::new),
+        });
+        tools.push(NamedTool {
+            process: section.chosen("process", ProcessKind::from_word),
+            span: section.span_of("name"),
+            tool,
+        });
+    }
+    tools
+}
+
+/// A tool with the processes that its effects and the calibration of its constants make of its parameter set.
+fn varied(walk: &mut Walk, mut tool: ToolType, calibrations: &[(Calibration, Span)]) -> ToolType {
+    scatter_moved(walk, &mut tool, calibrations);
+    let of_tool = calibrations.iter().filter(|(of_tool, _)| match &of_tool.target {
+        Target::Tool(name) => *name == tool.name,
+        Target::Shop | Target::Machine(_) | Target::Operation(_) | Target::Source(_) => false,
+    });
+    let (constants, places): (Vec<&Calibration>, Vec<&Span>) =
+        of_tool.filter(|(of_tool, _)| of_tool.constant().is_some()).map(|(of_tool, place)| (of_tool, place)).unzip();
+    if constants.is_empty() && tool.variants.effects.is_empty() {
+        return tool;
+    }
+    match Variants::of(&tool.process, tool.variants.effects.clone(), &constants) {
+        Ok((process, variants)) => ToolType { process, variants, ..tool },
+        Err(reason) => {
+            let place = places.first().map_or(0..0, |place| (*place).clone());
+            walk.fault(place, ScenarioFault::Calibration { reason: format!("tool {}: {reason}", tool.name) });
+            tool
+        }
+    }
+}
+
+/// Moves the scatter of a tool.
+fn scatter_moved(walk: &mut Walk, tool: &mut ToolType, calibrations: &[(Calibration, Span)]) {
+    for (calibration, place) in calibrations {
+        let Some(name) = calibration.parameter.strip_prefix("scatter.") else { continue };
+        if !matches!(&calibration.target, Target::Tool(target) if *target == tool.name) {
+            continue;
+        }
+        let fields = toolroom_wear::Scatter::<f64>::FIELDS;
+        let Some(i) = fields.iter().position(|field| field.name == name) else {
+            let fault = Fault::UnknownName {
+                kind: "scatter",
+                name: name.to_owned(),
+                nearest: nearest(name, fields.iter().map(|field| field.name)).map(str::to_owned),
+                known: fields.iter().map(|field| field.name).collect::<Vec<_>>().join(", "),
+            };
+            walk.fault(place.clone(), fault);
+            continue;
+        };
+        let value = tool.scatter.get(i).unwrap_or(0.0);
+        let value = match calibration.moved {
+            Moved::Factor(factor) => value * factor,
+            Moved::Summand(summand) => value + summand,
+        };
+        match fields[i].check(value) {
+            Ok(()) if calibration.scope.is_everywhere() => {
+                tool.scatter.set(i, value);
+            }
+            Ok(()) => {
+                let reason = "scatter of a tool has no scope: it belongs to all of its edges".to_owned();
+                walk.fault(place.clone(), ScenarioFault::Calibration { reason });
+            }
+            Err(error) => walk.fault(place.clone(), ScenarioFault::Calibration { reason: error.to_string() }),
+        }
+    }
+}
+
+fn failures(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<FailureMode> {
+    let mut failures = Vec::new();
+    for section in walk.sections(root, "failure", None) {
+        let time_between = distribution(walk, &section, "time_between");
+        let time_to_repair = distribution(walk, &section, "time_to_repair");
+        // Without a word a problem was noted.
+        let clock = section.chosen("clock", FailureClock::from_word).unwrap_or(FailureClock::Busy);
+        let part = section.chosen("part", Interruption::from_word).unwrap_or(Interruption::Resume);
+        let crew = reference(walk, "crew", section.got("crew"), names.crews.iter().map(String::as_str));
+        for machine in machine_indices(walk, &section, "machines", names) {
+            let (time_between, time_to_repair) = (time_between.clone(), time_to_repair.clone());
+            failures.push(FailureMode { machine, time_between, time_to_repair, clock, crew, part });
+        }
+    }
+    failures
+}
+
+/// The machines under a key, each once, in the order of the file.
+pub(super) fn machine_indices(walk: &mut Walk, section: &Section<'_>, key: &str, names: &Names) -> Vec<usize> {
+    let mut indices = Vec::new();
+    for got in section.list(key) {
+        let known = names.machines.iter().map(|(name, _)| name.as_str());
+        let Some(found) = reference(walk, "machine", Some(got), known) else { continue };
+        for index in &names.machines[found].1 {
+            if !indices.contains(index) {
+                indices.push(*index);
+            }
+        }
+    }
+    indices
+}
