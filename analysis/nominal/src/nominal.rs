@@ -16,7 +16,7 @@ use toolroom_process::unit;
 use toolroom_records::Sensor;
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::{Calibration, Distribution, GapSection, ProcessModel, Scenario, SensorErrors};
-use toolroom_scenario_file::GAP;
+use toolroom_scenario_file::{self as file, GAP};
 use toolroom_wear::Scatter;
 
 /// Stretches of part programs that are reported by name.
