@@ -13,7 +13,7 @@ use toolroom_nominal::NominalModel;
 use toolroom_planning::contour::{Task, read_setup};
 use toolroom_planning::cycle::CycleDesign;
 use toolroom_records::import::Mapping;
-use toolroom_scenario_file::{self, ScenarioFile};
+use toolroom_scenario_file::{self as file, ScenarioFile};
 use toolroom_wear::{Origin, Pair, ParameterSet, SetError, TURNING_SETS};
 
 /// Reads a file with the values of `--set`.
