@@ -1,6 +1,6 @@
 //! How the methods converge, and that the documentation shows it.
 
-#[path = "../examples/convergence.rs"]
+#[path = "../../examples/convergence.rs"]
 #[allow(dead_code)] // its main function
 mod example;
 
@@ -27,7 +27,7 @@ fn discretisations_converge_with_order_two_and_collocation_faster_than_any_power
 
 #[test]
 fn the_documentation_shows_the_table_that_the_example_prints() {
-    let docs = include_str!("../../../docs/chatter.md");
+    let docs = include_str!("../../../../docs/chatter.md");
     for line in table(&convergence().unwrap()).lines() {
         assert!(docs.lines().any(|other| other == line), "docs/chatter.md lacks: {line}");
     }

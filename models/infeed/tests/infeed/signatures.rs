@@ -1,28 +1,11 @@
 //! Signatures of hidden effects against the reference tables.
 
+use crate::paper::{K, SIX_DIGITS, close, paper};
 use proptest::prelude::*;
 use toolroom_infeed::{
-    CyclePhase, Infeed, Input, Parameters, PlungeDesign, PlungeDeviations, PlungeShape, Separability, State,
-    separability, stiffness_from_k, stock_after,
+    CyclePhase, Input, PlungeDesign, PlungeDeviations, PlungeShape, Separability, State, separability, stock_after,
 };
 use toolroom_process::Process;
-
-const K: f64 = 0.553;
-/// The smallest change of a number printed with six significant digits.
-const SIX_DIGITS: f64 = 1e-5;
-
-#[track_caller]
-fn close(value: f64, expected: f64, relative: f64) {
-    assert!((value - expected).abs() <= relative * expected.abs(), "{value} computed, {expected} expected");
-}
-
-/// The paper's machine with K exactly 0.553.
-fn paper() -> Infeed {
-    let process_stiffness = 170.0 / 4.43e-6;
-    let system_stiffness = stiffness_from_k(process_stiffness, K);
-    let parameters = Parameters { process_stiffness, system_stiffness, ..Parameters::default() };
-    Infeed { parameters, ..Infeed::default() }
-}
 
 const GAUGED: [usize; 5] = [6, 10, 16, 24, 30];
 

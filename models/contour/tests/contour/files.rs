@@ -7,9 +7,9 @@ use toolroom_contour::{
 };
 use toolroom_form::{FormFile, ReadError};
 
-const MC1: &str = include_str!("../../../scenarios/contour/mc1.toml");
-const RK3: &str = include_str!("../../../scenarios/contour/rk3.toml");
-const CAM: &str = include_str!("../../../scenarios/contour/cam.toml");
+const MC1: &str = include_str!("../../../../scenarios/contour/mc1.toml");
+const RK3: &str = include_str!("../../../../scenarios/contour/rk3.toml");
+const CAM: &str = include_str!("../../../../scenarios/contour/cam.toml");
 
 #[test]
 fn the_shipped_contours_are_planned() {

@@ -1,24 +1,19 @@
 //! Loads of a revolution and cycles within limits of power, force, removal rate, burn and roughness, against the
 //! reference tables and against brute force.
 
+use crate::paper::close;
 use proptest::prelude::*;
 use toolroom_infeed::{
-    Cycle, CycleError, CycleFile, CycleLimits, CyclePhase, DressingPlan, Infeed, Input, Parameters, State, Surface,
-    fastest_cycle, fastest_cycle_while_dulling, grind_cycle, stiffness_from_k,
+    Cycle, CycleError, CycleFile, CycleLimits, CyclePhase, DressingPlan, Infeed, Input, State, Surface, fastest_cycle,
+    fastest_cycle_while_dulling, grind_cycle, stiffness_from_k,
 };
 use toolroom_process::Process;
 
-#[track_caller]
-fn close(value: f64, expected: f64, relative: f64) {
-    assert!((value - expected).abs() <= relative * expected.abs(), "{value} computed, {expected} expected");
-}
-
-/// The paper's machine with K exactly 0.553.
+/// The paper's machine, whose tangential force is 0.4706 of the normal one.
 fn paper() -> Infeed {
-    let process_stiffness = 170.0 / 4.43e-6;
-    let system_stiffness = stiffness_from_k(process_stiffness, 0.553);
-    let parameters = Parameters { process_stiffness, system_stiffness, friction: 0.4706, ..Parameters::default() };
-    Infeed { parameters, ..Infeed::default() }
+    let mut grinding = crate::paper::paper();
+    grinding.parameters.friction = 0.4706;
+    grinding
 }
 
 /// Force 50 N at 1 um, growing with the power 0.8 of the depth.

@@ -1,5 +1,6 @@
 //! Identification against the reference tables, on fresh trials, and on bad ones.
 
+use crate::paper::{SIX_DIGITS, close};
 use proptest::prelude::*;
 use toolroom_infeed::{
     Advice, Basis, CyclePhase, ForceSample, Identification, IdentifyError, IdentifyOptions, Infeed, Input,
@@ -8,14 +9,6 @@ use toolroom_infeed::{
     stiffness_from_k, stock_after,
 };
 use toolroom_process::Process;
-
-/// The smallest change of a number printed with six significant digits.
-const SIX_DIGITS: f64 = 1e-5;
-
-#[track_caller]
-fn close(value: f64, expected: f64, relative: f64) {
-    assert!((value - expected).abs() <= relative * expected.abs(), "{value} computed, {expected} expected");
-}
 
 fn paper() -> Identification {
     identify(&paper_trials(), &IdentifyOptions::default()).expect("possible trials")
@@ -290,7 +283,7 @@ fn impossible_trials_are_refused_by_name_all_at_once() {
     assert_eq!(identify(&[], &IdentifyOptions::default()), Err(IdentifyError::NoTrials));
 }
 
-const SHIPPED: &[u8] = include_bytes!("../../../scenarios/data/zb153u_trials.csv");
+const SHIPPED: &[u8] = include_bytes!("../../../../scenarios/data/zb153u_trials.csv");
 
 #[test]
 fn the_shipped_trials_are_those_of_the_paper() {

@@ -1,31 +1,12 @@
 //! The recursion against a reference implementation (six significant digits), and against the
 //! paper's own numbers.
 
+use crate::paper::{K, REVOLUTION, SIX_DIGITS, close, paper};
 use toolroom_infeed::{
     Infeed, Input, Parameters, State, claims, deviation_after, lag, lag_time_constant, paper_eq8_contradicts_eq3,
     remaining_stiffness, revolutions_to, series_stiffness, stiffness_from_k, stock_after,
 };
 use toolroom_process::{Process, Record};
-
-const REVOLUTION: f64 = 60.0 / 292.0;
-const K: f64 = 0.553;
-/// The smallest change of a number printed with six significant digits.
-const SIX_DIGITS: f64 = 1e-5;
-
-#[track_caller]
-fn close(value: f64, expected: f64, relative: f64) {
-    assert!((value - expected).abs() <= relative * expected.abs(), "{value} computed, {expected} expected");
-}
-
-/// The paper's machine with K exactly 0.553.
-fn paper() -> Infeed {
-    let process_stiffness = 170.0 / 4.43e-6;
-    let system_stiffness = stiffness_from_k(process_stiffness, K);
-    Infeed {
-        parameters: Parameters { process_stiffness, system_stiffness, ..Parameters::default() },
-        ..Infeed::default()
-    }
-}
 
 /// Grinds phases of (infeed per revolution in um, revolutions).
 fn ground(grinding: &Infeed, start: State, phases: &[(f64, f64)]) -> State {

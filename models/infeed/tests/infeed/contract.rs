@@ -1,25 +1,11 @@
 //! Plunge grinding under the contract of all processes, and its effects.
 
+use crate::paper::{REVOLUTION, everything};
 use num_dual::Dual64;
 use proptest::prelude::*;
 use toolroom_effects::{Effect, Effects, Sign};
 use toolroom_infeed::{Infeed, Input, Output, Parameters, State, stock_after};
 use toolroom_process::{Process, ProcessEvent, Record, num_dual, process_contract};
-
-const REVOLUTION: f64 = 60.0 / 292.0;
-
-/// Every mechanism at work: wear, threshold, dulling, and all effects at a moderate size.
-fn everything() -> Infeed {
-    let parameters = Parameters {
-        threshold_force: 12.0,
-        wheel_wear_ratio: 1.0 / 60.0,
-        dulling_rate: 1.0 / 1.5e-3,
-        ..Parameters::default()
-    };
-    let sized = Effect::all().filter(|effect| effect.entry().search(Infeed::NAME).is_some());
-    let sized = sized.map(|effect| effect.with_size(effect.entry().size.max * 1e-3)).collect();
-    Infeed::new(parameters, Effects::new(sized).expect("distinct")).expect("effects of infeed")
-}
 
 fn points() -> Vec<(Input, f64)> {
     let input = Input::default();

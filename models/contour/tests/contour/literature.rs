@@ -4,10 +4,8 @@
 //! equations (millimetres, minutes, revolutions), printed with six significant digits. A number
 //! agrees when it prints the same.
 
-mod literature {
-    mod fixture;
-    mod mechanics;
-    mod path;
-    mod plans;
-    mod separability;
-}
+mod fixture;
+mod mechanics;
+mod path;
+mod plans;
+mod separability;

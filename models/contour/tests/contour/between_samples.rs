@@ -7,7 +7,7 @@ use toolroom_contour::{
     Plan, Planner, Point, Section, Trace,
 };
 
-const MC1: &str = include_str!("../../../scenarios/contour/mc1.toml");
+const MC1: &str = include_str!("../../../../scenarios/contour/mc1.toml");
 
 /// Distance of a point from a section, by a dense polyline: slow, and nothing of the planner's.
 fn distance(section: &Section, point: Point) -> f64 {

@@ -1,27 +1,18 @@
 //! Cycle design against the reference table, against brute force, and on limits that conflict.
 
+use crate::paper::{SIX_DIGITS, close};
 use proptest::prelude::*;
 use toolroom_form::{Fault, ReadError};
 use toolroom_infeed::{
-    Cycle, CycleError, CycleFile, CycleLimits, CyclePhase, DressingPlan, Infeed, Input, Parameters, State,
-    cycle_time_estimate, depth_at_temperature, dressing_interval, fastest_cycle, grind_cycle, stiffness_from_k,
+    Cycle, CycleError, CycleFile, CycleLimits, CyclePhase, DressingPlan, Infeed, Input, State, cycle_time_estimate,
+    depth_at_temperature, dressing_interval, fastest_cycle, grind_cycle, stiffness_from_k,
 };
 
-/// The smallest change of a number printed with six significant digits.
-const SIX_DIGITS: f64 = 1e-5;
-
-#[track_caller]
-fn close(value: f64, expected: f64, relative: f64) {
-    assert!((value - expected).abs() <= relative * expected.abs(), "{value} computed, {expected} expected");
-}
-
-/// The paper's machine with K exactly 0.553.
+/// The paper's machine, whose tangential force is 80 of 170 N.
 fn paper() -> Infeed {
-    let process_stiffness = 170.0 / 4.43e-6;
-    let system_stiffness = stiffness_from_k(process_stiffness, 0.553);
-    let parameters =
-        Parameters { process_stiffness, system_stiffness, friction: 80.0 / 170.0, ..Parameters::default() };
-    Infeed { parameters, ..Infeed::default() }
+    let mut grinding = crate::paper::paper();
+    grinding.parameters.friction = 80.0 / 170.0;
+    grinding
 }
 
 fn designed(grinding: &Infeed, input: &Input, limits: &CycleLimits) -> Result<Cycle, CycleError> {
@@ -215,7 +206,7 @@ fn an_out_of_round_blank_takes_longer() {
     assert!(2e-3 * 0.553f64.powf(short) + lobed.last_depth / 0.553 > limits.roundness_error);
 }
 
-const FILE: &str = include_str!("../../../scenarios/grinding/cycle.toml");
+const FILE: &str = include_str!("../../../../scenarios/grinding/cycle.toml");
 
 #[test]
 fn the_shipped_cycle_file_gives_cycle_and_dressing_interval() {

@@ -1,43 +1,13 @@
 //! The delay form with profile and the first-order forms: against the recursion, the reference
 //! tables, and the contract.
 
+use crate::paper::{K, REVOLUTION, SIX_DIGITS, close, everything, paper};
 use proptest::prelude::*;
-use toolroom_effects::{Effect, Effects};
 use toolroom_infeed::{
-    FirstOrderState, Infeed, InfeedFirstOrder, InfeedProfile, Input, Parameters, ProfileState, STATIONS, State,
-    TimeConstant, stiffness_from_k, stock_after,
+    FirstOrderState, Infeed, InfeedFirstOrder, InfeedProfile, Input, ProfileState, STATIONS, State, TimeConstant,
+    stock_after,
 };
 use toolroom_process::{Process, ProcessEvent, Record, process_contract};
-
-const REVOLUTION: f64 = 60.0 / 292.0;
-const K: f64 = 0.553;
-/// The smallest change of a number printed with six significant digits.
-const SIX_DIGITS: f64 = 1e-5;
-
-#[track_caller]
-fn close(value: f64, expected: f64, relative: f64) {
-    assert!((value - expected).abs() <= relative * expected.abs(), "{value} computed, {expected} expected");
-}
-
-/// The paper's machine with K exactly 0.553.
-fn paper() -> Infeed {
-    let process_stiffness = 170.0 / 4.43e-6;
-    let system_stiffness = stiffness_from_k(process_stiffness, K);
-    let parameters = Parameters { process_stiffness, system_stiffness, ..Parameters::default() };
-    Infeed { parameters, ..Infeed::default() }
-}
-
-fn everything() -> Infeed {
-    let parameters = Parameters {
-        threshold_force: 12.0,
-        wheel_wear_ratio: 1.0 / 60.0,
-        dulling_rate: 1.0 / 1.5e-3,
-        ..Parameters::default()
-    };
-    let sized = Effect::all().filter(|effect| effect.entry().search(Infeed::NAME).is_some());
-    let sized = sized.map(|effect| effect.with_size(effect.entry().size.max * 1e-3)).collect();
-    Infeed::new(parameters, Effects::new(sized).expect("distinct")).expect("effects of infeed")
-}
 
 fn points() -> Vec<(Input, f64)> {
     let input = Input::default();

@@ -1,8 +1,0 @@
-//! Published and independently computed numbers, each with its tolerance.
-
-mod literature {
-    pub mod amplitude;
-    pub mod milling;
-    pub mod paper;
-    pub mod turning;
-}
