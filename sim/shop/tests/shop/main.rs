@@ -7,6 +7,7 @@ mod breakdowns;
 mod chatter;
 mod conservation;
 mod contours;
+mod control;
 mod crews_transport;
 mod cycles;
 mod dispatching;
