@@ -82,9 +82,10 @@ impl<R: Recorder> Shop<'_, R> {
         let standing = flow.buffers.iter().flatten().copied().filter(waiting);
         let up = |machine: u32| self.world.machines[machine as usize].is_up();
         let held = flow.held.iter().filter(|held| held.output.is_some() || up(held.machine)).map(|held| held.slot);
-        let parked = (0..self.world.jobs.places()).filter(|_| self.has_cards());
-        let parked = parked.filter(|slot| self.world.jobs.get(*slot).is_some_and(|job| job.parked));
-        standing.chain(held).chain(parked).collect()
+        // Those who wait for a card, and those who may have one, wherever they stand.
+        let carded = (0..self.world.jobs.places()).filter(|_| self.has_cards());
+        let carded = carded.filter(|slot| self.world.jobs.get(*slot).is_some_and(|job| job.parked || job.waiting));
+        standing.chain(held).chain(carded).collect()
     }
 
     /// Whether some place that a job wants is free, or held by one that may move.

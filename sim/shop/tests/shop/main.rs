@@ -4,6 +4,7 @@
 mod adaptive;
 mod ages;
 mod breakdowns;
+mod cards;
 mod chatter;
 mod conservation;
 mod contours;
