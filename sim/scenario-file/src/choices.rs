@@ -98,6 +98,43 @@ vocabulary! {
 }
 
 vocabulary! {
+    /// When jobs that have come are let into the shop.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum ReleaseWord {
+        /// At once.
+        Immediate = "immediate",
+        /// A fixed time before they are due.
+        AtDate = "at_date",
+        /// When the load of the stations lets them.
+        Workload = "workload",
+    }
+}
+
+vocabulary! {
+    /// In which order a job goes through the operations of its part.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum RoutingWord {
+        /// In that of the file.
+        Fixed = "fixed",
+        /// In one of its own, drawn when it comes.
+        Random = "random",
+    }
+}
+
+vocabulary! {
+    /// When jobs of a source are due.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum DueWord {
+        /// A multiple of their total work after they came.
+        TotalWork = "TWK",
+        /// Their total work and a constant slack after they came.
+        Slack = "slack",
+        /// The flow_allowance of the part after they came.
+        Constant = "constant",
+    }
+}
+
+vocabulary! {
     /// Formats of the log tables.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(super) enum FormatWord {

@@ -1,5 +1,6 @@
 //! The sections of a scenario file.
 
+mod control;
 mod flow;
 mod gap;
 mod order;
@@ -8,6 +9,7 @@ mod policy;
 mod resource;
 mod transport;
 
+use control::{DISPATCH, DISPATCH_RULE, DUE, LOOP, RELEASE};
 use flow::{BATCH, VARIANT};
 pub use gap::GAP;
 use order::{CALENDAR, EDGE_AT_START, ORDER, TABLES, WIP};
@@ -22,9 +24,7 @@ use super::choices::{FamilyWord, FormatWord, IsolationWord, PatternWord, Process
 use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
 use super::tune::TUNE;
 use policy::POLICY;
-use toolroom_scenario::{
-    Blocking, Deadlock, DispatchRule, FailureClock, Interruption, MachineChoice, MachineType, Preemption,
-};
+use toolroom_scenario::{FailureClock, Interruption, MachineType};
 pub(super) use toolroom_scenario::{PATH, SPEED, WEAR};
 use toolroom_wear::{Scatter, ScatterWord};
 use transport::{CREW, TRANSPORT};
@@ -290,6 +290,11 @@ static ARRIVALS: Form = Form {
         Key::required("pattern", Kind::Choice(PatternWord::WORDS), "When jobs come"),
         order::PRIORITY,
         order::WEIGHT,
+        Key::optional(
+            "due",
+            Kind::Table(&DUE),
+            "When jobs are due; left out: the part's flow_allowance after they came",
+        ),
         Key::required("rate", Kind::positive("1/s", "1/h", 100.0, "5 1/h"), "Jobs per time")
             .when("pattern", &["poisson"]),
         Key::required("time_between", RANDOM_TIME, "Time between jobs, and to the first of them")
@@ -309,45 +314,6 @@ static LOT: Form = Form {
     keys: &[
         Key::required("time", Kind::quantity("s", "h", 0.0, DECADE, "6 h"), "When"),
         Key::default("size", Kind::Count { min: 1, max: 1_000_000 }, "1", "How many"),
-    ],
-};
-
-const DISPATCH_RULE: Kind = Kind::Choice(DispatchRule::NAMES);
-
-static DISPATCH: Form = Form {
-    title: "[dispatch]",
-    doc: "Which waiting job a free machine takes, and which machine a waiting job",
-    keys: &[
-        Key::default(
-            "rule",
-            Kind::List(&DISPATCH_RULE),
-            DispatchRule::Fifo.word(),
-            "Rule, or up to three, each deciding where the ones before are equal; then arrival at the queue, then job number",
-        ),
-        Key::default(
-            "machine_choice",
-            Kind::Choice(MachineChoice::WORDS),
-            MachineChoice::LeastSetup.word(),
-            "Which of several idle machines takes a job; ties go to the first of the file",
-        ),
-        Key::default(
-            "blocking",
-            Kind::Choice(Blocking::WORDS),
-            Blocking::AfterService.word(),
-            "Where buffers are limited: a part that is done keeps its machine until there is a place, or a machine begins only when a place is reserved",
-        ),
-        Key::default(
-            "deadlock",
-            Kind::Choice(Deadlock::WORDS),
-            Deadlock::Stop.word(),
-            "Parts that wait for each other's places in a circle: the run stops and names them, or they change places",
-        ),
-        Key::default(
-            "preempt",
-            Kind::Choice(Preemption::WORDS),
-            Preemption::None.word(),
-            "What becomes of plain work in a machine when a waiting job of strictly better priority needs that machine",
-        ),
     ],
 };
 
@@ -408,6 +374,8 @@ pub static SCENARIO: Form = Form {
         Key::optional("wip", Kind::Tables(&WIP), "Orders that are in the shop when the run begins"),
         Key::optional("tables", Kind::Table(&TABLES), "Tables in files beside this one"),
         Key::optional("dispatch", Kind::Table(&DISPATCH), "Which waiting job a free machine takes"),
+        Key::optional("loop", Kind::Tables(&LOOP), "Limited numbers of jobs between stations: CONWIP and kanban"),
+        Key::optional("release", Kind::Table(&RELEASE), "When jobs that have come are let into the shop"),
         Key::optional("failure", Kind::Tables(&FAILURE), "Breakdowns"),
         Key::optional(
             "policy",

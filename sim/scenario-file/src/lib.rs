@@ -14,6 +14,7 @@
 mod calendars;
 mod choices;
 mod codes;
+mod control;
 mod fault;
 mod flow;
 mod imported;

@@ -6,7 +6,8 @@ use super::fault::ScenarioFault;
 use super::random::distribution;
 use super::variants::{ShopVariant, variants};
 use super::{
-    Output, flow, jobs, measured, orders, planned, processes, resources, routing, rules, stability, transport, tune,
+    Output, control, flow, jobs, measured, orders, planned, processes, resources, routing, rules, stability, transport,
+    tune,
 };
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
@@ -108,6 +109,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let around = orders::Around { names: &names, machines: &machines, parts: &parts, start, horizon };
     let orders = orders::orders(walk, root, &around);
     let dispatch = rules::dispatch(walk, root);
+    let control = control::control(walk, root, &names, (&parts, &orders));
     let failures = failures(walk, root, &names);
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
@@ -178,6 +180,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         blocking: dispatch.blocking,
         deadlock: dispatch.deadlock,
         dispatch: dispatch.rules,
+        control,
         preemption: dispatch.preemption,
         calendars,
         failures,

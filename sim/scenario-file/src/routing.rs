@@ -1,6 +1,7 @@
 //! Parts and their operations.
 
-use super::choices::ProcessKind;
+use super::choices::{ProcessKind, RoutingWord};
+use super::control;
 use super::fault::ScenarioFault;
 use super::jobs;
 use super::planned::{contour, cycle, program};
@@ -10,7 +11,7 @@ use super::resources::attendance;
 use std::f64::consts::PI;
 use toolroom_form::{Fault, Kind, Quantity, Section, Value, Walk, display, significant};
 use toolroom_scenario::{
-    Cut, GrindingPhase, Inspection, MachineType, Operation, Part, ProcessModel, ToolType, Work, WorkPer,
+    Cut, GrindingPhase, Inspection, MachineChoice, MachineType, Operation, Part, ProcessModel, ToolType, Work, WorkPer,
 };
 
 pub(super) fn parts(
@@ -32,6 +33,7 @@ pub(super) fn parts(
             batch_size: section.count32("batch_size"),
             deviating_lot: section.count("deviating_lot").and_then(|lot| u32::try_from(lot).ok()),
             components: Vec::new(),
+            random_routing: section.chosen("routing", RoutingWord::from_word) == Some(RoutingWord::Random),
             operations,
         });
         sections.push(section);
@@ -127,8 +129,11 @@ fn operations(
             work.calls.iter().for_each(|call| used[call.tool] = true);
             first = work.calls.first().map(|call| call.tool);
         }
+        let time_on = control::time_on(walk, &section, names, &able);
         let mut operation = Operation {
             name,
+            machine_choice: section.chosen("machine_choice", MachineChoice::from_word),
+            time_on,
             machines: able,
             tool: if plain { None } else { Some(first.unwrap_or(0)) },
             setup_group: section.text("setup_group").unwrap_or(part_name).to_owned(),

@@ -8,7 +8,7 @@ use super::processes;
 use super::random::distribution;
 use super::resolve::{Names, named, reference};
 use super::speed::speed_rule;
-use super::{stability, tune};
+use super::{control, stability, tune};
 use toml::de::DeTable;
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk};
 use toolroom_scenario::{
@@ -42,10 +42,12 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
             Some(PatternWord::Poisson) => ArrivalPattern::Poisson { rate: section.required("rate") },
             None => ArrivalPattern::Poisson { rate: f64::NAN }, // a problem was noted
         };
+        let due = control::due(walk, &section);
         arrivals.push(Arrival {
             part: part.unwrap_or(0),
             priority: section.count32("priority"),
             weight: section.required("weight"),
+            due,
             pattern,
         });
     }
@@ -81,16 +83,21 @@ pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> Dispatch {
 
 /// Rules under the key `rule`; `None` where there are none.
 pub(super) fn queue_rules(walk: &mut Walk, section: &Section<'_>) -> Option<Vec<DispatchRule>> {
+    rules_under(walk, section, "rule")
+}
+
+/// Rules under a key; `None` where there are none.
+pub(super) fn rules_under(walk: &mut Walk, section: &Section<'_>, key: &str) -> Option<Vec<DispatchRule>> {
     let rule = |got: &Got<'_>| if let Value::Text(word) = &got.value { DispatchRule::named(word) } else { None };
-    let rules: Vec<DispatchRule> = section.list("rule").iter().filter_map(rule).collect();
+    let rules: Vec<DispatchRule> = section.list(key).iter().filter_map(rule).collect();
     if rules.len() > MOST_RULES {
         let fault = Fault::WrongType {
-            key: "rule".to_owned(),
+            key: key.to_owned(),
             read: format!("{} rules", rules.len()),
             expected: format!("at most {MOST_RULES} rules"),
             example: "[\"edd\", \"spt\"]".to_owned(),
         };
-        walk.fault(section.span_of("rule"), fault);
+        walk.fault(section.span_of(key), fault);
     }
     (!rules.is_empty()).then_some(rules)
 }

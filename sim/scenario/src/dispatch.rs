@@ -8,13 +8,14 @@ vocabulary! {
     ///
     /// Keys are made of t, the time; p, the time of the operation; R, that of this and all later
     /// operations; m, their number; d, when the job is due; o, when the operation is due (the allowance
-    /// divided in proportion to work); w, the weight of its order; W, the time of all operations that wait for the machines of the next
+    /// divided in proportion to work); s, the setup that the machine would need; w, the weight of its order; W, the time of all operations that wait for the machines of the next
     /// one. Times are those drawn for plain work and the programmed ones of passes, with mean handling on
     /// the first machine and without setup.
     ///
     /// # Source
     /// O. Holthaus, C. Rajendran, International Journal of Production Economics 48 (1997) 87;
-    /// A. P. J. Vepsalainen, T. E. Morton, Management Science 33 (1987) 1035.
+    /// A. P. J. Vepsalainen, T. E. Morton, Management Science 33 (1987) 1035; `atcs`: Y. H. Lee, K. Bhaskaran, M. Pinedo,
+    /// IIE Transactions 29 (1997) 45.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum DispatchRule {
         /// First in, first out.
@@ -67,6 +68,8 @@ vocabulary! {
         Atc = "atc",
         /// Greatest cost over time w max(0, 1 - max(0, d - t - R)/(4 R))/p.
         Covert = "covert",
+        /// The same with setups: w exp(-max(0, d - t - R)/(k1 mean p of the queue)) exp(-s/(k2 mean s of the queue))/p.
+        AtcWithSetups = "atcs",
         /// Least setup of the machine.
         LeastSetup = "least_setup",
     }
@@ -76,11 +79,12 @@ vocabulary! {
 pub const MOST_RULES: usize = 3;
 
 impl DispatchRule {
-    /// Longer words for some of the rules.
-    const LONG: [(&'static str, Self); 3] = [
+    /// Other words for some of the rules.
+    const LONG: [(&'static str, Self); 4] = [
         ("shortest_processing_time", Self::ShortestProcessingTime),
         ("earliest_due_date", Self::EarliestDueDate),
         ("critical_ratio", Self::CriticalRatio),
+        ("sst", Self::LeastSetup),
     ];
 
     /// All words in files.
@@ -135,6 +139,40 @@ impl DispatchRule {
             | Self::TimeNextQueueAndSlack
             | Self::Atc
             | Self::Covert
+            | Self::AtcWithSetups
+            | Self::LeastSetup => false,
+        }
+    }
+
+    /// Whether it looks at the time of the operation.
+    pub fn looks_at_time(self) -> bool {
+        match self {
+            Self::ShortestProcessingTime
+            | Self::WeightedShortestTime
+            | Self::LongestProcessingTime
+            | Self::ShortestRemaining
+            | Self::LongestRemaining
+            | Self::Slack
+            | Self::SlackPerOperation
+            | Self::CriticalRatio
+            | Self::ModifiedDueDate
+            | Self::ModifiedOperationDue
+            | Self::TimeAndNextQueue
+            | Self::TimesAndNextQueue
+            | Self::TimeNextQueueAndSlack
+            | Self::Atc
+            | Self::AtcWithSetups
+            | Self::Covert => true,
+            Self::Fifo
+            | Self::Lifo
+            | Self::Random
+            | Self::FirstReleased
+            | Self::Priority
+            | Self::EarliestDueDate
+            | Self::EarliestOperationDue
+            | Self::FewestOperations
+            | Self::MostOperations
+            | Self::WorkInNextQueue
             | Self::LeastSetup => false,
         }
     }

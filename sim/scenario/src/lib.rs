@@ -23,6 +23,7 @@ mod batch;
 mod branch;
 mod calibration;
 mod contour;
+mod control;
 mod deviation;
 mod dispatch;
 pub mod effects;
@@ -51,6 +52,9 @@ pub use batch::{Batch, BatchFamily, BatchUnit, WorkPer};
 pub use branch::{Branch, Urgency};
 pub use calibration::{Calibration, Moved, ShopConstant, Target, calibrated, calibrated_channel};
 pub use contour::{ContourRule, ContourWork};
+pub use control::{
+    Assignment, CardLoop, Control, DueRule, KeyOptions, KeyTime, MOST_LOOPS, QueueChoice, ReleaseRule, SlackBy,
+};
 pub use deviation::{Deviation, MICRO_STOP, ShopEffect};
 pub use dispatch::{DispatchRule, MOST_RULES, Preemption};
 pub use flow::{Blocking, Buffer, Deadlock};
@@ -131,6 +135,8 @@ pub struct Scenario {
     /// Which waiting job a free machine takes: rules of which each decides where the ones before are equal.
     /// The first [`MOST_RULES`] count.
     pub dispatch: Vec<DispatchRule>,
+    /// Cards, release, and what the keys of the rules are made of.
+    pub control: Control,
     /// What becomes of plain work in a machine when a job of better priority comes.
     pub preemption: Preemption,
     /// Working time; a machine without calendar always works.

@@ -107,5 +107,13 @@ vocabulary! {
         First = "first",
         /// The one that has been idle for longest.
         LongestIdle = "longest_idle",
+        /// The one that would be done first, its setup included.
+        EarliestFinish = "earliest_finish",
+        /// The one that needs the least time for it, without setup.
+        Fastest = "fastest",
+        /// The one that has worked least so far.
+        LeastUsed = "least_used",
+        /// Any of them.
+        Random = "random",
     }
 }

@@ -1,6 +1,9 @@
 //! Parts, routings, arrivals.
 
-use super::{Attendance, Component, ContourWork, CycleWork, Distribution, Inspection, ProgramWork, WorkPer};
+use super::{
+    Attendance, Component, ContourWork, CycleWork, Distribution, DueRule, Inspection, MachineChoice, ProgramWork,
+    WorkPer,
+};
 use std::sync::Arc;
 
 /// A part and its routing.
@@ -18,6 +21,8 @@ pub struct Part {
     pub deviating_lot: Option<u32>,
     /// What goes into one of it, from the stock of finished parts.
     pub components: Vec<Component>,
+    /// Whether every job has an order of its own of the operations, drawn when it comes.
+    pub random_routing: bool,
     /// Operations in order.
     pub operations: Vec<Operation>,
 }
@@ -41,6 +46,10 @@ pub struct Operation {
     pub name: String,
     /// Machines that may do it, by index.
     pub machines: Vec<usize>,
+    /// Which of several idle machines takes it; `None`: as everywhere in the shop.
+    pub machine_choice: Option<MachineChoice>,
+    /// Machines, by index, on which plain work takes longer or shorter, by a factor on its time.
+    pub time_on: Vec<(usize, f64)>,
     /// Tool, by index, of a part program the first; `None` for plain work, which has none.
     pub tool: Option<usize>,
     /// Name of the fixture and program family; a change of it costs a setup.
@@ -69,6 +78,11 @@ pub struct Operation {
 }
 
 impl Operation {
+    /// Factor of a machine on the time of plain work.
+    pub fn pace_on(&self, machine: usize) -> f64 {
+        self.time_on.iter().find(|(own, _)| *own == machine).map_or(1.0, |(_, factor)| *factor)
+    }
+
     /// Tool of a pass, by index: every pass of a part program has its own. Beyond the last pass it is that of the last.
     pub fn tool_of_pass(&self, pass: usize) -> Option<usize> {
         match &self.work {
@@ -161,6 +175,8 @@ pub struct Arrival {
     pub priority: u32,
     /// Weight of their lateness in weighted rules, 1.
     pub weight: f64,
+    /// When they are due.
+    pub due: DueRule,
     /// When they come.
     pub pattern: ArrivalPattern,
 }

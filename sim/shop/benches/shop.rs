@@ -57,6 +57,8 @@ fn operation(machines: &[usize], tool: usize, work: Work) -> Operation {
         name: "operation".to_owned(),
         machines: machines.to_vec(),
         tool: Some(tool),
+        machine_choice: None,
+        time_on: Vec::new(),
         setup_group: "one".to_owned(),
         setup_time: None,
         attendance: Attendance::default(),
@@ -73,7 +75,16 @@ fn operation(machines: &[usize], tool: usize, work: Work) -> Operation {
 
 fn part(name: String, operations: Vec<Operation>) -> Part {
     let components = Vec::new();
-    Part { name, material_cost: 1.0, flow_allowance: 1e5, batch_size: 25, deviating_lot: None, components, operations }
+    Part {
+        name,
+        material_cost: 1.0,
+        flow_allowance: 1e5,
+        batch_size: 25,
+        deviating_lot: None,
+        components,
+        random_routing: false,
+        operations,
+    }
 }
 
 fn policy(speed: SpeedRule) -> PolicyRule {
@@ -112,6 +123,7 @@ fn scenario() -> Scenario {
         blocking: Blocking::AfterService,
         deadlock: Deadlock::Stop,
         dispatch: vec![DispatchRule::Fifo],
+        control: Control::default(),
         preemption: Preemption::None,
         calendars: Vec::new(),
         failures: Vec::new(),
@@ -155,6 +167,7 @@ fn job_shop(dispatch: DispatchRule) -> Scenario {
                 part,
                 priority: 0,
                 weight: 1.0,
+                due: DueRule::default(),
                 pattern: ArrivalPattern::Poisson { rate: 0.85 / 60.0 },
             })
             .collect(),
@@ -195,6 +208,7 @@ fn demo() -> Scenario {
             part: 0,
             priority: 0,
             weight: 1.0,
+            due: DueRule::default(),
             pattern: ArrivalPattern::ConstantWork { jobs: 12 },
         }],
         policies: [

@@ -10,6 +10,7 @@ use super::lot::KeptMachine;
 use super::machine::{Content, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
+use toolroom_kernel::Entity;
 use toolroom_scenario::ShopConstant;
 
 impl<R: Recorder> Shop<'_, R> {
@@ -39,13 +40,17 @@ impl<R: Recorder> Shop<'_, R> {
                 continue;
             }
             let part = self.scenario.orders[order as usize].part;
-            let found = self.idle_for(part, operation as usize, None);
+            let found = self.idle_for(part, operation as usize, (None, self.order_entity(order)));
             match found.and_then(|machine| Some((machine, self.setup_for(machine, part, operation as usize)?))) {
                 Some((machine, setup)) => self.begin_ahead(machine, (order, operation), setup)?,
                 None => place += 1,
             }
         }
         Ok(())
+    }
+
+    fn order_entity(&self, order: u32) -> Entity {
+        Entity::named(&format!("order {}", self.scenario.orders[order as usize].id))
     }
 
     /// The setup that a machine needs for an operation, s; `None` where it needs none.

@@ -85,7 +85,8 @@ impl<R: Recorder> Shop<'_, R> {
         // Nobody counts beyond that.
         let named = u32::try_from(lot + 1).unwrap_or(u32::MAX);
         let number = self.world.jobs.released;
-        let row = JobRow {
+        let route = self.route(part, entity);
+        let mut row = JobRow {
             part: part as u32,
             order: None,
             quantity: 1,
@@ -105,7 +106,11 @@ impl<R: Recorder> Shop<'_, R> {
             priority: self.scenario.arrivals[source].priority,
             weight: self.scenario.arrivals[source].weight,
             row,
-            operation: 0,
+            operation: route.as_ref().map_or(0, |route| u32::from(route[0])),
+            route,
+            assigned: None,
+            ticket: 0,
+            parked: false,
             waiting: false,
             queued: now,
             buffer: None,
@@ -125,9 +130,16 @@ impl<R: Recorder> Shop<'_, R> {
                 *self.world.jobs.drawn_mut(slot, *operation) = time.sample(stream);
             }
         }
+        if let Some(due) = self.due(source, slot) {
+            row.due = due;
+            self.world.jobs.at_mut(slot).row.due = due;
+        }
+        if self.has_cards() {
+            self.enroll(slot, None);
+        }
         self.recorder.arrival(number, row);
         self.log_event("arrival", None, Some(number), None);
-        self.enqueue(slot, None)
+        self.let_in(slot)
     }
 
     /// Schedules the release of every order; those that are in the shop already come to their places first.
@@ -171,7 +183,7 @@ impl<R: Recorder> Shop<'_, R> {
                 *time = work.sample(&mut self.streams.open(owner, Purpose::Processing));
             }
         }
-        let mut left = ordered.quantity;
+        let (mut left, mut ticket) = (ordered.quantity, None);
         for index in 0..count {
             let quantity = size.min(left);
             left -= quantity;
@@ -182,6 +194,7 @@ impl<R: Recorder> Shop<'_, R> {
             }
             let entity = if count > 1 { owner.part(PIECES).part(u64::from(index)) } else { owner };
             let number = self.world.jobs.released;
+            let route = self.route(ordered.part, entity);
             let row = JobRow {
                 part: ordered.part as u32,
                 order: Some(order as u32),
@@ -203,7 +216,11 @@ impl<R: Recorder> Shop<'_, R> {
                 priority: urgency.priority,
                 weight: urgency.weight,
                 row,
-                operation: operation as u32,
+                operation: route.as_ref().map_or(operation as u32, |route| u32::from(route[0])),
+                route,
+                assigned: None,
+                ticket: 0,
+                parked: false,
                 waiting: false,
                 queued: now,
                 buffer: None,
@@ -222,6 +239,12 @@ impl<R: Recorder> Shop<'_, R> {
                     *self.world.jobs.drawn_mut(slot, operation) = *time;
                 }
             }
+            if self.has_cards() {
+                ticket = Some(self.enroll(slot, ticket));
+                if ordered.in_process.is_some() {
+                    self.take_cards_at_start(slot);
+                }
+            }
             self.recorder.arrival(number, row);
             self.log_event("arrival", None, Some(number), None);
             match &ordered.in_process {
@@ -230,7 +253,7 @@ impl<R: Recorder> Shop<'_, R> {
                     let in_process = InProcess { machine, done: ordered.share_done(part, index), ..inside.clone() };
                     self.come_at_start(slot, &in_process)?;
                 }
-                None => self.enqueue(slot, None)?,
+                None => self.let_in(slot)?,
             }
         }
         Ok(())
@@ -258,7 +281,23 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now();
         let job = self.world.jobs.at_mut(slot);
         job.queued = now;
-        match job.origin {
+        if self.has_cards() {
+            if self.park(slot) {
+                if let Some(machine) = machine.filter(|_| self.world.flow.is_limited()) {
+                    self.look_for_place(slot, Some(machine)); // it stays where it is
+                }
+                return;
+            }
+            if !self.world.flow.is_limited() {
+                self.return_cards(slot);
+            }
+        }
+        self.proceed(slot, machine);
+    }
+
+    /// A job that has the cards which it needs waits for its operation.
+    pub(super) fn proceed(&mut self, slot: u32, machine: Option<usize>) {
+        match self.world.jobs.at(slot).origin {
             Origin::Order(order) if self.world.lots[order as usize].is_some() => self.gather(order, slot),
             Origin::Order(_) | Origin::Source(_) if self.world.flow.is_limited() => self.look_for_place(slot, machine),
             Origin::Order(_) | Origin::Source(_) => self.wait(slot),
@@ -269,6 +308,9 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn leave(&mut self, slot: u32, outcome: JobOutcome) -> Result<(), ShopError> {
         if self.world.flow.is_limited() {
             self.free_places(slot);
+        }
+        if self.has_cards() && self.world.jobs.get(slot).is_some() {
+            self.leave_ticket(slot);
         }
         let Some(mut job) = self.world.jobs.remove(slot) else { return Ok(()) };
         job.row.finish = self.now().seconds();

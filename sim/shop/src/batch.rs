@@ -65,6 +65,7 @@ impl<R: Recorder> Shop<'_, R> {
             }
         }
         for &slot in &members {
+            self.leave_line(slot);
             self.world.jobs.at_mut(slot).waiting = false;
             self.weigh(slot, Weighing::Leaves);
         }
@@ -118,15 +119,17 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn plain_work(&self, machine: usize, slot: u32) -> (f64, f64) {
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
-        match self.layout.operations[part][index].work_per {
-            WorkPer::Part => (f64::from(job.row.quantity), self.world.jobs.drawn(slot, index)),
-            WorkPer::Lot => (1.0, self.world.jobs.drawn(slot, index)),
+        let plan = &self.layout.operations[part][index];
+        let pace = if plan.paced { self.scenario.parts[part].operations[index].pace_on(machine) } else { 1.0 };
+        match plan.work_per {
+            WorkPer::Part => (pace * f64::from(job.row.quantity), self.world.jobs.drawn(slot, index)),
+            WorkPer::Lot => (pace, self.world.jobs.drawn(slot, index)),
             WorkPer::Batch => {
                 let number = self.world.machines[machine].batch.begun;
                 let owner = Entity::named(&format!("batches of {}", self.scenario.machines[machine].name));
                 let mut stream = self.streams.at(owner, Purpose::Processing, number);
-                let Work::Plain(time) = &self.scenario.parts[part].operations[index].work else { return (1.0, 0.0) };
-                (1.0, time.sample(&mut stream))
+                let Work::Plain(time) = &self.scenario.parts[part].operations[index].work else { return (pace, 0.0) };
+                (pace, time.sample(&mut stream))
             }
         }
     }

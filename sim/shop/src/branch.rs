@@ -14,7 +14,11 @@ use toolroom_scenario::{Branch, DispatchRule, MachineChoice, Scenario, Urgency};
 
 /// The queue of a machine under its rules.
 pub(super) fn queue_of(scenario: &Scenario, machine: usize, rules: &[DispatchRule]) -> Queue {
-    Queue::of(if scenario.machines[machine].batch.is_some() { QueueKind::Scan } else { queue_kind(rules) })
+    Queue::of(if scenario.machines[machine].batch.is_some() {
+        QueueKind::Scan
+    } else {
+        queue_kind(rules, &scenario.control.keys)
+    })
 }
 
 impl<'a, R: Recorder> Shop<'a, R> {

@@ -21,6 +21,8 @@ const URGENT: &str = include_str!("../../../scenarios/shop/urgent.toml");
 const REWORK: &str = include_str!("../../../scenarios/shop/rework.toml");
 /// Two feeders and a bench.
 const ASSEMBLY: &str = include_str!("../../../scenarios/shop/assembly.toml");
+/// Four stations and six cards.
+const CARDS: &str = include_str!("../../../scenarios/shop/cards.toml");
 /// Work of a batch, 18 jobs an hour.
 const BATCH: [&str; 3] = [
     "part.job.operation.serve.work_per=\"batch\"",
@@ -56,6 +58,8 @@ enum Figure {
     Reworked(f64),
     /// Assemblies a minute.
     Assembled(f64),
+    /// Jobs of the line with cards a minute.
+    Carded(f64),
 }
 
 /// The shipped queue at 80 % load and queues that differ from it by a word. The tolerances are some four
@@ -227,6 +231,20 @@ const CASES: &[Case] = &[
         figure: Figure::Assembled(0.771_654),
         tolerance: 0.002,
     },
+    Case {
+        claim: "rate of four stations with six cards, 1/min",
+        source: "mean value analysis: Reiser and Lavenberg, Journal of the ACM 27 (1980) 313",
+        changes: &[],
+        figure: Figure::Carded(0.069_987_8),
+        tolerance: 0.000_5,
+    },
+    Case {
+        claim: "the same with twelve cards, 1/min",
+        source: "the same",
+        changes: &["loop.line.cards=12"],
+        figure: Figure::Carded(0.079_686),
+        tolerance: 0.000_5,
+    },
 ];
 
 /// Time that jobs stay in the shop.
@@ -279,13 +297,14 @@ impl Case {
             Figure::StayOf(..) => ("urgent.toml", URGENT),
             Figure::Reworked(_) => ("rework.toml", REWORK),
             Figure::Assembled(_) => ("assembly.toml", ASSEMBLY),
+            Figure::Carded(_) => ("cards.toml", CARDS),
         };
         let file = parse(name, text, &changes).unwrap_or_else(|error| panic!("{}: {error}", self.claim));
         let policy = Arc::new(ResolvedPolicy::of(&file.scenario, 0)?);
         let part = match self.figure {
             Figure::StayOf(part, _) => Some(part),
             Figure::Assembled(_) => Some(2), // after its two components
-            Figure::Stay(_) | Figure::Rate(_) | Figure::Reworked(_) => None,
+            Figure::Stay(_) | Figure::Rate(_) | Figure::Reworked(_) | Figure::Carded(_) => None,
         };
         let stays = Stays { from: file.scenario.warm_up, part, ..Stays::default() };
         let stays = Shop::with_recorder(&file.scenario, policy, 0, stays)?.run()?;
@@ -294,7 +313,7 @@ impl Case {
             Figure::Stay(stay) | Figure::StayOf(_, stay) | Figure::Reworked(stay) => {
                 (stay, stays.total / stays.count / 60.0)
             }
-            Figure::Rate(rate) | Figure::Assembled(rate) => (rate, stays.count / minutes),
+            Figure::Rate(rate) | Figure::Assembled(rate) | Figure::Carded(rate) => (rate, stays.count / minutes),
         };
         Ok(Claim {
             claim: self.claim.to_owned(),

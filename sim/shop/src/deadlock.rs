@@ -3,12 +3,23 @@
 //! Of all jobs that hold a place and wait, those are struck out again and again of which some wanted place is
 //! free, or is held by one that is struck out or still active: at work, or with a machine that is down or off
 //! shift. Those that are left (the greatest fixed point) can never move. A search for a circle alone would be
-//! wrong where a job may choose among several machines or places.
+//! wrong where a job may choose among several machines or places. A card of a loop is a place in this sense: a job that
+//! waits for one can move when a card is there or may come back, which needs all jobs that share it to move.
 
+use super::cards::loops_in;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use std::collections::BTreeSet;
 use toolroom_scenario::{Blocking, Deadlock};
+
+/// What a job holds and others want.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Holder {
+    /// A machine, or the place before it.
+    Machine(usize),
+    /// A card of a loop.
+    Loop(usize),
+}
 
 impl<R: Recorder> Shop<'_, R> {
     /// Looks for parts that can never move, where any was held up since the last look; true where some have
@@ -29,21 +40,39 @@ impl<R: Recorder> Shop<'_, R> {
             return Ok(false);
         }
         let circle = self.circle(&stuck);
-        match self.scenario.deadlock {
-            Deadlock::Stop => {
-                let holds = |(place, slot): (usize, u32), wants: usize| {
-                    let name = |machine: usize| &self.scenario.machines[machine].name;
-                    format!("{} holds {} that wants {}", name(place), self.label(slot), name(wants))
-                };
-                let after = circle.iter().cycle().skip(1);
-                let words: Vec<String> = circle.iter().zip(after).map(|(own, next)| holds(*own, next.0)).collect();
-                Err(ShopError::Deadlock { time: self.now().seconds(), circle: words.join("; ") })
-            }
-            Deadlock::Swap => {
-                self.swap(&circle);
-                Ok(true)
-            }
+        let machines: Option<Vec<(usize, u32)>> = circle
+            .iter()
+            .map(|(place, slot)| match place {
+                Holder::Machine(machine) => Some((*machine, *slot)),
+                Holder::Loop(_) => None,
+            })
+            .collect();
+        if let (Deadlock::Swap, Some(machines)) = (self.scenario.deadlock, &machines) {
+            self.swap(machines);
+            return Ok(true);
         }
+        let holds = |(place, slot): (Holder, u32), wants: Holder| {
+            let name = |holder: Holder| match holder {
+                Holder::Machine(machine) => self.scenario.machines[machine].name.clone(),
+                Holder::Loop(index) => format!("a card of \"{}\"", self.scenario.control.loops[index].name),
+            };
+            let verb = match place {
+                Holder::Machine(_) => format!("{} holds {}", name(place), self.label(slot)),
+                Holder::Loop(_) => format!("{} has {}", self.label(slot), name(place)),
+            };
+            match place {
+                Holder::Machine(_) => format!("{verb} that wants {}", name(wants)),
+                Holder::Loop(_) => format!("{verb} and wants {}", name(wants)),
+            }
+        };
+        let after = circle.iter().cycle().skip(1);
+        let words: Vec<String> = circle.iter().zip(after).map(|(own, next)| holds(*own, next.0)).collect();
+        let (time, circle) = (self.now().seconds(), words.join("; "));
+        Err(if machines.is_some() {
+            ShopError::Deadlock { time, circle }
+        } else {
+            ShopError::CardDeadlock { time, circle }
+        })
     }
 
     /// Jobs that wait in a place which others may want.
@@ -53,11 +82,17 @@ impl<R: Recorder> Shop<'_, R> {
         let standing = flow.buffers.iter().flatten().copied().filter(waiting);
         let up = |machine: u32| self.world.machines[machine as usize].is_up();
         let held = flow.held.iter().filter(|held| held.output.is_some() || up(held.machine)).map(|held| held.slot);
-        standing.chain(held).collect()
+        // Those who wait for a card, and those who may have one, wherever they stand.
+        let carded = (0..self.world.jobs.places()).filter(|_| self.has_cards());
+        let carded = carded.filter(|slot| self.world.jobs.get(*slot).is_some_and(|job| job.parked || job.waiting));
+        standing.chain(held).chain(carded).collect()
     }
 
     /// Whether some place that a job wants is free, or held by one that may move.
     fn may_move(&self, slot: u32, stuck: &BTreeSet<u32>) -> bool {
+        if self.world.jobs.at(slot).parked {
+            return loops_in(self.needs(slot)).all(|index| self.has_card(index) || self.returns(index, stuck));
+        }
         let flow = &self.world.flow;
         let opens = |buffer: usize| {
             self.has_room(buffer) || flow.buffers[buffer].iter().any(|standing| !stuck.contains(standing))
@@ -65,7 +100,7 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at(slot);
         if self.scenario.blocking == Blocking::BeforeService {
             let operations = &self.scenario.parts[job.row.part as usize].operations;
-            let Some(next) = operations.get(job.operation as usize + 1) else { return true };
+            let Some(next) = operations.get(job.next_operation(operations.len())) else { return true };
             return next.machines.iter().any(|&machine| self.input(machine).is_none_or(opens));
         }
         let frees = |machine: usize| {
@@ -81,31 +116,50 @@ impl<R: Recorder> Shop<'_, R> {
             || self.next_machines(slot).iter().any(|&machine| self.input(machine).is_none_or(opens) || frees(machine))
     }
 
-    /// Jobs that cannot move, each with the machine at which it stands; each wants the place of the next one.
-    fn circle(&self, stuck: &BTreeSet<u32>) -> Vec<(usize, u32)> {
+    /// Whether a card of a loop may come back: all jobs that have it together may move.
+    fn returns(&self, index: usize, stuck: &BTreeSet<u32>) -> bool {
+        self.holders(index).any(|members| members.iter().all(|slot| !stuck.contains(slot)))
+    }
+
+    /// Jobs that have a card of a loop, those with one card together.
+    fn holders(&self, index: usize) -> impl Iterator<Item = &[u32]> {
+        let tickets = self.world.cards.tickets.iter();
+        tickets.filter(move |own| own.held >> index & 1 == 1).map(|own| own.members.as_slice())
+    }
+
+    /// Jobs that cannot move, each with what it holds; each wants that of the next one.
+    fn circle(&self, stuck: &BTreeSet<u32>) -> Vec<(Holder, u32)> {
         let before = self.scenario.blocking == Blocking::BeforeService;
-        let next = |(_, slot): (usize, u32)| {
-            if before {
+        let next = |(_, slot): (Holder, u32)| {
+            if self.world.jobs.at(slot).parked {
+                let gone = |index: &usize| !self.has_card(*index) && !self.returns(*index, stuck);
+                let index = loops_in(self.needs(slot)).find(gone).expect("a card is wanted in vain");
+                let members = self.holders(index).next().expect("all cards of a loop are taken by somebody");
+                let member = members.iter().find(|slot| stuck.contains(slot)).expect("a card that does not come back");
+                return (Holder::Loop(index), *member);
+            }
+            let (machine, slot) = if before {
                 let job = self.world.jobs.at(slot);
                 let operations = &self.scenario.parts[job.row.part as usize].operations;
-                let machine = operations[job.operation as usize + 1].machines[0];
+                let machine = operations[job.next_operation(operations.len())].machines[0];
                 let buffer = self.input(machine).expect("only limited places are wanted in vain");
                 (machine, self.world.flow.buffers[buffer][0])
             } else {
                 let machine = self.next_machines(slot)[0];
                 (machine, self.world.machines[machine].blocked.expect("a machine that is wanted in vain is blocked"))
-            }
+            };
+            (Holder::Machine(machine), slot)
         };
         let start = *stuck.first().expect("a deadlock has jobs");
         // From whatever job it begins, the walk comes to the circle.
-        let mut walk = vec![next((0, start))];
+        let mut walk = vec![next((Holder::Machine(0), start))];
         loop {
             let further = next(walk[walk.len() - 1]);
             if let Some(first) = walk.iter().position(|(_, slot)| *slot == further.1) {
                 let mut circle = walk.split_off(first);
                 circle[0] = further;
-                let least = circle.iter().map(|(machine, _)| *machine).min();
-                let begin = circle.iter().position(|(machine, _)| Some(*machine) == least).unwrap_or(0);
+                let least = circle.iter().map(|(place, _)| *place).min();
+                let begin = circle.iter().position(|(place, _)| Some(*place) == least).unwrap_or(0);
                 circle.rotate_left(begin);
                 return circle;
             }

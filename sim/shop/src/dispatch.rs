@@ -2,6 +2,7 @@
 
 use super::branch;
 use super::job::Jobs;
+use super::keys::{Measures, Moment, keys};
 use super::kinetic::Plan;
 use super::layout::Layout;
 use super::machine::Readiness;
@@ -9,96 +10,20 @@ use super::queue::{Facts, Keys, Queue, QueueKind, Waiting};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use rand::RngExt;
-use std::ops::Range;
 use toolroom_kernel::{Purpose, Streams};
-use toolroom_scenario::{Blocking, DispatchRule, MOST_RULES, MachineChoice, Preemption, Scenario};
-
-/// Look-ahead of [`DispatchRule::Atc`], in mean processing times.
-///
-/// # Source
-/// A. P. J. Vepsalainen, T. E. Morton, Management Science 33 (1987) 1035.
-pub(super) const ATC_LOOK_AHEAD: f64 = 3.0;
-/// Expected waiting time of [`DispatchRule::Covert`] over the work left.
-///
-/// # Source
-/// The same.
-pub(super) const COVERT_WAIT: f64 = 2.0;
-/// Share of the slack over that time in which the cost of [`DispatchRule::Covert`] falls to nothing.
-///
-/// # Source
-/// The same.
-pub(super) const COVERT_LOOK_AHEAD: f64 = 2.0;
+use toolroom_scenario::{Assignment, Blocking, DispatchRule, KeyOptions, Preemption, Scenario, SlackBy};
 
 /// How the queue of rules has to be kept.
-pub(super) fn queue_kind(rules: &[DispatchRule]) -> QueueKind {
-    if rules.iter().all(|rule| *rule == DispatchRule::Fifo) {
+pub(super) fn queue_kind(rules: &[DispatchRule], options: &KeyOptions) -> QueueKind {
+    if !rules.iter().all(|rule| options.are_usual_for(*rule)) {
+        QueueKind::Scan
+    } else if rules.iter().all(|rule| *rule == DispatchRule::Fifo) {
         QueueKind::Line
     } else if rules.iter().all(|rule| rule.stands()) {
         QueueKind::Heap
     } else {
         Plan::of(rules).map_or(QueueKind::Scan, QueueKind::Kinetic)
     }
-}
-
-/// What changes while jobs wait.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Moment {
-    /// Time, s.
-    pub now: f64,
-    /// Mean time of the operations that wait in the queue, s.
-    pub mean_time: f64,
-    /// Time of the operations that wait at the next station, s.
-    pub next_work: f64,
-    /// Setup that the machine would need, s.
-    pub setup: f64,
-}
-
-/// Key of a job under a rule: the job with the least key goes first.
-pub(super) fn key(rule: DispatchRule, since: f64, facts: &Facts, moment: &Moment) -> f64 {
-    let &Facts { time, work_left, operations_left, due, .. } = facts;
-    let slack = due - moment.now - work_left;
-    let late_in = |look_ahead: f64| slack.max(0.0) / look_ahead.max(f64::MIN_POSITIVE);
-    let key = match rule {
-        DispatchRule::Fifo => since,
-        DispatchRule::Lifo => -since,
-        DispatchRule::Random => facts.rank,
-        DispatchRule::FirstReleased => facts.release,
-        DispatchRule::Priority => facts.priority,
-        DispatchRule::ShortestProcessingTime => time,
-        DispatchRule::WeightedShortestTime => time / facts.weight,
-        DispatchRule::LongestProcessingTime => -time,
-        DispatchRule::ShortestRemaining => work_left,
-        DispatchRule::LongestRemaining => -work_left,
-        DispatchRule::EarliestDueDate => due,
-        DispatchRule::EarliestOperationDue => facts.operation_due,
-        DispatchRule::Slack => due - work_left,
-        DispatchRule::FewestOperations => operations_left,
-        DispatchRule::MostOperations => -operations_left,
-        DispatchRule::SlackPerOperation => slack / operations_left,
-        DispatchRule::CriticalRatio => (due - moment.now) / work_left.max(f64::MIN_POSITIVE),
-        DispatchRule::ModifiedDueDate => (moment.now + work_left).max(due),
-        DispatchRule::ModifiedOperationDue => (moment.now + time).max(facts.operation_due),
-        DispatchRule::WorkInNextQueue => moment.next_work,
-        DispatchRule::TimeAndNextQueue => time + moment.next_work,
-        DispatchRule::TimesAndNextQueue => 2.0 * time + moment.next_work + facts.next_time,
-        DispatchRule::TimeNextQueueAndSlack => time + moment.next_work + slack.min(0.0),
-        DispatchRule::Atc => {
-            -facts.weight * (-late_in(ATC_LOOK_AHEAD * moment.mean_time)).exp() / time.max(f64::MIN_POSITIVE)
-        }
-        DispatchRule::Covert => {
-            let cost = 1.0 - late_in(COVERT_LOOK_AHEAD * COVERT_WAIT * work_left);
-            -facts.weight * cost.max(0.0) / time.max(f64::MIN_POSITIVE)
-        }
-        DispatchRule::LeastSetup => moment.setup,
-    };
-    key + 0.0 // one zero for both signs: keys are compared with them
-}
-
-/// Keys of a job under several rules.
-pub(super) fn keys(rules: &[DispatchRule], since: f64, facts: &Facts, moment: &Moment) -> Keys {
-    let mut keys = [0.0; MOST_RULES];
-    keys.iter_mut().zip(rules).for_each(|(each, rule)| *each = key(*rule, since, facts, moment));
-    keys
 }
 
 /// Whether a job still waits for what a place in a queue says.
@@ -124,17 +49,20 @@ fn looks_at_work_left(rule: DispatchRule) -> bool {
             | DispatchRule::ModifiedDueDate
             | DispatchRule::TimeNextQueueAndSlack
             | DispatchRule::Atc
+            | DispatchRule::AtcWithSetups
             | DispatchRule::Covert
     )
 }
 
 /// Whether a rule looks at when this operation is due.
-fn looks_at_operation_due(rule: DispatchRule) -> bool {
+fn looks_at_operation_due(rule: DispatchRule, options: &KeyOptions) -> bool {
+    let costs = matches!(rule, DispatchRule::Atc | DispatchRule::AtcWithSetups | DispatchRule::Covert);
     matches!(rule, DispatchRule::EarliestOperationDue | DispatchRule::ModifiedOperationDue)
+        || costs && options.slack_by == SlackBy::Operation
 }
 
 /// What the rules of a machine look at of a job that comes to its queue; what no rule looks at is not worked out.
-fn facts(
+pub(super) fn facts(
     scenario: &Scenario,
     layout: &Layout,
     streams: &Streams,
@@ -144,27 +72,31 @@ fn facts(
     let job = jobs.at(slot);
     let (part, index) = (job.row.part as usize, job.operation as usize);
     let plans = &layout.operations[part];
-    let work = |operations: Range<usize>| operations.map(|each| layout.time(jobs, slot, part, each)).sum::<f64>();
+    let time = |operation: usize| layout.time(jobs, slot, part, operation);
     let (count, release, due) = (plans.len(), job.row.arrival, job.row.due);
-    let asks = |of: fn(DispatchRule) -> bool| rules.iter().any(|rule| of(*rule));
+    let options = &scenario.control.keys;
+    let work_left = rules.iter().any(|rule| looks_at_work_left(*rule));
+    let own_due = rules.iter().any(|rule| looks_at_operation_due(*rule, options));
     // Sums over a routing cost more than all the rest: only where a rule looks at them.
     let operation_due = |total: f64| {
-        let share = if total > 0.0 { work(0..index + 1) / total } else { 1.0 };
+        let until: f64 = job.operations_until(index).map(time).sum();
+        let share = if total > 0.0 { until / total } else { 1.0 };
         release + (due - release) * share
     };
     let setup = plans[index].setup_time.unwrap_or(scenario.machines[machine].setup_time);
     let rank = || streams.open(job.entity.part(index as u64), Purpose::Policy).random();
-    let next = plans.get(index + 1);
+    let next_index = job.next_operation(count);
+    let next = plans.get(next_index);
     Facts {
         release,
         priority: f64::from(job.priority),
         weight: job.weight,
         due,
-        operation_due: if asks(looks_at_operation_due) { operation_due(work(0..count)) } else { due },
-        time: layout.time(jobs, slot, part, index),
-        work_left: if asks(looks_at_work_left) { work(index..count) } else { 0.0 },
-        operations_left: (count - index) as f64,
-        next_time: next.map_or(0.0, |_| layout.time(jobs, slot, part, index + 1)),
+        operation_due: if own_due { operation_due((0..count).map(time).sum()) } else { due },
+        time: time(index),
+        work_left: if work_left { job.operations_left(count).map(time).sum() } else { 0.0 },
+        operations_left: job.operations_left(count).count() as f64,
+        next_time: next.map_or(0.0, |_| time(next_index)),
         next_station: next.map(|plan| plan.station),
         setup_group: plans[index].setup_group,
         setup_time: setup,
@@ -177,7 +109,9 @@ pub(super) fn keys_of<R: Recorder>(shop: &Shop<'_, R>, machine: usize, slot: u32
     let (scenario, jobs) = (shop.scenario, &shop.world.jobs);
     let rules = shop.rules(machine);
     let facts = facts(scenario, &shop.layout, &shop.streams, (jobs, slot), (machine, rules));
-    let moment = Moment { now: shop.now().seconds(), mean_time: facts.time, ..Moment::default() };
+    let options = &scenario.control.keys;
+    let mean = Measures { time: facts.time, setup: 0.0 };
+    let moment = Moment { now: shop.now().seconds(), mean, options, ..Moment::default() };
     keys(rules, jobs.at(slot).queued.seconds(), &facts, &moment)
 }
 
@@ -254,6 +188,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// A job waits no longer; the queue of `machine` does not have it any more.
     pub(super) fn stop_waiting(&mut self, slot: u32, machine: Option<usize>) {
+        self.leave_line(slot);
         let job = self.world.jobs.at_mut(slot);
         job.waiting = false;
         let (part, operation) = (job.row.part as usize, job.operation as usize);
@@ -298,38 +233,11 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let plan = &self.layout.operations[part][index];
-        if plan.only_machine.is_some() || self.world.machines[machine].kept_for.is_some() {
+        let settled = self.scenario.control.assign == Assignment::AtArrival;
+        if settled || plan.only_machine.is_some() || self.world.machines[machine].kept_for.is_some() {
             return machine;
         }
-        self.idle_for(part, index, job.buffer).unwrap_or(machine)
-    }
-
-    /// Of the idle machines that may do an operation and stand behind `buffer`, the one that the choice of machines prefers.
-    pub(super) fn idle_for(&self, part: usize, index: usize, buffer: Option<usize>) -> Option<usize> {
-        let operation = &self.scenario.parts[part].operations[index];
-        let group = self.layout.operations[part][index].setup_group;
-        let choice = self.machine_choice();
-        let dislike = |candidate: usize| {
-            let state = &self.world.machines[candidate];
-            match choice {
-                MachineChoice::First => 0.0,
-                MachineChoice::LeastSetup => {
-                    let usual = operation.setup_time.unwrap_or(self.scenario.machines[candidate].setup_time);
-                    self.layout.setup(self.scenario, candidate, state.ready, group, usual).unwrap_or(0.0)
-                }
-                MachineChoice::LongestIdle => state.state_since.seconds(),
-            }
-        };
-        // A job in a buffer goes to the machines behind it only.
-        let limited = self.world.flow.is_limited();
-        let free = |candidate: &usize| {
-            let state = &self.world.machines[*candidate];
-            let behind = !limited || self.input(*candidate) == buffer;
-            state.is_free() && state.kept_for.is_none() && behind
-        };
-        let others = operation.machines.iter().copied().filter(free);
-        let order = |a: &usize, b: &usize| dislike(*a).total_cmp(&dislike(*b)).then(a.cmp(b));
-        others.min_by(order)
+        self.idle_for(part, index, (job.buffer, job.entity)).unwrap_or(machine)
     }
 
     /// A job joins the queues of its operation.
@@ -353,6 +261,10 @@ impl<R: Recorder> Shop<'_, R> {
         let (part, operation) = (job.row.part as usize, job.operation as usize);
         // A job in a buffer waits for the machines behind it only.
         let (limited, buffer) = (self.world.flow.is_limited(), job.buffer);
+        if self.scenario.control.assign == Assignment::AtArrival {
+            self.join_one(slot);
+            return;
+        }
         if let Some(only) = self.layout.operations[part][operation].only_machine
             && !limited
         {
@@ -370,7 +282,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// A job joins the queue of a machine.
-    fn join(&mut self, machine: usize, slot: u32) {
+    pub(super) fn join(&mut self, machine: usize, slot: u32) {
         let (scenario, layout, streams, jobs) = (self.scenario, &self.layout, &self.streams, &self.world.jobs);
         let job = jobs.at(slot);
         let waiting = Waiting { since: job.queued, number: job.number, slot, operation: job.operation };
@@ -410,6 +322,7 @@ impl<R: Recorder> Shop<'_, R> {
         queue.take(
             look.now,
             |waiting| is_here(look.jobs, waiting),
+            |facts| look.measures(facts),
             |waiting, facts, mean| look.keys(waiting, facts, mean),
         )
     }
@@ -417,7 +330,11 @@ impl<R: Recorder> Shop<'_, R> {
     /// Jobs that wait at a machine which makes batches, in the order of its rules.
     pub(super) fn in_order(&mut self, machine: usize) -> Vec<Waiting> {
         let (queue, look) = self.look(machine);
-        queue.in_order(|waiting| is_here(look.jobs, waiting), |waiting, facts, mean| look.keys(waiting, facts, mean))
+        queue.in_order(
+            |waiting| is_here(look.jobs, waiting),
+            |facts| look.measures(facts),
+            |waiting, facts, mean| look.keys(waiting, facts, mean),
+        )
     }
 
     /// The queue of a machine, and what its rules look at.
@@ -432,31 +349,51 @@ impl<R: Recorder> Shop<'_, R> {
 }
 
 /// What the rules of a machine look at.
-struct Look<'a> {
-    scenario: &'a Scenario,
-    layout: &'a Layout,
-    jobs: &'a Jobs,
-    waiting_work: &'a [(u32, f64)],
-    machine: usize,
-    rules: &'a [DispatchRule],
-    ready: Readiness,
-    now: f64,
+pub(super) struct Look<'a> {
+    pub scenario: &'a Scenario,
+    pub layout: &'a Layout,
+    pub jobs: &'a Jobs,
+    pub waiting_work: &'a [(u32, f64)],
+    pub machine: usize,
+    pub rules: &'a [DispatchRule],
+    pub ready: Readiness,
+    pub now: f64,
 }
 
 impl Look<'_> {
-    fn keys(&self, waiting: &Waiting, facts: &Facts, mean_time: f64) -> Keys {
+    fn setup(&self, facts: &Facts) -> f64 {
+        let (group, usual) = (facts.setup_group, facts.setup_time);
+        self.layout.setup(self.scenario, self.machine, self.ready, group, usual).unwrap_or(0.0)
+    }
+
+    /// What the means over the queue are taken of.
+    pub(super) fn measures(&self, facts: &Facts) -> Measures {
+        let with_setup = self.scenario.control.keys.setup;
+        if !with_setup && !self.rules.contains(&DispatchRule::AtcWithSetups) {
+            return Measures { time: facts.time, setup: 0.0 };
+        }
+        let setup = self.setup(facts);
+        Measures { time: if with_setup { facts.time + setup } else { facts.time }, setup }
+    }
+
+    pub(super) fn keys(&self, waiting: &Waiting, facts: &Facts, mean: Measures) -> Keys {
         let work_at = |station: u32| {
             let together = &self.layout.overlapping[station as usize];
             together.iter().map(|station| self.waiting_work[*station as usize].1).sum::<f64>()
         };
-        let (group, usual) = (facts.setup_group, facts.setup_time);
         let moment = Moment {
             now: self.now,
-            mean_time,
+            mean,
             next_work: facts.next_station.filter(|_| self.layout.looks_ahead).map_or(0.0, work_at),
-            setup: self.layout.setup(self.scenario, self.machine, self.ready, group, usual).unwrap_or(0.0),
+            setup: self.setup(facts),
+            options: &self.scenario.control.keys,
         };
-        keys(self.rules, waiting.since.seconds(), facts, &moment)
+        let mut own = *facts;
+        if moment.options.setup {
+            own.time += moment.setup;
+            own.work_left += moment.setup;
+        }
+        keys(self.rules, waiting.since.seconds(), &own, &moment)
     }
 }
 

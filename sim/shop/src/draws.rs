@@ -3,6 +3,7 @@
 use super::edge::Edge;
 use super::job::Job;
 use super::ports::{Ports, write};
+use rand::RngExt;
 use rand_distr::{Distribution as _, StandardNormal};
 use toolroom_kernel::{Entity, Purpose, Stream, Streams};
 use toolroom_scenario::{Operation, Part, Scenario, StructureScatter, Work};
@@ -39,6 +40,20 @@ pub(super) fn ranks(scenario: &Scenario, streams: &Streams, source: usize) -> Ve
     };
     let plain = part.operations.iter().enumerate().filter(|(_, operation)| matches!(operation.work, Work::Plain(_)));
     plain.map(|(index, operation)| (index, stream(operation))).collect()
+}
+
+/// Owner of the order in which a job goes through its operations, part of its own name.
+const ROUTE: u64 = 1 << 43;
+
+/// The order in which a job goes through the operations of a part without fixed routing: every one is as likely.
+pub(super) fn route(streams: &Streams, entity: Entity, operations: usize) -> Box<[u16]> {
+    let mut stream = streams.open(entity.part(ROUTE), Purpose::Arrival);
+    let mut route: Vec<u16> = (0..operations as u16).collect();
+    for place in (1..operations).rev() {
+        let rank: f64 = stream.random();
+        route.swap(place, (rank * (place + 1) as f64) as usize);
+    }
+    route.into_boxed_slice()
 }
 
 /// An edge as it comes out of the box.

@@ -35,6 +35,8 @@ pub enum Event {
         /// Machine.
         machine: u32,
     },
+    /// It is time to look at the jobs that are not let in yet.
+    Pool,
     /// A vehicle comes to where it drives.
     Delivery {
         /// Index into the transports of the scenario.
@@ -67,9 +69,11 @@ impl Event {
     pub(super) fn class(self) -> Class {
         match self {
             Self::StepEnd { .. } | Self::Failure { .. } | Self::Repair { .. } => Class::Finish,
-            Self::Arrival { .. } | Self::Release { .. } | Self::BatchDue { .. } | Self::Delivery { .. } => {
-                Class::Arrive
-            }
+            Self::Arrival { .. }
+            | Self::Release { .. }
+            | Self::BatchDue { .. }
+            | Self::Pool
+            | Self::Delivery { .. } => Class::Arrive,
             Self::ShiftStart { .. } | Self::ShiftEnd { .. } | Self::Operator { .. } => Class::Shift,
         }
     }
@@ -86,6 +90,7 @@ impl Event {
             Self::ShiftEnd { machine } => (5, machine),
             Self::Release { order } => (6, order),
             Self::BatchDue { machine } => (9, machine),
+            Self::Pool => (11, 0),
             Self::Delivery { transport, vehicle } => (10, u32::from(transport) << 16 | u32::from(vehicle)),
             Self::Operator { operator, comes } => (7 + u64::from(comes), operator),
         };

@@ -108,6 +108,9 @@ impl<R: Recorder> Shop<'_, R> {
     /// Machines of the operation for which a job waits or will wait.
     pub(super) fn next_machines(&self, slot: u32) -> &[usize] {
         let job = self.world.jobs.at(slot);
+        if job.waiting && job.assigned.is_some() {
+            return job.assigned.as_slice();
+        }
         &self.scenario.parts[job.row.part as usize].operations[job.operation as usize].machines
     }
 
@@ -133,6 +136,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// Lets everything move and every idle machine choose, until nothing changes.
     pub(super) fn settle_places(&mut self) -> Result<(), ShopError> {
         loop {
+            self.give_cards()?;
             while let Some(next) = self.next_move(false) {
                 self.make(next);
             }
@@ -142,7 +146,7 @@ impl<R: Recorder> Shop<'_, R> {
             self.dispatch()?;
             if let Some(next) = self.next_move(true) {
                 self.make(next);
-            } else if self.next_move(false).is_none() && !self.resolve_deadlock()? {
+            } else if !self.world.cards.changed && self.next_move(false).is_none() && !self.resolve_deadlock()? {
                 break;
             }
         }
@@ -170,6 +174,9 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// Where a job has room before its operation.
     fn place_for(&self, slot: u32, through: bool) -> Option<Place> {
+        if self.world.jobs.at(slot).parked {
+            return None; // it waits for a card
+        }
         if let Some(reserved) = self.world.jobs.at(slot).reserved {
             return Some(reserved);
         }
@@ -240,6 +247,9 @@ impl<R: Recorder> Shop<'_, R> {
                 self.world.flow.buffers[buffer].push(slot);
             }
         }
+        if self.has_cards() {
+            self.return_cards(slot);
+        }
         self.wait(slot);
     }
 
@@ -286,7 +296,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn reservable(&self, slot: u32) -> Option<Place> {
         let job = self.world.jobs.at(slot);
         let operations = &self.scenario.parts[job.row.part as usize].operations;
-        let Some(next) = operations.get(job.operation as usize + 1) else { return Some(Place::Space) };
+        let Some(next) = operations.get(job.next_operation(operations.len())) else { return Some(Place::Space) };
         next.machines.iter().find_map(|&machine| match self.input(machine) {
             None => Some(Place::Space),
             Some(buffer) => self.has_room(buffer).then_some(Place::Buffer(buffer)),

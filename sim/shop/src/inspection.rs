@@ -103,7 +103,11 @@ impl<R: Recorder> Shop<'_, R> {
             .filter(|each| matches!(self.scenario.parts[row.part as usize].operations[*each].work, Work::Plain(_)))
             .map(|each| (each, self.world.jobs.drawn(slot, each)))
             .collect();
+        let ticket = job.ticket;
         let divided = self.world.jobs.insert(job);
+        if self.has_cards() {
+            self.enroll(divided, Some(ticket));
+        }
         for (index, time) in drawn {
             *self.world.jobs.drawn_mut(divided, index) = time;
         }

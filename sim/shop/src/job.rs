@@ -30,6 +30,14 @@ pub struct Job {
     pub row: JobRow,
     /// Operation that it waits for or is in.
     pub operation: u32,
+    /// Its order of the operations of its part; `None`: that of the part.
+    pub route: Option<Box<[u16]>>,
+    /// The machine whose queue it has joined, where that is settled when it comes.
+    pub assigned: Option<usize>,
+    /// With whom it has its cards; 0 where there are none.
+    pub ticket: u32,
+    /// Whether it waits for a card.
+    pub parked: bool,
     /// Whether it stands in a queue.
     pub waiting: bool,
     /// When it came to the queue.
@@ -55,6 +63,50 @@ pub struct Job {
     /// Its times of loading and unloading, where any machine's are random. Kept apart: the few hundred bytes of a stream
     /// would be moved with every job that comes and goes.
     pub handling: Option<Box<Stream>>,
+}
+
+impl Job {
+    /// Place of its operation in its routing.
+    fn place(&self) -> usize {
+        let own = |route: &[u16]| route.iter().position(|each| u32::from(*each) == self.operation);
+        self.route.as_deref().map_or(Some(self.operation as usize), own).unwrap_or(usize::MAX)
+    }
+
+    /// Operation at a place of its routing; beyond the last one it is their number.
+    fn operation_at(&self, place: usize, count: usize) -> usize {
+        match &self.route {
+            None => place.min(count),
+            Some(route) => route.get(place).map_or(count, |own| usize::from(*own)),
+        }
+    }
+
+    /// The operation after that for which it waits or in which it is; of the last one the number of operations.
+    #[inline]
+    pub(super) fn next_operation(&self, count: usize) -> usize {
+        match &self.route {
+            None => self.operation as usize + 1,
+            Some(_) => self.operation_at(self.place().saturating_add(1), count),
+        }
+    }
+
+    /// Places in its routing, from 0, and operations of those that are not done.
+    pub(super) fn places_left(&self, count: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (self.place().min(count)..count).map(move |place| (place, self.operation_at(place, count)))
+    }
+
+    /// Operations that are not done.
+    pub(super) fn operations_left(&self, count: usize) -> impl Iterator<Item = usize> + '_ {
+        self.places_left(count).map(|(_, operation)| operation)
+    }
+
+    /// Operations up to and with one of them.
+    pub(super) fn operations_until(&self, operation: usize) -> impl Iterator<Item = usize> + '_ {
+        let last = match &self.route {
+            None => operation,
+            Some(route) => route.iter().position(|own| usize::from(*own) == operation).unwrap_or(0),
+        };
+        (0..=last).map(move |place| self.operation_at(place, usize::MAX))
+    }
 }
 
 /// Jobs in the shop; a place is used again when its job has left.

@@ -13,14 +13,13 @@
 //! # Source
 //! J. Basch, L. J. Guibas, J. Hershberger, Data structures for mobile data, Journal of Algorithms 31 (1999) 1.
 
-use super::dispatch::ATC_LOOK_AHEAD;
 use super::heap::ordered;
 use super::queue::{Facts, Keys, Ranked, Waiting};
 use super::tournament::{Entry, Game, Tournament};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use toolroom_kernel::SimTime;
-use toolroom_scenario::{DispatchRule, MOST_RULES};
+use toolroom_scenario::{DispatchRule, KeyOptions, MOST_RULES};
 
 /// Which of the rules of a queue the tournaments are played for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,7 +199,7 @@ impl Kinetic {
     pub fn take(&mut self, now: f64, keys: impl Fn(&Waiting, &Facts, f64) -> Keys) -> Option<Waiting> {
         let mean = self.total / self.count as f64;
         self.ripen(now);
-        let look_ahead = (ATC_LOOK_AHEAD * mean).max(f64::MIN_POSITIVE);
+        let look_ahead = (KeyOptions::ATC_K * mean).max(f64::MIN_POSITIVE);
         let level = self.named.keys().next()?.level;
         let mut best: Option<Ranked> = None;
         for (name, group) in &self.named {
@@ -248,7 +247,7 @@ fn entry_of<'a>(places: &[(u32, u32)], groups: &'a [Tournament<Name>], slot: u32
 
 #[cfg(test)]
 mod tests {
-    use super::super::dispatch::{Moment, keys as keys_under};
+    use super::super::keys::{Measures, Moment, keys as keys_under};
     use super::super::queue::{Queue, QueueKind};
     use super::*;
     use proptest::prelude::*;
@@ -330,14 +329,15 @@ mod tests {
                     kinetic.leave(slot);
                     gone.push(slot);
                 } else {
-                    let keys = |waiting: &Waiting, facts: &Facts, mean_time: f64| {
+                    let keys = |waiting: &Waiting, facts: &Facts, mean: Measures| {
                         let next_work = facts.next_station.map_or(0.0, |station| ((draw >> (8 * station)) % 6) as f64);
                         let setup = if facts.setup_group as u64 == draw % 3 { 0.0 } else { facts.setup_time };
-                        keys_under(&rules, waiting.since.seconds(), facts, &Moment { now, mean_time, next_work, setup })
+                        keys_under(&rules, waiting.since.seconds(), facts, &Moment { now, mean, next_work, setup, ..Moment::default() })
                     };
                     let here = |waiting: &Waiting| !gone.contains(&waiting.slot);
-                    let one = scan.take(now, here, keys).map(|waiting| waiting.number);
-                    let other = kinetic.take(now, here, keys).map(|waiting| waiting.number);
+                    let measures = |facts: &Facts| Measures { time: facts.time, setup: 0.0 };
+                    let one = scan.take(now, here, measures, keys).map(|waiting| waiting.number);
+                    let other = kinetic.take(now, here, measures, keys).map(|waiting| waiting.number);
                     prop_assert_eq!(one, other, "{:?} at {}", rules, now);
                 }
             }

@@ -7,8 +7,8 @@ use super::ports::{Ports, read, start_values, write};
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::{
-    ArrivalPattern, Cut, GrindingPhase, Interruption, MachineType, Operation, Part, ProcessModel, Scenario,
-    SetupMatrix, Work, WorkPer,
+    ArrivalPattern, Cut, GrindingPhase, Interruption, KeyTime, MachineType, Operation, Part, ProcessModel, ReleaseRule,
+    Scenario, SetupMatrix, Work, WorkPer,
 };
 
 /// Tables that follow from the scenario alone.
@@ -20,6 +20,8 @@ pub(super) struct Layout {
     pub operations: Vec<Vec<OperationPlan>>,
     /// Time of every pass as programmed, s, by part, by operation.
     pub pass_times: Vec<Vec<Vec<f64>>>,
+    /// Expected time of plain work, s, by part, by operation, where rules know no other; else empty.
+    pub expected: Vec<Vec<f64>>,
     /// Stations that share a machine with a station, itself included, by station.
     pub overlapping: Vec<Vec<u32>>,
     /// Whether any queue looks at the work that waits for the next operation.
@@ -80,6 +82,8 @@ pub(super) struct OperationPlan {
     pub only_machine: Option<u32>,
     /// Its setup time where it has one of its own, s.
     pub setup_time: Option<f64>,
+    /// Whether machines differ in the time of its plain work.
+    pub paced: bool,
     /// Whether it needs the components of its part.
     pub assembles: bool,
     /// Whether chance decides what becomes of its pieces.
@@ -148,6 +152,7 @@ impl Layout {
                     known_time: machine.load_time.mean() + cutting_time + machine.unload_time.mean(),
                     only_machine: if let [only] = operation.machines[..] { Some(only as u32) } else { None },
                     setup_time: operation.setup_time,
+                    paced: !operation.time_on.is_empty(),
                     assembles: operation.assembles,
                     inspected: !operation.inspection.outcomes.is_empty(),
                 });
@@ -162,7 +167,18 @@ impl Layout {
         };
         let overlapping = stations.iter().map(shared).collect();
         let before = scenario.branch.iter().flat_map(|branch| branch.rules.iter().flatten());
-        let mut rules = (0..scenario.machines.len()).flat_map(|machine| scenario.rules(machine)).chain(before);
+        let control = &scenario.control;
+        let cards = control
+            .loops
+            .iter()
+            .flat_map(|own| &own.rules)
+            .chain(scenario.dispatch.iter().filter(|_| !control.loops.is_empty()));
+        let sequence = match &control.release {
+            ReleaseRule::Workload { sequence, .. } => sequence.as_slice(),
+            ReleaseRule::Immediate | ReleaseRule::AtDate { .. } => &[],
+        };
+        let queues = (0..scenario.machines.len()).flat_map(|machine| scenario.rules(machine));
+        let mut rules = queues.chain(before).chain(cards).chain(sequence);
         let looks_ahead = rules.any(|rule| rule.looks_ahead());
         let mut modes_of = vec![Vec::new(); scenario.machines.len()];
         for (mode, failure) in scenario.failures.iter().enumerate() {
@@ -191,12 +207,18 @@ impl Layout {
             handling.iter().zip(&modes_of).map(|(times, modes)| alone && modes.is_empty() && *times == [0.0; 2]);
         let one_step = one_step.collect();
         let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
+        let means = |part: &Part| part.operations.iter().map(|own| own.work.plain_time()).collect();
+        let expected = match control.keys.time {
+            KeyTime::Drawn => Vec::new(),
+            KeyTime::Expected => scenario.parts.iter().map(means).collect(),
+        };
         let plain = |part: &&Part| part.operations.iter().any(|each| matches!(each.work, Work::Plain(_)));
         let plain_operations = scenario.parts.iter().filter(plain).map(|part| part.operations.len()).max().unwrap_or(0);
         Ok(Self {
             tools,
             operations,
             pass_times,
+            expected,
             overlapping,
             looks_ahead,
             assembles,
@@ -219,13 +241,25 @@ impl Layout {
 
 impl Layout {
     /// Time of an operation of a job as rules see it, s: mean handling on its first machine with the
-    /// programmed passes, or with the plain work that was drawn for the job.
+    /// programmed passes, or with the plain work that was drawn for the job or is expected of it.
     #[inline]
     pub fn time(&self, jobs: &Jobs, slot: u32, part: usize, operation: usize) -> f64 {
+        let expected = self.expected.get(part).map(|own| own[operation]);
+        self.time_with(jobs, (slot, part, operation), expected)
+    }
+
+    /// The same with the plain work that was drawn for the job, whatever rules know.
+    pub fn drawn_time(&self, jobs: &Jobs, slot: u32, part: usize, operation: usize) -> f64 {
+        self.time_with(jobs, (slot, part, operation), None)
+    }
+
+    #[inline]
+    fn time_with(&self, jobs: &Jobs, (slot, part, operation): (u32, usize, usize), work: Option<f64>) -> f64 {
         let plan = &self.operations[part][operation];
         match plan.content {
             ContentPlan::Plain => {
-                let (pieces, drawn) = (f64::from(jobs.at(slot).row.quantity), jobs.drawn(slot, operation));
+                let drawn = work.unwrap_or_else(|| jobs.drawn(slot, operation));
+                let pieces = f64::from(jobs.at(slot).row.quantity);
                 match plan.work_per {
                     WorkPer::Part => (plan.known_time + drawn) * pieces,
                     WorkPer::Lot | WorkPer::Batch => plan.known_time * pieces + drawn,

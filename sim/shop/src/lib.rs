@@ -36,8 +36,10 @@
 mod ahead;
 mod arrival;
 mod assembly;
+mod assignment;
 mod batch;
 mod branch;
+mod cards;
 mod chatter;
 mod claims;
 mod contour;
@@ -57,6 +59,7 @@ mod in_process;
 mod inspection;
 mod interruption;
 mod job;
+mod keys;
 mod kinetic;
 mod layout;
 mod lot;
@@ -70,6 +73,7 @@ mod preemption;
 mod program;
 mod queue;
 mod recorder;
+mod release;
 pub mod runlog;
 mod shift;
 mod tooling;
@@ -79,6 +83,7 @@ mod world;
 
 pub use assembly::Stocked;
 pub use batch::BatchState;
+pub use cards::Cards;
 pub use chatter::{Reaction, Surface, Vibration};
 pub use claims::claims;
 pub use crew::CrewState;
@@ -95,6 +100,7 @@ pub use operator::OperatorState;
 pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
 pub use recorder::{Closing, Recorder, Silent};
+pub use release::Pool;
 pub use runlog::RunLog;
 pub use transport::{Call, TransportState, VehicleState};
 pub use world::{FailureState, SourceState, World};
@@ -207,6 +213,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
             stock: vec![VecDeque::new(); scenario.parts.len()],
             challengers: Vec::new(),
             branched: false,
+            cards: Cards::of(scenario),
+            pool: Pool::default(),
             dividing: Vec::new(),
             ahead: Vec::new(),
         };
@@ -286,13 +294,29 @@ impl<'a, R: Recorder> Shop<'a, R> {
             }
             self.send_vehicles()?;
             self.assign_operators()?; // steps in work go before those that are yet to begin
+            self.release_from_pool()?;
             if self.world.flow.is_limited() {
                 self.settle_places()?;
             } else {
-                self.dispatch()?;
-                self.let_urgent_interrupt()?;
+                self.settle_queues()?;
             }
             self.assign_operators()?;
+        }
+        Ok(())
+    }
+
+    /// Lets cards go to who waits for them, idle machines choose and urgent jobs interrupt, until nothing changes.
+    fn settle_queues(&mut self) -> Result<(), ShopError> {
+        loop {
+            self.give_cards()?;
+            self.dispatch()?;
+            self.let_urgent_interrupt()?;
+            if !self.world.cards.changed {
+                break;
+            }
+        }
+        if self.has_cards() {
+            self.resolve_deadlock()?;
         }
         Ok(())
     }
@@ -388,6 +412,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
                 self.batch_due(machine as usize);
                 Ok(())
             }
+            Event::Pool => {
+                self.look_at_pool();
+                Ok(())
+            }
             Event::Delivery { transport, vehicle } => self.delivered(transport as usize, vehicle as usize),
             Event::Operator { operator, comes } => self.operator_shift(operator as usize, comes),
             Event::ShiftStart { machine } => self.shift_starts(machine as usize),
@@ -425,6 +453,9 @@ impl<'a, R: Recorder> Shop<'a, R> {
         let now = self.now();
         let logged = &mut self.world.machines[machine];
         if now > logged.state_since {
+            if logged.state.is_busy() {
+                logged.worked += now - logged.state_since;
+            }
             self.recorder.state(StateRow {
                 machine: machine as u32,
                 state: logged.state,

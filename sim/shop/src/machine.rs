@@ -33,6 +33,10 @@ pub struct Machine {
     pub kept_for: Option<(u32, u32)>,
     /// Whether it has been set up for that, or is being set up.
     pub set_up: bool,
+    /// Jobs that have joined its queue, and the time of their operations, s, where that is settled when they come.
+    pub line: (u32, f64),
+    /// Time for which it has worked on jobs and been set up, s.
+    pub worked: f64,
     /// Batches that it has made.
     pub batch: BatchState,
     /// The job that is done on it and cannot move on.
@@ -320,6 +324,8 @@ impl Machine {
             ready,
             kept_for: None,
             set_up: false,
+            line: (0, 0.0),
+            worked: 0.0,
             batch: BatchState::default(),
             blocked: None,
             held_up: false,

@@ -370,7 +370,10 @@ impl<R: Recorder> Shop<'_, R> {
         };
         match verdict {
             Verdict::Back(to) => self.send_back(slot, to),
-            Verdict::Good | Verdict::Scrap(_) => self.world.jobs.at_mut(slot).operation += 1,
+            Verdict::Good | Verdict::Scrap(_) => {
+                let job = self.world.jobs.at_mut(slot);
+                job.operation = job.next_operation(self.layout.operations[job.row.part as usize].len()) as u32;
+            }
         }
         self.recorder.operation(OperationRow { next: self.world.jobs.at(slot).operation, ..row });
         if self.world.flow.is_limited() {

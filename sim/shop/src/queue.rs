@@ -1,6 +1,7 @@
 //! Jobs that wait at a machine, kept in the way that its rules ask for.
 
 use super::heap::Heap;
+use super::keys::Measures;
 use super::kinetic::{Kinetic, Plan};
 use std::cmp::Ordering;
 use std::collections::VecDeque;
@@ -190,20 +191,21 @@ impl Queue {
     }
 
     /// Takes out the job that goes first at time `now`, s. `here` tells whether a job is still to be had; `keys` gives its
-    /// keys at this moment, from the mean time of all that are. Only a queue whose keys change asks for
+    /// keys at this moment, from the means over all that are of what `measures` gives. Only a queue whose keys change asks for
     /// them.
     pub(super) fn take(
         &mut self,
         now: f64,
         here: impl Fn(&Waiting) -> bool,
-        keys: impl Fn(&Waiting, &Facts, f64) -> Keys,
+        measures: impl Fn(&Facts) -> Measures,
+        keys: impl Fn(&Waiting, &Facts, Measures) -> Keys,
     ) -> Option<Waiting> {
         match &mut self.0 {
             Order::Line { jobs, .. } => std::iter::from_fn(|| jobs.pop_front()).find(here),
             Order::Heap { jobs, .. } => std::iter::from_fn(|| jobs.pop()).find(here),
             Order::Scan { jobs, .. } => {
                 jobs.retain(|(waiting, _)| here(waiting));
-                let mean = jobs.iter().map(|(_, facts)| facts.time).sum::<f64>() / jobs.len() as f64;
+                let mean = mean(jobs, measures);
                 let ranked = |(waiting, facts): &(Waiting, Facts)| Ranked {
                     keys: keys(waiting, facts, mean),
                     waiting: *waiting,
@@ -211,7 +213,9 @@ impl Queue {
                 let first = jobs.iter().map(ranked).enumerate().min_by_key(|(_, ranked)| *ranked);
                 first.map(|(place, _)| jobs.swap_remove(place).0)
             }
-            Order::Kinetic(jobs) => jobs.take(now, keys),
+            Order::Kinetic(jobs) => {
+                jobs.take(now, |waiting, facts, time| keys(waiting, facts, Measures { time, setup: 0.0 }))
+            }
         }
     }
 
@@ -220,11 +224,12 @@ impl Queue {
     pub(super) fn in_order(
         &mut self,
         here: impl Fn(&Waiting) -> bool,
-        keys: impl Fn(&Waiting, &Facts, f64) -> Keys,
+        measures: impl Fn(&Facts) -> Measures,
+        keys: impl Fn(&Waiting, &Facts, Measures) -> Keys,
     ) -> Vec<Waiting> {
         let Order::Scan { jobs, .. } = &mut self.0 else { unreachable!("queues of batch machines are looked through") };
         jobs.retain(|(waiting, _)| here(waiting));
-        let mean = jobs.iter().map(|(_, facts)| facts.time).sum::<f64>() / jobs.len() as f64;
+        let mean = mean(jobs, measures);
         let ranked =
             |(waiting, facts): &(Waiting, Facts)| Ranked { keys: keys(waiting, facts, mean), waiting: *waiting };
         let mut all: Vec<Ranked> = jobs.iter().map(ranked).collect();
@@ -249,6 +254,13 @@ impl Queue {
     }
 }
 
+/// Means over jobs.
+fn mean(jobs: &[(Waiting, Facts)], measures: impl Fn(&Facts) -> Measures) -> Measures {
+    let add = |sum: Measures, own: Measures| Measures { time: sum.time + own.time, setup: sum.setup + own.setup };
+    let sum = jobs.iter().map(|(_, facts)| measures(facts)).fold(Measures { time: -0.0, setup: 0.0 }, add);
+    Measures { time: sum.time / jobs.len() as f64, setup: sum.setup / jobs.len() as f64 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -269,7 +281,9 @@ mod tests {
             let waiting = Waiting { since, number, slot: number, operation: 0 };
             queue.join(waiting, || Facts { time, ..Facts::default() }, |facts| key(facts.time), here);
         }
-        std::iter::from_fn(|| queue.take(0.0, here, |_, facts, _| key(facts.time))).map(|taken| taken.number).collect()
+        std::iter::from_fn(|| queue.take(0.0, here, |_| Measures::default(), |_, facts, _| key(facts.time)))
+            .map(|taken| taken.number)
+            .collect()
     }
 
     #[test]

@@ -46,6 +46,14 @@ impl MachineState {
         Self::OffShift,
     ];
 
+    /// Whether the machine works on a job or is set up for one.
+    pub fn is_busy(self) -> bool {
+        match self {
+            Self::Cutting | Self::Working | Self::Handling | Self::Setup | Self::ToolChange | Self::Dressing => true,
+            Self::Starved | Self::Blocked | Self::WaitingOperator | Self::Down | Self::Idle | Self::OffShift => false,
+        }
+    }
+
     /// Name in files.
     pub fn name(self) -> &'static str {
         match self {

@@ -3,10 +3,10 @@
 //! Each match keeps the line of its winner and until when its result holds. Those of both sides of a match stand side by
 //! side in memory, so that a match is played without looking at the jobs, but where rounding may hide which key is lesser.
 
-use super::dispatch::{COVERT_LOOK_AHEAD, COVERT_WAIT, Moment, key};
+use super::keys::{Moment, key};
 use super::queue::{Facts, Keys, Waiting};
 use std::cmp::Ordering;
-use toolroom_scenario::DispatchRule;
+use toolroom_scenario::{DispatchRule, KeyOptions};
 
 /// A job in a tournament.
 #[derive(Clone, Copy, Debug)]
@@ -85,7 +85,8 @@ impl Game {
             }
             DispatchRule::Covert => {
                 let (worth, full) = (weight / time.max(f64::MIN_POSITIVE), due - work_left);
-                let ahead = (COVERT_LOOK_AHEAD * COVERT_WAIT * work_left).max(f64::MIN_POSITIVE);
+                let [wait, look_ahead] = KeyOptions::COVERT_KB;
+                let ahead = (look_ahead * wait * work_left).max(f64::MIN_POSITIVE);
                 let rising = line(-worth / ahead, worth * (full / ahead - 1.0), full);
                 bends(full - ahead, level(0.0), bends(full, rising, level(-worth)))
             }
@@ -93,6 +94,7 @@ impl Game {
                 line(due - work_left, (time.max(f64::MIN_POSITIVE) / weight).ln(), f64::INFINITY)
             }
             DispatchRule::Atc
+            | DispatchRule::AtcWithSetups
             | DispatchRule::WorkInNextQueue
             | DispatchRule::TimeAndNextQueue
             | DispatchRule::TimesAndNextQueue

@@ -1,12 +1,14 @@
 //! Everything of a shop that changes, as plain data.
 
 use super::assembly::Stocked;
+use super::cards::Cards;
 use super::crew::CrewState;
 use super::flow::Flow;
 use super::job::Jobs;
 use super::lot::Lot;
 use super::machine::Machine;
 use super::operator::{Awaiting, OperatorState};
+use super::release::Pool;
 use super::transport::TransportState;
 use std::collections::VecDeque;
 use toolroom_kernel::{EventKey, SimTime, Stream};
@@ -33,6 +35,10 @@ pub struct World {
     pub transports: Vec<TransportState>,
     /// Steps that wait for somebody.
     pub(super) awaiting: Vec<Awaiting>,
+    /// Cards of loops, and jobs that wait for them.
+    pub cards: Cards,
+    /// Jobs that are not let into the shop yet.
+    pub pool: Pool,
     /// Places in buffers, and jobs that cannot move on.
     pub flow: Flow,
     /// Finished components that are not built in yet, by part, the first come in front.

@@ -25,6 +25,11 @@ pub fn branched(before: &Scenario, after: &Scenario, at: f64, changes: &[String]
     if let Some(change) = changes.iter().find(|change| !is_possible(change)) {
         return refuse(format!("`{change}` cannot change while the shop runs"));
     }
+    if before.dispatch != after.dispatch && before.control.loops.iter().any(|own| own.rules.is_empty()) {
+        return refuse(
+            "`dispatch.rule` cannot change where backlogs of [[loop]] go by it; give them a `rule`".to_owned(),
+        );
+    }
     let mut world = after.clone();
     let (mut rules, mut calendars) = (Vec::new(), after.calendars.clone());
     for (index, machine) in after.machines.iter().enumerate() {

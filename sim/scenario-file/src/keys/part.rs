@@ -3,16 +3,31 @@
 use super::flow::{COMPONENT, OUTCOME};
 use super::resource::ATTENDANCE;
 use super::{COST, LONG_DURATION, PATH, PLAIN, RANDOM_TIME, SHARE, SPEED, TIME};
-use crate::choices::ProcessKind;
-use toolroom_form::{Form, Key, Kind};
+use crate::choices::{ProcessKind, RoutingWord};
+use serde_json::json;
+use toolroom_form::{Content, Form, Key, Kind};
 use toolroom_infeed::CycleLimits;
 use toolroom_process::Record;
-use toolroom_scenario::{ContourRule, InspectedUnit, WorkPer};
+use toolroom_scenario::{ContourRule, InspectedUnit, MachineChoice, WorkPer};
 
 const FEED: Kind = Kind::positive("m", "mm", 20e-3, "0.12 mm/rev");
 const FEED_PER_TOOTH: Kind = Kind::positive("m", "mm", 5e-3, "0.1 mm/tooth");
 const DEPTH: Kind = Kind::positive("m", "mm", 0.1, "0.75 mm");
 const LENGTH: Kind = Kind::positive("m", "mm", 1e4, "250 mm");
+
+/// Factors of machines.
+static TIME_ON: Content = Content {
+    expected: "a table of machines and factors",
+    example: "{ CMM3 = 1.25 }",
+    schema: || {
+        json!({
+            "type": "object",
+            "additionalProperties": { "type": "number", "exclusiveMinimum": 0 },
+            "description": "Factors on the time by the names of machines",
+        })
+    },
+    entry: None,
+};
 
 pub(super) static PART: Form = Form {
     title: "[[part]]",
@@ -32,6 +47,12 @@ pub(super) static PART: Form = Form {
             Kind::Tables(&COMPONENT),
             "Parts that go into one of it, taken from the stock of finished ones where an operation has `assemble = true`",
         ),
+        Key::default(
+            "routing",
+            Kind::Choice(RoutingWord::WORDS),
+            RoutingWord::Fixed.word(),
+            "fixed: operations in their order here; random: every job has an order of its own, drawn when it comes",
+        ),
         Key::optional("operation", Kind::Tables(&OPERATION), "Operations in order"),
     ],
 };
@@ -48,6 +69,17 @@ static OPERATION: Form = Form {
             "Time of plain work, of which nothing else is known: no tool and nothing that is cut",
         )
         .when("process", PLAIN),
+        Key::optional(
+            "time_on",
+            Kind::Content(&TIME_ON),
+            "Machines on which this time is multiplied by a factor, such as { CMM3 = 1.25 }",
+        )
+        .when("process", PLAIN),
+        Key::optional(
+            "machine_choice",
+            Kind::Choice(MachineChoice::WORDS),
+            "Which of several idle machines takes it; left out: that of [dispatch]",
+        ),
         Key::default(
             "work_per",
             Kind::Choice(WorkPer::WORDS),

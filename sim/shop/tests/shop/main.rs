@@ -4,9 +4,11 @@
 mod adaptive;
 mod ages;
 mod breakdowns;
+mod cards;
 mod chatter;
 mod conservation;
 mod contours;
+mod control;
 mod crews_transport;
 mod cycles;
 mod dispatching;

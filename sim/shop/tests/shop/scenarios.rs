@@ -152,6 +152,8 @@ pub fn operation(machines: &[usize], durations: &[f64]) -> Operation {
         machines: machines.to_vec(),
         tool: Some(0),
         setup_group: "a".to_owned(),
+        machine_choice: None,
+        time_on: Vec::new(),
         setup_time: None,
         attendance: Attendance::default(),
         work: Work::Cutting(durations.iter().map(cut).collect()),
@@ -173,6 +175,7 @@ pub fn part(name: &str, operations: Vec<Operation>) -> Part {
         batch_size: 10,
         deviating_lot: None,
         components: Vec::new(),
+        random_routing: false,
         operations,
     }
 }
@@ -215,6 +218,7 @@ pub fn scenario() -> Scenario {
         blocking: Blocking::AfterService,
         deadlock: Deadlock::Stop,
         dispatch: vec![DispatchRule::Fifo],
+        control: Default::default(),
         preemption: Preemption::None,
         calendars: Vec::new(),
         failures: Vec::new(),
@@ -227,7 +231,13 @@ pub fn scenario() -> Scenario {
 }
 
 pub fn jobs_at(times: &[(f64, u32)]) -> Arrival {
-    Arrival { part: 0, priority: 0, weight: 1.0, pattern: ArrivalPattern::Schedule(times.to_vec()) }
+    Arrival {
+        part: 0,
+        priority: 0,
+        weight: 1.0,
+        due: Default::default(),
+        pattern: ArrivalPattern::Schedule(times.to_vec()),
+    }
 }
 
 pub fn run(scenario: &Scenario) -> RunLog {
