@@ -14,7 +14,7 @@ use toolroom_nominal::ModelFileError;
 use toolroom_planning::contour::{self, StudyOptions, Task};
 use toolroom_planning::lobes;
 use toolroom_records::import::{ImportError, Mapped, Mapping, Origin, import_csv};
-use toolroom_scenario_file::{self, ScenarioFile};
+use toolroom_scenario_file::{self as file, ScenarioFile};
 use toolroom_shop::Shop;
 
 /// Slips that are tried in each file. All of them would take minutes.
