@@ -4,6 +4,7 @@ use crate::args::{Axis, Changes, CompareArgs, StudyArgs};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::shard::{leave, refused};
+use crate::snapshot::{from_snapshot, origin};
 use crate::speak::Voice;
 use crate::study::{Place, RESUME, Request, default_out, perform, request_in};
 use crate::sweep;
@@ -16,6 +17,7 @@ use toolroom_output::signals as stop;
 use toolroom_scenario::TuneRequest;
 use toolroom_scenario_file::{ScenarioFile, read};
 use toolroom_shards::{Journal, Plan};
+use toolroom_snapshot::Snapshot;
 use toolroom_study::planned::{self, PlannedError};
 use toolroom_study::request::{StudyRequest, policies_named};
 use toolroom_study::study::StudyOptions;
@@ -23,10 +25,19 @@ use toolroom_study::tune::{TriedRun, TuneError, Tuning, tune_from, tuning_head};
 use toolroom_study::variants::{self, Wanted};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
+    if let Some(from) = &args.scenario.from {
+        let (args, snapshot) = from_snapshot(args, from)?;
+        return compared(&args, Some(&snapshot), voice);
+    }
     if !args.sweep.is_empty() {
         return sweep::run(args, voice);
     }
-    let mut file = read(&args.scenario.file, &args.scenario.changes.overrides())?;
+    compared(args, None, voice)
+}
+
+/// Compares policies and variants; from the instant of a snapshot on, where there is one.
+fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> Result<(), Failure> {
+    let mut file = read(args.scenario.path(), &args.scenario.changes.overrides())?;
     let mut policies = policies_named(&file.scenario, &args.study.policy)?;
     if policies.len() == 1 && policies[0] != 0 {
         policies.insert(0, 0); // one policy by name is compared with the scenario's baseline
@@ -35,12 +46,16 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if args.axis == Some(Axis::Variant) {
         policies.truncate(1);
     }
-    let variants = if wants(Axis::Variant) { file.variants.clone() } else { Vec::new() };
+    let mut variants = if wants(Axis::Variant) { file.variants.clone() } else { Vec::new() };
+    if let Some(Snapshot { at, .. }) = snapshot {
+        // What is to change later than that still does.
+        variants.iter_mut().for_each(|variant| variant.from = Some(variant.from.map_or(*at, |own| own.max(*at))));
+    }
     if policies.len() < 2 && variants.is_empty() {
         let help = "add a [[policy]] or a [[variant]] to the scenario, or use toolroom run";
         return Err(Failure::argument("there is only one policy and no variant of the shop, nothing to compare", help));
     }
-    let input = args.scenario.file.display().to_string();
+    let input = args.scenario.path().display().to_string();
     let wanted = tuning_wanted(args, &file);
     if let Some(target) = &args.plan {
         if policies.len() < 2 {
@@ -59,8 +74,12 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         return plan(args, &file, &policies, target, voice);
     }
     let out = default_out(&file.scenario.name);
-    let mut variants = variants::shops(&args.scenario.file, &args.scenario.changes.overrides(), &variants)
+    let mut variants = variants::shops(args.scenario.path(), &args.scenario.changes.overrides(), &variants)
         .map_err(|error| Failure::argument(&error, error.fix()))?;
+    if let Some(snapshot) = snapshot {
+        let shops = variants.iter().map(|variant| &*variant.scenario);
+        std::iter::once(&file.scenario).chain(shops).try_for_each(|shop| snapshot.verify(shop, &policies))?;
+    }
     let select = args.select.as_deref().map(|text| Wanted::parse(&file.scenario, text)).transpose();
     let select = select.map_err(|error| Failure::argument(error, "see `toolroom compare --help`"))?;
     if select.is_some() && variants.is_empty() {
@@ -77,10 +96,15 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     };
     let axis = args.axis.map_or("", Axis::typed);
     let chosen = select.as_ref().map_or_else(String::new, |select| format!(" --select \"{}\"", select.text()));
+    let (start, typed) = match &args.scenario.from {
+        Some(from) => (origin(from, args.scenario.horizon.as_deref()), Vec::new()),
+        None => (input.clone(), args.scenario.changes.overrides()),
+    };
     let request = Request {
-        command: format!("compare {input}{axis}{chosen}"),
+        command: format!("compare {start}{axis}{chosen}"),
         input,
         changes: &args.scenario.changes,
+        typed,
         args: &args.study,
         policies,
         logged: 1,
@@ -112,7 +136,7 @@ fn tuned_in_place(
     let earlier = if args.study.resume { request_in(target) } else { None };
     if let Some(found) = earlier.and_then(|earlier| earlier.tuning()) {
         changes.extend(found.changes());
-        return Ok(((read(&args.scenario.file, &changes)?, Some(found)), None));
+        return Ok(((read(args.scenario.path(), &changes)?, Some(found)), None));
     }
     let place = Place::take(input, &file, &args.study, target, voice)?;
     let options = StudyOptions { policies: policies.to_vec(), ..StudyOptions::of(&file.scenario) };
@@ -159,7 +183,7 @@ pub fn tuned(
     bar.finish();
     let found = found?;
     changes.extend(found.changes());
-    Ok((read(&args.scenario.file, &changes)?, Some(Arc::new(found))))
+    Ok((read(args.scenario.path(), &changes)?, Some(Arc::new(found))))
 }
 
 impl From<TuneError> for Failure {
@@ -189,11 +213,11 @@ fn plan(
         let help = "give the number with --replications; a precision needs all replications at hand";
         return Err(Failure::argument("--until cannot be planned in shards", help));
     }
-    let name = args.scenario.file.display().to_string();
+    let name = args.scenario.path().display().to_string();
     let changes = args.scenario.changes.overrides();
     let version = env!("CARGO_PKG_VERSION");
     let plan = planned::plan(version, &name, file, changes, policies, args.shards).map_err(refused)?;
-    let inputs = file.files.iter().map(AsRef::as_ref).chain([args.scenario.file.as_path()]);
+    let inputs = file.files.iter().map(AsRef::as_ref).chain([args.scenario.path()]);
     leave(&plan, target, &Files::new(inputs, voice.force))?;
     let shown = target.display();
     voice.say(format_args!("wrote {shown}: {} shards   next: toolroom shard {shown} 0 --out parts", plan.shards));
@@ -220,6 +244,7 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
     let request = Request {
         command: format!("compare {}", plan.file),
         input: plan.file.clone(),
+        typed: changes.overrides(),
         changes: &changes,
         args: &args,
         policies,

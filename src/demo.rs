@@ -17,6 +17,7 @@ pub fn run(args: &DemoArgs, voice: &Voice) -> Result<(), Failure> {
         command: "demo".to_owned(),
         input: "demo.toml".to_owned(),
         changes: &args.changes,
+        typed: args.changes.overrides(),
         args: &args.study,
         policies,
         logged: 1,

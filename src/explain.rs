@@ -19,6 +19,8 @@ pub fn codes() -> impl Iterator<Item = (&'static str, &'static str)> {
         toolroom_planning::CODES,
         toolroom_program::CODES,
         toolroom_shop::CODES,
+        toolroom_shop_import::CODES,
+        toolroom_snapshot::CODES,
         toolroom_watch::CODES,
     ]
     .into_iter()

@@ -13,6 +13,7 @@ use toolroom_gap_study::GapStudyError;
 use toolroom_kinds::KindError;
 use toolroom_output::OutputError;
 use toolroom_output::signals as stop;
+use toolroom_shop_import::{ShopImportError, TableFault};
 use toolroom_study::request::{RequestError, UnknownPolicy};
 use toolroom_study::results::{FinishedRun, FinishedRunError};
 
@@ -21,6 +22,13 @@ use toolroom_study::results::{FinishedRun, FinishedRunError};
 pub enum Failure {
     /// A file was not read.
     File(ReadError),
+    /// Faults of tables, each with its cell.
+    Tables {
+        /// The first of them.
+        faults: Vec<TableFault>,
+        /// How many more there are.
+        more: usize,
+    },
     /// An argument that cannot be used.
     Argument {
         /// What is wrong.
@@ -72,7 +80,7 @@ impl Failure {
     /// A word for programs.
     fn code(&self) -> &'static str {
         match self {
-            Self::File(_) => "unreadable",
+            Self::File(_) | Self::Tables { .. } => "unreadable",
             Self::Argument { .. } => "argument",
             Self::Work { .. } | Self::Json(_) => "work",
             Self::Stopped { .. } => "stopped",
@@ -88,6 +96,7 @@ impl Failure {
         match self {
             Self::File(ReadError::Faults(list)) => refuse(voice, &list.file, Excerpt::all(list)),
             Self::File(error) => self.plain(voice, error, None, 2),
+            Self::Tables { faults, more } => refuse_tables(voice, faults, *more),
             Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
             Self::Work { message } => self.plain(voice, message, None, 1),
             Self::Stopped { message, help } => self.plain(voice, message, Some(help), 1),
@@ -128,6 +137,17 @@ impl Failure {
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
         Self::File(error)
+    }
+}
+
+impl From<ShopImportError> for Failure {
+    fn from(error: ShopImportError) -> Self {
+        let fix = error.fix();
+        match error {
+            ShopImportError::Read(error) => error.into(),
+            ShopImportError::Cells { faults, more } => Self::Tables { faults, more },
+            other => Self::Argument { message: other.to_string(), help: fix.map(str::to_owned) },
+        }
     }
 }
 
@@ -204,5 +224,30 @@ fn refuse(voice: &Voice, file: &str, faults: Vec<Excerpt>) -> ExitCode {
     }
     let plural = if count == 1 { "" } else { "s" };
     voice.error(format_args!("{count} problem{plural} in {file}; `toolroom explain CODE` says more"));
+    ExitCode::from(2)
+}
+
+/// Tells the faults of tables, to programs too, and chooses the exit code.
+fn refuse_tables(voice: &Voice, faults: &[TableFault], more: usize) -> ExitCode {
+    if voice.json {
+        let problem = |fault: &TableFault| serde_json::json!({ "code": fault.code, "place": fault.place, "message": fault.message, "fix": fault.fix });
+        let problems: Vec<serde_json::Value> = faults.iter().map(problem).collect();
+        let error = problems.first().cloned();
+        let result =
+            serde_json::json!({ "schema": 1, "error": error, "valid": false, "problems": problems, "more": more });
+        let _ = voice.json(&result);
+    }
+    for fault in faults {
+        voice.error(format_args!("error[{}]: {}: {}", fault.code, fault.place, fault.message));
+        if let Some(fix) = &fault.fix {
+            voice.error(format_args!("  help: {fix}"));
+        }
+    }
+    let count = faults.len() + more;
+    let plural = if count == 1 { "" } else { "s" };
+    let rest = if more > 0 { format!(", of which the first {} are shown", faults.len()) } else { String::new() };
+    voice.error(format_args!(
+        "{count} problem{plural} in the tables{rest}; nothing was written; `toolroom explain CODE` says more"
+    ));
     ExitCode::from(2)
 }

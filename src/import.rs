@@ -1,8 +1,9 @@
-//! `toolroom import`: measured data of others as records.
+//! `toolroom import`: measured data of others as records, tables of an order system as a scenario.
 
 mod csv;
 mod mtconnect;
 mod nist_runs;
+mod shop;
 
 use crate::args::ImportCommand;
 use crate::failure::Failure;
@@ -19,6 +20,7 @@ pub fn run(command: &ImportCommand, voice: &Voice) -> Result<(), Failure> {
         ImportCommand::NasaMill(args) => csv::nasa_mill(args, voice),
         ImportCommand::Mtconnect(args) => mtconnect::run(args, voice),
         ImportCommand::NistRuns(args) => nist_runs::run(args, voice),
+        ImportCommand::Shop(args) => shop::run(args, voice),
     }
 }
 

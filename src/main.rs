@@ -37,6 +37,7 @@ mod report;
 mod run;
 mod schema;
 mod shard;
+mod snapshot;
 mod speak;
 mod ssp;
 mod study;

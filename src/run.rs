@@ -1,24 +1,44 @@
 //! `toolroom run FILE`: policies with full logs.
 
-use crate::args::RunArgs;
+use crate::args::{Changes, RunArgs};
 use crate::failure::Failure;
+use crate::snapshot;
 use crate::speak::Voice;
 use crate::study::{Request, default_out, perform};
 use crate::warm_up::settle;
-use toolroom_scenario_file::read;
+use toolroom_scenario_file::{ScenarioFile, read};
 use toolroom_study::request::policies_named;
 
 pub fn run(args: &RunArgs, voice: &Voice) -> Result<(), Failure> {
-    let mut file = read(&args.scenario.file, &args.scenario.changes.overrides())?;
+    if let (Some(at), Some(target)) = (&args.snapshot_at, &args.snapshot) {
+        return snapshot::take(args, (at, target), voice);
+    }
+    if let Some(from) = &args.scenario.from {
+        return snapshot::go_on(args, from, voice);
+    }
+    let changes = &args.scenario.changes;
+    let file = read(args.scenario.path(), &changes.overrides())?;
+    let input = args.scenario.path().display().to_string();
+    perform_run(args, file, (input.clone(), input), (changes, changes.overrides()), voice)
+}
+
+/// Runs a scenario: `input` is its name, `start` what was typed in its place, `typed` those of the changes that were.
+pub fn perform_run(
+    args: &RunArgs,
+    mut file: ScenarioFile,
+    (input, start): (String, String),
+    (changes, typed): (&Changes, Vec<String>),
+    voice: &Voice,
+) -> Result<(), Failure> {
     let policies = policies_named(&file.scenario, &args.study.policy)?;
     let out = default_out(&file.scenario.name);
     let target = args.study.out.as_deref().unwrap_or(&out);
     let warm_up = settle(&mut file, &mut [], &policies, &args.study, target, voice)?;
-    let input = args.scenario.file.display().to_string();
     let request = Request {
-        command: format!("run {input}"),
+        command: format!("run {start}"),
         input,
-        changes: &args.scenario.changes,
+        changes,
+        typed,
         args: &args.study,
         policies,
         logged: file.scenario.replications,

@@ -34,6 +34,8 @@ pub struct Request<'a> {
     pub input: String,
     pub file: ScenarioFile,
     pub changes: &'a Changes,
+    /// Those of them that were typed; a snapshot holds the others.
+    pub typed: Vec<String>,
     pub args: &'a StudyArgs,
     /// Policies by index.
     pub policies: Vec<usize>,
@@ -285,8 +287,8 @@ fn format(file: &ScenarioFile, args: &StudyArgs) -> Option<Format> {
 /// The command line without what does not change the report.
 fn reproduce(request: &Request<'_>) -> String {
     let mut reproduce = format!("toolroom {}", request.command);
-    for change in request.changes.overrides() {
-        reproduce.push_str(&format!(" --set {}", quoted(&change)));
+    for change in &request.typed {
+        reproduce.push_str(&format!(" --set {}", quoted(change)));
     }
     if request.tuning.is_some() {
         reproduce.push_str(" --tune");

@@ -34,7 +34,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     for value in values {
         let mut overrides = args.scenario.changes.overrides();
         overrides.push(format!("{key}={value}"));
-        let mut file = read(&args.scenario.file, &overrides)?;
+        let mut file = read(args.scenario.path(), &overrides)?;
         let policies = policies_named(&file.scenario, &args.study.policy)?;
         voice.say(format_args!("{key} = {value}"));
         let warm_up = settle(&mut file, &mut [], &policies, &args.study, Path::new(""), voice)?;

@@ -5,10 +5,12 @@ mod owned;
 
 mod files;
 mod first_hour;
+mod order_system;
 mod orders;
 mod planner;
 mod point;
 mod resumed;
+mod snapshots;
 mod study;
 
 use crate::command_line::{directory, json, shipped, stderr, stdout, toolroom};

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The documents hold: links lead somewhere, the examples of `new` run, and so do the commands of the tutorial in an empty folder,
-which print what the page shows.
+"""The documents hold: links lead somewhere, the examples of `new` run, and so do the commands of the pages in an empty folder,
+which print what these show: the tutorial and the guide of order systems.
 
     python3 tests/docs.py target/debug/toolroom
 
@@ -20,7 +20,7 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs/tutorial.md"
+PAGES = [ROOT / "docs/tutorial.md", ROOT / "docs/guide/order-system.md"]
 FENCE = re.compile(r"^```(\w*)$")
 FILE = re.compile(r"^File `([^`]+)`:$")
 REPLACE = re.compile(r"^In `([^`]+)`, replace `([^`]+)` by `([^`]+)`\.$")
@@ -144,11 +144,12 @@ def main():
         sys.exit(f"pages that docs/SUMMARY.md does not name: {', '.join(book())}")
     print(f"{len(pages)} pages, every link leads somewhere")
     examples(arguments.program.resolve())
-    start = time.monotonic()
-    missing = follow(PAGE, arguments.program)
-    if missing:
-        sys.exit("promised and not printed:\n" + "\n".join(f"  {place}: {line}" for place, line in missing))
-    print(f"the tutorial took {time.monotonic() - start:.0f} s, and prints what its page shows")
+    for page in PAGES:
+        start = time.monotonic()
+        missing = follow(page, arguments.program)
+        if missing:
+            sys.exit("promised and not printed:\n" + "\n".join(f"  {place}: {line}" for place, line in missing))
+        print(f"{page.relative_to(ROOT)} took {time.monotonic() - start:.0f} s, and prints what the page shows")
 
 
 if __name__ == "__main__":

@@ -66,7 +66,7 @@ fn every_problem_is_reported_at_once_with_file_line_and_column() {
 }
 
 /// One shipped file of every kind that can be read.
-const KINDS: [(&str, &str); 13] = [
+const KINDS: [(&str, &str); 14] = [
     ("scenario", "template"),
     ("lobes", "chatter/milling-slot"),
     ("structure", "chatter/spindle"),
@@ -76,6 +76,7 @@ const KINDS: [(&str, &str); 13] = [
     ("contour", "contour/rk3"),
     ("contour", "contour/cam"),
     ("mapping", "gap/map-vicomtech"),
+    ("shop-mapping", "new/shop/map"),
     ("gap", "gap/vicomtech"),
     ("gap", "gap/program"),
     ("machine", "machines/vmc"),

@@ -3,8 +3,20 @@
 use super::*;
 
 /// Kinds of which there is an example.
-const KINDS: [&str; 11] =
-    ["scenario", "structure", "tool", "lobes", "life", "cycle", "contour", "setup", "mapping", "gap", "parameter-set"];
+const KINDS: [&str; 12] = [
+    "scenario",
+    "structure",
+    "tool",
+    "lobes",
+    "life",
+    "cycle",
+    "contour",
+    "setup",
+    "mapping",
+    "shop-mapping",
+    "gap",
+    "parameter-set",
+];
 
 #[test]
 fn new_writes_an_example_of_every_kind_that_check_takes() {

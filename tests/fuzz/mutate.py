@@ -126,6 +126,8 @@ CASES = [
     case("point-infeed", ["point", "infeed", "--set", "infeed_per_rev=4.43 um/rev", "--advance", "3 s"]),
     case("import-csv", ["import", "csv", "log.csv", "--map", "map.toml", "--out", "out"],
          ("log.csv", "new/log.csv"), ("map.toml", "new/map.toml")),
+    case("import-shop", ["import", "shop", "--map", "map.toml", "--out", "shop.toml", "--check"],
+         *((name, f"new/shop/{name}") for name in ("map.toml", "base.toml", "orders.csv", "routings.csv", "machines.csv", "people.csv"))),
     case("import-mtconnect", ["import", "mtconnect", "m.shdr", "--out", "out"], ("m.shdr", adapter())),
     case("gap-diagnose", ["gap", "diagnose", "--model", "g.toml", "--data", "w.csv", "--out", "out"],
          ("g.toml", "gap/turning.toml"), ("w.csv", "new/wear.csv")),

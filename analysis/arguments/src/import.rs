@@ -25,6 +25,25 @@ pub enum ImportCommand {
     #[command(before_help = "Examples:
   toolroom import nist-runs nist-mazak-runs-2017.csv --machine Mazak03 --program 103 --out out/mazak03-103")]
     NistRuns(NistRunsArgs),
+    /// Tables of an order system (CSV, XLSX, ODS) as a scenario of a shop, by a mapping file
+    #[command(before_help = "Examples:
+  toolroom new shop-mapping erp
+  toolroom import shop --map map.toml --out shop.toml
+  toolroom import shop --map map.toml --out shop.toml --check")]
+    Shop(ImportShopArgs),
+}
+
+#[derive(Args, Debug)]
+pub struct ImportShopArgs {
+    /// Which tables there are and what their columns are
+    #[arg(long, value_name = "MAP.toml")]
+    pub map: PathBuf,
+    /// The scenario that is made
+    #[arg(long, value_name = "SHOP.toml")]
+    pub out: PathBuf,
+    /// Also say what `toolroom check` says of it: load against capacity, due dates that cannot be met
+    #[arg(long)]
+    pub check: bool,
 }
 
 #[derive(Args, Debug)]

@@ -25,7 +25,7 @@ pub use gap::{
     ApplyArgs, BlindArgs, BlindCases, DiagnoseArgs, GapCommand, GapData, IdentifiabilityArgs, LoopArgs, PlanArgs,
     PredictArgs, WatchArgs,
 };
-pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
+pub use import::{ImportCommand, ImportCsvArgs, ImportShopArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use life::{LifeArgs, MergeArgs, Readings, ShardArgs, Shards, Statistics, confidence};
 pub use lobes::LobesArgs;
 pub use modes::{CoefficientsArgs, ListenArgs, ModesArgs, SwapArgs};
@@ -33,7 +33,7 @@ pub use planning::{ContourArgs, GrindArgs, IdentifyArgs};
 pub use point::{PointArgs, PointLife, PointProcess};
 pub use program::ProgramArgs;
 pub use study::{
-    Axis, Changes, CompareArgs, DemoArgs, DiffArgs, LogFormat, ReportArgs, RunArgs, ScenarioArgs, StudyArgs,
+    Axis, Changes, CompareArgs, DemoArgs, DiffArgs, LogFormat, ReportArgs, RunArgs, ScenarioArgs, StartArgs, StudyArgs,
 };
 pub use unit::{
     FmuCommand, FmuExportArgs, FmuFileArgs, FmuInterface, FmuIsolation, FmuSimArgs, SspCommand, SspExportArgs,
@@ -112,7 +112,9 @@ pub enum Command {
     #[command(before_help = "Examples:
   toolroom run shop.toml --policy adaptive --out out/adaptive
   toolroom run shop.toml --records out/records      as if measured, for `toolroom gap diagnose`
-  toolroom run shop.toml --format csv --replications 3")]
+  toolroom run shop.toml --format csv --replications 3
+  toolroom run shop.toml --snapshot-at \"2026-04-01 06:00\" --snapshot wednesday.trs
+  toolroom run --from wednesday.trs --set dispatch.rule=edd --out out/edd")]
     Run(RunArgs),
     /// Find or open the report of a finished run; draw it again where it is missing
     #[command(before_help = "Examples:

@@ -1,7 +1,7 @@
 //! Studies of a scenario and their results.
 
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A scenario and changes to it.
 #[derive(Args, Clone, Debug)]
@@ -10,6 +10,29 @@ pub struct ScenarioArgs {
     pub file: PathBuf,
     #[command(flatten)]
     pub changes: Changes,
+}
+
+/// A scenario, or a snapshot of one that was run to some instant, and changes to it.
+#[derive(Args, Clone, Debug)]
+pub struct StartArgs {
+    /// Scenario file; left out with --from
+    #[arg(required_unless_present = "from", conflicts_with = "from")]
+    pub file: Option<PathBuf>,
+    /// Go on from this snapshot: changes act from its instant on
+    #[arg(long, value_name = "SNAPSHOT")]
+    pub from: Option<PathBuf>,
+    /// Another end of the run that goes on
+    #[arg(long, value_name = "TIME", requires = "from")]
+    pub horizon: Option<String>,
+    #[command(flatten)]
+    pub changes: Changes,
+}
+
+impl StartArgs {
+    /// The scenario file; empty where a snapshot stands in its place.
+    pub fn path(&self) -> &Path {
+        self.file.as_deref().unwrap_or(Path::new(""))
+    }
 }
 
 /// Changes to the values of a scenario.
@@ -85,15 +108,24 @@ pub struct DemoArgs {
 #[derive(Args, Debug)]
 pub struct RunArgs {
     #[command(flatten)]
-    pub scenario: ScenarioArgs,
+    pub scenario: StartArgs,
     #[command(flatten)]
     pub study: StudyArgs,
+    /// Run to this date or time since the start only, and write --snapshot
+    #[arg(long, value_name = "TIME", requires = "snapshot", conflicts_with = "from")]
+    pub snapshot_at: Option<String>,
+    /// Where the snapshot is written
+    #[arg(long, value_name = "FILE", requires = "snapshot_at")]
+    pub snapshot: Option<PathBuf>,
+    /// From the instant of the snapshot on, this [[variant]] of the scenario
+    #[arg(long, value_name = "NAME", requires = "from")]
+    pub variant: Option<String>,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct CompareArgs {
     #[command(flatten)]
-    pub scenario: ScenarioArgs,
+    pub scenario: StartArgs,
     #[command(flatten)]
     pub study: StudyArgs,
     /// Repeat the comparison at several values of a key; nothing is written

@@ -21,6 +21,7 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod error;
+mod load_table;
 mod places;
 mod plan;
 mod presence;
@@ -186,6 +187,13 @@ pub static KINDS: &[FileKind] = &[
         signs: &["column", "keep", "rows_per_operation"],
         read: Some(readers::mapping),
         form: Described::By(&MAPPING),
+    },
+    FileKind {
+        word: "shop-mapping",
+        doc: "What the tables of an order system are, for import shop",
+        signs: &["table"],
+        read: Some(readers::shop_mapping),
+        form: Described::By(&toolroom_shop_import::SHOP_MAPPING),
     },
     FileKind {
         word: "gap",

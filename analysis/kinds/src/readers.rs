@@ -14,6 +14,7 @@ use toolroom_planning::contour::{Task, read_setup};
 use toolroom_planning::cycle::CycleDesign;
 use toolroom_records::import::Mapping;
 use toolroom_scenario_file::{self as file, ScenarioFile};
+use toolroom_shop_import::ShopMapping;
 use toolroom_wear::{Origin, Pair, ParameterSet, SetError, TURNING_SETS};
 
 /// Reads a file with the values of `--set`.
@@ -153,6 +154,12 @@ pub fn mapping(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     let mapping = Mapping::read(path, set)?;
     let summary = format!("a mapping of {} columns to {} records", mapping.columns.len(), mapping.kind.name());
     Ok(checked("mapping", None, Vec::new(), &summary))
+}
+
+pub fn shop_mapping(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let mapping = ShopMapping::read(path, set)?;
+    let summary = format!("a mapping of tables of a shop: {}", mapping.tables().join(", "));
+    Ok(checked("shop-mapping", None, Vec::new(), &summary))
 }
 
 pub fn effects(path: &Path, set: &[String]) -> Result<Checked, KindError> {

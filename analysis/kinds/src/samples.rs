@@ -20,6 +20,7 @@ pub(crate) static SAMPLES: &[(&str, &Sample)] = &[
     ("contour", &CONTOUR),
     ("setup", &SETUP),
     ("mapping", &MAPPING),
+    ("shop-mapping", &SHOP_MAPPING),
     ("gap", &GAP),
     ("parameter-set", &PARAMETER_SET),
 ];
@@ -71,6 +72,22 @@ static SETUP: Sample = Sample {
 static MAPPING: Sample = Sample {
     files: &[("map.toml", scenarios!("new/map.toml")), ("log.csv", scenarios!("new/log.csv"))],
     next: &["toolroom import csv log.csv --map map.toml --out records"],
+};
+
+static SHOP_MAPPING: Sample = Sample {
+    files: &[
+        ("map.toml", scenarios!("new/shop/map.toml")),
+        ("base.toml", scenarios!("new/shop/base.toml")),
+        ("orders.csv", scenarios!("new/shop/orders.csv")),
+        ("routings.csv", scenarios!("new/shop/routings.csv")),
+        ("machines.csv", scenarios!("new/shop/machines.csv")),
+        ("people.csv", scenarios!("new/shop/people.csv")),
+    ],
+    next: &[
+        "toolroom import shop --map map.toml --out shop.toml --check",
+        "toolroom run shop.toml",
+        "toolroom compare shop.toml",
+    ],
 };
 
 static GAP: Sample = Sample {

@@ -4,8 +4,6 @@
 
 use crate::Warning;
 use crate::presence::absent;
-use serde_json::{Value, json};
-use std::fmt::Write as _;
 use toolroom_scenario::{
     Arrival, ArrivalPattern, BatchUnit, InspectedTo, Interruption, Operation, Order, Part, Scenario, ShiftCalendar,
     Work, WorkPer, date,
@@ -40,13 +38,15 @@ pub(crate) struct Load {
     pub setup: f64,
     /// Working time from zero to the horizon, s.
     pub capacity: f64,
+    /// Whether jobs that replace those that leave keep it at work as long as it works.
+    pub endless: bool,
     /// Due dates of the orders among this work, s, each with its work, s.
     dues: Vec<(f64, f64)>,
 }
 
 impl Load {
     /// Work and setups over working time.
-    fn share(&self) -> f64 {
+    pub fn share(&self) -> f64 {
         (self.work + self.setup) / self.capacity
     }
 }
@@ -86,50 +86,6 @@ pub(crate) fn workload(scenario: &Scenario) -> Workload {
     Workload { loads, warnings }
 }
 
-impl Workload {
-    /// The table for people; empty where nothing is to be done.
-    pub fn text(&self) -> String {
-        let mut text = String::new();
-        if self.loads.is_empty() {
-            return text;
-        }
-        let width = self.loads.iter().map(|load| load.name.chars().count()).max().unwrap_or(0).max(7);
-        let _ = write!(
-            text,
-            "\nload until the horizon, mean times, one setup a lot\n  {:width$}  {:>10}  {:>10}  {:>10}  {:>6}",
-            "station", "work", "setups", "capacity", "load"
-        );
-        for load in &self.loads {
-            let hours = |seconds: f64| format!("{:.1} h", seconds / 3600.0);
-            let _ = write!(
-                text,
-                "\n  {:width$}  {:>10}  {:>10}  {:>10}  {:>4.0} %",
-                load.name,
-                hours(load.work),
-                hours(load.setup),
-                hours(load.capacity),
-                100.0 * load.share(),
-            );
-        }
-        text
-    }
-
-    /// The same for programs.
-    pub fn json(&self) -> (String, Value) {
-        let load = |load: &Load| {
-            json!({
-                "station": load.name,
-                "work [h]": load.work / 3600.0,
-                "setup [h]": load.setup / 3600.0,
-                "capacity [h]": load.capacity / 3600.0,
-                "load": load.share(),
-            })
-        };
-        let loads: Vec<Value> = self.loads.iter().map(load).collect();
-        ("load".to_owned(), json!(loads))
-    }
-}
-
 impl Shop<'_> {
     /// Every station, and every skill that any operation needs.
     fn loads(&self) -> Vec<Load> {
@@ -144,7 +100,15 @@ impl Shop<'_> {
                 let names = machines.iter().map(|&machine| scenario.machines[machine].name.as_str());
                 let name = names.collect::<Vec<_>>().join(" + ");
                 let capacity = self.capacity(machines.iter().map(|&each| scenario.machines[each].calendar), 0.0, None);
-                stations.push(Load { name, members: machines, work: 0.0, setup: 0.0, capacity, dues: Vec::new() });
+                stations.push(Load {
+                    name,
+                    members: machines,
+                    work: 0.0,
+                    setup: 0.0,
+                    capacity,
+                    endless: false,
+                    dues: Vec::new(),
+                });
             }
             let needed = [operation.attendance.setup, operation.attendance.load, operation.attendance.run];
             for skill in needed.into_iter().flatten() {
@@ -153,7 +117,15 @@ impl Shop<'_> {
                     let members = self.skilled(skill);
                     let capacity =
                         self.capacity(members.iter().map(|&each| scenario.operators[each].calendar), 0.0, None);
-                    skills.push(Load { name, members, work: 0.0, setup: 0.0, capacity, dues: Vec::new() });
+                    skills.push(Load {
+                        name,
+                        members,
+                        work: 0.0,
+                        setup: 0.0,
+                        capacity,
+                        endless: false,
+                        dues: Vec::new(),
+                    });
                 }
             }
         }
@@ -164,7 +136,10 @@ impl Shop<'_> {
             self.add(&mut stations, &mut skills, order.part, f64::from(order.quantity), 1.0, Some(order.due));
         }
         for arrival in &scenario.arrivals {
-            let jobs = self.jobs(arrival);
+            let Some(jobs) = self.jobs(arrival) else {
+                self.mark_endless(&mut stations, &mut skills, arrival.part);
+                continue;
+            };
             self.add(&mut stations, &mut skills, arrival.part, jobs, jobs, None);
         }
         stations.append(&mut skills);
@@ -189,18 +164,32 @@ impl Shop<'_> {
         operators.filter(|(_, operator)| operator.skills.contains(&skill)).map(|(index, _)| index).collect()
     }
 
-    /// Expected number of jobs until the horizon; those that replace others are not known beforehand.
-    fn jobs(&self, arrival: &Arrival) -> f64 {
+    /// Notes that a part which replaces itself comes to these stations and skills for as long as they can do it.
+    fn mark_endless(&self, stations: &mut [Load], skills: &mut [Load], part: usize) {
+        for operation in &self.scenario.parts[part].operations {
+            let within = |load: &&mut Load| operation.machines.iter().all(|each| load.members.contains(each));
+            stations.iter_mut().filter(within).for_each(|load| load.endless = true);
+            let attendance = operation.attendance;
+            for skill in [attendance.setup, attendance.load, attendance.run].into_iter().flatten() {
+                let who = self.skilled(skill);
+                let within = |load: &&mut Load| who.iter().all(|each| load.members.contains(each));
+                skills.iter_mut().filter(within).for_each(|load| load.endless = true);
+            }
+        }
+    }
+
+    /// Expected number of jobs until the horizon; `None` where each replaces one that leaves.
+    fn jobs(&self, arrival: &Arrival) -> Option<f64> {
         let horizon = self.scenario.horizon;
-        match &arrival.pattern {
+        Some(match &arrival.pattern {
             ArrivalPattern::Schedule(rows) => {
                 rows.iter().filter(|(time, _)| *time <= horizon).map(|(_, count)| f64::from(*count)).sum()
             }
             ArrivalPattern::Renewal(between) => horizon / between.mean(),
             ArrivalPattern::Poisson { rate } => rate * horizon,
             ArrivalPattern::Batch { interval, size } => (horizon / interval).ceil() * f64::from(*size),
-            ArrivalPattern::ConstantWork { .. } => 0.0,
-        }
+            ArrivalPattern::ConstantWork { .. } => return None,
+        })
     }
 
     /// Adds what a part takes to every station and skill that alone can do it: work for so many pieces, setups for
@@ -478,6 +467,17 @@ mod tests {
             found.warnings[0].message.starts_with("order O6 cannot be finished before 2026-04-07 12:40"),
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn jobs_that_replace_others_are_no_load_of_nothing() {
+        let found = workload(&shipped("line.toml", &[]).scenario);
+        assert!(found.loads.iter().all(|load| load.endless), "{found:?}");
+        let (text, (_, json)) = (found.text(), found.json());
+        assert!(text.contains("   any\n") && !text.contains("0 %"), "{text}");
+        assert!(json[0]["load"].is_null() && json[0]["unlimited_demand"] == true, "{json}");
+        let orders = workload(&shipped("orders.toml", &[]).scenario);
+        assert!(!orders.text().contains("any") && orders.json().1[0]["load"].as_f64().is_some());
     }
 
     #[test]

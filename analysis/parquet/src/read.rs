@@ -32,5 +32,5 @@ fn cells(path: &Path) -> PolarsResult<RawTable> {
         }
         rows.push((row + 1, cells));
     }
-    Ok(RawTable { header, rows, notes: Vec::new() })
+    Ok(RawTable { header, header_line: 0, rows, notes: Vec::new() })
 }

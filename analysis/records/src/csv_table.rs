@@ -10,6 +10,8 @@ use toolroom_process::unit;
 pub struct RawTable {
     /// Headers.
     pub header: Vec<String>,
+    /// Line of the file with the headers; 0 where the format has no lines.
+    pub header_line: usize,
     /// Line of the file and its cells.
     pub rows: Vec<(usize, Vec<String>)>,
     /// What was done to read the file, for people.
@@ -47,7 +49,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawTable, BrokenQuote> {
         let line = record.position().map_or(1, |position| usize::try_from(position.line()).unwrap_or(usize::MAX));
         let cells: Vec<String> = record.iter().map(str::to_owned).collect();
         if table.header.is_empty() {
-            table.header = cells;
+            (table.header, table.header_line) = (cells, line);
         } else {
             table.rows.push((line, cells));
         }

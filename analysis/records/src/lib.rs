@@ -11,7 +11,7 @@
 //! | [`Records`] | numbers in SI and texts, by column |
 //! | [`RecordKind`], [`RecordColumn`] | the columns of turning, milling, grinding and shop records |
 //! | [`ReadReport`] | what the reader used, dropped, and did on its own account |
-//! | [`read`], [`tables`], [`parse_csv`], [`write_csv`] | files |
+//! | [`read`], [`tables`], [`parse_csv`], [`cells`], [`write_csv`] | files |
 //! | [`Sensor`] | errors of a sensor, and those that a channel usually has |
 //! | [`table`] | typed rows on their way to a file of any format |
 //! | [`mtconnect`] | logs of machines that speak MTConnect, as records |
@@ -33,7 +33,7 @@ mod write;
 
 pub use columns::{ColumnKind, RecordColumn};
 pub use csv_table::{OtherTable, RawTable};
-pub use read::{RecordError, parse_csv, read, tables};
+pub use read::{RecordError, cells, parse_csv, read, tables};
 pub use report::ReadReport;
 pub use sensor::Sensor;
 pub use write::write_csv;

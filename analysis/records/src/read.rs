@@ -100,7 +100,7 @@ pub fn read(path: &Path, kind: RecordKind, parquet: OtherTable<'_>) -> Result<(R
         parquet(&path)?
     } else {
         let bytes = std::fs::read(&path).map_err(|source| RecordError::Unreadable { path: path.clone(), source })?;
-        parsed(&file, &bytes)?
+        cells(&file, &bytes)?
     };
     understand(&file, &table, kind)
 }
@@ -119,11 +119,14 @@ pub fn read(path: &Path, kind: RecordKind, parquet: OtherTable<'_>) -> Result<(R
 /// assert_eq!(report.notes, ["numbers have a decimal comma"]);
 /// ```
 pub fn parse_csv(file: &str, bytes: &[u8], kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
-    understand(file, &parsed(file, bytes)?, kind)
+    understand(file, &cells(file, bytes)?, kind)
 }
 
-/// The cells of delimited text.
-pub(super) fn parsed(file: &str, bytes: &[u8]) -> Result<RawTable, RecordError> {
+/// The cells of delimited text in any delimiter, encoding and decimal sign; `file` is its name in messages.
+///
+/// # Errors
+/// [`RecordError::Quote`]: a quote that cannot be read.
+pub fn cells(file: &str, bytes: &[u8]) -> Result<RawTable, RecordError> {
     csv_table::parse(bytes).map_err(|fault| RecordError::Quote { file: file.to_owned(), fault })
 }
 

@@ -227,10 +227,15 @@ fn figures<'a>(study: &'a Study, ids: &[&str]) -> Vec<(usize, &'a Kpi)> {
     ids.iter().filter_map(|id| study.index(id)).map(|index| (index, &study.kpis[index])).collect()
 }
 
-/// Those of [`ROWS`] that have a value under some policy: a shop without edges is told nothing of them.
+/// Those of [`ROWS`] that have a value under some policy: a shop without edges is told nothing of them, and one without
+/// rates nothing of costs.
 fn told<'a>(study: &'a Study, comparison: &Comparison) -> impl Iterator<Item = (usize, &'a Kpi)> {
-    let known = |index: usize| comparison.policies.iter().any(|policy| !policy.kpis[index].mean.is_nan());
-    figures(study, &ROWS).into_iter().filter(move |(index, _)| known(*index))
+    let says = |index: usize, free: bool| {
+        let mut means = comparison.policies.iter().map(|policy| policy.kpis[index].mean);
+        means.any(|mean| !(mean.is_nan() || free && mean == 0.0))
+    };
+    let free = |kpi: &Kpi| kpi.definition.id == "cost_per_part";
+    figures(study, &ROWS).into_iter().filter(move |(index, kpi)| says(*index, free(kpi)))
 }
 
 fn per_cent(kpi: &Kpi) -> &'static str {

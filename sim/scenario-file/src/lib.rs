@@ -41,7 +41,7 @@ pub use codes::CODES;
 pub use fault::ScenarioFault;
 pub use keys::{GAP, SCENARIO, SENSORS};
 pub use rules::{gap as gap_section, sensors};
-pub use variants::{AS_IT_IS, ShopVariant};
+pub use variants::{AS_IT_IS, ShopVariant, literal};
 
 use std::path::{Path, PathBuf};
 use toolroom_form::{Echo, FormFile, ReadError};

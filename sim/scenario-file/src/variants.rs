@@ -54,7 +54,7 @@ pub(super) fn variants(walk: &mut Walk, root: &Section<'_>, (start, horizon): (O
 }
 
 /// A value as it is written in a file.
-fn literal(value: &DeValue<'_>) -> String {
+pub fn literal(value: &DeValue<'_>) -> String {
     let joined = |parts: Vec<String>| parts.join(", ");
     match value {
         DeValue::String(text) => toml::Value::String(text.to_string()).to_string(),

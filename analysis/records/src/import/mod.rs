@@ -13,7 +13,7 @@ mod tests;
 
 pub use mapping::{Combine, Keep, MAPPING, Mapped, Mapping, Origin};
 
-use super::read::parsed;
+use super::read::cells;
 use super::{OtherTable, RawTable, ReadReport, RecordError, RecordKind, Records};
 use std::path::Path;
 
@@ -74,7 +74,7 @@ pub fn import(path: &Path, mapping: &Mapping, parquet: OtherTable<'_>) -> Result
         parquet(path)?
     } else {
         let bytes = std::fs::read(path).map_err(|source| RecordError::Unreadable { path: path.to_owned(), source })?;
-        parsed(&path.display().to_string(), &bytes)?
+        cells(&path.display().to_string(), &bytes)?
     };
     import_table(&path.display().to_string(), &table, mapping)
 }
@@ -95,7 +95,7 @@ pub fn import(path: &Path, mapping: &Mapping, parquet: OtherTable<'_>) -> Result
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn import_csv(file: &str, bytes: &[u8], mapping: &Mapping) -> Result<(Records, ReadReport), ImportError> {
-    import_table(file, &parsed(file, bytes)?, mapping)
+    import_table(file, &cells(file, bytes)?, mapping)
 }
 
 fn import_table(file: &str, table: &RawTable, mapping: &Mapping) -> Result<(Records, ReadReport), ImportError> {

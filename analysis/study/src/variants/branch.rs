@@ -22,8 +22,10 @@ pub const POSSIBLE: &str = "a shop that runs can take other rules (`dispatch.rul
 /// [`NoBranch`], in words: what a running shop cannot take.
 pub fn branched(before: &Scenario, after: &Scenario, at: f64, changes: &[String]) -> Result<Scenario, NoBranch> {
     let refuse = |reason: String| Err(NoBranch { reason });
-    if let Some(change) = changes.iter().find(|change| !is_possible(change)) {
-        return refuse(format!("`{change}` cannot change while the shop runs"));
+    let wrong: Vec<_> =
+        changes.iter().filter(|change| !is_possible(change)).map(|change| format!("`{change}`")).collect();
+    if !wrong.is_empty() {
+        return refuse(format!("{} cannot change while the shop runs", wrong.join(", ")));
     }
     if before.dispatch != after.dispatch && before.control.loops.iter().any(|own| own.rules.is_empty()) {
         return refuse(

@@ -1,0 +1,196 @@
+//! What is wrong in the tables of a shop, and in which cell.
+
+use crate::draft::Draft;
+use crate::mapping::ShopMapping;
+use crate::source::Source;
+use std::fmt;
+use std::path::Path;
+use toolroom_form::{Problem, ReadError};
+use toolroom_process::parameters::place;
+
+/// Most faults that are told one by one: a wrong unit spoils every row alike.
+const MOST_TOLD: usize = 50;
+
+/// Longest list of known names that is shown, characters.
+const LISTED: usize = 160;
+
+/// A cell of a table, a row of it, or the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct CellRef {
+    /// The table of the mapping.
+    pub table: usize,
+    /// The row, as an index among those that count; `None` for the table as a whole.
+    pub row: Option<usize>,
+    /// The column of the mapping.
+    pub column: Option<usize>,
+}
+
+/// What is wrong before it has its place in words.
+#[derive(Clone, Debug)]
+pub(crate) enum Found {
+    /// In a cell.
+    Cell(CellRef, Told),
+    /// Elsewhere, with its place in words.
+    Place(String, Told),
+}
+
+impl Found {
+    /// Table and row of a fault in a row.
+    pub fn row(&self) -> Option<(usize, usize)> {
+        match self {
+            Self::Cell(CellRef { table, row: Some(row), .. }, _) => Some((*table, *row)),
+            Self::Cell(..) | Self::Place(..) => None,
+        }
+    }
+
+    /// Whether it is about a row and about none of its cells.
+    pub fn is_whole_row(&self) -> bool {
+        matches!(self, Self::Cell(CellRef { row: Some(_), column: None, .. }, _))
+    }
+}
+
+/// What is wrong, and the likely fix.
+#[derive(Clone, Debug)]
+pub(crate) struct Told {
+    pub code: &'static str,
+    pub message: String,
+    pub fix: Option<String>,
+}
+
+/// A fault of a table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TableFault {
+    /// For `toolroom explain`.
+    pub code: &'static str,
+    /// File, sheet, row and cell, or line and column of the base.
+    pub place: String,
+    /// What is wrong there.
+    pub message: String,
+    /// The likely fix.
+    pub fix: Option<String>,
+}
+
+impl fmt::Display for TableFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.place, self.message)?;
+        self.fix.as_ref().map_or(Ok(()), |fix| write!(f, "\n    {fix}"))
+    }
+}
+
+/// Why no scenario was made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShopImportError {
+    /// The mapping, or the base, which cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A table that cannot be read.
+    #[error("{file} cannot be read: {reason}")]
+    Table {
+        /// The file.
+        file: String,
+        /// Why.
+        reason: String,
+    },
+    /// Faults in cells.
+    #[error("{} in the tables{}", counted(.faults.len() + .more), .faults.iter().map(|fault| format!("\n{fault}")).collect::<String>())]
+    Cells {
+        /// The first of them, in the order of the tables.
+        faults: Vec<TableFault>,
+        /// How many more there are.
+        more: usize,
+    },
+}
+
+fn counted(count: usize) -> String {
+    format!("{count} fault{}", if count == 1 { "" } else { "s" })
+}
+
+impl ShopImportError {
+    /// The likely fix, where the message does not say it.
+    pub fn fix(&self) -> Option<&'static str> {
+        match self {
+            Self::Read(_) | Self::Cells { .. } => None,
+            Self::Table { .. } => Some("`file` and `sheet` of the mapping say which table it is"),
+        }
+    }
+
+    pub(crate) fn tables(mut found: Vec<Found>, places: &Places<'_>) -> Self {
+        let key = |found: &Found| match found {
+            Found::Cell(cell, _) => (1, cell.table, cell.row.map_or(0, |row| row + 1), cell.column.unwrap_or(0)),
+            Found::Place(..) => (0, 0, 0, 0),
+        };
+        found.sort_by_key(key);
+        let more = found.len().saturating_sub(MOST_TOLD);
+        let mut faults: Vec<TableFault> = found.into_iter().take(MOST_TOLD).map(|found| places.told(found)).collect();
+        faults.dedup();
+        Self::Cells { faults, more }
+    }
+}
+
+/// What tells the places of faults.
+pub(crate) struct Places<'a> {
+    pub mapping: &'a ShopMapping,
+    pub tables: &'a [Source],
+    pub base: &'a Path,
+}
+
+impl Places<'_> {
+    /// A fault of the scenario that was made, at the cell of the faulty value.
+    pub fn translated(&self, problem: &Problem, draft: &Draft) -> Found {
+        let fix = problem.fault.fix().map(|fix| match fix.split_once("known: ") {
+            // A shop has thousands of names; the nearest is worth more than all of them.
+            Some((near, known)) if known.chars().count() > LISTED => {
+                let near = near.trim_end();
+                if near.is_empty() { "none of the known names is alike".to_owned() } else { near.to_owned() }
+            }
+            Some(_) | None => fix,
+        });
+        let told = Told { code: problem.fault.code(), message: problem.fault.to_string(), fix };
+        match draft.origin(problem.span.start) {
+            Some(cell) => Found::Cell(cell, told),
+            None => {
+                let (line, column) = place(&draft.text, problem.span.start);
+                Found::Place(format!("{}:{line}:{column}", self.base.display()), told)
+            }
+        }
+    }
+
+    fn told(&self, found: Found) -> TableFault {
+        let (place, Told { code, message, fix }) = match found {
+            Found::Cell(cell, told) => (self.shown(cell), told),
+            Found::Place(place, told) => (place, told),
+        };
+        TableFault { code, place, message, fix }
+    }
+
+    /// `erp.xlsx, sheet Auftraege, row 7, cell C7 (Teil)`.
+    fn shown(&self, cell: CellRef) -> String {
+        let (map, source) = (&self.mapping.tables[cell.table], &self.tables[cell.table]);
+        let mut place = map.file.clone();
+        if let Some(sheet) = &source.sheet {
+            place += &format!(", sheet {sheet}");
+        }
+        let Some(row) = cell.row else { return place };
+        let line = source.rows[row].line;
+        place += &format!(", row {line}");
+        if let Some(column) = cell.column
+            && let Some(at) = source.columns[column]
+        {
+            place += &format!(", cell {}{line} ({})", letters(at), map.columns[column].from);
+        }
+        place
+    }
+}
+
+/// The name of a column as spreadsheets have it: A, B, …, Z, AA.
+pub(crate) fn letters(mut column: usize) -> String {
+    let mut name = String::new();
+    loop {
+        name.insert(0, char::from(b'A' + (column % 26) as u8));
+        if column < 26 {
+            return name;
+        }
+        column = column / 26 - 1;
+    }
+}
