@@ -312,6 +312,7 @@ impl<R: Recorder> Shop<'_, R> {
         if self.has_cards() && self.world.jobs.get(slot).is_some() {
             self.leave_ticket(slot);
         }
+        self.unclamp_all(slot);
         let Some(mut job) = self.world.jobs.remove(slot) else { return Ok(()) };
         job.row.finish = self.now().seconds();
         job.row.outcome = outcome;

@@ -39,6 +39,9 @@ impl<R: Recorder> Shop<'_, R> {
         if stuck.is_empty() {
             return Ok(false);
         }
+        if self.has_fixtures() {
+            return self.resolve_with_fixtures(&stuck);
+        }
         let circle = self.circle(&stuck);
         let machines: Option<Vec<(usize, u32)>> = circle
             .iter()
@@ -85,7 +88,7 @@ impl<R: Recorder> Shop<'_, R> {
         // Those who wait for a card, and those who may have one, wherever they stand.
         let carded = (0..self.world.jobs.places()).filter(|_| self.has_cards());
         let carded = carded.filter(|slot| self.world.jobs.get(*slot).is_some_and(|job| job.parked || job.waiting));
-        standing.chain(held).chain(carded).collect()
+        standing.chain(held).chain(carded).chain(self.travelling()).collect()
     }
 
     /// Whether some place that a job wants is free, or held by one that may move.
@@ -98,7 +101,11 @@ impl<R: Recorder> Shop<'_, R> {
             self.has_room(buffer) || flow.buffers[buffer].iter().any(|standing| !stuck.contains(standing))
         };
         let job = self.world.jobs.at(slot);
+        let equipped = self.needs_in_vain(slot, stuck).is_none();
         if self.scenario.blocking == Blocking::BeforeService {
+            if !equipped {
+                return false;
+            }
             let operations = &self.scenario.parts[job.row.part as usize].operations;
             let Some(next) = operations.get(job.next_operation(operations.len())) else { return true };
             return next.machines.iter().any(|&machine| self.input(machine).is_none_or(opens));
@@ -108,12 +115,16 @@ impl<R: Recorder> Shop<'_, R> {
             !state.is_up() || state.blocked.is_none_or(|own| own == slot || !stuck.contains(&own))
         };
         if job.waiting {
-            return self.next_machines(slot).iter().any(|&machine| self.input(machine) == job.buffer && frees(machine));
+            return equipped
+                && self.next_machines(slot).iter().any(|&machine| self.input(machine) == job.buffer && frees(machine));
         }
         let behind = flow.held.iter().find(|held| held.slot == slot && held.output.is_none());
         let output = behind.and_then(|held| self.scenario.machines[held.machine as usize].output_buffer);
         output.is_some_and(opens)
-            || self.next_machines(slot).iter().any(|&machine| self.input(machine).is_none_or(opens) || frees(machine))
+            || self
+                .next_machines(slot)
+                .iter()
+                .any(|&machine| self.input(machine).is_none_or(opens) || equipped && frees(machine))
     }
 
     /// Whether a card of a loop may come back: all jobs that have it together may move.
@@ -127,16 +138,23 @@ impl<R: Recorder> Shop<'_, R> {
         tickets.filter(move |own| own.held >> index & 1 == 1).map(|own| own.members.as_slice())
     }
 
+    /// The loop of whose cards none comes back to a job that waits for one, and a job that has one of them.
+    pub(super) fn card_in_vain(&self, slot: u32, stuck: &BTreeSet<u32>) -> Option<(usize, u32)> {
+        if !self.world.jobs.at(slot).parked {
+            return None;
+        }
+        let gone = |index: &usize| !self.has_card(*index) && !self.returns(*index, stuck);
+        let index = loops_in(self.needs(slot)).find(gone)?;
+        let member = self.holders(index).flatten().find(|slot| stuck.contains(slot))?;
+        Some((index, *member))
+    }
+
     /// Jobs that cannot move, each with what it holds; each wants that of the next one.
     fn circle(&self, stuck: &BTreeSet<u32>) -> Vec<(Holder, u32)> {
         let before = self.scenario.blocking == Blocking::BeforeService;
         let next = |(_, slot): (Holder, u32)| {
-            if self.world.jobs.at(slot).parked {
-                let gone = |index: &usize| !self.has_card(*index) && !self.returns(*index, stuck);
-                let index = loops_in(self.needs(slot)).find(gone).expect("a card is wanted in vain");
-                let members = self.holders(index).next().expect("all cards of a loop are taken by somebody");
-                let member = members.iter().find(|slot| stuck.contains(slot)).expect("a card that does not come back");
-                return (Holder::Loop(index), *member);
+            if let Some((index, member)) = self.card_in_vain(slot, stuck) {
+                return (Holder::Loop(index), member);
             }
             let (machine, slot) = if before {
                 let job = self.world.jobs.at(slot);
@@ -168,7 +186,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// What people call a job.
-    fn label(&self, slot: u32) -> String {
+    pub(super) fn label(&self, slot: u32) -> String {
         let job = self.world.jobs.at(slot);
         let part = &self.scenario.parts[job.row.part as usize].name;
         match job.row.order {
@@ -178,7 +196,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// The parts of a circle change places in no time.
-    fn swap(&mut self, circle: &[(usize, u32)]) {
+    pub(super) fn swap(&mut self, circle: &[(usize, u32)]) {
         self.world.flow.swaps += 1;
         for &(machine, slot) in circle {
             self.log_event("swap", Some(machine), Some(self.world.jobs.at(slot).number), None);

@@ -375,6 +375,7 @@ impl<R: Recorder> Shop<'_, R> {
                 job.operation = job.next_operation(self.layout.operations[job.row.part as usize].len()) as u32;
             }
         }
+        self.unclamp(slot, index as usize, true);
         self.recorder.operation(OperationRow { next: self.world.jobs.at(slot).operation, ..row });
         if self.world.flow.is_limited() {
             self.free_place(slot); // with blocking before service the machine's place counts with the buffer's
