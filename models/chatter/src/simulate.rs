@@ -138,44 +138,61 @@ impl Stepper {
     }
 }
 
+/// Whether a simulation that has reached the end of its periods, here their number, is to go on for as many again.
+pub(crate) type GoOn<'a> = &'a mut dyn FnMut(&Simulation, usize) -> bool;
+
 /// Runs a step loop: `force_at` is the force at a step, `leave` moves the surface on. A displacement beyond `farthest` (m) is
-/// refused.
+/// refused. What is observed are the last periods before each end.
 fn run(
     stepper: &mut Stepper,
     settings: &SimulationSettings,
     (dt, farthest): (f64, f64),
     mut force_at: impl FnMut(usize, Moving) -> [f64; 2],
     mut leave: impl FnMut(usize, [f64; 2]) -> (u32, u32),
+    go_on: GoOn<'_>,
 ) -> Result<Simulation, ChatterError> {
-    let total = settings.steps * settings.periods;
-    let first = settings.steps * (settings.periods - settings.observed);
+    let SimulationSettings { steps, mut periods, observed, .. } = *settings;
     let mut result = Simulation {
         time_step: dt,
-        displacement: Vec::with_capacity(total - first),
-        force: Vec::with_capacity(total - first),
+        displacement: Vec::with_capacity(steps * observed),
+        force: Vec::with_capacity(steps * observed),
         air_fraction: 0.0,
     };
-    let (mut engaged, mut in_air) = (0u64, 0u64);
     let mut force = force_at(0, stepper.motion());
     leave(0, stepper.motion().at);
-    for step in 1..total {
-        stepper.begin(force);
-        // Predict with the force held, correct once.
-        let predicted = force_at(step, stepper.trial(force));
-        force = force_at(step, stepper.trial(predicted));
-        stepper.finish(force);
-        let u = stepper.motion().at;
-        within("displacement", u[0].hypot(u[1]), 0.0, farthest)?;
-        let (teeth, air) = leave(step, u);
-        if step >= first {
-            result.displacement.push(u);
-            result.force.push(force);
-            engaged += u64::from(teeth);
-            in_air += u64::from(air);
+    let mut step = 1;
+    loop {
+        let (first, end) = (steps * (periods - observed), steps * periods);
+        let (mut engaged, mut in_air) = (0u64, 0u64);
+        while step < end {
+            stepper.begin(force);
+            // Predict with the force held, correct once.
+            let predicted = force_at(step, stepper.trial(force));
+            force = force_at(step, stepper.trial(predicted));
+            stepper.finish(force);
+            let u = stepper.motion().at;
+            // The sum of both is the greater and costs less.
+            let most = u[0].abs() + u[1].abs();
+            if most > farthest || most.is_nan() {
+                within("displacement", u[0].hypot(u[1]), 0.0, farthest)?;
+            }
+            let (teeth, air) = leave(step, u);
+            if step >= first {
+                result.displacement.push(u);
+                result.force.push(force);
+                engaged += u64::from(teeth);
+                in_air += u64::from(air);
+            }
+            step += 1;
         }
+        result.air_fraction = if engaged > 0 { in_air as f64 / engaged as f64 } else { 0.0 };
+        if !go_on(&result, periods) {
+            return Ok(result);
+        }
+        periods *= 2;
+        result.displacement.clear();
+        result.force.clear();
     }
-    result.air_fraction = if engaged > 0 { in_air as f64 / engaged as f64 } else { 0.0 };
-    Ok(result)
 }
 
 fn check(settings: &SimulationSettings) -> Result<(), ChatterError> {
@@ -202,6 +219,18 @@ impl Turning {
         width: f64,
         feed_per_rev: f64,
         settings: &SimulationSettings,
+    ) -> Result<Simulation, ChatterError> {
+        self.simulate_on(spindle_speed, width, feed_per_rev, settings, &mut |_, _| false)
+    }
+
+    /// [`Turning::simulate`] that goes on as long as `go_on` says so.
+    fn simulate_on(
+        &self,
+        spindle_speed: f64,
+        width: f64,
+        feed_per_rev: f64,
+        settings: &SimulationSettings,
+        go_on: GoOn<'_>,
     ) -> Result<Simulation, ChatterError> {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
@@ -235,7 +264,7 @@ impl Turning {
             *left_surface = if cuts { u[0] } else { *left_surface + feed_per_rev };
             (1, u32::from(!cuts))
         };
-        run(&mut stepper, settings, (dt, f64::MAX), force, leave)
+        run(&mut stepper, settings, (dt, f64::MAX), force, leave, go_on)
     }
 }
 
@@ -256,6 +285,17 @@ impl Milling {
         spindle_speed: f64,
         depth: f64,
         settings: &SimulationSettings,
+    ) -> Result<Simulation, ChatterError> {
+        self.simulate_on(spindle_speed, depth, settings, &mut |_, _| false)
+    }
+
+    /// [`Milling::simulate`] that goes on as long as `go_on` says so.
+    pub(crate) fn simulate_on(
+        &self,
+        spindle_speed: f64,
+        depth: f64,
+        settings: &SimulationSettings,
+        go_on: GoOn<'_>,
     ) -> Result<Simulation, ChatterError> {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
@@ -331,7 +371,7 @@ impl Milling {
             });
             (engaged, air)
         };
-        run(&mut stepper, settings, (dt, self.cutter.diameter), force, leave)
+        run(&mut stepper, settings, (dt, self.cutter.diameter), force, leave, go_on)
     }
 
     /// The steps of angle within the engagement, from its entry.
@@ -405,35 +445,34 @@ fn ranges(part: &[[f64; 2]], directions: &[usize]) -> Vec<f64> {
         .collect()
 }
 
-/// Runs `simulate` with `steps` longer and longer until two windows at its end agree: the run, its periods, and the relative
-/// change from window to window.
+/// Runs `simulate` with `steps` on and on until two windows at its end agree: the run, its periods, and the relative change
+/// from window to window.
 pub(crate) fn settling(
     steps: usize,
     Patience { periods: [first, last], window }: Patience,
     directions: &[usize],
-    simulate: &impl Fn(&SimulationSettings) -> Result<Simulation, ChatterError>,
+    simulate: &impl Fn(&SimulationSettings, GoOn<'_>) -> Result<Simulation, ChatterError>,
 ) -> Result<(Simulation, usize, f64), ChatterError> {
-    let mut periods = first;
-    loop {
-        let run = simulate(&SimulationSettings { steps, periods, observed: 2 * window, kick: 1.0 })?;
+    let (mut reached, mut change) = (first, f64::INFINITY);
+    let mut unsettled = |run: &Simulation, periods: usize| {
         let (before, after) = run.displacement.split_at(run.displacement.len() / 2);
-        let change = apart(&ranges(before, directions), &ranges(after, directions));
-        if change < SETTLED || periods >= last {
-            return Ok((run, periods, change));
-        }
-        periods *= 2;
-    }
+        (reached, change) = (periods, apart(&ranges(before, directions), &ranges(after, directions)));
+        change >= SETTLED && periods < last
+    };
+    let settings = SimulationSettings { steps, periods: first, observed: 2 * window, kick: 1.0 };
+    let run = simulate(&settings, &mut unsettled)?;
+    Ok((run, reached, change))
 }
 
 /// Runs `simulate` until its vibration has settled, and at half the steps for the error.
 fn settle(
     steps: usize,
     directions: &[usize],
-    simulate: impl Fn(&SimulationSettings) -> Result<Simulation, ChatterError>,
+    simulate: impl Fn(&SimulationSettings, GoOn<'_>) -> Result<Simulation, ChatterError>,
 ) -> Result<Settled, ChatterError> {
     let (simulation, periods, change) = settling(steps, PATIENT, directions, &simulate)?;
     let settings = SimulationSettings { steps: (steps / 2).max(8), periods, observed: 2 * PATIENT.window, kick: 1.0 };
-    let rough = simulate(&settings)?;
+    let rough = simulate(&settings, &mut |_, _| false)?;
     let by_step = 0.75 * apart(&ranges(&simulation.displacement, directions), &ranges(&rough.displacement, directions));
     Ok(Settled { simulation, periods, change, settled: change < SETTLED, band: by_step + change + SAMPLED })
 }
@@ -455,7 +494,7 @@ impl Turning {
     /// As [`Turning::simulate`].
     pub fn settled(&self, spindle_speed: f64, width: f64, feed_per_rev: f64) -> Result<Settled, ChatterError> {
         let steps = 2 * steps_for(&self.modes, TAU / positive("spindle_speed", spindle_speed)?, FINE);
-        settle(steps, &[0], |settings| self.simulate(spindle_speed, width, feed_per_rev, settings))
+        settle(steps, &[0], |settings, go_on| self.simulate_on(spindle_speed, width, feed_per_rev, settings, go_on))
     }
 }
 
@@ -467,7 +506,7 @@ impl Milling {
     pub fn settled(&self, spindle_speed: f64, depth: f64) -> Result<Settled, ChatterError> {
         let pitch = TAU / (self.cutter.teeth as f64 * positive("spindle_speed", spindle_speed)?);
         let steps = steps_for(&self.modes, pitch, FINE);
-        settle(steps, &[0, 1], |settings| self.simulate(spindle_speed, depth, settings))
+        settle(steps, &[0, 1], |settings, go_on| self.simulate_on(spindle_speed, depth, settings, go_on))
     }
 }
 

@@ -108,6 +108,26 @@ impl Milling {
         shares(samples, |sample| self.scattered(scatter, seed, sample)?.lobes(speeds, depths))
     }
 
+    /// The first of `speeds` (rad/s) among those at which `depth` (m) is stable most probably: as [`Milling::robust_speeds`]
+    /// ranks them, for less work. A sample is judged only where its speed can still be better than those before it; one
+    /// whose verdict is not found counts as unstable. None of no speeds.
+    ///
+    /// # Errors
+    /// As [`Milling::stability_probability`].
+    pub fn most_probably_stable(
+        &self,
+        speeds: &[f64],
+        depth: f64,
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+    ) -> Result<Option<f64>, ChatterError> {
+        most_probable(speeds, samples, |speed, sample| {
+            let cut = self.scattered(scatter, seed, sample)?;
+            Ok(cut.at_speed(speed)?.screen(depth)?.stable)
+        })
+    }
+
     /// Speeds of `speed` with the probability that `depth` (m) is stable there, the most probable
     /// first; of equals the one whose neighbours are the most probable. The same samples judge
     /// every speed.
@@ -201,6 +221,23 @@ impl Turning {
         shares(samples, |sample| self.scattered(scatter, seed, sample)?.lobe_chart(speeds, widths))
     }
 
+    /// The first of `speeds` (rad/s) among those at which `width` (m) is stable most probably: as [`Turning::robust_speeds`]
+    /// ranks them, for less work. A sample is judged only where its speed can still be better than those before it; one
+    /// whose verdict is not found counts as unstable. None of no speeds.
+    ///
+    /// # Errors
+    /// As [`Turning::stability_probability`].
+    pub fn most_probably_stable(
+        &self,
+        speeds: &[f64],
+        width: f64,
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+    ) -> Result<Option<f64>, ChatterError> {
+        most_probable(speeds, samples, |speed, sample| self.scattered(scatter, seed, sample)?.is_stable(speed, width))
+    }
+
     /// Speeds of `speed` with the probability that `width` (m) is stable there, ordered as by
     /// [`Milling::robust_speeds`].
     ///
@@ -264,6 +301,38 @@ fn reaches(
         }
     }
     Ok(found >= due)
+}
+
+/// Samples that are judged at once before it is asked whether a speed can still be the best: few, since most speeds are
+/// given up after some.
+const AT_ONCE_BEST: u64 = 8;
+
+/// The first speed with the most stable samples.
+fn most_probable(
+    speeds: &[f64],
+    samples: u64,
+    stable: impl Fn(f64, u64) -> Result<bool, ChatterError> + Sync + Send,
+) -> Result<Option<f64>, ChatterError> {
+    within("samples", samples as f64, 1.0, 1e9)?;
+    let mut best: Option<(f64, u64)> = None;
+    for speed in speeds {
+        let (mut judged, mut found) = (0, 0);
+        let beaten = |found: u64, judged: u64| best.is_some_and(|(_, most)| found + samples - judged <= most);
+        while judged < samples && !beaten(found, judged) {
+            let end = (judged + AT_ONCE_BEST).min(samples);
+            let judge = |sample: u64| match stable(*speed, sample) {
+                Err(error) if error.is_failed_search() => Ok(false),
+                outcome => outcome,
+            };
+            let outcomes: Result<Vec<bool>, ChatterError> = (judged..end).into_par_iter().map(judge).collect();
+            found += outcomes?.into_iter().filter(|stable| *stable).count() as u64;
+            judged = end;
+        }
+        if !beaten(found, judged) {
+            best = Some((*speed, found));
+        }
+    }
+    Ok(best.map(|(speed, _)| speed))
 }
 
 /// Share of charts in which a point is stable, for every point.

@@ -2,7 +2,7 @@
 
 use super::LimitCycle;
 use crate::error::{ChatterError, positive};
-use crate::simulate::{Patience, Simulation, SimulationSettings, settling, steps_for};
+use crate::simulate::{GoOn, Patience, Simulation, SimulationSettings, settling, steps_for};
 use crate::{Milling, Mode};
 use std::f64::consts::TAU;
 
@@ -43,7 +43,7 @@ impl Milling {
         let teeth = self.cutter.teeth;
         let pitch = TAU / (teeth as f64 * positive("spindle_speed", spindle_speed)?);
         let steps = steps_for(&self.modes, pitch, COARSE);
-        let simulate = |settings: &SimulationSettings| self.simulate(spindle_speed, depth, settings);
+        let simulate = |settings: &_, go_on: GoOn<'_>| self.simulate_on(spindle_speed, depth, settings, go_on);
         let (run, _, _) = settling(steps, HASTY, &[0, 1], &simulate)?;
         // The same steps without vibration; runout needs two revolutions to have cut all surfaces.
         let stiff = |mode: &Mode| Mode { stiffness: mode.stiffness * RIGID, ..*mode };

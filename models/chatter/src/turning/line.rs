@@ -132,7 +132,8 @@ impl LoopGain {
             g2 += 2.0 * size * (near * near + near * far + far * far);
         }
         let response = value.response;
-        let modulus = response.norm();
+        // Bounds need no care for the last digit, which `norm` takes.
+        let modulus = response.norm_sqr().sqrt();
         let g0 = g0.min(modulus + half * g1);
         let (k, tau, highest) = (self.slope, self.tau, middle + half);
         let c = highest * self.damping;
@@ -147,7 +148,7 @@ impl LoopGain {
         let real =
             (k * response.re - middle_c * response.im).abs() + half * (g1 * (k * k + c * c).sqrt() + self.damping * g0);
         let least_damping = (middle - half) * self.damping * (modulus - half * g1);
-        let size = (g0 * force).min(value.gain.norm() + half * slope);
+        let size = (g0 * force).min(value.gain.norm_sqr().sqrt() + half * slope);
         Bounds {
             greatest_inverse_width: envelope.min(size),
             damped: least_damping > 0.0 && least_damping > real,

@@ -193,8 +193,9 @@ impl TurningStructure {
                 Err(error) => return Err(error),
             };
             let Some(variation) = at.variation else { return Ok(still) };
-            let limit = match cut.limit_at_varying_speed(speed, variation, SEARCHED * still.limit, VARYING_STEPS) {
-                Ok(limit) => limit.depth,
+            let searched = SEARCHED * still.limit;
+            let limit = match cut.limit_width_at_varying_speed(speed, variation, searched, VARYING_STEPS) {
+                Ok(width) => width,
                 Err(ChatterError::NoLimit { searched }) => searched,
                 // Not found: that of constant speed, which variation seldom lowers.
                 Err(_) => still.limit,
