@@ -232,6 +232,15 @@ impl Turning {
         settings: &SimulationSettings,
         go_on: GoOn<'_>,
     ) -> Result<Simulation, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.simulate_on(
+                spindle_speed,
+                width,
+                feed_per_rev,
+                settings,
+                go_on,
+            );
+        }
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         positive("width", width)?;
@@ -297,6 +306,9 @@ impl Milling {
         settings: &SimulationSettings,
         go_on: GoOn<'_>,
     ) -> Result<Simulation, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.simulate_on(spindle_speed, depth, settings, go_on);
+        }
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         positive("depth", depth)?;
@@ -493,6 +505,9 @@ impl Turning {
     /// # Errors
     /// As [`Turning::simulate`].
     pub fn settled(&self, spindle_speed: f64, width: f64, feed_per_rev: f64) -> Result<Settled, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.settled(spindle_speed, width, feed_per_rev);
+        }
         let steps = 2 * steps_for(&self.modes, TAU / positive("spindle_speed", spindle_speed)?, FINE);
         settle(steps, &[0], |settings, go_on| self.simulate_on(spindle_speed, width, feed_per_rev, settings, go_on))
     }
@@ -504,6 +519,9 @@ impl Milling {
     /// # Errors
     /// As [`Milling::simulate`].
     pub fn settled(&self, spindle_speed: f64, depth: f64) -> Result<Settled, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.settled(spindle_speed, depth);
+        }
         let pitch = TAU / (self.cutter.teeth as f64 * positive("spindle_speed", spindle_speed)?);
         let steps = steps_for(&self.modes, pitch, FINE);
         settle(steps, &[0, 1], |settings, go_on| self.simulate_on(spindle_speed, depth, settings, go_on))

@@ -2,7 +2,7 @@
 
 use crate::error::{ChatterError, within};
 use crate::lobes::{Axis, Lobes};
-use crate::{Milling, Mode, Turning};
+use crate::{Milling, Mode, SpeedModes, Turning};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -49,7 +49,7 @@ impl Milling {
         scatter.check()?;
         let mut draw = Draw::new(seed, sample);
         let mut cut = self.clone();
-        draw.scatter(&mut cut.modes, scatter);
+        draw.scatter(&mut cut.modes, cut.by_speed.as_mut(), scatter);
         cut.force.tangential *= draw.factor(scatter.coefficients);
         cut.force.radial *= draw.factor(scatter.coefficients);
         Ok(cut)
@@ -155,7 +155,7 @@ impl Turning {
         scatter.check()?;
         let mut draw = Draw::new(seed, sample);
         let mut cut = self.clone();
-        draw.scatter(&mut cut.modes, scatter);
+        draw.scatter(&mut cut.modes, cut.by_speed.as_mut(), scatter);
         cut.cutting_coefficient *= draw.factor(scatter.coefficients);
         Ok(cut)
     }
@@ -384,17 +384,29 @@ impl Draw {
         Self { key: seed ^ sample.wrapping_mul(0x9E37_79B9_7F4A_7C15), counter: 0 }
     }
 
-    /// Scatters every mode for itself, at constant modal mass.
-    fn scatter(&mut self, modes: &mut [Mode], scatter: &Scatter) {
-        for mode in modes {
-            let frequency = self.factor(scatter.natural_frequency);
-            let damping = self.factor(scatter.damping_ratio);
-            *mode = Mode {
+    /// Scatters every mode for itself, at constant modal mass; a mode by speed at all speeds alike.
+    fn scatter(&mut self, modes: &mut [Mode], by_speed: Option<&mut SpeedModes>, scatter: &Scatter) {
+        let factors: Vec<(f64, f64)> = modes
+            .iter()
+            .map(|_| {
+                let frequency = self.factor(scatter.natural_frequency);
+                (frequency, self.factor(scatter.damping_ratio))
+            })
+            .collect();
+        let other = |number: usize, mode: &Mode| {
+            let Some((frequency, damping)) = factors.get(number).copied() else { return *mode };
+            Mode {
                 natural_frequency: mode.natural_frequency * frequency,
                 stiffness: mode.stiffness * frequency * frequency,
                 damping_ratio: (mode.damping_ratio * damping).min(0.99),
                 ..*mode
-            };
+            }
+        };
+        for (number, mode) in modes.iter_mut().enumerate() {
+            *mode = other(number, mode);
+        }
+        if let Some(table) = by_speed {
+            *table = table.map(other);
         }
     }
 

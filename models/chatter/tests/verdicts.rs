@@ -18,6 +18,7 @@ fn standard(degrees: usize, immersion: f64, direction: Direction) -> Milling {
         engagement: Engagement::new(immersion, direction).unwrap(),
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
+        by_speed: None,
     }
 }
 

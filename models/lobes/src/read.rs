@@ -276,7 +276,14 @@ fn milling(
         edge_tangential: edge(0, "edge_tangential")?,
         edge_radial: edge(1, "edge_radial")?,
     };
-    Some(Milling { modes: modes?, cutter, engagement: engagement?, force, feed_per_tooth })
+    Some(Milling {
+        modes: modes?,
+        cutter,
+        engagement: engagement?,
+        force,
+        feed_per_tooth,
+        by_speed: structure.and_then(|structure| structure.by_speed.clone()),
+    })
 }
 
 fn cutter(walk: &mut Walk, section: &Section<'_>) -> Option<Cutter> {
@@ -354,6 +361,7 @@ fn turning(
         process_damping: cut.si("process_damping")?,
         diameter: diameter?,
         chip_exponent: cut.si("chip_exponent")?,
+        by_speed: structure.and_then(|structure| structure.by_speed.clone()),
     };
     Some(LobesCut::Turning { cut, bar })
 }

@@ -106,7 +106,7 @@ impl<'a> Question<'a> {
         };
         match &self.file.cut {
             LobesCut::Milling(milling) => {
-                let mut milling = Milling { modes: modes.to_vec(), ..milling.clone() };
+                let mut milling = Milling { modes: modes.to_vec(), by_speed: None, ..milling.clone() };
                 milling.force.tangential *= factor;
                 milling.force.radial *= factor;
                 if let Some(immersion) = cuts[0].immersion {
@@ -127,7 +127,7 @@ impl<'a> Question<'a> {
                 Ok((unstable, limit.and_then(Result::ok).map(|limit| limit.chatter_frequency)))
             }
             LobesCut::Turning { cut: turning, bar } => {
-                let mut turning = Turning { modes: modes.to_vec(), ..turning.clone() };
+                let mut turning = Turning { modes: modes.to_vec(), by_speed: None, ..turning.clone() };
                 turning.cutting_coefficient *= factor;
                 if let Some((bar, place)) = bar {
                     turning.modes.push(bar.mode_at(*place)?);

@@ -34,12 +34,15 @@ impl Milling {
     ///     engagement: Engagement::new(1.0, Direction::Down).unwrap(),
     ///     force: MillingForce::new(6e8, 2e8),
     ///     feed_per_tooth: 0.1e-3,
-    /// };
+    ///, by_speed: None };
     /// // Period doubling at 1.1 times the limit: an independent simulation has 345.32 um.
     /// let cycle = slot.limit_cycle(12000.0 / 60.0 * TAU, 1.1 * 2.14930949e-3).unwrap();
     /// assert!((cycle.amplitude / 3.4532 - 1.0).abs() < 0.06);
     /// ```
     pub fn limit_cycle(&self, spindle_speed: f64, depth: f64) -> Result<LimitCycle, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.limit_cycle(spindle_speed, depth);
+        }
         let teeth = self.cutter.teeth;
         let pitch = TAU / (teeth as f64 * positive("spindle_speed", spindle_speed)?);
         let steps = steps_for(&self.modes, pitch, COARSE);

@@ -49,6 +49,9 @@ impl Milling {
     /// Schmitz and Smith (Machining Dynamics, 2009), at the angle where the tooth leaves the wall:
     /// 0 in up, pi in down milling.
     pub fn forced(&self, spindle_speed: f64, depth: f64) -> Result<Forced, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.forced(spindle_speed, depth);
+        }
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         positive("depth", depth)?;
@@ -111,7 +114,8 @@ impl Milling {
         let span = if self.cutter.is_regular() { TAU / self.cutter.teeth as f64 } else { TAU };
         let column = |speed: &f64| {
             positive("spindle_speed", *speed)?;
-            let responses: Vec<_> = (0..=HARMONICS).map(|r| self.frequency_response(r as f64 * speed / span)).collect();
+            let cut = self.at_spindle_speed(*speed)?;
+            let responses: Vec<_> = (0..=HARMONICS).map(|r| cut.frequency_response(r as f64 * speed / span)).collect();
             let left = |series: &Option<ForceSeries>| {
                 series.as_ref().map_or(0.0, |(origin, base, forces)| {
                     let motion: Vec<_> = forces.iter().zip(&responses).map(|(force, g)| g * force).collect();

@@ -327,6 +327,7 @@ mod tests {
             engagement: Engagement::new(immersion, Direction::Down).unwrap(),
             force: MillingForce { process_damping, ..MillingForce::new(6e8, 2e8) },
             feed_per_tooth: 0.0,
+            by_speed: None,
         }
     }
 

@@ -57,7 +57,8 @@ impl Effort {
 /// Straight teeth are prepared once; with a helix the geometry depends on the depth and is
 /// prepared for each verdict.
 pub struct AtSpeed<'a> {
-    cut: &'a Milling,
+    /// With the modes of this speed.
+    cut: Cow<'a, Milling>,
     motion: Motion,
     frame: Frame,
     /// Of straight teeth; with a helix the geometry of no depth.
@@ -127,12 +128,13 @@ impl Milling {
     pub fn at_speed(&self, spindle_speed: f64) -> Result<AtSpeed<'_>, ChatterError> {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
-        AtSpeed::new(self, Motion::Constant(spindle_speed))
+        AtSpeed::new(self.at_spindle_speed(spindle_speed)?, Motion::Constant(spindle_speed))
     }
 
     /// The cut at a speed that varies about `spindle_speed` (rad/s); its spectral radii are those of
     /// a mean revolution, `rho_T^RVF`. Without a phase of the variation every question is answered at its worst phase: a
-    /// verdict at that of its depth, limits and intervals at that of the least limit.
+    /// verdict at that of its depth, limits and intervals at that of the least limit. Modes that change with the speed are
+    /// those of the mean speed (assumption: bearings and temperatures do not follow within some revolutions).
     ///
     /// # Errors
     /// As [`Milling::at_speed`]; a variation out of range.
@@ -140,7 +142,8 @@ impl Milling {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         variation.check()?;
-        let mut at_speed = AtSpeed::new(self, Motion::Varying(spindle_speed, Started::new(variation, 0.0)))?;
+        let cut = self.at_spindle_speed(spindle_speed)?;
+        let mut at_speed = AtSpeed::new(cut, Motion::Varying(spindle_speed, Started::new(variation, 0.0)))?;
         at_speed.turn_to(variation.phase.unwrap_or(at_speed.geometry.origin));
         Ok(at_speed)
     }
@@ -181,14 +184,14 @@ fn stretches(geometry: &Geometry, repeats: u32) -> Vec<PlannedStretch<(usize, us
 }
 
 impl<'a> AtSpeed<'a> {
-    fn new(cut: &'a Milling, motion: Motion) -> Result<Self, ChatterError> {
+    fn new(cut: Cow<'a, Milling>, motion: Motion) -> Result<Self, ChatterError> {
         let varying = matches!(motion, Motion::Varying(..));
         Ok(Self {
-            cut,
             motion,
             frame: Frame::new(&cut.modes),
             // Refuses an engagement without teeth now.
-            geometry: Geometry::new(cut, 0.0, varying)?,
+            geometry: Geometry::new(&cut, 0.0, varying)?,
+            cut,
             characteristic: [None, None],
             expected: 0.0,
             prepared: [None, None, None],
@@ -210,7 +213,7 @@ impl<'a> AtSpeed<'a> {
             return Ok(Cow::Borrowed(&self.geometry));
         }
         let varying = matches!(self.motion, Motion::Varying(..));
-        Geometry::new(self.cut, depth, varying).map(Cow::Owned)
+        Geometry::new(&self.cut, depth, varying).map(Cow::Owned)
     }
 
     /// Steps of `sqrt(1 + depth K/k)`, by which the cut can quicken the oscillations, and the depth
@@ -235,7 +238,7 @@ impl<'a> AtSpeed<'a> {
             Motion::Constant(speed) => (1, speed),
             Motion::Varying(speed, started) => (started.variation.revolutions, speed),
         };
-        let teeth = Teeth { cut: self.cut, geometry: &geometry };
+        let teeth = Teeth { cut: &self.cut, geometry: &geometry };
         let (stiffening, greatest) = self.stiffening(depth);
         let period = assemble(
             &teeth,
@@ -251,7 +254,7 @@ impl<'a> AtSpeed<'a> {
     fn dominant(&mut self, depth: f64, effort: Effort) -> Result<(Dominant, f64), ChatterError> {
         if let Some(speed) = self.slow()? {
             let geometry = self.geometry(depth)?;
-            return Ok((slow::dominant(self.cut, &geometry, speed, depth), geometry.span / speed));
+            return Ok((slow::dominant(&self.cut, &geometry, speed, depth), geometry.span / speed));
         }
         let (extra, residual, _) = effort.settings();
         if let Some(found) = self.characteristic_multiplier(depth, effort)? {
@@ -293,7 +296,7 @@ impl<'a> AtSpeed<'a> {
     /// The spindle speed (rad/s), where it is so low that the envelope of the lobes answers.
     fn slow(&self) -> Result<Option<f64>, ChatterError> {
         let Motion::Constant(speed) = self.motion else { return Ok(None) };
-        Ok(slow::is_slow(self.cut, speed)?.then_some(speed))
+        Ok(slow::is_slow(&self.cut, speed)?.then_some(speed))
     }
 
     /// The characteristic function and the tooth period (s), where the cut has one: one mode, regular
@@ -303,22 +306,22 @@ impl<'a> AtSpeed<'a> {
         depth: f64,
         effort: Effort,
     ) -> Result<Option<(&mut Characteristic, f64)>, ChatterError> {
-        let Self { cut, motion: Motion::Constant(speed), .. } = *self else { return Ok(None) };
+        let Motion::Constant(speed) = self.motion else { return Ok(None) };
         let [modal] = self.frame.modes.modal[..] else { return Ok(None) };
-        if !cut.cutter.is_regular() || cut.force.process_damping > 0.0 {
+        if !self.cut.cutter.is_regular() || self.cut.force.process_damping > 0.0 {
             return Ok(None);
         }
         // A verdict's nodes serve charts too.
         let (level, extra) = if matches!(effort, Effort::Boundary) { (1, 4) } else { (0, 0) };
-        let fits = |(_, greatest): &(_, f64)| cut.cutter.helix_angle == 0.0 && depth <= *greatest;
+        let fits = |(_, greatest): &(_, f64)| self.cut.cutter.helix_angle == 0.0 && depth <= *greatest;
         if !self.characteristic[level].as_ref().is_some_and(fits) {
             let geometry = self.geometry(depth)?;
             let (stiffening, greatest) = self.stiffening(depth.max(self.expected));
             let gain = |matrix| modal.input[0] * modal.output[0] * self.frame.project(matrix)[0];
-            let function = Characteristic::new(cut, &geometry, &modal, gain, speed, stiffening, extra);
+            let function = Characteristic::new(&self.cut, &geometry, &modal, gain, speed, stiffening, extra);
             self.characteristic[level] = Some((function, greatest));
         }
-        let period = TAU / (cut.cutter.teeth as f64 * speed);
+        let period = TAU / (self.cut.cutter.teeth as f64 * speed);
         Ok(self.characteristic[level].as_mut().map(|(function, _)| (function, period)))
     }
 
@@ -485,10 +488,10 @@ impl<'a> AtSpeed<'a> {
     /// Spectral radius at `depth` (m) with just `nodes` nodes in each stretch in cut, however many
     /// oscillations it holds.
     pub(crate) fn collocated(&self, depth: f64, nodes: usize) -> Result<f64, ChatterError> {
-        let geometry = Geometry::new(self.cut, depth, false)?;
+        let geometry = Geometry::new(&self.cut, depth, false)?;
         // Without oscillations to resolve the rule gives LEAST nodes, and `extra` the rest.
         let resolution = Resolution { extra: nodes - LEAST, stiffening: 0.0 };
-        let teeth = Teeth { cut: self.cut, geometry: &geometry };
+        let teeth = Teeth { cut: &self.cut, geometry: &geometry };
         let period = assemble(&teeth, &self.frame, self.motion, &stretches(&geometry, 1), resolution);
         let mut storage = MapStorage::default();
         let mut map = PeriodMap::new(&period, depth, &mut storage);

@@ -56,6 +56,7 @@ impl LoopGain {
     pub fn new(cut: &Turning, spindle_speed: f64) -> Result<Self, ChatterError> {
         cut.check()?;
         positive("spindle_speed", spindle_speed)?;
+        let cut = &*cut.at_spindle_speed(spindle_speed)?;
         let damping_ratio = cut.always_stable_below() / spindle_speed;
         within("process damping over the cutting force", damping_ratio, 0.0, GREATEST_DAMPING)?;
         let pole = |mode: &super::oriented::OrientedMode| {

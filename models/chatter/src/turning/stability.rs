@@ -128,6 +128,9 @@ impl Turning {
         variation: SpeedVariation,
         width: f64,
     ) -> Result<StabilityVerdict, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.verdict_at_varying_speed(spindle_speed, variation, width);
+        }
         const RESIDUAL: f64 = 1e-8;
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
@@ -164,6 +167,14 @@ impl Turning {
         greatest: f64,
         steps: usize,
     ) -> Result<StabilityLimit, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.limit_at_varying_speed(
+                spindle_speed,
+                variation,
+                greatest,
+                steps,
+            );
+        }
         let (depth, dominant) = self.varying(spindle_speed, variation, (greatest, steps), true)?;
         let length = TAU * f64::from(variation.revolutions) / spindle_speed;
         // Requested, and so worked out.
@@ -184,6 +195,14 @@ impl Turning {
         greatest: f64,
         steps: usize,
     ) -> Result<f64, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.limit_width_at_varying_speed(
+                spindle_speed,
+                variation,
+                greatest,
+                steps,
+            );
+        }
         Ok(self.varying(spindle_speed, variation, (greatest, steps), false)?.0)
     }
 

@@ -60,7 +60,7 @@ pub(super) fn around_milling(
     };
     let damping = cut.force.process_damping;
     match MillingStructure::new(cut.modes, cut.cutter.helix_angle, damping, Regeneration::default()) {
-        Ok(structure) => milling.structure = Some(Arc::new(structure)),
+        Ok(structure) => milling.structure = Some(Arc::new(structure.by_speed(cut.by_speed))),
         Err(reason) => refused(walk, tool, reason),
     }
     Some(cut.cutter)
