@@ -43,7 +43,8 @@
 //!     engagement: Engagement::new(0.05, Direction::Down).unwrap(),
 //!     force: MillingForce::new(6e8, 2e8),
 //!     feed_per_tooth: 0.1e-3,
-//!, by_speed: None };
+//!     by_speed: None,
+//! };
 //! let limit = cut.at_speed(16000.0 / 60.0 * TAU).unwrap().limit(12e-3).unwrap();
 //! assert!((limit.depth - 5.5176757e-3).abs() < 1e-9);
 //! assert_eq!(limit.kind, ChatterKind::Flip);

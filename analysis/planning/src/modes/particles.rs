@@ -40,6 +40,8 @@ pub(super) struct Question<'a> {
     cuts: &'a [ShopCut],
     /// Cuts at one speed and immersion, by number.
     groups: Vec<Vec<usize>>,
+    /// The groups in the order in which they are judged: those first that can tell most against a particle.
+    order: Vec<usize>,
     /// Relative standard deviations: three of every mode, one of the coefficient.
     pub sds: Vec<f64>,
 }
@@ -65,7 +67,9 @@ impl<'a> Question<'a> {
                 None => groups.push(vec![number]),
             }
         }
-        Self { file, structure, cuts, groups, sds }
+        let mut order: Vec<usize> = (0..groups.len()).collect();
+        order.sort_by_key(|group| std::cmp::Reverse(groups[*group].len()));
+        Self { file, structure, cuts, groups, order, sds }
     }
 
     /// Values of the modes, and the factor of the coefficient.
@@ -90,7 +94,7 @@ impl<'a> Question<'a> {
 
     /// Whether each cut of a group is unstable, and the frequency (Hz) of the limit where one was observed. What is not found
     /// counts as unstable and has no frequency.
-    fn judge(&self, modes: &[Mode], factor: f64, cuts: &[&ShopCut]) -> Result<(Vec<bool>, Option<f64>), UpdateError> {
+    fn judge(&self, modes: &[Mode], factor: f64, cuts: &[&ShopCut]) -> Result<Judged, UpdateError> {
         let speed = cuts[0].spindle_speed;
         let deepest = cuts.iter().map(|cut| cut.depth).fold(0.0, f64::max);
         let observed = cuts.iter().any(|cut| cut.frequency.is_some());
@@ -116,7 +120,15 @@ impl<'a> Question<'a> {
                 }
                 let mut at_speed = milling.at_speed(speed)?;
                 let (reach, steps) = SEARCHED;
-                let limit = (many || observed).then(|| at_speed.rough_limit(reach * deepest, steps));
+                let depths: Vec<f64> = cuts.iter().map(|cut| cut.depth).collect();
+                if many && !observed {
+                    let beyond = at_speed.beyond_rough_limit(&depths, reach * deepest, steps);
+                    return match beyond {
+                        Ok(beyond) => Ok((beyond, None)),
+                        Err(error) => found(Err(error)).map(|unstable| (vec![unstable; cuts.len()], None)),
+                    };
+                }
+                let limit = observed.then(|| at_speed.rough_limit(reach * deepest, steps));
                 let unstable = match &limit {
                     Some(limit) if many => cuts.iter().map(|cut| beyond(limit, cut)).collect::<Result<_, _>>()?,
                     _ => {
@@ -150,26 +162,69 @@ impl<'a> Question<'a> {
     }
 
     pub fn particle(&self, z: Vec<f64>) -> Result<Particle, UpdateError> {
-        let (modes, factor) = self.values(&z);
-        let (mut likelihood, mut unstable) = (0.0, vec![false; self.cuts.len()]);
-        for group in &self.groups {
-            let cuts: Vec<&ShopCut> = group.iter().map(|cut| &self.cuts[*cut]).collect();
-            let (chatters, frequency) = self.judge(&modes, factor, &cuts)?;
-            for ((number, cut), chatters) in group.iter().zip(&cuts).zip(chatters) {
-                likelihood += told(cut.chatter, chatters).ln();
-                unstable[*number] = chatters;
-            }
-            // What the limit's frequency is off by is shared by all cuts at one speed: their mean is one reading.
-            let read: Vec<f64> = cuts.iter().filter_map(|cut| cut.frequency).collect();
-            if !read.is_empty() {
-                let observed = read.iter().sum::<f64>() / read.len() as f64;
-                // A limit that was not found is three standard deviations away.
-                let apart = frequency.map_or(3.0, |frequency| (observed / frequency - 1.0) / FREQUENCY);
-                likelihood -= 0.5 * apart * apart;
-            }
-        }
-        Ok(Particle { z, likelihood, unstable })
+        Ok(self.particle_above(z, f64::NEG_INFINITY)?.expect(ABOVE_ALL))
     }
+
+    /// The particle, if its logarithm of the likelihood is above `floor`; judged no further than to where that is out of
+    /// reach, whatever the other cuts say.
+    fn particle_above(&self, z: Vec<f64>, floor: f64) -> Result<Option<Particle>, UpdateError> {
+        let (modes, factor) = self.values(&z);
+        let mut judged: Vec<Option<Judged>> = vec![None; self.groups.len()];
+        // What is left when every cut that is not judged yet is as the particle says.
+        let mut most = self.cuts.len() as f64 * told(true, true).ln();
+        for group in &self.order {
+            if most < floor - ROUNDING * (1.0 + floor.abs()) {
+                return Ok(None);
+            }
+            let cuts = self.cuts_of(*group);
+            let answer = self.judge(&modes, factor, &cuts)?;
+            most += self.told_by(&cuts, &answer) - cuts.len() as f64 * told(true, true).ln();
+            judged[*group] = Some(answer);
+        }
+        let (mut likelihood, mut unstable) = (0.0, vec![false; self.cuts.len()]);
+        for (number, answer) in judged.into_iter().enumerate() {
+            let Some(answer) = answer else { continue };
+            let cuts = self.cuts_of(number);
+            for ((cut, place), chatters) in cuts.iter().zip(&self.groups[number]).zip(&answer.0) {
+                likelihood += told(cut.chatter, *chatters).ln();
+                unstable[*place] = *chatters;
+            }
+            likelihood += read_frequency(&cuts, answer.1);
+        }
+        Ok(Some(Particle { z, likelihood, unstable }))
+    }
+
+    fn cuts_of(&self, group: usize) -> Vec<&ShopCut> {
+        self.groups[group].iter().map(|cut| &self.cuts[*cut]).collect()
+    }
+
+    /// Logarithm of the likelihood of the cuts of a group.
+    fn told_by(&self, cuts: &[&ShopCut], answer: &Judged) -> f64 {
+        let records = cuts.iter().zip(&answer.0).map(|(cut, chatters)| told(cut.chatter, *chatters).ln());
+        records.sum::<f64>() + read_frequency(cuts, answer.1)
+    }
+}
+
+/// Why a particle is judged to the end.
+const ABOVE_ALL: &str = "no likelihood lies below minus infinity";
+
+/// Whether each cut of a group is unstable, and the frequency (Hz) of its limit where one was observed.
+type Judged = (Vec<bool>, Option<f64>);
+
+/// Relative rounding that a sum of likelihoods can have: a thousand cuts and more (assumption, far above 1e-16 each).
+const ROUNDING: f64 = 1e-9;
+
+/// Logarithm of the likelihood of the frequencies that were read in a group whose limit has `frequency` (Hz).
+fn read_frequency(cuts: &[&ShopCut], frequency: Option<f64>) -> f64 {
+    // What the limit's frequency is off by is shared by all cuts at one speed: their mean is one reading.
+    let read: Vec<f64> = cuts.iter().filter_map(|cut| cut.frequency).collect();
+    if read.is_empty() {
+        return 0.0;
+    }
+    let observed = read.iter().sum::<f64>() / read.len() as f64;
+    // A limit that was not found is three standard deviations away.
+    let apart = frequency.map_or(3.0, |frequency| (observed / frequency - 1.0) / FREQUENCY);
+    -0.5 * apart * apart
 }
 
 /// Probability of a record.
@@ -233,10 +288,13 @@ pub(super) fn tempered(
                 let scale = 2.38 / (size as f64).sqrt();
                 let z: Vec<f64> =
                     particle.z.iter().zip(&spread).map(|(z, sd)| z + scale * sd * draw.normal()).collect();
-                let next = question.particle(z)?;
-                let prior = |particle: &Particle| -0.5 * particle.z.iter().map(|z| z * z).sum::<f64>();
-                let gain = prior(&next) - prior(&particle) + power * (next.likelihood - particle.likelihood);
-                Ok(if draw.uniform().ln() < gain { next } else { particle })
+                let prior = |z: &[f64]| -0.5 * z.iter().map(|z| z * z).sum::<f64>();
+                let (by_prior, level) = (prior(&z) - prior(&particle.z), draw.uniform().ln());
+                // A proposal that has to be more likely than the cuts allow is not judged any further.
+                let floor = particle.likelihood + (level - by_prior) / power;
+                let Some(next) = question.particle_above(z, floor)? else { return Ok(particle) };
+                let gain = by_prior + power * (next.likelihood - particle.likelihood);
+                Ok(if level < gain { next } else { particle })
             };
             chosen = chosen.into_par_iter().enumerate().map(moved).collect::<Result<_, UpdateError>>()?;
         }

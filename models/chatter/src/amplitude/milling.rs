@@ -34,7 +34,8 @@ impl Milling {
     ///     engagement: Engagement::new(1.0, Direction::Down).unwrap(),
     ///     force: MillingForce::new(6e8, 2e8),
     ///     feed_per_tooth: 0.1e-3,
-    ///, by_speed: None };
+    ///     by_speed: None,
+    /// };
     /// // Period doubling at 1.1 times the limit: an independent simulation has 345.32 um.
     /// let cycle = slot.limit_cycle(12000.0 / 60.0 * TAU, 1.1 * 2.14930949e-3).unwrap();
     /// assert!((cycle.amplitude / 3.4532 - 1.0).abs() < 0.06);

@@ -43,7 +43,8 @@ impl Milling {
     ///     engagement: Engagement::new(0.25, Direction::Down).unwrap(),
     ///     force: MillingForce::new(6e8, 2e8),
     ///     feed_per_tooth: 0.1e-3,
-    ///, by_speed: None };
+    ///     by_speed: None,
+    /// };
     /// // 5 mm wide, 2 mm deep, 0.1 mm a tooth, two teeth, 6000 rpm: 12 cm³/min and 120 W.
     /// let load = cut.load(6000.0 / 60.0 * std::f64::consts::TAU, 2e-3).unwrap();
     /// assert!((load.removal_rate * 6e7 - 12.0).abs() < 1e-9 && (load.power - 120.0).abs() < 1e-9);

@@ -37,7 +37,8 @@ use std::borrow::Cow;
 ///     engagement: Engagement::new(1.0, Direction::Down).unwrap(),
 ///     force: MillingForce::new(6e8, 2e8),
 ///     feed_per_tooth: 0.1e-3,
-///, by_speed: None };
+///     by_speed: None,
+/// };
 /// let verdict = cut.verdict(5000.0 / 60.0 * TAU, 0.5e-3).unwrap();
 /// assert!((verdict.spectral_radius - 1.073975587).abs() < 1e-7);
 /// ```

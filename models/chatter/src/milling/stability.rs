@@ -574,6 +574,39 @@ impl<'a> AtSpeed<'a> {
         self.fixed_rough_limit(greatest, steps)
     }
 
+    /// Whether each of `depths` (m) lies beyond the limit that [`AtSpeed::rough_limit`] finds, for less work: no depth beyond
+    /// them is judged, and the limit is narrowed down only where one of them lies in the step that holds it. Where no step
+    /// up to them ends unstable, none lies beyond.
+    ///
+    /// # Errors
+    /// As [`AtSpeed::limit`] but for a cut without limit.
+    pub fn beyond_rough_limit(
+        &mut self,
+        depths: &[f64],
+        greatest: f64,
+        steps: usize,
+    ) -> Result<Vec<bool>, ChatterError> {
+        self.turn_to_worst_limit(greatest)?;
+        positive("greatest depth", greatest)?;
+        let deepest = depths.iter().copied().fold(0.0, f64::max);
+        let mut excess = |depth: f64| Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln());
+        let mut last = (0.0, -1.0);
+        for step in 1..=steps {
+            if last.0 >= deepest {
+                break;
+            }
+            let x = greatest * step as f64 / steps as f64;
+            let here = (x, excess(x)?);
+            if here.1 > 0.0 {
+                let within = depths.iter().any(|depth| last.0 < *depth && *depth < x);
+                let limit = if within { root(&mut excess, last, here, 1e-3 / steps as f64)? } else { last.0 };
+                return Ok(depths.iter().map(|depth| *depth > limit).collect());
+            }
+            last = here;
+        }
+        Ok(vec![false; depths.len()])
+    }
+
     fn fixed_rough_limit(&mut self, greatest: f64, steps: usize) -> Result<StabilityLimit, ChatterError> {
         positive("greatest depth", greatest)?;
         let mut excess = |depth: f64| Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln());
