@@ -38,6 +38,7 @@ pub fn spectral_radius(
     within("depth", depth, 0.0, f64::MAX)?;
     within("steps", steps as f64, 4.0, 1e5)?;
     within("helix_angle", cut.cutter.helix_angle, 0.0, 0.0)?;
+    cut.only_cylinder()?;
     within("process_damping", cut.force.process_damping, 0.0, 0.0)?;
     within("irregularity of the teeth", f64::from(u8::from(!cut.cutter.is_regular())), 0.0, 0.0)?;
     let mut map = Steps::new(cut, spindle_speed, depth, steps, method);

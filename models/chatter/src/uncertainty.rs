@@ -51,7 +51,10 @@ impl Milling {
         let mut cut = self.clone();
         draw.scatter(&mut cut.modes, cut.by_speed.as_mut(), scatter);
         cut.force.tangential *= draw.factor(scatter.coefficients);
-        cut.force.radial *= draw.factor(scatter.coefficients);
+        // Radial and axial force are one on the face of the tooth, and scatter together.
+        let factor = draw.factor(scatter.coefficients);
+        cut.force.radial *= factor;
+        cut.force.axial *= factor;
         Ok(cut)
     }
 

@@ -275,6 +275,7 @@ fn milling(
         process_damping: force.si("process_damping")?,
         edge_tangential: edge(0, "edge_tangential")?,
         edge_radial: edge(1, "edge_radial")?,
+        axial: force.si("axial")?,
     };
     Some(Milling {
         modes: modes?,
@@ -310,13 +311,36 @@ fn cutter(walk: &mut Walk, section: &Section<'_>) -> Option<Cutter> {
             walk.fault(section.span_of("pitch"), fault);
         }
     }
+    let (diameter, corner_radius) = (section.si("diameter")?, section.si("corner_radius")?);
+    let millimetres = |value: f64| format!("{} mm", significant(value * 1e3));
+    if corner_radius > 0.5 * diameter {
+        let fault = Fault::Contradiction {
+            first: "corner_radius",
+            first_value: millimetres(corner_radius),
+            second: "diameter",
+            second_value: millimetres(diameter),
+            rule: "a corner is at most a ball end, half the diameter",
+        };
+        walk.fault(section.span_of("corner_radius"), fault);
+    }
+    if corner_radius > 0.0 && (section.given("pitch") || section.si("runout").is_some_and(|runout| runout > 0.0)) {
+        let fault = Fault::Contradiction {
+            first: "corner_radius",
+            first_value: millimetres(corner_radius),
+            second: if section.given("pitch") { "pitch" } else { "runout" },
+            second_value: "given".to_owned(),
+            rule: "cutters with a corner radius are calculated with equal pitch and without runout",
+        };
+        walk.fault(section.span_of("corner_radius"), fault);
+    }
     Some(Cutter {
         teeth,
-        diameter: section.si("diameter")?,
+        diameter,
         helix_angle: section.si("helix_angle")?,
         pitch,
         runout: section.si("runout")?,
         runout_angle: section.si("runout_angle")?,
+        corner_radius,
     })
 }
 

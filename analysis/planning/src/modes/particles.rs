@@ -93,12 +93,11 @@ impl<'a> Question<'a> {
     }
 
     /// Whether each cut of a group is unstable, and the frequency (Hz) of the limit where one was observed. What is not found
-    /// counts as unstable and has no frequency.
-    fn judge(&self, modes: &[Mode], factor: f64, cuts: &[&ShopCut]) -> Result<Judged, UpdateError> {
+    /// counts as unstable and has no frequency. `many` cuts are judged by one limit.
+    fn judge(&self, modes: &[Mode], factor: f64, cuts: &[&ShopCut], many: bool) -> Result<Judged, UpdateError> {
         let speed = cuts[0].spindle_speed;
         let deepest = cuts.iter().map(|cut| cut.depth).fold(0.0, f64::max);
         let observed = cuts.iter().any(|cut| cut.frequency.is_some());
-        let many = cuts.len() >= MANY;
         let found = |answer: Result<bool, ChatterError>| match answer {
             Err(error) if !error.is_failed_search() => Err(UpdateError::from(error)),
             answer => Ok(answer.unwrap_or(true)),
@@ -113,6 +112,7 @@ impl<'a> Question<'a> {
                 let mut milling = Milling { modes: modes.to_vec(), by_speed: None, ..milling.clone() };
                 milling.force.tangential *= factor;
                 milling.force.radial *= factor;
+                milling.force.axial *= factor;
                 if let Some(immersion) = cuts[0].immersion {
                     let down = milling.engagement.entry.abs() > (PI - milling.engagement.exit).abs();
                     let direction = if down { Direction::Down } else { Direction::Up };
@@ -177,7 +177,7 @@ impl<'a> Question<'a> {
                 return Ok(None);
             }
             let cuts = self.cuts_of(*group);
-            let answer = self.judge(&modes, factor, &cuts)?;
+            let answer = self.judge(&modes, factor, &cuts, cuts.len() >= MANY)?;
             most += self.told_by(&cuts, &answer) - cuts.len() as f64 * told(true, true).ln();
             judged[*group] = Some(answer);
         }
@@ -347,17 +347,28 @@ pub(super) fn next(
     let place = |axis: &toolroom_chatter::Axis, i: usize, of: usize| {
         axis.start + (axis.end - axis.start) * (i as f64 + 0.5) / of as f64
     };
-    let candidate = |i: usize| -> Result<(f64, f64, f64), UpdateError> {
-        let (speed, depth) = (place(&chart.speed, i / rows, columns), place(&chart.depth, i % rows, rows));
-        let cut = ShopCut { spindle_speed: speed, depth, immersion: None, chatter: false, frequency: None };
-        let (mut unstable, mut count) = (0.0, 0.0);
+    // What the depths at one speed share is worked out once for each particle.
+    let column = |i: usize| -> Result<Vec<(f64, f64, f64)>, UpdateError> {
+        let speed = place(&chart.speed, i, columns);
+        let cut = |j: usize| ShopCut {
+            spindle_speed: speed,
+            depth: place(&chart.depth, j, rows),
+            immersion: None,
+            chatter: false,
+            frequency: None,
+        };
+        let cuts: Vec<ShopCut> = (0..rows).map(cut).collect();
+        let asked: Vec<&ShopCut> = cuts.iter().collect();
+        let (mut unstable, mut count) = (vec![0.0; rows], 0.0);
         for (modes, factor) in values.iter().step_by(step) {
-            unstable += f64::from(u8::from(question.judge(modes, *factor, &[&cut])?.0[0]));
+            let (chatters, _) = question.judge(modes, *factor, &asked, false)?;
+            unstable.iter_mut().zip(chatters).for_each(|(sum, chatters)| *sum += f64::from(u8::from(chatters)));
             count += 1.0;
         }
-        Ok((speed, depth, unstable / count))
+        Ok(cuts.iter().zip(unstable).map(|(cut, unstable)| (speed, cut.depth, unstable / count)).collect())
     };
-    let found: Vec<(f64, f64, f64)> =
-        (0..columns * rows).into_par_iter().map(candidate).collect::<Result<_, UpdateError>>()?;
+    let found: Vec<Vec<(f64, f64, f64)>> =
+        (0..columns).into_par_iter().map(column).collect::<Result<_, UpdateError>>()?;
+    let found: Vec<(f64, f64, f64)> = found.into_iter().flatten().collect();
     Ok(found.into_iter().min_by(|a, b| (a.2 - 0.5).abs().total_cmp(&(b.2 - 0.5).abs())))
 }

@@ -53,6 +53,7 @@ impl Milling {
             return self.at_spindle_speed(spindle_speed)?.forced(spindle_speed, depth);
         }
         self.check()?;
+        self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;
         positive("depth", depth)?;
         let geometry = Geometry::new(self, depth, false)?;
@@ -100,6 +101,7 @@ impl Milling {
     /// As [`Milling::forced`].
     pub fn surface_errors(&self, speeds: &[f64], depths: &[f64]) -> Result<Vec<f64>, ChatterError> {
         self.check()?;
+        self.only_cylinder()?;
         let series = |depth: &f64| {
             if *depth == 0.0 {
                 return Ok(None);
@@ -156,7 +158,7 @@ impl Milling {
     }
 
     /// Force of the static chip at an angle of tooth 0 (N).
-    fn static_force(&self, geometry: &Geometry, depth: f64, angle: f64) -> [f64; 2] {
+    pub(super) fn static_force(&self, geometry: &Geometry, depth: f64, angle: f64) -> [f64; 2] {
         let feed = self.feed_per_tooth * self.cutter.teeth as f64 / TAU;
         let mut force = [0.0; 2];
         for tooth in geometry.cutting(angle - 1e-12, angle + 1e-12) {

@@ -65,6 +65,7 @@ impl Milling {
         response: &Response<'_>,
     ) -> Result<Option<StabilityLimit>, ChatterError> {
         self.check()?;
+        self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;
         positive("greatest depth", greatest)?;
         positive("step", sampling.step)?;

@@ -51,6 +51,7 @@ impl Milling {
     /// ```
     pub fn load(&self, spindle_speed: f64, depth: f64) -> Result<CuttingLoad, ChatterError> {
         self.check()?;
+        self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;
         within("depth", depth, 0.0, f64::MAX)?;
         positive("feed_per_tooth", self.feed_per_tooth)?;

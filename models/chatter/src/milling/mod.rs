@@ -7,6 +7,7 @@ mod forced;
 mod harmonics;
 mod load;
 mod preview;
+mod profile;
 mod slow;
 mod stability;
 
@@ -81,6 +82,7 @@ impl Milling {
         self.cutter.check()?;
         self.engagement.check()?;
         self.force.check()?;
+        self.check_corner()?;
         within("feed_per_tooth", self.feed_per_tooth, 0.0, f64::MAX)?;
         if self.cutter.runout > 0.0 {
             positive("feed_per_tooth", self.feed_per_tooth)?;

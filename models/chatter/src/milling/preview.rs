@@ -25,6 +25,7 @@ impl Milling {
             return self.at_spindle_speed(spindle_speed)?.zeroth_order_limit(spindle_speed);
         }
         self.check()?;
+        self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;
         let [xx, xy, yx, yy] = tooth_period_gain(self, 0.0, 1.0);
         let mean = Matrix2::new(xx, xy, yx, yy).map(|g| Complex::new(g, 0.0));
