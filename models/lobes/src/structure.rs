@@ -197,6 +197,11 @@ pub(super) fn named(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
     }
 }
 
+/// A mode, and the relative standard deviations of frequency, damping and stiffness.
+type Estimated = (Mode, [f64; 3]);
+/// The modes at one speed, and these of each.
+type Row = (Vec<Mode>, Vec<[f64; 3]>);
+
 fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
     let plain = walk.sections(root, "mode", None);
     let speeds = walk.sections(root, "speed", None);
@@ -221,7 +226,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
     }
     let rows: Vec<&[Section<'_>]> =
         if speeds.is_empty() { vec![&plain[..]] } else { by_speed.iter().map(Vec::as_slice).collect() };
-    let modes: Vec<Vec<Option<(Mode, [f64; 3])>>> =
+    let modes: Vec<Vec<Option<Estimated>>> =
         rows.iter().map(|sections| sections.iter().map(|section| mode(walk, section)).collect()).collect();
     for described in ["measurement", "covariance"] {
         walk.table(root, described);
@@ -231,7 +236,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
         Some([section.si("upper_xx")?, section.si("upper_xy")?, section.si("upper_yy")?])
     });
     let rotations = rows[0].iter().map(|section| section.si("rotation")).collect();
-    let mut known: Vec<(Vec<Mode>, Vec<[f64; 3]>)> = modes
+    let mut known: Vec<Row> = modes
         .into_iter()
         .map(|row| Some(row.into_iter().collect::<Option<Vec<_>>>()?.into_iter().unzip()))
         .collect::<Option<_>>()?;
@@ -251,7 +256,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
 }
 
 /// The modes by speed; a fault at the speed that does not fit the one before it.
-fn table(walk: &mut Walk, speeds: &[Section<'_>], known: &[(Vec<Mode>, Vec<[f64; 3]>)]) -> Option<SpeedModes> {
+fn table(walk: &mut Walk, speeds: &[Section<'_>], known: &[Row]) -> Option<SpeedModes> {
     let values: Vec<f64> = speeds.iter().map(|section| section.si("spindle_speed")).collect::<Option<_>>()?;
     for (i, section) in speeds.iter().enumerate().skip(1) {
         let shown = |speed: f64| format!("{} rpm", significant(speed * 60.0 / TAU));
@@ -284,7 +289,7 @@ fn table(walk: &mut Walk, speeds: &[Section<'_>], known: &[(Vec<Mode>, Vec<[f64;
 }
 
 /// A mode, and the relative standard deviations of frequency, damping and stiffness.
-fn mode(walk: &mut Walk, section: &Section<'_>) -> Option<(Mode, [f64; 3])> {
+fn mode(walk: &mut Walk, section: &Section<'_>) -> Option<Estimated> {
     let direction = direction(walk, section)?;
     let mut estimate = |key: &str| {
         let table = walk.table(section, key)?;

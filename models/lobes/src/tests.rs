@@ -97,3 +97,31 @@ fn tables_that_are_none_are_refused_at_their_line() {
     let mode = "[[mode]]\nname = \"feed\"\ndirection = [1, 0]\nnatural_frequency = \"900 Hz\"\ndamping_ratio = 0.02\nstiffness = \"12 N/um\"\n";
     assert!(parse("chart.toml", &format!("{own}{mode}"), &[]).is_ok());
 }
+
+#[test]
+fn a_corner_radius_reaches_the_limit_and_what_it_cannot_have_is_refused() {
+    let own = CHART.replace("structure = \"spindle.toml\"\n", "");
+    let mode = "[[mode]]\nname = \"feed\"\ndirection = [1, 0]\nnatural_frequency = \"900 Hz\"\ndamping_ratio = 0.02\nstiffness = \"12 N/um\"\n";
+    let text = |cutter: &str, force: &str| {
+        let cut = own
+            .replace("[engagement]", &format!("{cutter}\n[engagement]"))
+            .replace("[chart]", &format!("{force}\n[chart]"));
+        format!("{cut}{mode}")
+    };
+    let limit = |cutter: &str, force: &str| {
+        let file = parse("chart.toml", &text(cutter, force), &[]).unwrap_or_else(|error| panic!("{error:?}")).content;
+        let LobesCut::Milling(cut) = file.cut else { panic!("milling") };
+        cut.at_speed(600.0).unwrap().limit(30e-3).unwrap().depth
+    };
+    let (cylinder, ball) = (limit("", ""), limit("corner_radius = \"6 mm\"", "axial = \"200 MPa\""));
+    // The tip of a ball hardly reaches a wall at a quarter of the diameter: it may go deeper.
+    assert!(ball > cylinder + 0.5e-3, "{cylinder} {ball}");
+    for (cutter, force, word) in [
+        ("corner_radius = \"7 mm\"", "", "half the diameter"),
+        ("corner_radius = \"2 mm\"\nrunout = \"5 um\"", "feed_per_tooth = \"0.1 mm\"", "equal pitch"),
+        ("corner_radius = \"2 mm\"", "feed_per_tooth = \"0.1 mm\"", "leave it out"),
+    ] {
+        let error = parse("chart.toml", &text(cutter, force), &[]).unwrap_err();
+        assert!(format!("{error:?}").contains(word), "{word}: {error:?}");
+    }
+}
