@@ -12,6 +12,7 @@ fn standard(immersion: f64) -> Option<Milling> {
         engagement: Engagement::new(immersion, Direction::Down).ok()?,
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
+        by_speed: None,
     })
 }
 

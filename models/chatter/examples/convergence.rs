@@ -30,6 +30,7 @@ pub fn convergence() -> Result<Convergence, ChatterError> {
         engagement: Engagement::new(1.0, Direction::Down)?,
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
+        by_speed: None,
     };
     let (speed, depth) = (5000.0 / 60.0 * TAU, 0.5e-3);
     let truth = collocated_radius(&slot, speed, depth, 60)?;

@@ -16,6 +16,7 @@ fn cut(degrees: usize, immersion: f64, direction: Direction) -> Result<Milling, 
         engagement: Engagement::new(immersion, direction)?,
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
+        by_speed: None,
     })
 }
 

@@ -142,6 +142,7 @@ fn milling() -> Result<Vec<Claim>, ChatterError> {
             engagement: Engagement::new(immersion, direction)?,
             force: MillingForce::new(6e8, 2e8),
             feed_per_tooth: 0.1e-3,
+            by_speed: None,
         };
         let depth = cut.at_speed(rpm(speed))?.limit(12e-3)?.depth;
         let claim = format!("milling, modes in {modes} directions, a/D {immersion}, {speed} rpm: limiting depth, mm");
@@ -177,6 +178,7 @@ fn helical(immersion: f64) -> Result<Milling, ChatterError> {
         engagement: Engagement::new(immersion, Direction::Down)?,
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
+        by_speed: None,
     })
 }
 
@@ -207,6 +209,7 @@ fn vibrations() -> Result<Vec<Claim>, ChatterError> {
         engagement: Engagement::new(0.3, Direction::Down)?,
         force: MillingForce::new(800e6, 260e6),
         feed_per_tooth: 0.1e-3,
+        by_speed: None,
     };
     let limit = milling.at_speed(rpm(7200.0))?.limit(12e-3)?.depth;
     let what = "milling, a/D 0.3, 7200 rpm";
@@ -226,6 +229,7 @@ fn vibrations() -> Result<Vec<Claim>, ChatterError> {
         engagement: Engagement::new(1.0, Direction::Down)?,
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
+        by_speed: None,
     };
     let limit = slot.at_speed(rpm(12000.0))?.limit(12e-3)?.depth;
     for (ratio, published) in [(1.1, 345.32), (1.5, 484.10)] {

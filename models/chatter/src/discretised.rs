@@ -38,6 +38,7 @@ pub fn spectral_radius(
     within("depth", depth, 0.0, f64::MAX)?;
     within("steps", steps as f64, 4.0, 1e5)?;
     within("helix_angle", cut.cutter.helix_angle, 0.0, 0.0)?;
+    cut.only_cylinder()?;
     within("process_damping", cut.force.process_damping, 0.0, 0.0)?;
     within("irregularity of the teeth", f64::from(u8::from(!cut.cutter.is_regular())), 0.0, 0.0)?;
     let mut map = Steps::new(cut, spindle_speed, depth, steps, method);
@@ -57,7 +58,7 @@ pub fn spectral_radius(
 /// use toolroom_chatter::{Cutter, Direction, Engagement, Milling, MillingForce, Mode};
 /// let modes = vec![Mode::from_mass([1.0, 0.0], 922.0, 0.011, 0.03993)];
 /// let (cutter, engagement) = (Cutter::straight(2, 0.02), Engagement::new(1.0, Direction::Down).unwrap());
-/// let slot = Milling { modes, cutter, engagement, force: MillingForce::new(6e8, 2e8), feed_per_tooth: 1e-4 };
+/// let slot = Milling { modes, cutter, engagement, force: MillingForce::new(6e8, 2e8), feed_per_tooth: 1e-4, by_speed: None };
 /// let radius = collocated_radius(&slot, 5000.0 / 60.0 * TAU, 0.5e-3, 40).unwrap();
 /// assert!((radius - 1.073975587).abs() < 1e-8);
 /// ```

@@ -43,6 +43,7 @@
 //!     engagement: Engagement::new(0.05, Direction::Down).unwrap(),
 //!     force: MillingForce::new(6e8, 2e8),
 //!     feed_per_tooth: 0.1e-3,
+//!     by_speed: None,
 //! };
 //! let limit = cut.at_speed(16000.0 / 60.0 * TAU).unwrap().limit(12e-3).unwrap();
 //! assert!((limit.depth - 5.5176757e-3).abs() < 1e-9);
@@ -99,6 +100,7 @@ mod response;
 mod scan;
 mod simulate;
 mod speed_variation;
+mod speeds;
 mod structure;
 mod turning;
 mod uncertainty;
@@ -115,6 +117,7 @@ pub use milling::{
 };
 pub use simulate::{SETTLED, Settled, Simulation, SimulationSettings};
 pub use speed_variation::SpeedVariation;
+pub use speeds::SpeedModes;
 pub use structure::Mode;
 pub use turning::{Bar, Support, Turning};
 pub use uncertainty::{Draw, Probability, RobustSpeed, Scatter};

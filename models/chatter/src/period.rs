@@ -1,7 +1,7 @@
 //! The period map of a regenerative cut, by spectral collocation of the stretches in cut and the
 //! exact response in free flight.
 
-use crate::factor::Factors;
+use crate::factor::{Factors, subtract_columns};
 use crate::krylov::{LinearMap, dot, subtract};
 use crate::response::{Modes, Response};
 use std::sync::Arc;
@@ -81,6 +81,8 @@ impl Period {
 pub(crate) struct MapStorage {
     factors: Vec<Factors>,
     force: Vec<f64>,
+    /// The force with the other sign.
+    against: Vec<f64>,
     rate: Vec<f64>,
     state: Vec<f64>,
 }
@@ -110,13 +112,16 @@ impl Element {
         let (n, size) = (*nodes, *samples);
         let matrix = factors.begin(size);
         matrix.fill(0.0);
+        let mut strength = Vec::new();
         let mut add = |gain: &[f64], response: &[f64]| {
+            strength.clear();
+            strength.extend(gain.iter().map(|gain| depth * gain));
             for (target, source) in matrix.chunks_exact_mut(size).zip(response.chunks_exact(size)) {
                 for a in 0..channels {
                     for b in 0..channels {
-                        let block = &gain[(a * channels + b) * n..][..n];
+                        let block = &strength[(a * channels + b) * n..][..n];
                         for ((t, g), s) in target[a * n..][..n].iter_mut().zip(block).zip(&source[b * n..][..n]) {
-                            *t += depth * g * s;
+                            *t += g * s;
                         }
                     }
                 }
@@ -142,7 +147,7 @@ impl LinearMap for PeriodMap<'_> {
 
     fn apply(&mut self, x: &[f64], y: &mut [f64]) {
         let Self { period, depth, storage } = self;
-        let MapStorage { factors, force, rate, state } = &mut **storage;
+        let MapStorage { factors, force, against, rate, state } = &mut **storage;
         let (past, start) = x.split_at(period.samples());
         let (present, end) = y.split_at_mut(period.samples());
         let channels = period.modes.channels;
@@ -202,9 +207,10 @@ impl LinearMap for PeriodMap<'_> {
                 }
             }
             factors[index].solve(force);
-            for (value, column) in force.iter().zip(response.displacement.chunks_exact(response.samples)) {
-                subtract(here, -value, column);
-            }
+            // Negated once, so that `here − (−value) column` is what it was.
+            against.clear();
+            against.extend(force.iter().map(|value| -value));
+            subtract_columns(here, against, &response.displacement);
             advance(state, &response.end_free);
             for (value, row) in state.iter_mut().zip(response.end_forced.chunks_exact(response.samples)) {
                 *value += dot(row, force);

@@ -1,5 +1,10 @@
 //! Time-domain simulation with loss of contact and multiple regeneration.
 
+mod settled;
+
+pub(crate) use settled::{Patience, settling, steps_for};
+pub use settled::{SETTLED, Settled};
+
 use crate::discretised::integrals;
 use crate::error::{ChatterError, positive, within};
 use crate::response::Modal;
@@ -138,44 +143,61 @@ impl Stepper {
     }
 }
 
+/// Whether a simulation that has reached the end of its periods, here their number, is to go on for as many again.
+pub(crate) type GoOn<'a> = &'a mut dyn FnMut(&Simulation, usize) -> bool;
+
 /// Runs a step loop: `force_at` is the force at a step, `leave` moves the surface on. A displacement beyond `farthest` (m) is
-/// refused.
+/// refused. What is observed are the last periods before each end.
 fn run(
     stepper: &mut Stepper,
     settings: &SimulationSettings,
     (dt, farthest): (f64, f64),
     mut force_at: impl FnMut(usize, Moving) -> [f64; 2],
     mut leave: impl FnMut(usize, [f64; 2]) -> (u32, u32),
+    go_on: GoOn<'_>,
 ) -> Result<Simulation, ChatterError> {
-    let total = settings.steps * settings.periods;
-    let first = settings.steps * (settings.periods - settings.observed);
+    let SimulationSettings { steps, mut periods, observed, .. } = *settings;
     let mut result = Simulation {
         time_step: dt,
-        displacement: Vec::with_capacity(total - first),
-        force: Vec::with_capacity(total - first),
+        displacement: Vec::with_capacity(steps * observed),
+        force: Vec::with_capacity(steps * observed),
         air_fraction: 0.0,
     };
-    let (mut engaged, mut in_air) = (0u64, 0u64);
     let mut force = force_at(0, stepper.motion());
     leave(0, stepper.motion().at);
-    for step in 1..total {
-        stepper.begin(force);
-        // Predict with the force held, correct once.
-        let predicted = force_at(step, stepper.trial(force));
-        force = force_at(step, stepper.trial(predicted));
-        stepper.finish(force);
-        let u = stepper.motion().at;
-        within("displacement", u[0].hypot(u[1]), 0.0, farthest)?;
-        let (teeth, air) = leave(step, u);
-        if step >= first {
-            result.displacement.push(u);
-            result.force.push(force);
-            engaged += u64::from(teeth);
-            in_air += u64::from(air);
+    let mut step = 1;
+    loop {
+        let (first, end) = (steps * (periods - observed), steps * periods);
+        let (mut engaged, mut in_air) = (0u64, 0u64);
+        while step < end {
+            stepper.begin(force);
+            // Predict with the force held, correct once.
+            let predicted = force_at(step, stepper.trial(force));
+            force = force_at(step, stepper.trial(predicted));
+            stepper.finish(force);
+            let u = stepper.motion().at;
+            // The sum of both is the greater and costs less.
+            let most = u[0].abs() + u[1].abs();
+            if most > farthest || most.is_nan() {
+                within("displacement", u[0].hypot(u[1]), 0.0, farthest)?;
+            }
+            let (teeth, air) = leave(step, u);
+            if step >= first {
+                result.displacement.push(u);
+                result.force.push(force);
+                engaged += u64::from(teeth);
+                in_air += u64::from(air);
+            }
+            step += 1;
         }
+        result.air_fraction = if engaged > 0 { in_air as f64 / engaged as f64 } else { 0.0 };
+        if !go_on(&result, periods) {
+            return Ok(result);
+        }
+        periods *= 2;
+        result.displacement.clear();
+        result.force.clear();
     }
-    result.air_fraction = if engaged > 0 { in_air as f64 / engaged as f64 } else { 0.0 };
-    Ok(result)
 }
 
 fn check(settings: &SimulationSettings) -> Result<(), ChatterError> {
@@ -203,6 +225,27 @@ impl Turning {
         feed_per_rev: f64,
         settings: &SimulationSettings,
     ) -> Result<Simulation, ChatterError> {
+        self.simulate_on(spindle_speed, width, feed_per_rev, settings, &mut |_, _| false)
+    }
+
+    /// [`Turning::simulate`] that goes on as long as `go_on` says so.
+    fn simulate_on(
+        &self,
+        spindle_speed: f64,
+        width: f64,
+        feed_per_rev: f64,
+        settings: &SimulationSettings,
+        go_on: GoOn<'_>,
+    ) -> Result<Simulation, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.simulate_on(
+                spindle_speed,
+                width,
+                feed_per_rev,
+                settings,
+                go_on,
+            );
+        }
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         positive("width", width)?;
@@ -235,7 +278,7 @@ impl Turning {
             *left_surface = if cuts { u[0] } else { *left_surface + feed_per_rev };
             (1, u32::from(!cuts))
         };
-        run(&mut stepper, settings, (dt, f64::MAX), force, leave)
+        run(&mut stepper, settings, (dt, f64::MAX), force, leave, go_on)
     }
 }
 
@@ -257,7 +300,22 @@ impl Milling {
         depth: f64,
         settings: &SimulationSettings,
     ) -> Result<Simulation, ChatterError> {
+        self.simulate_on(spindle_speed, depth, settings, &mut |_, _| false)
+    }
+
+    /// [`Milling::simulate`] that goes on as long as `go_on` says so.
+    pub(crate) fn simulate_on(
+        &self,
+        spindle_speed: f64,
+        depth: f64,
+        settings: &SimulationSettings,
+        go_on: GoOn<'_>,
+    ) -> Result<Simulation, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.simulate_on(spindle_speed, depth, settings, go_on);
+        }
         self.check()?;
+        self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;
         positive("depth", depth)?;
         positive("feed_per_tooth", self.feed_per_tooth)?;
@@ -331,7 +389,7 @@ impl Milling {
             });
             (engaged, air)
         };
-        run(&mut stepper, settings, (dt, self.cutter.diameter), force, leave)
+        run(&mut stepper, settings, (dt, self.cutter.diameter), force, leave, go_on)
     }
 
     /// The steps of angle within the engagement, from its entry.
@@ -347,127 +405,6 @@ impl Milling {
                 Bin { share: (to - from).max(0.0), sine, cosine }
             })
             .collect()
-    }
-}
-
-/// A simulation that has been run until its vibration repeats.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Settled {
-    /// The vibration at the end.
-    pub simulation: Simulation,
-    /// Periods that were simulated.
-    pub periods: usize,
-    /// Greatest relative change of a peak-to-peak displacement between the two halves of the observed end; of a vibration
-    /// at two frequencies it does not vanish.
-    pub change: f64,
-    /// Whether it is below [`SETTLED`].
-    pub settled: bool,
-    /// Error of the greater peak-to-peak displacement, relative: three quarters of the difference to a run of half the steps,
-    /// which a method of second order makes four thirds of its own error; the change; and 4 % for what two windows do not show.
-    /// Of 200 random milling cuts at 1.02 to 3 times their limit, half of them with period doubling, 95 % lay within it of a
-    /// run of four times the steps over 2400 periods (`examples/amplitudes.rs`).
-    pub band: f64,
-}
-
-/// Relative change of a peak-to-peak displacement from one window to the next below which a vibration is called settled.
-pub const SETTLED: f64 = 0.02;
-/// Part of the error of a vibration that neither steps nor windows show: beats longer than a window and chaos. With it, not
-/// with less, 95 % of random cuts lie within their band.
-const SAMPLED: f64 = 0.04;
-
-/// How long a vibration is given to settle.
-#[derive(Clone, Copy)]
-pub(crate) struct Patience {
-    /// Periods of the first run, which is doubled up to the last.
-    pub periods: [usize; 2],
-    /// Periods in each of the two windows at the end that are compared.
-    pub window: usize,
-}
-
-/// For a vibration that is requested: windows that hold the beats of two frequencies, and what chaos reaches now and then.
-const PATIENT: Patience = Patience { periods: [320, 2560], window: 80 };
-
-/// Greatest difference of two lists of peak-to-peak displacements, relative to the greatest of them: a direction that hardly
-/// moves beside the other decides nothing.
-fn apart(a: &[f64], b: &[f64]) -> f64 {
-    let greatest = a.iter().chain(b).copied().fold(f64::MIN_POSITIVE, f64::max);
-    a.iter().zip(b).map(|(a, b)| (a - b).abs() / greatest).fold(0.0, f64::max)
-}
-
-/// Peak-to-peak displacement of `part` in each of `directions` (m).
-fn ranges(part: &[[f64; 2]], directions: &[usize]) -> Vec<f64> {
-    directions
-        .iter()
-        .map(|direction| {
-            let values = part.iter().map(|u| u[*direction]);
-            values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
-        })
-        .collect()
-}
-
-/// Runs `simulate` with `steps` longer and longer until two windows at its end agree: the run, its periods, and the relative
-/// change from window to window.
-pub(crate) fn settling(
-    steps: usize,
-    Patience { periods: [first, last], window }: Patience,
-    directions: &[usize],
-    simulate: &impl Fn(&SimulationSettings) -> Result<Simulation, ChatterError>,
-) -> Result<(Simulation, usize, f64), ChatterError> {
-    let mut periods = first;
-    loop {
-        let run = simulate(&SimulationSettings { steps, periods, observed: 2 * window, kick: 1.0 })?;
-        let (before, after) = run.displacement.split_at(run.displacement.len() / 2);
-        let change = apart(&ranges(before, directions), &ranges(after, directions));
-        if change < SETTLED || periods >= last {
-            return Ok((run, periods, change));
-        }
-        periods *= 2;
-    }
-}
-
-/// Runs `simulate` until its vibration has settled, and at half the steps for the error.
-fn settle(
-    steps: usize,
-    directions: &[usize],
-    simulate: impl Fn(&SimulationSettings) -> Result<Simulation, ChatterError>,
-) -> Result<Settled, ChatterError> {
-    let (simulation, periods, change) = settling(steps, PATIENT, directions, &simulate)?;
-    let settings = SimulationSettings { steps: (steps / 2).max(8), periods, observed: 2 * PATIENT.window, kick: 1.0 };
-    let rough = simulate(&settings)?;
-    let by_step = 0.75 * apart(&ranges(&simulation.displacement, directions), &ranges(&rough.displacement, directions));
-    Ok(Settled { simulation, periods, change, settled: change < SETTLED, band: by_step + change + SAMPLED })
-}
-
-/// Steps in a period of `length` (s): `least`, and `each` to an oscillation of the highest mode.
-pub(crate) fn steps_for(modes: &[crate::Mode], length: f64, [least, each]: [f64; 2]) -> usize {
-    let highest = modes.iter().map(|mode| mode.natural_frequency).fold(0.0, f64::max);
-    (each * highest * length).clamp(least, 5000.0).ceil() as usize
-}
-
-/// Least steps in a period, and steps in an oscillation of the highest mode, of a vibration that is requested.
-const FINE: [f64; 2] = [200.0, 40.0];
-
-impl Turning {
-    /// The vibration that turning at `spindle_speed` (rad/s) with `width` and mean chip `feed_per_rev` (m) settles to, set off
-    /// by a chip thickness.
-    ///
-    /// # Errors
-    /// As [`Turning::simulate`].
-    pub fn settled(&self, spindle_speed: f64, width: f64, feed_per_rev: f64) -> Result<Settled, ChatterError> {
-        let steps = 2 * steps_for(&self.modes, TAU / positive("spindle_speed", spindle_speed)?, FINE);
-        settle(steps, &[0], |settings| self.simulate(spindle_speed, width, feed_per_rev, settings))
-    }
-}
-
-impl Milling {
-    /// The vibration that milling at `spindle_speed` (rad/s) and `depth` (m) settles to, set off by a chip thickness.
-    ///
-    /// # Errors
-    /// As [`Milling::simulate`].
-    pub fn settled(&self, spindle_speed: f64, depth: f64) -> Result<Settled, ChatterError> {
-        let pitch = TAU / (self.cutter.teeth as f64 * positive("spindle_speed", spindle_speed)?);
-        let steps = steps_for(&self.modes, pitch, FINE);
-        settle(steps, &[0, 1], |settings| self.simulate(spindle_speed, depth, settings))
     }
 }
 

@@ -58,7 +58,7 @@ impl Mode {
     }
 
     /// Rate of the free vibration (1/s): `−zeta w + i w sqrt(1 − zeta²)`.
-    fn pole(&self) -> Complex<f64> {
+    pub(crate) fn pole(&self) -> Complex<f64> {
         let (w, zeta) = (self.angular_frequency(), self.damping_ratio);
         Complex::new(-zeta, (1.0 - zeta * zeta).sqrt()) * w
     }

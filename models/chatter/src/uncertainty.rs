@@ -2,7 +2,7 @@
 
 use crate::error::{ChatterError, within};
 use crate::lobes::{Axis, Lobes};
-use crate::{Milling, Mode, Turning};
+use crate::{Milling, Mode, SpeedModes, Turning};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -49,9 +49,12 @@ impl Milling {
         scatter.check()?;
         let mut draw = Draw::new(seed, sample);
         let mut cut = self.clone();
-        draw.scatter(&mut cut.modes, scatter);
+        draw.scatter(&mut cut.modes, cut.by_speed.as_mut(), scatter);
         cut.force.tangential *= draw.factor(scatter.coefficients);
-        cut.force.radial *= draw.factor(scatter.coefficients);
+        // Radial and axial force are one on the face of the tooth, and scatter together.
+        let factor = draw.factor(scatter.coefficients);
+        cut.force.radial *= factor;
+        cut.force.axial *= factor;
         Ok(cut)
     }
 
@@ -108,6 +111,26 @@ impl Milling {
         shares(samples, |sample| self.scattered(scatter, seed, sample)?.lobes(speeds, depths))
     }
 
+    /// The first of `speeds` (rad/s) among those at which `depth` (m) is stable most probably: as [`Milling::robust_speeds`]
+    /// ranks them, for less work. A sample is judged only where its speed can still be better than those before it; one
+    /// whose verdict is not found counts as unstable. None of no speeds.
+    ///
+    /// # Errors
+    /// As [`Milling::stability_probability`].
+    pub fn most_probably_stable(
+        &self,
+        speeds: &[f64],
+        depth: f64,
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+    ) -> Result<Option<f64>, ChatterError> {
+        most_probable(speeds, samples, |speed, sample| {
+            let cut = self.scattered(scatter, seed, sample)?;
+            Ok(cut.at_speed(speed)?.screen(depth)?.stable)
+        })
+    }
+
     /// Speeds of `speed` with the probability that `depth` (m) is stable there, the most probable
     /// first; of equals the one whose neighbours are the most probable. The same samples judge
     /// every speed.
@@ -135,7 +158,7 @@ impl Turning {
         scatter.check()?;
         let mut draw = Draw::new(seed, sample);
         let mut cut = self.clone();
-        draw.scatter(&mut cut.modes, scatter);
+        draw.scatter(&mut cut.modes, cut.by_speed.as_mut(), scatter);
         cut.cutting_coefficient *= draw.factor(scatter.coefficients);
         Ok(cut)
     }
@@ -199,6 +222,23 @@ impl Turning {
         seed: u64,
     ) -> Result<Vec<f64>, ChatterError> {
         shares(samples, |sample| self.scattered(scatter, seed, sample)?.lobe_chart(speeds, widths))
+    }
+
+    /// The first of `speeds` (rad/s) among those at which `width` (m) is stable most probably: as [`Turning::robust_speeds`]
+    /// ranks them, for less work. A sample is judged only where its speed can still be better than those before it; one
+    /// whose verdict is not found counts as unstable. None of no speeds.
+    ///
+    /// # Errors
+    /// As [`Turning::stability_probability`].
+    pub fn most_probably_stable(
+        &self,
+        speeds: &[f64],
+        width: f64,
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+    ) -> Result<Option<f64>, ChatterError> {
+        most_probable(speeds, samples, |speed, sample| self.scattered(scatter, seed, sample)?.is_stable(speed, width))
     }
 
     /// Speeds of `speed` with the probability that `width` (m) is stable there, ordered as by
@@ -266,6 +306,38 @@ fn reaches(
     Ok(found >= due)
 }
 
+/// Samples that are judged at once before it is asked whether a speed can still be the best: few, since most speeds are
+/// given up after some.
+const AT_ONCE_BEST: u64 = 8;
+
+/// The first speed with the most stable samples.
+fn most_probable(
+    speeds: &[f64],
+    samples: u64,
+    stable: impl Fn(f64, u64) -> Result<bool, ChatterError> + Sync + Send,
+) -> Result<Option<f64>, ChatterError> {
+    within("samples", samples as f64, 1.0, 1e9)?;
+    let mut best: Option<(f64, u64)> = None;
+    for speed in speeds {
+        let (mut judged, mut found) = (0, 0);
+        let beaten = |found: u64, judged: u64| best.is_some_and(|(_, most)| found + samples - judged <= most);
+        while judged < samples && !beaten(found, judged) {
+            let end = (judged + AT_ONCE_BEST).min(samples);
+            let judge = |sample: u64| match stable(*speed, sample) {
+                Err(error) if error.is_failed_search() => Ok(false),
+                outcome => outcome,
+            };
+            let outcomes: Result<Vec<bool>, ChatterError> = (judged..end).into_par_iter().map(judge).collect();
+            found += outcomes?.into_iter().filter(|stable| *stable).count() as u64;
+            judged = end;
+        }
+        if !beaten(found, judged) {
+            best = Some((*speed, found));
+        }
+    }
+    Ok(best.map(|(speed, _)| speed))
+}
+
 /// Share of charts in which a point is stable, for every point.
 fn shares(samples: u64, chart: impl Fn(u64) -> Result<Lobes, ChatterError>) -> Result<Vec<f64>, ChatterError> {
     within("samples", samples as f64, 1.0, 1e9)?;
@@ -315,17 +387,29 @@ impl Draw {
         Self { key: seed ^ sample.wrapping_mul(0x9E37_79B9_7F4A_7C15), counter: 0 }
     }
 
-    /// Scatters every mode for itself, at constant modal mass.
-    fn scatter(&mut self, modes: &mut [Mode], scatter: &Scatter) {
-        for mode in modes {
-            let frequency = self.factor(scatter.natural_frequency);
-            let damping = self.factor(scatter.damping_ratio);
-            *mode = Mode {
+    /// Scatters every mode for itself, at constant modal mass; a mode by speed at all speeds alike.
+    fn scatter(&mut self, modes: &mut [Mode], by_speed: Option<&mut SpeedModes>, scatter: &Scatter) {
+        let factors: Vec<(f64, f64)> = modes
+            .iter()
+            .map(|_| {
+                let frequency = self.factor(scatter.natural_frequency);
+                (frequency, self.factor(scatter.damping_ratio))
+            })
+            .collect();
+        let other = |number: usize, mode: &Mode| {
+            let Some((frequency, damping)) = factors.get(number).copied() else { return *mode };
+            Mode {
                 natural_frequency: mode.natural_frequency * frequency,
                 stiffness: mode.stiffness * frequency * frequency,
                 damping_ratio: (mode.damping_ratio * damping).min(0.99),
                 ..*mode
-            };
+            }
+        };
+        for (number, mode) in modes.iter_mut().enumerate() {
+            *mode = other(number, mode);
+        }
+        if let Some(table) = by_speed {
+            *table = table.map(other);
         }
     }
 

@@ -154,13 +154,17 @@ impl Boundary {
 
 /// Modes whose frequencies and damping differ from nominal by factors, at the same modal mass.
 fn scattered(modes: &[Mode], frequency_factor: f64, damping_factor: f64) -> Vec<Mode> {
-    let other = |mode: &Mode| Mode {
+    modes.iter().map(|mode| other(mode, frequency_factor, damping_factor)).collect()
+}
+
+/// One of them.
+fn other(mode: &Mode, frequency_factor: f64, damping_factor: f64) -> Mode {
+    Mode {
         natural_frequency: mode.natural_frequency * frequency_factor,
         stiffness: mode.stiffness * frequency_factor * frequency_factor,
         damping_ratio: (mode.damping_ratio * damping_factor).min(0.99),
         ..*mode
-    };
-    modes.iter().map(other).collect()
+    }
 }
 
 /// The variation of the spindle speed that an input asks for.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use toolroom_chatter::{Bar, Cutter, Direction, Engagement, Mode, Support};
+use toolroom_chatter::{Bar, Cutter, Direction, Engagement, Mode, SpeedModes, Support};
 use toolroom_cutting::{
     Milling, MillingInput, MillingState, MillingStructure, Regeneration, Turning, TurningInput, TurningOutput,
     TurningState, TurningStructure,
@@ -63,6 +63,7 @@ fn the_limit_is_that_of_the_stability_model() {
         engagement: Engagement::new(0.25, Direction::Down).unwrap(),
         force: toolroom_chatter::MillingForce::new(2389e6, 965e6),
         feed_per_tooth: 0.05e-3,
+        by_speed: None,
     };
     let expected = cut.at_speed(output.spindle_speed).unwrap().limit(20e-3).unwrap().depth;
     let limit = u.depth_of_cut / (1.0 - output.stability_margin);
@@ -324,4 +325,46 @@ fn milling_chatter_is_that_of_a_simulation() {
     };
     let (near, far) = (deep(1.6e-3), deep(60e-3));
     assert!(near.chatter > 0.0 && far.chatter > 0.5 * near.chatter, "{near:?} {far:?}");
+}
+
+/// The shop asks with the modes of the speed at which it cuts; where nobody measured, a cut counts as unstable.
+#[test]
+fn modes_by_speed_count_at_their_speed() {
+    let softer = Mode { natural_frequency: 170.0, stiffness: 7e6, ..MODE };
+    let table = |second: Mode| SpeedModes::new(vec![(100.0, vec![MODE]), (200.0, vec![second])]).unwrap();
+    let with = |second: Mode| {
+        let cut = toolroom_chatter::Turning { by_speed: Some(table(second)), ..cut() };
+        let structure = TurningStructure::new(cut, None, Regeneration::default()).unwrap();
+        assert_eq!(structure.speeds(), Some((100.0, 200.0)));
+        Turning { structure: Some(Arc::new(structure)), ..Turning::named("c45_t15k6").unwrap() }
+    };
+    let (plain, same, drifting) = (turning(), with(MODE), with(softer));
+    let margin = |turning: &Turning, speed: f64| {
+        let u = TurningInput { cutting_speed: speed, ..turned(0.2e-3) };
+        turning.output(&turning.initial(), &u).stability_margin
+    };
+    for speed in [2.1, 2.9, 3.8] {
+        assert_eq!(margin(&plain, speed), margin(&same, speed));
+        assert!((margin(&drifting, speed) - margin(&plain, speed)).abs() > 0.005, "{speed}");
+    }
+    let outside = TurningInput { cutting_speed: 4.5, ..turned(0.2e-3) };
+    assert_eq!(same.output(&same.initial(), &outside).stable, 0.0);
+    // A shop that scatters draws one machine for all speeds.
+    let factor = |turning: &Turning, natural_frequency_factor: f64| {
+        let u = TurningInput { cutting_speed: 2.9, natural_frequency_factor, ..turned(0.2e-3) };
+        turning.output(&turning.initial(), &u).stability_margin
+    };
+    assert_eq!(factor(&plain, 1.03), factor(&same, 1.03));
+    let modes = vec![
+        Mode { natural_frequency: 1800.0, ..MODE },
+        Mode { direction: [0.0, 1.0], natural_frequency: 2000.0, ..MODE },
+    ];
+    let mill = |by_speed: Option<SpeedModes>| {
+        let structure = MillingStructure::new(modes.clone(), 0.0, 0.0, Regeneration::default()).unwrap();
+        Milling { structure: Some(Arc::new(structure.by_speed(by_speed))), ..Milling::default() }
+    };
+    let rows = vec![(100.0, modes.clone()), (1000.0, modes.clone())];
+    let (fixed, tabled) = (mill(None), mill(Some(SpeedModes::new(rows).unwrap())));
+    let u = MillingInput { depth_of_cut: 1e-3, ..Default::default() };
+    assert_eq!(fixed.output(&fixed.initial(), &u), tabled.output(&tabled.initial(), &u));
 }

@@ -107,6 +107,12 @@ static CUTTER: Form = Form {
         ),
         Key::default("runout", Kind::quantity("m", "um", 0.0, 1e-2, "10 um"), "0 um", "Offset of the cutter's axis"),
         Key::default("runout_angle", ANGLE, "0 deg", "Angle from the first tooth to the offset"),
+        Key::default(
+            "corner_radius",
+            Kind::quantity("m", "mm", 0.0, 1.0, "2 mm"),
+            "0 mm",
+            "Radius of the corner: a bull nose, half the diameter a ball end; limits and verdicts alone",
+        ),
     ],
 };
 
@@ -137,6 +143,12 @@ static FORCE: Form = Form {
         COEFFICIENT_FILE,
         Key::optional("tangential", PRESSURE, "Tangential cutting-force coefficient; or give `coefficients`"),
         Key::optional("radial", PRESSURE_EITHER, "Radial cutting-force coefficient; or give `coefficients`"),
+        Key::default(
+            "axial",
+            PRESSURE_EITHER,
+            "0 MPa",
+            "Axial cutting-force coefficient, which acts where a corner radius turns the edge",
+        ),
         Key::default("process_damping", INDENTATION, "0 N/m", "Indentation coefficient of process damping"),
         Key::default(
             "feed_per_tooth",

@@ -12,6 +12,8 @@ mod coefficients;
 mod keys;
 mod read;
 mod structure;
+#[cfg(test)]
+mod tests;
 mod words;
 
 pub use coefficients::{COEFFICIENTS, CoefficientFile, read_coefficients};

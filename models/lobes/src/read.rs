@@ -259,6 +259,16 @@ fn milling(
         let example = "\"0.1 mm/tooth\"".to_owned();
         walk.fault(force.span_of("feed_per_tooth"), Fault::MissingKey { section, key: "feed_per_tooth", example });
     }
+    if cutter.corner_radius > 0.0 && feed_per_tooth > 0.0 {
+        let fault = Fault::Contradiction {
+            first: "feed_per_tooth",
+            first_value: format!("{} mm", significant(feed_per_tooth * 1e3)),
+            second: "corner_radius",
+            second_value: format!("{} mm", significant(cutter.corner_radius * 1e3)),
+            rule: "loads and vibration, which the feed is for, are those of cylinders; leave it out",
+        };
+        walk.fault(force.span_of("feed_per_tooth"), fault);
+    }
     let file = if force.given("coefficients") { coefficients::named(walk, &force) } else { None };
     *deviation = file.as_ref().map(|file| file.deviation);
     let of_file = |i: usize| file.as_ref().map(|file| file.chip[i]);
@@ -275,8 +285,16 @@ fn milling(
         process_damping: force.si("process_damping")?,
         edge_tangential: edge(0, "edge_tangential")?,
         edge_radial: edge(1, "edge_radial")?,
+        axial: force.si("axial")?,
     };
-    Some(Milling { modes: modes?, cutter, engagement: engagement?, force, feed_per_tooth })
+    Some(Milling {
+        modes: modes?,
+        cutter,
+        engagement: engagement?,
+        force,
+        feed_per_tooth,
+        by_speed: structure.and_then(|structure| structure.by_speed.clone()),
+    })
 }
 
 fn cutter(walk: &mut Walk, section: &Section<'_>) -> Option<Cutter> {
@@ -303,13 +321,36 @@ fn cutter(walk: &mut Walk, section: &Section<'_>) -> Option<Cutter> {
             walk.fault(section.span_of("pitch"), fault);
         }
     }
+    let (diameter, corner_radius) = (section.si("diameter")?, section.si("corner_radius")?);
+    let millimetres = |value: f64| format!("{} mm", significant(value * 1e3));
+    if corner_radius > 0.5 * diameter {
+        let fault = Fault::Contradiction {
+            first: "corner_radius",
+            first_value: millimetres(corner_radius),
+            second: "diameter",
+            second_value: millimetres(diameter),
+            rule: "a corner is at most a ball end, half the diameter",
+        };
+        walk.fault(section.span_of("corner_radius"), fault);
+    }
+    if corner_radius > 0.0 && (section.given("pitch") || section.si("runout").is_some_and(|runout| runout > 0.0)) {
+        let fault = Fault::Contradiction {
+            first: "corner_radius",
+            first_value: millimetres(corner_radius),
+            second: if section.given("pitch") { "pitch" } else { "runout" },
+            second_value: "given".to_owned(),
+            rule: "cutters with a corner radius are calculated with equal pitch and without runout",
+        };
+        walk.fault(section.span_of("corner_radius"), fault);
+    }
     Some(Cutter {
         teeth,
-        diameter: section.si("diameter")?,
+        diameter,
         helix_angle: section.si("helix_angle")?,
         pitch,
         runout: section.si("runout")?,
         runout_angle: section.si("runout_angle")?,
+        corner_radius,
     })
 }
 
@@ -354,6 +395,7 @@ fn turning(
         process_damping: cut.si("process_damping")?,
         diameter: diameter?,
         chip_exponent: cut.si("chip_exponent")?,
+        by_speed: structure.and_then(|structure| structure.by_speed.clone()),
     };
     Some(LobesCut::Turning { cut, bar })
 }

@@ -2,9 +2,10 @@
 
 use super::keys::{DAMPING_RATIO, FREQUENCY, STIFFNESS};
 use super::read::direction;
+use std::f64::consts::TAU;
 use std::path::Path;
-use toolroom_chatter::{Mode, Scatter};
-use toolroom_form::{Content, ContentFault, Fault, Form, FormFile, Key, Kind, ReadError, Section, Walk};
+use toolroom_chatter::{ChatterError, Mode, Scatter, SpeedModes};
+use toolroom_form::{Content, ContentFault, Fault, Form, FormFile, Key, Kind, ReadError, Section, Walk, significant};
 
 /// Natural frequency of the mode that stands for all modes above the range, over the highest one of the file: its
 /// compliance is 10 % more than the residual at the highest mode and 1 % more at a third of that frequency, and a residual is
@@ -22,7 +23,12 @@ pub static STRUCTURE: Form = Form {
         Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
         Key::required("name", Kind::Name, "Short name"),
         Key::required("measurement", Kind::Table(&MEASUREMENT), "Where the modes come from"),
-        Key::required("mode", Kind::Tables(&FITTED_MODE), "Vibration modes at the point of cut"),
+        Key::optional("mode", Kind::Tables(&FITTED_MODE), "Vibration modes at the point of cut"),
+        Key::optional(
+            "speed",
+            Kind::Tables(&SPEED),
+            "In place of [[mode]]: the modes at several spindle speeds, ascending, where they change with the speed",
+        ),
         Key::optional("residual", Kind::Table(&RESIDUAL), "What the modes above the measured range give way"),
         Key::optional("covariance", Kind::Table(&COVARIANCE), "Covariance of all values of the modes"),
     ],
@@ -34,6 +40,15 @@ static MEASUREMENT: Form = Form {
     keys: &[
         Key::default("source", Kind::Text, "", "Measured file and the command that fitted it"),
         Key::default("quality", Kind::Text, "", "What the fit says of itself"),
+    ],
+};
+
+static SPEED: Form = Form {
+    title: "[[speed]]",
+    doc: "The modes at one spindle speed: at every speed the same modes, in the same order",
+    keys: &[
+        Key::required("spindle_speed", Kind::positive("rad/s", "rpm", 1e6, "6000 rpm"), "Spindle speed of the tap"),
+        Key::required("mode", Kind::Tables(&FITTED_MODE), "Vibration modes at the point of cut"),
     ],
 };
 
@@ -143,6 +158,8 @@ pub struct Structure {
     pub name: String,
     /// The modes; what the modes above the range give way is a stiff mode, or two of them, at the end.
     pub modes: Vec<Mode>,
+    /// The same by spindle speed, where the modes change with it; `modes` are then those of the least speed.
+    pub by_speed: Option<SpeedModes>,
     /// Slope over displacement (1/m) of the modes of the file, where it is given.
     pub rotations: Vec<Option<f64>>,
     /// Relative standard deviations, of the least known mode each; none where the file has none.
@@ -180,9 +197,37 @@ pub(super) fn named(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
     }
 }
 
+/// A mode, and the relative standard deviations of frequency, damping and stiffness.
+type Estimated = (Mode, [f64; 3]);
+/// The modes at one speed, and these of each.
+type Row = (Vec<Mode>, Vec<[f64; 3]>);
+
 fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
-    let sections = walk.sections(root, "mode", None);
-    let modes: Vec<Option<(Mode, [f64; 3])>> = sections.iter().map(|section| mode(walk, section)).collect();
+    let plain = walk.sections(root, "mode", None);
+    let speeds = walk.sections(root, "speed", None);
+    let by_speed: Vec<Vec<Section<'_>>> = speeds.iter().map(|speed| walk.sections(speed, "mode", None)).collect();
+    if plain.is_empty() == speeds.is_empty() {
+        let fault = if plain.is_empty() {
+            Fault::Nothing {
+                what: "vibration mode",
+                example: "[[mode]] with natural_frequency, damping_ratio and stiffness",
+            }
+        } else {
+            Fault::Contradiction {
+                first: "mode",
+                first_value: format!("{} modes", plain.len()),
+                second: "speed",
+                second_value: format!("{} speeds", speeds.len()),
+                rule: "modes are those of all speeds or stand under each [[speed]]",
+            }
+        };
+        walk.fault(root.span_of(if plain.is_empty() { "" } else { "speed" }), fault);
+        return None;
+    }
+    let rows: Vec<&[Section<'_>]> =
+        if speeds.is_empty() { vec![&plain[..]] } else { by_speed.iter().map(Vec::as_slice).collect() };
+    let modes: Vec<Vec<Option<Estimated>>> =
+        rows.iter().map(|sections| sections.iter().map(|section| mode(walk, section)).collect()).collect();
     for described in ["measurement", "covariance"] {
         walk.table(root, described);
     }
@@ -190,21 +235,61 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
     let upper = residual.map_or(Some([0.0; 3]), |section| {
         Some([section.si("upper_xx")?, section.si("upper_xy")?, section.si("upper_yy")?])
     });
-    let rotations = sections.iter().map(|section| section.si("rotation")).collect();
-    let (mut modes, sds): (Vec<Mode>, Vec<[f64; 3]>) =
-        modes.into_iter().collect::<Option<Vec<_>>>()?.into_iter().unzip();
+    let rotations = rows[0].iter().map(|section| section.si("rotation")).collect();
+    let mut known: Vec<Row> = modes
+        .into_iter()
+        .map(|row| Some(row.into_iter().collect::<Option<Vec<_>>>()?.into_iter().unzip()))
+        .collect::<Option<_>>()?;
     let name = root.text("name")?.to_owned();
-    modes.extend(stiff_modes(&modes, upper?));
-    let greatest = |i: usize| sds.iter().map(|sd| sd[i]).fold(0.0, f64::max).min(1.0);
+    let all: Vec<Mode> = known.iter().flat_map(|(modes, _)| modes).copied().collect();
+    let greatest = |i: usize| known.iter().flat_map(|(_, sds)| sds).map(|sd| sd[i]).fold(0.0, f64::max).min(1.0);
     let [natural_frequency, damping_ratio, stiffness] = [0, 1, 2].map(greatest);
-    let known = natural_frequency > 0.0 || damping_ratio > 0.0 || stiffness > 0.0;
+    let uncertain = natural_frequency > 0.0 || damping_ratio > 0.0 || stiffness > 0.0;
     let coefficients = COEFFICIENTS.hypot(stiffness).min(1.0);
-    let scatter = known.then_some(Scatter { natural_frequency, damping_ratio, coefficients });
-    Some(Structure { name, modes, rotations, scatter, stiffness_deviation: stiffness, deviations: sds })
+    let scatter = uncertain.then_some(Scatter { natural_frequency, damping_ratio, coefficients });
+    // One compliance above the range stands at all speeds.
+    let above = stiff_modes(&all, upper?);
+    known.iter_mut().for_each(|(modes, _)| modes.extend(&above));
+    let table = if speeds.is_empty() { None } else { Some(table(walk, &speeds, &known)?) };
+    let (modes, deviations) = known.swap_remove(0);
+    Some(Structure { name, modes, by_speed: table, rotations, scatter, stiffness_deviation: stiffness, deviations })
+}
+
+/// The modes by speed; a fault at the speed that does not fit the one before it.
+fn table(walk: &mut Walk, speeds: &[Section<'_>], known: &[Row]) -> Option<SpeedModes> {
+    let values: Vec<f64> = speeds.iter().map(|section| section.si("spindle_speed")).collect::<Option<_>>()?;
+    for (i, section) in speeds.iter().enumerate().skip(1) {
+        let shown = |speed: f64| format!("{} rpm", significant(speed * 60.0 / TAU));
+        let (before, here) = (known[i - 1].0.len(), known[i].0.len());
+        let fault = if values[i] <= values[i - 1] {
+            ("spindle_speed", shown(values[i]), "spindle_speed", shown(values[i - 1]), "the speeds of a table ascend")
+        } else if before != here {
+            let count = |modes: usize| format!("{modes} modes");
+            ("speed", count(here), "speed", count(before), "every speed has the same modes, in the same order")
+        } else {
+            continue;
+        };
+        let (first, first_value, second, second_value, rule) = fault;
+        let fault = Fault::Contradiction { first, first_value, second, second_value: second_value + " before", rule };
+        walk.fault(section.span_of("spindle_speed"), fault);
+        return None;
+    }
+    let rows = values.into_iter().zip(known).map(|(speed, (modes, _))| (speed, modes.clone())).collect();
+    match SpeedModes::new(rows) {
+        Ok(table) => Some(table),
+        Err(ChatterError::TooFewPoints { .. }) => {
+            let what = "second spindle speed";
+            let example = "[[speed]] with spindle_speed and its modes, or [[mode]] alone for modes of all speeds";
+            walk.fault(speeds[0].span_of(""), Fault::Nothing { what, example });
+            None
+        }
+        // The form lets no other mode or speed pass.
+        Err(_) => None,
+    }
 }
 
 /// A mode, and the relative standard deviations of frequency, damping and stiffness.
-fn mode(walk: &mut Walk, section: &Section<'_>) -> Option<(Mode, [f64; 3])> {
+fn mode(walk: &mut Walk, section: &Section<'_>) -> Option<Estimated> {
     let direction = direction(walk, section)?;
     let mut estimate = |key: &str| {
         let table = walk.table(section, key)?;

@@ -332,6 +332,36 @@ fn check(
         }
     }
     let Some(model) = model else { return };
+    // Cutting speeds at which the structure of the tool is known, where its modes change with the spindle speed.
+    let known = match model {
+        ProcessModel::Milling(milling) => milling
+            .structure
+            .as_ref()
+            .and_then(|structure| structure.speeds())
+            .map(|(least, greatest)| (least, greatest, 0.5 * milling.cutter.diameter)),
+        ProcessModel::Turning(turning) => turning
+            .structure
+            .as_ref()
+            .and_then(|structure| structure.speeds())
+            .map(|(least, greatest)| (least, greatest, 0.5 * cut.diameter)),
+        ProcessModel::Infeed(_) | ProcessModel::Other(_) => None,
+    };
+    if let Some((least, greatest, radius)) = known
+        && radius > 0.0
+        && !(least * radius..=greatest * radius).contains(&cut.cutting_speed)
+    {
+        let fault = Fault::OutOfRange {
+            key: "cutting_speed".to_owned(),
+            read: display(&speed, cut.cutting_speed),
+            range: format!(
+                "{} to {}, the spindle speeds of [[speed]] in the structure of the tool",
+                display(&speed, least * radius),
+                display(&speed, greatest * radius)
+            ),
+            meant: Vec::new(),
+        };
+        walk.fault(span("cutting_speed"), fault);
+    }
     let millimetres = |value: f64| format!("{} mm", significant(value * 1e3));
     if let ProcessModel::Milling(milling) = model
         && cut.width_of_cut > milling.cutter.diameter

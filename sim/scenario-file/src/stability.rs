@@ -60,7 +60,7 @@ pub(super) fn around_milling(
     };
     let damping = cut.force.process_damping;
     match MillingStructure::new(cut.modes, cut.cutter.helix_angle, damping, Regeneration::default()) {
-        Ok(structure) => milling.structure = Some(Arc::new(structure)),
+        Ok(structure) => milling.structure = Some(Arc::new(structure.by_speed(cut.by_speed))),
         Err(reason) => refused(walk, tool, reason),
     }
     Some(cut.cutter)
@@ -68,6 +68,9 @@ pub(super) fn around_milling(
 
 /// The cutter of the file and that of the tool are one.
 pub(super) fn same_cutter(walk: &mut Walk, tool: &Section<'_>, drawn: &Cutter, milling: &Milling) {
+    if drawn.corner_radius > 0.0 {
+        refused(walk, tool, "its cutter has a corner radius; the shop mills with cylinders");
+    }
     let (teeth, diameter) = (milling.cutter.teeth as usize, milling.cutter.diameter);
     if drawn.teeth != teeth || (drawn.diameter / diameter - 1.0).abs() > 1e-6 {
         let reason = format!(

@@ -68,8 +68,11 @@ impl Cut {
             LobesCut::Turning { cut, bar } => {
                 // Where the tool is, the file was checked for: the bar gives way there.
                 let bending = bar.and_then(|(bar, place)| bar.mode_at(place).ok());
-                let modes = cut.modes.into_iter().chain(bending).collect();
-                Self::Turning(Turning { modes, ..cut }, variation)
+                let cut = match bending {
+                    Some(mode) => cut.with_mode(mode),
+                    None => cut,
+                };
+                Self::Turning(cut, variation)
             }
             LobesCut::Chuck(chuck) => Self::Chuck(chuck),
             LobesCut::ChipLag(chuck) => Self::ChipLag(chuck),

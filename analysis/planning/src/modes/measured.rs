@@ -278,6 +278,7 @@ mod tests {
             engagement: Engagement::new(0.25, toolroom_chatter::Direction::Down).unwrap(),
             force: MillingForce::new(1.8e9, 6e8),
             feed_per_tooth: 0.0,
+            by_speed: None,
         };
         for rpm in [4200.0, 5400.0] {
             let speed = rpm / 60.0 * TAU;

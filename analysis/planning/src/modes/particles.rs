@@ -40,6 +40,8 @@ pub(super) struct Question<'a> {
     cuts: &'a [ShopCut],
     /// Cuts at one speed and immersion, by number.
     groups: Vec<Vec<usize>>,
+    /// The groups in the order in which they are judged: those first that can tell most against a particle.
+    order: Vec<usize>,
     /// Relative standard deviations: three of every mode, one of the coefficient.
     pub sds: Vec<f64>,
 }
@@ -65,7 +67,9 @@ impl<'a> Question<'a> {
                 None => groups.push(vec![number]),
             }
         }
-        Self { file, structure, cuts, groups, sds }
+        let mut order: Vec<usize> = (0..groups.len()).collect();
+        order.sort_by_key(|group| std::cmp::Reverse(groups[*group].len()));
+        Self { file, structure, cuts, groups, order, sds }
     }
 
     /// Values of the modes, and the factor of the coefficient.
@@ -89,12 +93,11 @@ impl<'a> Question<'a> {
     }
 
     /// Whether each cut of a group is unstable, and the frequency (Hz) of the limit where one was observed. What is not found
-    /// counts as unstable and has no frequency.
-    fn judge(&self, modes: &[Mode], factor: f64, cuts: &[&ShopCut]) -> Result<(Vec<bool>, Option<f64>), UpdateError> {
+    /// counts as unstable and has no frequency. `many` cuts are judged by one limit.
+    fn judge(&self, modes: &[Mode], factor: f64, cuts: &[&ShopCut], many: bool) -> Result<Judged, UpdateError> {
         let speed = cuts[0].spindle_speed;
         let deepest = cuts.iter().map(|cut| cut.depth).fold(0.0, f64::max);
         let observed = cuts.iter().any(|cut| cut.frequency.is_some());
-        let many = cuts.len() >= MANY;
         let found = |answer: Result<bool, ChatterError>| match answer {
             Err(error) if !error.is_failed_search() => Err(UpdateError::from(error)),
             answer => Ok(answer.unwrap_or(true)),
@@ -106,9 +109,10 @@ impl<'a> Question<'a> {
         };
         match &self.file.cut {
             LobesCut::Milling(milling) => {
-                let mut milling = Milling { modes: modes.to_vec(), ..milling.clone() };
+                let mut milling = Milling { modes: modes.to_vec(), by_speed: None, ..milling.clone() };
                 milling.force.tangential *= factor;
                 milling.force.radial *= factor;
+                milling.force.axial *= factor;
                 if let Some(immersion) = cuts[0].immersion {
                     let down = milling.engagement.entry.abs() > (PI - milling.engagement.exit).abs();
                     let direction = if down { Direction::Down } else { Direction::Up };
@@ -116,7 +120,15 @@ impl<'a> Question<'a> {
                 }
                 let mut at_speed = milling.at_speed(speed)?;
                 let (reach, steps) = SEARCHED;
-                let limit = (many || observed).then(|| at_speed.rough_limit(reach * deepest, steps));
+                let depths: Vec<f64> = cuts.iter().map(|cut| cut.depth).collect();
+                if many && !observed {
+                    let beyond = at_speed.beyond_rough_limit(&depths, reach * deepest, steps);
+                    return match beyond {
+                        Ok(beyond) => Ok((beyond, None)),
+                        Err(error) => found(Err(error)).map(|unstable| (vec![unstable; cuts.len()], None)),
+                    };
+                }
+                let limit = observed.then(|| at_speed.rough_limit(reach * deepest, steps));
                 let unstable = match &limit {
                     Some(limit) if many => cuts.iter().map(|cut| beyond(limit, cut)).collect::<Result<_, _>>()?,
                     _ => {
@@ -127,7 +139,7 @@ impl<'a> Question<'a> {
                 Ok((unstable, limit.and_then(Result::ok).map(|limit| limit.chatter_frequency)))
             }
             LobesCut::Turning { cut: turning, bar } => {
-                let mut turning = Turning { modes: modes.to_vec(), ..turning.clone() };
+                let mut turning = Turning { modes: modes.to_vec(), by_speed: None, ..turning.clone() };
                 turning.cutting_coefficient *= factor;
                 if let Some((bar, place)) = bar {
                     turning.modes.push(bar.mode_at(*place)?);
@@ -150,26 +162,69 @@ impl<'a> Question<'a> {
     }
 
     pub fn particle(&self, z: Vec<f64>) -> Result<Particle, UpdateError> {
-        let (modes, factor) = self.values(&z);
-        let (mut likelihood, mut unstable) = (0.0, vec![false; self.cuts.len()]);
-        for group in &self.groups {
-            let cuts: Vec<&ShopCut> = group.iter().map(|cut| &self.cuts[*cut]).collect();
-            let (chatters, frequency) = self.judge(&modes, factor, &cuts)?;
-            for ((number, cut), chatters) in group.iter().zip(&cuts).zip(chatters) {
-                likelihood += told(cut.chatter, chatters).ln();
-                unstable[*number] = chatters;
-            }
-            // What the limit's frequency is off by is shared by all cuts at one speed: their mean is one reading.
-            let read: Vec<f64> = cuts.iter().filter_map(|cut| cut.frequency).collect();
-            if !read.is_empty() {
-                let observed = read.iter().sum::<f64>() / read.len() as f64;
-                // A limit that was not found is three standard deviations away.
-                let apart = frequency.map_or(3.0, |frequency| (observed / frequency - 1.0) / FREQUENCY);
-                likelihood -= 0.5 * apart * apart;
-            }
-        }
-        Ok(Particle { z, likelihood, unstable })
+        Ok(self.particle_above(z, f64::NEG_INFINITY)?.expect(ABOVE_ALL))
     }
+
+    /// The particle, if its logarithm of the likelihood is above `floor`; judged no further than to where that is out of
+    /// reach, whatever the other cuts say.
+    fn particle_above(&self, z: Vec<f64>, floor: f64) -> Result<Option<Particle>, UpdateError> {
+        let (modes, factor) = self.values(&z);
+        let mut judged: Vec<Option<Judged>> = vec![None; self.groups.len()];
+        // What is left when every cut that is not judged yet is as the particle says.
+        let mut most = self.cuts.len() as f64 * told(true, true).ln();
+        for group in &self.order {
+            if most < floor - ROUNDING * (1.0 + floor.abs()) {
+                return Ok(None);
+            }
+            let cuts = self.cuts_of(*group);
+            let answer = self.judge(&modes, factor, &cuts, cuts.len() >= MANY)?;
+            most += self.told_by(&cuts, &answer) - cuts.len() as f64 * told(true, true).ln();
+            judged[*group] = Some(answer);
+        }
+        let (mut likelihood, mut unstable) = (0.0, vec![false; self.cuts.len()]);
+        for (number, answer) in judged.into_iter().enumerate() {
+            let Some(answer) = answer else { continue };
+            let cuts = self.cuts_of(number);
+            for ((cut, place), chatters) in cuts.iter().zip(&self.groups[number]).zip(&answer.0) {
+                likelihood += told(cut.chatter, *chatters).ln();
+                unstable[*place] = *chatters;
+            }
+            likelihood += read_frequency(&cuts, answer.1);
+        }
+        Ok(Some(Particle { z, likelihood, unstable }))
+    }
+
+    fn cuts_of(&self, group: usize) -> Vec<&ShopCut> {
+        self.groups[group].iter().map(|cut| &self.cuts[*cut]).collect()
+    }
+
+    /// Logarithm of the likelihood of the cuts of a group.
+    fn told_by(&self, cuts: &[&ShopCut], answer: &Judged) -> f64 {
+        let records = cuts.iter().zip(&answer.0).map(|(cut, chatters)| told(cut.chatter, *chatters).ln());
+        records.sum::<f64>() + read_frequency(cuts, answer.1)
+    }
+}
+
+/// Why a particle is judged to the end.
+const ABOVE_ALL: &str = "no likelihood lies below minus infinity";
+
+/// Whether each cut of a group is unstable, and the frequency (Hz) of its limit where one was observed.
+type Judged = (Vec<bool>, Option<f64>);
+
+/// Relative rounding that a sum of likelihoods can have: a thousand cuts and more (assumption, far above 1e-16 each).
+const ROUNDING: f64 = 1e-9;
+
+/// Logarithm of the likelihood of the frequencies that were read in a group whose limit has `frequency` (Hz).
+fn read_frequency(cuts: &[&ShopCut], frequency: Option<f64>) -> f64 {
+    // What the limit's frequency is off by is shared by all cuts at one speed: their mean is one reading.
+    let read: Vec<f64> = cuts.iter().filter_map(|cut| cut.frequency).collect();
+    if read.is_empty() {
+        return 0.0;
+    }
+    let observed = read.iter().sum::<f64>() / read.len() as f64;
+    // A limit that was not found is three standard deviations away.
+    let apart = frequency.map_or(3.0, |frequency| (observed / frequency - 1.0) / FREQUENCY);
+    -0.5 * apart * apart
 }
 
 /// Probability of a record.
@@ -233,10 +288,13 @@ pub(super) fn tempered(
                 let scale = 2.38 / (size as f64).sqrt();
                 let z: Vec<f64> =
                     particle.z.iter().zip(&spread).map(|(z, sd)| z + scale * sd * draw.normal()).collect();
-                let next = question.particle(z)?;
-                let prior = |particle: &Particle| -0.5 * particle.z.iter().map(|z| z * z).sum::<f64>();
-                let gain = prior(&next) - prior(&particle) + power * (next.likelihood - particle.likelihood);
-                Ok(if draw.uniform().ln() < gain { next } else { particle })
+                let prior = |z: &[f64]| -0.5 * z.iter().map(|z| z * z).sum::<f64>();
+                let (by_prior, level) = (prior(&z) - prior(&particle.z), draw.uniform().ln());
+                // A proposal that has to be more likely than the cuts allow is not judged any further.
+                let floor = particle.likelihood + (level - by_prior) / power;
+                let Some(next) = question.particle_above(z, floor)? else { return Ok(particle) };
+                let gain = by_prior + power * (next.likelihood - particle.likelihood);
+                Ok(if level < gain { next } else { particle })
             };
             chosen = chosen.into_par_iter().enumerate().map(moved).collect::<Result<_, UpdateError>>()?;
         }
@@ -289,17 +347,28 @@ pub(super) fn next(
     let place = |axis: &toolroom_chatter::Axis, i: usize, of: usize| {
         axis.start + (axis.end - axis.start) * (i as f64 + 0.5) / of as f64
     };
-    let candidate = |i: usize| -> Result<(f64, f64, f64), UpdateError> {
-        let (speed, depth) = (place(&chart.speed, i / rows, columns), place(&chart.depth, i % rows, rows));
-        let cut = ShopCut { spindle_speed: speed, depth, immersion: None, chatter: false, frequency: None };
-        let (mut unstable, mut count) = (0.0, 0.0);
+    // What the depths at one speed share is worked out once for each particle.
+    let column = |i: usize| -> Result<Vec<(f64, f64, f64)>, UpdateError> {
+        let speed = place(&chart.speed, i, columns);
+        let cut = |j: usize| ShopCut {
+            spindle_speed: speed,
+            depth: place(&chart.depth, j, rows),
+            immersion: None,
+            chatter: false,
+            frequency: None,
+        };
+        let cuts: Vec<ShopCut> = (0..rows).map(cut).collect();
+        let asked: Vec<&ShopCut> = cuts.iter().collect();
+        let (mut unstable, mut count) = (vec![0.0; rows], 0.0);
         for (modes, factor) in values.iter().step_by(step) {
-            unstable += f64::from(u8::from(question.judge(modes, *factor, &[&cut])?.0[0]));
+            let (chatters, _) = question.judge(modes, *factor, &asked, false)?;
+            unstable.iter_mut().zip(chatters).for_each(|(sum, chatters)| *sum += f64::from(u8::from(chatters)));
             count += 1.0;
         }
-        Ok((speed, depth, unstable / count))
+        Ok(cuts.iter().zip(unstable).map(|(cut, unstable)| (speed, cut.depth, unstable / count)).collect())
     };
-    let found: Vec<(f64, f64, f64)> =
-        (0..columns * rows).into_par_iter().map(candidate).collect::<Result<_, UpdateError>>()?;
+    let found: Vec<Vec<(f64, f64, f64)>> =
+        (0..columns).into_par_iter().map(column).collect::<Result<_, UpdateError>>()?;
+    let found: Vec<(f64, f64, f64)> = found.into_iter().flatten().collect();
     Ok(found.into_iter().min_by(|a, b| (a.2 - 0.5).abs().total_cmp(&(b.2 - 0.5).abs())))
 }

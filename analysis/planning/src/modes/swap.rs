@@ -18,6 +18,9 @@ pub enum SwapError {
         /// Number of the mode, from 1.
         mode: usize,
     },
+    /// Modes that change with the spindle speed.
+    #[error("the modes of the base change with the spindle speed; put those of one speed into a file of their own")]
+    Speeds,
     /// Modes that move along different lines.
     #[error(
         "mode {mode} of the base moves along another line than the first; put the modes of each direction into a file of \
@@ -39,8 +42,11 @@ pub enum SwapError {
 /// the modes of the spindle move.
 ///
 /// # Errors
-/// [`SwapError`]: modes without slope or along different lines, an undamped tool at a frequency of its own.
+/// [`SwapError`]: modes without slope, along different lines or by speed, an undamped tool at a frequency of its own.
 pub fn tip(spindle: &Structure, tool: &Tool, range: [f64; 2]) -> Result<(Measurement, [f64; 2]), SwapError> {
+    if spindle.by_speed.is_some() {
+        return Err(SwapError::Speeds);
+    }
     let [x, y] = spindle.modes.first().map_or([1.0, 0.0], |mode| mode.direction);
     let mut modes = Vec::new();
     // The stiff modes of a residual have no slope, and follow those of the file.

@@ -37,6 +37,11 @@ pub enum UpdateError {
     /// A table without cuts.
     #[error("the table has no cuts")]
     NoCuts,
+    /// Modes that change with the speed.
+    #[error(
+        "the modes of the structure file change with the spindle speed: bring those of one speed up to date by the cuts at that speed"
+    )]
+    Speeds,
     /// An immersion of a turned cut.
     #[error("a turned cut has no immersion: leave out that column")]
     Immersion,
@@ -126,6 +131,9 @@ impl ModesUpdate {
     ) -> Result<Self, UpdateError> {
         if file.variation.is_some() {
             return Err(UpdateError::Process);
+        }
+        if structure.by_speed.is_some() {
+            return Err(UpdateError::Speeds);
         }
         if cuts.is_empty() {
             return Err(UpdateError::NoCuts);
@@ -323,6 +331,7 @@ mod tests {
         let structure = Structure {
             name: "lathe".to_owned(),
             modes: vec![mode],
+            by_speed: None,
             rotations: vec![None],
             scatter: None,
             deviations: vec![[0.03, 0.25, 0.10]],

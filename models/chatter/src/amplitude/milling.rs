@@ -2,7 +2,7 @@
 
 use super::LimitCycle;
 use crate::error::{ChatterError, positive};
-use crate::simulate::{Patience, Simulation, SimulationSettings, settling, steps_for};
+use crate::simulate::{GoOn, Patience, Simulation, SimulationSettings, settling, steps_for};
 use crate::{Milling, Mode};
 use std::f64::consts::TAU;
 
@@ -34,16 +34,20 @@ impl Milling {
     ///     engagement: Engagement::new(1.0, Direction::Down).unwrap(),
     ///     force: MillingForce::new(6e8, 2e8),
     ///     feed_per_tooth: 0.1e-3,
+    ///     by_speed: None,
     /// };
     /// // Period doubling at 1.1 times the limit: an independent simulation has 345.32 um.
     /// let cycle = slot.limit_cycle(12000.0 / 60.0 * TAU, 1.1 * 2.14930949e-3).unwrap();
     /// assert!((cycle.amplitude / 3.4532 - 1.0).abs() < 0.06);
     /// ```
     pub fn limit_cycle(&self, spindle_speed: f64, depth: f64) -> Result<LimitCycle, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.limit_cycle(spindle_speed, depth);
+        }
         let teeth = self.cutter.teeth;
         let pitch = TAU / (teeth as f64 * positive("spindle_speed", spindle_speed)?);
         let steps = steps_for(&self.modes, pitch, COARSE);
-        let simulate = |settings: &SimulationSettings| self.simulate(spindle_speed, depth, settings);
+        let simulate = |settings: &_, go_on: GoOn<'_>| self.simulate_on(spindle_speed, depth, settings, go_on);
         let (run, _, _) = settling(steps, HASTY, &[0, 1], &simulate)?;
         // The same steps without vibration; runout needs two revolutions to have cut all surfaces.
         let stiff = |mode: &Mode| Mode { stiffness: mode.stiffness * RIGID, ..*mode };

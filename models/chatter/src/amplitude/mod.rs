@@ -89,6 +89,9 @@ impl Turning {
     /// # Errors
     /// As [`Turning::limit`], except that a cut without limit does not vibrate.
     pub fn limit_cycle(&self, spindle_speed: f64, width: f64) -> Result<LimitCycle, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.limit_cycle(spindle_speed, width);
+        }
         within("width", width, 0.0, f64::MAX)?;
         let limit = match self.limit(spindle_speed) {
             Err(ChatterError::NoLimit { .. }) => return Ok(LimitCycle::NONE),

@@ -159,6 +159,7 @@ mod tests {
             engagement: Engagement::new(0.05, Direction::Down).unwrap(),
             force: MillingForce::new(6e8, 2e8),
             feed_per_tooth: 0.1e-3,
+            by_speed: None,
         };
         let curves = cut.boundary(&axis(17000.0, 18400.0, 29), 4.5e-3).unwrap().curves();
         let islands: Vec<_> = curves.iter().filter(|curve| curve.closed).collect();

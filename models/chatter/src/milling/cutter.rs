@@ -13,6 +13,10 @@ use std::f64::consts::{PI, TAU};
 /// | psi_j | `pitch` | rad | empty (equal) or N angles that sum to 2 pi |
 /// | e | `runout` | m | ≥ 0 |
 /// | lambda | `runout_angle` | rad | any |
+/// | r_c | `corner_radius` | m | 0 … D/2: a cylinder, a bull nose, a ball end |
+///
+/// With a corner radius the axis stands normal to the feed, the flutes lag by `2 tan(beta) z/D` at the height z, and pitch
+/// and runout are those of a true cutter.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Cutter {
     /// Number of teeth.
@@ -31,12 +35,23 @@ pub struct Cutter {
     /// Angle from tooth 0 to the offset (rad).
     #[serde(default)]
     pub runout_angle: f64,
+    /// Radius of the corner between face and flute (m): 0 a cylinder, half the diameter a ball end.
+    #[serde(default)]
+    pub corner_radius: f64,
 }
 
 impl Cutter {
     /// A cutter with straight, equally spaced teeth that runs true.
     pub fn straight(teeth: usize, diameter: f64) -> Self {
-        Self { teeth, diameter, helix_angle: 0.0, pitch: Vec::new(), runout: 0.0, runout_angle: 0.0 }
+        Self {
+            teeth,
+            diameter,
+            helix_angle: 0.0,
+            pitch: Vec::new(),
+            runout: 0.0,
+            runout_angle: 0.0,
+            corner_radius: 0.0,
+        }
     }
 
     pub(crate) fn check(&self) -> Result<(), ChatterError> {
@@ -48,6 +63,7 @@ impl Cutter {
         within("helix_angle", self.helix_angle, 0.0, 0.49 * PI)?;
         within("runout", self.runout, 0.0, self.diameter)?;
         finite("runout_angle", self.runout_angle)?;
+        within("corner_radius", self.corner_radius, 0.0, 0.5 * self.diameter)?;
         if !self.pitch.is_empty() {
             if self.pitch.len() != self.teeth {
                 let (value, wanted) = (self.pitch.len() as f64, self.teeth as f64);
@@ -69,6 +85,11 @@ impl Cutter {
     /// Angle from tooth `j` to the tooth that cut before it (rad).
     pub(crate) fn pitch_before(&self, j: usize) -> f64 {
         self.pitch.get(j).copied().unwrap_or(TAU / self.teeth as f64)
+    }
+
+    /// Whether a tooth is the same at every depth: straight, without a corner.
+    pub(crate) fn is_straight(&self) -> bool {
+        self.helix_angle == 0.0 && self.corner_radius == 0.0
     }
 
     /// Whether one tooth period is like the next.
@@ -164,6 +185,7 @@ impl Engagement {
 /// | C_i | `process_damping` | N/m | ≥ 0 |
 /// | K_te | `edge_tangential` | N/m | ≥ 0 |
 /// | K_re | `edge_radial` | N/m | any |
+/// | K_a | `axial` | Pa | any; with a corner radius alone |
 ///
 /// The edge forces do not depend on the chip: they act on load and vibration, not on stability.
 ///
@@ -185,12 +207,15 @@ pub struct MillingForce {
     /// Radial force of the edge per depth (N/m).
     #[serde(default)]
     pub edge_radial: f64,
+    /// Axial cutting-force coefficient (Pa), which acts in the plane where a corner radius turns the edge.
+    #[serde(default)]
+    pub axial: f64,
 }
 
 impl MillingForce {
     /// Without process damping and edge forces.
     pub fn new(tangential: f64, radial: f64) -> Self {
-        Self { tangential, radial, process_damping: 0.0, edge_tangential: 0.0, edge_radial: 0.0 }
+        Self { tangential, radial, process_damping: 0.0, edge_tangential: 0.0, edge_radial: 0.0, axial: 0.0 }
     }
 
     pub(crate) fn check(&self) -> Result<(), ChatterError> {
@@ -199,6 +224,7 @@ impl MillingForce {
         within("process_damping", self.process_damping, 0.0, f64::MAX)?;
         within("edge_tangential", self.edge_tangential, 0.0, f64::MAX)?;
         finite("edge_radial", self.edge_radial)?;
+        finite("axial", self.axial)?;
         Ok(())
     }
 

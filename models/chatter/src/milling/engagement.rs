@@ -2,6 +2,7 @@
 
 use super::Milling;
 use super::cutter::square_integrals;
+use super::profile::Slice;
 use crate::error::ChatterError;
 use std::f64::consts::TAU;
 
@@ -28,6 +29,8 @@ pub(crate) struct Geometry {
     pub span: f64,
     /// Arcs of every tooth with the tooth's angle ahead of tooth 0.
     pub teeth: Vec<(f64, Vec<Arc>)>,
+    /// Of a cutter with a corner radius the slice that each of these teeth is; none of a cylinder.
+    pub slices: Vec<Slice>,
     /// Lag angle of the helix over the depth.
     pub lag: f64,
     /// Boundaries between smooth stretches, ascending, from `origin` to `origin + span`.
@@ -37,6 +40,9 @@ pub(crate) struct Geometry {
 impl Geometry {
     /// `whole_revolution` keeps a revolution even where a tooth period would do.
     pub fn new(cut: &Milling, depth: f64, whole_revolution: bool) -> Result<Self, ChatterError> {
+        if cut.cutter.corner_radius > 0.0 && depth > 0.0 {
+            return Ok(Self::sliced(cut, depth, whole_revolution));
+        }
         let cutter = &cut.cutter;
         let regular = cutter.is_regular();
         let span = if regular && !whole_revolution { TAU / cutter.teeth as f64 } else { TAU };
@@ -46,12 +52,13 @@ impl Geometry {
             return Err(ChatterError::NoTeethInCut);
         }
         let lag = cutter.lag_angle(depth);
-        let mut geometry = Self { origin: cut.engagement.entry, span, teeth, lag, breaks: Vec::new() };
+        let mut geometry =
+            Self { origin: cut.engagement.entry, span, teeth, slices: Vec::new(), lag, breaks: Vec::new() };
         geometry.breaks = geometry.find_breaks(!regular);
         Ok(geometry)
     }
 
-    fn find_breaks(&self, with_images: bool) -> Vec<f64> {
+    pub(super) fn find_breaks(&self, with_images: bool) -> Vec<f64> {
         let mut breaks = Vec::with_capacity(2 + 4 * self.teeth.len());
         breaks.extend([self.origin, self.origin + self.span]);
         let mut add = |angle: f64| {
@@ -107,7 +114,12 @@ impl Geometry {
     pub fn directional(&self, cut: &Milling, (j, a, turns): (usize, usize, f64), angle: f64) -> [f64; 4] {
         let (from, to) = match self.range(j, a, turns, angle) {
             Ok(range) => range,
-            Err(phi) => return cut.force.directional(phi),
+            Err(phi) => {
+                return match self.slices.get(j) {
+                    Some(slice) => slice.force(&cut.force).directional(phi).map(|entry| entry * slice.share),
+                    None => cut.force.directional(phi),
+                };
+            }
         };
         cut.force.directional_integral(from, to).map(|sum| sum / self.lag)
     }
@@ -118,7 +130,7 @@ impl Geometry {
             Ok((from, to)) => (1.0 / self.lag, square_integrals(from, to)),
             Err(phi) => {
                 let (s, c) = phi.sin_cos();
-                (1.0, [s * s, s * c, c * c])
+                (self.slices.get(j).map_or(1.0, Slice::dyad), [s * s, s * c, c * c])
             }
         };
         [ss * scale, sc * scale, sc * scale, cc * scale]
@@ -126,7 +138,8 @@ impl Geometry {
 
     /// Force per depth (feed, normal) against a tooth that `tangential` and `radial` (N/m) act on, averaged over the
     /// depth: `[t c + r s, r c − t s]`.
-    pub fn against(&self, [tangential, radial]: [f64; 2], (j, a, turns): (usize, usize, f64), angle: f64) -> [f64; 2] {
+    pub fn against(&self, edge: [f64; 2], (j, a, turns): (usize, usize, f64), angle: f64) -> [f64; 2] {
+        let [tangential, radial] = self.slices.get(j).map_or(edge, |slice| slice.edge_force(edge));
         let (cosine, sine) = match self.range(j, a, turns, angle) {
             Ok((from, to)) => ((to.sin() - from.sin()) / self.lag, (from.cos() - to.cos()) / self.lag),
             Err(phi) => (phi.cos(), phi.sin()),

@@ -49,7 +49,11 @@ impl Milling {
     /// Schmitz and Smith (Machining Dynamics, 2009), at the angle where the tooth leaves the wall:
     /// 0 in up, pi in down milling.
     pub fn forced(&self, spindle_speed: f64, depth: f64) -> Result<Forced, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.forced(spindle_speed, depth);
+        }
         self.check()?;
+        self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;
         positive("depth", depth)?;
         let geometry = Geometry::new(self, depth, false)?;
@@ -97,6 +101,7 @@ impl Milling {
     /// As [`Milling::forced`].
     pub fn surface_errors(&self, speeds: &[f64], depths: &[f64]) -> Result<Vec<f64>, ChatterError> {
         self.check()?;
+        self.only_cylinder()?;
         let series = |depth: &f64| {
             if *depth == 0.0 {
                 return Ok(None);
@@ -111,7 +116,8 @@ impl Milling {
         let span = if self.cutter.is_regular() { TAU / self.cutter.teeth as f64 } else { TAU };
         let column = |speed: &f64| {
             positive("spindle_speed", *speed)?;
-            let responses: Vec<_> = (0..=HARMONICS).map(|r| self.frequency_response(r as f64 * speed / span)).collect();
+            let cut = self.at_spindle_speed(*speed)?;
+            let responses: Vec<_> = (0..=HARMONICS).map(|r| cut.frequency_response(r as f64 * speed / span)).collect();
             let left = |series: &Option<ForceSeries>| {
                 series.as_ref().map_or(0.0, |(origin, base, forces)| {
                     let motion: Vec<_> = forces.iter().zip(&responses).map(|(force, g)| g * force).collect();
@@ -152,7 +158,7 @@ impl Milling {
     }
 
     /// Force of the static chip at an angle of tooth 0 (N).
-    fn static_force(&self, geometry: &Geometry, depth: f64, angle: f64) -> [f64; 2] {
+    pub(super) fn static_force(&self, geometry: &Geometry, depth: f64, angle: f64) -> [f64; 2] {
         let feed = self.feed_per_tooth * self.cutter.teeth as f64 / TAU;
         let mut force = [0.0; 2];
         for tooth in geometry.cutting(angle - 1e-12, angle + 1e-12) {

@@ -65,6 +65,7 @@ impl Milling {
         response: &Response<'_>,
     ) -> Result<Option<StabilityLimit>, ChatterError> {
         self.check()?;
+        self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;
         positive("greatest depth", greatest)?;
         positive("step", sampling.step)?;
@@ -327,6 +328,7 @@ mod tests {
             engagement: Engagement::new(immersion, Direction::Down).unwrap(),
             force: MillingForce { process_damping, ..MillingForce::new(6e8, 2e8) },
             feed_per_tooth: 0.0,
+            by_speed: None,
         }
     }
 

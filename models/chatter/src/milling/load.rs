@@ -43,6 +43,7 @@ impl Milling {
     ///     engagement: Engagement::new(0.25, Direction::Down).unwrap(),
     ///     force: MillingForce::new(6e8, 2e8),
     ///     feed_per_tooth: 0.1e-3,
+    ///     by_speed: None,
     /// };
     /// // 5 mm wide, 2 mm deep, 0.1 mm a tooth, two teeth, 6000 rpm: 12 cm³/min and 120 W.
     /// let load = cut.load(6000.0 / 60.0 * std::f64::consts::TAU, 2e-3).unwrap();
@@ -50,6 +51,7 @@ impl Milling {
     /// ```
     pub fn load(&self, spindle_speed: f64, depth: f64) -> Result<CuttingLoad, ChatterError> {
         self.check()?;
+        self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;
         within("depth", depth, 0.0, f64::MAX)?;
         positive("feed_per_tooth", self.feed_per_tooth)?;

@@ -7,6 +7,7 @@ mod forced;
 mod harmonics;
 mod load;
 mod preview;
+mod profile;
 mod slow;
 mod stability;
 
@@ -18,7 +19,9 @@ pub use load::CuttingLoad;
 pub use stability::{AtSpeed, WorstPhase};
 
 use crate::error::{ChatterError, positive, within};
+use crate::speeds::{SpeedModes, check_speeds};
 use crate::structure::{Mode, check_modes};
+use std::borrow::Cow;
 
 /// A milling cut as the stability model sees it: everything but speed and depth.
 ///
@@ -35,6 +38,7 @@ use crate::structure::{Mode, check_modes};
 ///     engagement: Engagement::new(1.0, Direction::Down).unwrap(),
 ///     force: MillingForce::new(6e8, 2e8),
 ///     feed_per_tooth: 0.1e-3,
+///     by_speed: None,
 /// };
 /// let verdict = cut.verdict(5000.0 / 60.0 * TAU, 0.5e-3).unwrap();
 /// assert!((verdict.spectral_radius - 1.073975587).abs() < 1e-7);
@@ -51,14 +55,34 @@ pub struct Milling {
     pub force: MillingForce,
     /// Feed per tooth (m); stability depends on it only with runout.
     pub feed_per_tooth: f64,
+    /// The modes by spindle speed, where they change with it. They count then, and `modes` where nothing is said of the
+    /// speed.
+    #[serde(default)]
+    pub by_speed: Option<SpeedModes>,
 }
 
 impl Milling {
+    /// The cut with the modes that it has at `spindle_speed` (rad/s); the same cut where they do not change with it.
+    ///
+    /// # Errors
+    /// [`ChatterError::OutOfRange`] outside the speeds of [`Milling::by_speed`].
+    pub fn at_spindle_speed(&self, spindle_speed: f64) -> Result<Cow<'_, Self>, ChatterError> {
+        Ok(match &self.by_speed {
+            None => Cow::Borrowed(self),
+            Some(table) => {
+                let modes = table.at(spindle_speed)?;
+                Cow::Owned(Self { modes, cutter: self.cutter.clone(), by_speed: None, ..*self })
+            }
+        })
+    }
+
     pub(crate) fn check(&self) -> Result<(), ChatterError> {
         check_modes(&self.modes)?;
+        check_speeds(self.by_speed.as_ref())?;
         self.cutter.check()?;
         self.engagement.check()?;
         self.force.check()?;
+        self.check_corner()?;
         within("feed_per_tooth", self.feed_per_tooth, 0.0, f64::MAX)?;
         if self.cutter.runout > 0.0 {
             positive("feed_per_tooth", self.feed_per_tooth)?;

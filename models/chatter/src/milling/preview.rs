@@ -21,7 +21,11 @@ impl Milling {
     /// # Source
     /// Altintas and Budak (1995).
     pub fn zeroth_order_limit(&self, spindle_speed: f64) -> Result<f64, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.zeroth_order_limit(spindle_speed);
+        }
         self.check()?;
+        self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;
         let [xx, xy, yx, yy] = tooth_period_gain(self, 0.0, 1.0);
         let mean = Matrix2::new(xx, xy, yx, yy).map(|g| Complex::new(g, 0.0));

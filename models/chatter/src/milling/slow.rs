@@ -218,6 +218,7 @@ mod tests {
             engagement: Engagement::new(immersion, Direction::Down).unwrap(),
             force: MillingForce::new(6e8, 2e8),
             feed_per_tooth: 0.1e-3,
+            by_speed: None,
         }
     }
 

@@ -1,20 +1,21 @@
 //! Stability of milling at one spindle speed.
 
+mod limits;
+mod phase;
+
+pub use phase::WorstPhase;
+
 use super::Milling;
 use super::characteristic::Characteristic;
 use super::engagement::Geometry;
 use super::slow;
-use crate::boundary::Crossing;
-use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive, within};
-use crate::intervals::{Certificate, StableIntervals};
 use crate::krylov::{Dominant, Krylov, LinearMap, dense_dominant, dense_eigenvalues};
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
-use crate::scan::{STEPS, SignChanges};
 use crate::speed_variation::{SpeedVariation, Started};
 use crate::structure::last_to_decay;
-use crate::verdict::{StabilityLimit, StabilityVerdict};
+use crate::verdict::StabilityVerdict;
 use nalgebra::Complex;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -32,9 +33,6 @@ enum Effort {
 
 /// Least logarithm of a spectral radius that is told apart: less decays in a period beyond rounding.
 const LEAST_EXCESS: f64 = -50.0;
-
-/// Logarithm of the spectral radius that an end of a stable interval may have.
-const NEUTRAL: f64 = 1e-6;
 
 /// Greatest dimension whose eigenvalues are all worked out where the iteration stalls: a quarter of a
 /// second.
@@ -57,7 +55,8 @@ impl Effort {
 /// Straight teeth are prepared once; with a helix the geometry depends on the depth and is
 /// prepared for each verdict.
 pub struct AtSpeed<'a> {
-    cut: &'a Milling,
+    /// With the modes of this speed.
+    cut: Cow<'a, Milling>,
     motion: Motion,
     frame: Frame,
     /// Of straight teeth; with a helix the geometry of no depth.
@@ -73,17 +72,6 @@ pub struct AtSpeed<'a> {
     krylov: Krylov,
     /// Angle of tooth 0 where a varying speed is greatest (rad).
     phase: f64,
-}
-
-/// The phase of a varying speed at which a disturbance grows most.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct WorstPhase {
-    /// Angle of tooth 0, from the normal of the feed, where the speed is greatest (rad).
-    pub phase: f64,
-    /// Spectral radius of a mean revolution there, to three digits or so.
-    pub spectral_radius: f64,
-    /// That radius less the one of the best phase.
-    pub spread: f64,
 }
 
 /// A period ready for depths up to some depth.
@@ -127,12 +115,13 @@ impl Milling {
     pub fn at_speed(&self, spindle_speed: f64) -> Result<AtSpeed<'_>, ChatterError> {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
-        AtSpeed::new(self, Motion::Constant(spindle_speed))
+        AtSpeed::new(self.at_spindle_speed(spindle_speed)?, Motion::Constant(spindle_speed))
     }
 
     /// The cut at a speed that varies about `spindle_speed` (rad/s); its spectral radii are those of
     /// a mean revolution, `rho_T^RVF`. Without a phase of the variation every question is answered at its worst phase: a
-    /// verdict at that of its depth, limits and intervals at that of the least limit.
+    /// verdict at that of its depth, limits and intervals at that of the least limit. Modes that change with the speed are
+    /// those of the mean speed (assumption: bearings and temperatures do not follow within some revolutions).
     ///
     /// # Errors
     /// As [`Milling::at_speed`]; a variation out of range.
@@ -140,7 +129,8 @@ impl Milling {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         variation.check()?;
-        let mut at_speed = AtSpeed::new(self, Motion::Varying(spindle_speed, Started::new(variation, 0.0)))?;
+        let cut = self.at_spindle_speed(spindle_speed)?;
+        let mut at_speed = AtSpeed::new(cut, Motion::Varying(spindle_speed, Started::new(variation, 0.0)))?;
         at_speed.turn_to(variation.phase.unwrap_or(at_speed.geometry.origin));
         Ok(at_speed)
     }
@@ -181,14 +171,14 @@ fn stretches(geometry: &Geometry, repeats: u32) -> Vec<PlannedStretch<(usize, us
 }
 
 impl<'a> AtSpeed<'a> {
-    fn new(cut: &'a Milling, motion: Motion) -> Result<Self, ChatterError> {
+    fn new(cut: Cow<'a, Milling>, motion: Motion) -> Result<Self, ChatterError> {
         let varying = matches!(motion, Motion::Varying(..));
         Ok(Self {
-            cut,
             motion,
             frame: Frame::new(&cut.modes),
             // Refuses an engagement without teeth now.
-            geometry: Geometry::new(cut, 0.0, varying)?,
+            geometry: Geometry::new(&cut, 0.0, varying)?,
+            cut,
             characteristic: [None, None],
             expected: 0.0,
             prepared: [None, None, None],
@@ -206,11 +196,11 @@ impl<'a> AtSpeed<'a> {
 
     /// Who cuts where at `depth`.
     fn geometry(&self, depth: f64) -> Result<Cow<'_, Geometry>, ChatterError> {
-        if self.cut.cutter.helix_angle == 0.0 {
+        if self.cut.cutter.is_straight() {
             return Ok(Cow::Borrowed(&self.geometry));
         }
         let varying = matches!(self.motion, Motion::Varying(..));
-        Geometry::new(self.cut, depth, varying).map(Cow::Owned)
+        Geometry::new(&self.cut, depth, varying).map(Cow::Owned)
     }
 
     /// Steps of `sqrt(1 + depth K/k)`, by which the cut can quicken the oscillations, and the depth
@@ -221,7 +211,7 @@ impl<'a> AtSpeed<'a> {
         let pitch = TAU / self.cut.cutter.teeth as f64;
         let together = ((self.cut.engagement.exit - self.cut.engagement.entry) / pitch).max(1.0);
         // Greatest entry of the directional matrix, about (K_t + K_n)/2 for one tooth.
-        let gain = 0.5 * (force.tangential + force.radial.abs()) * together;
+        let gain = 0.5 * (force.tangential + force.radial.abs() + force.axial.abs()) * together;
         let softest = self.cut.modes.iter().map(|mode| mode.stiffness).fold(f64::INFINITY, f64::min);
         let steps = ((1.0 + depth * gain / softest).sqrt().ln() / STEP.ln()).floor() + 1.0;
         let stiffening = STEP.powf(steps);
@@ -235,7 +225,7 @@ impl<'a> AtSpeed<'a> {
             Motion::Constant(speed) => (1, speed),
             Motion::Varying(speed, started) => (started.variation.revolutions, speed),
         };
-        let teeth = Teeth { cut: self.cut, geometry: &geometry };
+        let teeth = Teeth { cut: &self.cut, geometry: &geometry };
         let (stiffening, greatest) = self.stiffening(depth);
         let period = assemble(
             &teeth,
@@ -251,14 +241,14 @@ impl<'a> AtSpeed<'a> {
     fn dominant(&mut self, depth: f64, effort: Effort) -> Result<(Dominant, f64), ChatterError> {
         if let Some(speed) = self.slow()? {
             let geometry = self.geometry(depth)?;
-            return Ok((slow::dominant(self.cut, &geometry, speed, depth), geometry.span / speed));
+            return Ok((slow::dominant(&self.cut, &geometry, speed, depth), geometry.span / speed));
         }
         let (extra, residual, _) = effort.settings();
         if let Some(found) = self.characteristic_multiplier(depth, effort)? {
             return Ok(found);
         }
         let level = effort as usize;
-        let fits = |prepared: &Prepared| self.cut.cutter.helix_angle == 0.0 && depth <= prepared.greatest;
+        let fits = |prepared: &Prepared| self.cut.cutter.is_straight() && depth <= prepared.greatest;
         if !self.prepared[level].as_ref().is_some_and(fits) {
             self.prepared[level] = Some(self.assemble(depth, extra)?);
         }
@@ -293,7 +283,7 @@ impl<'a> AtSpeed<'a> {
     /// The spindle speed (rad/s), where it is so low that the envelope of the lobes answers.
     fn slow(&self) -> Result<Option<f64>, ChatterError> {
         let Motion::Constant(speed) = self.motion else { return Ok(None) };
-        Ok(slow::is_slow(self.cut, speed)?.then_some(speed))
+        Ok(slow::is_slow(&self.cut, speed)?.then_some(speed))
     }
 
     /// The characteristic function and the tooth period (s), where the cut has one: one mode, regular
@@ -303,22 +293,22 @@ impl<'a> AtSpeed<'a> {
         depth: f64,
         effort: Effort,
     ) -> Result<Option<(&mut Characteristic, f64)>, ChatterError> {
-        let Self { cut, motion: Motion::Constant(speed), .. } = *self else { return Ok(None) };
+        let Motion::Constant(speed) = self.motion else { return Ok(None) };
         let [modal] = self.frame.modes.modal[..] else { return Ok(None) };
-        if !cut.cutter.is_regular() || cut.force.process_damping > 0.0 {
+        if !self.cut.cutter.is_regular() || self.cut.force.process_damping > 0.0 {
             return Ok(None);
         }
         // A verdict's nodes serve charts too.
         let (level, extra) = if matches!(effort, Effort::Boundary) { (1, 4) } else { (0, 0) };
-        let fits = |(_, greatest): &(_, f64)| cut.cutter.helix_angle == 0.0 && depth <= *greatest;
+        let fits = |(_, greatest): &(_, f64)| self.cut.cutter.is_straight() && depth <= *greatest;
         if !self.characteristic[level].as_ref().is_some_and(fits) {
             let geometry = self.geometry(depth)?;
             let (stiffening, greatest) = self.stiffening(depth.max(self.expected));
             let gain = |matrix| modal.input[0] * modal.output[0] * self.frame.project(matrix)[0];
-            let function = Characteristic::new(cut, &geometry, &modal, gain, speed, stiffening, extra);
+            let function = Characteristic::new(&self.cut, &geometry, &modal, gain, speed, stiffening, extra);
             self.characteristic[level] = Some((function, greatest));
         }
-        let period = TAU / (cut.cutter.teeth as f64 * speed);
+        let period = TAU / (self.cut.cutter.teeth as f64 * speed);
         Ok(self.characteristic[level].as_mut().map(|(function, _)| (function, period)))
     }
 
@@ -380,95 +370,6 @@ impl<'a> AtSpeed<'a> {
         Ok(verdict)
     }
 
-    /// Lets tooth 0 stand at `phase` (rad) where a varying speed is greatest.
-    fn turn_to(&mut self, phase: f64) {
-        if let Motion::Varying(speed, started) = self.motion {
-            self.motion = Motion::Varying(speed, Started::new(started.variation, phase - self.geometry.origin));
-            self.prepared = [None, None, None];
-            self.phase = phase;
-        }
-    }
-
-    /// Whether the worst phase of a varying speed is requested.
-    fn phase_is_free(&self) -> bool {
-        matches!(self.motion, Motion::Varying(_, started) if started.variation.phase.is_none())
-    }
-
-    /// The phase of a varying speed at which a disturbance at `depth` (m) grows most; none at constant speed.
-    ///
-    /// Sixteen phases over a pitch of the teeth, or a revolution of unequal ones, are tried, then the best is refined by
-    /// golden sections to a thousandth of the range.
-    ///
-    /// # Errors
-    /// As [`AtSpeed::verdict`].
-    pub fn worst_phase(&mut self, depth: f64) -> Result<Option<WorstPhase>, ChatterError> {
-        const TRIED: usize = 16;
-        const SECTIONS: u32 = 10;
-        positive("depth", depth)?;
-        let Motion::Varying(_, Started { variation: SpeedVariation { revolutions, .. }, .. }) = self.motion else {
-            return Ok(None);
-        };
-        let before = self.phase;
-        let range = if self.cut.cutter.is_regular() { TAU / self.cut.cutter.teeth as f64 } else { TAU };
-        let mut growth = |phase: f64| -> Result<f64, ChatterError> {
-            self.turn_to(phase);
-            Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln())
-        };
-        let step = range / TRIED as f64;
-        let values = (0..TRIED).map(|i| growth(step * i as f64)).collect::<Result<Vec<f64>, _>>()?;
-        let most = (0..TRIED).max_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let golden = 0.5 * (5f64.sqrt() - 1.0);
-        let (mut low, mut high) = (step * (most as f64 - 1.0), step * (most as f64 + 1.0));
-        let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
-        let (mut at_a, mut at_b) = (growth(a)?, growth(b)?);
-        for _ in 0..SECTIONS {
-            if at_a > at_b {
-                (high, b, at_b) = (b, a, at_a);
-                a = high - golden * (high - low);
-                at_a = growth(a)?;
-            } else {
-                (low, a, at_a) = (a, b, at_b);
-                b = low + golden * (high - low);
-                at_b = growth(b)?;
-            }
-        }
-        let candidates = [(step * most as f64, values[most]), (a, at_a), (b, at_b)];
-        let (phase, greatest) = candidates
-            .into_iter()
-            .fold((0.0, f64::NEG_INFINITY), |best, next| if next.1 > best.1 { next } else { best });
-        self.turn_to(before);
-        let radius = |growth: f64| (growth / f64::from(revolutions)).exp();
-        let spread = radius(greatest) - radius(least);
-        Ok(Some(WorstPhase { phase: phase.rem_euclid(range), spectral_radius: radius(greatest), spread }))
-    }
-
-    /// Turns a varying speed without a phase to that of the least limit up to `greatest` (m): the worst phase at the limit
-    /// of the worst phase before, twice.
-    pub(crate) fn at_worst_limit(mut self, greatest: f64) -> Result<Self, ChatterError> {
-        self.turn_to_worst_limit(greatest)?;
-        Ok(self)
-    }
-
-    fn turn_to_worst_limit(&mut self, greatest: f64) -> Result<(), ChatterError> {
-        const ROUNDS: usize = 2;
-        if !self.phase_is_free() {
-            return Ok(());
-        }
-        let mut depth = greatest;
-        for _ in 0..ROUNDS {
-            depth = match self.fixed_rough_limit(depth, STEPS) {
-                Ok(limit) => limit.depth,
-                Err(ChatterError::NoLimit { searched }) => searched,
-                Err(error) => return Err(error),
-            };
-            if let Some(worst) = self.worst_phase(depth)? {
-                self.turn_to(worst.phase);
-            }
-        }
-        Ok(())
-    }
-
     /// All Floquet multipliers at `depth` (m), the greatest first, by the dense eigenvalues of the
     /// period map with `extra` more nodes than on the boundary: slow, for cross-checks.
     ///
@@ -482,127 +383,26 @@ impl<'a> AtSpeed<'a> {
         dense_eigenvalues(matrix)
     }
 
+    /// Spectral radius at `depth` (m) with a geometry of its own.
+    #[cfg(test)]
+    pub(super) fn radius_in(&mut self, geometry: &Geometry, depth: f64) -> Result<f64, ChatterError> {
+        let teeth = Teeth { cut: &self.cut, geometry };
+        let resolution = Resolution { extra: Effort::Boundary.settings().0, stiffening: self.stiffening(depth).0 };
+        let period = assemble(&teeth, &self.frame, self.motion, &stretches(geometry, 1), resolution);
+        let mut storage = MapStorage::default();
+        Ok(Krylov::default().dominant(&mut PeriodMap::new(&period, depth, &mut storage), 1e-10)?.value.norm())
+    }
+
     /// Spectral radius at `depth` (m) with just `nodes` nodes in each stretch in cut, however many
     /// oscillations it holds.
     pub(crate) fn collocated(&self, depth: f64, nodes: usize) -> Result<f64, ChatterError> {
-        let geometry = Geometry::new(self.cut, depth, false)?;
+        let geometry = Geometry::new(&self.cut, depth, false)?;
         // Without oscillations to resolve the rule gives LEAST nodes, and `extra` the rest.
         let resolution = Resolution { extra: nodes - LEAST, stiffening: 0.0 };
-        let teeth = Teeth { cut: self.cut, geometry: &geometry };
+        let teeth = Teeth { cut: &self.cut, geometry: &geometry };
         let period = assemble(&teeth, &self.frame, self.motion, &stretches(&geometry, 1), resolution);
         let mut storage = MapStorage::default();
         let mut map = PeriodMap::new(&period, depth, &mut storage);
         Ok(Krylov::default().dominant(&mut map, 1e-12)?.value.norm())
-    }
-
-    /// Least depth (m) at which the cut becomes unstable, to a relative 1e-9, and how: the first end of
-    /// [`AtSpeed::stable_intervals`].
-    ///
-    /// # Errors
-    /// [`ChatterError::NoLimit`] if no depth up to `greatest` is unstable; otherwise as
-    /// [`AtSpeed::verdict`].
-    pub fn limit(&mut self, greatest: f64) -> Result<StabilityLimit, ChatterError> {
-        self.turn_to_worst_limit(greatest)?;
-        let ends = self.ends(greatest, Effort::Boundary, true)?;
-        ends.first().map(|end| end.limit).ok_or(ChatterError::NoLimit { searched: greatest })
-    }
-
-    /// All depths up to `greatest` (m) at which the cut is stable, their ends to a relative 1e-9.
-    ///
-    /// The spectral radius is sampled in even steps, which are halved where the radius approaches one between two
-    /// samples; the certificate states the step.
-    ///
-    /// # Errors
-    /// As [`AtSpeed::verdict`]; a greatest depth that is not positive.
-    pub fn stable_intervals(&mut self, greatest: f64) -> Result<StableIntervals, ChatterError> {
-        self.turn_to_worst_limit(greatest)?;
-        let ends = self.ends(greatest, Effort::Boundary, false)?;
-        let certificate = match self.slow()? {
-            Some(_) => Certificate::Envelope,
-            None => Certificate::Resolution(greatest / STEPS as f64),
-        };
-        Ok(StableIntervals { ends, greatest, certificate })
-    }
-
-    /// [`AtSpeed::stable_intervals`] for a chart: the same ends to a thousandth of a step.
-    pub(crate) fn charted_intervals(&mut self, greatest: f64) -> Result<Vec<Crossing>, ChatterError> {
-        self.ends(greatest, Effort::Screening, false)
-    }
-
-    /// The ends of the stable intervals up to `greatest` (m), or the first alone, as exact as `effort` allows.
-    fn ends(&mut self, greatest: f64, effort: Effort, first_only: bool) -> Result<Vec<Crossing>, ChatterError> {
-        positive("greatest depth", greatest)?;
-        let uncut = self.uncut().0.value.norm().ln().max(LEAST_EXCESS);
-        let mut brackets = Vec::new();
-        for found in SignChanges::new(|depth| self.excess(depth, effort), uncut, greatest) {
-            brackets.extend(found?);
-            if first_only && !brackets.is_empty() {
-                brackets.truncate(1);
-                break;
-            }
-        }
-        brackets.into_iter().map(|bracket| self.end(bracket, effort)).collect()
-    }
-
-    /// The end of a stable interval between two depths on different sides of the boundary.
-    fn end(&mut self, [before, after]: [(f64, f64); 2], effort: Effort) -> Result<Crossing, ChatterError> {
-        let becomes_unstable = after.1 > 0.0;
-        let tolerance = match effort {
-            Effort::Screening => 1e-3 / STEPS as f64,
-            Effort::Verdict | Effort::Boundary => 1e-10,
-        };
-        let depth = root(|depth| self.excess(depth, effort), before, after, tolerance)?;
-        let (dominant, period) = self.dominant(depth, effort)?;
-        let excess = dominant.value.norm().ln().abs();
-        // Where rounding decides about the multiplier its modulus jumps, and no end is reported.
-        if matches!(effort, Effort::Boundary) && excess > NEUTRAL {
-            return Err(ChatterError::NotConverged { residual: excess });
-        }
-        Ok(Crossing { limit: StabilityLimit::new(depth, &self.cut.modes, dominant, period), becomes_unstable })
-    }
-
-    /// [`AtSpeed::limit`] for less effort: `steps` even depths are sampled and the first that ends
-    /// unstable is narrowed down to a thousandth of a step.
-    ///
-    /// # Errors
-    /// As [`AtSpeed::limit`].
-    pub fn rough_limit(&mut self, greatest: f64, steps: usize) -> Result<StabilityLimit, ChatterError> {
-        self.turn_to_worst_limit(greatest)?;
-        self.fixed_rough_limit(greatest, steps)
-    }
-
-    fn fixed_rough_limit(&mut self, greatest: f64, steps: usize) -> Result<StabilityLimit, ChatterError> {
-        positive("greatest depth", greatest)?;
-        let mut excess = |depth: f64| Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln());
-        let found = brackets(&mut excess, (0.0, -1.0), greatest, steps, true)?;
-        let Some([before, after]) = found.first() else {
-            return Err(ChatterError::NoLimit { searched: greatest });
-        };
-        let depth = root(&mut excess, *before, *after, 1e-3 / steps as f64)?;
-        let (dominant, period) = self.dominant(depth, Effort::Screening)?;
-        Ok(StabilityLimit::new(depth, &self.cut.modes, dominant, period))
-    }
-
-    /// Logarithm of the spectral radius at `depth` (m): for screening to some three digits, of the right sign.
-    fn excess(&mut self, depth: f64, effort: Effort) -> Result<f64, ChatterError> {
-        let (dominant, _) = match effort {
-            Effort::Screening => self.refined(depth, effort)?,
-            Effort::Verdict | Effort::Boundary => self.dominant(depth, effort)?,
-        };
-        Ok(dominant.value.norm().ln().max(LEAST_EXCESS))
-    }
-
-    /// Verdict at `depth` (m) with its margin against the limit below `greatest` (m).
-    ///
-    /// # Errors
-    /// As [`AtSpeed::verdict`]; a cut without limit has no margin but is no error.
-    pub fn verdict_with_margin(&mut self, depth: f64, greatest: f64) -> Result<StabilityVerdict, ChatterError> {
-        let mut verdict = self.verdict(depth)?;
-        verdict.margin = match self.limit(greatest) {
-            Ok(limit) => Some(1.0 - depth / limit.depth),
-            Err(ChatterError::NoLimit { .. }) => None,
-            Err(error) => return Err(error),
-        };
-        Ok(verdict)
     }
 }

@@ -45,6 +45,13 @@ enum Content {
     Unknown(f64),
 }
 
+/// The neutral vibration of least width so far.
+struct Best {
+    /// `1/b` of it, or of the greatest width that counts.
+    least_inverse: f64,
+    vibration: Option<NeutralVibration>,
+}
+
 /// An interval that waits in a queue, the one with the least possible width of cut first.
 struct Waiting {
     greatest_inverse_width: f64,
@@ -100,31 +107,35 @@ impl<'a> Crossings<'a> {
 
     /// The neutral vibration of least width up to `greatest` (m): there the cut becomes unstable first.
     pub fn least(&self, greatest: f64) -> Option<NeutralVibration> {
-        let mut least_inverse = 1.0 / greatest;
-        let mut least: Option<NeutralVibration> = None;
-        let waiting = |(from, to)| Waiting { greatest_inverse_width: f64::INFINITY, from, to };
-        let mut open: BinaryHeap<Waiting> = self.pieces(greatest).into_iter().map(waiting).collect();
+        let mut best = Best { least_inverse: 1.0 / greatest, vibration: None };
+        let mut open = BinaryHeap::new();
+        for (from, to) in self.pieces(greatest) {
+            open.extend(self.look(from, to, &mut best));
+        }
         while let Some(Waiting { greatest_inverse_width, from, to }) = open.pop() {
-            if greatest_inverse_width <= least_inverse {
+            if greatest_inverse_width <= best.least_inverse {
                 break;
             }
-            match self.content(from, to, least_inverse) {
-                Content::Nothing => {}
-                Content::One(vibration) => {
-                    // The boundary that is only touched is no limit.
-                    if vibration.change != 0 {
-                        least_inverse = 1.0 / vibration.width;
-                        least = Some(vibration);
-                    }
-                }
-                Content::Unknown(greatest_inverse_width) => {
-                    let middle = 0.5 * (from + to);
-                    open.push(Waiting { greatest_inverse_width, from, to: middle });
-                    open.push(Waiting { greatest_inverse_width, from: middle, to });
-                }
-            }
+            let middle = 0.5 * (from + to);
+            open.extend(self.look(from, middle, &mut best));
+            open.extend(self.look(middle, to, &mut best));
         }
-        least
+        best.vibration
+    }
+
+    /// Looks at an interval for a vibration of less width than the `best`; the interval where it is not known yet.
+    fn look(&self, from: f64, to: f64, best: &mut Best) -> Option<Waiting> {
+        match self.content(from, to, best.least_inverse) {
+            Content::Nothing => None,
+            Content::One(vibration) => {
+                // The boundary that is only touched is no limit.
+                if vibration.change != 0 {
+                    *best = Best { least_inverse: 1.0 / vibration.width, vibration: Some(vibration) };
+                }
+                None
+            }
+            Content::Unknown(greatest_inverse_width) => Some(Waiting { greatest_inverse_width, from, to }),
+        }
     }
 
     /// Intervals between the resonances that together hold every neutral vibration up to `greatest` (m).

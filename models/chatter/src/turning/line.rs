@@ -56,6 +56,7 @@ impl LoopGain {
     pub fn new(cut: &Turning, spindle_speed: f64) -> Result<Self, ChatterError> {
         cut.check()?;
         positive("spindle_speed", spindle_speed)?;
+        let cut = &*cut.at_spindle_speed(spindle_speed)?;
         let damping_ratio = cut.always_stable_below() / spindle_speed;
         within("process damping over the cutting force", damping_ratio, 0.0, GREATEST_DAMPING)?;
         let pole = |mode: &super::oriented::OrientedMode| {
@@ -132,7 +133,8 @@ impl LoopGain {
             g2 += 2.0 * size * (near * near + near * far + far * far);
         }
         let response = value.response;
-        let modulus = response.norm();
+        // Bounds need no care for the last digit, which `norm` takes.
+        let modulus = response.norm_sqr().sqrt();
         let g0 = g0.min(modulus + half * g1);
         let (k, tau, highest) = (self.slope, self.tau, middle + half);
         let c = highest * self.damping;
@@ -147,7 +149,7 @@ impl LoopGain {
         let real =
             (k * response.re - middle_c * response.im).abs() + half * (g1 * (k * k + c * c).sqrt() + self.damping * g0);
         let least_damping = (middle - half) * self.damping * (modulus - half * g1);
-        let size = (g0 * force).min(value.gain.norm() + half * slope);
+        let size = (g0 * force).min(value.gain.norm_sqr().sqrt() + half * slope);
         Bounds {
             greatest_inverse_width: envelope.min(size),
             damped: least_damping > 0.0 && least_damping > real,

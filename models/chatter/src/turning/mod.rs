@@ -16,9 +16,11 @@ use self::oriented::Oriented;
 use crate::boundary::Crossing;
 use crate::error::{ChatterError, finite, positive, within};
 use crate::intervals::{Certificate, StableIntervals};
+use crate::speeds::{SpeedModes, check_speeds};
 use crate::structure::{Mode, check_modes};
 use crate::verdict::StabilityLimit;
 use nalgebra::Complex;
+use std::borrow::Cow;
 
 /// A turning cut: modes, cutting force and its direction.
 ///
@@ -66,6 +68,10 @@ pub struct Turning {
     /// Exponent of the chip thickness in the force.
     #[serde(default = "one")]
     pub chip_exponent: f64,
+    /// The modes by spindle speed, where they change with it. They count then, and `modes` where nothing is said of the
+    /// speed.
+    #[serde(default)]
+    pub by_speed: Option<SpeedModes>,
 }
 
 fn one() -> f64 {
@@ -75,11 +81,38 @@ fn one() -> f64 {
 impl Turning {
     /// Force along the chip thickness, no process damping, linear in the chip.
     pub fn orthogonal(modes: Vec<Mode>, cutting_coefficient: f64, diameter: f64) -> Self {
-        Self { modes, cutting_coefficient, force_angle: 0.0, process_damping: 0.0, diameter, chip_exponent: 1.0 }
+        Self {
+            modes,
+            cutting_coefficient,
+            force_angle: 0.0,
+            process_damping: 0.0,
+            diameter,
+            chip_exponent: 1.0,
+            by_speed: None,
+        }
+    }
+
+    /// The cut with the modes that it has at `spindle_speed` (rad/s); the same cut where they do not change with it.
+    ///
+    /// # Errors
+    /// [`ChatterError::OutOfRange`] outside the speeds of [`Turning::by_speed`].
+    pub fn at_spindle_speed(&self, spindle_speed: f64) -> Result<Cow<'_, Self>, ChatterError> {
+        Ok(match &self.by_speed {
+            None => Cow::Borrowed(self),
+            Some(table) => Cow::Owned(Self { modes: table.at(spindle_speed)?, by_speed: None, ..*self }),
+        })
+    }
+
+    /// The cut with one more mode, which does not change with the speed.
+    #[must_use]
+    pub fn with_mode(mut self, mode: Mode) -> Self {
+        self.modes.push(mode);
+        Self { by_speed: self.by_speed.map(|table| table.with(mode)), ..self }
     }
 
     pub(crate) fn check(&self) -> Result<(), ChatterError> {
         check_modes(&self.modes)?;
+        check_speeds(self.by_speed.as_ref())?;
         positive("cutting_coefficient", self.cutting_coefficient)?;
         finite("force_angle", self.force_angle)?;
         within("process_damping", self.process_damping, 0.0, f64::MAX)?;
@@ -115,8 +148,17 @@ impl Turning {
     ///
     /// # Errors
     /// A cut that is none; [`ChatterError::NoLimit`] if the oriented response never turns negative.
+    ///
+    /// Of modes that change with the speed it is the least at the speeds of their table.
     pub fn absolute_limit(&self) -> Result<f64, ChatterError> {
         self.check()?;
+        if let Some(table) = &self.by_speed {
+            let limit = |modes: &Vec<Mode>| Self { modes: modes.clone(), by_speed: None, ..*self }.absolute_limit();
+            return table.rows().map(limit).try_fold(f64::INFINITY, |least, limit| match limit {
+                Err(ChatterError::NoLimit { .. }) => Ok(least),
+                limit => Ok(least.min(limit?)),
+            });
+        }
         let structure = Oriented::new(self);
         let real = |w: f64| structure.response(Complex::new(0.0, w)).re;
         let mut least = (0.0, 0.0);

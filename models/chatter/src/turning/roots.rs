@@ -7,6 +7,7 @@ use super::oriented::Oriented;
 use crate::error::{ChatterError, within};
 use crate::structure::last_to_decay;
 use nalgebra::Complex;
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// Chains of roots are left out where the cut cannot make a multiplier greater than this: there
@@ -54,7 +55,8 @@ impl Candidates {
 
 /// A turning cut at one speed, ready for verdicts at many widths.
 pub(crate) struct TurningAtSpeed<'a> {
-    cut: &'a Turning,
+    /// With the modes of this speed.
+    cut: Cow<'a, Turning>,
     structure: Oriented,
     pub(super) spindle_speed: f64,
     stiff_width: f64,
@@ -69,11 +71,12 @@ impl<'a> TurningAtSpeed<'a> {
     /// times as stiff as the structure.
     pub fn new(cut: &'a Turning, spindle_speed: f64, greatest: f64) -> Result<Self, ChatterError> {
         let line = LoopGain::new(cut, spindle_speed)?;
+        let cut = cut.at_spindle_speed(spindle_speed)?;
         // Beyond, the vibrations that a cut could have are without number.
         within("width", greatest, 0.0, line.stiff_width())?;
         // Somewhat beyond, where the vibration lies that a stable cut is nearest to.
         let vibrations = Crossings::new(&line).up_to(greatest * BEYOND);
-        Ok(Self { cut, structure: Oriented::new(cut), spindle_speed, stiff_width: line.stiff_width(), vibrations })
+        Ok(Self { structure: Oriented::new(&cut), cut, spindle_speed, stiff_width: line.stiff_width(), vibrations })
     }
 
     /// Number of unstable roots at `width` (m).
@@ -90,7 +93,7 @@ impl<'a> TurningAtSpeed<'a> {
     /// imaginary axis that the number of unstable roots says; otherwise it is followed from the neutral vibrations
     /// below the width.
     pub(super) fn rightmost_root(&self, width: f64) -> Result<Root, ChatterError> {
-        let cut = self.cut;
+        let cut = &*self.cut;
         if width <= NEGLIGIBLE * self.stiff_width {
             // Nothing feeds the vibration back: the roots are the poles of the structure.
             let rate = last_to_decay(cut.modes.iter().filter(|mode| cut.orientation(mode) != 0.0));

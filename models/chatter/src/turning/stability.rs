@@ -128,6 +128,9 @@ impl Turning {
         variation: SpeedVariation,
         width: f64,
     ) -> Result<StabilityVerdict, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.verdict_at_varying_speed(spindle_speed, variation, width);
+        }
         const RESIDUAL: f64 = 1e-8;
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
@@ -164,6 +167,53 @@ impl Turning {
         greatest: f64,
         steps: usize,
     ) -> Result<StabilityLimit, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.limit_at_varying_speed(
+                spindle_speed,
+                variation,
+                greatest,
+                steps,
+            );
+        }
+        let (depth, dominant) = self.varying(spindle_speed, variation, (greatest, steps), true)?;
+        let length = TAU * f64::from(variation.revolutions) / spindle_speed;
+        // Requested, and so worked out.
+        let Some(dominant) = dominant else { return Err(ChatterError::NoLimit { searched: greatest }) };
+        let mut verdict = StabilityVerdict::from_multiplier(dominant.value, length, dominant.residual);
+        verdict.name_frequency(&self.modes);
+        Ok(StabilityLimit { depth, kind: ChatterKind::Hopf, chatter_frequency: verdict.chatter_frequency })
+    }
+
+    /// The width (m) of [`Turning::limit_at_varying_speed`] alone, for whoever needs no frequency.
+    ///
+    /// # Errors
+    /// As [`Turning::limit_at_varying_speed`].
+    pub fn limit_width_at_varying_speed(
+        &self,
+        spindle_speed: f64,
+        variation: SpeedVariation,
+        greatest: f64,
+        steps: usize,
+    ) -> Result<f64, ChatterError> {
+        if self.by_speed.is_some() {
+            return self.at_spindle_speed(spindle_speed)?.limit_width_at_varying_speed(
+                spindle_speed,
+                variation,
+                greatest,
+                steps,
+            );
+        }
+        Ok(self.varying(spindle_speed, variation, (greatest, steps), false)?.0)
+    }
+
+    /// The width of the limit, with the multiplier there if it is `named`.
+    fn varying(
+        &self,
+        spindle_speed: f64,
+        variation: SpeedVariation,
+        (greatest, steps): (f64, usize),
+        named: bool,
+    ) -> Result<(f64, Option<Dominant>), ChatterError> {
         positive("greatest width", greatest)?;
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
@@ -190,10 +240,7 @@ impl Turning {
             return Err(ChatterError::NoLimit { searched: greatest });
         };
         let depth = root(&mut excess, *before, *after, 3e-3)?;
-        let length = TAU * f64::from(variation.revolutions) / spindle_speed;
-        let dominant = dominant(depth)?;
-        let mut verdict = StabilityVerdict::from_multiplier(dominant.value, length, dominant.residual);
-        verdict.name_frequency(&self.modes);
-        Ok(StabilityLimit { depth, kind: ChatterKind::Hopf, chatter_frequency: verdict.chatter_frequency })
+        let dominant = if named { Some(dominant(depth)?) } else { None };
+        Ok((depth, dominant))
     }
 }

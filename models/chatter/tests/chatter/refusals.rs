@@ -18,6 +18,7 @@ fn milling() -> Milling {
         engagement: Engagement::new(0.5, Direction::Down).unwrap(),
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
+        by_speed: None,
     }
 }
 

@@ -2,12 +2,13 @@
 
 use super::{
     Boundary, DAMPING_STEP, LITTLE_DAMPING, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping,
-    rounded, rounded_damping, scattered,
+    other, rounded, rounded_damping, scattered,
 };
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 use toolroom_chatter::{
     AtSpeed, ChatterError, ChatterKind, Cutter, Direction, Engagement, LimitCycle, Milling, MillingForce, Mode,
-    SpeedVariation,
+    SpeedModes, SpeedVariation,
 };
 
 /// Tool, holder, spindle and workpiece around a milled cut, in (feed, normal).
@@ -16,6 +17,7 @@ use toolroom_chatter::{
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillingStructure {
     modes: Vec<Mode>,
+    by_speed: Option<SpeedModes>,
     helix_angle: f64,
     process_damping: f64,
     /// What wear changes.
@@ -94,11 +96,12 @@ impl MillingStructure {
         let force = MillingForce { process_damping, ..MillingForce::new(1e9, 3e8) };
         let cutter = Cutter { helix_angle, ..Cutter::straight(2, 0.01) };
         let engagement = Engagement::new(0.5, Direction::Down)?;
-        let trial = Milling { modes, cutter, engagement, force, feed_per_tooth: 1e-4 };
+        let trial = Milling { modes, cutter, engagement, force, feed_per_tooth: 1e-4, by_speed: None };
         trial.at_speed(100.0)?;
         let modes = trial.modes;
         Ok(Self {
             modes,
+            by_speed: None,
             helix_angle,
             process_damping,
             regeneration,
@@ -107,6 +110,18 @@ impl MillingStructure {
             growth: Memo::default(),
             cycles: Memo::default(),
         })
+    }
+
+    /// The structure with modes that change with the spindle speed. A cut outside the speeds of the table counts as
+    /// unstable: nobody measured there.
+    #[must_use]
+    pub fn by_speed(self, by_speed: Option<SpeedModes>) -> Self {
+        Self { by_speed, ..self }
+    }
+
+    /// Least and greatest spindle speed (rad/s) at which the modes are known, where they change with it.
+    pub fn speeds(&self) -> Option<(f64, f64)> {
+        self.by_speed.as_ref().map(SpeedModes::range)
     }
 
     /// Tangential coefficient of the worn edge (Pa) and process damping over it (m).
@@ -154,14 +169,20 @@ impl MillingStructure {
             process_damping: rounded_damping(self.graded(damping, at)).1 * judged,
             ..MillingForce::new(judged, judged * radial_ratio(at).1)
         };
+        let speed = rounded(at.spindle_speed, SPEED_STEP).1;
+        let modes = match &self.by_speed {
+            Some(table) => Cow::Owned(table.at(speed)?),
+            None => Cow::Borrowed(&self.modes),
+        };
         let cut = Milling {
-            modes: scattered(&self.modes, at.frequency_factor, at.damping_factor),
+            modes: scattered(&modes, at.frequency_factor, at.damping_factor),
             cutter,
             engagement: Engagement::new((at.width / at.diameter).min(1.0), direction)?,
             force,
             feed_per_tooth: at.feed_per_tooth,
+            by_speed: None,
         };
-        Ok((cut, rounded(at.spindle_speed, SPEED_STEP).1, if helical { 1.0 } else { judged / tangential }))
+        Ok((cut, speed, if helical { 1.0 } else { judged / tangential }))
     }
 
     /// Boundary in depths of the judged cut. A cut that the model refuses, as one without a tooth in
@@ -277,7 +298,11 @@ impl MillingStructure {
         let (tangential, damping) = self.worn(at);
         let radial = tangential * at.radial / at.tangential;
         let force = MillingForce { process_damping: damping * tangential, ..MillingForce::new(tangential, radial) };
-        Ok(Milling { force, ..cut })
+        let by_speed = self
+            .by_speed
+            .as_ref()
+            .map(|table| table.map(|_, mode| other(mode, at.frequency_factor, at.damping_factor)));
+        Ok(Milling { force, by_speed, ..cut })
     }
 
     /// Rate at which a disturbance grows (1/s): negative in a stable cut.

@@ -1,12 +1,12 @@
 //! What vibrates in turning.
 
 use super::{
-    Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, rounded, rounded_damping,
-    scattered,
+    Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, other, rounded,
+    rounded_damping, scattered,
 };
 use std::f64::consts::TAU;
 use toolroom_chatter::paper::Reduced;
-use toolroom_chatter::{Bar, ChatterError, ChatterKind, Mode, SpeedVariation, Turning};
+use toolroom_chatter::{Bar, ChatterError, ChatterKind, Mode, SpeedModes, SpeedVariation, Turning};
 
 /// Tool, workpiece and chuck around a turned cut.
 ///
@@ -111,7 +111,10 @@ impl TurningStructure {
             growth: Memo::default(),
         };
         // Refuses now what would be refused in every verdict.
-        match structure.at_place(structure.bar.map_or(0.0, |(_, place)| place))?.limit(1.0) {
+        match structure
+            .at_place(structure.bar.map_or(0.0, |(_, place)| place))?
+            .limit(structure.speeds().map_or(1.0, |speeds| speeds.0))
+        {
             Err(ChatterError::NoLimit { .. }) | Ok(_) => Ok(structure),
             Err(error) => Err(error),
         }
@@ -122,11 +125,16 @@ impl TurningStructure {
     /// # Errors
     /// A place off the bar.
     pub fn at_place(&self, place: f64) -> Result<Turning, ChatterError> {
-        let mut cut = self.cut.clone();
-        if let Some((bar, _)) = &self.bar {
-            cut.modes.push(bar.mode_at(place)?);
-        }
-        Ok(cut)
+        Ok(match &self.bar {
+            Some((bar, _)) => self.cut.clone().with_mode(bar.mode_at(place)?),
+            None => self.cut.clone(),
+        })
+    }
+
+    /// Least and greatest spindle speed (rad/s) at which the modes are known, where they change with it. A cut outside
+    /// counts as unstable: nobody measured there.
+    pub fn speeds(&self) -> Option<(f64, f64)> {
+        self.cut.by_speed.as_ref().map(SpeedModes::range)
     }
 
     /// Length of the workpiece out of the jaws (m), where it bends.
@@ -168,15 +176,20 @@ impl TurningStructure {
         }
     }
 
+    /// The place on the bar of a key (m from the jaws).
+    fn place(&self, key: &Key) -> f64 {
+        self.bar.map_or(0.0, |(bar, _)| f64::from(key.place) / PLACES * bar.length)
+    }
+
     /// The nominal cut of a key: only the ratio of damping to coefficient matters, the limit goes
     /// with the inverse of the coefficient.
     fn nominal(&self, at: &Edge, key: &Key) -> Result<(Turning, f64), ChatterError> {
-        let place = self.bar.map_or(0.0, |(bar, _)| f64::from(key.place) / PLACES * bar.length);
-        let cut = self.at_place(place)?;
+        let cut = self.at_place(self.place(key))?;
         let damping = rounded_damping(self.damping_ratio(at)).1 * cut.cutting_coefficient;
-        let modes = scattered(&cut.modes, at.frequency_factor, at.damping_factor);
-        let cut = Turning { modes, process_damping: damping, diameter: at.diameter, ..cut };
-        Ok((cut, rounded(at.spindle_speed, SPEED_STEP).1))
+        let speed = rounded(at.spindle_speed, SPEED_STEP).1;
+        let nominal = cut.at_spindle_speed(speed)?.into_owned();
+        let modes = scattered(&nominal.modes, at.frequency_factor, at.damping_factor);
+        Ok((Turning { modes, process_damping: damping, diameter: at.diameter, ..nominal }, speed))
     }
 
     /// The boundary at nominal coefficient. What cannot be judged counts as unstable.
@@ -193,8 +206,9 @@ impl TurningStructure {
                 Err(error) => return Err(error),
             };
             let Some(variation) = at.variation else { return Ok(still) };
-            let limit = match cut.limit_at_varying_speed(speed, variation, SEARCHED * still.limit, VARYING_STEPS) {
-                Ok(limit) => limit.depth,
+            let searched = SEARCHED * still.limit;
+            let limit = match cut.limit_width_at_varying_speed(speed, variation, searched, VARYING_STEPS) {
+                Ok(width) => width,
                 Err(ChatterError::NoLimit { searched }) => searched,
                 // Not found: that of constant speed, which variation seldom lowers.
                 Err(_) => still.limit,
@@ -260,9 +274,14 @@ impl TurningStructure {
 
     /// The cut of an operating point as the stability model sees it, nothing rounded but the place.
     pub(crate) fn regenerative(&self, at: &Edge) -> Result<Turning, ChatterError> {
-        let (cut, _) = self.nominal(at, &self.key(at))?;
+        let key = self.key(at);
+        let (cut, _) = self.nominal(at, &key)?;
+        let by_speed = self
+            .at_place(self.place(&key))?
+            .by_speed
+            .map(|table| table.map(|_, mode| other(mode, at.frequency_factor, at.damping_factor)));
         let cutting_coefficient = cut.cutting_coefficient * self.coefficient(at);
-        Ok(Turning { cutting_coefficient, process_damping: self.process_damping(at), ..cut })
+        Ok(Turning { cutting_coefficient, process_damping: self.process_damping(at), by_speed, ..cut })
     }
 
     /// Rate at which a disturbance grows (1/s): negative in a stable cut.

@@ -6,7 +6,7 @@
 use super::{Conditions, Observation, PolicyError};
 use crate::{Cut, ProcessModel, StabilityRule, Uncertainty};
 use std::sync::Arc;
-use toolroom_chatter::{Axis, ChatterError, RobustSpeed, Scatter, SpeedVariation};
+use toolroom_chatter::{Axis, ChatterError, Scatter, SpeedVariation};
 use toolroom_cutting::{Milling, MillingInput, MillingState, Turning, TurningInput, TurningState};
 use toolroom_effects::Effects;
 
@@ -256,7 +256,16 @@ impl Nominal {
         if first >= last {
             return Ok(first);
         }
-        let (ranked, radius) = match self {
+        let programmed = self.programmed();
+        // Of speeds that are equally probable the nearest to the programmed one.
+        let by_distance = |radius: f64| -> Result<Vec<f64>, ChatterError> {
+            let axis = Axis { start: first / radius, end: last / radius, points: SPEEDS };
+            let mut speeds = axis.values("speed")?;
+            let far = |speed: f64| (speed * radius / programmed).ln().abs();
+            speeds.sort_by(|a, b| far(*a).total_cmp(&far(*b)));
+            Ok(speeds)
+        };
+        let (best, radius) = match self {
             Self::Turning { process, input, run } => {
                 let places = (0..if *run > 0.0 { PLACES } else { 1 })
                     .map(|i| input.position - run * i as f64 / (PLACES - 1) as f64);
@@ -268,22 +277,16 @@ impl Nominal {
                 let input = TurningInput { position: softest, ..*input };
                 let radius = 0.5 * input.workpiece_diameter;
                 let cut = process.regenerative(&TurningState::default(), &input).ok_or(ChatterError::NoModes)?;
-                let axis = Axis { start: first / radius, end: last / radius, points: SPEEDS };
-                (cut.robust_speeds(&axis, input.depth_of_cut, &scatter, SAMPLES, SEED)?, radius)
+                let speeds = by_distance(radius)?;
+                (cut.most_probably_stable(&speeds, input.depth_of_cut, &scatter, SAMPLES, SEED)?, radius)
             }
             Self::Milling { process, input } => {
                 let radius = 0.5 * process.cutter.diameter;
                 let cut = process.regenerative(&MillingState::default(), input).ok_or(ChatterError::NoModes)?;
-                let axis = Axis { start: first / radius, end: last / radius, points: SPEEDS };
-                (cut.robust_speeds(&axis, input.depth_of_cut, &scatter, SAMPLES, SEED)?, radius)
+                let speeds = by_distance(radius)?;
+                (cut.most_probably_stable(&speeds, input.depth_of_cut, &scatter, SAMPLES, SEED)?, radius)
             }
         };
-        let most = ranked.first().map_or(0.0, |best| best.probability.value);
-        let programmed = self.programmed();
-        let speed = |each: &RobustSpeed| each.spindle_speed * radius;
-        let equals = ranked.iter().filter(|each| each.probability.value >= most).map(speed);
-        Ok(equals
-            .min_by(|a, b| (a / programmed).ln().abs().total_cmp(&(b / programmed).ln().abs()))
-            .unwrap_or(programmed))
+        Ok(best.map_or(programmed, |speed| speed * radius))
     }
 }

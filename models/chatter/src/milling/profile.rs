@@ -1,0 +1,280 @@
+//! Cutters whose edge bends round a corner: axial slices, each straight with its own radius.
+
+use super::Milling;
+use super::cutter::MillingForce;
+use super::engagement::Geometry;
+use crate::error::{ChatterError, positive};
+use crate::gauss::Rule;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Slices of the corner, in equal steps of the axial angle, and of the straight part above it where a helix makes it lag.
+/// Limits of ball ends change by less than 1e-3 with twice as many (a test).
+const SLICES: usize = 16;
+
+/// A part of the depth in which the cutter counts as straight.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slice {
+    /// Share of the depth.
+    pub share: f64,
+    /// Radius (m).
+    radius: f64,
+    /// Height of its middle above the tip (m).
+    height: f64,
+    /// Means over the height of sine and cosine of the axial angle kappa, and length of the edge over the height.
+    sine: f64,
+    cosine: f64,
+    edge: f64,
+}
+
+impl Slice {
+    /// The force coefficients of the slice in the plane, per height: a chip `h = h_plane sin(kappa)` on an edge of the
+    /// length `dz/sin(kappa)` leaves the tangential force as it is and turns the radial and the axial one.
+    pub fn force(&self, force: &MillingForce) -> MillingForce {
+        MillingForce { radial: force.radial * self.sine + force.axial * self.cosine, ..*force }
+    }
+
+    /// The dyad of the radius, over that of a straight cutter: of the damping by the cut.
+    pub fn dyad(&self) -> f64 {
+        self.share * self.sine
+    }
+
+    /// Edge forces of the slice in the plane, over the whole depth, from those per length of edge.
+    pub fn edge_force(&self, [tangential, radial]: [f64; 2]) -> [f64; 2] {
+        [tangential * self.share * self.edge, radial * self.share]
+    }
+
+    /// Angles of entry and exit: where the slice is in the work that the full diameter meets from `entry` to `exit`, whose
+    /// walls stand at `−R cos(angle)` from the axis.
+    fn engagement(&self, full_radius: f64, entry: f64, exit: f64) -> (f64, f64) {
+        let at = |angle: f64| (angle.cos() * full_radius / self.radius).clamp(-1.0, 1.0).acos();
+        (at(entry), at(exit))
+    }
+}
+
+/// The slices of `cut` at `depth` (m), from the tip up; none of a cylinder.
+fn slices(cut: &Milling, depth: f64, count: usize) -> Vec<Slice> {
+    let corner = cut.cutter.corner_radius;
+    if corner == 0.0 || depth <= 0.0 {
+        return Vec::new();
+    }
+    let full = 0.5 * cut.cutter.diameter;
+    let height = depth.min(corner);
+    let last = (1.0 - height / corner).clamp(-1.0, 1.0).acos();
+    let mut found = Vec::with_capacity(2 * count);
+    for i in 0..count {
+        let (from, to) = (last * i as f64 / count as f64, last * (i + 1) as f64 / count as f64);
+        let (middle, rise) = (0.5 * (from + to), from.cos() - to.cos());
+        found.push(Slice {
+            share: corner * rise / depth,
+            radius: full - corner + corner * middle.sin(),
+            height: corner * (1.0 - middle.cos()),
+            sine: 0.5 * ((to - to.sin() * to.cos()) - (from - from.sin() * from.cos())) / rise,
+            cosine: 0.5 * (to.sin().powi(2) - from.sin().powi(2)) / rise,
+            edge: (to - from) / rise,
+        });
+    }
+    let straight = depth - height;
+    if straight > 0.0 {
+        let parts = if cut.cutter.helix_angle == 0.0 { 1 } else { count };
+        for i in 0..parts {
+            found.push(Slice {
+                share: straight / depth / parts as f64,
+                radius: full,
+                height: height + straight * (i as f64 + 0.5) / parts as f64,
+                sine: FRAC_PI_2.sin(),
+                cosine: 0.0,
+                edge: 1.0,
+            });
+        }
+    }
+    found
+}
+
+impl Geometry {
+    /// The cut of a cutter with a corner radius at `depth` (m): each slice of each tooth is a straight tooth that lags. A
+    /// depth at which the corner does not reach the work is free flight.
+    pub fn sliced(cut: &Milling, depth: f64, whole_revolution: bool) -> Self {
+        Self::of_slices(cut, &slices(cut, depth, SLICES), whole_revolution)
+    }
+
+    fn of_slices(cut: &Milling, slices: &[Slice], whole_revolution: bool) -> Self {
+        let cutter = &cut.cutter;
+        let pitch = TAU / cutter.teeth as f64;
+        let span = if whole_revolution { TAU } else { pitch };
+        let (entry, exit) = (cut.engagement.entry, cut.engagement.exit);
+        let mut geometry =
+            Self { origin: entry, span, teeth: Vec::new(), slices: Vec::new(), lag: 0.0, breaks: Vec::new() };
+        for offset in cutter.offsets() {
+            for slice in slices {
+                let (from, to) = slice.engagement(0.5 * cutter.diameter, entry, exit);
+                let arcs = if to > from {
+                    vec![super::engagement::Arc { from, to, delay: pitch, step: 0.0 }]
+                } else {
+                    Vec::new()
+                };
+                geometry.teeth.push((offset - cutter.lag_angle(slice.height), arcs));
+                geometry.slices.push(*slice);
+            }
+        }
+        geometry.breaks = geometry.find_breaks(false);
+        geometry
+    }
+}
+
+impl Milling {
+    /// Mean force on the cutter (feed, normal) over a revolution at `depth` (m) without vibration (N), of cylinders and of
+    /// cutters with a corner radius.
+    ///
+    /// # Errors
+    /// A cut that is none; a depth that is not positive.
+    ///
+    /// # Source
+    /// Cylinder: Altintas, Manufacturing Automation (2012), average-force method; corner: the transformation of Engin and
+    /// Altintas (2001), generalised cutters.
+    pub fn mean_force(&self, depth: f64) -> Result<[f64; 2], ChatterError> {
+        self.check()?;
+        positive("depth", depth)?;
+        let geometry = Geometry::new(self, depth, false)?;
+        let rule = Rule::of(24);
+        let mut mean = [0.0; 2];
+        for pair in geometry.breaks.windows(2) {
+            let length = pair[1] - pair[0];
+            for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
+                let force = self.static_force(&geometry, depth, pair[0] + node * length);
+                (0..2).for_each(|i| mean[i] += force[i] * weight * length / geometry.span);
+            }
+        }
+        Ok(mean)
+    }
+
+    /// Refuses a cutter with a corner radius where a calculation knows cylinders alone.
+    pub(crate) fn only_cylinder(&self) -> Result<(), ChatterError> {
+        let quantity = "corner_radius where only cylinders are calculated";
+        crate::error::within(quantity, self.cutter.corner_radius, 0.0, 0.0).map(drop)
+    }
+
+    /// What a cutter with a corner radius can have beside it.
+    pub(super) fn check_corner(&self) -> Result<(), ChatterError> {
+        if self.cutter.corner_radius == 0.0 {
+            return Ok(());
+        }
+        let within = crate::error::within;
+        within("corner_radius", self.cutter.corner_radius, 0.0, 0.5 * self.cutter.diameter)?;
+        within("entry with a corner radius", self.engagement.entry, 0.0, PI)?;
+        within("exit with a corner radius", self.engagement.exit, 0.0, PI)?;
+        let irregular = f64::from(u8::from(!self.cutter.is_regular()));
+        within("unequal pitch or runout with a corner radius", irregular, 0.0, 0.0).map(drop)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Cutter, Direction, Engagement, Mode};
+
+    fn cut(corner_radius: f64, helix: f64, immersion: f64) -> Milling {
+        Milling {
+            modes: vec![
+                Mode { direction: [1.0, 0.0], natural_frequency: 900.0, damping_ratio: 0.02, stiffness: 6e6 },
+                Mode { direction: [0.0, 1.0], natural_frequency: 1050.0, damping_ratio: 0.025, stiffness: 8e6 },
+            ],
+            cutter: Cutter { corner_radius, helix_angle: helix, ..Cutter::straight(2, 0.01) },
+            engagement: Engagement::new(immersion, Direction::Down).unwrap(),
+            force: MillingForce {
+                axial: 2.2e8,
+                edge_tangential: 2e4,
+                edge_radial: 3e4,
+                ..MillingForce::new(8e8, 1.7e8)
+            },
+            feed_per_tooth: 1e-4,
+            by_speed: None,
+        }
+    }
+
+    /// A slot: sums over the slices are exact, so that the closed form holds at any number of them. With N teeth of a ball
+    /// of radius R at depth R, of straight flutes: `F_y = N/4 K_t f R + N/pi K_te (pi/2) R`,
+    /// `F_x = −N/4 f R (K_r pi/4 + K_a/2) − N/pi K_re R`.
+    #[test]
+    fn mean_forces_of_a_ball_end_in_a_slot_are_its_closed_form() {
+        let cut = cut(5e-3, 0.0, 1.0);
+        let (n, f, r) = (2.0, 1e-4, 5e-3);
+        let [x, y] = cut.mean_force(r).unwrap();
+        let expected_x = -(n / 4.0) * f * r * (1.7e8 * PI / 4.0 + 2.2e8 / 2.0) - n / PI * 3e4 * r;
+        let expected_y = n / 4.0 * 8e8 * f * r + n / PI * 2e4 * FRAC_PI_2 * r;
+        assert!(
+            (x / expected_x - 1.0).abs() < 1e-9 && (y / expected_y - 1.0).abs() < 1e-9,
+            "{x} {expected_x} {y} {expected_y}"
+        );
+        // A cylinder: the average-force method.
+        let straight = Milling { cutter: Cutter::straight(2, 0.01), ..cut };
+        let [x, y] = straight.mean_force(2e-3).unwrap();
+        let expected_x = -(n / 4.0) * f * 2e-3 * 1.7e8 - n / PI * 3e4 * 2e-3;
+        let expected_y = n / 4.0 * 8e8 * f * 2e-3 + n / PI * 2e4 * 2e-3;
+        assert!((x / expected_x - 1.0).abs() < 1e-9 && (y / expected_y - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_vanishing_corner_is_a_cylinder() {
+        let speed = 9000.0 / 60.0 * TAU;
+        for (helix, immersion) in [(0.0, 0.4), (0.6, 0.4), (0.0, 1.0)] {
+            let limit = |corner: f64| cut(corner, helix, immersion).at_speed(speed).unwrap().limit(5e-3).unwrap().depth;
+            let (straight, rounded) = (limit(0.0), limit(1e-8));
+            assert!((rounded / straight - 1.0).abs() < 2e-3, "{helix} {immersion}: {straight} {rounded}");
+        }
+    }
+
+    /// A slot with straight flutes and one mode along the feed: the cut of all slices is one matrix with the coefficients
+    /// averaged over the depth, so that the limit is that of a cylinder with these coefficients.
+    #[test]
+    fn the_limit_of_a_ball_end_in_a_slot_is_that_of_its_mean_coefficients() {
+        let ball = cut(5e-3, 0.0, 1.0);
+        for rpm in [6000.0, 9500.0, 14000.0] {
+            let speed = rpm / 60.0 * TAU;
+            let limit = ball.at_speed(speed).unwrap().limit(5e-3).unwrap();
+            let kappa = (1.0 - limit.depth / 5e-3).acos();
+            let rise = 1.0 - kappa.cos();
+            let radial = (1.7e8 * 0.5 * (kappa - kappa.sin() * kappa.cos()) + 2.2e8 * 0.5 * kappa.sin().powi(2)) / rise;
+            let force = MillingForce { radial, axial: 0.0, ..ball.force };
+            let straight = Milling { cutter: Cutter::straight(2, 0.01), force, ..ball.clone() };
+            let verdict = straight.verdict(speed, limit.depth).unwrap();
+            assert!((verdict.spectral_radius - 1.0).abs() < 1e-6, "{rpm}: {verdict:?}");
+        }
+    }
+
+    #[test]
+    fn slices_are_many_enough() {
+        let speed = 8000.0 / 60.0 * TAU;
+        for (corner, helix, immersion) in [(5e-3, 0.5, 0.3), (1.5e-3, 0.5, 0.15), (5e-3, 0.0, 0.6)] {
+            let cut = cut(corner, helix, immersion);
+            let radius = |count: usize, depth: f64| {
+                let geometry = Geometry::of_slices(&cut, &slices(&cut, depth, count), false);
+                let mut at_speed = cut.at_speed(speed).unwrap();
+                at_speed.radius_in(&geometry, depth).unwrap()
+            };
+            for depth in [0.8e-3, 1.6e-3, 3e-3] {
+                let (few, many) = (radius(SLICES, depth), radius(4 * SLICES, depth));
+                assert!((few / many - 1.0).abs() < 2e-3, "{corner} {helix} {immersion} {depth}: {few} {many}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_depth_that_does_not_reach_the_work_is_stable_and_what_is_not_calculated_is_refused() {
+        // The wall stands at 0.8 of the radius: the ball reaches it at 0.4 R.
+        let speed = 8000.0 / 60.0 * TAU;
+        let shallow = cut(5e-3, 0.0, 0.1);
+        let verdict = shallow.verdict(speed, 1.9e-3).unwrap();
+        assert!(
+            verdict.stable
+                && (verdict.spectral_radius - shallow.verdict(speed, 0.0).unwrap().spectral_radius).abs() < 1e-9
+        );
+        assert!(
+            shallow.mean_force(1.9e-3).unwrap()[1].abs() < 1e-9 && shallow.mean_force(2.6e-3).unwrap()[1].abs() > 0.1
+        );
+        assert!(shallow.forced(speed, 1e-3).is_err() && shallow.zeroth_order_limit(speed).is_err());
+        assert!(shallow.simulate(speed, 1e-3, &Default::default()).is_err() && shallow.load(speed, 1e-3).is_err());
+        let runout = Milling { cutter: Cutter { runout: 1e-5, ..shallow.cutter.clone() }, ..shallow.clone() };
+        let large = Milling { cutter: Cutter { corner_radius: 6e-3, ..shallow.cutter.clone() }, ..shallow };
+        assert!(runout.at_speed(speed).is_err() && large.at_speed(speed).is_err());
+    }
+}
