@@ -1,7 +1,7 @@
 //! What a machine does to the programmed times.
 
-use crate::motion::Motion;
 use toolroom_process::record;
+use toolroom_program::Motion;
 
 record! {
     /// What drives, spindle and tool changer do to the programmed times. Neutral at zero, but for the override, rapid
