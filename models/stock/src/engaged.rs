@@ -86,7 +86,7 @@ impl Stock {
     }
 
     /// What of a cutter at `centre`, of `radius`, whose end is at the height `bottom` and that moves along `heading`, is in
-    /// material that the swaths `around` it and its own have left. Every point of the rim is taken to be deeper in material by
+    /// material that the swaths `around` it, the lowest first, and its own have left. Every point of the rim is taken to be deeper in material by
     /// `slack`.
     ///
     /// A swath takes its angles from what is still in material, the lowest swaths first: a layer higher up has nothing in
@@ -97,12 +97,14 @@ impl Stock {
         if low >= self.top {
             return Engaged::default();
         }
-        let reaches = |swath: &&Swath| swath.track.reaches(centre, swath.radius + radius);
-        let near = around.iter().copied().filter(reaches);
-        let mut swaths: Vec<&Swath> = swath.into_iter().chain(near).filter(|swath| swath.floor < self.top).collect();
+        let reaches = |swath: &&Swath| swath.floor < self.top && swath.track.reaches(centre, swath.radius + radius);
+        let mut swaths: Vec<&Swath> = around.iter().copied().filter(reaches).collect();
+        if let Some(own) = swath.filter(|own| own.floor < self.top) {
+            let place = swaths.partition_point(|swath| swath.floor < own.floor);
+            swaths.insert(place, own);
+        }
         let mut floors: Vec<f64> =
             swaths.iter().map(|swath| swath.floor).filter(|floor| *floor > low + LEVEL).chain([self.top]).collect();
-        floors.sort_by(f64::total_cmp);
         floors.dedup_by(|a, b| *a - *b < LEVEL);
         while floors.len() > LAYERS {
             // The thinnest layer takes the floor above it.
@@ -110,7 +112,6 @@ impl Stock {
                 .min_by(|a, b| (floors[a + 1] - floors[*a]).total_cmp(&(floors[b + 1] - floors[*b])));
             floors.remove(thin.unwrap_or(0));
         }
-        swaths.sort_by(|a, b| a.floor.total_cmp(&b.floor));
         let mut front = Front::new(Rim { centre, radius }, heading);
         front.take(|rim, angles| self.crossings(rim, slack, angles), |point| !self.holds(point, slack));
         let mut layers = Vec::with_capacity(floors.len());

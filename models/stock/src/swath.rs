@@ -94,7 +94,7 @@ impl Index {
         self.swaths.push(swath);
     }
 
-    /// Swaths that reach within `radius` of a point, the newest first.
+    /// Swaths that reach within `radius` of a point, the lowest first.
     pub fn near(&self, centre: Point, radius: f64) -> Vec<&Swath> {
         let (from, to) = (
             self.square(Point { x: centre.x - radius, y: centre.y - radius }),
@@ -106,9 +106,11 @@ impl Index {
                 found.extend(self.squares.get(&(x, y)).into_iter().flatten());
             }
         }
-        found.sort_unstable_by(|a, b| b.cmp(a));
+        found.sort_unstable();
         found.dedup();
         let swaths = found.into_iter().map(|number| &self.swaths[number as usize]);
-        swaths.filter(|swath| swath.track.reaches(centre, swath.radius + radius)).collect()
+        let mut near: Vec<&Swath> = swaths.filter(|swath| swath.track.reaches(centre, swath.radius + radius)).collect();
+        near.sort_by(|a, b| a.floor.total_cmp(&b.floor));
+        near
     }
 }
