@@ -149,6 +149,14 @@ impl Kernel {
         Ok(())
     }
 
+    /// A block without a motion has no corner.
+    pub fn spent_joint(&mut self) -> Result<(), Fault> {
+        match self.joint.take() {
+            Some(_) => Err(Fault::new("a chamfer or rounding stands in a block without a motion; write it behind one")),
+            None => Ok(()),
+        }
+    }
+
     /// A joint without a motion behind it is a fault of the program.
     pub fn close_joint(&self) -> Result<(), Fault> {
         if self.waiting.is_some() || self.joint.is_some() || self.torn { Err(alone()) } else { Ok(()) }

@@ -361,7 +361,7 @@ impl Iso {
                 }
                 let target = self.target(words, kernel)?;
                 if target.is_empty() {
-                    return kernel.close_joint();
+                    return kernel.spent_joint();
                 }
                 if self.modes.motion == Move::Thread {
                     return self.thread(&target, words, kernel).map_err(|fault| fault.or_at(column));

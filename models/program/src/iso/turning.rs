@@ -146,7 +146,8 @@ impl Iso {
         }
         let done = self.follow(first, last, kernel);
         self.two.within = false;
-        done
+        // The corner behind the last block of a contour would be that of the way back.
+        done.and_then(|()| kernel.close_joint())
     }
 
     fn follow(&mut self, first: usize, last: usize, kernel: &mut Kernel) -> Result<(), Fault> {

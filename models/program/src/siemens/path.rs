@@ -35,7 +35,7 @@ impl Siemens {
         self.joint(values, kernel)?;
         let centred = ["I", "J", "K", "CR", "AR", "TURN"].iter().any(|word| values.has(word));
         if target.is_empty() && !centred {
-            return Ok(());
+            return kernel.spent_joint();
         }
         let start = kernel.at;
         match self.modes.motion {

@@ -104,7 +104,10 @@ fn words_that_act_on_what_comes_later_are_not_lost() {
     // Chamfers and roundings lie between motions; one behind which nothing comes is refused.
     does(Siemens, "G71 G90\nG1 X10 F600 CHR=2\nY10", (1.6 + 0.2 * 2f64.sqrt(), 0.0, 0.0, [10.0, 10.0, 100.0]));
     does(Fanuc, "G21 G90\nG1 X10. ,C2. F600\nY10.", (1.6 + 0.2 * 2f64.sqrt(), 0.0, 0.0, [10.0, 10.0, 100.0]));
+    // What moves nothing may stand between.
+    does(Fanuc, "G21 G90\nG1 X10. ,C2. F600\nM8\nY10.", (1.6 + 0.2 * 2f64.sqrt(), 0.0, 0.0, [10.0, 10.0, 100.0]));
     for (dialect, text, line, word) in [
+        (Siemens, "G71 G0 X0\nG1 RND=2 F9\nX1", 2, "without a motion"),
         (Siemens, "G71 G0 X0\nG1 X1 F9 RND=0.2", 2, "no motion behind it"),
         (Siemens, "G71 G0 X0\nG1 X1 F9 RND=0.2\nM0\nY1", 4, "no motion behind it"),
         (Siemens, "G71 G0 X0\nG1 X1 F9 RND=2\nY1", 3, "larger than the motions"),
