@@ -17,7 +17,7 @@ pub fn codes() -> impl Iterator<Item = (&'static str, &'static str)> {
         toolroom_effects::CODES,
         toolroom_kinds::CODES,
         toolroom_planning::CODES,
-        toolroom_program::CODES,
+        toolroom_drives::CODES,
         toolroom_shop::CODES,
         toolroom_shop_import::CODES,
         toolroom_snapshot::CODES,

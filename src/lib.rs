@@ -40,6 +40,7 @@ pub use toolroom_chart as chart;
 pub use toolroom_chatter as chatter;
 pub use toolroom_contour as contour;
 pub use toolroom_cutting as cutting;
+pub use toolroom_drives as drives;
 pub use toolroom_effects as effects;
 pub use toolroom_fmu as fmu;
 pub use toolroom_form as form;

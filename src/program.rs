@@ -5,10 +5,11 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use std::fs;
 use std::path::Path;
+use toolroom_drives::Machine;
 use toolroom_output::Files;
 use toolroom_planning::engagement::Engagement;
 use toolroom_planning::program::{CycleTime, set_drive};
-use toolroom_program::{Dialect, Machine, Units, post};
+use toolroom_program::{Dialect, Units, post};
 use toolroom_stock::Setup;
 
 /// What a refused program is about.

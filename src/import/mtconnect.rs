@@ -8,9 +8,10 @@ use serde_json::json;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
+use toolroom_drives::Drives;
 use toolroom_output::{OutputDir, provenance};
 use toolroom_process::unit;
-use toolroom_program::{Control, Drives, Program, Units};
+use toolroom_program::{Control, Program, Units};
 use toolroom_records::mtconnect::{
     Role, RoleError, Run, Session, Untimed, events, parse_shdr, runs, sessions, stretches, summary, whole,
 };

@@ -4,8 +4,8 @@ use crate::error::ApplyError;
 use crate::values::{amount, number, put, unreadable, written};
 use serde_json::Value;
 use toml_edit::{DocumentMut, Item, Table, TableLike};
+use toolroom_drives::Drives;
 use toolroom_process::{Field, Record};
-use toolroom_program::Drives;
 
 /// The table under `key`, which is made where there is none.
 fn table<'a>(document: &'a mut DocumentMut, key: &str) -> Result<&'a mut dyn TableLike, ApplyError> {

@@ -13,7 +13,7 @@ static SET: LazyLock<String> = LazyLock::new(|| format!("Replace a value of {}, 
 static DRIVES: LazyLock<String> = LazyLock::new(|| {
     format!(
         "Machine that runs the program: a machine file, or one of the presets {}",
-        toolroom_program::PRESETS.join(", ")
+        toolroom_drives::PRESETS.join(", ")
     )
 });
 

@@ -207,7 +207,7 @@ pub static KINDS: &[FileKind] = &[
         doc: "The control, drives, spindle and tool changer of a machine, for program --drives",
         signs: &["drives", "control"],
         read: Some(readers::machine),
-        form: Described::By(&toolroom_program::MACHINE),
+        form: Described::By(&toolroom_drives::MACHINE),
     },
     FileKind {
         word: "parameter-set",

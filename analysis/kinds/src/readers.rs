@@ -51,7 +51,7 @@ pub fn program_setup(path: &Path, set: &[String]) -> Result<Checked, KindError> 
 }
 
 pub fn machine(path: &Path, set: &[String]) -> Result<Checked, KindError> {
-    let file = toolroom_program::Machine::read(path, set)?;
+    let file = toolroom_drives::Machine::read(path, set)?;
     Ok(checked("machine", None, file.echo, "a machine with its control and drives"))
 }
 

@@ -4,9 +4,10 @@ use crate::change::{ChangeError, assign, parts};
 use crate::tables::table;
 use serde_json::{Value, json};
 use std::fmt::Write;
+use toolroom_drives::{Drives, Part, Spent, Timer};
 use toolroom_process::Record;
 use toolroom_process::table::Cell;
-use toolroom_program::{AXES, Block, Blocks, Control, Drives, Part, ProgramError, Spent, Timer};
+use toolroom_program::{AXES, Block, Blocks, Control, ProgramError};
 
 /// Why a change of drives or control was refused.
 #[derive(Debug, thiserror::Error)]
@@ -38,7 +39,8 @@ impl DriveError {
 ///
 /// ```
 /// use toolroom_planning::program::set_drive;
-/// use toolroom_program::{Control, Drives};
+/// use toolroom_drives::Drives;
+/// use toolroom_program::Control;
 /// let (mut drives, mut control) = (Drives::default(), Control::default());
 /// set_drive(&mut drives, &mut control, "tool_change_time=6 s").unwrap();
 /// set_drive(&mut drives, &mut control, "control.m.29=0.3 s").unwrap();

@@ -22,7 +22,7 @@ pub(crate) fn arcs(points: &[Point], periodic: bool) -> Vec<Section> {
     let spline = Spline::through(points, periodic);
     let mut sections = Vec::new();
     for span in 0..points.len() - 1 {
-        spline.fit(span, 0.0, 1.0, DEEPEST, &mut sections);
+        fit_arcs(&|u: f64| spline.at(span, u), 0.0, 1.0, &mut sections);
     }
     let mut start = 0;
     while start < sections.len() {
@@ -64,25 +64,29 @@ impl Spline {
         let point = Point { x: value(p.x, q.x, m.x, n.x), y: value(p.y, q.y, m.y, n.y) };
         (point, slope(p.y, q.y, m.y, n.y).atan2(slope(p.x, q.x, m.x, n.x)))
     }
+}
 
-    /// Two tangent arcs from `u` to `w` where they keep within the tolerance, else halves.
-    fn fit(&self, span: usize, u: f64, w: f64, depth: u32, sections: &mut Vec<Section>) {
-        let (start, end) = (self.at(span, u), self.at(span, w));
-        let pair = biarc(start, end);
-        let strays = |share: f64| {
-            let (point, _) = self.at(span, u + share * (w - u));
-            let arc =
-                if pair[0].start.distance(point) < pair[0].start.distance(pair[1].start) { pair[0] } else { pair[1] };
-            distance(&arc, point) > FIT_TOLERANCE
-        };
-        let too_bent = pair.iter().any(|arc| arc.sweep().abs() > 1.0);
-        if depth > 0 && (too_bent || (1..8).any(|i| strays(f64::from(i) / 8.0))) {
-            let middle = 0.5 * (u + w);
-            self.fit(span, u, middle, depth - 1, sections);
-            self.fit(span, middle, w, depth - 1, sections);
-        } else {
-            sections.extend(pair.into_iter().filter(|arc| arc.length > 1e-9));
-        }
+/// Tangent arcs within 1 µm along a smooth curve between two parameters; `at` gives point and direction.
+pub(crate) fn fit_arcs(at: &impl Fn(f64) -> (Point, f64), u: f64, w: f64, sections: &mut Vec<Section>) {
+    fit(at, u, w, DEEPEST, sections);
+}
+
+/// Two tangent arcs from `u` to `w` where they keep within the tolerance, else halves.
+fn fit(at: &impl Fn(f64) -> (Point, f64), u: f64, w: f64, depth: u32, sections: &mut Vec<Section>) {
+    let (start, end) = (at(u), at(w));
+    let pair = biarc(start, end);
+    let strays = |share: f64| {
+        let (point, _) = at(u + share * (w - u));
+        let arc = if pair[0].start.distance(point) < pair[0].start.distance(pair[1].start) { pair[0] } else { pair[1] };
+        distance(&arc, point) > FIT_TOLERANCE
+    };
+    let too_bent = pair.iter().any(|arc| arc.sweep().abs() > 1.0);
+    if depth > 0 && (too_bent || (1..8).any(|i| strays(f64::from(i) / 8.0))) {
+        let middle = 0.5 * (u + w);
+        fit(at, u, middle, depth - 1, sections);
+        fit(at, middle, w, depth - 1, sections);
+    } else {
+        sections.extend(pair.into_iter().filter(|arc| arc.length > 1e-9));
     }
 }
 

@@ -1,11 +1,9 @@
 //! All blocks of a program.
 
 use crate::control::Control;
-use crate::drives::Drives;
 use crate::error::ProgramError;
 use crate::motion::{Event, EventKind, Motion, Sense};
 use crate::run::Run;
-use crate::timing::Timer;
 
 /// What a block does beside its motions, where it can take time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,11 +79,10 @@ impl Block {
 /// A part program that has run.
 ///
 /// ```
-/// use toolroom_program::{Control, Drives, Program};
+/// use toolroom_program::{Control, Program};
 /// let text = "T1 M6\nG21 G90 G0 X0 Y0 Z5\nG1 Z-1 F60\nX120 F1200\nG4 P500\nM30";
 /// let program = Program::read(text, &Control::default()).unwrap();
-/// let times = program.times(&Drives { tool_change_time: 4.0, ..Drives::default() });
-/// assert_eq!((times[0], times[2], times[3], times[4]), (4.0, 6.0, 6.0, 0.5));
+/// assert_eq!(program.blocks.iter().map(|block| block.feed_time()).sum::<f64>(), 12.0);
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Program {
@@ -217,20 +214,5 @@ impl Program {
             return Err(ProgramError::still(dialect));
         }
         Ok(program)
-    }
-
-    /// Time of each block with `drives`, s; see [`Timer`].
-    pub fn times(&self, drives: &Drives) -> Vec<f64> {
-        let mut times = vec![0.0; self.blocks.len()];
-        let mut timer = Timer::new(drives);
-        let mut done = Vec::new();
-        for (index, block) in self.blocks.iter().enumerate() {
-            timer.block(index, block, &mut done);
-        }
-        timer.finish(self.blocks.len().saturating_sub(1), &mut done);
-        for spent in done {
-            times[spent.key] += spent.seconds;
-        }
-        times
     }
 }

@@ -15,12 +15,20 @@ pub(crate) enum Exit {
     FeedOf(f64),
     /// The spindle turns the other way, at feed.
     Tap,
+    /// The same at another feed, mm/min or a revolution as the feed counts.
+    TapAt(f64),
     /// The spindle stands, at rapid speed.
     Stopped,
     /// The spindle stands oriented and the tool is shifted by so much in the plane.
     Shifted([f64; 2]),
     /// The operator draws the tool out.
     Operator,
+}
+
+impl Exit {
+    fn is_tap(self) -> bool {
+        matches!(self, Self::Tap | Self::TapAt(_))
+    }
 }
 
 /// Depths that are drilled one after the other.
@@ -35,6 +43,8 @@ pub(crate) struct Pecks {
     /// Dwell outside, s, and at the bottom of each peck, s.
     pub outside: f64,
     pub inside: f64,
+    /// Whether the tool is drawn out between pecks at feed, that of the exit where it has one.
+    pub slow: bool,
 }
 
 /// Distance above the last depth at which feed begins again.
@@ -101,7 +111,7 @@ impl Kernel {
             return Err(self.no_feed());
         }
         let (feed, scale) = (self.feed, self.feed_scale);
-        self.purpose = Some(if hole.exit == Exit::Tap { Purpose::Thread } else { Purpose::Cycle });
+        self.purpose = Some(if hole.exit.is_tap() { Purpose::Thread } else { Purpose::Cycle });
         if let Some(feed) = hole.feed {
             self.set_feed(feed, 1.0)?;
         }
@@ -126,7 +136,7 @@ impl Kernel {
                         break;
                     }
                     self.dwell(pecks.inside)?;
-                    if hole.exit == Exit::Tap {
+                    if hole.exit.is_tap() {
                         self.reverse();
                         self.out_of_thread(hole, reached, pecks, down)?;
                         self.reverse();
@@ -134,10 +144,14 @@ impl Kernel {
                     }
                     match pecks.retract {
                         Some(retract) => {
-                            self.across(hole.reference + down * (reached - retract).max(0.0), true)?;
+                            self.across(hole.reference + down * (reached - retract).max(0.0), !pecks.slow)?;
                         }
                         None => {
-                            self.across(hole.reference, true)?;
+                            if let (true, Exit::FeedOf(feed)) = (pecks.slow, hole.exit) {
+                                self.out_at(feed, hole.reference)?;
+                            } else {
+                                self.across(hole.reference, !pecks.slow)?;
+                            }
                             self.dwell(pecks.outside)?;
                             let again = (reached - pecks.clearance.at(reached)).max(0.0);
                             self.across(hole.reference + down * again, true)?;
@@ -171,11 +185,11 @@ impl Kernel {
         match hole.exit {
             Exit::Rapid => {}
             Exit::Feed => self.across(hole.reference, false)?,
-            Exit::FeedOf(feed) => {
-                let (before, scale) = (self.feed, self.feed_scale);
-                self.set_feed(feed, 1.0)?;
-                self.across(hole.reference, false)?;
-                (self.feed, self.feed_scale) = (before, scale);
+            Exit::FeedOf(feed) => self.out_at(feed, hole.reference)?,
+            Exit::TapAt(feed) => {
+                self.reverse();
+                self.out_at(feed, hole.reference)?;
+                self.reverse();
             }
             Exit::Tap => {
                 self.reverse();
@@ -210,6 +224,15 @@ impl Kernel {
             }
         }
         self.across(hole.level, true)
+    }
+
+    /// Draws the tool out at another feed, mm/min.
+    fn out_at(&mut self, feed: f64, reference: f64) -> Result<(), Fault> {
+        let (before, scale) = (self.feed, self.feed_scale);
+        self.set_feed(feed, 1.0)?;
+        self.across(reference, false)?;
+        (self.feed, self.feed_scale) = (before, scale);
+        Ok(())
     }
 
     fn restart(&mut self, sense: Sense) {

@@ -3,6 +3,7 @@
 use crate::control::Control;
 use crate::error::Fault;
 use crate::frame::Frame;
+use crate::joint::{Joint, Waiting};
 use crate::lathe::surface_time;
 use crate::motion::{
     Arc, Axes, Event, EventKind, Motion, Offset, PLANES, Path, Purpose, Sense, arc_tolerance, centre_by_radius, sweep,
@@ -99,6 +100,11 @@ pub(crate) struct Kernel {
     pub vacant_feed: Option<String>,
     pub purpose: Option<Purpose>,
     pub moved: bool,
+    /// The chamfer or rounding of the block, and the motion that waits for the one behind its own.
+    pub joint: Option<Joint>,
+    pub waiting: Option<Waiting>,
+    /// Something that is no motion stands between two motions that a joint would join.
+    pub torn: bool,
     /// Line of the last jump back; 0 before the first.
     pub loop_line: usize,
 }
@@ -134,6 +140,9 @@ impl Kernel {
             vacant_feed: None,
             purpose: None,
             moved: false,
+            joint: None,
+            waiting: None,
+            torn: false,
             loop_line: 0,
         };
         // X of a lathe is a diameter in the program and a radius here.
@@ -145,6 +154,7 @@ impl Kernel {
 
     pub fn push(&mut self, kind: EventKind) {
         let ends = !matches!(kind, EventKind::Block | EventKind::Coolant(_));
+        self.torn |= self.waiting.is_some() && ends && !matches!(kind, EventKind::Motion(_));
         if ends && self.offset.as_ref().is_some_and(Offsetting::is_waiting) && !matches!(kind, EventKind::Motion(_)) {
             // What stands between two blocks of a contour happens behind the first of them.
             if let Some(offset) = &mut self.offset {
@@ -355,8 +365,7 @@ impl Kernel {
         })
     }
 
-    pub fn emit(&mut self, motion: Motion) -> Result<(), Fault> {
-        self.moved = true;
+    pub fn hand_on(&mut self, motion: Motion) -> Result<(), Fault> {
         match &mut self.offset {
             Some(offset) => {
                 let place =
@@ -376,6 +385,7 @@ impl Kernel {
 
     /// Ends the compensation of the radius with the motions that wait; the next motion leads away from the contour.
     pub fn finish_offset(&mut self) -> Result<(), Fault> {
+        self.close_joint()?;
         if let Some(offset) = &mut self.offset {
             let done = offset.finish()?;
             self.out.extend(done);
@@ -388,6 +398,7 @@ impl Kernel {
 
     /// The program ends.
     pub fn end(&mut self) -> Result<(), Fault> {
+        self.close_joint()?;
         self.finish_offset()?;
         self.push(EventKind::End);
         Ok(())

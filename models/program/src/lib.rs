@@ -1,7 +1,7 @@
-//! Part programs as shops have them: read in the languages of six controls, followed block by block, timed.
+//! Part programs as shops have them: read in the languages of six controls, followed block by block.
 //!
 //! ```text
-//!  text ─► Dialect ─► statements ─► Run: an iterator of Events ─► Program: Blocks of Motions ─► times(Drives)
+//!  text ─► Dialect ─► statements ─► Run: an iterator of Events ─► Program: Blocks of Motions
 //!                     Control ───────┘
 //! ```
 //!
@@ -12,8 +12,6 @@
 //! | [`Run`] | a program that runs: events in order, in bounded memory |
 //! | [`Event`], [`EventKind`], [`Motion`], [`Path`], [`Arc`], [`Offset`] | what happens |
 //! | [`Blocks`], [`Block`], [`Program`], [`Stretch`] | the blocks of a program, one after the other or all |
-//! | [`Machine`], [`Drives`] | a machine file or a preset: its control; feed drives, spindle and tool changer |
-//! | [`Timer`], [`Spent`], [`Part`] | how long blocks take with them, and on what |
 //! | [`post()`], [`Post`] | a program in the words of another control |
 //! | [`ProgramError`] | line, column, language, word and fix of what is not understood |
 //!
@@ -22,7 +20,7 @@
 //!
 //! # Units
 //! Lengths and positions are mm and degrees, as in programs; angles of arcs are rad, times s, speeds of the spindle rpm.
-//! [`Drives`] and `rapid_speed` are SI, as all records are: m/s, m and s²/m.
+//! What a machine adds to the times is `toolroom-drives`; a `rapid_speed` is SI.
 //!
 //! # What is not modelled
 //! Motions of five axes with control of the tool's tip, tilted planes, probing, contour cycles of the controls, mill-turn.
@@ -34,34 +32,28 @@
 mod block;
 mod control;
 mod dialect;
-mod drives;
 mod error;
 mod expression;
 mod frame;
 mod hole;
 mod iso;
+mod joint;
 mod kernel;
 mod klartext;
 mod lathe;
 mod library;
-mod machine;
 mod motion;
 mod offset;
 mod post;
 mod run;
 mod siemens;
-mod spindle;
 mod stretch;
-mod timing;
 
 pub use block::{Action, Block, Blocks, Program};
 pub use control::{Control, Units};
 pub use dialect::{Conflict, Dialect};
-pub use drives::Drives;
 pub use error::ProgramError;
-pub use machine::{CODES, DRIVES, MACHINE, Machine, PRESETS, drives};
 pub use motion::{AXES, Arc, Axes, Event, EventKind, Motion, Offset, Path, Purpose, Sense};
 pub use post::{Post, post};
 pub use run::Run;
 pub use stretch::{Stretch, StretchKind};
-pub use timing::{Part, Spent, Timer};

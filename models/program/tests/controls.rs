@@ -2,6 +2,8 @@
 
 #[path = "controls/shop_floor.rs"]
 mod shop_floor;
+#[path = "controls/whole_programs.rs"]
+mod whole_programs;
 
 use toolroom_program::{Control, Dialect, EventKind, ProgramError, Run};
 
@@ -222,7 +224,7 @@ fn whatever_is_not_understood_is_refused_with_its_place() {
         (LinuxCnc, "G21 G0 X0\nG38.2 X1 F9", 2, "touches"),
         (LinuxCnc, "G21 G0 X0\no1 while [1]\no1 endwhile", 3, "step limit"),
         (Siemens, "G71 G0 X0\nPOCKET3(1,2)", 2, "POCKET3"),
-        (Siemens, "G71 G0 X0\nG1 X1 F9 RND=2", 2, "RND"),
+        (Siemens, "G71 G0 X0\nG1 X1 F9 FRC=2", 2, "FRC"),
         (Siemens, "G71 G0 X0\nG4 S10", 2, "no speed"),
         (Heidenhain, "BEGIN PGM A MM\nL X+1 FMAX\nFK X+1", 3, "FK"),
         (Heidenhain, "BEGIN PGM A MM\nL X+1 FMAX\nPLANE SPATIAL SPA+1", 3, "tilted"),

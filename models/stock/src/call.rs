@@ -7,8 +7,9 @@ use crate::setup::Setup;
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::path::Path;
+use toolroom_drives::{Drives, Machine, Part, Timer};
 use toolroom_form::ReadError;
-use toolroom_program::{Action, Control, Drives, Machine, Part, Program, ProgramError, Timer};
+use toolroom_program::{Action, Control, Program, ProgramError};
 
 /// Why a program has no sequence of tool calls.
 #[derive(Debug, thiserror::Error)]
@@ -111,7 +112,8 @@ impl Calls {
     /// [`CallError`]: the program is refused, or cuts with a tool that the setup does not have.
     ///
     /// ```
-    /// use toolroom_program::{Control, Drives};
+    /// use toolroom_drives::Drives;
+    /// use toolroom_program::Control;
     /// use toolroom_stock::{Calls, Setup};
     /// let setup = "schema = 1\n[stock]\nbox = [[\"0 mm\", \"0 mm\", \"-20 mm\"], [\"100 mm\", \"50 mm\", \"0 mm\"]]\n\
     ///     [[tool]]\nnumber = 1\ndiameter = \"10 mm\"\nteeth = 4\n";

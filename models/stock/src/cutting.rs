@@ -17,6 +17,9 @@ const LONGEST: f64 = 0.25;
 const SHORTEST: f64 = 0.02;
 /// Share of the axial depth by which the floor may change within a piece of a ramp.
 const RAMP: f64 = 0.1;
+/// Rings of the end of a cutter that goes straight down, and of one on a ramp.
+const RINGS: u32 = 40;
+const RAMP_RINGS: u32 = 12;
 /// Pieces of a motion that is neither straight nor an arc in the plane XY.
 const PIECES: u32 = 64;
 /// Greatest number of pieces of a ramp (assumption).
@@ -173,27 +176,32 @@ impl Cutting {
         }
         let centre = Point { x: 1e-3 * motion.end[0], y: 1e-3 * motion.end[1] };
         let path = Section { start: centre, heading: 0.0, length: 0.0, curvature: 0.0, arc_angle: 0.0 };
-        // A disc is looked at by rings, each as a rim in two halves.
-        const RINGS: u32 = 40;
-        let mut volume = 0.0;
         let around = self.index.near(centre, tool.radius);
-        for ring in 0..RINGS {
-            let radius = tool.radius * (f64::from(ring) + 0.5) / f64::from(RINGS);
+        let (volume, depth) = self.disc(&around, centre, tool.radius, to, RINGS);
+        cut.depth = cut.depth.max(depth);
+        cut.removed += volume;
+        cut.plunge = volume > 1e-6 * PI * tool.radius.powi(2) * (from.min(self.stock.top) - to);
+        self.index.push(Swath { track: Track::new(path), radius: tool.radius, floor: to });
+    }
+
+    /// Volume, m³, and greatest depth, m, of material above `bottom` under the whole end of a cutter: a disc, looked at by
+    /// rings, each as a rim in two halves.
+    fn disc(&self, around: &[&Swath], centre: Point, radius: f64, bottom: f64, rings: u32) -> (f64, f64) {
+        let (mut volume, mut depth) = (0.0, 0.0f64);
+        for ring in 0..rings {
+            let reach = radius * (f64::from(ring) + 0.5) / f64::from(rings);
             for heading in [0.0, PI] {
-                let place = Place { centre, radius, bottom: to, heading };
-                let engaged = self.stock.engaged(&around, None, &place, 0.0);
+                let engaged = self.stock.engaged(around, None, &Place { centre, radius: reach, bottom, heading }, 0.0);
                 let solid: f64 = engaged
                     .layers
                     .iter()
                     .map(|layer| layer.height * layer.angles.iter().map(|(a, b)| b - a).sum::<f64>())
                     .sum();
-                volume += solid * radius * tool.radius / f64::from(RINGS);
-                cut.depth = cut.depth.max(engaged.depth());
+                volume += solid * reach * radius / f64::from(rings);
+                depth = depth.max(engaged.depth());
             }
         }
-        cut.removed += volume;
-        cut.plunge = volume > 1e-6 * PI * tool.radius.powi(2) * (from.min(self.stock.top) - to);
-        self.index.push(Swath { track: Track::new(path), radius: tool.radius, floor: to });
+        (volume, depth)
     }
 
     fn piece(&self, piece: &Piece, tool: &Tool, (feed, speed): (f64, f64), cut: &mut Cut, sums: &mut Sums) {
@@ -215,6 +223,14 @@ impl Cutting {
             let swath = (turns && way > 0.0).then(|| Swath { track: behind(), radius: tool.radius, floor: low });
             self.stock.engaged(around, swath.as_ref(), &place, slack)
         };
+        // On a ramp the end of the cutter takes off what its rim has not: all that stands in its way at the start of a piece.
+        // What is counted as removed is what counts as gone, down to the floor of the piece.
+        let floor = piece.from.max(piece.to);
+        let ramp = piece.from != piece.to;
+        if ramp && floor < self.stock.top {
+            let around = self.index.near(path.start, tool.radius);
+            cut.removed += self.disc(&around, path.start, tool.radius, floor, RAMP_RINGS).0;
+        }
         let mut open = vec![(0.0, path.length)];
         while let Some((from, to)) = open.pop() {
             let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
@@ -244,6 +260,11 @@ impl Cutting {
             cut.bound = cut.bound.max(bound.angle());
             cut.depth = cut.depth.max(bound.depth());
             // Simpson's rule over the step.
+            let [first, second, third] = if ramp {
+                [from, middle, to].map(|way| engaged_at(&around, way, floor, 0.0).area(tool.radius))
+            } else {
+                [first, second, third]
+            };
             cut.removed += (to - from) * (first + 4.0 * second + third) / 6.0;
             if sampled == 0.0 {
                 sums.air += to - from;

@@ -1,7 +1,7 @@
 //! The engaged part of the rim at one position.
 
 use crate::swath::Swath;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use toolroom_contour::{Point, Rim, Track};
 
 /// Outline of a stock seen along Z.
@@ -40,12 +40,14 @@ pub(crate) struct Engaged {
 }
 
 /// Layers beyond which floors are joined, each to the next higher one: never less material (assumption).
-const LAYERS: usize = 8;
+const LAYERS: usize = 64;
 /// Depth, m, up to which a point on the boundary of a swath counts as in material: the rim begins a motion on the end of
 /// the last one. Rounding is less.
 const TOUCH: f64 = 1e-12;
 /// Difference of heights, m, that is none.
 const LEVEL: f64 = 1e-9;
+/// Angle, rad, below which nothing lies between two crossings: rounding.
+const LEAST: f64 = 1e-13;
 /// Angle, rad, below which a rim only touches: less than a hundredth of a degree.
 const GRAZE: f64 = 1e-4;
 
@@ -84,20 +86,25 @@ impl Stock {
     }
 
     /// What of a cutter at `centre`, of `radius`, whose end is at the height `bottom` and that moves along `heading`, is in
-    /// material that the swaths `around` it, the newest first, and its own have left. Every point of the rim is taken to be deeper in material by `slack`.
+    /// material that the swaths `around` it, the lowest first, and its own have left. Every point of the rim is taken to be deeper in material by
+    /// `slack`.
+    ///
+    /// A swath takes its angles from what is still in material, the lowest swaths first: a layer higher up has nothing in
+    /// material that the one below it has not. So each swath is looked at once, and only near what is left.
     pub(crate) fn engaged(&self, around: &[&Swath], swath: Option<&Swath>, place: &Place, slack: f64) -> Engaged {
         let &Place { centre, radius, bottom, heading } = place;
         let low = bottom.max(self.base);
         if low >= self.top {
             return Engaged::default();
         }
-        let rim = Rim { centre, radius };
-        let reaches = |swath: &&Swath| swath.track.reaches(centre, swath.radius + radius);
-        let near = around.iter().copied().filter(reaches);
-        let swaths: Vec<&Swath> = swath.into_iter().chain(near).filter(|swath| swath.floor < self.top).collect();
+        let reaches = |swath: &&Swath| swath.floor < self.top && swath.track.reaches(centre, swath.radius + radius);
+        let mut swaths: Vec<&Swath> = around.iter().copied().filter(reaches).collect();
+        if let Some(own) = swath.filter(|own| own.floor < self.top) {
+            let place = swaths.partition_point(|swath| swath.floor < own.floor);
+            swaths.insert(place, own);
+        }
         let mut floors: Vec<f64> =
             swaths.iter().map(|swath| swath.floor).filter(|floor| *floor > low + LEVEL).chain([self.top]).collect();
-        floors.sort_by(f64::total_cmp);
         floors.dedup_by(|a, b| *a - *b < LEVEL);
         while floors.len() > LAYERS {
             // The thinnest layer takes the floor above it.
@@ -105,33 +112,122 @@ impl Stock {
                 .min_by(|a, b| (floors[a + 1] - floors[*a]).total_cmp(&(floors[b + 1] - floors[*b])));
             floors.remove(thin.unwrap_or(0));
         }
+        let mut front = Front::new(Rim { centre, radius }, heading);
+        front.take(|rim, angles| self.crossings(rim, slack, angles), |point| !self.holds(point, slack));
         let mut layers = Vec::with_capacity(floors.len());
-        let mut angles: Vec<f64> = Vec::new();
         let mut from = low;
+        let mut rest = swaths.into_iter().peekable();
         for floor in floors {
-            let open: Vec<(&Track, f64)> = swaths
-                .iter()
-                .filter(|swath| swath.floor <= from + LEVEL)
-                .map(|swath| (&swath.track, swath.radius - slack - TOUCH))
-                .filter(|(_, reach)| *reach > 0.0)
-                .collect();
-            self.crossings(&rim, slack, &mut angles);
-            for (track, reach) in &open {
-                rim.crossings(track, *reach, &mut angles);
+            while let Some(swath) = rest.next_if(|swath| swath.floor <= from + LEVEL) {
+                let reach = swath.radius - slack - TOUCH;
+                if reach > 0.0 {
+                    front.clear(&swath.track, reach);
+                }
             }
-            let inside = |angle: f64| {
-                let point = rim.at(angle);
-                self.holds(point, slack) && !open.iter().any(|(track, reach)| track.reaches(point, *reach))
-            };
-            let mut list = rim.intervals(heading - FRAC_PI_2, PI, &mut angles, inside);
-            list.retain(|(a, b)| b - a > GRAZE);
-            if !list.is_empty() {
-                let angles = list.into_iter().map(|(a, b)| (a - heading, b - heading)).collect();
-                layers.push(Layer { height: floor - from, angles });
+            let angles = front.angles();
+            if angles.is_empty() {
+                // Nor is there anything higher up.
+                break;
             }
+            layers.push(Layer { height: floor - from, angles });
             from = floor;
         }
         Engaged { layers }
+    }
+}
+
+/// What of the front half of a rim is in material.
+struct Front {
+    rim: Rim,
+    /// Angle at which the front half begins, rad.
+    begin: f64,
+    parts: Vec<Arc>,
+    angles: Vec<f64>,
+}
+
+/// A part of the rim in material.
+#[derive(Clone, Copy, Debug)]
+struct Arc {
+    /// From the begin of the front half, rad.
+    from: f64,
+    to: f64,
+    /// Its middle.
+    middle: Point,
+    /// Greatest distance of its points from the middle, m.
+    reach: f64,
+}
+
+impl Front {
+    fn new(rim: Rim, heading: f64) -> Self {
+        let mut front =
+            Self { rim, begin: heading - FRAC_PI_2, parts: Vec::with_capacity(4), angles: Vec::with_capacity(16) };
+        front.parts.push(front.arc(0.0, PI));
+        front
+    }
+
+    fn arc(&self, from: f64, to: f64) -> Arc {
+        let reach = 2.0 * self.rim.radius * (0.25 * (to - from)).sin();
+        Arc { from, to, middle: self.rim.at(self.begin + 0.5 * (from + to)), reach }
+    }
+
+    /// Takes the region within `reach` of a track out.
+    fn clear(&mut self, track: &Track, reach: f64) {
+        let mut crossed = false;
+        self.parts.retain(|arc| {
+            let distance = track.distance(arc.middle);
+            if distance + arc.reach < reach {
+                return false;
+            }
+            crossed |= distance - arc.reach < reach;
+            true
+        });
+        if crossed {
+            self.take(|rim, angles| rim.crossings(track, reach, angles), |point| track.reaches(point, reach));
+        }
+    }
+
+    /// Takes out where `is_free` holds, which changes only at the angles that `crossings` gives.
+    fn take(&mut self, crossings: impl FnOnce(&Rim, &mut Vec<f64>), is_free: impl Fn(Point) -> bool) {
+        let mut angles = std::mem::take(&mut self.angles);
+        angles.clear();
+        crossings(&self.rim, &mut angles);
+        for angle in &mut angles {
+            *angle = (*angle - self.begin).rem_euclid(TAU);
+        }
+        angles.retain(|angle| *angle < PI);
+        angles.sort_by(f64::total_cmp);
+        let mut left: Vec<Arc> = Vec::with_capacity(self.parts.len() + 2);
+        for arc in &self.parts {
+            let inner = angles.iter().copied().filter(|angle| *angle > arc.from && *angle < arc.to);
+            let (mut from, mut kept): (f64, Option<(f64, f64)>) = (arc.from, None);
+            for to in inner.chain([arc.to]) {
+                if to - from <= LEAST {
+                    continue;
+                }
+                if !is_free(self.rim.at(self.begin + 0.5 * (from + to))) {
+                    kept = match kept {
+                        Some((start, end)) if from - end < LEAST => Some((start, to)),
+                        before => {
+                            left.extend(before.map(|(start, end)| self.arc(start, end)));
+                            Some((from, to))
+                        }
+                    };
+                }
+                from = to;
+            }
+            match kept {
+                Some((start, end)) if start == arc.from && end == arc.to => left.push(*arc),
+                kept => left.extend(kept.map(|(start, end)| self.arc(start, end))),
+            }
+        }
+        self.parts = left;
+        self.angles = angles;
+    }
+
+    /// Start and end of each part, rad from the direction of travel.
+    fn angles(&self) -> Vec<(f64, f64)> {
+        let parts = self.parts.iter().filter(|arc| arc.to - arc.from > GRAZE);
+        parts.map(|arc| (arc.from - FRAC_PI_2, arc.to - FRAC_PI_2)).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the cutter has run over, found by its place.
 
-use std::collections::BTreeMap;
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 use toolroom_contour::{Point, Section, Track};
 
 /// A region around a path, cleared down to a floor.
@@ -18,6 +19,8 @@ pub(crate) struct Swath {
 pub(crate) struct Index {
     swaths: Vec<Swath>,
     squares: BTreeMap<(i64, i64), Vec<u32>>,
+    /// The swath of each path that has been run, whichever way round.
+    paths: HashMap<[i64; 6], u32>,
     /// Side of a square, m.
     side: f64,
 }
@@ -38,18 +41,45 @@ fn around(path: &Section, reach: f64) -> (Point, Point) {
     (Point { x: low.x - reach, y: low.y - reach }, Point { x: high.x + reach, y: high.y + reach })
 }
 
+/// Lengths that differ by less than this, m, are one: it is that of rounding, as the depth of a touch is.
+const SAME: f64 = 1e-12;
+
+/// The path of a swath with its radius, the same in both directions.
+fn key(swath: &Swath) -> [i64; 6] {
+    let section = swath.track.section();
+    let (start, end) = (section.start, swath.track.end());
+    let steps = |length: f64| (length / SAME).round() as i64;
+    let forth = [start.x, start.y, end.x, end.y].map(steps);
+    let back = [end.x, end.y, start.x, start.y].map(steps);
+    // By how far the arc is from its chord, which changes its sign with the direction.
+    let bulge = section.curvature * section.length * section.length;
+    let (ends, bulge) = if forth <= back { (forth, bulge) } else { (back, -bulge) };
+    [ends[0], ends[1], ends[2], ends[3], steps(bulge), steps(swath.radius)]
+}
+
 impl Index {
     /// Without swaths, for cutters of about this radius, m.
     pub fn new(radius: f64) -> Self {
-        Self { swaths: Vec::new(), squares: BTreeMap::new(), side: 2.0 * radius.max(1e-4) }
+        Self { swaths: Vec::new(), squares: BTreeMap::new(), paths: HashMap::new(), side: 2.0 * radius.max(1e-4) }
     }
 
     fn square(&self, point: Point) -> (i64, i64) {
         ((point.x / self.side).floor() as i64, (point.y / self.side).floor() as i64)
     }
 
+    /// A path that is run again, as levels of a pocket and turns of a helix are, has one swath with the lowest floor.
     pub fn push(&mut self, swath: Swath) {
         let number = self.swaths.len() as u32;
+        match self.paths.entry(key(&swath)) {
+            Entry::Occupied(before) => {
+                let floor = &mut self.swaths[*before.get() as usize].floor;
+                *floor = floor.min(swath.floor);
+                return;
+            }
+            Entry::Vacant(place) => {
+                place.insert(number);
+            }
+        }
         let (low, high) = around(swath.track.section(), swath.radius);
         let (from, to) = (self.square(low), self.square(high));
         for x in from.0..=to.0 {
@@ -64,7 +94,7 @@ impl Index {
         self.swaths.push(swath);
     }
 
-    /// Swaths that reach within `radius` of a point, the newest first.
+    /// Swaths that reach within `radius` of a point, the lowest first.
     pub fn near(&self, centre: Point, radius: f64) -> Vec<&Swath> {
         let (from, to) = (
             self.square(Point { x: centre.x - radius, y: centre.y - radius }),
@@ -76,9 +106,11 @@ impl Index {
                 found.extend(self.squares.get(&(x, y)).into_iter().flatten());
             }
         }
-        found.sort_unstable_by(|a, b| b.cmp(a));
+        found.sort_unstable();
         found.dedup();
         let swaths = found.into_iter().map(|number| &self.swaths[number as usize]);
-        swaths.filter(|swath| swath.track.reaches(centre, swath.radius + radius)).collect()
+        let mut near: Vec<&Swath> = swaths.filter(|swath| swath.track.reaches(centre, swath.radius + radius)).collect();
+        near.sort_by(|a, b| a.floor.total_cmp(&b.floor));
+        near
     }
 }

@@ -95,6 +95,30 @@ fn what_is_engaged_is_what_is_gone() {
     assert!((sum / gone - 1.0).abs() < 5e-3, "{sum} {gone}");
 }
 
+/// Turns that follow the same path deeper and deeper leave as many floors as there are lines in them: what they take off
+/// together is a prism, the region within the radius of their polygon.
+#[test]
+fn a_helix_of_short_lines_removes_its_prism() {
+    let (turns, sides, reach, radius, depth) = (25, 16, 3.0f64, 6.0, 5.0);
+    let corner = |i: u32| {
+        let angle = 2.0 * PI * f64::from(i % sides) / f64::from(sides);
+        (30.0 + reach * angle.cos(), 25.0 + reach * angle.sin())
+    };
+    let (x, y) = corner(0);
+    let mut text = format!("G0 X{x:.4} Y{y:.4} Z2\nG1 Z0 F500\n");
+    for i in 1..=(turns + 1) * sides {
+        let ((x, y), down) = (corner(i), depth * f64::from(i) / f64::from(turns * sides));
+        text += &format!("X{x:.4} Y{y:.4} Z-{:.6}\n", down.min(depth));
+    }
+    let (_, cutting) = run(&text, block(0.06, 0.05), 1e-3 * radius);
+    let side = 2.0 * reach * (PI / f64::from(sides)).sin();
+    let polygon = 0.5 * f64::from(sides) * reach * reach * (2.0 * PI / f64::from(sides)).sin();
+    let area = polygon + f64::from(sides) * side * radius + PI * radius * radius;
+    let share = cutting.removed() * 1e9 / (area * depth);
+    // Floors are those of the higher end of each line.
+    assert!((share - 1.0).abs() < 0.01, "{share}");
+}
+
 #[test]
 fn rapids_through_stock_are_told() {
     let tool = Tool { radius: 5e-3, teeth: 4.0, force: None };

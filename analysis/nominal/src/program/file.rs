@@ -3,9 +3,10 @@
 use super::ProgramModel;
 use std::path::Path;
 use std::sync::Arc;
+use toolroom_drives::{DRIVES, drives};
 use toolroom_form::{ContentFault, Fault, Form, Key, Kind, Section, Walk};
 use toolroom_process::Record;
-use toolroom_program::{Control, DRIVES, Program, ProgramError, Units, drives};
+use toolroom_program::{Control, Program, ProgramError, Units};
 use toolroom_scenario::effects::ShopDeviations;
 use toolroom_scenario_file::GAP;
 

@@ -24,9 +24,10 @@ use super::{
     Candidate, Channel, Covariate, Forward, Frame, Measured, Parameter, Point, Surface, Transform, WrittenEffect,
 };
 use rows::{Rows, rows};
+use toolroom_drives::{Drives, times};
 use toolroom_form::significant as rounded;
 use toolroom_innovations::Chain;
-use toolroom_program::{Drives, Program};
+use toolroom_program::Program;
 use toolroom_records::{Records, Sensor};
 use toolroom_scenario::Target;
 use toolroom_scenario::effects::{SHOP_EFFECTS, ShopDeviations};
@@ -264,7 +265,7 @@ impl Stretches {
 fn clock(program: &Program, drives: &Drives) -> Vec<f64> {
     let mut sum = 0.0;
     let mut clock = vec![0.0];
-    clock.extend(program.times(drives).iter().map(|time| {
+    clock.extend(times(program, drives).iter().map(|time| {
         sum += time;
         sum
     }));

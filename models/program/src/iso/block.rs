@@ -4,7 +4,7 @@ use super::codes::{Found, written};
 use super::modes::Move;
 use super::once::Once;
 use super::run::Iso;
-use super::words::Words;
+use super::words::{ANGLE, DISTANCE, Words};
 use crate::Dialect;
 use crate::error::Fault;
 use crate::kernel::{FeedMode, Kernel, Target};
@@ -62,6 +62,7 @@ impl Iso {
                 target.step[index] = Some(if index == 0 { 0.5 * value } else { value });
             }
         }
+        self.by_angle(&mut target, words, kernel)?;
         let [u, v, _] = kernel.plane;
         if self.modes.polar.is_some() && (target.names(u) || target.names(v)) {
             if target.step[u].is_some() || target.step[v].is_some() {
@@ -345,7 +346,7 @@ impl Iso {
             words.spend(b"XYZABCUVW");
             return kernel.machine_motion(&axes);
         }
-        let has_axis = words.any(b"XYZABCUVW");
+        let has_axis = words.any(b"XYZABCUVW") || words.any(&[DISTANCE, ANGLE]);
         match self.modes.motion {
             Move::Cycle => self.canned(words, kernel).map_err(|fault| fault.or_at(column)),
             Move::Lathe(code) => self.turning_cycle(code, words, kernel).map_err(|fault| fault.or_at(column)),
@@ -355,9 +356,12 @@ impl Iso {
             )),
             Move::Open => Ok(()),
             Move::Rapid | Move::Line | Move::Thread => {
+                if self.modes.motion == Move::Line {
+                    self.joint(words, kernel)?;
+                }
                 let target = self.target(words, kernel)?;
                 if target.is_empty() {
-                    return Ok(());
+                    return kernel.spent_joint();
                 }
                 if self.modes.motion == Move::Thread {
                     return self.thread(&target, words, kernel).map_err(|fault| fault.or_at(column));

@@ -11,6 +11,9 @@ use crate::kernel::{FeedMode, Kernel};
 use crate::motion::{Offset, PLANES, Sense};
 use crate::offset::{Corner, Offsetting};
 
+/// Speed at the axis of a lathe where no greatest one is known, rpm (assumption); a feed there is refused before.
+const FASTEST: f64 = 1e5;
+
 /// What a code is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Found {
@@ -39,9 +42,19 @@ impl Iso {
         if code == 400 {
             return Ok(());
         }
-        kernel.side = Some(code == 410);
+        let left = matches!(code, 410 | 411);
+        kernel.side = Some(left);
         if self.is_lathe() {
             kernel.note("the radius of the nose is not known here; the contour is timed as programmed");
+            return Ok(());
+        }
+        if matches!(code, 411 | 421) {
+            // LinuxCNC takes the diameter itself.
+            let diameter = words.take(b'D').ok_or_else(|| Fault::new("G41.1 and G42.1 need D, the diameter"))?;
+            let radius = 0.5 * self.mm(kernel, words, b'D', diameter)?;
+            if radius > 0.0 {
+                kernel.offset = Some(Offsetting::new(left, radius, kernel.plane, Corner::Round));
+            }
             return Ok(());
         }
         let register = words.whole(b'D', 0.0, 9999.0)?;
@@ -59,7 +72,7 @@ impl Iso {
             return Ok(());
         };
         let corner = if self.dialect == Dialect::Fanuc { Corner::Extended } else { Corner::Round };
-        kernel.offset = Some(Offsetting::new(code == 410, 0.5 * diameter, kernel.plane, corner));
+        kernel.offset = Some(Offsetting::new(left, 0.5 * diameter, kernel.plane, corner));
         Ok(())
     }
 
@@ -100,12 +113,15 @@ impl Iso {
                 kernel.scale = Some(if code == 200 { Units::Inch } else { Units::Millimetre }.scale());
                 Modal
             }
+            // The place of the tool becomes the one that G28 or G30 goes to; nothing moves.
+            281 | 301 if linuxcnc => Modal,
             280 | 300 => Found::Once(Once::Home),
             320 | 330 if lathe => Found::Motion(Move::Thread),
+            331 if linuxcnc => Found::Once(Once::RigidTap),
             330 if linuxcnc => Found::Motion(Move::Thread),
             382..=385 => return refuse("a probe moves until it touches, which depends on the workpiece"),
             310 => return refuse("a skip ends where a signal comes, which depends on the workpiece"),
-            400 | 410 | 420 => {
+            400 | 410 | 420 | 411 | 421 if linuxcnc || !matches!(code, 411 | 421) => {
                 self.compensate(code, words, kernel)?;
                 Modal
             }
@@ -226,14 +242,21 @@ impl Iso {
                 if !lathe {
                     return refuse("constant surface speed on a mill has no time of its own here; write G97");
                 }
-                kernel.surface = kernel.surface.or(Some(0.0));
+                kernel.surface = kernel.surface.or(self.modes.surface).or(Some(0.0));
                 if kernel.sense == Sense::Still {
                     kernel.speed = 0.0;
                 }
                 Modal
             }
             970 => {
-                kernel.surface = None;
+                // Without a speed of its own the spindle goes on as fast as it turned.
+                self.modes.surface = kernel.surface.or(self.modes.surface);
+                if let Some(surface) = kernel.surface.take().filter(|surface| *surface > 0.0 && lathe)
+                    && !words.has(b'S')
+                {
+                    let around = std::f64::consts::TAU * kernel.at[0].abs();
+                    kernel.set_speed((surface / around).min(kernel.clamp).min(FASTEST))?;
+                }
                 Modal
             }
             980 | 990 if lathe => {
@@ -258,11 +281,8 @@ impl Iso {
                     "the pocket is a contour cycle of the control, which is not followed; post it as motions",
                 );
             }
-            120 | 130 if haas => {
-                return refuse(
-                    "the circular pocket is a cycle of the control, which is not followed; post it as motions",
-                );
-            }
+            120 | 130 if haas => Found::Once(Once::Pocket(code == 130)),
+            1000 | 1010 if haas => Found::Once(Once::Mirror(code == 1010)),
             121 | 131 | 71 | 1070 => {
                 return refuse("the cylinder or polar interpolation is not followed; post the motions of the axes");
             }

@@ -26,6 +26,8 @@ pub(super) struct Cycle {
     least: f64,
     dwell: f64,
     shift: [f64; 2],
+    /// Feed out of a thread over the feed into it.
+    back: f64,
 }
 
 /// Greatest number of repeats of a hole: a bound against programs without end (assumption).
@@ -56,6 +58,7 @@ impl Iso {
             least: 0.0,
             dwell: 0.0,
             shift: [0.0; 2],
+            back: 1.0,
         });
         Ok(())
     }
@@ -96,6 +99,18 @@ impl Iso {
             if let Some(value) = take(self, words, b'J')? {
                 cycle.shift[1] = value;
             }
+        }
+        if matches!(cycle.code, 74 | 84)
+            && self.dialect == Dialect::Haas
+            && let Some(value) = words.take(b'J')
+        {
+            if !(0.1..=10.0).contains(&value) {
+                return Err(Fault::at(
+                    words.column(b'J'),
+                    "J of a tapping cycle is a multiple of its speed; write 1 to 9",
+                ));
+            }
+            cycle.back = value;
         }
         if let Some(value) = words.take(b'P') {
             let milliseconds = self.dialect != Dialect::LinuxCnc && !words.is_pointed(b'P');
@@ -180,7 +195,14 @@ impl Iso {
                 return Err(Fault::new("the least depth of a peck (K) is missing beside the decrement J"));
             }
             let stops = stops((bottom - reference).abs(), depth, decrement, least)?;
-            Ok(Some(Pecks { stops, retract, clearance: Clearance::Fixed(clearance), outside: 0.0, inside: 0.0 }))
+            Ok(Some(Pecks {
+                stops,
+                retract,
+                clearance: Clearance::Fixed(clearance),
+                outside: 0.0,
+                inside: 0.0,
+                slow: false,
+            }))
         };
         let shift = if cycle.shift == [0.0; 2] { [cycle.peck.unwrap_or(0.0), 0.0] } else { cycle.shift };
         let plain = Hole { reference, bottom, level, pecks: None, dwell: 0.0, exit: Exit::Rapid, feed: None };
@@ -191,7 +213,11 @@ impl Iso {
             81 => plain,
             82 => Hole { dwell, ..plain },
             83 => Hole { pecks: pecks(None)?, dwell, ..plain },
-            74 | 84 => Hole { pecks: taps()?, dwell, exit: Exit::Tap, ..plain },
+            74 | 84 => {
+                let feed = kernel.feed.filter(|_| cycle.back != 1.0);
+                let exit = feed.map_or(Exit::Tap, |feed| Exit::TapAt(cycle.back * feed));
+                Hole { pecks: taps()?, dwell, exit, ..plain }
+            }
             85 => Hole { exit: Exit::Feed, ..plain },
             86 => Hole { dwell, exit: Exit::Stopped, ..plain },
             88 => Hole { dwell, exit: Exit::Operator, ..plain },

@@ -2,12 +2,15 @@
 
 mod block;
 mod codes;
+mod corner;
 mod cycles;
 mod lathe;
 mod modes;
 mod once;
 mod parse;
 mod path;
+mod pocket;
+mod repeating;
 mod run;
 mod turning;
 mod variables;

@@ -2,7 +2,7 @@
 
 use crate::frame::Frame;
 use crate::kernel::{FeedMode, Kernel};
-use crate::motion::{Axes, plane_code};
+use crate::motion::{Axes, PLANES, plane_code};
 use std::collections::BTreeMap;
 
 /// The motion that coordinates without a code make.
@@ -36,8 +36,12 @@ pub(super) struct Modes {
     pub local: Axes,
     pub work: Axes,
     pub offsets: BTreeMap<u32, [Option<f64>; 9]>,
+    /// Turns of the work offsets of LinuxCNC, degrees.
+    pub turns: BTreeMap<u32, f64>,
     pub system: u32,
     pub next_tool: Option<u32>,
+    /// Surface speed of the last G96, mm/min, which the next one takes up.
+    pub surface: Option<f64>,
 }
 
 impl Modes {
@@ -54,8 +58,10 @@ impl Modes {
             local: [0.0; 9],
             work: [0.0; 9],
             offsets: BTreeMap::new(),
+            turns: BTreeMap::new(),
             system: 1,
             next_tool: None,
+            surface: None,
         }
     }
 
@@ -104,9 +110,17 @@ impl Modes {
         Some((*radius * cos, *radius * sin))
     }
 
+    /// Turn of the work offset in force, degrees.
+    pub fn turn(&self) -> f64 {
+        self.turns.get(&self.system).copied().unwrap_or(0.0)
+    }
+
     /// Program coordinates against those of the workpiece.
     pub fn frame(&self, plane: [usize; 3]) -> Frame {
         let mut frame = Frame::shifted(std::array::from_fn(|i| self.set[i] + self.local[i] + self.work[i]));
+        if self.turn() != 0.0 {
+            frame = frame.after(&Frame::turned(self.turn(), PLANES[0], [0.0; 2]));
+        }
         if let Some((angle, centre)) = self.rotation {
             frame = frame.after(&Frame::turned(angle, plane, centre));
         }

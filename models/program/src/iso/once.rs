@@ -23,7 +23,11 @@ pub(super) enum Once {
     Scale,
     Mirror(bool),
     Macro,
+    /// A thread down and, with the spindle turning back, up again.
+    RigidTap,
     Pattern(u32),
+    /// A circular pocket, against the clock or not.
+    Pocket(bool),
     TwoBlocks(u32),
     Spline(bool),
     TimeOnly(f64),
@@ -107,6 +111,8 @@ impl Iso {
                 Ok(())
             }
             Once::Macro => self.macro_call(words, kernel),
+            Once::RigidTap => self.rigid_tap(words, kernel),
+            Once::Pocket(left) => self.pocket(left, words, kernel),
             Once::Pattern(code) => self.pattern(code, words, kernel),
             Once::TwoBlocks(code) => self.two_blocks(code, words, kernel),
         }
@@ -137,7 +143,7 @@ impl Iso {
         let target = self.target(words, kernel)?;
         words.spend(b"P");
         let axes: Vec<usize> = if target.is_empty() {
-            if self.dialect == Dialect::LinuxCnc { (0..3).collect() } else { Vec::new() }
+            if matches!(self.dialect, Dialect::LinuxCnc | Dialect::Haas) { (0..3).collect() } else { Vec::new() }
         } else {
             (0..9).filter(|axis| target.names(*axis)).collect()
         };
@@ -163,6 +169,11 @@ impl Iso {
             if !words.any(b"XZUW") {
                 return Ok(());
             }
+        }
+        if self.modes.turn() != 0.0 {
+            return Err(Fault::new(
+                "G92 within a turned work offset (G10 L2 R) is not followed; write the offset itself",
+            ));
         }
         let target = self.target(words, kernel)?;
         let position = kernel.program_at();
@@ -206,8 +217,21 @@ impl Iso {
         if words.has(b'R') && kind == Some(2) {
             let angle = words.take(b'R').unwrap_or(0.0);
             if angle != 0.0 {
-                return Err(Fault::at(words.column(b'R'), "a turned work offset (G10 L2 R) is not followed"));
+                if self.dialect != Dialect::LinuxCnc {
+                    return Err(Fault::at(words.column(b'R'), "a turned work offset (G10 L2 R) is one of LinuxCNC"));
+                }
+                if self.modes.set != [0.0; 9] {
+                    let message = "a work offset is turned (G10 L2 R) while G92 shifts it, which is not followed; write G92.1 before";
+                    return Err(Fault::at(words.column(b'R'), message));
+                }
             }
+            self.modes.turns.insert(system, angle);
+            if system == self.modes.system {
+                kernel.frame = self.modes.frame(kernel.plane);
+            }
+        }
+        if kind == Some(20) && self.modes.turn() != 0.0 {
+            return Err(Fault::new("G10 L20 within a turned work offset is not followed; write L2"));
         }
         let position = kernel.program_at();
         for axis in 0..9 {

@@ -1,5 +1,6 @@
 //! Lines of Fanuc, Haas and LinuxCNC programs as statements.
 
+use super::words::{ANGLE, CHAMFER, DISTANCE, ROUNDING};
 use crate::Dialect;
 use crate::error::Fault;
 use crate::expression::{Expression, Parser};
@@ -246,10 +247,29 @@ fn block(parser: &mut Parser<'_>) -> Result<BlockCode, Fault> {
                 let pointed = value.literal().is_none() || text.contains(&b'.');
                 code.words.push(Word { letter, column, value, pointed });
             }
+            other @ (b'@' | b'^') if parser.dialect == Dialect::LinuxCnc => {
+                let column = parser.at + 1;
+                parser.at += 1;
+                let value = parser.prefix().map_err(|fault| fault.or_at(column))?;
+                let letter = if other == b'@' { DISTANCE } else { ANGLE };
+                code.words.push(Word { letter, column, value, pointed: true });
+            }
             b',' => {
-                let message =
-                    "`,` begins a chamfer or rounding of the control, which is not followed; write the arc or line";
-                return Err(parser.fault(message));
+                let column = parser.at + 1;
+                parser.at += 1;
+                let letter = match parser.peek() {
+                    b'C' if parser.dialect.has_macros() => CHAMFER,
+                    b'R' if parser.dialect.has_macros() => ROUNDING,
+                    _ => {
+                        let message = "`,` begins a chamfer, a rounding or an angle; only ,C and ,R of Fanuc and Haas are followed";
+                        return Err(Fault::at(column, message));
+                    }
+                };
+                parser.at += 1;
+                let start = parser.at;
+                let value = parser.prefix().map_err(|fault| fault.or_at(column))?;
+                let pointed = value.literal().is_none() || parser.text[start..parser.at].contains(&b'.');
+                code.words.push(Word { letter, column, value, pointed });
             }
             other => {
                 let message = format!("`{}` is not understood here", char::from(other).escape_default());

@@ -5,7 +5,7 @@ use super::words::Words;
 use crate::Dialect;
 use crate::error::Fault;
 use crate::kernel::{FeedMode, Kernel, Round, Target};
-use crate::motion::{PLANES, Purpose};
+use crate::motion::{PLANES, Purpose, Sense};
 
 impl Iso {
     pub(super) fn arc(&mut self, left: bool, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
@@ -95,6 +95,30 @@ impl Iso {
             (target.absolute[0], target.absolute[1]) = (Some(point[0]), Some(point[1]));
             kernel.straight(&target, false)?;
         }
+        Ok(())
+    }
+
+    /// G33.1 of LinuxCNC: a thread of the pitch K to a place, and back to where it began.
+    pub(super) fn rigid_tap(&mut self, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
+        if !words.has(b'K') {
+            return Err(Fault::new("G33.1 needs K, the pitch"));
+        }
+        let start = kernel.program_at();
+        let target = self.target(words, kernel)?;
+        self.thread(&target, words, kernel)?;
+        let sense = kernel.sense;
+        let against = match sense {
+            Sense::Clockwise => Sense::Counterclockwise,
+            Sense::Counterclockwise => Sense::Clockwise,
+            Sense::Still => return Err(Fault::new("G33.1 needs a spindle that turns")),
+        };
+        kernel.spindle(against);
+        let mut back = Target::default();
+        for axis in (0..9).filter(|axis| target.names(*axis)) {
+            back.absolute[axis] = Some(start[axis]);
+        }
+        self.thread(&back, words, kernel)?;
+        kernel.spindle(sense);
         Ok(())
     }
 

@@ -1,10 +1,10 @@
-//! Cycles of lathes in two blocks, G code system A: finishing G70, roughing along the axis G71, pecking along the axis and
-//! across it G74 and G75, threading G76.
+//! Cycles of lathes in two blocks, G code system A: finishing G70, roughing along the axis G71 and across it G72, pecking
+//! along the axis and across it G74 and G75, threading G76; G73 stands by itself.
 //!
 //! # Source
 //! Sequences of motions as the manuals of Fanuc describe them, cited from memory (assumption): G71 starts its passes at the
 //! allowances from the start, feeds along the axis, escapes by R under 45 degrees and returns at rapid speed, and feeds along
-//! the contour with its allowances at the end. G76 feeds straight in; its angle and the pull-out at its end take no time of
+//! the contour with its allowances at the end; G72 is the same with the axes exchanged. G76 feeds straight in; its angle and the pull-out at its end take no time of
 //! their own.
 
 use super::parse::Code;
@@ -22,6 +22,9 @@ pub(super) struct TwoBlocks {
     depth: f64,
     /// Escape or retraction.
     escape: f64,
+    /// Relief of G73 in X, as a radius, and in Z, and its number of passes.
+    pub(super) relief: [f64; 2],
+    pub(super) divisions: u32,
     /// Finishing passes of a thread.
     finishing: u32,
     /// Least depth of a pass of a thread.
@@ -37,7 +40,7 @@ const PASSES: u32 = 10_000;
 /// Pieces into which an arc is cut where a pass meets it.
 const PIECES: u32 = 200;
 
-fn place(x: Option<f64>, z: Option<f64>) -> Target {
+pub(super) fn place(x: Option<f64>, z: Option<f64>) -> Target {
     let mut target = Target::default();
     (target.absolute[0], target.absolute[2]) = (x, z);
     target
@@ -55,9 +58,13 @@ impl Iso {
     pub(super) fn two_blocks(&mut self, code: u32, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
         let due = |what: &str| Fault::new(format!("G{code} needs {what}"));
         match code {
-            70 | 71 => {
-                if code == 71 && !words.has(b'P') {
-                    let depth = words.take(b'U').map(|value| self.mm(kernel, words, b'U', value)).transpose()?;
+            70..=73 => {
+                if code == 73 && !words.has(b'P') {
+                    return self.relief(words, kernel);
+                }
+                if code != 70 && !words.has(b'P') {
+                    let letter = if code == 71 { b'U' } else { b'W' };
+                    let depth = words.take(letter).map(|value| self.mm(kernel, words, letter, value)).transpose()?;
                     let escape = words.take(b'R').map(|value| self.mm(kernel, words, b'R', value)).transpose()?;
                     self.two.depth = depth.unwrap_or(self.two.depth);
                     self.two.escape = escape.unwrap_or(self.two.escape);
@@ -70,7 +77,11 @@ impl Iso {
                 } else {
                     let u = words.take(b'U').map(|value| self.mm(kernel, words, b'U', value)).transpose()?;
                     let w = words.take(b'W').map(|value| self.mm(kernel, words, b'W', value)).transpose()?;
-                    self.rough(first, last, [0.5 * u.unwrap_or(0.0), w.unwrap_or(0.0)], kernel)?;
+                    let allowance = [0.5 * u.unwrap_or(0.0), w.unwrap_or(0.0)];
+                    match code {
+                        73 => self.repeat(first, last, allowance, kernel)?,
+                        _ => self.rough(code, first, last, allowance, kernel)?,
+                    }
                     // The contour behind the cycle is not run again.
                     if last >= current {
                         self.pc = self.pc.max(last + 1);
@@ -135,7 +146,8 @@ impl Iso {
         }
         let done = self.follow(first, last, kernel);
         self.two.within = false;
-        done
+        // The corner behind the last block of a contour would be that of the way back.
+        done.and_then(|()| kernel.close_joint())
     }
 
     fn follow(&mut self, first: usize, last: usize, kernel: &mut Kernel) -> Result<(), Fault> {
@@ -161,7 +173,7 @@ impl Iso {
     }
 
     /// The motions of a contour, in coordinates of the program; everything stands as before afterwards.
-    fn motions(&mut self, first: usize, last: usize, kernel: &mut Kernel) -> Result<Vec<Motion>, Fault> {
+    pub(super) fn motions(&mut self, first: usize, last: usize, kernel: &mut Kernel) -> Result<Vec<Motion>, Fault> {
         let out = std::mem::take(&mut kernel.out);
         let (at, known) = (kernel.at, kernel.known);
         let (feed, scale, mode) = (kernel.feed, kernel.feed_scale, kernel.feed_mode);
@@ -204,56 +216,63 @@ impl Iso {
         Ok(list.collect())
     }
 
-    /// G71: passes along the axis down to the contour with its allowances `[u, w]` in X and Z, mm.
-    fn rough(&mut self, first: usize, last: usize, [u, w]: [f64; 2], kernel: &mut Kernel) -> Result<(), Fault> {
+    /// G71: passes along Z down to the contour with its allowances `[u, w]` in X and Z, mm; G72: passes along X.
+    fn rough(
+        &mut self,
+        code: u32,
+        first: usize,
+        last: usize,
+        allowances: [f64; 2],
+        kernel: &mut Kernel,
+    ) -> Result<(), Fault> {
         let (depth, escape) = (self.two.depth, self.two.escape);
+        // Axis across the passes, with its letter and the word of the depth, and the axis along them.
+        let (across, letter, word, along) = if code == 71 { (0, 'X', 'U', 2) } else { (2, 'Z', 'W', 0) };
         if depth <= 0.0 {
-            return Err(Fault::new("G71 needs U above zero in its first block, the depth of a pass"));
+            return Err(Fault::new(format!("G{code} needs {word} above zero in its first block, the depth of a pass")));
         }
         let contour = self.motions(first, last, kernel)?;
         let (Some((entry, rest)), start) = (contour.split_first(), kernel.program_at()) else {
-            return Err(Fault::new("the contour of G71 moves nothing"));
+            return Err(Fault::new(format!("the contour of G{code} moves nothing")));
         };
         let Some(end) = rest.last().map(|motion| motion.end) else {
-            return Err(Fault::new("the contour of G71 needs motions behind its first block"));
+            return Err(Fault::new(format!("the contour of G{code} needs motions behind its first block")));
         };
-        if entry.start[2] != entry.end[2] {
-            return Err(Fault::new(
-                "the first block of the contour of G71 moves X alone; other contours are not followed",
-            ));
+        if entry.start[along] != entry.end[along] {
+            return Err(Fault::new(format!(
+                "the first block of the contour of G{code} moves {letter} alone; other contours are not followed"
+            )));
         }
-        let inwards = if entry.end[0] <= start[0] { -1.0 } else { 1.0 };
-        let along = if end[2] < entry.end[2] { -1.0 } else { 1.0 };
-        let (begin_x, begin_z) = (start[0] + u, start[2] + w);
+        let allowance = |axis: usize| allowances[usize::from(axis == 2)];
+        let inwards = if entry.end[across] <= start[across] { -1.0 } else { 1.0 };
+        let ahead = if end[along] < entry.end[along] { -1.0 } else { 1.0 };
+        let begin = |axis: usize| start[axis] + allowance(axis);
+        let both = |a: f64, b: f64| {
+            let mut target = Target::one(across, a);
+            target.absolute[along] = Some(b);
+            target
+        };
         kernel.purpose = Some(Purpose::Cycle);
         let mut cut = || -> Result<(), Fault> {
-            kernel.straight(&place(Some(begin_x), Some(begin_z)), true)?;
-            let deepest = entry.end[0] + u;
+            kernel.straight(&both(begin(across), begin(along)), true)?;
+            let deepest = entry.end[across] + allowance(across);
             for pass in 1..=PASSES {
-                let x = begin_x + inwards * depth * f64::from(pass);
-                if inwards * (deepest - x) <= 1e-9 {
+                let level = begin(across) + inwards * depth * f64::from(pass);
+                if inwards * (deepest - level) <= 1e-9 {
                     break;
                 }
                 if pass == PASSES {
-                    return Err(Fault::new(format!("G71 takes more than {PASSES} passes; check its depth")));
+                    return Err(Fault::new(format!("G{code} takes more than {PASSES} passes; check its depth")));
                 }
-                kernel.straight(&place(Some(x), None), entry.rapid)?;
-                let stop = meets(rest, |at| inwards * (at + u - x) <= 0.0).unwrap_or(end[2]) + w;
-                kernel.straight(&place(None, Some(stop)), false)?;
-                kernel.straight(&place(Some(x - inwards * escape), Some(stop - along * escape)), true)?;
-                kernel.straight(&place(None, Some(begin_z)), true)?;
+                kernel.straight(&Target::one(across, level), entry.rapid)?;
+                let beyond = |at: [f64; 9]| inwards * (at[across] + allowance(across) - level) <= 0.0;
+                let stop = meets(rest, along, beyond).unwrap_or(end[along]) + allowance(along);
+                kernel.straight(&Target::one(along, stop), false)?;
+                kernel.straight(&both(level - inwards * escape, stop - ahead * escape), true)?;
+                kernel.straight(&Target::one(along, begin(along)), true)?;
             }
-            kernel.straight(&place(Some(deepest), None), entry.rapid)?;
-            for motion in rest {
-                let target = place(Some(motion.end[0] + u), Some(motion.end[2] + w));
-                match motion.path {
-                    Path::Line => kernel.straight(&target, motion.rapid)?,
-                    Path::Arc(arc) => {
-                        let centre = Round::Centre([arc.centre[0] + w, arc.centre[1] + u]);
-                        kernel.round(&target, centre, arc.left, 0.0)?;
-                    }
-                }
-            }
+            kernel.straight(&Target::one(across, deepest), entry.rapid)?;
+            follow_shifted(rest, allowances, kernel)?;
             kernel.straight(&place(Some(start[0]), Some(start[2])), true)
         };
         let done = cut();
@@ -327,7 +346,14 @@ impl Iso {
             return Err(Fault::new("G76 needs a height P and a first depth Q above zero"));
         }
         let TwoBlocks { finishing, least, allowance, .. } = self.two;
-        let rough = (height - allowance).max(0.0);
+        if allowance >= height {
+            return Err(Fault::new(format!(
+                "the finishing allowance of G76, R of its first block, is {allowance} mm, no less than the height of the thread: \
+                 write it with a decimal point, R0.05, or read lengths without one as least increments with --set \
+                 control.decimal=least_increment"
+            )));
+        }
+        let rough = height - allowance;
         let (mut depths, mut reached): (Vec<f64>, f64) = (Vec::new(), 0.0);
         while rough - reached > 1e-9 {
             if depths.len() >= PASSES as usize {
@@ -363,21 +389,37 @@ impl Iso {
     }
 }
 
-/// Z where a contour first has an X for which `beyond` holds; `None` where it never does.
-fn meets(contour: &[Motion], beyond: impl Fn(f64) -> bool) -> Option<f64> {
+/// The motions of a contour, shifted in X and Z, mm.
+pub(super) fn follow_shifted(contour: &[Motion], [u, w]: [f64; 2], kernel: &mut Kernel) -> Result<(), Fault> {
+    for motion in contour {
+        let target = place(Some(motion.end[0] + u), Some(motion.end[2] + w));
+        match motion.path {
+            Path::Line => kernel.straight(&target, motion.rapid)?,
+            Path::Arc(arc) => {
+                // The plane of a lathe is ZX.
+                let centre = Round::Centre([arc.centre[0] + w, arc.centre[1] + u]);
+                kernel.round(&target, centre, arc.left, 0.0)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The place along an axis where a contour first meets `beyond`; `None` where it never does.
+fn meets(contour: &[Motion], axis: usize, beyond: impl Fn([f64; 9]) -> bool) -> Option<f64> {
     for motion in contour {
         let pieces = if motion.path == Path::Line { 1 } else { PIECES };
         let at = |piece: u32| motion.position(f64::from(piece) / f64::from(pieces));
-        if beyond(motion.start[0]) {
-            return Some(motion.start[2]);
+        if beyond(motion.start) {
+            return Some(motion.start[axis]);
         }
-        let Some(piece) = (1..=pieces).find(|piece| beyond(at(*piece)[0])) else { continue };
+        let Some(piece) = (1..=pieces).find(|piece| beyond(at(*piece))) else { continue };
         let (mut low, mut high) = (f64::from(piece - 1) / f64::from(pieces), f64::from(piece) / f64::from(pieces));
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
-            if beyond(motion.position(middle)[0]) { high = middle } else { low = middle }
+            if beyond(motion.position(middle)) { high = middle } else { low = middle }
         }
-        return Some(motion.position(high)[2]);
+        return Some(motion.position(high)[axis]);
     }
     None
 }

@@ -2,11 +2,33 @@
 
 use crate::error::Fault;
 
+/// Distance from the origin in polar coordinates, `@` of LinuxCNC.
+pub(super) const DISTANCE: u8 = b'[';
+/// Angle of polar coordinates, `^` of LinuxCNC.
+pub(super) const ANGLE: u8 = b'\\';
+/// Chamfer behind a motion, `,C`.
+pub(super) const CHAMFER: u8 = b']';
+/// Rounding behind a motion, `,R`.
+pub(super) const ROUNDING: u8 = b'^';
+/// Letters, and the four words above behind them.
+const SLOTS: usize = 30;
+
+/// A word as it is written.
+fn written(slot: usize) -> String {
+    match slot {
+        26 => "@".to_owned(),
+        27 => "^".to_owned(),
+        28 => ",C".to_owned(),
+        29 => ",R".to_owned(),
+        _ => char::from(b'A' + slot as u8).to_string(),
+    }
+}
+
 /// Words of a block: G and M codes in order, one value a letter else.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Words {
-    value: [f64; 26],
-    column: [usize; 26],
+    value: [f64; SLOTS],
+    column: [usize; SLOTS],
     present: u32,
     pointed: u32,
     used: u32,
@@ -61,7 +83,7 @@ impl Words {
                     {
                         return Ok(());
                     }
-                    let name = char::from(letter);
+                    let name = written(slot(letter));
                     return Err(Fault::at(column, format!("{name} stands twice in the block; leave one out")));
                 }
                 self.present |= bit(letter);
@@ -87,6 +109,13 @@ impl Words {
         self.see(letter)
     }
 
+    /// The value, which is no word of the block afterwards.
+    pub fn remove(&mut self, letter: u8) -> Option<f64> {
+        let value = self.see(letter);
+        self.present &= !bit(letter);
+        value
+    }
+
     pub fn see(&self, letter: u8) -> Option<f64> {
         self.has(letter).then(|| self.value[slot(letter)])
     }
@@ -104,11 +133,11 @@ impl Words {
     }
 
     /// A word that nothing has understood.
-    pub fn rest(&self) -> Option<(char, f64, usize)> {
+    pub fn rest(&self) -> Option<(String, f64, usize)> {
         let left = self.present & !self.used;
         (left != 0).then(|| {
             let index = left.trailing_zeros() as usize;
-            (char::from(b'A' + index as u8), self.value[index], self.column[index])
+            (written(index), self.value[index], self.column[index])
         })
     }
 
@@ -121,7 +150,7 @@ impl Words {
             }
             Some(value) => Err(Fault::at(
                 self.column(letter),
-                format!("{}{value}: write a whole number from {least} to {most}", char::from(letter)),
+                format!("{}{value}: write a whole number from {least} to {most}", written(slot(letter))),
             )),
         }
     }

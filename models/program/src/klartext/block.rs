@@ -57,12 +57,14 @@ impl Klartext {
                 }
                 let rest = if word(2) == "POS" { &words[3..] } else { &words[2..] };
                 let given = self.words(rest, kernel)?;
+                let frame = kernel.frame;
                 if word(2) == "POS" {
                     self.feed(&given, kernel)?;
-                    kernel.straight(&given.target, given.fmax)?;
+                    self.call_place(&given, kernel)?;
                 }
                 self.before(&given.m, kernel)?;
                 self.bore(kernel)?;
+                kernel.frame = frame;
                 self.after(&given.m, kernel)?
             }
             "CC" => {

@@ -138,13 +138,16 @@ impl Klartext {
         if number == 247 {
             return self.datum(statement, column, kernel);
         }
-        if !matches!(number, 200..=203 | 205..=208) {
+        if !matches!(number, 200..=203 | 205..=208 | 220 | 221) {
             return Err(Fault::at(column, format!("cycle {number} is not followed; post its motions")));
         }
         for (word, column) in &statement.words[3..] {
             let Some((target, value)) = word.split_once('=') else { continue };
             let value = self.value(value, *column)?;
             self.set(target, value).map_err(|fault| fault.or_at(*column))?;
+        }
+        if matches!(number, 220 | 221) {
+            return self.holes(number, kernel).map_err(|fault| fault.or_at(column));
         }
         self.cycle = Some(Cycle::New(number));
         Ok(())
@@ -172,7 +175,14 @@ impl Klartext {
                 let pecks = if number == 1 && peck.abs() > 0.0 && peck.abs() < depth.abs() {
                     let mut list = stops(depth.abs(), peck.abs(), 0.0, peck.abs())?;
                     list.iter_mut().for_each(|stop| *stop += whole - depth.abs());
-                    Some(Pecks { stops: list, retract: None, clearance: Clearance::Depth, outside: 0.0, inside: 0.0 })
+                    Some(Pecks {
+                        stops: list,
+                        retract: None,
+                        clearance: Clearance::Depth,
+                        outside: 0.0,
+                        inside: 0.0,
+                        slow: false,
+                    })
                 } else {
                     None
                 };
@@ -182,7 +192,7 @@ impl Klartext {
         }
     }
 
-    fn bore_new(&mut self, number: u32, kernel: &mut Kernel) -> Result<(), Fault> {
+    pub(super) fn bore_new(&mut self, number: u32, kernel: &mut Kernel) -> Result<(), Fault> {
         let q = |index: u32| self.store.0.get(&index).copied();
         let length = |index: u32, fallback: f64| -> Result<f64, Fault> {
             q(index).map_or(Ok(fallback), |value| kernel.length(value))
@@ -230,6 +240,7 @@ impl Klartext {
                     clearance: clearance(AGAIN),
                     outside: seconds(210),
                     inside: 0.0,
+                    slow: false,
                 });
             }
             201 => hole.exit = out_at(208)?,
@@ -253,8 +264,15 @@ impl Klartext {
                             "cycle 203 with both chip breaking and retraction (Q213) is not followed",
                         ));
                     };
-                    hole.pecks =
-                        Some(Pecks { stops, retract, clearance: clearance(AGAIN), outside: seconds(210), inside: 0.0 });
+                    hole.pecks = Some(Pecks {
+                        stops,
+                        retract,
+                        clearance: clearance(AGAIN),
+                        outside: seconds(210),
+                        inside: 0.0,
+                        // Without chip breaking the tool is drawn out at the feed of retraction.
+                        slow: retract.is_none() && q(208).is_some_and(|feed| feed < RAPID),
+                    });
                 }
                 hole.exit = if q(208).is_some() { out_at(208)? } else { Exit::Rapid };
             }
@@ -275,6 +293,7 @@ impl Klartext {
                     clearance: Clearance::Fixed(upper),
                     outside: 0.0,
                     inside: 0.0,
+                    slow: false,
                 });
             }
             206 => hole.exit = Exit::Tap,

@@ -4,6 +4,7 @@ mod approach;
 mod block;
 mod contour;
 mod cycles;
+mod pattern;
 
 use crate::error::Fault;
 use crate::expression::{Parser, Variables, equal};

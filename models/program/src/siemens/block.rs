@@ -139,12 +139,15 @@ impl Siemens {
             }
         }
         let (mut motions, mut machine, mut stop, mut dwell, mut home) = (0, false, false, false, false);
+        let mut pole = None;
+        self.modes.about_pole = false;
         for (code, column) in g {
             match code {
                 4 => dwell = true,
                 9 => stop = true,
                 53 | 153 => machine = true,
                 74 | 75 => home = true,
+                110..=112 => pole = Some((code, column)),
                 _ => motions += u32::from(self.code(code, &mut values, kernel).map_err(|fault| fault.or_at(column))?),
             }
         }
@@ -206,7 +209,9 @@ impl Siemens {
             }
             self.cycle(word, &list, modal_call, kernel).map_err(|fault| fault.or_at(column))?;
         }
-        if let Some((word, column)) = frame {
+        if let Some((code, column)) = pole {
+            self.pole(code, &mut values, kernel).map_err(|fault| fault.or_at(column))?;
+        } else if let Some((word, column)) = frame {
             self.frame(word, &mut values, kernel).map_err(|fault| fault.or_at(column))?;
         } else if home {
             let axes: Vec<usize> = (0..6)

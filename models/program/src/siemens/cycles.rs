@@ -159,6 +159,8 @@ impl Siemens {
                     clearance: again,
                     outside: seconds(9),
                     inside: seconds(8),
+                    // Between chips it is drawn up by G1.
+                    slow: !deep,
                 });
             }
             Cycle::RigidTap | Cycle::CompensatedTap => return self.tap(modal, hole, kernel),
@@ -211,7 +213,7 @@ impl Siemens {
         kernel.feed_mode = FeedMode::Minute;
         hole.feed = Some(pitch * speed);
         if back != speed {
-            hole.exit = Exit::FeedOf(pitch * back);
+            hole.exit = Exit::TapAt(pitch * back);
         }
         let done = kernel.hole(&hole);
         kernel.feed_mode = mode;

@@ -5,6 +5,7 @@ mod cycles;
 mod modes;
 mod parse;
 mod path;
+mod polar;
 
 use crate::Dialect;
 use crate::error::Fault;

@@ -39,6 +39,9 @@ pub(super) struct Modes {
     feed_unit: Option<f64>,
     /// Direction of the last motion in X Y Z.
     pub direction: [f64; 3],
+    /// Pole of polar coordinates, in the plane and program coordinates, mm; an arc of a block may turn about it.
+    pub pole: [f64; 2],
+    pub about_pole: bool,
 }
 
 impl Default for Modes {
@@ -52,6 +55,8 @@ impl Default for Modes {
             edge: 1,
             feed_unit: None,
             direction: [0.0; 3],
+            pole: [0.0; 2],
+            about_pole: false,
         }
     }
 }

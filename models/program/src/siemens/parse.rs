@@ -363,7 +363,8 @@ fn block(parser: &mut Parser<'_>) -> Result<Vec<Item>, Fault> {
         }
         if parser.peek() == b'=' && parser.text.get(parser.at + 1) != Some(&b'=') {
             parser.at += 1;
-            const ADDRESSES: [&str; 6] = ["CR", "AR", "TURN", "RPL", "ADIS", "ADISPOS"];
+            const ADDRESSES: [&str; 12] =
+                ["CR", "AR", "TURN", "RPL", "ADIS", "ADISPOS", "RND", "RNDM", "CHF", "CHR", "AP", "RP"];
             if ADDRESSES.contains(&word.as_str()) {
                 let (count, value) = value(parser)?;
                 items.push(Item::Word { address: word, count, value, column });

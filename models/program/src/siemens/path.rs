@@ -29,9 +29,13 @@ impl Siemens {
             };
             if absolute { target.absolute[axis] = Some(value) } else { target.step[axis] = Some(value) }
         }
+        if values.has("AP") || values.has("RP") {
+            self.polar(&mut target, values, kernel)?;
+        }
+        self.joint(values, kernel)?;
         let centred = ["I", "J", "K", "CR", "AR", "TURN"].iter().any(|word| values.has(word));
         if target.is_empty() && !centred {
-            return Ok(());
+            return kernel.spent_joint();
         }
         let start = kernel.at;
         match self.modes.motion {
@@ -102,6 +106,8 @@ impl Siemens {
                 let radius = 0.5 * chord / (0.5 * angle).to_radians().sin();
                 Round::Radius(if angle > 180.0 { -radius } else { radius })
             }
+            // In polar coordinates the pole is the centre.
+            (None, None, None) if self.modes.about_pole => Round::Centre(self.modes.pole),
             (None, None, None) => return Err(Fault::new("an arc needs I, J, K, CR= or AR=")),
             _ => return Err(Fault::new("the arc is given twice, by I J K, CR= or AR=; leave one")),
         };

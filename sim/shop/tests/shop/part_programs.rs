@@ -1,7 +1,8 @@
 //! Mills that run part programs: time as the machine takes it, every tool worn by its own engagement.
 
 use std::path::{Path, PathBuf};
-use toolroom_program::{Control, Machine, Program};
+use toolroom_drives::{Machine, times};
+use toolroom_program::{Control, Program};
 use toolroom_scenario::{ProcessModel, ProgramWork, Scenario, Work};
 use toolroom_shop::runlog::{ChangeReason, RunLog};
 use toolroom_stock::{Follower, Setup};
@@ -42,10 +43,10 @@ fn an_operation_takes_the_time_of_its_part_program_on_the_machine() {
     let text = std::fs::read_to_string(&path).expect("a program");
     let machine = Machine::preset("generic-vmc").expect("a preset");
     let program = Program::read(&text, &machine.control.for_file(&path, None)).expect("a program");
-    let nominal: f64 = program.times(&machine.drives).iter().sum();
+    let nominal: f64 = times(&program, &machine.drives).iter().sum();
     assert!((work(&scenario).time() - nominal).abs() < 1e-9 * nominal, "{} {nominal}", work(&scenario).time());
     assert!(
-        (program.times(&Default::default()).iter().sum::<f64>() - nominal).abs() > 1.0,
+        (times(&program, &Default::default()).iter().sum::<f64>() - nominal).abs() > 1.0,
         "the machine adds something"
     );
     let whole: Vec<f64> = (0..log.jobs.len() as u32)

@@ -1,9 +1,8 @@
 //! How long each block takes.
 
-use crate::block::{Action, Block};
-use crate::drives::Drives;
-use crate::motion::{Motion, Path, Purpose};
+use crate::record::Drives;
 use crate::spindle::Spindle;
+use toolroom_program::{Action, Block, Motion, Path, Program, Purpose};
 
 /// Time that a machine spends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -456,18 +455,42 @@ impl Ramp {
     }
 }
 
+/// Time of each block of a program with `drives`, s; see [`Timer`].
+///
+/// ```
+/// use toolroom_drives::{Drives, times};
+/// use toolroom_program::{Control, Program};
+/// let text = "T1 M6\nG21 G90 G0 X0 Y0 Z5\nG1 Z-1 F60\nX120 F1200\nG4 P500\nM30";
+/// let program = Program::read(text, &Control::default()).unwrap();
+/// let times = times(&program, &Drives { tool_change_time: 4.0, ..Drives::default() });
+/// assert_eq!((times[0], times[2], times[3], times[4]), (4.0, 6.0, 6.0, 0.5));
+/// ```
+pub fn times(program: &Program, drives: &Drives) -> Vec<f64> {
+    let mut times = vec![0.0; program.blocks.len()];
+    let mut timer = Timer::new(drives);
+    let mut done = Vec::new();
+    for (index, block) in program.blocks.iter().enumerate() {
+        timer.block(index, block, &mut done);
+    }
+    timer.finish(program.blocks.len().saturating_sub(1), &mut done);
+    for spent in done {
+        times[spent.key] += spent.seconds;
+    }
+    times
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Control, Dialect, Program, Units};
     use proptest::prelude::*;
+    use toolroom_program::{Control, Dialect, Units};
 
     fn control() -> Control {
         Control { units: Some(Units::Millimetre), ..Control::of(Dialect::LinuxCnc) }
     }
 
     fn time(text: &str, drives: &Drives) -> f64 {
-        Program::read(text, &control()).expect("a program").times(drives).iter().sum()
+        times(&Program::read(text, &control()).expect("a program"), drives).iter().sum()
     }
 
     fn with(inverse_acceleration: f64) -> Drives {

@@ -1,6 +1,7 @@
 //! Drives, spindle and changer: closed forms, and the tool changes that were measured on the NIST box.
 
-use toolroom_program::{Control, Dialect, Drives, Machine, Part, Program, Spent, Timer, Units};
+use toolroom_drives::{Drives, Machine, Part, Spent, Timer, times};
+use toolroom_program::{Control, Dialect, Program, Units};
 
 fn control() -> Control {
     Control { units: Some(Units::Millimetre), ..Control::of(Dialect::Fanuc) }
@@ -44,7 +45,7 @@ fn between(text: &str, first: &str, end: &str, skip: usize) -> f64 {
     let from = find(first, skip);
     let to = find(end, from);
     let program = program(text);
-    let times = program.times(&hurco());
+    let times = times(&program, &hurco());
     program.blocks.iter().zip(times).filter(|(block, _)| (from..to).contains(&block.line)).map(|(_, time)| time).sum()
 }
 
@@ -85,7 +86,7 @@ fn the_parts_add_up_and_name_what_waits() {
         .map(seconds_of)
         .iter()
         .sum();
-    let times: f64 = program.times(&hurco()).iter().sum();
+    let times: f64 = times(&program, &hurco()).iter().sum();
     assert!((all - times).abs() < 1e-9);
 }
 

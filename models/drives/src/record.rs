@@ -1,7 +1,7 @@
 //! What a machine does to the programmed times.
 
-use crate::motion::Motion;
 use toolroom_process::record;
+use toolroom_program::Motion;
 
 record! {
     /// What drives, spindle and tool changer do to the programmed times. Neutral at zero, but for the override, rapid
@@ -106,7 +106,7 @@ impl Drives {
     /// Constant torque and constant power of a rotating mass; checked on the tool changes of the NIST box.
     ///
     /// ```
-    /// use toolroom_program::Machine;
+    /// use toolroom_drives::Machine;
     /// let drives = Machine::preset("hurco-winmax").unwrap().drives;
     /// let rpm = std::f64::consts::TAU / 60.0;
     /// let time = |from: f64, to: f64| drives.spindle_ramp(from * rpm, to * rpm);

@@ -1,8 +1,8 @@
 //! The spindle beside the axes: it ramps while they move, and some blocks wait for it.
 
-use crate::drives::Drives;
-use crate::motion::Sense;
+use crate::record::Drives;
 use std::f64::consts::TAU;
+use toolroom_program::Sense;
 
 /// What the spindle has been told, and when it will be there.
 #[derive(Clone, Copy, Debug, Default)]

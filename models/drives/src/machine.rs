@@ -1,13 +1,13 @@
 //! Machine files: the control and the drives of a machine, and presets of them.
 
-use crate::control::{Control, Units};
-use crate::drives::Drives;
+use crate::record::Drives;
 use std::path::Path;
 use std::sync::Arc;
 use toolroom_form::{
     ContentFault, Fault, Form, FormFile, Key, Kind, Quantity, ReadError, Section, Walk, fill_record, parse, read,
 };
 use toolroom_process::Record;
+use toolroom_program::{Control, Units};
 
 /// A machine: what its control adds to the words, and what its drives, spindle and changer do to the times.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,0 +1,7 @@
+O5 (mill corners)
+G21 G90
+G0 X0 Y0 Z0
+G1 X20. ,R5. F600
+Y20. ,C2.
+X0
+M30

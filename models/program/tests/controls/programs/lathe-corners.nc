@@ -1,0 +1,9 @@
+O5 (lathe corners)
+G50 S2000
+G21 G99 G97 S1000 M3
+T0101
+G0 X0. Z0.
+G1 X20. C1. F.2
+G1 Z-20. R3.
+G1 X40.
+M30
