@@ -285,10 +285,11 @@ mod tests {
         let of = |pools: &[Pool]| stops.intrinsic(Timed { time: 480.0, deviation, exact: false, pools });
         let found = of(&pools);
         assert!((found.stopped / scatter - 1.0).abs() < 0.02, "{found:?}");
-        assert!(found.planned > 1.15 * scatter, "{found:?}");
-        // Taken for stops of all pools they would leave an eighth less.
+        // Without any stops a seventh more would have to stand behind the measured scatter.
+        assert!((1.1..1.2).contains(&(found.planned / scatter)), "{found:?}");
+        // Taken for stops of all pools they would leave about a tenth less.
         let everywhere = of(&[Pool { size: 20, rate }]);
-        assert!(everywhere.stopped < 0.9 * scatter, "{everywhere:?}");
+        assert!(everywhere.stopped < 0.95 * scatter, "{everywhere:?}");
     }
 
     #[test]
