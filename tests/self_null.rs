@@ -279,6 +279,82 @@ fn short_stops_of_one_machine_are_named_there() {
     assert!((2.1..3.9).contains(&size), "{size} 1/h");
 }
 
+/// Four machines without tools in two pools, of which nothing is known but times.
+const PLAIN: &str = r#"schema = 1
+[shop]
+name = "plain"
+replications = 1
+horizon = "240 h"
+warm_up = "0 h"
+[[calendar]]
+name = "two shifts"
+period = "1 day"
+shift = [{ start = "6 h", end = "14 h" }, { start = "14 h", end = "22 h" }]
+[[machine]]
+name = "M"
+count = 2
+process = "plain"
+rate = "60 EUR/h"
+load_time = { distribution = "lognormal", mean = "40 s", cv = 0.2 }
+unload_time = { distribution = "lognormal", mean = "20 s", cv = 0.2 }
+calendar = "two shifts"
+[[machine]]
+name = "N"
+count = 2
+process = "plain"
+rate = "60 EUR/h"
+load_time = { distribution = "lognormal", mean = "40 s", cv = 0.2 }
+unload_time = { distribution = "lognormal", mean = "20 s", cv = 0.2 }
+calendar = "two shifts"
+[[part]]
+name = "shaft"
+operation = [
+    { name = "saw", machines = "M", work = { distribution = "lognormal", mean = "240 s", cv = 0.01 } },
+    { name = "drill", machines = "N", work = { distribution = "lognormal", mean = "150 s", cv = 0.01 } },
+]
+[[part]]
+name = "flange"
+operation = [
+    { name = "saw", machines = "M", work = { distribution = "lognormal", mean = "480 s", cv = 0.01 } },
+    { name = "drill", machines = "N", work = { distribution = "lognormal", mean = "360 s", cv = 0.01 } },
+]
+[[arrivals]]
+part = "shaft"
+pattern = "poisson"
+rate = "6 1/h"
+[[arrivals]]
+part = "flange"
+pattern = "poisson"
+rate = "3.5 1/h"
+[dispatch]
+rule = "fifo"
+[[policy]]
+name = "programmed"
+speed = "programmed"
+[gap]
+process = "shop"
+"#;
+
+#[test]
+fn a_shop_of_plain_machines_has_no_gap_to_its_own_records() {
+    let found = diagnosis(PLAIN, PLAIN, "events", 12);
+    assert_eq!(found["verdict"], "no_gap", "{} {}", found["notes"], found["fit"]);
+}
+
+/// Stops on one of two machines that run the same programs widen the scatter of those programs half as much as stops on
+/// both would.
+#[test]
+fn short_stops_of_one_plain_machine_have_their_size() {
+    let stopped = "[[deviation]]\nid = \"micro_stops\"\nsize = \"3 1/h\"\nscope = { machine = \"M1\" }\n";
+    let found = diagnosis(&format!("{PLAIN}\n{stopped}"), PLAIN, "events", 11);
+    let named = &found["effects"][0];
+    assert_eq!(named["id"], "micro_stops", "{}", found["notes"]);
+    assert_eq!(named["scope"], serde_json::json!({ "machine": ["M1"] }), "{named}");
+    // A log of ten days holds some three hundred stops of M1: their time is known to a twelfth, and the rate so to 0.25 1/h.
+    let size = found["applied"]["effects"][0]["size"]["value"].as_f64().expect("a size");
+    assert!((2.4..3.6).contains(&size), "{size} 1/h");
+}
+
 /// What an applied file states of its times explains its queues and its handling: a delay as well as an override of a pool.
 #[test]
 fn an_applied_file_explains_its_own_queues_and_handling() {

@@ -40,7 +40,9 @@ impl Replicated {
     /// Whether the nominal model is off for certain.
     fn is_gap(&self) -> bool {
         let nominal = moments(&self.nominal);
-        (self.recorded - nominal.mean()).abs() >= CERTAIN * self.error.hypot(nominal.standard_error())
+        let gap = (self.recorded - nominal.mean()).abs();
+        // What never varies and agrees is no gap either.
+        gap > 0.0 && gap >= CERTAIN * self.error.hypot(nominal.standard_error())
     }
 
     /// The share that closes, by the delta method over the error of the record and the paired replications; `None` where
@@ -104,6 +106,9 @@ mod tests {
     fn what_is_no_gap_closes_by_nothing_and_what_grows_is_said() {
         let near = Replicated { recorded: 199.0, ..parts([199.0; 5]) };
         assert_eq!((near.closed(), near.grew()), (None, false));
+        // Machines that never break down are available all the time, recorded and simulated.
+        let always = Replicated { recorded: 1.0, error: 0.0, nominal: vec![1.0; 5], applied: vec![1.0; 5] };
+        assert_eq!((always.closed(), always.grew()), (None, false));
         let worse = Replicated { recorded: 199.0, ..parts([181.0, 179.0, 182.0, 180.0, 179.0]) };
         assert!(worse.grew());
         assert!(!parts([181.0, 179.0, 182.0, 180.0, 179.0]).grew());

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
-use toolroom_gap::shop::{Shop, ShopKpi, Visits, mix, visits};
+use toolroom_gap::shop::{Shop, ShopKpi, Visits, mix, pools_of, recorded_waits, visits};
 use toolroom_gap::{ModelFileError, NominalModel, NominalProcess, Settings};
 use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, Records};
@@ -22,6 +22,8 @@ const DAY: f64 = 86400.0;
 #[derive(Clone, Debug)]
 pub struct Figure {
     name: &'static str,
+    /// Machines of a figure of a station.
+    station: Option<String>,
     unit: &'static str,
     values: Replicated,
 }
@@ -32,7 +34,7 @@ impl Figure {
         let mean = |values: &[f64]| values.iter().copied().collect::<Moments>().mean();
         let closed = self.values.closed();
         json!({
-            "kpi": self.name, "unit": self.unit,
+            "kpi": self.name, "station": self.station, "unit": self.unit,
             "recorded": self.values.recorded, "standard_error": self.values.error,
             "nominal": mean(&self.values.nominal), "with_effects": mean(&self.values.applied),
             "replications": self.values.nominal.len(),
@@ -47,13 +49,25 @@ impl Figure {
         let words = || {
             format!(
                 "the gap of {} grows from {} to {} {}: look at what was found before you go on with the model",
-                self.name,
+                self.words(),
                 digits(before),
                 digits(after),
                 self.unit
             )
         };
         self.values.grew().then(words)
+    }
+
+    /// Its name, and of which machines it is.
+    fn words(&self) -> String {
+        let station = self.station.as_ref().map(|machines| format!(" {machines}"));
+        format!("{}{}", self.name, station.unwrap_or_default())
+    }
+
+    /// Whether the log and every run tell it.
+    fn is_told(&self) -> bool {
+        let all = self.values.nominal.iter().chain(&self.values.applied);
+        self.values.recorded.is_finite() && all.into_iter().all(|value| value.is_finite())
     }
 }
 
@@ -74,36 +88,53 @@ pub fn figures(model: &Path, better: &Path, data: &Path, reading: &Reading<'_>) 
     let of_log = |seen: &Visits| Figures::of(shop, seen, &mix, &rates);
     // Days are batches of all figures but the availability, whose batches are machines.
     let (recorded, days) = (of_log(&seen), by_day(&seen).iter().map(of_log).collect::<Vec<Figures>>());
-    let [before, after] = [runs(model)?, runs(better)?].map(|logs| logs.iter().map(of_log).collect::<Vec<Figures>>());
+    let logs = [runs(model)?, runs(better)?];
+    let [before, after] = logs.each_ref().map(|logs| logs.iter().map(of_log).collect::<Vec<Figures>>());
     let figure = |(at, (name, unit)): (usize, &(&'static str, &'static str))| {
         let values = |all: &[Figures]| all.iter().map(|own| own.0[at]).collect::<Vec<f64>>();
         let batches = if *name == AVAILABILITY { availabilities(&seen) } else { values(&days) };
         let (nominal, applied) = (values(&before), values(&after));
         let values = Replicated { recorded: recorded.0[at], error: error(&batches), nominal, applied };
-        Figure { name, unit, values }
+        Figure { name, station: None, unit, values }
     };
-    let told = |figure: &Figure| {
-        let all = figure.values.nominal.iter().chain(&figure.values.applied);
-        figure.values.recorded.is_finite() && all.into_iter().all(|value| value.is_finite())
-    };
-    Ok(NAMES.iter().enumerate().map(figure).filter(told).collect())
+    let of_shop = NAMES.iter().enumerate().map(figure);
+    let of_stations = pools_of(&seen).into_iter().map(|machines| queue_wait(&machines, &seen, &logs));
+    Ok(of_shop.chain(of_stations).filter(Figure::is_told).collect())
+}
+
+/// Mean wait of jobs before the machines of a pool, from the end of their operation before; of the first operation of a
+/// job no log tells it. Days of the record are batches.
+fn queue_wait(machines: &[String], seen: &Visits, [before, after]: &[Vec<Visits>; 2]) -> Figure {
+    let waits = |seen: &Visits| recorded_waits(seen, |name| machines.iter().any(|own| own == name));
+    let mean = |seen: &Visits| waits(seen).iter().map(|(_, wait)| wait / 60.0).collect::<Moments>().mean();
+    let mut days: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
+    for (ready, wait) in waits(seen) {
+        days.entry((ready / DAY).floor() as i64).or_default().push(wait / 60.0);
+    }
+    let days: Vec<f64> = days.into_values().map(|waits| waits.into_iter().collect::<Moments>().mean()).collect();
+    let [nominal, applied] = [before, after].map(|logs| logs.iter().map(mean).collect());
+    let values = Replicated { recorded: mean(seen), error: error(&days), nominal, applied };
+    Figure { name: "queue_wait", station: Some(machines.join(", ")), unit: "min", values }
 }
 
 const AVAILABILITY: &str = "availability";
 /// Names and units of the figures, in the order of [`Figures`].
-const NAMES: [(&str, &str); 7] = [
+const NAMES: [(&str, &str); 8] = [
     ("cycle_time", "s"),
     ("throughput", "1/h"),
     ("effectiveness", "1"),
     ("parts_per_shift", "1"),
     ("lead_time", "min"),
     (AVAILABILITY, "1"),
+    ("oee", "1"),
     ("machine_cost_per_part", "currency"),
 ];
 
 /// Key figures of one log. Cycle time, throughput and effectiveness are on the recorded mix of programs; a part is done with
 /// the last operation that was seen of it; lead times begin with its first one. Cost is that of machines while they are
-/// occupied or broken down: a log has no edges.
+/// occupied or broken down: a log has no edges. The overall equipment effectiveness is the programmed time of complete
+/// operations over the time in shift (ISO 22400-2, availability times effectiveness, in which production time cancels); a
+/// log has no rejects, so that the quality ratio is taken as 1.
 struct Figures([f64; NAMES.len()]);
 
 impl Figures {
@@ -121,6 +152,13 @@ impl Figures {
             let occupied = visit.cutting + visit.handling + visit.setup + extra;
             cost += rates.get(machine).copied().unwrap_or(0.0) * occupied;
         }
+        let earned: f64 = seen
+            .list
+            .iter()
+            .filter_map(|visit| shop.programs.get(&seen.programs[visit.program]))
+            .map(|own| own.time)
+            .sum();
+        let in_shift: f64 = seen.in_shift.iter().flatten().map(|(from, to)| to - from).sum();
         let (mut up, mut down) = (0.0, 0.0);
         for (machine, own) in seen.breakdowns.iter().enumerate() {
             let repairs: f64 = own.repairs.iter().sum();
@@ -136,6 +174,7 @@ impl Figures {
             parts / shifts.len() as f64,
             lead / 60.0,
             up / (up + down),
+            earned / in_shift,
             if rates.values().any(|rate| *rate > 0.0) { cost / parts } else { f64::NAN },
         ])
     }
@@ -147,7 +186,11 @@ fn by_day(seen: &Visits) -> Vec<Visits> {
     let days: BTreeSet<i64> = seen.list.iter().map(|visit| day(visit.start)).collect();
     let one = |today: i64| {
         let list = seen.list.iter().filter(|visit| day(visit.start) == today).cloned().collect();
-        Visits { list, breakdowns: Vec::new(), ..seen.clone() }
+        let (from, to) = (today as f64 * DAY, (today + 1) as f64 * DAY);
+        let inside = |stays: &Vec<(f64, f64)>| {
+            stays.iter().map(|own| (own.0.max(from), own.1.min(to))).filter(|own| own.0 < own.1).collect()
+        };
+        Visits { list, breakdowns: Vec::new(), in_shift: seen.in_shift.iter().map(inside).collect(), ..seen.clone() }
     };
     days.into_iter().map(one).collect()
 }
@@ -188,8 +231,8 @@ pub fn table(figures: &[Figure]) -> String {
         "on recorded mix", "recorded", "nominal", "with effects", "gap before → after", "closed (90 %)"
     );
     for figure in figures {
-        let Figure { name, unit, values } = figure;
-        let name = if *unit == "1" { (*name).to_owned() } else { format!("{name}, {unit}") };
+        let (words, Figure { unit, values, .. }) = (figure.words(), figure);
+        let name = if *unit == "1" { words } else { format!("{words}, {unit}") };
         let [before, after] = values.gaps();
         let closed = match values.closed() {
             Some(own) => {

@@ -121,6 +121,13 @@ pub(super) fn warm(model: &dyn Forward, mut point: Point) -> Point {
             }
         }
     }
+    // An edge that such a factor makes run away has no prediction: it starts from the nominal point.
+    let raw = model.simulate(&point);
+    for (observation, raw) in measured.observations.iter().zip(&raw) {
+        if !raw.is_finite() {
+            point.locals[kind][measured.group_of_row[observation.row]] = 0.0;
+        }
+    }
     point
 }
 

@@ -82,6 +82,10 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     }
 }
 
+/// Said of a fit that came to no numbers.
+const NOT_FITTED: &str = "the calibrated model has no finite prediction of these records, so that nothing was fitted: look for \
+                          edges on which it would break long before they did";
+
 /// The diagnosis by a nominal model that was calibrated.
 fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed {
     let folds = folds(&model.frame().measured);
@@ -134,6 +138,14 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
         findings: Vec::new(),
         dynamics: Vec::new(),
     };
+    let known = decision.base.fit.cost.is_finite() && base_left.residual.iter().all(|left| left.is_finite());
+    if !known {
+        // No test of such a fit rejects anything: that is no absence of a gap.
+        diagnosis.verdict = GapVerdict::CannotTell;
+        diagnosis.effects.clear();
+        diagnosis.notes.insert(0, NOT_FITTED.to_owned());
+        return Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] };
+    }
     let pushed = || hidden_by_calibration(model, &decision.base, &hidden);
     let stated_channels = (0..measured.channels.len()).any(|channel| model.scatter_is_known(channel));
     if basis.method.abstention && stated_channels {

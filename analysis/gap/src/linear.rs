@@ -58,8 +58,13 @@ impl Linear {
                 Transform::Log => 0.0,
             })
             .collect();
+        // Where wear runs away a slope may be beyond any number: it says nothing about a step, and one such number would
+        // make all others unknown.
         columns.par_iter_mut().for_each(|column| {
-            column.iter_mut().zip(&scale).for_each(|(slope, scale)| *slope *= scale);
+            column.iter_mut().zip(&scale).for_each(|(slope, scale)| {
+                let own = *slope * scale;
+                *slope = if own.is_finite() { own } else { 0.0 };
+            });
         });
         let locals = columns.split_off(parameters + wanted.len());
         let mut effects = vec![Vec::new(); model.frame().candidates.len()];

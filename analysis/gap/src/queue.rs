@@ -112,6 +112,20 @@ impl QueueScore {
     }
 }
 
+/// Waits between two operations of a job before the machines that `of_pool` holds for: when the job was ready, and for how
+/// long it waited, s.
+pub fn recorded_waits(seen: &Visits, of_pool: impl Fn(&str) -> bool) -> Vec<(f64, f64)> {
+    let calls = calls(seen);
+    let known = calls.iter().filter(|call| call.known && of_pool(&seen.machines[call.visit.machine]));
+    known.map(|call| (call.ready, (call.visit.start - call.ready).max(0.0))).collect()
+}
+
+/// Names of the machines of each pool: those that run the same programs.
+pub fn pools_of(seen: &Visits) -> Vec<Vec<String>> {
+    let names = |pool: &Vec<usize>| pool.iter().map(|machine| seen.machines[*machine].clone()).collect();
+    pools(seen).iter().map(names).collect()
+}
+
 /// Machines that run the same programs.
 fn pools(seen: &Visits) -> Vec<Vec<usize>> {
     let mut pools: Vec<(BTreeSet<usize>, BTreeSet<usize>)> = Vec::new();

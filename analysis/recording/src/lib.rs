@@ -29,7 +29,7 @@ pub type Sheet<'a> = dyn Fn(RecordKind, &str) -> Sensor + 'a;
 /// errors of `sheet`, drawn from the seed of the scenario; times of events are those of the control
 /// and have none.
 pub fn simulated(scenario: &Scenario, log: &RunLog, sheet: &Sheet<'_>) -> Vec<Records> {
-    let run = Run { scenario, log, visits: Visits::of(log), sheet, streams: Streams::new(scenario.seed, 0) };
+    let run = Run { scenario, log, visits: Visits::of(scenario, log), sheet, streams: Streams::new(scenario.seed, 0) };
     let mut all = vec![cutting::records(&run, RecordKind::Turning), cutting::records(&run, RecordKind::Milling)];
     all.push(grinding::trials(&run));
     all.push(events::events(&run));

@@ -53,6 +53,21 @@ fn a_shop_reads_back_as_operations_cuts_and_events() {
     }
 }
 
+/// A machine without a tool has events as others have: its work is that of an operation of a job.
+#[test]
+fn plain_work_is_recorded_with_its_program_and_its_operation() {
+    let (_, log, all) = shop("../shop/cell.toml", &["shop.horizon=24 h"]);
+    let events = all.iter().find(|records| records.kind == RecordKind::Shop).expect("events");
+    let text = |name: &str| events.texts(name).expect("a column");
+    let working: Vec<usize> = (0..events.len()).filter(|row| text("state")[*row] == "working").collect();
+    assert_eq!(working.len(), log.states.iter().filter(|row| row.state == MachineState::Working).count());
+    assert!(!working.is_empty());
+    for row in working {
+        let (program, operation) = (&text("program")[row], &text("operation_id")[row]);
+        assert!(program.contains('/') && !operation.is_empty(), "{row}: `{program}`, `{operation}`");
+    }
+}
+
 #[test]
 fn a_repair_over_the_end_of_a_shift_is_one_stay() {
     let row = |start, end, state, in_shift| StateRow { machine: 0, state, start, end, in_shift, job: Some(1) };

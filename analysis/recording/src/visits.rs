@@ -1,6 +1,7 @@
 //! Operations of jobs on machines, put together from passes and states of a log.
 
 use std::collections::BTreeMap;
+use toolroom_scenario::{Scenario, Work};
 use toolroom_shop::RunLog;
 use toolroom_shop::runlog::{MachineState, StateRow};
 
@@ -30,11 +31,11 @@ pub struct Visit {
     pub job: u32,
     pub part: u32,
     pub operation: u32,
-    /// Indices of its passes in the log, in time.
+    /// Indices of its passes in the log, in time; plain work has none.
     pub passes: Vec<usize>,
     /// Start of the operation, s.
     pub start: f64,
-    /// Time from the first cut to the last, s.
+    /// Time from the first cut to the last, of plain work from beginning to end, s.
     cut: (f64, f64),
     /// Loading and unloading, s.
     pub handling: f64,
@@ -55,7 +56,7 @@ pub struct Visits {
 }
 
 impl Visits {
-    pub fn of(log: &RunLog) -> Self {
+    pub fn of(scenario: &Scenario, log: &RunLog) -> Self {
         let mut visits = Self::default();
         let mut index: BTreeMap<(u32, u32, u32), usize> = BTreeMap::new();
         for (pass_index, pass) in log.passes.iter().enumerate() {
@@ -73,8 +74,18 @@ impl Visits {
             visit.cut = (visit.cut.0.min(pass.start), visit.cut.1.max(pass.end));
         }
         for row in &log.operations {
-            if let Some(place) = index.get(&(row.machine, row.job, row.operation)) {
-                visits.list[*place].start = row.start;
+            let work = &scenario.parts[row.part as usize].operations[row.operation as usize].work;
+            match index.get(&(row.machine, row.job, row.operation)) {
+                Some(place) => visits.list[*place].start = row.start,
+                None if matches!(work, Work::Plain(_)) => {
+                    // What is still in process at the end of the run has no end of its own.
+                    let end = if row.end.is_finite() { row.end } else { log.horizon };
+                    visits.of.entry((row.machine, row.job)).or_default().push(visits.list.len());
+                    let (job, part, operation) = (row.job, row.part, row.operation);
+                    let (start, cut) = (row.start, (row.start, end));
+                    visits.list.push(Visit { job, part, operation, start, cut, ..Visit::default() });
+                }
+                None => {}
             }
         }
         for state in &whole_states(log) {

@@ -28,9 +28,9 @@ vocabulary! {
 ///
 /// | id | what it does |
 /// |---|---|
-/// | feed_override | time in cut grows by this share; below zero the feed is faster than programmed |
+/// | feed_override | time in cut or in plain work grows by this share; below zero it is faster than programmed |
 /// | feed_hold | the program is held for this time before its end, in a share of the operations; added as cutting |
-/// | micro_stops | stops of an exponential duration, 20 s in the mean, come as a Poisson process in the time in cut; added there |
+/// | micro_stops | stops of an exponential duration, 20 s in the mean, come as a Poisson process in the time in cut or in plain work; added there |
 /// | operator_delay | time before loading, as handling |
 /// | tool_change_delay | time of every change of an edge |
 /// | tool_change_policy | edges are changed when the reading passes the limit by so much |

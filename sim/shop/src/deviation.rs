@@ -163,6 +163,15 @@ impl<'a, R: Recorder> Shop<'a, R> {
         asked.calibrated(self.scenario, ShopConstant::ProgrammedTime, drawn).max(0.0)
     }
 
+    /// Time of plain work with what the shop does otherwise than planned, s.
+    pub(super) fn deviating(&self, asked: &Asked, slot: u32, planned: f64) -> f64 {
+        if self.scenario.deviations.is_empty() {
+            return planned;
+        }
+        let faster = asked.deviation(self.scenario, ShopEffect::FeedOverride).min(0.0);
+        (planned * (1.0 + faster)).max(LEAST_PACE * planned) + self.delay(asked, slot, planned)
+    }
+
     /// Time that the program of a job's operation takes beyond its passes, s; `programmed` is that of the
     /// passes.
     pub(super) fn delay(&self, asked: &Asked, slot: u32, programmed: f64) -> f64 {

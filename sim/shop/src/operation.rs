@@ -113,7 +113,8 @@ impl<R: Recorder> Shop<'_, R> {
                 // All that is worked on together is done when the longest work is.
                 let work_of = |slot: u32| self.whole_work(machine, slot, asked);
                 let whole = riders.iter().map(|rider| work_of(*rider)).fold(work_of(slot), f64::max);
-                Content::Plain(self.world.jobs.at_mut(slot).rest.take().unwrap_or(whole))
+                let moved = self.deviating(asked, slot, whole);
+                Content::Plain(self.world.jobs.at_mut(slot).rest.take().unwrap_or(moved))
             }
             ContentPlan::Machining { tool, cutting_time, .. } => {
                 let moved = asked.moved(self.scenario, cutting_time);

@@ -142,8 +142,8 @@ impl<P: Nominal> Cutting<P> {
                     if time < LEFT_OUT && end > LEFT_OUT && duration > LEFT_OUT {
                         end = LEFT_OUT;
                     }
-                    // No slivers at the end.
-                    if end > duration - 1.0 {
+                    // No slivers at the end, unless all that counts of a cut a little longer than what is left out is one.
+                    if end > duration - 1.0 && (short || time >= LEFT_OUT) {
                         end = duration;
                     }
                     let step = Step::new(time, end, time >= LEFT_OUT || short, lag);

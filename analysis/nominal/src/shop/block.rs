@@ -26,6 +26,8 @@ pub const CHANNELS: [&str; 11] = [
 pub const TAIL: f64 = 0.05;
 /// Fewest operations that have a shape.
 const SHAPED: usize = 8;
+/// Fewest operations about whose middle scatter is measured.
+const POOLED: usize = 3;
 /// Length of a part of the day in which times are pooled, s.
 const PART: f64 = 4.0 * 3600.0;
 const DAY: f64 = 86400.0;
@@ -64,6 +66,8 @@ pub struct Block {
     pub cutting: f64,
     /// Class of its number of operations.
     pub class: usize,
+    /// Operations about whose middle scatter is measured; 0 of blocks that are no such pool.
+    pub pooled: usize,
     /// Share of operations that began with a new edge.
     pub new_edges: f64,
 }
@@ -77,8 +81,8 @@ pub struct Blocks {
     pub groups: Vec<String>,
     /// Scatter of the logarithm of the time in cut, by program.
     pub scatter: Vec<f64>,
-    /// Operations of each of the pools about whose middles that was taken, by program.
-    pub pools: Vec<Vec<usize>>,
+    /// Pools about whose middles that was taken, by program: their block of the list, and how many operations.
+    pub pools: Vec<Vec<(usize, usize)>>,
     /// Programmed time, s, by program: the nominal shop's, or the shop's own median.
     pub times: Vec<f64>,
     /// Whether the nominal shop knows the program.
@@ -146,7 +150,6 @@ impl Blocks {
         let pooled = by(&visits, |visit| (visit.machine, day(visit.start), visit.program, shift(visit)));
         // Distances to the middle of the pool, both below and above.
         let mut below: Vec<Vec<f64>> = vec![Vec::new(); seen.programs.len()];
-        blocks.pools = vec![Vec::new(); seen.programs.len()];
         let mut handled: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         let logarithms = |at: &[usize], time: &dyn Fn(&Visit) -> f64| -> Vec<f64> {
             at.iter().map(|at| time(visits[*at])).filter(|time| *time > 0.0).map(f64::ln).collect()
@@ -154,8 +157,7 @@ impl Blocks {
         for ((machine, _, program, _), at) in &pooled {
             let cut = logarithms(at, &full_feed);
             let middle = median(&mut cut.clone());
-            if cut.len() >= 3 {
-                blocks.pools[*program].push(cut.len());
+            if cut.len() >= POOLED {
                 below[*program].extend(cut.iter().map(|y| middle - y).filter(|d| *d > 0.0));
             }
             let handling = logarithms(at, &|visit| visit.handling);
@@ -189,6 +191,7 @@ impl Blocks {
             excesses: Vec::new(),
             cutting: 0.0,
             class: 0,
+            pooled: 0,
             new_edges: 0.0,
         };
         // Where times lie, by parts of the day.
@@ -228,6 +231,7 @@ impl Blocks {
             let count = pooled_visits.len() as f64;
             block.class = class(pooled_visits.len());
             block.cutting = pooled_visits.iter().map(|visit| visit.cutting).sum();
+            block.pooled = pooled_visits.len();
             block.new_edges = pooled_visits.iter().filter(|visit| visit.new_edge).count() as f64 / count;
             if pooled_visits.len() >= SHAPED {
                 let scatter = blocks.scatter[*program];
@@ -274,6 +278,12 @@ impl Blocks {
         blocks.rare(seen, &group, &empty);
         blocks.scales();
         blocks.list.sort_by(|a, b| a.group.cmp(&b.group).then(a.time.total_cmp(&b.time)));
+        blocks.pools = vec![Vec::new(); seen.programs.len()];
+        for (row, block) in blocks.list.iter().enumerate() {
+            if let (Some(program), true) = (block.program, block.pooled >= POOLED) {
+                blocks.pools[program].push((row, block.pooled));
+            }
+        }
         blocks
     }
 

@@ -10,12 +10,12 @@ use super::block::{Block, Blocks, CHANNELS, ROOT_SCORE, TAIL};
 use super::constant::Constant;
 use super::nominal::Shop;
 use super::scopes::parts;
-use super::stops::{SIZES, Shape, Stops, Timed};
+use super::stopped::{Shapes, Stopped};
+use super::stops::Shape;
 use super::visit::{Visits, visits};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::gamma::gamma;
-use std::collections::BTreeMap;
 use toolroom_effects::CatalogueEntry;
 use toolroom_innovations::Chain;
 use toolroom_records::{Records, Sensor};
@@ -82,13 +82,11 @@ pub struct ShopModel {
     /// Growth of the life of edges with the wear limit, 1/m, by block.
     life_slope: Vec<f64>,
     pub(super) actions: Vec<Action>,
-    stops: Stops,
+    /// What stops that nobody books do to blocks.
+    pub(super) stopped: Stopped,
     /// Channel of [`CHANNELS`] by channel of the frame.
     kinds: Vec<usize>,
 }
-
-/// Shapes of blocks by program and class, by the bits of a rate of stops; none without stops.
-type Shapes = BTreeMap<u64, Vec<Vec<Shape>>>;
 
 /// Change of the time in cut, as a share, at the greatest feed override: controls go up to 200 %.
 const FASTEST: f64 = -0.5;
@@ -129,7 +127,7 @@ impl ShopModel {
             life_slope: blocks.list.iter().map(|block| life_slope(shop, &seen, block)).collect(),
             blocks,
             actions: Vec::new(),
-            stops: Stops::default(),
+            stopped: Stopped::default(),
             kinds: Vec::new(),
         };
         model.measure((names, of_row, fitted), settings);
@@ -373,45 +371,10 @@ impl ShopModel {
 }
 
 impl ShopModel {
-    /// Rate of stops that nobody books in each block, 1/s.
-    fn rates(&self, at: &Point) -> Vec<f64> {
-        let mut rates = vec![0.0; self.blocks.list.len()];
-        for (action, size) in self.actions.iter().zip(&at.effects) {
-            if let (Action::Stops(weights), true) = (action, *size != 0.0) {
-                rates.iter_mut().zip(weights).for_each(|(rate, weight)| *rate += size * weight);
-            }
-        }
-        rates
-    }
-
-    /// Shapes of the blocks at all rates of `points`.
-    fn shapes(&self, points: &[&Point]) -> Shapes {
-        let mut rates: Vec<f64> = points.iter().flat_map(|at| self.rates(at)).filter(|rate| *rate > 0.0).collect();
-        rates.sort_by(f64::total_cmp);
-        rates.dedup();
-        rates.into_iter().map(|rate| (rate.to_bits(), self.shapes_at(rate))).collect()
-    }
-
-    /// Shape of the blocks of each program and class under a rate of stops.
-    fn shapes_at(&self, rate: f64) -> Vec<Vec<Shape>> {
-        let blocks = &self.blocks;
-        let classes_of = |program: usize| {
-            let mut classes = [false; SIZES];
-            let of_program = blocks.list.iter().filter(|block| block.program == Some(program));
-            of_program.for_each(|block| classes[block.class] = true);
-            let (time, deviation, exact) = (blocks.times[program], blocks.scatter[program], blocks.exact[program]);
-            let program = Timed { time, deviation, exact, pools: &blocks.pools[program] };
-            let mut shapes = self.stops.shapes(rate, program, &classes);
-            // The middle of exact times stays where it is until most operations are stopped.
-            shapes.iter_mut().filter(|_| exact).for_each(|shape| shape.location = 0.0);
-            shapes
-        };
-        (0..blocks.times.len()).into_par_iter().map(classes_of).collect()
-    }
-
     /// Raw values of every observation, given the shapes of [`ShopModel::shapes`] at the rates of `at`.
     fn simulated(&self, at: &Point, shapes: &Shapes) -> Vec<f64> {
         let rates = self.rates(at);
+        let of_program = self.of_programs(&rates, shapes);
         let of = |wanted: &dyn Fn(&Action) -> bool| -> f64 {
             self.actions.iter().zip(&at.effects).filter(|(action, _)| wanted(action)).map(|(_, size)| *size).sum()
         };
@@ -424,9 +387,8 @@ impl ShopModel {
             let (row, kind) = (observation.row, self.kinds[observation.channel]);
             let block = &self.blocks.list[row];
             let nominal = self.nominal[row][kind];
-            let known_shape = shapes.get(&rates[row].to_bits());
-            let shape = block.program.and_then(|program| known_shape?.get(program)?.get(block.class)).copied();
-            let shape = shape.unwrap_or_default();
+            let known = block.program.and_then(|program| of_program[program]?.get(&rates[row].to_bits()));
+            let shape = known.and_then(|classes| classes.get(block.class)).copied().unwrap_or_default();
             let group = measured.group_of_row[row];
             let local = |kind: usize| (self.frame.locals[kind].deviation * at.locals[kind][group]).exp();
             // Two overrides that act together multiply, as they do in a run.
@@ -551,11 +513,14 @@ fn nominal(shop: &Shop, seen: &Visits, blocks: &Blocks, block: &Block) -> [f64; 
         median(&mut values.collect::<Vec<f64>>())
     };
     let handling = station.map_or_else(|| of_channel(4), |station| station.handling[station.handling.len() / 2]);
+    // What the file itself says of the times: plain work may be skewed.
+    let known = block.program.and_then(|program| shop.programs.get(&seen.programs[program]));
+    let planned = known.map_or(Shape::SYMMETRIC, |program| program.planned);
     [
         block.program.map_or(f64::NAN, |program| blocks.times[program]),
-        TAIL,
-        1.0,
-        1.0,
+        TAIL + planned.tail,
+        planned.excess.exp(),
+        planned.spread,
         handling,
         1.0,
         station.map_or_else(|| of_channel(6), |station| station.tool_change),

@@ -1,5 +1,6 @@
 //! What the planner believes of the shop: a scenario seen by machines and programs.
 
+use super::stops::{Shape, lower_deviation};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
@@ -18,10 +19,12 @@ const REPLICATIONS: usize = 1000;
 const STRETCH: f64 = 5.0 * 86400.0;
 
 /// A program of the nominal shop.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Program {
-    /// Programmed time in cut, s.
+    /// Programmed time in cut, of plain work the median of its distribution, s.
     pub time: f64,
+    /// How its times lie about that by the file alone: plain work may be skewed; times in cut are not.
+    pub planned: Shape,
     /// Sum of feed speeds over its passes, m/s: what the inverse of an acceleration costs.
     pub feed_speeds: f64,
 }
@@ -80,7 +83,14 @@ impl Shop {
                         0.0
                     }
                 };
-                programs.insert(format!("{}/{}", part.name, operation.name), Program { time: *time, feed_speeds });
+                let (time, planned) = match &operation.work {
+                    Work::Plain(times) => (times.quantile(0.5), plain_shape(times)),
+                    Work::Cutting(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) | Work::Program(_) => {
+                        (*time, Shape::SYMMETRIC)
+                    }
+                };
+                let program = Program { time, planned, feed_speeds };
+                programs.insert(format!("{}/{}", part.name, operation.name), program);
             }
         }
         let stretch = Scenario { horizon: scenario.horizon.min(STRETCH), ..scenario.clone() };
@@ -100,6 +110,17 @@ impl Shop {
         let third = || format!("S{}", ((time - 6.0 * 3600.0).rem_euclid(86400.0) / (8.0 * 3600.0)) as usize + 1);
         calendar.and_then(|calendar| calendar.shift_at(time)).unwrap_or_else(third)
     }
+}
+
+/// How the times of plain work lie about their middle by its distribution.
+fn plain_shape(times: &Distribution) -> Shape {
+    let middle = times.quantile(0.5);
+    let quantile = |i: usize| times.quantile((i as f64 + 0.5) / REPLICATIONS as f64);
+    let mut logarithms: Vec<f64> = (0..REPLICATIONS).map(quantile).map(|time| (time / middle).ln()).collect();
+    let mut below: Vec<f64> = logarithms.iter().map(|y| -y).filter(|distance| *distance > 0.0).collect();
+    let deviation = lower_deviation(&mut below);
+    let known = deviation > 0.0 && logarithms.iter().all(|y| y.is_finite());
+    if known { Shape::of(&mut logarithms, deviation) } else { Shape::SYMMETRIC }
 }
 
 /// Speed of the feed in a pass, m/s.

@@ -3,7 +3,7 @@
 /// What a machine does, as far as a diagnosis cares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// The program runs.
+    /// The program runs, or plain work goes on.
     Cutting,
     /// Loading or unloading.
     Handling,
@@ -15,7 +15,7 @@ pub enum State {
     Hold,
     /// Stopped; short ones are booked micro-stops, long ones breakdowns.
     Stopped,
-    /// Nothing to do.
+    /// Nothing to do, or waiting for somebody.
     Idle,
     /// Out of shift.
     OffShift,
@@ -31,21 +31,23 @@ impl State {
     /// use toolroom_nominal::shop::State;
     /// assert_eq!(State::of("FEED_HOLD"), State::Hold);
     /// assert_eq!(State::of("off shift"), State::OffShift);
+    /// assert_eq!(State::of("working"), State::Cutting);
     /// assert_eq!(State::of("UNAVAILABLE"), State::Unknown);
     /// ```
     pub fn of(word: &str) -> Self {
         let word = word.trim().to_ascii_lowercase().replace([' ', '-'], "_");
         match word.as_str() {
-            "cutting" | "active" | "executing" | "running" | "run" | "machining" | "processing" | "busy" => {
-                Self::Cutting
-            }
+            "cutting" | "working" | "active" | "executing" | "running" | "run" | "machining" | "processing"
+            | "busy" => Self::Cutting,
             "handling" | "load" | "loading" | "unload" | "unloading" | "clamping" => Self::Handling,
             "tool_change" | "toolchange" | "tool_changing" | "edge_change" => Self::ToolChange,
             "setup" | "changeover" | "dressing" => Self::Setup,
             "feed_hold" | "hold" | "interrupted" | "program_hold" => Self::Hold,
             "stopped" | "stop" | "micro_stop" | "program_stopped" | "optional_stop" | "down" | "breakdown"
             | "failure" | "fault" | "alarm" | "error" | "repair" | "wait" | "waiting" => Self::Stopped,
-            "idle" | "ready" | "program_completed" | "starved" | "blocked" | "standby" => Self::Idle,
+            "idle" | "waiting_operator" | "ready" | "program_completed" | "starved" | "blocked" | "standby" => {
+                Self::Idle
+            }
             "off_shift" | "off" | "offline" | "break" | "closed" => Self::OffShift,
             _ => Self::Unknown,
         }

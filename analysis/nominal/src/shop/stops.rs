@@ -34,6 +34,9 @@ pub struct Shape {
 }
 
 impl Shape {
+    /// Of normally distributed logarithms with a small scatter.
+    pub const SYMMETRIC: Self = Self { location: 0.0, tail: 0.0, excess: 0.0, spread: 1.0 };
+
     /// Of operations with times `logarithms` (of time over anything), whose scatter is `deviation`.
     pub fn of(logarithms: &mut [f64], deviation: f64) -> Self {
         let count = logarithms.len() as f64;
@@ -77,8 +80,26 @@ pub struct Timed<'a> {
     pub deviation: f64,
     /// Whether times have no scatter of their own.
     pub exact: bool,
-    /// Operations of each of the pools about whose middles that scatter was measured.
-    pub pools: &'a [usize],
+    /// The pools about whose middles that scatter was measured.
+    pub pools: &'a [Pool],
+}
+
+/// Operations of one program about whose middle scatter was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pool {
+    /// How many.
+    pub size: usize,
+    /// Stops that come to them, 1/s of running time.
+    pub rate: f64,
+}
+
+/// Scatter of the logarithm of single operations that gives the measured one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intrinsic {
+    /// Without any stops.
+    pub planned: f64,
+    /// Beside the stops of the pools.
+    pub stopped: f64,
 }
 
 /// Random numbers of the replications: each column is a Latin hypercube, so that the share of
@@ -137,21 +158,31 @@ impl Stops {
         (0..REPLICATIONS).map(drawn).collect()
     }
 
-    /// What stops add to the shape of blocks of every class of `classes`: means over replicated
-    /// blocks of that size, since the middle of a small block lies elsewhere than that of all.
-    pub fn shapes(&self, rate: f64, program: Timed<'_>, classes: &[bool]) -> Vec<Shape> {
+    /// The scatter of single operations that stands behind the measured one, which has the stops in it already. Stops
+    /// of some of the pools widen only these: taken for stops of all of them they would leave too little scatter, which
+    /// makes the middles of stopped operations move too little.
+    pub fn intrinsic(&self, program: Timed<'_>) -> Intrinsic {
         let Timed { time, deviation, exact, pools } = program;
-        let pooled = |logarithms: &[f64]| pooled_deviation(logarithms, pools);
-        // Of blocks whose own middles are taken the scatter comes out low.
-        let alone = if exact { 0.0 } else { deviation / pooled(&self.replicated(0.0, time, 1.0)) };
-        // The measured scatter has the stops in it already.
-        let mut scatter = alone;
-        for _ in 0..2 {
-            if scatter > 0.0 {
-                scatter *= deviation / pooled(&self.replicated(rate, time, scatter));
-            }
+        if exact {
+            return Intrinsic { planned: 0.0, stopped: 0.0 };
         }
-        let (with, without) = (self.replicated(rate, time, scatter), self.replicated(0.0, time, alone));
+        let unstopped: Vec<Pool> = pools.iter().map(|pool| Pool { rate: 0.0, ..*pool }).collect();
+        // Of blocks whose own middles are taken the scatter comes out low.
+        let planned = deviation / self.pooled(time, 1.0, &unstopped);
+        let mut stopped = planned;
+        for _ in 0..2 {
+            stopped *= deviation / self.pooled(time, stopped, pools);
+        }
+        Intrinsic { planned, stopped }
+    }
+
+    /// What stops add to the shape of blocks of every class of `classes`: means over replicated
+    /// blocks of that size, since the middle of a small block lies elsewhere than that of all. Blocks without stops
+    /// change too where others of their program have them: these have a share in the measured scatter.
+    pub fn shapes(&self, rate: f64, program: Timed<'_>, scatter: Intrinsic, classes: &[bool]) -> Vec<Shape> {
+        let Timed { time, deviation, .. } = program;
+        let with = self.replicated(rate, time, scatter.stopped);
+        let without = self.replicated(0.0, time, scatter.planned);
         let added = |size: usize| {
             let (with, without) = (mean_shape(&with, size, deviation), mean_shape(&without, size, deviation));
             Shape {
@@ -164,11 +195,30 @@ impl Stops {
         let wanted = OPERATIONS.iter().zip(classes);
         wanted.map(|(size, wanted)| if *wanted { added(*size) } else { Shape::default() }).collect()
     }
+
+    /// Scatter that is measured in pools of operations that scatter by `scatter` themselves.
+    fn pooled(&self, time: f64, scatter: f64, pools: &[Pool]) -> f64 {
+        let mut rates: Vec<f64> = pools.iter().map(|pool| pool.rate).collect();
+        rates.sort_by(f64::total_cmp);
+        rates.dedup();
+        if rates.is_empty() {
+            rates.push(0.0);
+        }
+        let mut below: Vec<(f64, f64)> = Vec::with_capacity(REPLICATIONS);
+        for rate in &rates {
+            let sizes: Vec<usize> = pools.iter().filter(|pool| pool.rate == *rate).map(|pool| pool.size).collect();
+            let distances = below_middles(&self.replicated(*rate, time, scatter), &sizes);
+            // As much of it as there are operations in these pools.
+            let weight = sizes.iter().sum::<usize>().max(1) as f64;
+            below.extend(distances.into_iter().map(|distance| (distance, weight)));
+        }
+        MAD * weighted_median(below)
+    }
 }
 
-/// Scatter by the half below the middles of pools of these sizes, one after the other; of all where there
-/// are none.
-fn pooled_deviation(logarithms: &[f64], pools: &[usize]) -> f64 {
+/// Distances to the middles of pools of these sizes, one after the other, of what lies below; to that of all where
+/// there are none.
+fn below_middles(logarithms: &[f64], pools: &[usize]) -> Vec<f64> {
     let mut below: Vec<f64> = Vec::with_capacity(logarithms.len() / 2);
     let mut sizes = pools.iter().copied().filter(|size| *size > 0).cycle();
     let mut left = logarithms;
@@ -178,7 +228,21 @@ fn pooled_deviation(logarithms: &[f64], pools: &[usize]) -> f64 {
         below.extend(pool.iter().map(|y| middle - y).filter(|d| *d > 0.0));
         left = others;
     }
-    lower_deviation(&mut below)
+    below
+}
+
+/// The value below which half of the weight of `(value, weight)` lies; zero of nothing.
+fn weighted_median(mut values: Vec<(f64, f64)>) -> f64 {
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * values.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut sum = 0.0;
+    for (value, weight) in &values {
+        sum += weight;
+        if sum >= half {
+            return *value;
+        }
+    }
+    0.0
 }
 
 fn mean_shape(logarithms: &[f64], size: usize, deviation: f64) -> Shape {
@@ -206,11 +270,33 @@ fn bounded_mean(middles: Vec<f64>) -> f64 {
 mod tests {
     use super::*;
 
+    /// Of blocks of all sizes at one rate.
+    fn shapes(rate: f64, program: Timed<'_>) -> Vec<Shape> {
+        let stops = Stops::default();
+        stops.shapes(rate, program, stops.intrinsic(program), &[true; SIZES])
+    }
+
+    #[test]
+    fn stops_of_some_pools_leave_the_scatter_of_operations_what_it_is() {
+        // Operations of 480 s that scatter by 1 %, every second pool with three stops an hour.
+        let (stops, rate, scatter) = (Stops::default(), 3.0 / 3600.0, 0.01);
+        let pools = [0.0, rate].map(|rate| Pool { size: 20, rate });
+        let deviation = stops.pooled(480.0, scatter, &pools);
+        let of = |pools: &[Pool]| stops.intrinsic(Timed { time: 480.0, deviation, exact: false, pools });
+        let found = of(&pools);
+        assert!((found.stopped / scatter - 1.0).abs() < 0.02, "{found:?}");
+        // Without any stops a seventh more would have to stand behind the measured scatter.
+        assert!((1.1..1.2).contains(&(found.planned / scatter)), "{found:?}");
+        // Taken for stops of all pools they would leave about a tenth less.
+        let everywhere = of(&[Pool { size: 20, rate }]);
+        assert!(everywhere.stopped < 0.95 * scatter, "{everywhere:?}");
+    }
+
     #[test]
     fn as_many_operations_are_stopped_as_the_rate_says() {
-        let program = Timed { time: 360.0, deviation: 0.002, exact: true, pools: &[15] };
         let rate = 2.0 / 3600.0;
-        let shape = Stops::default().shapes(rate, program, &[true; SIZES])[class(120)];
+        let program = Timed { time: 360.0, deviation: 0.002, exact: true, pools: &[Pool { size: 15, rate }] };
+        let shape = shapes(rate, program)[class(120)];
         // All but stops of less than 1.64 scatters, exp(−1.18 s/20 s), and the mean of all.
         let stopped = (1.0 - (-rate * 360.0).exp()) * (-FAR * 0.002 * 360.0 / 20.0_f64).exp();
         assert!((shape.tail / stopped - 1.0).abs() < 0.03, "{shape:?} {stopped}");
@@ -221,8 +307,9 @@ mod tests {
     fn a_few_stops_last_as_long_in_the_mean_as_many() {
         // Of 2400 operations of 150 s half a stop an hour stops 50, three stops an hour 280.
         let stops_at = |hourly: f64| {
-            let program = Timed { time: 150.0, deviation: 0.005, exact: false, pools: &[18] };
-            let shape = Stops::default().shapes(hourly / 3600.0, program, &[true; SIZES])[class(20)];
+            let rate = hourly / 3600.0;
+            let program = Timed { time: 150.0, deviation: 0.005, exact: false, pools: &[Pool { size: 18, rate }] };
+            let shape = shapes(rate, program)[class(20)];
             (shape.excess + shape.location).exp_m1() / (hourly * MICRO_STOP / 3600.0)
         };
         for hourly in [0.5, 1.0, 1.5, 3.0] {
@@ -233,7 +320,7 @@ mod tests {
     #[test]
     fn the_scatter_of_small_pools_is_low_and_that_of_the_pools_that_were_measured() {
         let normal = Stops::default().replicated(0.0, 100.0, 1e-3);
-        let deviation_of = |pools: &[usize]| pooled_deviation(&normal, pools) / 1e-3;
+        let deviation_of = |pools: &[usize]| lower_deviation(&mut below_middles(&normal, pools)) / 1e-3;
         let [small, both, large, whole] =
             [deviation_of(&[4]), deviation_of(&[4, 30]), deviation_of(&[30]), deviation_of(&[])];
         assert!(small < 0.9 && small < both && both < large && large <= whole * 1.01, "{small} {both} {large} {whole}");
@@ -243,8 +330,9 @@ mod tests {
     #[test]
     fn the_middle_of_a_few_operations_moves_hardly_further_than_that_of_many() {
         // One stopped operation of two moves their middle by ten seconds; the fit takes that for an outlier.
-        let program = Timed { time: 480.0, deviation: 0.0048, exact: false, pools: &[9] };
-        let shapes = Stops::default().shapes(1.5 / 3600.0, program, &[true; SIZES]);
+        let rate = 1.5 / 3600.0;
+        let program = Timed { time: 480.0, deviation: 0.0048, exact: false, pools: &[Pool { size: 9, rate }] };
+        let shapes = shapes(rate, program);
         let [few, many] = [2, 20].map(|count| shapes[class(count)].location);
         assert!(0.0 < many && many < few && few < 3.5 * many, "{few} {many}");
         assert!(shapes[class(4)].location < 2.0 * many, "{shapes:?}");

@@ -78,6 +78,8 @@ pub struct Visits {
     pub edge_ages: Vec<(usize, f64)>,
     /// Breakdowns, nights and what is not known, by machine: from and to, s.
     pub away: Vec<Vec<(f64, f64)>>,
+    /// Time in shift, breakdowns included, by machine: from and to, s. A breakdown that goes on after the shift counts whole.
+    pub in_shift: Vec<Vec<(f64, f64)>>,
     /// Whether feed overrides are recorded.
     pub overridden: bool,
     /// What the reader found worth saying.
@@ -173,6 +175,7 @@ pub fn visits(events: &Records) -> Visits {
             State::Cutting | State::Handling | State::ToolChange | State::Setup | State::Hold | State::Idle => false,
         };
         all.away.push(stays.iter().filter(gone).map(|stay| (stay.start, stay.end)).collect());
+        all.in_shift.push(in_shift(&stays));
         cut_off += of_machine(&mut all, machine, &stays);
         breakdowns(&mut all, machine, &stays);
     }
@@ -185,6 +188,18 @@ pub fn visits(events: &Records) -> Visits {
     }
     if cut_off > 0 {
         all.notes.push(format!("{cut_off} operations are left out: not seen from beginning to end"));
+    }
+    all
+}
+
+/// Stays in shift, put together where one follows the other at once.
+fn in_shift(stays: &[Stay<'_>]) -> Vec<(f64, f64)> {
+    let mut all: Vec<(f64, f64)> = Vec::new();
+    for stay in stays.iter().filter(|stay| !matches!(stay.state, State::OffShift | State::Unknown)) {
+        match all.last_mut().filter(|last| last.1 == stay.start) {
+            Some(last) => last.1 = stay.end,
+            None => all.push((stay.start, stay.end)),
+        }
     }
     all
 }
