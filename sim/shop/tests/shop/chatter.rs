@@ -131,3 +131,56 @@ fn a_structure_that_is_none_is_told_with_its_place() {
         assert!(text.iter().any(|fault| fault.contains(told)) || list.to_string().contains(told), "{change}: {list}");
     }
 }
+
+/// The shipped scenario with the mill's modes in a structure file by speed: the same at 2000 and 7000 rpm.
+fn by_speed(name: &str, change: impl Fn(String) -> String, cutter: &str) -> Result<Scenario, ReadError> {
+    let folder = std::env::temp_dir().join(format!("toolroom-shop-{name}-{}", std::process::id()));
+    let chatter = folder.join("chatter");
+    std::fs::create_dir_all(&chatter).unwrap();
+    let shipped = std::path::Path::new(FILE).parent().unwrap().to_path_buf();
+    let text = |file: &str| std::fs::read_to_string(shipped.join(file)).unwrap();
+    std::fs::write(folder.join("shop.toml"), text("chatter-policies.toml")).unwrap();
+    std::fs::write(chatter.join("shaft.toml"), text("chatter/shaft.toml")).unwrap();
+    let lobes = text("chatter/endmill.toml");
+    let (before, rest) = lobes.split_once("[[mode]]").unwrap();
+    let (_, after) = rest.split_once("[cutter]").unwrap();
+    std::fs::write(
+        chatter.join("endmill.toml"),
+        format!("{before}structure = \"modes.toml\"\n[cutter]\n{cutter}\n{after}"),
+    )
+    .unwrap();
+    let mode = |name: &str, direction: &str, frequency: f64, stiffness: f64| {
+        format!(
+            "[[speed.mode]]\nname = \"{name}\"\ndirection = {direction}\nnatural_frequency = {{ value = \"{frequency} Hz\" }}\n\
+             damping_ratio = {{ value = 0.03 }}\nstiffness = {{ value = \"{stiffness} N/um\" }}\n"
+        )
+    };
+    let speed = |rpm: f64| {
+        let modes = mode("feed", "[1, 0]", 1150.0, 11.0) + &mode("normal", "[0, 1]", 1240.0, 9.6);
+        format!("[[speed]]\nspindle_speed = \"{rpm} rpm\"\n{modes}")
+    };
+    let head = "schema = 1\nname = \"modes\"\n[measurement]\nsource = \"taps\"\n";
+    std::fs::write(chatter.join("modes.toml"), change(format!("{head}{}{}", speed(2000.0), speed(7000.0)))).unwrap();
+    let short = ["shop.horizon=\"1.2 h\"".to_owned(), "shop.warm_up=\"0 h\"".to_owned()];
+    let found = read(&folder.join("shop.toml"), &short);
+    std::fs::remove_dir_all(folder).unwrap();
+    found.map(|file| file.scenario)
+}
+
+#[test]
+fn modes_by_speed_are_those_of_the_cut_and_refused_where_nobody_measured() {
+    let same = by_speed("same", |text| text, "").unwrap();
+    let short = ["shop.horizon=\"1.2 h\"".to_owned(), "shop.warm_up=\"0 h\"".to_owned()];
+    let plain = read(FILE.as_ref(), &short).unwrap().scenario;
+    let (with, without) = (log(&same, "best lobe"), log(&plain, "best lobe"));
+    assert!(!with.passes.is_empty());
+    assert_eq!(format!("{:?}", with.passes), format!("{:?}", without.passes));
+    // 160 m/min are 4244 rpm.
+    let refused = |error: ReadError, words: [&str; 2]| {
+        let text = format!("{error:?} {error}");
+        assert!(words.iter().all(|word| text.contains(word)), "{text}");
+    };
+    let faster = by_speed("outside", |text| text.replace("2000 rpm", "5000 rpm"), "");
+    refused(faster.unwrap_err(), ["cutting_speed", "[[speed]]"]);
+    refused(by_speed("corner", |text| text, "corner_radius = \"2 mm\"").unwrap_err(), ["endmill", "corner radius"]);
+}
