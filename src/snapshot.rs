@@ -57,6 +57,9 @@ pub fn go_on(args: &RunArgs, from: &Path, voice: &Voice) -> Result<(), Failure> 
         }
     };
     set.extend(args.scenario.changes.set.iter().cloned());
+    let known = if args.study.policy.is_empty() { &snapshot.policies } else { &args.study.policy };
+    // The shop as it was; who comes in the very instant of a branch is no part of it.
+    snapshot.verify(&before.scenario, &policies_named(&before.scenario, known)?)?;
     let file = if set.is_empty() {
         before
     } else {
@@ -75,7 +78,6 @@ pub fn go_on(args: &RunArgs, from: &Path, voice: &Voice) -> Result<(), Failure> 
     if args.study.policy.is_empty() {
         args.study.policy = snapshot.policies.clone();
     }
-    snapshot.verify(&file.scenario, &policies_named(&file.scenario, &args.study.policy)?)?;
     let mut start = origin(from, args.scenario.horizon.as_deref());
     if let Some(name) = &args.variant {
         start += &format!(" --variant {}", quoted(name));

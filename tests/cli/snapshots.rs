@@ -74,6 +74,15 @@ fn a_branch_changes_what_comes_and_not_what_was() {
     let compared = json(&toolroom(&["compare", "--from", &snapshot, "--out", &here("compared"), "--json"]));
     assert_eq!(compared["variants"][0]["name"], "no night");
 
+    // People who come in the instant of the branch are no part of the shop as it was.
+    let people = here("people.trs");
+    let kept = toolroom(&["run", &shipped("shop/operators"), "--snapshot-at", "2 h", "--snapshot", &people]);
+    assert_eq!(kept.status.code(), Some(0), "{}", stderr(&kept));
+    let compared = json(&toolroom(&["compare", "--from", &people, "--out", &here("people"), "--json"]));
+    assert!(!compared["variants"].as_array().expect("variants").is_empty());
+    let one = toolroom(&["run", "--from", &people, "--set", "operator.setter.count=2", "--out", &here("one_more")]);
+    assert_eq!(one.status.code(), Some(0), "{}", stderr(&one));
+
     let refused = |arguments: &[&str]| {
         let output = toolroom(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

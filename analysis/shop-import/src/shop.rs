@@ -237,12 +237,12 @@ fn calendars(draft: &mut Draft, table: Table<'_>, faults: &mut Vec<Found>) {
         });
         let calendar = &mut calendars[index];
         calendar.rows.push(row);
-        if let Some(days) = row.text("days") {
-            if let Some(shift) = shift(row, faults) {
-                let place = calendar.week.values().position(|(known, _)| *known == days);
-                let place = place.unwrap_or(calendar.week.len());
-                calendar.week.entry(place).or_insert_with(|| (days, Vec::new())).1.push(shift);
-            }
+        if let Some(days) = row.text("days")
+            && let Some(shift) = shift(row, faults)
+        {
+            let place = calendar.week.values().position(|(known, _)| *known == days);
+            let place = place.unwrap_or(calendar.week.len());
+            calendar.week.entry(place).or_insert_with(|| (days, Vec::new())).1.push(shift);
         }
         if let Some(column) = row.column("holiday")
             && let Some(cell) = table.source.cell(row.row, column)
