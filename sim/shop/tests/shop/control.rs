@@ -418,7 +418,6 @@ fn rules_of_the_random_job_shop_have_the_published_figures() {
             // Student's factor of 15 degrees of freedom makes a half-width of a standard error.
             let both = (error * error + (half / 2.131_f64).powi(2)).sqrt();
             let allowed = if place == 2 { (3.0 * both).max(0.25 * published) } else { 3.0 * both };
-            println!("{rule} {place}: {mean:.4} ({error:.4}), published {published} ({half})");
             assert!((mean - published).abs() < allowed, "{rule}, figure {place}: {mean}, not {published}");
         }
     }
@@ -445,7 +444,6 @@ fn the_job_shop_of_law_and_kelton_has_its_figures() {
         flows.iter().chain([&finished]).zip([(24.11, 0.53), (13.36, 0.21), (32.91, 0.57), (11_578.2, 4.6)])
     {
         let (mean, error) = over(values);
-        println!("{mean:.3} ({error:.3}), known {known}");
         assert!((mean - known).abs() < 3.0 * (error * error + (half / 1.96_f64).powi(2)).sqrt(), "{mean}, not {known}");
     }
 }
