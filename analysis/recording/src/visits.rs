@@ -95,6 +95,7 @@ impl Visits {
                 | MachineState::Starved
                 | MachineState::Blocked
                 | MachineState::WaitingOperator
+                | MachineState::WaitingFixture
                 | MachineState::OffShift => {}
             }
         }

@@ -131,6 +131,7 @@ pub(crate) fn scenario() -> Scenario {
         operators: Vec::new(),
         crews: Vec::new(),
         transports: Vec::new(),
+        shared: Shared::default(),
         setup_matrices: Vec::new(),
         machine_choice: MachineChoice::LeastSetup,
         buffers: Vec::new(),

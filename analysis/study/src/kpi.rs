@@ -8,7 +8,7 @@
 //! | planned busy time PBT | working time of the calendar, and overtime that was worked; paid | all in shift |
 //! | actual production time APT | a part is cut, worked on or handled | cutting, working, handling |
 //! | actual unit setup time AUST | change of the setup group | setup |
-//! | actual unit delay time ADET | tool change, dressing, starved within an order, blocked, waiting for an operator, broken down | tool_change, dressing, starved, blocked, waiting_operator, down |
+//! | actual unit delay time ADET | tool change, dressing, starved within an order, blocked, waiting for an operator or a fixture, broken down | tool_change, dressing, starved, blocked, waiting_operator, waiting_fixture, down |
 //! | ADOT | available, no order | idle |
 //! | actual unit busy time AUBT | APT + AUST + ADET | |
 //! | planned run time per item PRI | programmed cutting time or mean time of plain work, + mean load + mean unload | – |

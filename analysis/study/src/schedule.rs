@@ -41,6 +41,7 @@ fn style(state: MachineState) -> (&'static str, &'static str) {
         MachineState::Starved => ("kept for an order", "#9ecae1"),
         MachineState::Blocked => ("blocked", "#8c6d31"),
         MachineState::WaitingOperator => ("waiting for operators", "#e3c800"),
+        MachineState::WaitingFixture => ("waiting for fixtures", "#c9a0dc"),
         MachineState::Down => ("down", "#d55e00"),
         MachineState::Idle => ("idle", "#ffffff"),
         MachineState::OffShift => ("off shift", "#dfe3e8"),
@@ -59,6 +60,7 @@ fn is_busy(state: MachineState) -> bool {
         MachineState::Starved
         | MachineState::Blocked
         | MachineState::WaitingOperator
+        | MachineState::WaitingFixture
         | MachineState::Down
         | MachineState::Idle
         | MachineState::OffShift => false,
@@ -100,13 +102,14 @@ pub(crate) fn write(scenario: &Scenario, policy: &str, log: &RunLog, out: &mut i
 
 /// What the script reads.
 fn data(scenario: &Scenario, log: &RunLog, bars: &[&StateRow], end: f64) -> serde_json::Value {
-    let states = MachineState::ALL.map(|state| {
+    let states = MachineState::of(scenario).map(|state| {
         let (name, colour) = style(state);
         let job = is_busy(state) || matches!(state, MachineState::WaitingOperator | MachineState::Blocked);
         let used = bars.iter().any(|row| row.state == state);
         let off = state == MachineState::OffShift;
         json!({ "name": name, "colour": colour, "job": job, "busy": is_busy(state), "off": off, "used": used })
     });
+    let states: Vec<_> = states.collect();
     let machines = scenario.machines.iter().take(MOST_MACHINES);
     let machines: Vec<_> = machines.map(|own| json!({ "name": own.name, "group": own.location })).collect();
     let mut finishes = vec![0.0f64; scenario.orders.len()];

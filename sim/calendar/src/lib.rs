@@ -38,6 +38,8 @@ pub struct ShiftCalendar {
     pub at_end: Interruption,
     /// A step that needs no more than this when a shift ends is finished first, s.
     pub finish_within: f64,
+    /// Whether an operation is begun only where it will be over before the shift is.
+    pub start_only_if_fits: bool,
 }
 
 /// Shifts.
@@ -73,7 +75,7 @@ impl ShiftCalendar {
     /// Shifts that repeat after `period`, s.
     pub fn periodic(name: &str, period: f64, shifts: Vec<Shift>, at_end: Interruption) -> Self {
         let time = WorkingTime::Periodic(Periodic { period, shifts });
-        Self { name: name.to_owned(), time, at_end, finish_within: 0.0 }
+        Self { name: name.to_owned(), time, at_end, finish_within: 0.0, start_only_if_fits: false }
     }
 
     /// Whether work goes on at `time`, s.

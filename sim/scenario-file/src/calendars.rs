@@ -70,7 +70,9 @@ pub(super) fn calendars(
             superfluous(walk, &section, "shift", &["breaks", "holidays", "overtime"]);
             (WorkingTime::Periodic(periodic(walk, &section)), Interruption::Finish)
         };
-        calendars.push(ShiftCalendar { name, time, at_end: at_end.unwrap_or(usual), finish_within });
+        let start_only_if_fits = section.flag("start_only_if_fits").unwrap_or(false);
+        let at_end = at_end.unwrap_or(usual);
+        calendars.push(ShiftCalendar { name, time, at_end, finish_within, start_only_if_fits });
     }
     calendars
 }

@@ -6,6 +6,7 @@ mod order;
 mod part;
 mod policy;
 mod resource;
+mod shared;
 mod transport;
 
 use flow::{BATCH, VARIANT};
@@ -15,6 +16,7 @@ use part::PART;
 pub use policy::SENSORS;
 use resource::{BUFFER, OPERATOR, PLACES, SETUP_MATRIX};
 use serde_json::{Map, Value, json};
+use shared::FIXTURE;
 use toolroom_effects::{Effect, USER_EFFECT};
 use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
 
@@ -400,6 +402,7 @@ pub static SCENARIO: Form = Form {
         Key::optional("buffer", Kind::Tables(&BUFFER), "Places before machines, where several share them"),
         Key::optional("operator", Kind::Tables(&OPERATOR), "People"),
         Key::optional("crew", Kind::Tables(&CREW), "People who repair machines"),
+        Key::optional("fixture", Kind::Tables(&FIXTURE), "Fixtures and pallets"),
         Key::optional("transport", Kind::Tables(&TRANSPORT), "Vehicles between places"),
         Key::optional("tool", Kind::Tables(&TOOL), "Tools"),
         Key::optional("part", Kind::Tables(&PART), "Parts with their routings"),

@@ -29,6 +29,7 @@ mod resolve;
 mod resources;
 mod routing;
 mod rules;
+mod shared;
 mod speed;
 mod stability;
 mod table;

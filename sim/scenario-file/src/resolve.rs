@@ -6,7 +6,8 @@ use super::fault::ScenarioFault;
 use super::random::distribution;
 use super::variants::{ShopVariant, variants};
 use super::{
-    Output, flow, jobs, measured, orders, planned, processes, resources, routing, rules, stability, transport, tune,
+    Output, flow, jobs, measured, orders, planned, processes, resources, routing, rules, shared, stability, transport,
+    tune,
 };
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
@@ -14,8 +15,8 @@ use toolroom_effects::{Definition, read_definitions};
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
 use toolroom_scenario::{
-    Buffer, Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Target,
-    ToolType, TuneRequest, Variants,
+    Buffer, Calibration, FailureClock, FailureMode, Fixture, GapSection, Interruption, MachineType, Moved, Scenario,
+    Shared, Target, ToolType, TuneRequest, Variants,
 };
 
 /// Machines, tools and calendars under their names, as references see them.
@@ -24,6 +25,8 @@ pub(super) struct Names {
     pub calendars: Vec<String>,
     pub setup_matrices: Vec<String>,
     pub crews: Vec<String>,
+    /// Fixtures, with the operations that need them as far as these have been read.
+    pub fixtures: Vec<Fixture>,
     /// What any operator can do.
     pub skills: Vec<String>,
     /// A name and the machines that it stands for.
@@ -100,6 +103,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     names.skills = skills;
     let crews = transport::crews(walk, root, &mut names);
     let transports = transport::transports(walk, root, &machines);
+    names.fixtures = shared::fixtures(walk, root);
     names.defined = read_definitions(walk, root);
     let tools = tools(walk, root, &mut names);
     processes::check_edges(walk, root, &tools, &machines);
@@ -133,6 +137,9 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     };
     jobs::check(walk, root, &around);
     transport::check(walk, root, &transports, &machines, &parts, &buffers);
+    shared::check(walk, root, &names.fixtures, &around);
+    shared::check_shift_ends(walk, root, (&machines, &parts), &calendars);
+    let shared = Shared { fixtures: std::mem::take(&mut names.fixtures) };
     let variants = variants(walk, root, (start, horizon));
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
@@ -172,6 +179,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         operators,
         crews,
         transports,
+        shared,
         setup_matrices,
         machine_choice: dispatch.choice,
         buffers,

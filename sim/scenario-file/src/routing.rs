@@ -7,6 +7,7 @@ use super::planned::{contour, cycle, program};
 use super::random::distribution;
 use super::resolve::{NamedTool, Names, machine_indices, named, reference};
 use super::resources::attendance;
+use super::shared;
 use std::f64::consts::PI;
 use toolroom_form::{Fault, Kind, Quantity, Section, Value, Walk, display, significant};
 use toolroom_scenario::{
@@ -48,7 +49,7 @@ fn operations(
     walk: &mut Walk,
     part: &Section<'_>,
     part_name: &str,
-    names: &Names,
+    names: &mut Names,
     machines: &[MachineType],
     tools: &[NamedTool],
     used: &mut [bool],
@@ -147,10 +148,12 @@ fn operations(
         operations.push(operation);
         sections.push(section);
     }
-    let names: Vec<String> = operations.iter().map(|operation| operation.name.clone()).collect();
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let all: Vec<String> = operations.iter().map(|operation| operation.name.clone()).collect();
+    let all: Vec<&str> = all.iter().map(String::as_str).collect();
+    let part_index = names.parts.len() - 1;
     for (index, section) in sections.iter().enumerate() {
-        operations[index].inspection = jobs::inspection(walk, section, &names, index);
+        operations[index].inspection = jobs::inspection(walk, section, &all, index);
+        shared::hold(walk, section, &all, (part_index, index), &mut names.fixtures);
     }
     operations
 }

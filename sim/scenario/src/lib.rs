@@ -38,6 +38,7 @@ mod posterior;
 mod program;
 mod resource;
 mod scope;
+mod shared;
 mod speed;
 mod stability;
 mod station;
@@ -64,6 +65,7 @@ pub use posterior::{DrawReader, DrawTable, Posterior, read_posterior, read_poste
 pub use program::{ProgramWork, ProgramWorkError, ToolCall};
 pub use resource::{Attendance, Operator, SetupMatrix};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
+pub use shared::{Fixture, Hold, Shared};
 pub use speed::{Course, PATH, PRICE, SPEED, SpeedChoice, SpeedEntry, SpeedPart, SpeedRule, WEAR};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{FailureClock, FailureMode, MachineType, ProcessModel, ToolType};
@@ -118,6 +120,8 @@ pub struct Scenario {
     pub crews: Vec<Crew>,
     /// Vehicles; of several kinds that could carry a job the first does.
     pub transports: Vec<Transport>,
+    /// Fixtures, pallets: what operations need beside their machines.
+    pub shared: Shared,
     /// Times of changing over between setup groups.
     pub setup_matrices: Vec<SetupMatrix>,
     /// Which of several idle machines takes a job.

@@ -106,6 +106,7 @@ fn scenario() -> Scenario {
         operators: Vec::new(),
         crews: Vec::new(),
         transports: Vec::new(),
+        shared: Shared::default(),
         setup_matrices: Vec::new(),
         machine_choice: MachineChoice::LeastSetup,
         buffers: Vec::new(),

@@ -270,6 +270,7 @@ impl<R: Recorder> Shop<'_, R> {
         if self.world.flow.is_limited() {
             self.free_places(slot);
         }
+        self.unclamp_all(slot);
         let Some(mut job) = self.world.jobs.remove(slot) else { return Ok(()) };
         job.row.finish = self.now().seconds();
         job.row.outcome = outcome;

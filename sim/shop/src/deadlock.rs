@@ -28,6 +28,9 @@ impl<R: Recorder> Shop<'_, R> {
         if stuck.is_empty() {
             return Ok(false);
         }
+        if self.has_fixtures() {
+            return self.resolve_with_fixtures(&stuck);
+        }
         let circle = self.circle(&stuck);
         match self.scenario.deadlock {
             Deadlock::Stop => {
@@ -53,7 +56,7 @@ impl<R: Recorder> Shop<'_, R> {
         let standing = flow.buffers.iter().flatten().copied().filter(waiting);
         let up = |machine: u32| self.world.machines[machine as usize].is_up();
         let held = flow.held.iter().filter(|held| held.output.is_some() || up(held.machine)).map(|held| held.slot);
-        standing.chain(held).collect()
+        standing.chain(held).chain(self.travelling()).collect()
     }
 
     /// Whether some place that a job wants is free, or held by one that may move.
@@ -63,7 +66,11 @@ impl<R: Recorder> Shop<'_, R> {
             self.has_room(buffer) || flow.buffers[buffer].iter().any(|standing| !stuck.contains(standing))
         };
         let job = self.world.jobs.at(slot);
+        let equipped = self.needs_in_vain(slot, stuck).is_none();
         if self.scenario.blocking == Blocking::BeforeService {
+            if !equipped {
+                return false;
+            }
             let operations = &self.scenario.parts[job.row.part as usize].operations;
             let Some(next) = operations.get(job.operation as usize + 1) else { return true };
             return next.machines.iter().any(|&machine| self.input(machine).is_none_or(opens));
@@ -73,12 +80,16 @@ impl<R: Recorder> Shop<'_, R> {
             !state.is_up() || state.blocked.is_none_or(|own| own == slot || !stuck.contains(&own))
         };
         if job.waiting {
-            return self.next_machines(slot).iter().any(|&machine| self.input(machine) == job.buffer && frees(machine));
+            return equipped
+                && self.next_machines(slot).iter().any(|&machine| self.input(machine) == job.buffer && frees(machine));
         }
         let behind = flow.held.iter().find(|held| held.slot == slot && held.output.is_none());
         let output = behind.and_then(|held| self.scenario.machines[held.machine as usize].output_buffer);
         output.is_some_and(opens)
-            || self.next_machines(slot).iter().any(|&machine| self.input(machine).is_none_or(opens) || frees(machine))
+            || self
+                .next_machines(slot)
+                .iter()
+                .any(|&machine| self.input(machine).is_none_or(opens) || equipped && frees(machine))
     }
 
     /// Jobs that cannot move, each with the machine at which it stands; each wants the place of the next one.
@@ -114,7 +125,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// What people call a job.
-    fn label(&self, slot: u32) -> String {
+    pub(super) fn label(&self, slot: u32) -> String {
         let job = self.world.jobs.at(slot);
         let part = &self.scenario.parts[job.row.part as usize].name;
         match job.row.order {
@@ -124,7 +135,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// The parts of a circle change places in no time.
-    fn swap(&mut self, circle: &[(usize, u32)]) {
+    pub(super) fn swap(&mut self, circle: &[(usize, u32)]) {
         self.world.flow.swaps += 1;
         for &(machine, slot) in circle {
             self.log_event("swap", Some(machine), Some(self.world.jobs.at(slot).number), None);

@@ -195,6 +195,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// do it the one takes it that the scenario's choice of machines prefers; if that is another, the machine
     /// picks again.
     pub(super) fn dispatch(&mut self) -> Result<(), ShopError> {
+        self.offer_again();
         if self.world.candidates.len() > 1 {
             self.world.candidates.sort_unstable();
         }
@@ -207,9 +208,9 @@ impl<R: Recorder> Shop<'_, R> {
                 while self.world.machines[machine].is_free() && self.begin_batch(machine)? {}
                 continue;
             }
-            while self.world.machines[machine].is_free()
-                && let Some(slot) = self.pick(machine)
-            {
+            while self.world.machines[machine].is_free() {
+                self.serve_first()?;
+                let Some(slot) = self.pick(machine) else { break };
                 let taker = self.preferred(machine, slot);
                 self.keep(taker, slot);
                 self.weigh(slot, Weighing::Leaves);
@@ -217,7 +218,10 @@ impl<R: Recorder> Shop<'_, R> {
                     self.leave_buffer(slot);
                 }
                 self.supply(slot)?;
+                self.clamp(slot);
+                self.look_at_lacking(slot);
                 self.begin(taker, slot, Vec::new())?;
+                self.serve_first()?;
             }
         }
         self.world.candidates.clear();
@@ -236,6 +240,14 @@ impl<R: Recorder> Shop<'_, R> {
     /// The job that a machine takes next: of the order for which it is kept, or by its rules.
     fn pick(&mut self, machine: usize) -> Option<u32> {
         if let Some((order, operation)) = self.world.machines[machine].kept_for {
+            if self.has_fixtures() || self.looks_at_shift_end(machine) {
+                let next = self.world.peek_of_lot(order, operation, machine);
+                let lack = next.and_then(|slot| self.lack_of(machine, slot));
+                self.set_lack(machine, lack);
+                if lack.is_some() || next.is_some_and(|slot| !self.fits(machine, slot)) {
+                    return None;
+                }
+            }
             let next = self.world.next_of_lot(order, operation, machine);
             if next.is_none() {
                 self.starves(machine, (order, operation));
@@ -243,11 +255,12 @@ impl<R: Recorder> Shop<'_, R> {
             return next;
         }
         let reserves = self.world.flow.is_limited() && self.scenario.blocking == Blocking::BeforeService;
-        let found = if reserves || self.layout.assembles[machine] {
-            self.first_able(machine, reserves)
-        } else {
-            self.choose(machine).map(|waiting| waiting.slot)
-        };
+        let found =
+            if reserves || self.layout.assembles[machine] || self.has_fixtures() || self.looks_at_shift_end(machine) {
+                self.first_able(machine, reserves)
+            } else {
+                self.choose(machine).map(|waiting| waiting.slot)
+            };
         self.stop_waiting(found?, Some(machine));
         found
     }
@@ -267,22 +280,27 @@ impl<R: Recorder> Shop<'_, R> {
         }
     }
 
-    /// The first job by the rules of a machine whose components are there and, where it has to, for which a
+    /// The first job by the rules of a machine whose components and fixtures are there and, where it has to, for which a
     /// place can be reserved; it then is. Where there is none, but other work for want of a place, the machine
     /// is held up.
     fn first_able(&mut self, machine: usize, reserves: bool) -> Option<u32> {
-        let (mut found, mut aside, mut without_place) = (None, Vec::new(), false);
+        let (mut found, mut aside, mut without_place, mut lack) = (None, Vec::new(), false, None);
         while let Some(waiting) = self.choose(machine) {
             let supplied = self.is_supplied(waiting.slot);
-            if supplied && (!reserves || self.reserve(waiting.slot)) {
+            let missing =
+                if supplied { self.lack_of(self.preferred(machine, waiting.slot), waiting.slot) } else { None };
+            let equipped = supplied && missing.is_none() && self.fits(machine, waiting.slot);
+            if equipped && (!reserves || self.reserve(waiting.slot)) {
                 found = Some(waiting.slot);
                 break;
             }
-            without_place |= supplied;
+            without_place |= equipped;
+            lack = lack.or(missing);
             aside.push(waiting.slot);
         }
         let held_up = found.is_none() && without_place;
         aside.into_iter().for_each(|slot| self.join(machine, slot));
+        self.set_lack(machine, lack.filter(|_| found.is_none()));
         if held_up {
             self.world.flow.held_up.push(machine as u32);
             self.world.flow.suspect = true;
@@ -301,7 +319,7 @@ impl<R: Recorder> Shop<'_, R> {
         if plan.only_machine.is_some() || self.world.machines[machine].kept_for.is_some() {
             return machine;
         }
-        self.idle_for(part, index, job.buffer).unwrap_or(machine)
+        self.idle_for(part, index, job.buffer).filter(|taker| self.fits(*taker, slot)).unwrap_or(machine)
     }
 
     /// Of the idle machines that may do an operation and stand behind `buffer`, the one that the choice of machines prefers.

@@ -7,7 +7,7 @@ use toolroom_scenario::policies::ResolveError;
 /// Codes of what stops a shop on its way, each with its explanation.
 pub const CODES: &[(&str, &str)] = &[(
     "deadlock",
-    "Parts wait for each other's places in a circle, so that none of them can ever move: A holds a part that wants B, which holds a part that wants A. The message names the time at which the circle formed and who holds what. A place more in the circle (`input_buffer`, `output_buffer`, `[[buffer]]`), fewer parts in the shop (`constant_work`), or `deadlock = \"swap\"` in [dispatch], which lets the parts of the circle change places in no time, help. docs/guide/shops.md says when parts move.",
+    "Parts wait for each other's places in a circle, so that none of them can ever move: A holds a part that wants B, which holds a part that wants A. The message names the time at which the circle formed and who holds what. A place more in the circle (`input_buffer`, `output_buffer`, `[[buffer]]`), fewer parts in the shop (`constant_work`), or `deadlock = \"swap\"` in [dispatch], which lets the parts of the circle change places in no time, help. Where fixtures travel with parts, a circle may close over them as well: a fixture more, or fewer parts in the shop. docs/guide/shops.md says when parts move.",
 )];
 
 /// Why a shop could not be made or stopped.
@@ -64,6 +64,14 @@ pub enum ShopError {
         "deadlock at {time} s: {circle}: add a place with `input_buffer`, or write deadlock = \"swap\" in [dispatch]"
     )]
     Deadlock {
+        /// When it formed, s.
+        time: f64,
+        /// Who holds what and wants what.
+        circle: String,
+    },
+    /// Jobs that travel with fixtures wait for each other in a circle.
+    #[error("deadlock at {time} s: {circle}: add a fixture or a place, or let fewer jobs in at once")]
+    FixtureDeadlock {
         /// When it formed, s.
         time: f64,
         /// Who holds what and wants what.

@@ -176,7 +176,8 @@ impl<R: Recorder> Shop<'_, R> {
         let takes = |machine: usize| {
             let state = &self.world.machines[machine];
             let empty = state.task.is_none() && state.blocked.is_none_or(|own| own == slot);
-            through && empty && state.is_up() && state.kept_for.is_none()
+            let ready = through && empty && state.is_up() && state.kept_for.is_none();
+            ready && self.lack_of(machine, slot).is_none() && self.fits(machine, slot)
         };
         let after = self.scenario.blocking == Blocking::AfterService;
         self.next_machines(slot).iter().find_map(|&machine| match self.input(machine) {

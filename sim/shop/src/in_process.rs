@@ -32,6 +32,7 @@ impl<R: Recorder> Shop<'_, R> {
         let operations = &self.scenario.parts[job.row.part as usize].operations;
         let begun = job.operation as usize + usize::from(machine.is_some());
         job.supplied = operations[..begun].iter().any(|operation| operation.assembles);
+        self.clamp_at_start_of_run(slot, machine.is_some());
         match machine {
             Some(machine) => self.take_at_start(machine, slot, inside),
             None => {

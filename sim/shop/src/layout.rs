@@ -51,6 +51,8 @@ pub(super) struct Layout {
     /// Machines on which plain work that needs no setup is one step: nothing is loaded or unloaded, nobody attends, nothing
     /// breaks down and nothing is calibrated.
     pub one_step: Vec<bool>,
+    /// Whether fixtures travel with jobs, which may then wait for each other.
+    pub travels: bool,
     /// Rows of the schedule of every source in the order of time.
     pub schedules: Vec<Vec<usize>>,
 }
@@ -212,6 +214,7 @@ impl Layout {
             random_handling,
             handling,
             one_step,
+            travels: super::fixture::travels(scenario),
             schedules,
         })
     }

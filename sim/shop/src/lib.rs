@@ -28,7 +28,7 @@
 //! | [`ShopError`] | why it stopped |
 //!
 //! # What is not modelled
-//! Shared tool cribs and fixtures, traffic of vehicles, walking times of operators, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
+//! Shared tool cribs, traffic of vehicles, walking times of operators, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
 //! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock.
 
 #![deny(clippy::wildcard_enum_match_arm)]
@@ -44,12 +44,14 @@ mod contour;
 mod crew;
 mod cut;
 mod deadlock;
+mod deadlock_words;
 mod deviation;
 mod dispatch;
 mod draws;
 mod edge;
 mod error;
 mod event;
+mod fixture;
 mod flow;
 mod grinding;
 mod heap;
@@ -86,11 +88,12 @@ pub use cut::Segment;
 pub use edge::Edge;
 pub use error::{CODES, Refusal, ShopError};
 pub use event::Event;
+pub use fixture::{FixtureState, Lacking};
 pub use flow::{Flow, Place};
 pub use job::{Job, Jobs, Origin};
 pub use layout::programmed_cutting_times;
 pub use lot::{KeptMachine, Lot, LotStep};
-pub use machine::{Content, Machine, Machining, Pass, Piece, Readiness, Step, Task};
+pub use machine::{Content, Lack, Machine, Machining, Pass, Piece, Readiness, Step, Task};
 pub use operator::OperatorState;
 pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
@@ -203,6 +206,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
             crews: scenario.crews.iter().map(CrewState::of).collect(),
             transports: scenario.transports.iter().map(TransportState::of).collect(),
             awaiting: Vec::new(),
+            fixtures: vec![FixtureState::default(); scenario.shared.fixtures.len()],
+            lacking: Lacking::default(),
             flow: Flow::of(scenario),
             stock: vec![VecDeque::new(); scenario.parts.len()],
             challengers: Vec::new(),
@@ -291,6 +296,9 @@ impl<'a, R: Recorder> Shop<'a, R> {
             } else {
                 self.dispatch()?;
                 self.let_urgent_interrupt()?;
+                if self.layout.travels {
+                    self.resolve_deadlock()?;
+                }
             }
             self.assign_operators()?;
         }

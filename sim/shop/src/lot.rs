@@ -116,6 +116,13 @@ impl World {
         lot.steps[to as usize..=from as usize].iter_mut().for_each(|step| step.left += 1);
     }
 
+    /// The job that [`World::next_of_lot`] would take.
+    pub(super) fn peek_of_lot(&self, order: u32, operation: u32, machine: usize) -> Option<u32> {
+        let step = self.lots[order as usize].as_ref()?.steps.get(operation as usize)?;
+        let done = step.machines.iter().any(|kept| kept.machine as usize == machine && kept.is_done());
+        step.line.front().copied().filter(|_| !done)
+    }
+
     /// The next job of an order at a machine that is kept for it.
     pub(super) fn next_of_lot(&mut self, order: u32, operation: u32, machine: usize) -> Option<u32> {
         let step = self.step_mut((order, operation))?;

@@ -39,6 +39,8 @@ pub struct Machine {
     pub blocked: Option<u32>,
     /// Whether it has work for which no place can be reserved.
     pub held_up: bool,
+    /// What its work lacks.
+    pub lacks: Option<Lack>,
     /// Failures not yet repaired.
     pub failures: u32,
     /// Whether it is out of shift.
@@ -61,6 +63,15 @@ pub struct Machine {
     pub reactions: Vec<Reaction>,
 }
 
+/// What the work of a machine waits for that is none of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lack {
+    /// A fixture, with the work still in the queue.
+    Fixture,
+    /// A person, with the work still in the queue because it needs a fixture with it.
+    Operator,
+}
+
 /// For what a machine stands ready without a setup.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Readiness {
@@ -70,6 +81,16 @@ pub enum Readiness {
     Nothing,
     /// A setup group, by number.
     Group(u32),
+}
+
+impl Lack {
+    /// State of a machine whose work lacks it.
+    fn state(self) -> MachineState {
+        match self {
+            Self::Fixture => MachineState::WaitingFixture,
+            Self::Operator => MachineState::WaitingOperator,
+        }
+    }
 }
 
 impl Readiness {
@@ -323,6 +344,7 @@ impl Machine {
             batch: BatchState::default(),
             blocked: None,
             held_up: false,
+            lacks: None,
             failures: 0,
             off_shift: false,
             leaving: false,
@@ -358,6 +380,8 @@ impl Machine {
         } else {
             let empty = if self.blocked.is_some() || self.held_up {
                 MachineState::Blocked
+            } else if let Some(lack) = self.lacks {
+                lack.state()
             } else if self.kept_for.is_some() {
                 MachineState::Starved
             } else {

@@ -372,6 +372,7 @@ impl<R: Recorder> Shop<'_, R> {
             Verdict::Back(to) => self.send_back(slot, to),
             Verdict::Good | Verdict::Scrap(_) => self.world.jobs.at_mut(slot).operation += 1,
         }
+        self.unclamp(slot, index as usize, true);
         self.recorder.operation(OperationRow { next: self.world.jobs.at(slot).operation, ..row });
         if self.world.flow.is_limited() {
             self.free_place(slot); // with blocking before service the machine's place counts with the buffer's

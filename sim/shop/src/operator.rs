@@ -68,6 +68,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn operator_shift(&mut self, operator: usize, comes: bool) -> Result<(), ShopError> {
         self.schedule_operator(operator)?;
         self.world.operators[operator].here = comes;
+        self.person_is_free();
         let Some(machine) = self.world.operators[operator].machine.filter(|_| !comes).map(|index| index as usize)
         else {
             return Ok(());
@@ -157,6 +158,7 @@ impl<R: Recorder> Shop<'_, R> {
             let state = &mut self.world.operators[operator as usize];
             state.machine = None;
             state.since = now;
+            self.person_is_free();
         }
     }
 
@@ -189,7 +191,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// Who goes to a step that needs a skill.
-    fn free_operator(&self, skill: usize) -> Option<usize> {
+    pub(super) fn free_operator(&self, skill: usize) -> Option<usize> {
         let people = self.scenario.operators.iter().zip(&self.world.operators).enumerate();
         let able =
             people.filter(|(_, (own, state))| state.here && state.machine.is_none() && own.skills.contains(&skill));

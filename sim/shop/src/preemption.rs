@@ -41,12 +41,18 @@ impl<R: Recorder> Shop<'_, R> {
                 if !self.world.jobs.get(slot).is_some_and(|job| job.waiting) || !self.is_supplied(slot) {
                     continue;
                 }
-                let Some(machine) = self.worst_for(slot) else { continue };
+                let Some(machine) = self
+                    .worst_for(slot)
+                    .filter(|machine| self.may_take_over(*machine, slot) && self.fits(*machine, slot))
+                else {
+                    continue;
+                };
                 self.displace(machine)?;
                 self.stop_waiting(slot, None);
                 self.keep(machine, slot);
                 self.weigh(slot, Weighing::Leaves);
                 self.supply(slot)?;
+                self.clamp(slot);
                 self.begin(machine, slot, Vec::new())?;
             }
             self.dispatch()?;
@@ -91,6 +97,7 @@ impl<R: Recorder> Shop<'_, R> {
                 let left = if matches!(task.step, Step::Work) { task.left } else { whole };
                 let keeps = self.scenario.preemption == Preemption::Resume || !in_machine;
                 self.world.jobs.at_mut(slot).rest = keeps.then_some(left);
+                self.unclamp(slot, self.world.jobs.at(slot).operation as usize, false);
                 self.wait(slot);
                 Ok(())
             }

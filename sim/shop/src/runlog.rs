@@ -1,5 +1,7 @@
 //! What a run leaves behind: tidy tables, one row a fact, in SI.
 
+use toolroom_scenario::Scenario;
+
 /// State of a machine (ISO 22400-2 time elements).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum MachineState {
@@ -27,11 +29,13 @@ pub enum MachineState {
     Idle,
     /// Out of shift.
     OffShift,
+    /// With work that lacks a fixture.
+    WaitingFixture,
 }
 
 impl MachineState {
-    /// All states in the order of reports.
-    pub const ALL: [Self; 12] = [
+    /// All states in the order of reports; new ones at the end, so that the numbers of the others stay.
+    pub const ALL: [Self; 13] = [
         Self::Cutting,
         Self::Working,
         Self::Handling,
@@ -44,7 +48,14 @@ impl MachineState {
         Self::Down,
         Self::Idle,
         Self::OffShift,
+        Self::WaitingFixture,
     ];
+
+    /// States in which machines of a scenario may be, in the order of [`ALL`](Self::ALL).
+    pub fn of(scenario: &Scenario) -> impl Iterator<Item = Self> {
+        let fixtures = !scenario.shared.fixtures.is_empty();
+        Self::ALL.into_iter().filter(move |state| *state != Self::WaitingFixture || fixtures)
+    }
 
     /// Name in files.
     pub fn name(self) -> &'static str {
@@ -58,6 +69,7 @@ impl MachineState {
             Self::Starved => "starved",
             Self::Blocked => "blocked",
             Self::WaitingOperator => "waiting_operator",
+            Self::WaitingFixture => "waiting_fixture",
             Self::Down => "down",
             Self::Idle => "idle",
             Self::OffShift => "off_shift",

@@ -36,6 +36,33 @@ impl<R: Recorder> Shop<'_, R> {
         Ok(())
     }
 
+    /// Whether a machine begins operations only where they will be over before its shift is.
+    pub(super) fn looks_at_shift_end(&self, machine: usize) -> bool {
+        self.calendar_of(machine).is_some_and(|calendar| calendar.start_only_if_fits)
+    }
+
+    /// Whether a machine may begin the operation of a job now: where its calendar asks for it, only what will be over before
+    /// the shift is, with its setup; by the time that is drawn or programmed, and mean times of loading and unloading.
+    pub(super) fn fits(&self, machine: usize, slot: u32) -> bool {
+        if !self.looks_at_shift_end(machine) {
+            return true;
+        }
+        let now = self.now().seconds();
+        let end = self.calendar_of(machine).and_then(|calendar| calendar.next_boundary(now));
+        let Some(end) = end.filter(|boundary| !boundary.starts) else { return true };
+        let job = self.world.jobs.at(slot);
+        let (part, index) = (job.row.part as usize, job.operation as usize);
+        let (plan, state) = (&self.layout.operations[part][index], &self.world.machines[machine]);
+        let usual = plan.setup_time.unwrap_or(self.scenario.machines[machine].setup_time);
+        let again = state.set_up && state.kept_for.is_some();
+        let setup = self.layout.setup(self.scenario, machine, state.ready, plan.setup_group, usual).filter(|_| !again);
+        let handling = plan.known_time * f64::from(job.row.quantity);
+        let work =
+            job.rest.map_or_else(|| self.layout.time(&self.world.jobs, slot, part, index), |rest| rest + handling);
+        // A nanosecond more than the rounding of sums of times.
+        now + setup.unwrap_or(0.0) + work <= end.time + 1e-9
+    }
+
     pub(super) fn shift_starts(&mut self, machine: usize) -> Result<(), ShopError> {
         self.log_event("shift_start", Some(machine), None, None);
         self.schedule_boundary(machine)?;

@@ -2,6 +2,7 @@
 
 use super::assembly::Stocked;
 use super::crew::CrewState;
+use super::fixture::{FixtureState, Lacking};
 use super::flow::Flow;
 use super::job::Jobs;
 use super::lot::Lot;
@@ -31,6 +32,10 @@ pub struct World {
     pub crews: Vec<CrewState>,
     /// Vehicles, as in the scenario.
     pub transports: Vec<TransportState>,
+    /// Fixtures, as in the scenario.
+    pub fixtures: Vec<FixtureState>,
+    /// Machines with work that lacks one of them.
+    pub(super) lacking: Lacking,
     /// Steps that wait for somebody.
     pub(super) awaiting: Vec<Awaiting>,
     /// Places in buffers, and jobs that cannot move on.

@@ -1,6 +1,6 @@
 //! Key figures while a shop runs: a recorder whose memory does not grow with the events of the run.
 
-use super::definition::{MACHINE, SHOP};
+use super::definition::{SHOP, of_machine};
 use super::tally::Tally;
 use super::{cell, kpis};
 use std::collections::VecDeque;
@@ -76,7 +76,8 @@ impl<'a> Counting<'a> {
     pub fn values(&self) -> Vec<f64> {
         let (scenario, tally) = (self.scenario, &self.tally);
         let shop = SHOP.iter().map(|(_, value)| value(scenario, tally));
-        let machines = tally.machines.iter().flat_map(|machine| MACHINE.iter().map(|(_, value)| value(tally, machine)));
+        let machines =
+            tally.machines.iter().flat_map(|machine| of_machine(scenario).map(|(_, value)| value(tally, machine)));
         let values: Vec<f64> =
             shop.chain(machines).map(|value| if value.is_finite() { value } else { f64::NAN }).collect();
         debug_assert_eq!(values.len(), kpis(scenario).len());

@@ -3,7 +3,8 @@
 use super::tally::{MachineTally, Tally};
 use Better::{Less, More, Neither};
 use MachineState::{
-    Blocked, Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, Starved, ToolChange, WaitingOperator, Working,
+    Blocked, Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, Starved, ToolChange, WaitingFixture,
+    WaitingOperator, Working,
 };
 use toolroom_process::unit;
 use toolroom_scenario::Scenario;
@@ -552,6 +553,17 @@ pub(super) const MACHINE: &[MachineFigure] = &[
         ),
         |t, m| m.state(OffShift) / t.window,
     ),
+    (
+        define(
+            "waiting_fixture_time_share",
+            "waiting for fixtures",
+            "1",
+            "%",
+            Neither,
+            "Share of all time with work that lacks a fixture; there in scenarios with fixtures.",
+        ),
+        |t, m| m.state(WaitingFixture) / t.window,
+    ),
 ];
 
 /// Every figure that there is, and whether it is one of a machine: those of the shop first.
@@ -560,10 +572,17 @@ pub fn definitions() -> impl Iterator<Item = (&'static Definition, bool)> {
     shop.chain(MACHINE.iter().map(|(definition, _)| (definition, true)))
 }
 
+/// Figures of each machine of a scenario: states in which its machines never are have none.
+pub(super) fn of_machine(scenario: &Scenario) -> impl Iterator<Item = &'static MachineFigure> + use<> {
+    let fixtures = !scenario.shared.fixtures.is_empty();
+    MACHINE.iter().filter(move |(definition, _)| fixtures || definition.id != "waiting_fixture_time_share")
+}
+
 /// All figures of a scenario: those of the shop, then those of each machine.
 pub fn kpis(scenario: &Scenario) -> Vec<Kpi> {
     let shop = SHOP.iter().map(|&(definition, _)| Kpi { definition, machine: None });
-    let machines = (0..scenario.machines.len())
-        .flat_map(|machine| MACHINE.iter().map(move |&(definition, _)| Kpi { definition, machine: Some(machine) }));
+    let machines = (0..scenario.machines.len()).flat_map(|machine| {
+        of_machine(scenario).map(move |(definition, _)| Kpi { definition: *definition, machine: Some(machine) })
+    });
     shop.chain(machines).collect()
 }

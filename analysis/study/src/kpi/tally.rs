@@ -53,6 +53,7 @@ impl MachineTally {
             MachineState::Starved,
             MachineState::Blocked,
             MachineState::WaitingOperator,
+            MachineState::WaitingFixture,
             MachineState::Down,
         ]
         .map(|state| self.state(state));
@@ -65,7 +66,8 @@ impl MachineTally {
     }
 
     pub fn utilisation(&self) -> f64 {
-        let idle = self.state(MachineState::Idle) + self.state(MachineState::Down);
+        let empty = [MachineState::Idle, MachineState::WaitingFixture, MachineState::Down];
+        let idle: f64 = empty.map(|state| self.state(state)).iter().sum();
         1.0 - idle / self.planned_busy_time()
     }
 }

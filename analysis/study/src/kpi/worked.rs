@@ -255,6 +255,7 @@ fn planned_busy_time_is_busy_and_idle_time_in_every_shipped_scenario() {
     let mut files: Vec<_> =
         std::fs::read_dir(folder).expect("scenarios").map(|entry| entry.expect("a file").path()).collect();
     files.push(folder.join("gap/shop.toml"));
+    files.push(folder.join("shop/flexible-cell.toml")); // with delays for want of fixtures
     files.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
     files.sort();
     let mut seen = Vec::new();

@@ -97,7 +97,7 @@ fn write_loads<'a>(
     out: impl io::Write,
 ) -> io::Result<()> {
     let weeks = Figures::of(scenario).weeks;
-    let times = LoadKind::ALL.map(|kind| format!("{} [h]", kind.name()));
+    let times = LoadKind::of_scenario(scenario).map(|kind| format!("{} [h]", kind.name()));
     let header = ["policy", "machine", "week", "load", "load_p90"].map(str::to_owned).into_iter().chain(times);
     let mut csv = CsvWriter::new(out, header)?;
     for (policy, all) in every {
@@ -109,7 +109,8 @@ fn write_loads<'a>(
                 share(answer.load()),
                 share(answer.high_load),
             ];
-            csv.row(first.into_iter().chain(answer.means.map(|time| Cell::Fixed(time / 3600.0, 3))))?;
+            let times = LoadKind::of_scenario(scenario).map(|kind| Cell::Fixed(answer.mean(kind) / 3600.0, 3));
+            csv.row(first.into_iter().chain(times))?;
         }
     }
     Ok(csv.flush()?)
@@ -171,7 +172,7 @@ pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value)
                 "week": weeks[answer.week].name,
                 "load": { "mean": number(answer.load()), "p90": number(answer.high_load) },
             });
-            for kind in LoadKind::ALL {
+            for kind in LoadKind::of_scenario(scenario) {
                 week[format!("{} [h]", kind.name())] = json!(answer.mean(kind) / 3600.0);
             }
             week

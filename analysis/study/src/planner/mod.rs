@@ -50,11 +50,13 @@ pub enum LoadKind {
     Down,
     /// Ready without work.
     Free,
+    /// With work that lacks a fixture.
+    WaitingFixture,
 }
 
 impl LoadKind {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::PlannedBusy,
         Self::Production,
         Self::Setup,
@@ -64,7 +66,14 @@ impl LoadKind {
         Self::WaitingOperator,
         Self::Down,
         Self::Free,
+        Self::WaitingFixture,
     ];
+
+    /// Those that a scenario has.
+    pub fn of_scenario(scenario: &Scenario) -> impl Iterator<Item = Self> {
+        let fixtures = !scenario.shared.fixtures.is_empty();
+        Self::ALL.into_iter().filter(move |kind| *kind != Self::WaitingFixture || fixtures)
+    }
 
     /// Name in files.
     pub fn name(self) -> &'static str {
@@ -78,6 +87,7 @@ impl LoadKind {
             Self::WaitingOperator => "waiting_operator",
             Self::Down => "down",
             Self::Free => "free",
+            Self::WaitingFixture => "waiting_fixture",
         }
     }
 
@@ -90,6 +100,7 @@ impl LoadKind {
             MachineState::Starved => Some(Self::Starved),
             MachineState::Blocked => Some(Self::Blocked),
             MachineState::WaitingOperator => Some(Self::WaitingOperator),
+            MachineState::WaitingFixture => Some(Self::WaitingFixture),
             MachineState::Down => Some(Self::Down),
             MachineState::Idle => Some(Self::Free),
             MachineState::OffShift => None,

@@ -24,6 +24,7 @@ fn style(state: MachineState) -> (&'static str, Style) {
         MachineState::WaitingOperator => {
             ("waiting for operators", Style::nth(0).colour(Colour::Yellow).hatch(Hatch::Solid))
         }
+        MachineState::WaitingFixture => ("waiting for fixtures", Style::nth(3).hatch(Hatch::Slash)),
         MachineState::Down => ("down", Style::nth(1).hatch(Hatch::Slash)),
         MachineState::Idle => ("idle", Style::IDLE),
         MachineState::OffShift => ("off shift", Style::IDLE.colour(Colour::Ink).hatch(Hatch::Backslash)),
@@ -129,12 +130,13 @@ pub(super) fn section(source: &Source<'_>) -> Section {
             Axis::linear("Share of all time", "%").range(0.0, 100.0),
         )
         .describe(format!("Mean share of time of each machine in each state under {}.", policy.name));
-        for state in MachineState::ALL {
+        for state in MachineState::of(source.scenario) {
             let (label, style) = style(state);
             chart = chart.kind(label, style);
         }
         for (machine, named) in source.scenario.machines.iter().enumerate() {
-            let shares = MachineState::ALL.map(|state| 100.0 * mean(machine, &format!("{}_time_share", state.name())));
+            let share = |state: MachineState| 100.0 * mean(machine, &format!("{}_time_share", state.name()));
+            let shares: Vec<f64> = MachineState::of(source.scenario).map(share).collect();
             chart = chart.row(named.name.as_str(), shares);
             table.push([
                 policy.name.as_str().into(),

@@ -94,6 +94,7 @@ fn join(
         time: WorkingTime::Joined(Box::new(Joined { at, before: earlier, after: later })),
         at_end: usual.map_or(Interruption::Resume, |calendar| calendar.at_end),
         finish_within: usual.map_or(0.0, |calendar| calendar.finish_within),
+        start_only_if_fits: usual.is_some_and(|calendar| calendar.start_only_if_fits),
     });
     Some(calendars.len() - 1)
 }

@@ -34,6 +34,12 @@ pub(super) static CALENDAR: Form = Form {
             "What happens to the part in the machine when a shift ends; left out: finish with `shift`, resume with `week`",
         ),
         Key::default("finish_within", TIME, "0 min", "A step that needs no more than this is finished first"),
+        Key::default(
+            "start_only_if_fits",
+            Kind::Flag,
+            "false",
+            "Whether a machine begins an operation only where it will be over before the shift is",
+        ),
     ],
 };
 

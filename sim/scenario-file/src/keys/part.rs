@@ -77,6 +77,8 @@ static OPERATION: Form = Form {
             "Fixture and program family; a change of it costs a setup; left out: the part's name",
         ),
         Key::optional("setup_time", TIME, "Setup time; left out: the machine's"),
+        super::shared::USES_FIXTURE,
+        super::shared::HOLD,
         Key::optional("operator", Kind::Table(&ATTENDANCE), "Skills that its steps need; left out: none"),
         Key::optional(
             "outcomes",

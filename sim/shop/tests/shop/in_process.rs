@@ -175,3 +175,29 @@ fn an_order_is_late_by_what_it_waited_before_the_start() {
     let job = &log.jobs[0];
     assert_eq!((job.arrival / 60.0, job.finish / 60.0, job.due / 60.0), (-300.0, 10.0, -60.0));
 }
+
+#[test]
+fn what_travels_with_work_at_the_start_is_held_from_the_start() {
+    let text = |count: u32, second: &str| {
+        let line = LINE.replace("{ name = \"saw\",", "{ name = \"saw\", fixture = \"pallet\", hold = \"until drill\",");
+        let order = |id: u32| format!("[[order]]\nid = \"{id}\"\npart = \"plate\"\nquantity = 10\ndue = \"20 h\"\n");
+        format!(
+            "{line}{}{}[[fixture]]\nname = \"pallet\"\ncount = {count}\n\
+             [[wip]]\norder = \"1\"\noperation = \"drill\"\nmachine = \"B\"\ndone = \"50 %\"\n{second}",
+            order(1),
+            order(2)
+        )
+    };
+    let read = |text: &str| parse("line.toml", text, &[]);
+    let ends = |text: &str| {
+        let scenario = read(text).unwrap_or_else(|error| panic!("{error}")).scenario;
+        finishes(&scenario, &run(&scenario, 0, 0).unwrap())
+    };
+    // Ten minutes of drilling are left; then the pallet is free, and the second order takes 20 + 30 and 20 min.
+    assert_eq!(ends(&text(1, "")), [10.0, 80.0]);
+    assert_eq!(ends(&text(2, "")), [10.0, 70.0]);
+    let waits = "[[wip]]\norder = \"2\"\noperation = \"drill\"\nsince = \"0 h\"\n";
+    assert_eq!(ends(&text(2, waits)), [10.0, 30.0]);
+    let error = read(&text(1, waits)).expect_err("there is one pallet").to_string();
+    assert!(error.contains("2 orders hold \"pallet\" at the start"), "{error}");
+}

@@ -8,7 +8,7 @@ use toolroom_kernel::SimTime;
 use toolroom_scenario::Scenario;
 use toolroom_scenario_file::parse;
 use toolroom_shop::Shop;
-use toolroom_shop::runlog::{JobOutcome, MachineState, RunLog};
+use toolroom_shop::runlog::{JobOutcome, MachineState, OperationRow, RunLog};
 
 /// A random shop of plain machines whose orders have every lot rule.
 fn random_shop(seed: u64) -> String {
@@ -20,6 +20,8 @@ fn random_shop(seed: u64) -> String {
     // An inspection that sends pieces back excludes setting up ahead.
     let sends_back = pick(3) == 0;
     let people = pick(3) == 0;
+    let fixtures = pick(3) == 0;
+    let (mut vices, mut pallets) = (false, false);
     let rule = ["fifo", "spt", "atc", "least_setup", "edd"][pick(5) as usize];
     let mut text = format!(
         "schema = 1\n[shop]\nname = \"random\"\nseed = {}\nhorizon = \"2000 h\"\n[dispatch]\nrule = \"{rule}\"\n\
@@ -51,6 +53,8 @@ fn random_shop(seed: u64) -> String {
     }
     for part in 0..3 {
         writeln!(text, "[[part]]\nname = \"P{part}\"").unwrap();
+        // What travels with a pallet is one job.
+        let travels = fixtures && pick(3) == 0;
         for operation in 0..1 + pick(4) {
             let machines = ["\"M0\"", "\"M1\"", "\"M2\"", "[\"M0\", \"M2\"]"][pick(4) as usize];
             writeln!(
@@ -61,7 +65,15 @@ fn random_shop(seed: u64) -> String {
             )
             .unwrap();
             if people && pick(2) == 0 {
-                writeln!(text, "operator = {{ setup = \"setup\" }}").unwrap();
+                let step = if pick(3) == 0 { "run" } else { "setup" };
+                writeln!(text, "operator = {{ {step} = \"setup\" }}").unwrap();
+            }
+            if travels && operation == 0 {
+                writeln!(text, "fixture = \"pallet\"\nhold = \"until LAST{part}\"").unwrap();
+                pallets = true;
+            } else if fixtures && pick(3) == 0 {
+                writeln!(text, "fixture = \"vice\"").unwrap();
+                vices = true;
             }
             match pick(5) {
                 0 if sends_back => {
@@ -72,15 +84,20 @@ fn random_shop(seed: u64) -> String {
                 _ => {}
             }
         }
+        let last = text.rfind("name = \"o").map_or(String::new(), |at| text[at + 8..at + 10].to_owned());
+        text = text.replace(&format!("LAST{part}"), &last);
         for order in 0..1 + pick(4) {
             writeln!(
                 text,
                 "[[order]]\nid = \"O{part}{order}\"\npart = \"P{part}\"\nquantity = {}\nrelease = \"{} h\"\nsetup_ahead = {}",
-                1 + pick(12),
+                if travels { 1 } else { 1 + pick(12) },
                 pick(20),
-                !sends_back && pick(2) == 0
+                !travels && !sends_back && pick(2) == 0
             )
             .unwrap();
+            if travels {
+                continue;
+            }
             match pick(4) {
                 0 => writeln!(text, "split = \"all\"").unwrap(),
                 1 => writeln!(text, "split = {}", 1 + pick(4)).unwrap(),
@@ -89,6 +106,11 @@ fn random_shop(seed: u64) -> String {
             if pick(2) == 0 {
                 writeln!(text, "transfer = {}", 1 + pick(5)).unwrap();
             }
+        }
+    }
+    for (name, used) in [("vice", vices), ("pallet", pallets)] {
+        if used {
+            writeln!(text, "[[fixture]]\nname = \"{name}\"\ncount = {}", 1 + pick(2)).unwrap();
         }
     }
     if pick(2) == 0 {
@@ -153,6 +175,19 @@ proptest! {
                 let own = (row.start, row.end);
                 prop_assert!(own == last || row.start >= last.1, "two at once in machine {}\n{}", machine, text);
                 last = own;
+            }
+        }
+        // Never more of a fixture in use than there are.
+        for fixture in &scenario.shared.fixtures {
+            let needs = |row: &&OperationRow| {
+                fixture.holds.iter().any(|hold| hold.contains(row.part as usize, row.operation as usize))
+            };
+            let mut used: Vec<(u32, f64, f64)> =
+                log.operations.iter().filter(needs).map(|row| (row.machine, row.start, row.end)).collect();
+            used.dedup();
+            for (_, start, _) in &used {
+                let now = used.iter().filter(|(_, from, to)| from <= start && start < to).count();
+                prop_assert!(now <= fixture.count as usize, "{now} of {} at {start}\n{text}", fixture.name);
             }
         }
         // No more machines than an order is split over, and shares that differ by one piece at most, where neither

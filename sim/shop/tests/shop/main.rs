@@ -11,6 +11,7 @@ mod crews_transport;
 mod cycles;
 mod dispatching;
 mod draws;
+mod fixtures;
 mod grinding;
 mod in_process;
 #[path = "../../../kernel/tests/kernel/instances.rs"]

@@ -21,6 +21,35 @@ fn ends(log: &RunLog) -> (JobOutcome, f64) {
 }
 
 #[test]
+fn what_would_cross_the_end_of_the_shift_is_not_begun() {
+    // A shift from 6 to 14 o'clock, work of 3 h and of 45 min from 6 o'clock on: at 12 only 2 h are left. What is short goes
+    // first by then, once at 12:00 and once at 12:45; 13:30 is too late for either. The long work begins on the next day.
+    let text = "schema = 1\n[shop]\nname = \"fits\"\nhorizon = \"48 h\"\n\
+        [[calendar]]\nname = \"day\"\nshift = [{ start = \"6 h\", end = \"14 h\" }]\nat_end = \"resume\"\nstart_only_if_fits = true\n\
+        [[machine]]\nname = \"M\"\nprocess = \"plain\"\ncalendar = \"day\"\n\
+        [[part]]\nname = \"long\"\noperation = [{ name = \"do\", machines = \"M\", work = \"3 h\" }]\n\
+        [[part]]\nname = \"short\"\noperation = [{ name = \"do\", machines = \"M\", work = \"45 min\" }]\n\
+        [[arrivals]]\npart = \"long\"\npattern = \"schedule\"\nlot = [{ time = \"0 h\", size = 3 }]\n\
+        [[arrivals]]\npart = \"short\"\npattern = \"schedule\"\nlot = [{ time = \"6 h\", size = 3 }]\n";
+    let hours = |text: &str| -> Vec<f64> {
+        let scenario =
+            toolroom_scenario_file::parse("fits.toml", text, &[]).unwrap_or_else(|error| panic!("{error}")).scenario;
+        let log = toolroom_shop::run(&scenario, 0, 0).unwrap();
+        log.jobs.iter().map(|job| job.finish / 3600.0).collect()
+    };
+    assert_eq!(hours(text), [9.0, 12.0, 33.0, 12.75, 13.5, 33.75]);
+    // Without it the third long one is begun at 12 and goes on in the next shift.
+    assert_eq!(hours(&text.replace("start_only_if_fits = true\n", "")), [9.0, 12.0, 31.0, 31.75, 32.5, 33.25]);
+    // What ends exactly with the shift is begun.
+    let exact = text.replace("work = \"45 min\"", "work = \"1 h\"");
+    assert_eq!(hours(&exact), [9.0, 12.0, 33.0, 13.0, 14.0, 34.0]);
+    // What fits into no shift would never be begun.
+    let never = text.replace("work = \"3 h\"", "work = \"9 h\"");
+    let error = toolroom_scenario_file::parse("fits.toml", &never, &[]).expect_err("it never fits").to_string();
+    assert!(error.contains("longer than any shift"), "{error}");
+}
+
+#[test]
 fn a_shift_that_finishes_its_part_ends_late() {
     let log = run(&shop(Interruption::Finish));
     assert_eq!(ends(&log), (JobOutcome::Good, 220.0));
