@@ -62,7 +62,6 @@ pub mod planner;
 pub mod report;
 pub mod request;
 pub mod results;
-mod schedule;
 pub mod study;
 pub mod summary;
 pub mod sweep;

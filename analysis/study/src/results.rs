@@ -22,7 +22,6 @@ use crate::compare::Comparison;
 use crate::logs::{Format, LogError, LogWriter};
 use crate::planner;
 use crate::report::report;
-use crate::schedule;
 use crate::study::{
     Finished, FinishedError, Progress, StoppedShop, Study, StudyError, StudyOptions, run_study, run_study_as_far,
 };
@@ -68,7 +67,7 @@ pub const NAMES: [&str; 11] = [
     "trace.json",
     "summary.json",
     "report.html",
-    schedule::FILE,
+    toolroom_schedule::FILE,
     "run.json",
 ];
 
@@ -232,7 +231,7 @@ pub(crate) fn write_files(
     in_file(directory, "trace.json", |out| trace::write(scenario, study, out))?;
     if let (Some(log), Some(&policy)) = (study.first_logs.first(), study.policies.first()) {
         let name = &scenario.policies[policy].name;
-        in_file(directory, schedule::FILE, |out| schedule::write(scenario, name, log, out))?;
+        in_file(directory, toolroom_schedule::FILE, |out| toolroom_schedule::write(scenario, name, log, out))?;
     }
     in_file(directory, "summary.json", |out| pretty(out, &summary(scenario, study, comparison)))?;
     in_file(directory, "report.html", |out| out.write_all(report(scenario, study, comparison, info).html().as_bytes()))

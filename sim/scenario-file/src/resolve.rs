@@ -7,8 +7,7 @@ use super::random::distribution;
 use super::variants::{ShopVariant, variants};
 use super::{
     Output, control, flow, jobs, measured, orders, planned, processes, resources, routing, rules, shared, stability,
-    transport,
-    tune,
+    transport, tune,
 };
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};

@@ -19,8 +19,8 @@ const MOST_BARS: usize = 100_000;
 /// Machines that 12 bits tell apart.
 const MOST_MACHINES: usize = 4096;
 
-const PAGE: &str = include_str!("schedule/page.html");
-const SCRIPT: &str = include_str!("schedule/script.js");
+const PAGE: &str = include_str!("page.html");
+const SCRIPT: &str = include_str!("script.js");
 
 /// Whose work it is: nobody's.
 const NOBODY: u32 = u32::MAX;
@@ -48,30 +48,11 @@ fn style(state: MachineState) -> (&'static str, &'static str) {
     }
 }
 
-/// Whether a machine has work in a state.
-fn is_busy(state: MachineState) -> bool {
-    match state {
-        MachineState::Cutting
-        | MachineState::Working
-        | MachineState::Handling
-        | MachineState::Setup
-        | MachineState::ToolChange
-        | MachineState::Dressing => true,
-        MachineState::Starved
-        | MachineState::Blocked
-        | MachineState::WaitingOperator
-        | MachineState::WaitingFixture
-        | MachineState::Down
-        | MachineState::Idle
-        | MachineState::OffShift => false,
-    }
-}
-
 /// Writes the page of a run.
 ///
 /// # Errors
 /// What the file system says.
-pub(crate) fn write(scenario: &Scenario, policy: &str, log: &RunLog, out: &mut impl io::Write) -> io::Result<()> {
+pub fn write(scenario: &Scenario, policy: &str, log: &RunLog, out: &mut impl io::Write) -> io::Result<()> {
     let shown = |row: &&StateRow| row.state != MachineState::Idle && (row.machine as usize) < MOST_MACHINES;
     let mut bars: Vec<&StateRow> = log.states.iter().filter(shown).collect();
     bars.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.machine.cmp(&b.machine)));
@@ -104,10 +85,10 @@ pub(crate) fn write(scenario: &Scenario, policy: &str, log: &RunLog, out: &mut i
 fn data(scenario: &Scenario, log: &RunLog, bars: &[&StateRow], end: f64) -> serde_json::Value {
     let states = MachineState::of(scenario).map(|state| {
         let (name, colour) = style(state);
-        let job = is_busy(state) || matches!(state, MachineState::WaitingOperator | MachineState::Blocked);
+        let job = state.is_busy() || matches!(state, MachineState::WaitingOperator | MachineState::Blocked);
         let used = bars.iter().any(|row| row.state == state);
         let off = state == MachineState::OffShift;
-        json!({ "name": name, "colour": colour, "job": job, "busy": is_busy(state), "off": off, "used": used })
+        json!({ "name": name, "colour": colour, "job": job, "busy": state.is_busy(), "off": off, "used": used })
     });
     let states: Vec<_> = states.collect();
     let machines = scenario.machines.iter().take(MOST_MACHINES);
@@ -181,7 +162,7 @@ fn weeks(scenario: &Scenario, log: &RunLog) -> String {
         let (first, last) = ((row.start / WEEK) as usize, ((row.end / WEEK) as usize).min(count - 1));
         for (week, seconds) in times[row.machine as usize].iter_mut().enumerate().take(last + 1).skip(first) {
             let inside = row.end.min((week + 1) as f64 * WEEK) - row.start.max(week as f64 * WEEK);
-            seconds[0] += if is_busy(row.state) { inside } else { 0.0 };
+            seconds[0] += if row.state.is_busy() { inside } else { 0.0 };
             seconds[1] += inside;
         }
     }
