@@ -146,7 +146,9 @@ impl From<ShopImportError> for Failure {
         match error {
             ShopImportError::Read(error) => error.into(),
             ShopImportError::Cells { faults, more } => Self::Tables { faults, more },
-            other => Self::Argument { message: other.to_string(), help: fix.map(str::to_owned) },
+            table @ ShopImportError::Table { .. } => {
+                Self::Argument { message: table.to_string(), help: fix.map(str::to_owned) }
+            }
         }
     }
 }

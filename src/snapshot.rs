@@ -143,7 +143,13 @@ impl From<SnapshotError> for Failure {
         match error {
             SnapshotError::Read(error) => error.into(),
             SnapshotError::Shop(error) => Self::Work { message: error.to_string() },
-            other => Self::argument(other, fix),
+            wrong @ (SnapshotError::NoSnapshot { .. }
+            | SnapshotError::Version { .. }
+            | SnapshotError::Changed { .. }
+            | SnapshotError::Instant { .. }
+            | SnapshotError::Digest { .. }
+            | SnapshotError::NoPolicy { .. }
+            | SnapshotError::Input(_)) => Self::argument(wrong, fix),
         }
     }
 }

@@ -79,7 +79,6 @@ impl fmt::Display for TableFault {
 
 /// Why no scenario was made.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ShopImportError {
     /// The mapping, or the base, which cannot be read.
     #[error(transparent)]

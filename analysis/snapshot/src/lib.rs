@@ -64,7 +64,6 @@ pub struct Snapshot {
 
 /// Why there is no snapshot, or no shop goes on from one.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SnapshotError {
     /// The scenario cannot be read.
     #[error(transparent)]
