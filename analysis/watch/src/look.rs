@@ -3,6 +3,7 @@
 use crate::blocks::{blocks, time_column};
 use crate::watch::{Alarm, FEWEST_BLOCKS, Watch};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use toolroom_gap::{NominalModel, diagnose_parts};
 use toolroom_records::Records;
@@ -49,8 +50,11 @@ impl Watch {
         let threshold = Self::threshold(1, readings / ((last - first).max(DAY) / YEAR), per_year);
         let before = self.blocks();
         let alarms = self.look(&blocks, threshold);
+        // One cause moves several streams, often from one block on: what followed is diagnosed once.
+        let mut known: BTreeMap<u64, String> = BTreeMap::new();
         let alarms = alarms.into_iter().map(|alarm| {
-            let since = since_change(model, records, group, &alarm);
+            let since = known.entry(alarm.change.to_bits());
+            let since = since.or_insert_with(|| since_change(model, records, group, &alarm)).clone();
             (alarm, since)
         });
         let alarms = alarms.collect();
