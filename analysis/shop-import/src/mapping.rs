@@ -5,71 +5,53 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use toml::de::DeValue;
-use toolroom_form::{Content, Fault, Form, Key, Kind, ReadError, Refusal, Section, Value, Walk, nearest};
+use toolroom_form::{Content, Fault, Form, Key, Kind, ReadError, Refusal, Section, Value, Walk, nearest, vocabulary};
 use toolroom_scenario::date;
 use toolroom_scenario_file::{SCENARIO, literal};
 
-/// What the rows of a table are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TableKind {
-    /// Orders.
-    Orders,
-    /// Operations of parts.
-    Routings,
-    /// Machines.
-    Machines,
-    /// Parts.
-    Parts,
-    /// Shifts and holidays of calendars.
-    Calendars,
-    /// People.
-    Operators,
-    /// Times of changing over, a pair of groups each.
-    SetupMatrix,
-    /// Orders that are in the shop.
-    Wip,
-    /// Parts that go into other parts.
-    Components,
+vocabulary! {
+    /// What the rows of a table are, in the order in which a scenario has them.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) enum TableKind {
+        /// Shifts and holidays of calendars.
+        Calendars = "calendars",
+        /// Machines.
+        Machines = "machines",
+        /// Times of changing over, a pair of groups each.
+        SetupMatrix = "setup_matrix",
+        /// People.
+        Operators = "operators",
+        /// Parts.
+        Parts = "parts",
+        /// Parts that go into other parts.
+        Components = "components",
+        /// Operations of parts.
+        Routings = "routings",
+        /// Orders.
+        Orders = "orders",
+        /// Orders that are in the shop.
+        Wip = "wip",
+    }
+}
+
+/// The form of the tables under a key.
+fn tables_of(form: &'static Form, key: &str) -> &'static Form {
+    let Some(Kind::Tables(inner)) = form.key(key).map(|key| key.kind) else {
+        unreachable!("{} has tables under `{key}`", form.title)
+    };
+    inner
 }
 
 impl TableKind {
-    /// All, in the order in which a scenario has them.
-    pub const ALL: [Self; 9] = [
-        Self::Calendars,
-        Self::Machines,
-        Self::SetupMatrix,
-        Self::Operators,
-        Self::Parts,
-        Self::Components,
-        Self::Routings,
-        Self::Orders,
-        Self::Wip,
-    ];
-
-    /// The words of [`TableKind::ALL`].
-    pub const WORDS: &'static [&'static str] =
-        &["calendars", "machines", "setup_matrix", "operators", "parts", "components", "routings", "orders", "wip"];
-
-    fn named(word: &str) -> Option<Self> {
-        Self::WORDS.iter().position(|known| *known == word).map(|index| Self::ALL[index])
-    }
-
-    /// Its word.
-    pub fn word(self) -> &'static str {
-        let index = Self::ALL.iter().position(|kind| *kind == self).unwrap_or(0);
-        Self::WORDS[index]
+    /// All of them, in that order.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Self::WORDS.iter().filter_map(|word| Self::from_word(word))
     }
 
     /// The section that a row is.
     pub fn form(self) -> &'static Form {
-        let top = |key: &str| match SCENARIO.key(key).map(|key| key.kind) {
-            Some(Kind::Tables(form)) => form,
-            _ => unreachable!("a scenario has tables of that kind"),
-        };
-        let of_part = |key: &str| match top("part").key(key).map(|key| key.kind) {
-            Some(Kind::Tables(form)) => form,
-            _ => unreachable!("a part has tables of that kind"),
-        };
+        let top = |key: &str| tables_of(&SCENARIO, key);
+        let of_part = |key: &str| tables_of(top("part"), key);
         match self {
             Self::Orders => top("order"),
             Self::Routings => of_part("operation"),
@@ -313,7 +295,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<ShopMapping> {
 }
 
 fn table(walk: &mut Walk, section: &Section<'_>) -> Option<TableMap> {
-    let kind = section.chosen("kind", TableKind::named)?;
+    let kind = section.chosen("kind", TableKind::from_word)?;
     let mut columns: Vec<ColumnMap> = Vec::new();
     for inner in walk.sections(section, "column", None) {
         let Some(column) = column(walk, &inner, kind) else { continue };

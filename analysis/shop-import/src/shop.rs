@@ -64,7 +64,7 @@ pub(crate) fn write(draft: &mut Draft, maps: &[TableMap], sources: &[Source], fa
     let tables: Vec<Table<'_>> =
         maps.iter().zip(sources).enumerate().map(|(index, (map, source))| Table { index, map, source }).collect();
     let of_kind = |kind: TableKind| tables.iter().copied().filter(move |table| table.map.kind == kind);
-    for kind in TableKind::ALL {
+    for kind in TableKind::all() {
         match kind {
             TableKind::Calendars => of_kind(kind).for_each(|table| calendars(draft, table, faults)),
             TableKind::SetupMatrix => of_kind(kind).for_each(|table| setup_matrix(draft, table, faults)),

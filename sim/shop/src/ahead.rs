@@ -53,14 +53,6 @@ impl<R: Recorder> Shop<'_, R> {
         Entity::named(&format!("order {}", self.scenario.orders[order as usize].id))
     }
 
-    /// The setup that a machine needs for an operation, s; `None` where it needs none.
-    fn setup_for(&self, machine: usize, part: usize, index: usize) -> Option<f64> {
-        let group = self.layout.operations[part][index].setup_group;
-        let usual = self.scenario.parts[part].operations[index].setup_time;
-        let usual = usual.unwrap_or(self.scenario.machines[machine].setup_time);
-        self.layout.setup(self.scenario, machine, self.world.machines[machine].ready, group, usual)
-    }
-
     /// A machine is set up for an order and kept for it.
     fn begin_ahead(&mut self, machine: usize, (order, operation): (u32, u32), setup: f64) -> Result<(), ShopError> {
         let origin = Origin::Order(order);

@@ -1,6 +1,6 @@
 //! Jobs enter.
 
-use super::draws::PIECES;
+use super::draws::{self, PIECES};
 use super::event::Event;
 use super::job::{Job, Origin};
 use super::lot::Lot;
@@ -9,7 +9,7 @@ use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, JobRow};
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose, SimTime};
-use toolroom_scenario::{ArrivalPattern, InProcess, Work};
+use toolroom_scenario::{ArrivalPattern, DueRule, InProcess, Work};
 
 impl<R: Recorder> Shop<'_, R> {
     /// Schedules the first release of every source; constant work enters at once.
@@ -330,5 +330,24 @@ impl<R: Recorder> Shop<'_, R> {
         }
         self.replace(job.origin)?;
         Ok(())
+    }
+
+    /// The order of operations of a job whose part has no fixed routing.
+    pub(super) fn route(&self, part: usize, entity: Entity) -> Option<Box<[u16]>> {
+        let part = &self.scenario.parts[part];
+        part.random_routing.then(|| draws::route(&self.streams, entity, part.operations.len()))
+    }
+
+    /// When a job of a source is due, s, where that hangs on its work; the times are those drawn for it.
+    pub(super) fn due(&self, source: usize, slot: u32) -> Option<f64> {
+        let row = &self.world.jobs.at(slot).row;
+        let part = row.part as usize;
+        let time = |operation: usize| self.layout.drawn_time(&self.world.jobs, slot, part, operation);
+        let work = || (0..self.layout.operations[part].len()).map(time).sum::<f64>();
+        match self.scenario.arrivals[source].due {
+            DueRule::Allowance => None,
+            DueRule::TotalWork { k } => Some(row.arrival + k * work()),
+            DueRule::Slack { slack } => Some(row.arrival + work() + slack),
+        }
     }
 }

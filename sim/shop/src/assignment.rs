@@ -20,12 +20,7 @@ impl<R: Recorder> Shop<'_, R> {
     ) -> Option<usize> {
         let operation = &self.scenario.parts[part].operations[index];
         let choice = operation.machine_choice.unwrap_or_else(|| self.machine_choice());
-        let group = self.layout.operations[part][index].setup_group;
-        let setup = |candidate: usize| {
-            let usual = operation.setup_time.unwrap_or(self.scenario.machines[candidate].setup_time);
-            let ready = self.world.machines[candidate].ready;
-            self.layout.setup(self.scenario, candidate, ready, group, usual).unwrap_or(0.0)
-        };
+        let setup = |candidate: usize| self.setup_for(candidate, part, index).unwrap_or(0.0);
         let dislike = |candidate: usize| {
             let state = &self.world.machines[candidate];
             match choice {

@@ -151,17 +151,8 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now().seconds();
         let (scenario, layout) = (self.scenario, &*self.layout);
         let rules = rules_of(scenario, &scenario.control.loops[index]);
-        let World { cards, jobs, waiting_work, machines, .. } = &mut self.world;
-        let look = super::dispatch::Look {
-            scenario,
-            layout,
-            jobs,
-            waiting_work,
-            machine: 0, // its setup is looked at by no rule of a loop
-            rules,
-            ready: machines[0].ready,
-            now,
-        };
+        let World { cards, jobs, waiting_work, .. } = &mut self.world;
+        let look = super::dispatch::Look { scenario, layout, jobs, waiting_work, chooser: None, rules, now };
         let found = cards.loops[index].queue.take(
             now,
             |waiting| is_parked(look.jobs, waiting),

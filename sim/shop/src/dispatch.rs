@@ -363,7 +363,7 @@ impl<R: Recorder> Shop<'_, R> {
         let rules = branch::rules(scenario, world.branched, machine);
         let state = &mut world.machines[machine];
         let (ready, jobs, waiting_work) = (state.ready, &world.jobs, world.waiting_work.as_slice());
-        (&mut state.queue, Look { scenario, layout, jobs, waiting_work, machine, rules, ready, now })
+        (&mut state.queue, Look { scenario, layout, jobs, waiting_work, chooser: Some((machine, ready)), rules, now })
     }
 }
 
@@ -373,16 +373,18 @@ pub(super) struct Look<'a> {
     pub layout: &'a Layout,
     pub jobs: &'a Jobs,
     pub waiting_work: &'a [(u32, f64)],
-    pub machine: usize,
+    /// The machine that chooses, and for what it stands ready; `None` where none does, and no setup counts.
+    pub chooser: Option<(usize, Readiness)>,
     pub rules: &'a [DispatchRule],
-    pub ready: Readiness,
     pub now: f64,
 }
 
 impl Look<'_> {
     fn setup(&self, facts: &Facts) -> f64 {
         let (group, usual) = (facts.setup_group, facts.setup_time);
-        self.layout.setup(self.scenario, self.machine, self.ready, group, usual).unwrap_or(0.0)
+        let needed =
+            self.chooser.and_then(|(machine, ready)| self.layout.setup(self.scenario, machine, ready, group, usual));
+        needed.unwrap_or(0.0)
     }
 
     /// What the means over the queue are taken of.

@@ -116,15 +116,10 @@ impl<R: Recorder> Shop<'_, R> {
     /// The skill that the first step of an operation needs which takes time.
     fn first_skill(&self, machine: usize, slot: u32) -> Option<usize> {
         let (part, index) = self.place_of(slot);
-        let (plan, kind) = (&self.layout.operations[part][index], &self.scenario.machines[machine]);
         let attendance = self.scenario.parts[part].operations[index].attendance;
-        let state = &self.world.machines[machine];
-        let usual = plan.setup_time.unwrap_or(kind.setup_time);
-        let again = state.set_up && state.kept_for.is_some();
-        let setup = self.layout.setup(self.scenario, machine, state.ready, plan.setup_group, usual).filter(|_| !again);
-        if setup.is_some_and(|time| time > 0.0) {
+        if self.setup_of_next(machine, slot).is_some_and(|time| time > 0.0) {
             attendance.setup
-        } else if kind.load_time.mean() > 0.0 {
+        } else if self.scenario.machines[machine].load_time.mean() > 0.0 {
             attendance.load
         } else {
             attendance.run

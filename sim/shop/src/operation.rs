@@ -28,6 +28,20 @@ impl Piece {
 }
 
 impl<R: Recorder> Shop<'_, R> {
+    /// The setup that a machine needs for an operation, s; `None` where it needs none.
+    pub(super) fn setup_for(&self, machine: usize, part: usize, index: usize) -> Option<f64> {
+        let plan = &self.layout.operations[part][index];
+        let usual = plan.setup_time.unwrap_or(self.scenario.machines[machine].setup_time);
+        self.layout.setup(self.scenario, machine, self.world.machines[machine].ready, plan.setup_group, usual)
+    }
+
+    /// The same for the next operation of a job: a machine is set up once for all jobs of an order.
+    pub(super) fn setup_of_next(&self, machine: usize, slot: u32) -> Option<f64> {
+        let (job, state) = (self.world.jobs.at(slot), &self.world.machines[machine]);
+        let setup = self.setup_for(machine, job.row.part as usize, job.operation as usize);
+        setup.filter(|_| !(state.set_up && state.kept_for.is_some()))
+    }
+
     /// A machine takes a job, and in a batch others with it.
     pub(super) fn begin(&mut self, machine: usize, slot: u32, riders: Vec<u32>) -> Result<(), ShopError> {
         if self.layout.one_step[machine] && riders.is_empty() && self.begin_one_step(machine, slot)? {
@@ -60,9 +74,8 @@ impl<R: Recorder> Shop<'_, R> {
         if !matches!(plan.content, ContentPlan::Plain) {
             return Ok(false);
         }
-        let (ready, group) = (self.world.machines[machine].ready, plan.setup_group);
-        let usual = plan.setup_time.unwrap_or(self.scenario.machines[machine].setup_time);
-        if self.layout.setup(self.scenario, machine, ready, group, usual).is_some() {
+        let group = plan.setup_group;
+        if self.setup_for(machine, job.row.part as usize, job.operation as usize).is_some() {
             return Ok(false);
         }
         let (times, drawn) = self.plain_work(machine, slot);

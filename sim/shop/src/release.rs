@@ -4,14 +4,16 @@
 //! let in together.
 
 use super::dispatch::{Look, facts};
-use super::draws;
 use super::event::Event;
 use super::job::Origin;
 use super::queue::{Keys, Ranked, Waiting};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use toolroom_kernel::{Entity, SimTime};
-use toolroom_scenario::{DispatchRule, DueRule, ReleaseRule};
+use toolroom_kernel::SimTime;
+use toolroom_scenario::{DispatchRule, ReleaseRule};
+
+/// Share of a norm that sums of times may be off by rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// Jobs that wait to be let in.
 #[derive(Clone, Debug, Default)]
@@ -178,36 +180,11 @@ impl<R: Recorder> Shop<'_, R> {
             layout: &self.layout,
             jobs: &self.world.jobs,
             waiting_work: &self.world.waiting_work,
-            machine,
+            chooser: None,
             rules: sequence,
-            ready: self.world.machines[machine].ready,
             now: self.now().seconds(),
         };
         let keys: Keys = look.keys(&waiting, &facts, look.measures(&facts));
         (Ranked { keys, waiting }, entry)
-    }
-}
-
-/// Share of a norm that sums of times may be off by rounding.
-const ROUNDING: f64 = 1e-9;
-
-impl<R: Recorder> Shop<'_, R> {
-    /// The order of operations of a job whose part has no fixed routing.
-    pub(super) fn route(&self, part: usize, entity: Entity) -> Option<Box<[u16]>> {
-        let part = &self.scenario.parts[part];
-        part.random_routing.then(|| draws::route(&self.streams, entity, part.operations.len()))
-    }
-
-    /// When a job of a source is due, s, where that hangs on its work; the times are those drawn for it.
-    pub(super) fn due(&self, source: usize, slot: u32) -> Option<f64> {
-        let row = &self.world.jobs.at(slot).row;
-        let part = row.part as usize;
-        let time = |operation: usize| self.layout.drawn_time(&self.world.jobs, slot, part, operation);
-        let work = || (0..self.layout.operations[part].len()).map(time).sum::<f64>();
-        match self.scenario.arrivals[source].due {
-            DueRule::Allowance => None,
-            DueRule::TotalWork { k } => Some(row.arrival + k * work()),
-            DueRule::Slack { slack } => Some(row.arrival + work() + slack),
-        }
     }
 }

@@ -52,11 +52,8 @@ impl<R: Recorder> Shop<'_, R> {
         let Some(end) = end.filter(|boundary| !boundary.starts) else { return true };
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
-        let (plan, state) = (&self.layout.operations[part][index], &self.world.machines[machine]);
-        let usual = plan.setup_time.unwrap_or(self.scenario.machines[machine].setup_time);
-        let again = state.set_up && state.kept_for.is_some();
-        let setup = self.layout.setup(self.scenario, machine, state.ready, plan.setup_group, usual).filter(|_| !again);
-        let handling = plan.known_time * f64::from(job.row.quantity);
+        let setup = self.setup_of_next(machine, slot);
+        let handling = self.layout.operations[part][index].known_time * f64::from(job.row.quantity);
         let work =
             job.rest.map_or_else(|| self.layout.time(&self.world.jobs, slot, part, index), |rest| rest + handling);
         // A nanosecond more than the rounding of sums of times.

@@ -170,3 +170,29 @@ fn a_part_that_waits_for_a_card_on_a_machine_locks_those_who_want_that_machine()
     let log = toolroom_shop::run(&file.scenario, 0, 0).unwrap();
     assert!(log.jobs.iter().all(|job| job.finish.is_finite()));
 }
+
+/// Nobody chooses a machine for a card: with `setup_in_key` the work alone orders a backlog, whatever any machine stands ready for.
+#[test]
+fn a_backlog_does_not_look_at_setups() {
+    let part = |name: &str, minutes: u32, group: &str| {
+        format!(
+            "[[part]]\nname = \"{name}\"\n[[part.operation]]\nname = \"o\"\nmachines = \"B\"\nwork = \"{minutes} min\"\n\
+             setup_group = \"{group}\"\nsetup_time = \"20 min\"\n[[arrivals]]\npart = \"{name}\"\npattern = \"schedule\"\n\
+             lot = [{{ time = \"{} min\", size = 1 }}]\n",
+            u32::from(name != "first"),
+        )
+    };
+    let text = format!(
+        "schema = 1\n[shop]\nname = \"t\"\nhorizon = \"10 h\"\n[dispatch]\nrule = \"spt\"\nsetup_in_key = true\n\
+         [[machine]]\nname = \"A\"\nprocess = \"plain\"\nsetup_at_start = \"long\"\n\
+         [[machine]]\nname = \"B\"\nprocess = \"plain\"\nsetup_at_start = \"first\"\n{}{}{}\
+         [[loop]]\nname = \"one\"\nfrom = \"B\"\ncards = 1\n",
+        part("first", 30, "first"),
+        part("long", 6, "long"),
+        part("short", 5, "short"),
+    );
+    let scenario = parse("t.toml", &text, &[]).unwrap_or_else(|error| panic!("{error}")).scenario;
+    let log = toolroom_shop::run(&scenario, 0, 0).unwrap();
+    let finish = |part: u32| log.jobs.iter().find(|job| job.part == part).map(|job| job.finish);
+    assert!(finish(2) < finish(1), "the short job has the card first: {:?} {:?}", finish(2), finish(1));
+}
