@@ -9,7 +9,7 @@ use crate::values::unreadable;
 use serde_json::Value;
 use toml_edit::Item;
 use toolroom_effects::Effect;
-use toolroom_scenario::Deviation;
+use toolroom_scenario::ShopEffect;
 
 /// What is to be applied to which text.
 #[derive(Clone, Copy, Debug)]
@@ -99,7 +99,7 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
             program::switch_on(&mut document, effect)?;
         } else if Effect::named(id).is_ok() || effect["definition"].is_string() {
             of_tool(&mut document, effect)?;
-        } else if Deviation::IDS.contains(&id) {
+        } else if ShopEffect::from_word(id).is_some() {
             of_shop(&mut document, effect)?;
         } else {
             let reason = "it is an effect of part programs or of records alone".to_owned();

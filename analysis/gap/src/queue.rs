@@ -203,8 +203,13 @@ impl Acting {
     }
 
     fn stated(deviation: &Deviation) -> Self {
-        let size = if deviation.id == "micro_stops" { deviation.size * 3600.0 } else { deviation.size };
-        Self { id: deviation.id, as_recorded: deviation.recorded.is_some(), scope: deviation.scope.clone(), size }
+        let size = deviation.effect.entry().size.to_display(deviation.size);
+        Self {
+            id: deviation.effect.word(),
+            as_recorded: deviation.recorded.is_some(),
+            scope: deviation.scope.clone(),
+            size,
+        }
     }
 }
 

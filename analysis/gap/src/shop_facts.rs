@@ -15,7 +15,7 @@ use toolroom_facts::{Fact, Quantity, adjusted, findings, slight};
 use toolroom_nominal::Stated;
 use toolroom_nominal::shop::{Breakdowns, SHORT_STOP, Shop, Station, Visit, Visits, visits};
 use toolroom_records::Records;
-use toolroom_scenario::{Distribution, FailureClock, FailureMode};
+use toolroom_scenario::{Distribution, FailureClock, FailureMode, ShopEffect};
 
 /// Prior standard deviation of the logarithm of the life of edges on one machine: that of the wear rate and that of a
 /// machine, as in the calibration of the channel `edge_life`.
@@ -161,7 +161,8 @@ fn of_edges(shop: &Shop, seen: &Visits) -> Vec<Fact> {
 fn of_handling(shop: &Shop, seen: &Visits, stated: &Stated) -> Vec<Fact> {
     let late = |visit: &Visit| -> f64 {
         let place = occasion(shop, seen, visit);
-        let delays = stated.deviations.iter().filter(|own| own.id == "operator_delay" && own.scope.holds(&place));
+        let delays =
+            stated.deviations.iter().filter(|own| own.effect == ShopEffect::OperatorDelay && own.scope.holds(&place));
         delays.map(|own| own.size).sum()
     };
     let times_of = |(machine, name): (usize, &String)| {

@@ -5,7 +5,7 @@ use crate::{Diagnosis, GapVerdict, NominalModel, NominalProcess, Settings, State
 use toolroom_facts::{Finding, Quantity};
 use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, Records};
-use toolroom_scenario::{Deviation, Distribution, Scenario, Scope};
+use toolroom_scenario::{Deviation, Distribution, Scenario, Scope, ShopEffect};
 
 fn nominal() -> NominalModel {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/shop.toml");
@@ -65,7 +65,7 @@ fn an_operation_is_put_together_from_its_stays() {
 
 #[test]
 fn stops_of_the_simulated_shop_are_named_and_close_the_gap_of_its_cycle() {
-    let stops = Deviation::new("micro_stops", 2.0 / 3600.0);
+    let stops = Deviation::new(ShopEffect::MicroStops, 2.0 / 3600.0);
     let records = recorded(8, &[stops]);
     let model = nominal();
     let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
@@ -77,7 +77,7 @@ fn stops_of_the_simulated_shop_are_named_and_close_the_gap_of_its_cycle() {
     let seen = visits(&records);
     let figure = |deviations: &[Deviation]| ShopKpi::of(shop, &visits(&recorded(9, deviations)), &mix(&seen));
     let (measured, before) = (ShopKpi::of(shop, &seen, &mix(&seen)), figure(&[]));
-    let after = figure(&[Deviation::new("micro_stops", named.size / 3600.0)]);
+    let after = figure(&[Deviation::new(ShopEffect::MicroStops, named.size / 3600.0)]);
     let gap = |kpi: &ShopKpi| (measured.cycle_time - kpi.cycle_time).abs();
     assert!(gap(&before) > 2.0 && gap(&after) < 0.3 * gap(&before), "{measured:?} {before:?} {after:?}");
     assert!(after.throughput < before.throughput && after.effectiveness < before.effectiveness);
@@ -85,7 +85,7 @@ fn stops_of_the_simulated_shop_are_named_and_close_the_gap_of_its_cycle() {
 
 #[test]
 fn holds_of_the_simulated_shop_are_named_with_their_length() {
-    let records = recorded(11, &[Deviation { share: 0.05, ..Deviation::new("feed_hold", 15.0) }]);
+    let records = recorded(11, &[Deviation { share: 0.05, ..Deviation::new(ShopEffect::FeedHold, 15.0) }]);
     let model = nominal();
     let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
     let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
@@ -109,13 +109,14 @@ fn holds_of_the_simulated_shop_are_named_with_their_length() {
 #[test]
 fn an_effect_of_one_machine_or_part_is_named_there_with_its_size_and_its_queue() {
     let cases = [
-        ("operator_delay", 30.0, "machine", "L1"),
-        ("feed_override", 0.25, "part", "flange"),
-        ("tool_change_delay", 60.0, "machine", "L2"),
+        (ShopEffect::OperatorDelay, 30.0, "machine", "L1"),
+        (ShopEffect::FeedOverride, 0.25, "part", "flange"),
+        (ShopEffect::ToolChangeDelay, 60.0, "machine", "L2"),
     ];
-    for (id, size, key, name) in cases {
+    for (effect, size, key, name) in cases {
         let scope = Scope { names: vec![(key, vec![name.to_owned()])], ..Scope::default() };
-        let records = recorded(1, &[Deviation { scope, ..Deviation::new(id, size) }]);
+        let records = recorded(1, &[Deviation { scope, ..Deviation::new(effect, size) }]);
+        let id = effect.word();
         let model = nominal();
         let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
         let named: Vec<(&str, &str)> = diagnosis.effects.iter().map(|own| (own.id, own.shape.as_str())).collect();
@@ -131,9 +132,9 @@ fn an_effect_of_one_machine_or_part_is_named_there_with_its_size_and_its_queue()
 }
 
 /// What a deviation does at these machines.
-fn at_machines(id: &'static str, size: f64, machines: &[&str]) -> Deviation {
+fn at_machines(effect: ShopEffect, size: f64, machines: &[&str]) -> Deviation {
     let names = machines.iter().map(|name| (*name).to_owned()).collect();
-    Deviation { scope: Scope { names: vec![("machine", names)], ..Scope::default() }, ..Deviation::new(id, size) }
+    Deviation { scope: Scope { names: vec![("machine", names)], ..Scope::default() }, ..Deviation::new(effect, size) }
 }
 
 /// The named effects, each with where it acts and its size.
@@ -146,14 +147,14 @@ fn named(records: &Records) -> Vec<(&'static str, String, f64)> {
 fn what_a_pool_of_machines_or_the_whole_shop_does_is_no_chance_of_many_constants() {
     // Each of the constants that could stand in for it is within what is believed of it.
     let cases = [
-        (1, at_machines("feed_override", 0.15, &["M1", "M2"]), "machine=M1|M2"),
-        (1, Deviation::new("feed_override", 0.15), ""),
-        (2, at_machines("operator_delay", 15.0, &["L1", "L2"]), "machine=L1|L2"),
+        (1, at_machines(ShopEffect::FeedOverride, 0.15, &["M1", "M2"]), "machine=M1|M2"),
+        (1, Deviation::new(ShopEffect::FeedOverride, 0.15), ""),
+        (2, at_machines(ShopEffect::OperatorDelay, 15.0, &["L1", "L2"]), "machine=L1|L2"),
     ];
     for (seed, deviation, place) in cases {
         let found = named(&recorded(seed, std::slice::from_ref(&deviation)));
-        let [(id, shape, size)] = &found[..] else { panic!("{}: {found:?}", deviation.id) };
-        assert_eq!((*id, shape.as_str()), (deviation.id, place));
+        let [(id, shape, size)] = &found[..] else { panic!("{}: {found:?}", deviation.effect.word()) };
+        assert_eq!((*id, shape.as_str()), (deviation.effect.word(), place));
         assert!((size / deviation.size - 1.0).abs() < 0.05, "{size} instead of {}", deviation.size);
     }
 }
@@ -162,9 +163,9 @@ fn what_a_pool_of_machines_or_the_whole_shop_does_is_no_chance_of_many_constants
 fn three_effects_at_once_are_named_with_their_sizes() {
     let shift = Scope { names: vec![("shift", vec!["S2".to_owned()])], ..Scope::default() };
     let hidden = [
-        Deviation { scope: shift, ..Deviation::new("feed_override", 0.12) },
-        Deviation::new("micro_stops", 2.0 / 3600.0),
-        at_machines("operator_delay", 20.0, &["L1"]),
+        Deviation { scope: shift, ..Deviation::new(ShopEffect::FeedOverride, 0.12) },
+        Deviation::new(ShopEffect::MicroStops, 2.0 / 3600.0),
+        at_machines(ShopEffect::OperatorDelay, 20.0, &["L1"]),
     ];
     let mut found = named(&recorded(2, &hidden));
     found.sort_by_key(|own| own.0);
@@ -214,7 +215,7 @@ fn nameless_handling_belongs_to_the_operations_around_it() {
 fn another_log_of_the_shop_is_held_out_day_by_day() {
     let model = nominal();
     let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
-    let stops = [Deviation::new("micro_stops", 2.0 / 3600.0)];
+    let stops = [Deviation::new(ShopEffect::MicroStops, 2.0 / 3600.0)];
     let first = recorded(8, &stops);
     let second = after(shop, &first, recorded(12, &stops));
     let outside = groups_of(shop, &second, None);
@@ -242,7 +243,7 @@ fn queues_of_the_true_shop_fit_and_slow_machines_show_in_them() {
     let mills = scores.iter().find(|score| score.machines == ["M1", "M2"]).expect("a pool of mills");
     assert!(mills.waits > 500 && mills.without.score.abs() < 2.5 && mills.without.area < 0.1, "{mills:?}");
     assert_eq!(mills.without, mills.with);
-    let late = scored(&recorded(7, &[Deviation::new("operator_delay", 40.0)]));
+    let late = scored(&recorded(7, &[Deviation::new(ShopEffect::OperatorDelay, 40.0)]));
     let mills = late.iter().find(|score| score.machines == ["M1", "M2"]).expect("a pool of mills");
     assert!(mills.without.score > 3.0 && mills.with.score.abs() < mills.without.score / 2.0, "{mills:?}");
     assert!(mills.without.mean < mills.recorded && mills.with.area < mills.without.area, "{mills:?}");
@@ -258,7 +259,7 @@ fn a_machine_works_around_its_absences() {
 
 #[test]
 fn few_days_of_one_machine_name_no_cause() {
-    let stops = Deviation::new("micro_stops", 2.0 / 3600.0);
+    let stops = Deviation::new(ShopEffect::MicroStops, 2.0 / 3600.0);
     let all = recorded(8, &[stops]);
     let (time, machine) = (all.numbers("time").expect("times"), all.texts("machine").expect("machines"));
     let rows: Vec<usize> = (0..all.len()).filter(|row| machine[*row] == "L1" && time[*row] < 3.0 * 86400.0).collect();
@@ -359,7 +360,7 @@ fn holds_of_any_length_are_named_with_their_mean_length() {
     // A twentieth of all operations is held, 15 s in the mean, exponentially: no block knows its own mean.
     let mut sizes = Vec::new();
     for seed in [11, 12, 13] {
-        let mut records = recorded(seed, &[Deviation { share: 0.05, ..Deviation::new("feed_hold", 15.0) }]);
+        let mut records = recorded(seed, &[Deviation { share: 0.05, ..Deviation::new(ShopEffect::FeedHold, 15.0) }]);
         let (states, machines) = (records.texts("state").expect("states"), records.texts("machine").expect("machines"));
         let mut times = records.numbers("time").expect("times").to_vec();
         for machine in ["L1", "L2", "M1", "M2"] {

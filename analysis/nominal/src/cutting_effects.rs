@@ -5,7 +5,6 @@ use super::search::{self, Rows, Shape, Sought, Untried, Way};
 use super::{Candidate, Channel};
 use toolroom_effects::{Definition, Effect, Search};
 use toolroom_records::Records;
-use toolroom_scenario::effects::SHOP_EFFECTS;
 use toolroom_scenario::{MICRO_STOP, SCOPE_NAMES, Scope};
 
 /// Which prior a constant has.
@@ -126,11 +125,6 @@ fn cycle(channel: usize, seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
         (candidate, Action::Reading { channel, column, scope, recorded })
     };
     delays(seen.records, seen.groups, seen.durations).into_iter().map(reading).collect()
-}
-
-/// The word of the catalogue that an id is.
-pub(super) fn id_of(id: &str) -> Option<&'static str> {
-    SHOP_EFFECTS.iter().map(|entry| entry.id).find(|own| *own == id)
 }
 
 /// Delays by what is recorded, with what each adds to the time of a row per size.

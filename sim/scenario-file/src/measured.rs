@@ -6,8 +6,7 @@ use toml::de::DeValue;
 use toolroom_effects::{EffectList, Effects};
 use toolroom_form::{Fault, Form, Key, Kind, Quantity, Section, Span, Value, Walk, nearest};
 use toolroom_process::unit;
-use toolroom_scenario::effects::SHOP_EFFECTS;
-use toolroom_scenario::{Calibration, Deviation, Moved, SCOPE_NAMES, Scope, SwitchedEffect, Target};
+use toolroom_scenario::{Calibration, Deviation, Moved, SCOPE_NAMES, Scope, ShopEffect, SwitchedEffect, Target};
 
 const NAMES: Kind = Kind::List(&Kind::Name);
 const FACTOR: Kind = Kind::positive("1", "1", 1e6, "1.04");
@@ -71,7 +70,7 @@ pub(super) static SHOP_DEVIATION: Form = Form {
     title: "[[deviation]]",
     doc: "An effect of the shop that its planner does not know",
     keys: &[
-        Key::required("id", Kind::Choice(Deviation::IDS), "Effect; `toolroom effects` lists them"),
+        Key::required("id", Kind::Choice(ShopEffect::WORDS), "Effect; `toolroom effects` lists them"),
         Key::required("size", Kind::Amount, "Size in the unit of the catalogue, `12 s`, `0.1`, `1.5 1/h`"),
         Key::optional("standard_error", Kind::Amount, "Standard error of the size, with its unit"),
         Key::optional("scope", Kind::Table(&SCOPE), "Operations on which it acts; left out: all"),
@@ -331,7 +330,7 @@ fn target(walk: &mut Walk, section: &Section<'_>, words: &str, names: &Names) ->
 pub(super) fn deviations(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<Deviation> {
     let mut deviations: Vec<Deviation> = Vec::new();
     for section in walk.sections(root, "deviation", None) {
-        let entry = SHOP_EFFECTS.iter().find(|entry| Some(entry.id) == section.text("id"));
+        let effect = section.text("id").and_then(ShopEffect::from_word);
         let mut scope = scope(walk, &section, names);
         if let Some(shift) = section.text("shift") {
             if scope.names.iter().any(|(key, _)| *key == "shift") {
@@ -343,23 +342,22 @@ pub(super) fn deviations(walk: &mut Walk, root: &Section<'_>, names: &Names) -> 
             let place = |key: &str| SCOPE_NAMES.iter().position(|own| *own == key);
             scope.names.sort_by_key(|(key, _)| place(key));
         }
-        let Some(entry) = entry else { continue };
-        let field = entry.size;
+        let Some(effect) = effect else { continue };
+        let field = effect.entry().size;
         let sizes = amounts(field.unit, field.display, field.min, field.max);
         let Some(size) = amount(walk, &section, "size", &sizes) else { continue };
         let errors = amounts(field.unit, field.display, 0.0, f64::MAX);
         let standard_error = amount(walk, &section, "standard_error", &errors);
         let share = section.si("share").unwrap_or(1.0);
-        if deviations
-            .iter()
-            .any(|own| own.id == entry.id && own.scope == scope && own.recorded.is_some() == section.given("recorded"))
-        {
-            let name = format!("{} {}", entry.id, scope.words());
+        if deviations.iter().any(|own| {
+            own.effect == effect && own.scope == scope && own.recorded.is_some() == section.given("recorded")
+        }) {
+            let name = format!("{} {}", effect.word(), scope.words());
             walk.fault(section.span_of("id"), Fault::DuplicateName { kind: "deviation", name: name.trim().to_owned() });
             continue;
         }
-        let recorded = section.si("recorded").filter(|_| entry.id == "feed_override");
-        deviations.push(Deviation { id: entry.id, size, scope, share, standard_error, recorded });
+        let recorded = section.si("recorded").filter(|_| effect == ShopEffect::FeedOverride);
+        deviations.push(Deviation { effect, size, scope, share, standard_error, recorded });
     }
     deviations
 }

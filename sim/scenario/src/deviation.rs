@@ -1,6 +1,8 @@
 //! How a shop deviates from what its planner believes.
 
+use super::effects::SHOP_EFFECTS;
 use super::{Occasion, Scope};
+use toolroom_effects::CatalogueEntry;
 use toolroom_form::vocabulary;
 
 vocabulary! {
@@ -24,6 +26,16 @@ vocabulary! {
     }
 }
 
+impl ShopEffect {
+    /// Its row of the catalogue.
+    ///
+    /// # Panics
+    /// Never: a test looks at every effect.
+    pub fn entry(self) -> &'static CatalogueEntry {
+        SHOP_EFFECTS.iter().find(|entry| entry.id == self.word()).expect("every effect of a shop has a row")
+    }
+}
+
 /// An effect of the shop (a row of [`SHOP_EFFECTS`](crate::effects::SHOP_EFFECTS)) with its size.
 ///
 /// | id | what it does |
@@ -40,8 +52,8 @@ vocabulary! {
 /// Assumptions, as the rows of the catalogue say. The edge wears during its programmed passes only.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deviation {
-    /// Word of the catalogue.
-    pub id: &'static str,
+    /// What deviates.
+    pub effect: ShopEffect,
     /// Size, SI.
     pub size: f64,
     /// Operations on which it acts.
@@ -58,12 +70,9 @@ pub struct Deviation {
 pub const MICRO_STOP: f64 = 20.0;
 
 impl Deviation {
-    /// Effects that a simulated shop can have.
-    pub const IDS: &'static [&'static str] = ShopEffect::WORDS;
-
     /// An effect that always acts on everything.
-    pub fn new(id: &'static str, size: f64) -> Self {
-        Self { id, size, scope: Scope::default(), share: 1.0, standard_error: None, recorded: None }
+    pub fn new(effect: ShopEffect, size: f64) -> Self {
+        Self { effect, size, scope: Scope::default(), share: 1.0, standard_error: None, recorded: None }
     }
 
     /// Those of an effect that act on an operation.
@@ -72,17 +81,18 @@ impl Deviation {
         effect: ShopEffect,
         occasion: &'a Occasion<'_>,
     ) -> impl Iterator<Item = &'a Self> {
-        all.iter().filter(move |deviation| deviation.id == effect.word() && deviation.scope.holds(occasion))
+        all.iter().filter(move |deviation| deviation.effect == effect && deviation.scope.holds(occasion))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::SHOP_EFFECTS;
 
     #[test]
     fn every_deviation_is_a_row_of_the_catalogue() {
-        assert!(Deviation::IDS.iter().all(|id| SHOP_EFFECTS.iter().any(|entry| entry.id == *id)));
+        for word in ShopEffect::WORDS {
+            assert_eq!(ShopEffect::from_word(word).map(|effect| effect.entry().id), Some(*word));
+        }
     }
 }

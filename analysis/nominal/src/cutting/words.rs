@@ -1,13 +1,12 @@
 //! What a scenario calls the numbers of this model, and what it states of them.
 
 use super::{Action, Change, Cutting, Fixed, Nominal};
-use crate::cutting_effects::id_of;
 use crate::features::first_of_group;
 use crate::stated::{Movable, Stated, Words, occasion};
 use crate::{Candidate, Parameter, Surface, WrittenEffect};
 use toolroom_effects::Effect;
 use toolroom_records::Records;
-use toolroom_scenario::{MICRO_STOP, Moved, Scope, Target};
+use toolroom_scenario::{MICRO_STOP, Moved, Scope, ShopEffect, Target};
 
 /// Spread of a calibration that no parameter of the model has, where the file gives none (assumption).
 const UNKNOWN: f64 = 0.05;
@@ -134,25 +133,26 @@ impl<P: Nominal> Cutting<P> {
             let scope = stated.normal(&deviation.scope);
             let same = |(i, candidate): (usize, &Candidate)| {
                 matches!(self.actions[i], Action::Reading { .. })
-                    && candidate.id == deviation.id
+                    && candidate.id == deviation.effect.word()
                     && self.written_effect(i).scope == scope
-                    && (deviation.id == "feed_hold"
+                    && (deviation.effect == ShopEffect::FeedHold
                         || self.written_effect(i).recorded.is_some() == deviation.recorded.is_some())
             };
             let found = self.frame.candidates.iter().enumerate().position(same);
             let index = found.or_else(|| {
                 let rows = stated.rows(records, &scope);
-                let value = |row: usize| match deviation.id {
-                    "feed_override" => Some(self.durations[row]),
-                    "operator_delay" => Some(1.0),
-                    "tool_change_delay" => Some(firsts[row]),
-                    "micro_stops" => Some(MICRO_STOP * self.durations[row]),
-                    "feed_hold" => Some(deviation.share),
-                    _ => None,
+                let value = |row: usize| match deviation.effect {
+                    ShopEffect::FeedOverride => Some(self.durations[row]),
+                    ShopEffect::OperatorDelay => Some(1.0),
+                    ShopEffect::ToolChangeDelay => Some(firsts[row]),
+                    ShopEffect::MicroStops => Some(MICRO_STOP * self.durations[row]),
+                    ShopEffect::FeedHold => Some(deviation.share),
+                    // They decide which operations come, and add no time to one that was cut.
+                    ShopEffect::ToolChangePolicy | ShopEffect::BreakdownShape => None,
                 };
                 let column: Option<Vec<f64>> =
                     rows.iter().enumerate().map(|(row, on)| Some(on * value(row)?)).collect();
-                let (id, column) = (id_of(deviation.id)?, column?);
+                let (id, column) = (deviation.effect.word(), column?);
                 let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
                 let shape = if scope.is_everywhere() { "planned times".to_owned() } else { scope.words() };
                 let recorded = deviation.recorded;

@@ -5,8 +5,7 @@ use super::nominal::Shop;
 use super::visit::Visits;
 use crate::stated::{Movable, Stated, Words};
 use crate::{Candidate, WrittenEffect};
-use toolroom_scenario::effects::SHOP_EFFECTS;
-use toolroom_scenario::{Calibration, Occasion, Scope, Target};
+use toolroom_scenario::{Calibration, Occasion, Scope, ShopEffect, Target};
 
 impl ShopModel {
     /// Takes over what the file states about these blocks.
@@ -15,15 +14,17 @@ impl ShopModel {
         for deviation in stated.deviations.clone() {
             let same = |index: usize| {
                 let written = self.written_effect(index);
-                self.frame.candidates[index].id == deviation.id
+                self.frame.candidates[index].id == deviation.effect.word()
                     && written.scope == deviation.scope
-                    && (deviation.id == "feed_hold" || written.recorded.is_some() == deviation.recorded.is_some())
+                    && (deviation.effect == ShopEffect::FeedHold
+                        || written.recorded.is_some() == deviation.recorded.is_some())
                     && !matches!(self.actions[index], Action::Booked)
             };
             let index = match (0..self.actions.len()).find(|index| same(*index)) {
                 Some(index) => index,
-                None => match self.scoped(seen, deviation.id, &deviation.scope) {
-                    Some((id, action)) => {
+                None => match self.scoped(seen, deviation.effect, &deviation.scope) {
+                    Some(action) => {
+                        let id = deviation.effect.word();
                         let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
                         let shape = deviation.scope.words();
                         self.frame.candidates.push(Candidate {
@@ -37,7 +38,7 @@ impl ShopModel {
                         self.actions.len() - 1
                     }
                     None => {
-                        let (id, words) = (deviation.id, deviation.scope.words());
+                        let (id, words) = (deviation.effect.word(), deviation.scope.words());
                         self.frame
                             .notes
                             .push(format!("[[deviation]] {id} {words} is not predicted in blocks of a log"));
@@ -56,8 +57,7 @@ impl ShopModel {
     }
 
     /// What a deviation with a scope does to the blocks; `None` where blocks do not tell.
-    fn scoped(&self, seen: &Visits, id: &str, scope: &Scope) -> Option<(&'static str, Action)> {
-        let entry = SHOP_EFFECTS.iter().find(|entry| entry.id == id)?;
+    fn scoped(&self, seen: &Visits, effect: ShopEffect, scope: &Scope) -> Option<Action> {
         let weight = |block: &super::block::Block| {
             let mut occasion = Occasion::at(block.time);
             occasion.set("machine", seen.machines[block.machine].clone());
@@ -69,14 +69,13 @@ impl ShopModel {
             f64::from(u8::from(scope.holds(&occasion)))
         };
         let weights: Vec<f64> = self.blocks.list.iter().map(weight).collect();
-        let action = match id {
-            "feed_override" => Action::Slower(weights),
-            "operator_delay" => Action::Delay(weights),
-            "tool_change_delay" => Action::Change(weights),
-            "micro_stops" => Action::Stops(weights),
-            _ => return None,
-        };
-        Some((entry.id, action))
+        match effect {
+            ShopEffect::FeedOverride => Some(Action::Slower(weights)),
+            ShopEffect::OperatorDelay => Some(Action::Delay(weights)),
+            ShopEffect::ToolChangeDelay => Some(Action::Change(weights)),
+            ShopEffect::MicroStops => Some(Action::Stops(weights)),
+            ShopEffect::FeedHold | ShopEffect::ToolChangePolicy | ShopEffect::BreakdownShape => None,
+        }
     }
 
     /// How a scenario says a candidate.
