@@ -1,6 +1,9 @@
 use super::*;
+use crate::sidecar::{TAIL, part, read_sidecar, sealed};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 /// A directory of its own for each test, removed at its end.
 struct Folder(PathBuf);
@@ -169,5 +172,18 @@ fn a_plan_of_no_shards_or_of_very_many_is_no_panic() {
     for shards in [0, u64::MAX] {
         let other = Plan { shards, ..plan() };
         assert!(matches!(merged(&other, &folder), Err(ShardError::OtherPlan { .. })));
+    }
+}
+
+#[test]
+fn a_file_of_somebody_in_the_place_of_a_part_stays() {
+    let (plan, folder) = (plan(), Folder::new("somebody"));
+    let path = part(&folder.0, 1, "json");
+    for text in ["my notes", "{\"recipe\": 7}"] {
+        fs::write(&path, text).expect("a file");
+        let compute = |_: (u64, u64), _: &Path| Ok(Computed { content: vec![0.0], digest: 0, rows: false });
+        let error = run(&plan, 1, &folder.0, compute).expect_err("a file that is no part");
+        assert!(matches!(error, ShardError::NoPart { .. }), "{error}");
+        assert_eq!(fs::read_to_string(&path).expect("the file"), text);
     }
 }
