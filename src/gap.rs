@@ -6,6 +6,7 @@ mod diagnose;
 mod identifiability;
 mod plan;
 mod predict;
+mod recovery;
 mod rounds;
 mod watch;
 
@@ -26,6 +27,7 @@ pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
         GapCommand::Blind(args) => blind::run(args, voice),
         GapCommand::Plan(args) => plan::run(args, voice),
         GapCommand::Predict(args) => predict::run(args, voice),
+        GapCommand::Recovery(args) => recovery::run(args, voice),
         GapCommand::Loop(args) => rounds::run(args, voice),
         GapCommand::Watch(args) => watch::run(args, voice),
     }

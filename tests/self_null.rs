@@ -369,3 +369,72 @@ fn an_applied_file_explains_its_own_queues_and_handling() {
         assert_eq!(second["verdict"], "no_gap", "{deviation}: {} {}", second["notes"], second["facts"]);
     }
 }
+
+/// Edges that are said to last all day cut for ten times as long as one lasts until it breaks, whatever the wear at which it
+/// is changed: a change of that would have to be millimetres, and no such cause is named.
+#[test]
+fn a_cause_whose_size_would_be_beyond_what_can_be_is_not_named() {
+    let text = shipped("shop").replace("horizon = \"240 h\"", "horizon = \"120 h\"");
+    let dir = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| Path::join(dir.path(), name).display().to_string();
+    fs::write(at("shop.toml"), &text).expect("a writable folder");
+    done(&["run", &at("shop.toml"), "--seed", "5", "--records", &at("r"), "--out", &at("o")]);
+    let log = fs::read_to_string(at("r/events.csv")).expect("a log");
+    let header: Vec<&str> = log.lines().next().expect("a header").split(',').collect();
+    let column = |name: &str| header.iter().position(|own| own.starts_with(name)).expect("a column");
+    let [time, machine, state, edge] = ["time", "machine", "state", "tool_id"].map(column);
+    let lasting = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        let day = cells[time].parse::<f64>().map_or(0.0, |time| (time / 86400.0).floor());
+        if !cells[edge].is_empty() {
+            cells[edge] = format!("{}-{day}", cells[machine]);
+        }
+        if cells[state] == "tool_change" {
+            "idle".clone_into(&mut cells[state]);
+        }
+        cells.join(",")
+    };
+    let rows: Vec<String> =
+        log.lines().enumerate().map(|(i, line)| if i == 0 { line.to_owned() } else { lasting(line) }).collect();
+    fs::write(at("events.csv"), rows.join("\n")).expect("a writable folder");
+    done(&["gap", "diagnose", "--model", &at("shop.toml"), "--data", &at("events.csv"), "--out", &at("d")]);
+    let found = fs::read_to_string(at("d/diagnosis.json")).expect("a diagnosis");
+    let found: Value = serde_json::from_str(&found).expect("JSON");
+    assert_eq!(found["effects"], Value::Array(Vec::new()), "{}", found["notes"]);
+    assert_ne!(found["verdict"], "no_gap", "{}", found["notes"]);
+}
+
+/// Seeds 3 and 4 hide a force that grows with wear; the same study without a truth hides nothing.
+#[test]
+fn a_study_of_recovery_counts_what_is_found_again_and_what_is_named_wrongly() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| Path::join(dir.path(), name).display().to_string();
+    let text = lasting(&shipped("turning"), 20);
+    fs::write(at("model.toml"), &text).expect("a writable folder");
+    fs::write(at("truth.toml"), wearing(&text, 0.4)).expect("a writable folder");
+    let study = |arguments: &[&str]| -> Value {
+        let model = at("model.toml");
+        let all = ["gap", "recovery", "--model", &model, "--seed", "3", "--json"];
+        let output = toolroom(&[&all[..], arguments].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("JSON")
+    };
+    let rate = |study: &Value, name: &str| {
+        let rates = study["rates"].as_array().expect("rates").clone();
+        let own = rates.into_iter().find(|own| own["name"] == name).unwrap_or_else(|| panic!("{name}: {study:#}"));
+        (own["count"].as_u64().expect("a count"), own["of"].as_u64().expect("a count"))
+    };
+    let found = study(&["--truth", &at("truth.toml"), "--logs", "2", "--fresh", "--out", &at("found")]);
+    assert_eq!(found["hidden"][0]["id"], "wear_force", "{found:#}");
+    assert_eq!(rate(&found, "wear_force found"), (2, 2));
+    assert_eq!(rate(&found, "an effect named wrongly"), (0, 2));
+    assert_eq!(rate(&found, "an effect named on fresh records").1, 2);
+    let nothing = study(&["--logs", "2", "--out", &at("null")]);
+    assert_eq!(nothing["hidden"], Value::Array(Vec::new()));
+    assert_eq!(rate(&nothing, "an effect named wrongly"), (0, 2));
+    // The records are those that a run of that seed writes.
+    let seed = ["run", &at("model.toml"), "--seed", "3", "--records", &at("r"), "--out", &at("o")];
+    done(&seed);
+    let read = |name: &str| fs::read_to_string(at(name)).expect("records");
+    assert_eq!(read("null/log-3/operations.csv"), read("r/operations.csv"));
+}

@@ -1,10 +1,13 @@
 //! `toolroom gap loop`: diagnose, apply, diagnose again, until nothing new is named.
 
-use super::{apply, diagnose};
+use super::{apply, diagnose, nominal_of, reading};
 use crate::args::{ApplyArgs, DiagnoseArgs, LoopArgs};
 use crate::failure::Failure;
 use crate::speak::Voice;
-use serde_json::Value;
+use serde_json::{Value, json};
+use std::path::Path;
+use toolroom_gap::NominalProcess;
+use toolroom_gap_study::{Figure, figures, table};
 
 pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
     let mut model = args.model.clone();
@@ -32,10 +35,14 @@ pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
         let named: Vec<String> = diagnosis["effects"].as_array().into_iter().flatten().map(words).collect();
         let new = named.iter().any(|own| !named_before.contains(own));
         if round > 1 && !new {
-            return voice
-                .data(format_args!("round {round} names nothing new: {} holds what was found", model.display()));
+            voice.data(format_args!("round {round} names nothing new: {} holds what was found", model.display()))?;
+            return compared(args, &model, voice);
         }
         named_before.extend(named);
+        let nothing = |key: &str| diagnosis["applied"][key].as_array().is_none_or(Vec::is_empty);
+        if nothing("effects") && nothing("calibration") {
+            return voice.data(format_args!("round {round} finds nothing to apply to {}", model.display()));
+        }
         let better = folder.join("model.toml");
         let applying = ApplyArgs {
             models: vec![model.clone()],
@@ -51,5 +58,19 @@ pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
         apply::run(&applying, voice)?;
         model = better;
     }
-    voice.data(format_args!("{} rounds: {} holds what was found", args.rounds, model.display()))
+    voice.data(format_args!("{} rounds: {} holds what was found", args.rounds, model.display()))?;
+    compared(args, &model, voice)
+}
+
+/// Key figures of the recorded shop, of the model before the first round and of the last one; other processes have none.
+fn compared(args: &LoopArgs, model: &Path, voice: &Voice) -> Result<(), Failure> {
+    let NominalProcess::Shop(_) = nominal_of(&args.model, &[])?.process else { return Ok(()) };
+    let figures = reading(voice, |reading| figures(&args.model, model, &args.data, reading))?;
+    for warning in figures.iter().filter_map(Figure::warning) {
+        voice.say(format_args!("warning: {warning}"));
+    }
+    if voice.json {
+        return voice.json(&json!({ "schema": 1, "kpi": figures.iter().map(Figure::json).collect::<Vec<_>>() }));
+    }
+    voice.data(table(&figures).trim_end())
 }

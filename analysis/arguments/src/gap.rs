@@ -45,6 +45,12 @@ Exit code 3 and the verdict cannot_tell: fewer than two groups, or no channel wi
 
 Exit code 3: an alarm")]
     Watch(WatchArgs),
+    /// Simulate shops, diagnose their records, and count what is found again and what is named wrongly
+    #[command(before_help = "Examples:
+  toolroom gap recovery --model scenarios/gap/turning.toml --logs 50 --seed 301 --out out/null     nothing is hidden
+  toolroom gap recovery --model scenarios/gap/milling.toml --set 'shop.horizon=20 h' --logs 20 --out out/long
+  toolroom gap recovery --model shop.toml --truth true-shop.toml --logs 12 --figures --fresh --out out/found")]
+    Recovery(RecoveryArgs),
     /// Diagnose shops with a hidden effect that no model here knows, and count the errors
     #[command(before_help = "Examples:
   toolroom gap blind --cases smoke
@@ -207,6 +213,34 @@ pub struct LoopArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Directory of the rounds: round-1, round-2 …
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct RecoveryArgs {
+    /// Nominal model
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: PathBuf,
+    /// Scenario whose runs are recorded: the model with what is hidden; the model itself, if left out
+    #[arg(long, value_name = "TRUTH.toml")]
+    pub truth: Option<PathBuf>,
+    /// Replace a value of both: path=value with unit, repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Simulated logs
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub logs: u32,
+    /// Seed of the first log; the others follow it
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Apply what was found, and diagnose fresh records of the truth by that
+    #[arg(long)]
+    pub fresh: bool,
+    /// Apply what was found, and compare how far the key figures of the shop close with what the truth closes
+    #[arg(long)]
+    pub figures: bool,
+    /// Directory of recovery.json and of the records, log by log
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }

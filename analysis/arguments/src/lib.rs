@@ -23,7 +23,7 @@ pub use calibration_data::CalibrationData;
 pub use files::{CheckArgs, NewArgs, ReferenceArgs, SchemaArgs};
 pub use gap::{
     ApplyArgs, BlindArgs, BlindCases, DiagnoseArgs, GapCommand, GapData, IdentifiabilityArgs, LoopArgs, PlanArgs,
-    PredictArgs, WatchArgs,
+    PredictArgs, RecoveryArgs, WatchArgs,
 };
 pub use import::{ImportCommand, ImportCsvArgs, ImportShopArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use life::{LifeArgs, MergeArgs, Readings, ShardArgs, Shards, Statistics, confidence};

@@ -2,6 +2,7 @@
 
 use crate::judged::judged;
 use crate::method::{ALL, PARTS, WHOLE, in_ablation};
+use crate::reliability;
 use crate::row::{self, Row};
 use crate::{Ablation, BlindError, Tally, markdown, tally};
 use rayon::prelude::*;
@@ -59,7 +60,8 @@ pub fn gather(directories: &[PathBuf]) -> Result<Vec<Row>, BlindError> {
     for directory in directories {
         rows.extend(row::read(directory)?);
     }
-    let key = |row: &Row| (row.seed, row.process.clone(), row.method.clone());
+    // The same seed with more groups, or with equations that are off, is another shop.
+    let key = |row: &Row| (row.seed, row.process.clone(), row.method.clone(), row.times, row.form.to_bits());
     rows.sort_by_key(|row| (row.method != WHOLE, key(row)));
     match rows.windows(2).find(|pair| key(&pair[0]) == key(&pair[1])) {
         Some(twice) => Err(BlindError::Twice { seed: twice[0].seed, process: twice[0].process.clone() }),
@@ -92,7 +94,11 @@ impl Benchmark {
 
     /// Rates and ablations for programs.
     pub fn summary(&self) -> Value {
-        tally::json(&self.tallies, &self.ablations)
+        let mut summary = tally::json(&self.tallies, &self.ablations);
+        let [probabilities, nulls] = reliability::json(&self.rows);
+        summary["printed_probabilities"] = probabilities;
+        summary["hiding_nothing"] = nulls;
+        summary
     }
 
     /// `cases.csv`, `rates.md` and `blind.json`.

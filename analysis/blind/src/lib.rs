@@ -17,6 +17,7 @@ mod error;
 mod judged;
 mod markdown;
 mod method;
+mod reliability;
 mod row;
 mod selection;
 mod shrunk;
@@ -24,6 +25,7 @@ mod tally;
 
 pub use benchmark::{Benchmark, NAMES, diagnose, gather};
 pub use error::BlindError;
+pub use reliability::{Bin, Blamed, blamed, calibration_error, reliability};
 pub use row::{Mark, Row};
 pub use selection::Selection;
 pub use tally::{Ablation, Closed, Rate, Tally};

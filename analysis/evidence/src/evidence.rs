@@ -6,12 +6,15 @@
 //! it. The gain of a model is therefore that of the penalised likelihood, in which such a journey
 //! is paid for; groups left out say whether all of them speak for it.
 
-use crate::{Gram, factor, log_determinant, part, part_column};
+use crate::{Factor, Gram, factor, log_determinant, part, part_column};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Prior standard deviation of an effect, in ordinary sizes: all but flat.
 pub const EFFECT_PRIOR: f64 = 20.0;
+/// Standard deviations by which a size may lie beyond its range (1). Source: about 95 %, so that an effect at the end of
+/// its range is not lost by its error.
+const BEYOND: f64 = 2.0;
 
 /// Log predictive density of each fold, and the fold of each group of the Gram.
 #[derive(Clone, Debug)]
@@ -20,7 +23,8 @@ pub struct Evidence {
     pub profile: f64,
     /// One number a fold.
     pub folds: Vec<f64>,
-    /// Whether the effects came out with their sign in the fit to everything.
+    /// Whether the effects came out with their sign, and within their range but for their error, in the fit to
+    /// everything.
     pub admissible: bool,
 }
 
@@ -34,15 +38,20 @@ fn with_priors(gram: &Gram, at: &[usize], nuisance: usize) -> (DMatrix<f64>, DVe
 }
 
 /// Solution and predictive densities of a model over the columns `at`, of which those not below
-/// `nuisance` are free and have to be positive, but those columns that are `two_sided`.
-pub fn evidence(gram: &Gram, at: &[usize], nuisance: usize, two_sided: &dyn Fn(usize) -> bool) -> Evidence {
+/// `nuisance` are free and have to lie within the `range` of their column, where that begins at zero above it.
+pub fn evidence(gram: &Gram, at: &[usize], nuisance: usize, range: &dyn Fn(usize) -> [f64; 2]) -> Evidence {
     let (all, right) = with_priors(gram, at, nuisance);
     let whole = factor(all.clone());
     let log_whole = log_determinant(&whole);
     let solution = whole.solve(&right);
     let squares = gram.total[(gram.last(), gram.last())];
     let profile = -0.5 * (squares - right.dot(&solution));
-    let admissible = (0..at.len()).all(|i| at[i] < nuisance || solution[i] > 0.0 || two_sided(at[i]));
+    let admissible = (0..at.len()).filter(|i| at[*i] >= nuisance).all(|i| {
+        let [least, greatest] = range(at[i]);
+        let signed = least < 0.0 || solution[i] > 0.0;
+        let beyond = (solution[i] - greatest).max(least - solution[i]);
+        signed && (beyond <= 0.0 || beyond <= BEYOND * error(&whole, i))
+    });
     let fold = |(matrix, determinant): (&DMatrix<f64>, &f64)| -> f64 {
         let (held, held_right) = (part(matrix, at, at), part_column(matrix, at, gram.last()));
         let squares = matrix[(gram.last(), gram.last())];
@@ -57,6 +66,13 @@ pub fn evidence(gram: &Gram, at: &[usize], nuisance: usize, two_sided: &dyn Fn(u
     };
     let folds = gram.folds.par_iter().zip(&gram.log_determinants).map(fold).collect();
     Evidence { profile, folds, admissible }
+}
+
+/// Standard deviation of unknown `i` of normal equations.
+fn error(matrix: &Factor, i: usize) -> f64 {
+    let mut unit = DVector::zeros(matrix.l_dirty().nrows());
+    unit[i] = 1.0;
+    matrix.solve(&unit)[i].sqrt()
 }
 
 /// Solution of everything that was fitted, column `i` of `at` within ± `reach[i]`; columns beyond the end of `reach` are
@@ -131,6 +147,31 @@ pub fn predictive_gain(model: &Evidence, base: &Evidence) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_effect_that_would_have_to_lie_beyond_its_range_is_no_admissible_one_but_for_its_error() {
+        // One reading a fold of an effect alone, its size 4 with an error of 1 and next to no prior.
+        let columns = DMatrix::from_row_slice(2, 2, &[1.0, 4.0, 4.0, 16.0]);
+        let gram = Gram {
+            folds: vec![columns.clone()],
+            log_determinants: vec![0.0],
+            total: columns,
+            log_determinant: 0.0,
+            lengths: DVector::from_column_slice(&[1.0, 16.0]),
+        };
+        let admissible = |range: [f64; 2]| evidence(&gram, &[0], 0, &|_| range).admissible;
+        for (range, kept) in [
+            ([0.0, f64::INFINITY], true),
+            ([0.0, 3.0], true),
+            ([0.0, 1.5], false),
+            ([-1.0, 1.5], false),
+            ([-1.0, 5.0], true),
+            ([7.0, 9.0], false),
+            ([f64::NEG_INFINITY, f64::INFINITY], true),
+        ] {
+            assert_eq!(admissible(range), kept, "{range:?}");
+        }
+    }
 
     #[test]
     fn what_is_held_at_the_end_of_its_range_leaves_its_part_to_the_others() {

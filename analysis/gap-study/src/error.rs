@@ -26,6 +26,14 @@ pub enum GapStudyError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// A file or folder that cannot be written.
+    #[error("{path}: {source}")]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// Several models, and one table for all.
     #[error("{data} is one table, but {models} models are given")]
     OneTable {
@@ -97,6 +105,7 @@ impl GapStudyError {
             Self::Model(_) => "see scenarios/gap for nominal models that work".to_owned(),
             Self::Records(RecordError::Quote { .. }) => "mend that line; nothing was diagnosed".to_owned(),
             Self::Records(RecordError::Unreadable { .. }) | Self::Unreadable { .. } => "check the path".to_owned(),
+            Self::Unwritable { .. } => "give a folder that can be written".to_owned(),
             Self::Records(_) => "`toolroom import csv` maps other tables to records".to_owned(),
             Self::Apply(error) => error.fix().to_owned(),
             Self::OneTable { .. } => "give the directory that holds a table for each, or one model".to_owned(),

@@ -1,6 +1,6 @@
 //! Key figures of the recorded shop, of its nominal model, and of the model with the effects.
 
-use crate::closed::Replicated;
+use crate::closed::{Closed, Replicated};
 use crate::{GapStudyError, Reading};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -58,8 +58,18 @@ impl Figure {
         self.values.grew().then(words)
     }
 
+    /// How far it closes; `None` where there is no gap.
+    pub(crate) fn closed(&self) -> Option<Closed> {
+        self.values.closed()
+    }
+
+    /// Whether its gap grows, for certain.
+    pub(crate) fn grew(&self) -> bool {
+        self.values.grew()
+    }
+
     /// Its name, and of which machines it is.
-    fn words(&self) -> String {
+    pub(crate) fn words(&self) -> String {
         let station = self.station.as_ref().map(|machines| format!(" {machines}"));
         format!("{}{}", self.name, station.unwrap_or_default())
     }
@@ -77,34 +87,54 @@ impl Figure {
 /// # Errors
 /// [`GapStudyError`]: a file that cannot be read, a model that is no shop, a run that stops.
 pub fn figures(model: &Path, better: &Path, data: &Path, reading: &Reading<'_>) -> Result<Vec<Figure>, GapStudyError> {
-    let nominal = NominalModel::read(model, &[])?;
+    let [figures] = compared(model, [better], data, &[], reading)?;
+    Ok(figures)
+}
+
+/// The key figures by several models that take the place of the nominal one, all with the values of `set`.
+pub(crate) fn compared<const N: usize>(
+    model: &Path,
+    others: [&Path; N],
+    data: &Path,
+    set: &[String],
+    reading: &Reading<'_>,
+) -> Result<[Vec<Figure>; N], GapStudyError> {
+    let nominal = NominalModel::read(model, set)?;
     let NominalProcess::Shop(shop) = &nominal.process else { return Err(GapStudyError::NoShop) };
     let seen = visits(&reading.records(data, &nominal)?);
     let mix = mix(&seen);
     let rates: BTreeMap<String, f64> = {
-        let scenario = read(model, &[]).map_err(ModelFileError::from)?.scenario;
+        let scenario = read(model, set).map_err(ModelFileError::from)?.scenario;
         scenario.machines.iter().map(|machine| (machine.name.clone(), machine.rate)).collect()
     };
     let of_log = |seen: &Visits| Figures::of(shop, seen, &mix, &rates);
     // Days are batches of all figures but the availability, whose batches are machines.
     let (recorded, days) = (of_log(&seen), by_day(&seen).iter().map(of_log).collect::<Vec<Figures>>());
-    let logs = [runs(model)?, runs(better)?];
-    let [before, after] = logs.each_ref().map(|logs| logs.iter().map(of_log).collect::<Vec<Figures>>());
-    let figure = |(at, (name, unit)): (usize, &(&'static str, &'static str))| {
-        let values = |all: &[Figures]| all.iter().map(|own| own.0[at]).collect::<Vec<f64>>();
-        let batches = if *name == AVAILABILITY { availabilities(&seen) } else { values(&days) };
-        let (nominal, applied) = (values(&before), values(&after));
-        let values = Replicated { recorded: recorded.0[at], error: error(&batches), nominal, applied };
-        Figure { name, station: None, unit, values }
+    let nominal_logs = runs(model, set)?;
+    let before: Vec<Figures> = nominal_logs.iter().map(of_log).collect();
+    let by = |after_logs: &[Visits]| {
+        let after: Vec<Figures> = after_logs.iter().map(of_log).collect();
+        let figure = |(at, (name, unit)): (usize, &(&'static str, &'static str))| {
+            let values = |all: &[Figures]| all.iter().map(|own| own.0[at]).collect::<Vec<f64>>();
+            let batches = if *name == AVAILABILITY { availabilities(&seen) } else { values(&days) };
+            let (nominal, applied) = (values(&before), values(&after));
+            let values = Replicated { recorded: recorded.0[at], error: error(&batches), nominal, applied };
+            Figure { name, station: None, unit, values }
+        };
+        let of_shop = NAMES.iter().enumerate().map(figure);
+        let wait = |machines: Vec<String>| queue_wait(&machines, &seen, [&nominal_logs, after_logs]);
+        of_shop.chain(pools_of(&seen).into_iter().map(wait)).filter(Figure::is_told).collect::<Vec<Figure>>()
     };
-    let of_shop = NAMES.iter().enumerate().map(figure);
-    let of_stations = pools_of(&seen).into_iter().map(|machines| queue_wait(&machines, &seen, &logs));
-    Ok(of_shop.chain(of_stations).filter(Figure::is_told).collect())
+    let mut all: [Vec<Figure>; N] = std::array::from_fn(|_| Vec::new());
+    for (figures, other) in all.iter_mut().zip(others) {
+        *figures = by(&runs(other, set)?);
+    }
+    Ok(all)
 }
 
 /// Mean wait of jobs before the machines of a pool, from the end of their operation before; of the first operation of a
 /// job no log tells it. Days of the record are batches.
-fn queue_wait(machines: &[String], seen: &Visits, [before, after]: &[Vec<Visits>; 2]) -> Figure {
+fn queue_wait(machines: &[String], seen: &Visits, [before, after]: [&[Visits]; 2]) -> Figure {
     let waits = |seen: &Visits| recorded_waits(seen, |name| machines.iter().any(|own| own == name));
     let mean = |seen: &Visits| waits(seen).iter().map(|(_, wait)| wait / 60.0).collect::<Moments>().mean();
     let mut days: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
@@ -207,8 +237,8 @@ fn error(batches: &[f64]) -> f64 {
 }
 
 /// Logs of the replications of a model.
-fn runs(model: &Path) -> Result<Vec<Visits>, GapStudyError> {
-    let scenario = read(model, &[]).map_err(ModelFileError::from)?.scenario;
+fn runs(model: &Path, set: &[String]) -> Result<Vec<Visits>, GapStudyError> {
+    let scenario = read(model, set).map_err(ModelFileError::from)?.scenario;
     (0..REPLICATIONS).map(|replication| run(&scenario, replication)).collect()
 }
 

@@ -14,10 +14,12 @@
 //! | [`figures()`], [`Figure`] | what the effects do to the key figures of a shop |
 //! | [`Replicated`], [`Closed`] | how far a key figure closes, with its interval |
 //! | [`recorded()`] | a simulated run as the sensors of its file would have recorded it |
+//! | [`recovery()`], [`rates()`] | whether what simulated shops hide is found again, counted over many runs |
 //! | [`GapStudyError`] | why there is none, and the likely fix |
 //!
 //! # What is not modelled
-//! Nothing is written: documents are handed out as texts. Reading Parquet is left to the caller, who hands in a reader.
+//! But for the records of a recovery study nothing is written: documents are handed out as texts. Reading Parquet is left to
+//! the caller, who hands in a reader.
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
@@ -26,7 +28,9 @@ mod constants;
 mod error;
 mod figures;
 mod known;
+mod rates;
 mod recorded;
+mod recovery;
 mod request;
 mod study;
 mod tables;
@@ -34,7 +38,9 @@ mod tables;
 pub use closed::{Closed, Replicated};
 pub use error::GapStudyError;
 pub use figures::{Figure, figures, table};
+pub use rates::{RecoveryRate, rates, rates_table};
 pub use recorded::{RECORDED, recorded};
+pub use recovery::{ClosedFigure, Finding, GivenName, HiddenEntry, RecoveredLog, RecoveryRequest, recovery};
 pub use request::{GapRequest, Reading};
 pub use study::{GapStudy, NAMES};
 pub use tables::{Table, tables};

@@ -1,15 +1,14 @@
 //! From fitted trials to a verdict.
 
+use super::class::class;
 use super::closure::crossed;
-use super::constants::{
-    CLEAR, CLEARLY_LEFT_OUT, FEW_GROUPS_GATE, FEWEST_GROUPS, FURTHER, GATE, MOST_EFFECTS, RIVAL, SAME,
-};
+use super::constants::{FEW_GROUPS_GATE, FEWEST_GROUPS, FURTHER, GATE, MOST_EFFECTS, SAME};
 use super::diagnosing::Diagnosing;
-use super::evidence::{Evidence, gain, predictive_gain};
+use super::evidence::{Evidence, gain};
 use super::rules::{Judged, Refusal, Rule, agreed, stands};
 use super::stepwise;
 use super::trial::{Remainder, Trial};
-use super::{Closure, Forward, Found, GapVerdict, NotNamed};
+use super::{Closure, Found, GapVerdict, NotNamed};
 
 /// A single effect with its gain over the nominal model.
 #[derive(Clone, Debug)]
@@ -93,36 +92,9 @@ impl Decision {
     fn suspects(&self, context: Diagnosing<'_>, index: usize) -> String {
         let active = &self.trials[index].fit.active;
         let mut names: Vec<&str> = active.iter().map(|index| context.model.frame().candidates[*index].id).collect();
-        let alike = self.class(context.model, active[0]).into_iter().map(|(id, _)| id);
+        let alike = class(context, self, &self.trials[index], active[0]).into_iter().map(|(id, _)| id);
         names.extend(alike.filter(|id| !names.contains(id)).collect::<Vec<_>>());
         names.join(" or ")
-    }
-
-    /// Candidates that the data cannot tell from `candidate`, by other ids.
-    pub fn class(&self, model: &dyn Forward, candidate: usize) -> Vec<(&'static str, String)> {
-        let single = self.singles.iter().find(|single| single.candidate == candidate);
-        let Some(single) = single else { return Vec::new() };
-        let id = model.frame().candidates[candidate].id;
-        let cosine = self.base.scores().cosine;
-        let own_gain = gain(&single.evidence, &self.base.evidence);
-        let mut class: Vec<(&'static str, String)> = Vec::new();
-        for other in &self.singles {
-            let other_id = model.frame().candidates[other.candidate].id;
-            if other_id == id || class.iter().any(|(known, _)| *known == other_id) {
-                continue;
-            }
-            let lead = gain(&single.evidence, &other.evidence);
-            let (left_out, error) = predictive_gain(&single.evidence, &other.evidence);
-            let other_gain = gain(&other.evidence, &self.base.evidence);
-            let close = lead < GATE || (lead < CLEAR && left_out < CLEARLY_LEFT_OUT * error);
-            let alike = cosine[(candidate, other.candidate)];
-            if alike > SAME {
-                class.push((other_id, format!("{other_id} leaves the same signature (cosine {alike:.2})")));
-            } else if other.evidence.admissible && close && other_gain > own_gain / RIVAL {
-                class.push((other_id, format!("{other_id} explains nearly as much (log evidence {lead:.1} less)")));
-            }
-        }
-        class
     }
 }
 

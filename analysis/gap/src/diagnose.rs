@@ -1,7 +1,9 @@
 //! The whole way from a nominal model and records to a diagnosis.
 
 use super::belief::{closed_by_constants, held_against, spares};
+use super::budget::budget;
 use super::catalogue::{entry, report_units};
+use super::class::class;
 use super::closure::{closures, scored, standing_apart, touched};
 use super::constants::{NINETY, PROBABLE, PROBABLE_THOUGH_OFF};
 use super::decide::{Decision, decide};
@@ -17,7 +19,7 @@ use super::settle::{settled, stated};
 use super::trial::Trial;
 use super::verdict::{backed, doubted, unrejected};
 use super::{
-    Basis, Budget, Calibrated, Cell, Diagnosis, Fit, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
+    Basis, Calibrated, Cell, Diagnosis, Fit, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
     Transform, Tried,
 };
 use rayon::prelude::*;
@@ -231,7 +233,7 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
         let size = trial.fit.linear.point.effects[*index];
         let deviation = posterior[place].max(between[place]) * candidate.typical;
         let (factor, unit) = report_units(model.frame(), candidate.id);
-        let class = decision.class(model, *index);
+        let class = class(context, decision, trial, *index);
         let names = trial.fit.active.iter().map(|other| model.frame().candidates[*other].id);
         let others = class.iter().filter(|(id, _)| names.clone().all(|name| name != *id));
         NamedEffect {
@@ -390,34 +392,5 @@ fn next(frame: &super::Frame, diagnosis: &Diagnosis) -> NextExperiment {
         design: format!("{}; three edges", masked.separating_test),
         minutes: 60.0,
         separates: vec![[masked.id.to_owned(), confounder.to_owned()]],
-    }
-}
-
-/// Shares of the gap after each stage of explanation. The gap is the sum of squares as the fit sees it:
-/// noise and scatter between groups weigh readings, and what went far from its prior is paid for. Every
-/// stage has more freedom than the one before, so that no share is negative or more than the whole.
-fn budget(model: &dyn Forward, decision: &Decision) -> Budget {
-    let (frame, gram) = (model.frame(), &decision.base.gram);
-    let allowance = frame.allowances();
-    let calibration: Vec<usize> = (0..allowance.len()).filter(|i| !allowance[*i]).collect();
-    let within = |at: &[usize]| {
-        let right = super::gram::part_column(&gram.total, at, gram.last());
-        let solution = super::evidence::solution(gram, at, allowance.len(), &[]);
-        gram.total[(gram.last(), gram.last())] - right.dot(&solution)
-    };
-    let nominal = gram.total[(gram.last(), gram.last())];
-    let calibrated = within(&calibration);
-    let allowed = -2.0 * decision.base.evidence.profile;
-    let explained = (-2.0 * decision.model().evidence.profile).min(allowed);
-    let measured = &frame.measured;
-    let readings: usize = measured.fitted_groups().map(|group| measured.spans[group].len()).sum();
-    let floor = explained.min(readings as f64);
-    let share = |value: f64| if nominal > 0.0 { value / nominal } else { f64::NAN };
-    Budget {
-        calibration: share(nominal - calibrated),
-        form_allowance: share(calibrated - allowed),
-        effects: share(allowed - explained),
-        unexplained: share(explained - floor),
-        noise_floor: share(floor),
     }
 }

@@ -125,18 +125,19 @@ pub struct Apart {
     pub unit: &'static str,
 }
 
-/// Share of the gap by cause; none is negative, they sum to 1.
+/// Share of the gap by cause, each beyond those before it and beyond chance; none of the explained ones is negative, they
+/// sum to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Budget {
-    /// Removed by recalibration.
+    /// Removed by recalibration of the nominal constants.
     pub calibration: f64,
-    /// Removed by the form allowance.
+    /// Removed by the form allowance beside calibration and effects.
     pub form_allowance: f64,
-    /// Removed by the named effects.
+    /// Removed by the named effects beside calibration.
     pub effects: f64,
     /// Structure that nothing explains.
     pub unexplained: f64,
-    /// Noise, and scatter from edge to edge.
+    /// Noise, scatter from edge to edge, and what numbers explain of them by chance.
     pub noise_floor: f64,
 }
 

@@ -32,8 +32,10 @@
 
 mod basis;
 mod belief;
+mod budget;
 mod catalogue;
 mod channels;
+mod class;
 mod closure;
 mod constants;
 mod decide;

@@ -115,10 +115,10 @@ impl Diagnosis {
 
     fn budget_line(&self) -> String {
         format!(
-            "budget   calibration {}, form {}, effects {}, unexplained {}, noise and scatter {}\n",
+            "budget   calibration {}, effects {}, form {}, unexplained {}, noise and scatter {}\n",
             percent(self.budget.calibration),
-            percent(self.budget.form_allowance),
             percent(self.budget.effects),
+            percent(self.budget.form_allowance),
             percent(self.budget.unexplained),
             percent(self.budget.noise_floor)
         )
@@ -149,14 +149,15 @@ impl Diagnosis {
             .describe("Sum of squares of measurement less model, weighed by noise and scatter, stage by stage.")
             .total("nominal model", 100.0 * total)
             .change("calibration", -100.0 * budget.calibration)
-            .change("form allowance", -100.0 * budget.form_allowance)
             .change("named effects", -100.0 * budget.effects)
+            .change("form allowance", -100.0 * budget.form_allowance)
             .change("unexplained", -100.0 * budget.unexplained)
             .total("noise and scatter of edges", 100.0 * budget.noise_floor);
         Section::new(heading).figure(Figure::new(
             &chart,
-            "Calibration moves constants within their priors; the form allowance is what the equations may be \
-             wrong by; named effects are terms of the catalogue.",
+            "Each stage counts beyond those before it, and beyond what as many numbers explain of noise alone. \
+             Calibration moves constants within their priors; named effects are terms of the catalogue; the form \
+             allowance is what the equations may be wrong by.",
         ))
     }
 

@@ -86,8 +86,12 @@ impl Trial {
         let gram = gram(model, basis, &fit, &tolerance, &[], folds);
         let shared = fit.linear.nuisance.len() + tolerance.len();
         let columns_used = columns(shared, &fit.active);
-        let two_sided: Vec<bool> = model.frame().candidates.iter().map(super::Candidate::two_sided).collect();
-        let evidence = evidence(&gram, &columns_used, shared, &|column| two_sided[column - shared]);
+        let candidates = &model.frame().candidates;
+        let two_sided: Vec<bool> = candidates.iter().map(super::Candidate::two_sided).collect();
+        let evidence = evidence(&gram, &columns_used, shared, &|column| {
+            let own = &candidates[column - shared];
+            [own.least, own.greatest].map(|end| end / own.typical)
+        });
         Self { fit, gram, shared, evidence, reach: Vec::new(), two_sided }
     }
 
@@ -99,10 +103,17 @@ impl Trial {
 
     /// Evidence of the same model with one more candidate, without a new fit.
     pub fn with(&self, candidate: usize) -> Evidence {
+        self.with_all(&[candidate])
+    }
+
+    /// Evidence of the same model with more candidates, without a new fit.
+    pub fn with_all(&self, candidates: &[usize]) -> Evidence {
         let mut active = self.fit.active.clone();
-        active.push(candidate);
-        let two_sided = |column: usize| self.two_sided[column - self.shared];
-        evidence(&self.gram, &columns(self.shared, &active), self.shared, &two_sided)
+        active.extend(candidates);
+        // Far from a size that fits, an effect that is not linear asks for more than it will be: no range holds yet.
+        let range =
+            |column: usize| [if self.two_sided[column - self.shared] { f64::NEG_INFINITY } else { 0.0 }, f64::INFINITY];
+        evidence(&self.gram, &columns(self.shared, &active), self.shared, &range)
     }
 
     /// Scores of all candidates beside those that are active.
@@ -284,6 +295,6 @@ pub fn remainder(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], trial
         (0..dictionary.len()).max_by(|a, b| scores.score[*a].abs().total_cmp(&scores.score[*b].abs())).unwrap_or(0);
     columns = columns[..first].iter().copied().chain(columns.get(first + strongest).copied()).collect();
     let all_columns: Vec<usize> = (0..columns.len()).collect();
-    let evidence = evidence(&gram(&columns, folds), &all_columns, nuisance, &|_| true);
+    let evidence = evidence(&gram(&columns, folds), &all_columns, nuisance, &|_| [f64::NEG_INFINITY, f64::INFINITY]);
     Remainder { dictionary, scores, threshold, strongest, evidence }
 }

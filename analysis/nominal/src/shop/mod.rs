@@ -17,6 +17,7 @@
 //! as a Poisson process of exponential durations, 20 s in the mean: assumption.
 
 mod block;
+mod catalogue;
 mod constant;
 mod kpi;
 mod logs;
@@ -34,7 +35,7 @@ pub use constant::Constant;
 pub use kpi::{ShopKpi, mix};
 pub use logs::{after, groups_of};
 pub use model::ShopModel;
-pub use nominal::{Program, Shop, Station};
+pub use nominal::{EdgeLife, Program, Shop, Station};
 pub use state::State;
 pub use stops::Shape;
 pub use visit::{Breakdowns, SHORT_STOP, Visit, Visits, visits};

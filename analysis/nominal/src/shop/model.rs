@@ -1,25 +1,22 @@
 //! The nominal shop over blocks of recorded operations.
 
 use super::super::features::standardised;
-use super::super::search;
 use super::super::{
-    Candidate, Channel, Covariate, Direction, Family, Forward, Frame, Local, Measured, Point, Settings, Stated,
-    Surface, Transform, WrittenEffect,
+    Channel, Covariate, Direction, Family, Forward, Frame, Local, Measured, Point, Settings, Stated, Surface,
+    Transform, WrittenEffect,
 };
 use super::block::{Block, Blocks, CHANNELS, ROOT_SCORE, TAIL};
+use super::catalogue::Action;
 use super::constant::Constant;
 use super::nominal::Shop;
-use super::scopes::parts;
 use super::stopped::{Shapes, Stopped};
 use super::stops::Shape;
 use super::visit::{Visits, visits};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::gamma::gamma;
-use toolroom_effects::CatalogueEntry;
 use toolroom_innovations::Chain;
 use toolroom_records::{Records, Sensor};
-use toolroom_scenario::effects::SHOP_EFFECTS;
 use toolroom_statistics::median;
 
 /// Prior standard deviations of logarithms (assumptions): programmed times as planners know them, gains of
@@ -49,30 +46,6 @@ const BOOKED: f64 = 0.2 / 3600.0;
 /// Channels that live on the few operations of a block that were stopped.
 const RARE: [&str; 5] = ["cutting_tail", "cutting_excess", "cutting_spread", "feed_hold_time", "stop_count"];
 
-/// What a candidate does to a block.
-pub(super) enum Action {
-    /// Longer cutting, by share, on blocks by weight.
-    Slower(Vec<f64>),
-    /// Longer cutting by the overrides that are recorded, over their mean.
-    Overridden(f64),
-    /// Longer handling on blocks by weight, s.
-    Delay(Vec<f64>),
-    /// Longer changes of edges.
-    Change(Vec<f64>),
-    /// Short stops that show in cutting times only, on blocks by weight.
-    Stops(Vec<f64>),
-    /// Short stops that are booked.
-    Booked,
-    /// Time per hold; the holds of an operation in the mean.
-    Hold(f64),
-    /// Inverse of the acceleration, by program.
-    Acceleration(Vec<f64>),
-    /// Later changes of edges.
-    Policy,
-    /// Regular breakdowns.
-    Breakdowns,
-}
-
 /// The nominal shop over [`Records`] of events.
 pub struct ShopModel {
     pub(super) frame: Frame,
@@ -87,9 +60,6 @@ pub struct ShopModel {
     /// Channel of [`CHANNELS`] by channel of the frame.
     kinds: Vec<usize>,
 }
-
-/// Change of the time in cut, as a share, at the greatest feed override: controls go up to 200 %.
-const FASTEST: f64 = -0.5;
 
 impl ShopModel {
     /// The model over recorded events; blocks are grouped by machine and day, or by the column
@@ -166,7 +136,7 @@ impl ShopModel {
         self.frame.measured = measured;
     }
 
-    fn place(&self, kind: usize) -> Vec<usize> {
+    pub(super) fn place(&self, kind: usize) -> Vec<usize> {
         self.kinds.iter().position(|own| *own == kind).into_iter().collect()
     }
 
@@ -261,80 +231,6 @@ impl ShopModel {
             Local { name: "cutting time of the day", deviation: DAILY, estimated: true, scatter: false },
             Local { name: "handling time of the day", deviation: 3.0 * DAILY, estimated: true, scatter: false },
         ];
-    }
-
-    fn catalogue(&mut self, shop: &Shop, seen: &Visits) {
-        let blocks = &self.blocks.list;
-        let has = |kind: usize| self.kinds.contains(&kind);
-        let scopes = parts(shop, seen, blocks);
-        let mut list: Vec<(&'static str, String, f64, Action)> = Vec::new();
-        if has(0) {
-            let everywhere = vec![1.0; blocks.len()];
-            list.push(("feed_override", String::new(), 0.1, Action::Slower(everywhere)));
-            for (scope, on) in &scopes {
-                list.push(("feed_override", scope.clone(), 0.1, Action::Slower(on.clone())));
-            }
-            if seen.overridden {
-                let all = blocks.iter().flat_map(|block| block.excesses.iter()).filter(|excess| **excess > 1e-3);
-                let (sum, count) = all.fold((0.0, 0.0), |(sum, count), excess| (sum + excess, count + 1.0));
-                if sum > 0.0 {
-                    list.push(("feed_override", "as recorded".to_owned(), 0.1, Action::Overridden(sum / count)));
-                }
-            }
-            let speeds: Vec<f64> = seen
-                .programs
-                .iter()
-                .map(|name| shop.programs.get(name).map_or(0.0, |program| program.feed_speeds))
-                .collect();
-            let of_block = |block: &Block| block.program.map_or(0.0, |program| speeds[program]);
-            list.push((
-                "axis_acceleration",
-                String::new(),
-                1.0,
-                Action::Acceleration(blocks.iter().map(of_block).collect()),
-            ));
-        }
-        if has(1) {
-            list.push(("micro_stops", String::new(), 1.0 / 3600.0, Action::Stops(vec![1.0; blocks.len()])));
-            for (scope, on) in &scopes {
-                list.push(("micro_stops", scope.clone(), 1.0 / 3600.0, Action::Stops(on.clone())));
-            }
-        }
-        if has(8) {
-            list.push(("micro_stops", "booked".to_owned(), 1.0 / 3600.0, Action::Booked));
-        }
-        if has(4) {
-            list.push(("operator_delay", String::new(), 20.0, Action::Delay(vec![1.0; blocks.len()])));
-            for (scope, on) in &scopes {
-                list.push(("operator_delay", scope.clone(), 20.0, Action::Delay(on.clone())));
-            }
-        }
-        if has(6) {
-            list.push(("tool_change_delay", String::new(), 20.0, Action::Change(vec![1.0; blocks.len()])));
-            // A change belongs to no program.
-            for (scope, on) in scopes.iter().filter(|(scope, _)| !scope.starts_with("part=")) {
-                list.push(("tool_change_delay", scope.clone(), 20.0, Action::Change(on.clone())));
-            }
-        }
-        if has(7) {
-            let holds: usize = seen.list.iter().map(|visit| visit.holds.len()).sum();
-            let share = holds as f64 / seen.list.len().max(1) as f64;
-            list.push(("feed_hold", String::new(), 10.0, Action::Hold(share)));
-        }
-        if has(9) {
-            list.push(("tool_change_policy", String::new(), 0.1e-3, Action::Policy));
-        }
-        if has(10) {
-            list.push(("breakdown_shape", String::new(), 2.0, Action::Breakdowns));
-        }
-        for (id, shape, typical, action) in list {
-            let entry: Option<&CatalogueEntry> = SHOP_EFFECTS.iter().find(|entry| entry.id == id);
-            let greatest = entry.map_or(f64::INFINITY, |entry| entry.size.max);
-            let least = if matches!(action, Action::Slower(_)) { FASTEST } else { 0.0 };
-            self.frame.candidates.push(Candidate { id, shape, typical, greatest, least });
-            self.actions.push(action);
-        }
-        self.frame.untried = search::missing(SHOP_EFFECTS, &self.frame.candidates);
     }
 
     fn covariates(&mut self, seen: &Visits) {
@@ -526,13 +422,13 @@ fn nominal(shop: &Shop, seen: &Visits, blocks: &Blocks, block: &Block) -> [f64; 
         station.map_or_else(|| of_channel(6), |station| station.tool_change),
         0.0,
         BOOKED * block.cutting,
-        station.and_then(|station| station.edge_life).map_or(f64::NAN, |(mean, _)| mean.exp()),
+        station.and_then(|station| station.edge_life).map_or(f64::NAN, |life| life.logarithm.exp()),
         ROOT_SCORE.0,
     ]
 }
 
 fn life_slope(shop: &Shop, seen: &Visits, block: &Block) -> f64 {
-    shop.station(&seen.machines[block.machine]).and_then(|station| station.edge_life).map_or(0.0, |(_, slope)| slope)
+    shop.station(&seen.machines[block.machine]).and_then(|station| station.edge_life).map_or(0.0, |life| life.growth)
 }
 
 /// Mean root magnitude of normal scores, under an exponential distribution of the same mean, of times

@@ -46,8 +46,19 @@ pub struct Station {
     pub failures: Vec<FailureMode>,
     /// Time in cut of simulated edges, and whether they were worn out by then.
     pub lives: Vec<Life>,
-    /// Logarithm of the time in cut of an edge, s: mean; and its growth with the wear limit, 1/m.
-    pub edge_life: Option<(f64, f64)>,
+    /// How long its edges last, where three of them wore out in the simulated shop.
+    pub edge_life: Option<EdgeLife>,
+}
+
+/// How long the edges of a machine last in the nominal shop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeLife {
+    /// Mean logarithm of the time in cut of an edge, s.
+    pub logarithm: f64,
+    /// Growth of that time with the wear at which edges are changed, 1/m.
+    pub growth: f64,
+    /// Land at which edges are changed, m.
+    pub land: f64,
 }
 
 /// The nominal shop.
@@ -170,8 +181,8 @@ fn station(scenario: &Scenario, failures: &[FailureMode], index: usize, log: &Ru
     }
 }
 
-/// Mean logarithm of the time that edges cut on a machine, and its growth with the wear limit.
-fn edge_life(log: &RunLog, machine: usize) -> Option<(f64, f64)> {
+/// How long edges of a machine last in a run.
+fn edge_life(log: &RunLog, machine: usize) -> Option<EdgeLife> {
     // Machines of the log cut what they are given; edges still in them are not finished.
     let ended = |reason: ChangeReason| reason != ChangeReason::EndOfRun && reason != ChangeReason::Dressing;
     let edges = log.edges.iter().enumerate().filter(|(_, edge)| edge.machine == machine as u32 && ended(edge.reason));
@@ -181,11 +192,13 @@ fn edge_life(log: &RunLog, machine: usize) -> Option<(f64, f64)> {
         return None;
     }
     let mean = logarithms.iter().map(|(_, life)| life).sum::<f64>() / logarithms.len() as f64;
+    let last = |edge: usize| log.passes.iter().rev().find(|pass| pass.edge == edge as u32);
     let slope = |(edge, life): &(usize, f64)| {
-        let last = log.passes.iter().rev().find(|pass| pass.edge == *edge as u32)?;
+        let last = last(*edge)?;
         let rate = (last.flank_wear_end - last.flank_wear_start) / last.cutting_time;
         (rate > 0.0).then(|| 1.0 / (rate * life.exp()))
     };
     let mut slopes: Vec<f64> = logarithms.iter().filter_map(slope).collect();
-    Some((mean, median(&mut slopes)))
+    let mut lands: Vec<f64> = logarithms.iter().filter_map(|(edge, _)| Some(last(*edge)?.flank_wear_end)).collect();
+    Some(EdgeLife { logarithm: mean, growth: median(&mut slopes), land: median(&mut lands) })
 }

@@ -1,6 +1,7 @@
 //! Shapes of blocks at the stops of a point: of a program some pools may be stopped, and others not.
 
-use super::model::{Action, ShopModel};
+use super::catalogue::Action;
+use super::model::ShopModel;
 use super::stops::{Pool, SIZES, Shape, Stops, Timed};
 use crate::Point;
 use rayon::prelude::*;

@@ -1,6 +1,7 @@
 //! What a scenario calls the numbers of this model, and what it states of them.
 
-use super::model::{Action, ShopModel};
+use super::catalogue::Action;
+use super::model::ShopModel;
 use super::nominal::Shop;
 use super::visit::Visits;
 use crate::stated::{Movable, Stated, Words};

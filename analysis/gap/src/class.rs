@@ -1,0 +1,85 @@
+//! Effects that records cannot tell apart.
+//!
+//! An effect that is named alone has as its rivals the others beside the nominal model. One of several that are named
+//! together has to be compared beside the rest of them: alone, another effect may explain much of what a second cause
+//! did, and nothing of it once that is taken into account.
+
+use super::Forward;
+use super::constants::{CLEAR, CLEARLY_LEFT_OUT, GATE, PAIR_GATE, RIVAL, SAME};
+use super::decide::Decision;
+use super::diagnosing::Diagnosing;
+use super::evidence::{Evidence, gain, predictive_gain};
+use super::trial::Trial;
+
+/// Share of the gain that is asked of a rival by which a score of it may fall short before its evidence is worked out (1).
+/// Assumption: gain and half the square of a score differ by the prior of sizes alone.
+const ROUGHLY: f64 = 0.8;
+
+/// Candidates that the data cannot tell from `candidate`, an effect of `trial`, by other ids; each with the reason.
+pub(super) fn class(
+    context: Diagnosing<'_>,
+    decision: &Decision,
+    trial: &Trial,
+    candidate: usize,
+) -> Vec<(&'static str, String)> {
+    let others: Vec<usize> = trial.fit.active.iter().copied().filter(|index| *index != candidate).collect();
+    if others.is_empty() {
+        let all = decision.singles.iter().map(|single| (single.candidate, single.evidence.clone())).collect();
+        return rivals(context.model, &decision.base, all, candidate);
+    }
+    let beside = context.trial(&trial.fit, &others).complete(context.model, context.basis, context.folds);
+    let rivals_of = in_place(&beside, candidate);
+    rivals(context.model, &beside, rivals_of, candidate)
+}
+
+/// `candidate` and what comes near to it beside the rest of the model, with the evidence of each.
+fn in_place(beside: &Trial, candidate: usize) -> Vec<(usize, Evidence)> {
+    let strengths = beside.strengths();
+    let cosine = beside.scores().cosine;
+    let near = |other: &usize| {
+        let strong =
+            strengths[*other] > 0.0 && strengths[*other].powi(2) > ROUGHLY / RIVAL * strengths[candidate].powi(2);
+        !beside.fit.active.contains(other) && (*other == candidate || strong || cosine[(candidate, *other)] > SAME)
+    };
+    // What is still asked for beside another effect is not what that one explains.
+    let takes_over = |(other, evidence): &(usize, Evidence)| {
+        let both = || beside.with_all(&[candidate, *other]);
+        *other == candidate || cosine[(candidate, *other)] > SAME || gain(&both(), evidence) <= PAIR_GATE
+    };
+    let with = |other: usize| (other, beside.with(other));
+    let mut all: Vec<(usize, Evidence)> = (0..strengths.len()).filter(near).map(with).filter(takes_over).collect();
+    all.sort_by(|a, b| b.1.profile.total_cmp(&a.1.profile));
+    all
+}
+
+/// Of `all` candidates beside the model `base`, by falling gain, those that come near to `candidate`.
+fn rivals(
+    model: &dyn Forward,
+    base: &Trial,
+    all: Vec<(usize, Evidence)>,
+    candidate: usize,
+) -> Vec<(&'static str, String)> {
+    let candidates = &model.frame().candidates;
+    let Some(own) = all.iter().find(|(index, _)| *index == candidate).map(|(_, evidence)| evidence.clone()) else {
+        return Vec::new();
+    };
+    let cosine = base.scores().cosine;
+    let own_gain = gain(&own, &base.evidence);
+    let mut class: Vec<(&'static str, String)> = Vec::new();
+    for (other, evidence) in &all {
+        let id = candidates[*other].id;
+        if id == candidates[candidate].id || class.iter().any(|(known, _)| *known == id) {
+            continue;
+        }
+        let lead = gain(&own, evidence);
+        let (left_out, error) = predictive_gain(&own, evidence);
+        let close = lead < GATE || (lead < CLEAR && left_out < CLEARLY_LEFT_OUT * error);
+        let alike = cosine[(candidate, *other)];
+        if alike > SAME {
+            class.push((id, format!("{id} leaves the same signature (cosine {alike:.2})")));
+        } else if evidence.admissible && close && gain(evidence, &base.evidence) > own_gain / RIVAL {
+            class.push((id, format!("{id} explains nearly as much (log evidence {lead:.1} less)")));
+        }
+    }
+    class
+}
