@@ -7,9 +7,9 @@ mod decision;
 use crate::args::CalibrateArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
-use toolroom_calibrate::Process;
+use toolroom_calibrate::{DrawnTable, Process};
 use toolroom_output::Files;
-use toolroom_wear::{FirstSet, KnownLife};
+use toolroom_wear::{EDGE_SCATTER, EDGE_SCATTER_DEVIATION, FirstSet, KnownLife, ParameterSet, TURNING_SETS};
 
 /// Flank wear at which an edge is spent where nothing else is said (ISO 3685, even wear).
 const LIMIT: &str = "0.3 mm";
@@ -42,15 +42,28 @@ pub fn run(args: &CalibrateArgs, voice: &Voice) -> Result<(), Failure> {
     .map_err(|error| Failure::argument(&error, "write a number with its unit, such as \"15 min\""))?;
     let name = args.out.file_stem().map_or_else(|| "first".into(), |stem| stem.to_string_lossy().into_owned());
     let files = Files::new([], voice.force);
+    let draws = args.out.with_file_name(format!("{name}-posterior.parquet"));
     files.check(&args.out)?;
+    files.check(&draws)?;
     if let Some(folder) = args.out.parent() {
         std::fs::create_dir_all(folder).map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
     }
-    files.put(&args.out, first.to_toml(&name).as_bytes())?;
+    let text = first.to_toml(&name);
+    files.put(&args.out, text.as_bytes())?;
+    // What one life leaves open, for scenarios that name the draws.
+    let set = ParameterSet::parse(&args.out.display().to_string(), &text, &TURNING_SETS)
+        .map_err(|error| Failure::Work { message: error.to_string() })?;
+    let (count, seed) = (args.measured.draws, args.measured.seed);
+    data::write_draws(
+        &files,
+        &draws,
+        &DrawnTable::of_prior(&set, (EDGE_SCATTER, EDGE_SCATTER_DEVIATION), count, seed),
+    )?;
     if voice.json {
         return voice.json(&first.json(&args.out));
     }
     voice.data(first.text())?;
+    voice.say(format_args!("draws of what is left open: {} (parameters_from of a tool)", draws.display()));
     voice.say(format_args!("next: toolroom check {}", args.out.display()));
     Ok(())
 }

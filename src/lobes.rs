@@ -1,5 +1,6 @@
 //! `toolroom lobes FILE`: the stability chart, or the verdict at one point.
 
+mod known;
 mod shards;
 
 use crate::args::LobesArgs;
@@ -34,7 +35,12 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     let Some(path) = &args.file else {
         return of_plan(args.run.as_deref(), args.shard, args.out.as_deref(), args.threads, voice);
     };
-    let file = read(path, &args.set)?;
+    let mut file = read(path, &args.set)?;
+    if let (Some(draws), Some(set)) = (&args.parameters_from, &args.parameter_set) {
+        known::settle(&mut file.content, set, draws)?;
+        let spread = file.content.scatter.map_or(0.0, |scatter| scatter.coefficients);
+        voice.say(format_args!("cutting force known to {:.1} % (one deviation), by its draws", 100.0 * spread));
+    }
     if let [speed, depth] = args.at.as_slice() {
         verdict(&file.content, [speed, depth], args.measured.as_deref(), voice)?;
         return args
@@ -106,6 +112,10 @@ fn arguments(requested: &LobesArgs) -> Vec<String> {
     if requested.best {
         typed.extend(["--best".to_owned(), "--probability".to_owned(), requested.probability.to_string()]);
     }
+    let draws =
+        requested.parameters_from.iter().map(|file| ["--parameters-from".to_owned(), file.display().to_string()]);
+    typed.extend(draws.flatten());
+    typed.extend(requested.parameter_set.iter().flat_map(|set| ["--parameter-set".to_owned(), set.clone()]));
     typed.extend(requested.robust.iter().flat_map(|depth| ["--robust".to_owned(), depth.clone()]));
     typed
 }

@@ -268,7 +268,7 @@ pub fn calibrate(
         files.push(format!("{name}.toml"), calibration.set_file(&name, &result.based_on));
         let (folder, path) = scratch()?;
         let file = std::fs::File::create(&path).map_err(|error| Failure::file(&path, &error))?;
-        let written = result.write_draws(file, &create).map_err(Failure::work);
+        let written = result.drawn().write(file, &create).map_err(Failure::work);
         let posterior = written.and_then(|()| bytes_of(&path));
         // A folder of the system for files that nobody needs: it may stay where it cannot be removed.
         drop(std::fs::remove_dir_all(&folder));

@@ -5,7 +5,7 @@ use crate::args::CalibrationData;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use std::path::{Path, PathBuf};
-use toolroom_calibrate::{CalibrationStudy, Clock, Process, Verdict};
+use toolroom_calibrate::{CalibrationStudy, Clock, DrawnTable, Process, Verdict};
 use toolroom_output::{Files, provenance};
 
 pub fn run(
@@ -52,11 +52,7 @@ pub fn run(
     let timed = calibration.measured.clock == Clock::Minutes;
     if timed {
         files.put(&places[0], calibration.set_file(&stem, &result.based_on).as_bytes())?;
-        let draws = files.begin(&places[1])?;
-        let file = draws.file.try_clone().map_err(|source| Failure::Unwritable { path: places[1].clone(), source })?;
-        let written = result.write_draws(file, &toolroom_parquet::create);
-        written.map_err(|error| Failure::Work { message: format!("{}: {error}", places[1].display()) })?;
-        files.end(draws)?;
+        write_draws(&files, &places[1], &result.drawn())?;
     }
     let model = &calibration.carried().model;
     let mut json = calibration.json();
@@ -95,4 +91,13 @@ pub fn run(
         return Err(Failure::Work { message: format!("--strict: {what} is not determined by these data") });
     }
     Ok(())
+}
+
+/// Writes a table of draws.
+pub fn write_draws(files: &Files, place: &Path, table: &DrawnTable) -> Result<(), Failure> {
+    let begun = files.begin(place)?;
+    let file = begun.file.try_clone().map_err(|source| Failure::Unwritable { path: place.to_owned(), source })?;
+    let written = table.write(file, &toolroom_parquet::create);
+    written.map_err(|error| Failure::Work { message: format!("{}: {error}", place.display()) })?;
+    Ok(files.end(begun)?)
 }

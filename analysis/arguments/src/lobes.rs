@@ -31,6 +31,12 @@ pub struct LobesArgs {
     /// Rank the speeds of the chart by the probability that this depth is stable
     #[arg(long, value_name = "DEPTH", conflicts_with_all = ["at", "plan", "run"])]
     pub robust: Option<String>,
+    /// Draws of a calibration with cutting forces, which say how well the force is known, for probabilities
+    #[arg(long, value_name = "FILE", requires = "parameter_set", conflicts_with_all = ["plan", "run"])]
+    pub parameters_from: Option<PathBuf>,
+    /// The parameter set of these draws
+    #[arg(long, value_name = "SET", requires = "parameters_from")]
+    pub parameter_set: Option<String>,
     /// Search the unequal pitch of the teeth that goes deepest over a window of speeds
     #[arg(long, num_args = 2, value_names = ["FROM", "TO"], conflicts_with_all = ["at", "plan", "run", "best", "show", "robust"])]
     pub pitch: Vec<String>,

@@ -56,6 +56,24 @@ impl Costs {
     pub fn per_km(&self, speed: f64, life: f64) -> f64 {
         KM * self.machine / speed * (1.0 + (self.change + self.edge / self.machine) / life)
     }
+
+    /// Price of an edge at which a km costs the same at two speeds in m/min with lives in min; `None` where no price above zero
+    /// does.
+    ///
+    /// # Examples
+    /// ```
+    /// let costs = toolroom_calibrate::Costs { machine: 1.0, change: 1.0, edge: 2.5 };
+    /// let at = |v: f64| (v, 60.0 * (v / 222.0_f64).powi(-5));
+    /// assert!((costs.price_of_equal([at(222.0), at(297.0)]).unwrap() - 5.876_362).abs() < 1e-5);
+    /// assert_eq!(costs.price_of_equal([at(222.0), at(222.0)]), None);
+    /// ```
+    pub fn price_of_equal(&self, at: [(f64, f64); 2]) -> Option<f64> {
+        let [time, edges] = [
+            at.map(|(speed, life)| self.machine / speed * (1.0 + self.change / life)),
+            at.map(|(speed, life)| 1.0 / (speed * life)),
+        ];
+        Some((time[0] - time[1]) / (edges[1] - edges[0])).filter(|price| price.is_finite() && *price > 0.0)
+    }
 }
 
 /// Standard deviation of a decision before and after observations.
@@ -136,6 +154,8 @@ pub struct Advice {
     pub perfect: f64,
     /// The best tests, by what they are worth against what they cost.
     pub tests: Vec<Test>,
+    /// Price of an edge at which both cost the same at the most probable parameters; `None` where none does.
+    pub equal_at: Option<f64>,
     /// Index of the least known parameter that speeds determine, with the test that tells most of it for each unit of cost.
     pub parameter: Option<(usize, Test)>,
 }
@@ -188,7 +208,19 @@ impl Calibration {
             slower && speeds.iter().any(|own| *own >= speed * 0.999)
         };
         let tested = between.iter().all(|at| within(at.cut.cutting_speed * 60.0));
-        Advice { between, tested, lives, difference: mean, deviation, second_better, perfect, tests: ranked, parameter }
+        let place = |which: usize| (between[which].cut.cutting_speed * 60.0, lives[which]);
+        Advice {
+            between,
+            tested,
+            lives,
+            difference: mean,
+            deviation,
+            second_better,
+            perfect,
+            tests: ranked,
+            equal_at: costs.price_of_equal([place(0), place(1)]),
+            parameter,
+        }
     }
 
     /// Index of the parameter that other speeds would tell and of which most of the prior is left.
@@ -291,6 +323,9 @@ impl Advice {
             100.0 * share,
             self.perfect
         );
+        if let Some(price) = self.equal_at {
+            let _ = writeln!(text, "both cost the same where an edge costs {price:.2}");
+        }
         for (place, test) in self.tests.iter().enumerate() {
             let _ = writeln!(
                 text,
@@ -343,7 +378,7 @@ impl Advice {
         serde_json::json!({
             "between [m/min]": self.between.each_ref().map(speed), "life [min]": self.lives, "tested": self.tested,
             "difference_per_km": self.difference, "sd": self.deviation, "second_better": self.second_better,
-            "evpi_per_km": self.perfect, "next_experiment": self.tests.iter().map(test).collect::<Vec<_>>(),
+            "evpi_per_km": self.perfect, "edge_cost_of_equal": self.equal_at, "next_experiment": self.tests.iter().map(test).collect::<Vec<_>>(),
             "best_for_parameter": parameter,
         })
     }

@@ -51,6 +51,8 @@ pub struct Identifiability {
     pub correlations: Vec<(usize, usize, f64)>,
     /// Pairs of which a product is fixed.
     pub products: Vec<Product>,
+    /// Parameters that act on what is the same for all edges.
+    pub untold: Vec<usize>,
 }
 
 impl Identifiability {
@@ -96,11 +98,11 @@ impl Identifiability {
             }
         }
         correlations.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
-        Self { shrink, undetermined, correlations, products }
+        Self { shrink, undetermined, correlations, products, untold: model.untold() }
     }
 
     /// Whether the data determine a parameter by itself.
     pub fn determined(&self, parameter: usize) -> bool {
-        self.shrink[parameter] < SHRINK
+        self.shrink[parameter] < SHRINK && !self.untold.contains(&parameter)
     }
 }

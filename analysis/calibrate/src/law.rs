@@ -167,30 +167,28 @@ impl Law {
             let contrast = Parameter::new(named("stage_contrast"), "1", Scale::Contrast, prior, lift);
             [contrast, Parameter::new(named("stage_tilt"), "1", Scale::Tilt, Prior::new(0.0, TILT), lift)]
         };
+        let of_lives = |life: f64, speed_exponent: f64, feed: &str, contrast: f64| {
+            let mut parameters = vec![
+                level("reference_life", "min", life / MINUTE),
+                speed(speed_exponent),
+                exponent("feed_exponent", FEED, feed),
+                exponent("depth_exponent", DEPTH, "vary depth_of_cut"),
+            ];
+            parameters.extend(stages(contrast));
+            parameters
+        };
         let law = match template {
             Base::Turning(pair) => &pair.law,
             Base::Milling { life, .. } => {
-                let mut parameters = vec![
-                    level("reference_life", "min", life.reference_life / MINUTE),
-                    speed(life.speed_exponent),
-                    exponent("feed_exponent", FEED, "vary feed_per_tooth"),
-                    exponent("depth_exponent", DEPTH, "vary depth_of_cut"),
-                ];
-                parameters.extend(stages(life.stage_contrast));
+                let (level, speed) = (life.reference_life, life.speed_exponent);
+                let mut parameters = of_lives(level, speed, "vary feed_per_tooth", life.stage_contrast);
                 parameters.push(exponent("width_exponent", WIDTH, "vary width_of_cut"));
                 return parameters;
             }
         };
         match law {
             WearLaw::ExtendedTaylor(law) => {
-                let mut parameters = vec![
-                    level("reference_life", "min", law.reference_life / MINUTE),
-                    speed(law.speed_exponent),
-                    exponent("feed_exponent", FEED, "vary feed_per_rev"),
-                    exponent("depth_exponent", DEPTH, "vary depth_of_cut"),
-                ];
-                parameters.extend(stages(law.stage_contrast));
-                parameters
+                of_lives(law.reference_life, law.speed_exponent, "vary feed_per_rev", law.stage_contrast)
             }
             WearLaw::TakeyamaMurata(law) => vec![
                 level("abrasive_wear", "um/m", law.abrasive_wear * MICRO),

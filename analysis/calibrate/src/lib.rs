@@ -25,6 +25,7 @@
 //! | [`leave_edges_out`], [`Coverage`], [`Choice`] | predictions of edges by the others, and the law that they speak for |
 //! | [`Measured`], [`Treatment`], [`Clock`] | records brought into this form, with what is to be said of them |
 //! | [`Calibration`], [`Request`] | all of it in one go: text, JSON, draws, the parameter set |
+//! | [`DrawnTable`] | draws as a table, also of what is known before any data |
 //! | [`Advice`], [`Costs`], [`Test`] | a decision between two speeds, and what to measure for it |
 //! | [`CalibrationStudy`], [`StudyResult`] | the same from files |
 //!
@@ -42,6 +43,7 @@ mod calibration;
 mod chipping;
 mod choice;
 mod curve;
+mod drawn;
 mod edge;
 mod ensemble;
 mod fit;
@@ -74,6 +76,7 @@ pub use calibration::{Calibration, CalibrationError, ForceFit, HeldOut, LawFit, 
 pub use chipping::{ChippingFit, Exposure};
 pub use choice::{Choice, Score, Verdict};
 pub use curve::Curve;
+pub use drawn::DrawnTable;
 pub use edge::{Block, Common, Edge, Life, Stretch};
 pub use fit::{Maximum, maximise};
 pub use force::{FORCE_NOISE, FORCE_SCATTER, ForceModel, ForceReading};

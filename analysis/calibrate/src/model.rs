@@ -11,6 +11,12 @@ pub trait Model: Sync {
     /// Number of edges.
     fn edges(&self) -> usize;
 
+    /// Indices of parameters that act on what is the same for all edges: the data tell nothing of them, and what narrows them
+    /// is the prior of another parameter.
+    fn untold(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
     /// Log density of all data of each of some edges, what is particular to an edge integrated out.
     fn ln_densities(&self, u: &[f64], edges: &[usize]) -> Vec<f64>;
 

@@ -3,6 +3,7 @@
 use crate::base::{Base, Condition, Process};
 use crate::edge::Life;
 use crate::treatment::{Clock, Measured};
+use crate::wear_model::{ONE_SPEED, ONE_VALUE};
 
 /// Fall of wear from one reading to the next that is worth a line, in standard deviations of a reading.
 const FALL: f64 = 3.0;
@@ -17,16 +18,12 @@ const RUN_IN: f64 = 0.1;
 
 impl Measured {
     pub(crate) fn remark(&mut self, limit: f64) {
-        let (mut notes, mut used) = (Vec::new(), Vec::new());
+        let (mut notes, mut used, mut fallen) = (Vec::new(), Vec::new(), Vec::new());
         for edge in &self.edges {
             let wear: Vec<f64> = edge.stretches.iter().filter_map(|stretch| stretch.wear).collect();
-            if let Some(place) = wear.windows(2).position(|pair| pair[0] - pair[1] > FALL * READING) {
-                let (from, to) = (wear[place], wear[place + 1]);
-                notes.push(format!(
-                    "edge {}: wear falls from {from:.3} to {to:.3} mm; the readings are kept. Was another edge or corner \
-                     read? Then give it a tool_id of its own",
-                    edge.name
-                ));
+            let falls: Vec<&[f64]> = wear.windows(2).filter(|pair| pair[0] - pair[1] > FALL * READING).collect();
+            if let Some(first) = falls.first() {
+                fallen.push((edge.name.as_str(), first[0], first[1], falls.len()));
             }
             if wear.first().is_some_and(|first| *first > WORN_ALREADY * limit) && wear.len() > 1 {
                 let early = edge.stretches.first().is_some_and(|first| first.wear.is_some());
@@ -34,6 +31,17 @@ impl Measured {
                     used.push((edge.name.as_str(), wear[0]));
                 }
             }
+        }
+        if let Some((name, from, to, count)) = fallen.first() {
+            let who = match fallen.len() {
+                1 => format!("edge {name}"),
+                many => format!("{many} edges, {name} first"),
+            };
+            let times = if *count > 1 { format!(" and {} times more", count - 1) } else { String::new() };
+            notes.push(format!(
+                "{who}: wear falls from {from:.3} to {to:.3} mm{times}; the readings are kept. Was another edge or corner \
+                 read? Then give it a tool_id of its own"
+            ));
         }
         let begun = self.edges.iter().filter(|edge| edge.begun.is_some()).count();
         if begun > 0 {
@@ -77,7 +85,7 @@ impl Measured {
         let (slow, fast) = span(&|condition| condition.cut.cutting_speed * 60.0);
         // What was worn already comes first: every answer below depends on it.
         let mut refusals = std::mem::take(&mut self.refusals);
-        if fast < 1.2 * slow {
+        if fast < ONE_SPEED * slow {
             let what = match self.process {
                 Process::Turning => "no exponent of speed, no activation energy, no choice of a law",
                 Process::Milling => "no exponent of speed",
@@ -99,7 +107,7 @@ impl Measured {
         let width = width.then(|| ("width_of_cut", span(&|condition| condition.width.unwrap_or(1.0))));
         for (name, (least, greatest)) in [(self.process.feed(), feed), ("depth_of_cut", depth)].into_iter().chain(width)
         {
-            if greatest < 1.05 * least {
+            if greatest < ONE_VALUE * least {
                 refusals.push(format!("one {name}: its exponent is the prior; vary {name}"));
             }
         }

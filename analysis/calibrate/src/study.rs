@@ -2,6 +2,7 @@
 
 use crate::base::{Base, Process};
 use crate::calibration::{Calibration, CalibrationError, Request};
+use crate::drawn::DrawnTable;
 use crate::law::Law;
 use crate::parameter::Prior;
 use crate::shape::{Candidate, Shape};
@@ -11,13 +12,11 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use std::fmt::Display;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use toolroom_cutting::{MILLING_CATALOGUE, Milling};
 use toolroom_form::Outline;
 use toolroom_process::unit;
 use toolroom_records::import::{Combine, Mapped, Mapping, Origin, import};
-use toolroom_records::table::{Kind, NewTable, TableError, Value};
 use toolroom_records::{OtherTable, ReadReport, RecordError, RecordKind, Records};
 use toolroom_wear::{Catalogue, Pair, ParameterSet, Scatter, Spread, TURNING_SETS, is_path, read_priors};
 
@@ -306,9 +305,8 @@ impl CalibrationStudy {
         match toolroom_records::read(&self.data, kind, parquet) {
             Ok(read) => Ok(read),
             Err(error @ RecordError::MissingColumn { .. }) => {
-                if let Some(mapping) = lives(&self.data) {
-                    return import(&self.data, &mapping, parquet)
-                        .map_err(|error| refuse(error, "mend the table of lives"));
+                if let Some(mapping) = by_headers(&self.data) {
+                    return import(&self.data, &mapping, parquet).map_err(|error| refuse(error, "mend the table"));
                 }
                 Err(refuse(error, "`toolroom import csv` maps other tables to records; or give --map"))
             }
@@ -319,21 +317,9 @@ impl CalibrationStudy {
 
 impl StudyResult {
     /// The draws as a table: a column a parameter in its unit, the law, and the weight.
-    ///
-    /// # Errors
-    /// What the format says.
-    pub fn write_draws(&self, file: File, new_table: NewTable<'_>) -> Result<(), TableError> {
-        let names = self.calibration.draw_columns();
-        let columns = names.iter().map(|name| (name.as_str(), Kind::Real));
-        let columns: Vec<(&str, Kind)> = columns.chain([("law", Kind::Text), ("weight", Kind::Real)]).collect();
-        let mut table = new_table(file, &columns)?;
+    pub fn drawn(&self) -> DrawnTable {
         let law = self.calibration.choice.carried.law.group();
-        for draw in self.calibration.draws() {
-            let numbers = draw.into_iter().map(|value| Value::Real(Some(value)));
-            let cells: Vec<Value<'_>> = numbers.chain([Value::Text(law), Value::Real(Some(1.0))]).collect();
-            table.row(&cells)?;
-        }
-        table.finish()
+        DrawnTable { columns: self.calibration.draw_columns(), rows: self.calibration.draws().collect(), law }
     }
 }
 
@@ -357,8 +343,8 @@ fn prior(name: &str, spread: &Spread, laws: &[Law]) -> Option<(String, Prior)> {
     })
 }
 
-/// The mapping of a table that has a column of lives: every column by its own header.
-fn lives(path: &Path) -> Option<Mapping> {
+/// The mapping of a table of lives, or of wear over the path instead of the time: every column by its own header.
+fn by_headers(path: &Path) -> Option<Mapping> {
     let text = String::from_utf8(std::fs::read(path).ok()?).ok()?;
     let line = text.trim_start_matches('\u{feff}').lines().next()?;
     let kind = RecordKind::Empirical;
@@ -374,5 +360,6 @@ fn lives(path: &Path) -> Option<Mapping> {
         })
         .collect();
     let has = |wanted: &str| columns.iter().any(|mapped| mapped.column.name == wanted);
-    (has("life") && has("tool_id")).then(|| Mapping { kind, columns, keep: Vec::new(), rows: 1 })
+    let over_path = has("path_length") && has("flank_wear") && !has("feed_per_tooth");
+    ((has("life") || over_path) && has("tool_id")).then(|| Mapping { kind, columns, keep: Vec::new(), rows: 1 })
 }

@@ -11,6 +11,8 @@ use toolroom_wear::Cut;
 const LEAST: f64 = 0.003;
 /// Flank wear in mm that no edge survives (assumption; the column of records has the same bound).
 const MOST: f64 = 5.0;
+/// Flank wear in mm below which no reading of an edge lies: five times the usual error of a reading below zero.
+const BELOW: f64 = -0.055;
 /// Channels of records that speak of wear and are not used here.
 const UNUSED: [&str; 4] = ["feed_force", "spindle_power", "temperature", "thermo_emf"];
 
@@ -84,6 +86,17 @@ fn times(records: &Records, rows: &[usize], edge: &str) -> Result<Vec<f64>, Data
             })
             .collect();
     }
+    if let Some(path) = path(records) {
+        let speed = records.numbers("cutting_speed").ok_or_else(|| DataError::NoColumn("cutting_speed".to_owned()))?;
+        let minutes = |row: &usize| {
+            let minutes = path[*row] / speed[*row] / 60.0;
+            let usable = minutes >= 0.0 && minutes.is_finite();
+            usable
+                .then_some(minutes)
+                .ok_or_else(|| value(format!("row {}: a path_length of {} m cannot be used", row + 1, path[*row])))
+        };
+        return rows.iter().map(minutes).collect();
+    }
     let sequence = records.numbers("sequence").ok_or_else(|| DataError::NoColumn("cutting_time".to_owned()))?;
     let mut before = 0.0;
     rows.iter()
@@ -94,6 +107,13 @@ fn times(records: &Records, rows: &[usize], edge: &str) -> Result<Vec<f64>, Data
             usable.then_some(passed).ok_or_else(|| value(format!("sequence {before} twice, or below 1")))
         })
         .collect()
+}
+
+/// Cutting path of each operation of turning, m, where it stands in place of the time in cut.
+fn path(records: &Records) -> Option<&[f64]> {
+    let path = records.numbers("path_length").filter(|path| path.iter().any(|path| path.is_finite()))?;
+    // In milling a path is that of the centre of the cutter, which takes no part in the time of an edge in cut.
+    records.numbers("feed_per_tooth").is_none().then_some(path)
 }
 
 /// The unit in which readings would be flank wear, where there is one.
@@ -271,7 +291,7 @@ impl Measured {
             notes.push(format!("no {}: that of the set is taken, the same for all edges", lacking.join(", ")));
         }
         let groups = groups(records, treatment)?;
-        let clock = match there("cutting_time").or(there("life")) {
+        let clock = match there("cutting_time").or(there("life")).or(path(records)) {
             Some(_) => Clock::Minutes,
             None => Clock::Operations,
         };
@@ -379,6 +399,13 @@ impl Measured {
                 let mut stretches = Vec::new();
                 for (row, time) in rows.iter().zip(times) {
                     let wear = Some(at("flank_wear", *row) * 1e3).filter(|wear| wear.is_finite());
+                    if let Some(wear) = wear.filter(|wear| *wear < BELOW) {
+                        let what = format!(
+                            "row {}: a flank_wear of {wear} mm cannot be; leave the cell empty where wear was not read",
+                            row + 1
+                        );
+                        return Err(DataError::Value { edge: name.to_owned(), what });
+                    }
                     stretches.push(Stretch { condition: condition(*row), time, wear, block: None });
                 }
                 measured.ends.push(end);

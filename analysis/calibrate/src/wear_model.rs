@@ -46,6 +46,11 @@ const FOLLOWED: usize = 4;
 /// Edges that are worth more than one thread (assumption: a tenth of a millisecond of work).
 const PARALLEL: usize = 48;
 
+/// Speeds within this factor are one speed, of which no exponent follows.
+pub(crate) const ONE_SPEED: f64 = 1.2;
+/// The same of feeds, depths and widths (assumption: a shop does not call that another feed).
+pub(crate) const ONE_VALUE: f64 = 1.05;
+
 /// mm/min of a rate in m/s.
 const MM_PER_MIN: f64 = 6e4;
 
@@ -410,6 +415,26 @@ impl Model for WearModel {
 
     fn edges(&self) -> usize {
         self.edges.len()
+    }
+
+    fn untold(&self) -> Vec<usize> {
+        let spread = |of: &dyn Fn(&Condition) -> f64| {
+            let met = self.edges.iter().flat_map(|edge| {
+                let of_life = edge.life.iter().map(|(condition, _)| *condition);
+                edge.stretches.iter().map(|stretch| stretch.condition).chain(of_life)
+            });
+            let values = met.map(|condition| of(&self.conditions[condition]));
+            let (least, greatest) = values.fold((f64::INFINITY, 0.0_f64), |(a, b), value| (a.min(value), b.max(value)));
+            greatest / least
+        };
+        let same = [
+            ("speed_exponent", spread(&|condition| condition.cut.cutting_speed) < ONE_SPEED),
+            ("feed_exponent", spread(&|condition| condition.cut.feed_per_rev) < ONE_VALUE),
+            ("depth_exponent", spread(&|condition| condition.cut.depth_of_cut) < ONE_VALUE),
+            ("width_exponent", spread(&|condition| condition.width.unwrap_or(1.0)) < ONE_VALUE),
+        ];
+        let named = |name: &str| self.index(&format!("{}.{name}", self.law.group()));
+        same.into_iter().filter(|(_, same)| *same).filter_map(|(name, _)| named(name)).collect()
     }
 
     fn readings(&self, edge: usize) -> Vec<f64> {

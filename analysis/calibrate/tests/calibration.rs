@@ -219,3 +219,34 @@ fn readings_in_another_unit_are_refused_with_the_unit_that_they_look_like() {
     let error = Measured::of(&records(&thousand), 0.3).expect_err("no flank wear");
     assert!(error.to_string().contains("write flank_wear [um]"), "{error}");
 }
+
+#[test]
+fn an_exponent_of_what_never_changed_is_not_called_determined() {
+    let measured = Measured::of(&records(&made(&[220.0, 220.0, 220.0, 220.0])), 0.3).expect("edges");
+    let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor])).expect("a calibration");
+    let json = found.json();
+    for name in ["speed_exponent", "feed_exponent", "depth_exponent"] {
+        let listed = json["parameters"].as_array().expect("a list");
+        let own = listed.iter().find(|own| own["name"] == format!("extended_taylor.{name}")).expect("a parameter");
+        assert_eq!(own["determined"], false, "{own}");
+    }
+}
+
+#[test]
+fn falls_of_many_edges_are_told_at_once_and_wear_far_below_zero_is_refused() {
+    let fallen = |wear: &str| {
+        made(&[180.0, 180.0, 220.0]).lines().fold(String::new(), |mut rows, line| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if cells[3] == "5" {
+                cells[8] = wear.to_owned();
+            }
+            let _ = writeln!(rows, "{}", cells.join(","));
+            rows
+        })
+    };
+    let measured = Measured::of(&records(&fallen("0.01")), 0.3).expect("edges");
+    let falls: Vec<&String> = measured.notes.iter().filter(|note| note.contains("wear falls")).collect();
+    assert!(matches!(falls.as_slice(), [note] if note.starts_with("3 edges, E0 first")), "{falls:?}");
+    let error = Measured::of(&records(&fallen("-0.2")), 0.3).expect_err("no wear");
+    assert!(error.to_string().contains("leave the cell empty"), "{error}");
+}

@@ -1,7 +1,7 @@
 //! Maximum likelihood.
 
 use super::law::{Dimension, Family, Law};
-use super::maximise::{Maximum, maximise, profile};
+use super::maximise::{Maximum, maximise, maximise_near, profile};
 use super::normal;
 use super::sample::{Observation, Sample, SampleError};
 use statrs::function::gamma::gamma;
@@ -85,7 +85,7 @@ pub(super) fn refit(sample: &Sample, near: &Fit) -> Option<Fit> {
     let family = near.law.family();
     sample.suffices(family.parameters()).ok()?;
     let likelihood = |x: &[f64]| log_likelihood(sample, &law(family, x, near.unit));
-    let peak = maximise(&likelihood, &near.peak.at);
+    let peak = maximise_near(&likelihood, &near.peak.at, &near.peak.information);
     let settled = peak.filter(|peak| peak.at.iter().all(|x| x.abs() < FARTHEST));
     settled.map(|peak| Fit::new(sample, family, near.unit, peak)).or_else(|| fit(sample, family).ok())
 }

@@ -370,6 +370,7 @@ fn randomness(settings: &mut Settings, scenario: &Scenario, process: &str) {
     settings.scatter = tool.map(|tool| tool.scatter).filter(|scatter| *scatter != Scatter::none());
     let own = tool.map(|tool| tool.structure_scatter).unwrap_or_default();
     settings.structure_scatter = [own.natural_frequency, own.damping_ratio];
+    settings.spreads = tool.map(|tool| tool.spreads.clone()).unwrap_or_default();
     settings.lots = scenario.parts.iter().map(|part| (part.name.clone(), part.batch_size)).collect();
     let variance = |distribution: &Distribution| {
         if distribution.is_constant() {

@@ -1,6 +1,8 @@
 //! Priors and sensors of a diagnosis, with the defaults of the records contract.
 
+use super::stated::STAYS;
 use toolroom_records::Sensor;
+use toolroom_scenario::Spreads;
 use toolroom_wear::Scatter;
 
 /// Prior standard deviation of a machine's gain on a channel.
@@ -43,6 +45,8 @@ pub struct Settings {
     pub handling: f64,
     /// How natural frequencies and damping ratios of the machines differ in the scenario, relative standard deviations.
     pub structure_scatter: [f64; 2],
+    /// How well the parameters of the tool are known by the draws or by `[prior]` of its set.
+    pub spreads: Spreads,
 }
 
 impl Default for Settings {
@@ -65,11 +69,23 @@ impl Default for Settings {
             lots: Vec::new(),
             handling: 0.0,
             structure_scatter: [0.0; 2],
+            spreads: Spreads::default(),
         }
     }
 }
 
 impl Settings {
+    /// Standard deviation of the logarithm of the parameter called `group.name`: as the draws or the set of the tool say,
+    /// else the usual one.
+    pub fn spread(&self, name: &str, usual: f64) -> f64 {
+        kept(self.spreads.parameters.get(name).copied(), usual)
+    }
+
+    /// The same of the level of the wear rate.
+    pub fn spread_of_wear(&self) -> f64 {
+        kept(self.spreads.wear_level, self.wear_level)
+    }
+
     /// The sensor of a channel; handling scatters like an error of the cycle time.
     pub fn sensor(&self, channel: &str) -> Sensor {
         let given = self.sensors.iter().find(|(name, _)| name == channel);
@@ -79,4 +95,9 @@ impl Settings {
         }
         sensor
     }
+}
+
+/// A spread that other measurements have left, or the usual one.
+fn kept(known: Option<f64>, usual: f64) -> f64 {
+    known.map_or(usual, |known| known.hypot(STAYS * usual))
 }

@@ -94,8 +94,7 @@ impl Stated {
     pub fn spread(calibration: &Calibration, default: f64) -> f64 {
         let prior = calibration.prior.filter(|prior| *prior > 0.0).unwrap_or(default);
         match calibration.standard_error {
-            // A quarter of the prior stays: what one set of records shows another may not (assumption).
-            Some(error) => error.hypot(0.25 * prior),
+            Some(error) => error.hypot(STAYS * prior),
             None => prior,
         }
     }
@@ -116,6 +115,9 @@ impl Stated {
         Some((self.calibrations.remove(place), value))
     }
 }
+
+/// Share of a prior that stays after measurements: what one set of records shows another may not (assumption).
+pub(crate) const STAYS: f64 = 0.25;
 
 /// A row of records as scopes see it.
 pub(crate) fn occasion<'a>(records: &'a Records, row: usize, tool: Option<&str>) -> Occasion<'a> {

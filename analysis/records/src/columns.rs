@@ -231,6 +231,7 @@ const ANY: &[RecordColumn] = &[
     WIDTH_OF_CUT,
     SPINDLE_SPEED,
     CUTTING_TIME,
+    condition("path_length", "m", "m", 1e6),
     condition("life", "s", "min", 1e5),
     condition("censored", "1", "1", 1.0),
     condition("inspected", "s", "min", 1e5),

@@ -22,6 +22,7 @@ mod decision;
 mod drawn;
 mod station;
 
+pub(crate) use break_even::SWING;
 pub use break_even::{BreakEven, Crossing};
 pub use decision::{Decision, Outcome, Role, role};
 pub use drawn::DrawnDifference;

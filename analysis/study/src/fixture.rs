@@ -46,6 +46,7 @@ fn tool(name: &str, process: ProcessModel, edge_cost: f64) -> ToolType {
         scatter: Default::default(),
         structure_scatter: Default::default(),
         posterior: None,
+        spreads: Default::default(),
     }
 }
 

@@ -3,7 +3,7 @@
 //! Keys of figures carry their unit (`tool_life [min]`); shares are shares, not per cent; what is
 //! not defined is null. Keys are never renamed, more may come.
 
-use crate::compare::{BreakEven, Comparison, Difference, PolicyResult};
+use crate::compare::{BreakEven, Comparison, Difference, PolicyResult, SWING};
 use crate::kpi::Kpi;
 use crate::planner;
 use crate::study::Study;
@@ -66,6 +66,7 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
             "notes": decision.notes,
         },
         "break_even": break_even,
+        "tornado": comparison.break_even.iter().map(tornado_json).collect::<Vec<_>>(),
         "digest": format!("{:016x}", study.digest),
     });
     summary["run"] = if scenario.is_terminating() { "terminating" } else { "steady_state" }.into();
@@ -110,6 +111,14 @@ fn break_even_json(price: &BreakEven) -> Value {
         "ci90": price.factor.interval.filter(|_| price.flips()).map(|(low, high)| [low, high]),
         "retuned": false,
     })
+}
+
+/// The difference of the decision at other prices, settings held.
+fn tornado_json(price: &BreakEven) -> Value {
+    let ends = SWING.iter().zip(&price.swing).map(|(factor, difference)| {
+        json!({ "factor": factor, "difference": difference.mean, "ci90": [difference.low(), difference.high()] })
+    });
+    json!({ "key": price.key, "at": ends.collect::<Vec<_>>(), "retuned": false })
 }
 
 /// Mean cutting share of the shop under the baseline.

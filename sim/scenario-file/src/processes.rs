@@ -13,7 +13,7 @@ use toolroom_form::{Fault, Section, Value, Walk, nearest, set_parameters};
 use toolroom_infeed::{Infeed, Parameters};
 use toolroom_lobes::LobesCut;
 use toolroom_process::{ModelError, Process};
-use toolroom_scenario::{MachineType, Posterior, ProcessModel, SwitchedEffect, read_posterior};
+use toolroom_scenario::{MachineType, Posterior, ProcessModel, Spreads, SwitchedEffect, read_posterior};
 use toolroom_wear::{Catalogue, Chipping, Pair, ParameterSet, Scatter, SetError, TURNING_SETS, check_tilt};
 
 /// Edges that are worn at the start can wear further.
@@ -217,9 +217,25 @@ pub(super) fn tool_scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
     if let Some(stated) = Scatter::of_section(walk, tool, &format!("{}, scatter", tool.path)) {
         return stated;
     }
+    named_set(walk, tool).and_then(|set| set.scatter).unwrap_or_else(Scatter::shop)
+}
+
+/// The parameter set that a cutting tool names; `None` without one, and where it cannot be loaded: that is noted with the
+/// process of the tool.
+fn named_set(walk: &Walk, tool: &Section<'_>) -> Option<ParameterSet> {
     let process = tool.chosen("process", ProcessKind::from_word);
     let catalogues = [(ProcessKind::Turning, &TURNING_SETS), (ProcessKind::Milling, &MILLING_CATALOGUE)];
-    let catalogue = catalogues.into_iter().find(|(kind, _)| process == Some(*kind)).map(|(_, catalogue)| catalogue);
-    let of_set = |reference| ParameterSet::load(reference, &walk.folder, catalogue?).ok()?.scatter;
-    tool.text("parameter_set").and_then(of_set).unwrap_or_else(Scatter::shop)
+    let (_, catalogue) = catalogues.into_iter().find(|(kind, _)| process == Some(*kind))?;
+    ParameterSet::load(tool.text("parameter_set")?, &walk.folder, catalogue).ok()
+}
+
+/// How well the parameters of a tool are known before records of its own: by its draws, else by `[prior]` of its set.
+pub(super) fn spreads(
+    walk: &Walk,
+    tool: &Section<'_>,
+    process: &ProcessModel,
+    posterior: Option<&Posterior>,
+) -> Spreads {
+    let of_set = named_set(walk, tool).map_or_else(Spreads::default, |set| Spreads::of_set(&set, process));
+    posterior.map_or_else(Spreads::default, |posterior| Spreads::of_draws(posterior, process)).or(of_set)
 }

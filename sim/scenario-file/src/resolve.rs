@@ -370,6 +370,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
         let cut = structure.map(|structure| structure.cut);
         let process = processes::process(walk, &section, &scatter, &effects, cut);
         let posterior = process.as_ref().and_then(|process| processes::posterior(walk, &section, process));
+        let spreads = process.as_ref().map(|process| processes::spreads(walk, &section, process, posterior.as_ref()));
         let tool = process.map(|process| ToolType {
             name,
             process,
@@ -380,6 +381,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
             scatter,
             structure_scatter,
             posterior: posterior.map(Arc::new),
+            spreads: spreads.unwrap_or_default(),
         });
         tools.push(NamedTool {
             process: section.chosen("process", ProcessKind::from_word),

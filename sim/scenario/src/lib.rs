@@ -41,6 +41,7 @@ mod resource;
 mod scope;
 mod shared;
 mod speed;
+mod spreads;
 mod stability;
 mod station;
 mod transport;
@@ -71,6 +72,7 @@ pub use resource::{Attendance, Operator, SetupMatrix};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use shared::{Fixture, Hold, Shared};
 pub use speed::{Course, PATH, PRICE, SPEED, SpeedChoice, SpeedEntry, SpeedPart, SpeedRule, WEAR};
+pub use spreads::Spreads;
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{FailureClock, FailureMode, MachineType, ProcessModel, ToolType};
 pub use toolroom_calendar::{

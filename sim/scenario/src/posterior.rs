@@ -182,6 +182,17 @@ impl Posterior {
         &self.names
     }
 
+    /// Values of a parameter by its name, SI, a value a draw; `None` where the draws do not hold it.
+    pub(crate) fn values(&self, name: &str) -> Option<Vec<f64>> {
+        let column = self.names.iter().position(|own| own == name)?;
+        Some(self.draws.iter().map(|draw| draw[column]).collect())
+    }
+
+    /// The draws, along their first principal component.
+    pub(crate) fn each(&self) -> impl Iterator<Item = &[f64]> {
+        self.draws.iter().map(Vec::as_slice)
+    }
+
     /// Number of draws.
     pub fn count(&self) -> usize {
         self.draws.len()
@@ -284,7 +295,11 @@ fn groups(process: &mut ProcessModel, visit: &mut dyn FnMut(&'static str, &mut d
     }
 }
 
-fn with_group<T>(process: &mut ProcessModel, group: &str, work: impl Fn(&mut dyn AnyRecord) -> T) -> Option<T> {
+pub(crate) fn with_group<T>(
+    process: &mut ProcessModel,
+    group: &str,
+    work: impl Fn(&mut dyn AnyRecord) -> T,
+) -> Option<T> {
     let mut done = None;
     groups(process, &mut |name, record| {
         if name == group && done.is_none() {

@@ -1,6 +1,6 @@
 //! Machines, tools, working time, breakdowns.
 
-use super::{Batch, Calibration, DispatchRule, Distribution, Posterior, StructureScatter, Target, Variants};
+use super::{Batch, Calibration, DispatchRule, Distribution, Posterior, Spreads, StructureScatter, Target, Variants};
 use std::fmt;
 use std::sync::Arc;
 use toolroom_calendar::Interruption;
@@ -163,6 +163,8 @@ pub struct ToolType {
     pub structure_scatter: StructureScatter,
     /// Draws from which each replication takes its parameters; `None`: those of the set.
     pub posterior: Option<Arc<Posterior>>,
+    /// How well its parameters are known before records of its own: by the draws, else by `[prior]` of the set.
+    pub spreads: Spreads,
 }
 
 impl ToolType {

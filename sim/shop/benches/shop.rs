@@ -49,6 +49,7 @@ fn tool(name: &str, process: ProcessModel) -> ToolType {
         scatter: Scatter::shop(),
         structure_scatter: Default::default(),
         posterior: None,
+        spreads: Default::default(),
     }
 }
 

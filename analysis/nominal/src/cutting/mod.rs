@@ -288,10 +288,12 @@ impl<P: Nominal> Cutting<P> {
                     cutting_effects::Prior::Temperature => settings.temperature,
                     cutting_effects::Prior::Wear => settings.wear_level,
                 };
-                self.parameter(format!("{group}.{name}"), deviation, false, Change::Constant { group, name });
+                let name_in_file = format!("{group}.{name}");
+                let deviation = settings.spread(&name_in_file, deviation);
+                self.parameter(name_in_file, deviation, false, Change::Constant { group, name });
             }
         }
-        self.parameter("wear rate level", settings.wear_level, false, Change::Wear);
+        self.parameter("wear rate level", settings.spread_of_wear(), false, Change::Wear);
         if let Some(land) = self.scattered.as_ref().map(|own| own.land).filter(|land| *land > 0.0) {
             self.start = land;
             self.parameter("land of a new edge", scattered::NEW_LAND, false, Change::Start);

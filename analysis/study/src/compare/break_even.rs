@@ -9,12 +9,15 @@
 
 use crate::figure::plain;
 use crate::study::Study;
-use toolroom_statistics::student;
+use toolroom_statistics::{Interval, student, t_interval};
 
 /// Confidence of the interval of a price at which a decision turns.
 const CONFIDENCE: f64 = 0.90;
 /// Greatest factor on a price that is looked at: beyond, a price does not turn the decision (assumption).
 const GREATEST: f64 = 20.0;
+/// Factors on a price at which the difference is told beside the present one (assumption: a shop knows its prices to a
+/// factor of two).
+pub(crate) const SWING: [f64; 2] = [0.5, 2.0];
 /// Prices and the figure of what is paid at them.
 const PRICES: [(&str, &str, &str); 3] = [
     ("edge_cost", "edges and dressings", "edge_cost_per_part"),
@@ -76,6 +79,8 @@ pub struct BreakEven {
     pub title: &'static str,
     /// The factor on all prices of this kind at which both policies cost the same; now 1.
     pub factor: Crossing,
+    /// Difference of the cost of a part at half and at twice these prices, settings held, with its 90 % interval.
+    pub swing: [Interval; 2],
 }
 
 impl BreakEven {
@@ -89,7 +94,11 @@ impl BreakEven {
         let price = |&(key, title, id): &(&'static str, &'static str, &str)| {
             let part = difference(id)?;
             let rest: Vec<f64> = whole.iter().zip(&part).map(|(whole, part)| whole - part).collect();
-            Some(Self { key, title, factor: Crossing::of(&rest, &part, CONFIDENCE) })
+            let at = |factor: f64| {
+                let whole: Vec<f64> = rest.iter().zip(&part).map(|(rest, part)| rest + factor * part).collect();
+                t_interval(&whole, CONFIDENCE)
+            };
+            Some(Self { key, title, factor: Crossing::of(&rest, &part, CONFIDENCE), swing: SWING.map(at) })
         };
         if study.replications < 2 { Vec::new() } else { PRICES.iter().filter_map(price).collect() }
     }
@@ -126,7 +135,8 @@ mod tests {
     #[test]
     fn a_price_that_always_favours_the_same_policy_turns_nothing() {
         let factor = Crossing::of(&[1.0, 1.1, 0.9], &[0.5, 0.6, 0.4], 0.90);
-        let price = BreakEven { key: "edge_cost", title: "edges", factor };
+        let swing = SWING.map(|factor| t_interval(&[1.0 + 0.5 * factor, 1.1 + 0.6 * factor], CONFIDENCE));
+        let price = BreakEven { key: "edge_cost", title: "edges", factor, swing };
         assert!(!price.flips() && price.describe().starts_with("no price of edges"));
     }
 }

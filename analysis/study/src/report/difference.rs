@@ -32,11 +32,36 @@ pub(super) fn section(source: &Source<'_>) -> Section {
     if let Some(figure) = relative(source) {
         section = section.figure(figure);
     }
+    if let Some(figure) = tornado(source) {
+        section = section.figure(figure);
+    }
     let mut roles = Table::new(["policy", "what it is"]);
     for policy in &source.comparison.policies {
         roles.push([policy.name.as_str().into(), policy.role.describe().into()]);
     }
     section.table("Policies", roles)
+}
+
+/// The difference of the decision at half and at twice each price.
+fn tornado(source: &Source<'_>) -> Option<Figure> {
+    let comparison = source.comparison;
+    let decision = &comparison.decision;
+    let (adaptive, rival) = (decision.adaptive?, decision.rival?);
+    let [name, other] = [adaptive, rival].map(|policy| source.name(policy));
+    let axis = Axis::linear("Difference of cost per part", source.scenario.currency.as_str());
+    let title = format!("{name} against {other} at other prices");
+    let mut chart =
+        Intervals::new(title, axis).tornado("half the price", "twice the price").reference(0.0, "no difference");
+    for price in comparison.break_even.iter().filter(|price| price.swing.iter().all(|end| end.mean.is_finite())) {
+        let [half, twice] = price.swing.map(|end| end.mean);
+        // The difference is linear in a price: at the present one it has gone a third of the way.
+        chart = chart.row(price.title, Estimate::new(half + (twice - half) / 3.0, half, twice));
+    }
+    let caption = format!(
+        "Cost of a part under {name} less that under {other}. Bars lead from the present difference to that at half and at \
+         twice the price, from the same replications; the settings of the policies are held."
+    );
+    (!comparison.break_even.is_empty()).then(|| Figure::new(&chart, caption))
 }
 
 fn estimate(interval: &Interval) -> Estimate {

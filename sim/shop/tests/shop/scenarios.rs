@@ -108,6 +108,7 @@ pub fn tool(process: impl MachineProcess + 'static) -> ToolType {
         scatter: Scatter::none(),
         structure_scatter: Default::default(),
         posterior: None,
+        spreads: Default::default(),
     }
 }
 
