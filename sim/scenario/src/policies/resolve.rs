@@ -290,6 +290,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         scatter: toolroom_wear::Scatter::shop(),
         structure_scatter: Default::default(),
         posterior: None,
+        life: None,
     };
     let machine = MachineType {
         name: "lathe".to_owned(),
