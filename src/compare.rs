@@ -209,7 +209,7 @@ fn plan(
     target: &Path,
     voice: &Voice,
 ) -> Result<(), Failure> {
-    if args.study.until.is_some() {
+    if !args.study.until.is_empty() {
         let help = "give the number with --replications; a precision needs all replications at hand";
         return Err(Failure::argument("--until cannot be planned in shards", help));
     }

@@ -20,7 +20,7 @@ use toolroom_steady::WarmUp;
 use toolroom_study::logs::{Format, LogWriter};
 use toolroom_study::request::StudyRequest;
 use toolroom_study::results::{self, FinishedRun, STOPPED, record};
-use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions, known_of};
+use toolroom_study::study::{KnownRuns, StoppedShop, StudyOptions, known_of};
 use toolroom_study::summary::summary;
 use toolroom_study::terminal::{Style, table};
 use toolroom_study::tune::Tuning;
@@ -90,7 +90,7 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
     let mut options = StudyOptions {
         policies: request.policies.clone(),
         threads: args.threads,
-        until: args.until,
+        until: args.until.clone(),
         // Records are those of the first replication.
         logged: args.logged.unwrap_or(request.logged).max(u32::from(args.records.is_some())),
         known: Arc::clone(&request.known),
@@ -296,8 +296,8 @@ fn reproduce(request: &Request<'_>) -> String {
     for name in &request.args.policy {
         reproduce.push_str(&format!(" --policy {}", quoted(name)));
     }
-    if let Some(Precision { relative_half_width: share }) = request.args.until {
-        reproduce.push_str(&format!(" --until \"half-width {}%\"", 100.0 * share));
+    for precision in &request.args.until {
+        reproduce.push_str(&format!(" --until \"{precision}\""));
     }
     reproduce
 }

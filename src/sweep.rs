@@ -49,7 +49,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
             tuning,
             warm_up,
             threads: args.study.threads,
-            until: args.study.until,
+            until: args.study.until.clone(),
             logged: 0,
             ..StudyOptions::of(scenario)
         };

@@ -64,7 +64,7 @@ fn another_study_does_not_go_on_and_says_what_differs() {
         ("run", &["--seed", "9"][..], "seed was 1 and is 9"),
         ("run", &["--format", "csv"], "format was \"parquet\" and is \"csv\""),
         ("run", &["--logged", "1"], "logged was 3 and is 1"),
-        ("run", &["--until", "half-width 2%"], "until was null and is 0.02"),
+        ("run", &["--until", "half-width 2%"], "until was [] and is [\"half-width 2%\"]"),
         ("run", &["--policy", "adaptive"], "policies was"),
         ("run", &["--set", "machine.L.tool_change_time=1 min"], "changes was"),
         ("compare", &["--logged", "3"], "the command was"),

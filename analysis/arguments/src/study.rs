@@ -47,6 +47,9 @@ pub struct Changes {
     /// Independent repetitions
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub replications: Option<u32>,
+    /// A table of sequences that the machines follow: order, operation, machine, position, not_before, start
+    #[arg(long, value_name = "FILE")]
+    pub schedule: Option<PathBuf>,
 }
 
 impl Changes {
@@ -55,6 +58,11 @@ impl Changes {
         let mut overrides = self.set.clone();
         overrides.extend(self.seed.map(|seed| format!("shop.seed={seed}")));
         overrides.extend(self.replications.map(|count| format!("shop.replications={count}")));
+        // A path counts from here, in the scenario from its folder.
+        let path = |file: &PathBuf| std::path::absolute(file).unwrap_or_else(|_| file.clone());
+        let schedule =
+            self.schedule.as_ref().map(|file| format!("tables.schedule={:?}", path(file).display().to_string()));
+        overrides.extend(schedule);
         overrides
     }
 }
@@ -71,9 +79,10 @@ pub struct StudyArgs {
     /// Threads, 0 for one per processor; the results do not depend on it
     #[arg(long, default_value_t = 0)]
     pub threads: usize,
-    /// Stop when parts per shift and cost per part are known this well: "half-width 2%"
+    /// Stop when figures are known this well, repeatable: "half-width 2%" (parts per shift and cost per part), "lead_time
+    /// half-width 5 min"
     #[arg(long, value_name = "PRECISION")]
-    pub until: Option<toolroom_study::study::Precision>,
+    pub until: Vec<toolroom_study::study::Precision>,
     /// Format of the log tables, instead of the scenario's
     #[arg(long, value_enum)]
     pub format: Option<LogFormat>,

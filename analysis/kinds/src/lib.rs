@@ -28,6 +28,7 @@ mod presence;
 mod readers;
 mod reference;
 mod samples;
+mod truncated;
 mod warning;
 mod workload;
 
@@ -52,6 +53,14 @@ pub const CODES: &[(&str, &str)] = &[
     (
         "never-there",
         "A warning of check: an operation needs somebody with a skill, and everybody who has it works only while all machines of the operation rest. The step waits for ever, and with it its order. Let calendars overlap, give somebody else the skill, or take it out of the operation.",
+    ),
+    (
+        "rate-counted-twice",
+        "A warning of check: operators have a `rate`, and machines that they attend to have one as well. Where people have rates, the rate of a machine is the machine alone; a file whose machine rates hold the wages of operators counts these twice.",
+    ),
+    (
+        "true-mean",
+        "A warning of check: a normal time is drawn between its `low` (0) and its `high` only, not clipped there, so that its mean is not the `mean` of the whole distribution. The line says what it truly is. Nothing is changed; where the mean matters, take a family that has no negative values, such as lognormal or gamma.",
     ),
     (
         "unusual",

@@ -1,7 +1,7 @@
 //! Whether people are there when their machines are.
 
 use crate::warning::Warning;
-use toolroom_scenario::{Scenario, ShiftCalendar};
+use toolroom_scenario::{Attendance, Operation, Scenario, ShiftCalendar};
 
 /// Operations that no machine can ever do, because nobody with a skill that they need works while it does, until the
 /// horizon.
@@ -30,6 +30,24 @@ pub(crate) fn absent(scenario: &Scenario) -> Vec<Warning> {
         }
     }
     warnings
+}
+
+/// Machines and people that both have a rate: what a machine costs is often that of its operator, too.
+pub(crate) fn paid_twice(scenario: &Scenario) -> Option<Warning> {
+    let person = scenario.operators.iter().find(|person| person.rate > 0.0)?;
+    let needs = |operation: &Operation, machine: usize| {
+        let Attendance { setup, load, run, .. } = operation.attendance;
+        operation.machines.contains(&machine) && (setup.is_some() || load.is_some() || run.is_some())
+    };
+    let attended =
+        |machine: usize| scenario.parts.iter().flat_map(|part| &part.operations).any(|own| needs(own, machine));
+    let (_, machine) = scenario.machines.iter().enumerate().find(|(index, own)| own.rate > 0.0 && attended(*index))?;
+    let message = format!(
+        "operators have a rate (\"{}\"), and so has machine \"{}\": its rate is then that of the machine alone, without its \
+         operator",
+        person.name, machine.name
+    );
+    Some(Warning { code: "rate-counted-twice", message })
 }
 
 /// Whether two calendars have working time in common before `horizon`; who has none always works.

@@ -3,10 +3,11 @@
 //! Everything here is worked out without a simulation, from mean times.
 
 use crate::Warning;
-use crate::presence::absent;
+use crate::presence::{absent, paid_twice};
+use crate::truncated::truncated;
 use toolroom_scenario::{
-    Arrival, ArrivalPattern, BatchUnit, InspectedTo, Interruption, Operation, Order, Part, Scenario, ShiftCalendar,
-    Work, WorkPer, date,
+    Arrival, ArrivalPattern, BatchUnit, InspectedTo, Interruption, Operation, Order, Part, Presence, Scenario,
+    ShiftCalendar, Work, WorkPer, date, station_name,
 };
 use toolroom_shop::programmed_cutting_times;
 
@@ -75,6 +76,8 @@ pub(crate) fn workload(scenario: &Scenario) -> Workload {
         warnings.extend(shop.overload(load).map(|message| Warning { code: "overload", message }));
     }
     warnings.extend(absent(scenario));
+    warnings.extend(paid_twice(scenario));
+    warnings.extend(truncated(scenario));
     let late: Vec<String> = scenario.orders.iter().filter_map(|order| shop.unreachable(order)).collect();
     let more = late.len().saturating_sub(MOST_TOLD);
     let late = late.into_iter().map(|message| Warning { code: "late", message });
@@ -98,7 +101,7 @@ impl Shop<'_> {
             machines.sort_unstable();
             if !stations.iter().any(|load| load.members == machines) {
                 let names = machines.iter().map(|&machine| scenario.machines[machine].name.as_str());
-                let name = names.collect::<Vec<_>>().join(" + ");
+                let name = station_name(names);
                 let capacity = self.capacity(machines.iter().map(|&each| scenario.machines[each].calendar), 0.0, None);
                 stations.push(Load {
                     name,
@@ -208,10 +211,15 @@ impl Shop<'_> {
             for load in stations.iter_mut().filter(within) {
                 load.take(work, setup, due);
             }
+            let run = match operation.attendance.presence {
+                Presence::Whole => alone,
+                Presence::Share(share) => share * alone,
+                Presence::First(time) => alone.min(pieces * time),
+            };
             let attended = [
                 (operation.attendance.setup, 0.0, setup),
                 (operation.attendance.load, handling, 0.0),
-                (operation.attendance.run, alone, 0.0),
+                (operation.attendance.run, run, 0.0),
             ];
             for (skill, work, setup) in attended {
                 let Some(skill) = skill else { continue };

@@ -107,6 +107,8 @@ impl Visits {
                 | MachineState::Blocked
                 | MachineState::WaitingOperator
                 | MachineState::WaitingFixture
+                | MachineState::WaitingTool
+                | MachineState::Maintenance
                 | MachineState::OffShift => {}
             }
         }

@@ -42,6 +42,8 @@ fn style(state: MachineState) -> (&'static str, &'static str) {
         MachineState::Blocked => ("blocked", "#8c6d31"),
         MachineState::WaitingOperator => ("waiting for operators", "#e3c800"),
         MachineState::WaitingFixture => ("waiting for fixtures", "#c9a0dc"),
+        MachineState::WaitingTool => ("waiting for tools", "#f4a6a0"),
+        MachineState::Maintenance => ("maintenance", "#6a51a3"),
         MachineState::Down => ("down", "#d55e00"),
         MachineState::Idle => ("idle", "#ffffff"),
         MachineState::OffShift => ("off shift", "#dfe3e8"),

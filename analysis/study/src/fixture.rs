@@ -47,6 +47,7 @@ fn tool(name: &str, process: ProcessModel, edge_cost: f64) -> ToolType {
         structure_scatter: Default::default(),
         posterior: None,
         spreads: Default::default(),
+        life: None,
     }
 }
 
@@ -73,10 +74,12 @@ pub(crate) fn scenario() -> Scenario {
         name: name.to_owned(),
         machines,
         tool: Some(tool),
+        worn_tool: None,
         setup_group: name.to_owned(),
         machine_choice: None,
         time_on: Vec::new(),
         setup_time: None,
+        setup_spread: None,
         attendance: Attendance::default(),
         work,
         work_per: WorkPer::Part,
@@ -147,6 +150,7 @@ pub(crate) fn scenario() -> Scenario {
         preemption: Preemption::None,
         calendars: Vec::new(),
         failures: Vec::new(),
+        maintenance: Vec::new(),
         policies: vec![policy("constant", SpeedRule::BestCost), policy("adaptive", SpeedRule::MinimumWear)],
         deviations: Vec::new(),
         calibrations: Vec::new(),
@@ -208,6 +212,7 @@ pub(crate) fn edge(
     cutting_time: f64,
 ) -> EdgeRow {
     EdgeRow {
+        ground: 0,
         tool,
         machine,
         installed,

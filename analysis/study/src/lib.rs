@@ -55,7 +55,6 @@ pub mod draws;
 mod figure;
 #[cfg(test)]
 mod fixture;
-pub mod kpi;
 pub mod logs;
 pub mod planned;
 pub mod planner;
@@ -69,3 +68,5 @@ pub mod terminal;
 pub mod trace;
 pub mod tune;
 pub mod variants;
+
+pub use toolroom_kpi as kpi;

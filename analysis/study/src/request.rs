@@ -31,7 +31,8 @@ pub struct StudyRequest {
     seed: u64,
     policies: Vec<String>,
     replications: u32,
-    until: Option<f64>,
+    #[serde(default)]
+    until: Vec<String>,
     logged: u32,
     format: Option<String>,
     /// How the settings of the policies were found; `changes` holds them.
@@ -163,7 +164,7 @@ impl StudyRequest {
             seed: scenario.seed,
             policies: options.policies.iter().map(|&policy| scenario.policies[policy].name.clone()).collect(),
             replications: options.replications,
-            until: options.until.map(|precision| precision.relative_half_width),
+            until: options.until.iter().map(ToString::to_string).collect(),
             logged: options.logged,
             format: format.map(|format| format.extension().to_owned()),
             tuning: options.tuning.as_deref().cloned(),
@@ -277,7 +278,7 @@ impl StudyRequest {
         differ("seed", self.seed.into(), now.seed.into());
         differ("replications", self.replications.into(), now.replications.into());
         differ("policies", self.policies.clone().into(), now.policies.clone().into());
-        differ("until", self.until.into(), now.until.into());
+        differ("until", self.until.clone().into(), now.until.clone().into());
         differ("logged", self.logged.into(), now.logged.into());
         differ("format", self.format.clone().into(), now.format.clone().into());
         // The seed and the number of replications are compared above; the command repeats the rest.

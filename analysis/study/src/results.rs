@@ -5,6 +5,7 @@
 //! | `summary.json` | the comparison | yes |
 //! | `kpi.csv` | every figure of every replication | yes |
 //! | `orders.csv`, `load.csv`, `queues.csv` | of a scenario with orders: when each is finished, load by week, queues | yes |
+//! | `schedule.csv`, `plan.csv` | the sequences of the first run, as `--schedule` reads them; where a schedule is followed, how far from it | yes |
 //! | `operations`, `tools`, `jobs`, `states`, `events` | logs, Parquet or CSV | yes |
 //! | `trace.json` | first replication for Perfetto | yes |
 //! | `report.html` | the pictures | yes |
@@ -57,12 +58,14 @@ pub struct RunInfo {
 }
 
 /// The files of every study, beside its log tables.
-pub const NAMES: [&str; 11] = [
+pub const NAMES: [&str; 13] = [
     Finished::FILE,
     "kpi.csv",
     planner::FILES[0],
     planner::FILES[1],
     planner::FILES[2],
+    planner::SEQUENCES,
+    planner::PLAN,
     variants::FILE,
     "trace.json",
     "summary.json",
@@ -224,6 +227,12 @@ pub(crate) fn write_files(
         for name in planner::FILES {
             in_file(directory, name, |out| planner::write(name, scenario, study, out))?;
         }
+        if let Some(log) = study.first_logs.first() {
+            in_file(directory, planner::SEQUENCES, |out| planner::write_sequences(scenario, log, out))?;
+        }
+    }
+    if scenario.control.schedule.is_some() {
+        in_file(directory, planner::PLAN, |out| planner::write_plan(scenario, study, out))?;
     }
     if !study.variants.is_empty() {
         in_file(directory, variants::FILE, |out| variants::write(scenario, study, out))?;

@@ -12,9 +12,11 @@ mod finished;
 
 pub use finished::{Finished, FinishedError};
 
+mod precision;
 mod rows;
 mod stored;
 
+pub use precision::{NoPrecision, Precision, Width};
 use rows::Rows;
 pub use stored::{KnownRuns, StoredRun, known_of, stored_digest, stored_runs};
 
@@ -25,7 +27,6 @@ use crate::tune::Tuning;
 use crate::variants::{self, Found, VariantRuns, VariantShop, Wanted};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use toolroom_kernel::SimTime;
@@ -52,8 +53,8 @@ pub struct StudyOptions {
     pub replications: u32,
     /// Threads; 0 for one per processor.
     pub threads: usize,
-    /// Stop when every policy is known this well.
-    pub until: Option<Precision>,
+    /// Stop when every policy is known this well; empty: after all replications.
+    pub until: Vec<Precision>,
     /// Replications whose full logs are written, from the first on.
     pub logged: u32,
     /// Runs made elsewhere, which are not made again unless their log is wanted.
@@ -81,7 +82,7 @@ impl StudyOptions {
             policies: (0..scenario.policies.len()).collect(),
             replications: scenario.replications,
             threads: 0,
-            until: None,
+            until: Vec::new(),
             logged: 1,
             known: Arc::default(),
             journal: None,
@@ -91,47 +92,6 @@ impl StudyOptions {
             variants: Vec::new(),
             select: None,
             warm_up: None,
-        }
-    }
-}
-
-/// Stop rule: the half-width of the 95 % interval of parts per shift and of cost per part is at
-/// most this share of the mean, for every policy. Looked at after every fourth replication
-/// (sixteenth without logs), from the eighth on: looking early and often makes intervals that cover
-/// less than they say.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Precision {
-    /// Half-width over mean, 1.
-    pub relative_half_width: f64,
-}
-
-impl Precision {
-    /// Figures that have to be known.
-    pub const WATCHED: [&'static str; 2] = ["parts_per_shift", "cost_per_part"];
-    /// Replications before the rule may stop a study.
-    pub const LEAST: u32 = 8;
-}
-
-/// A text that is no precision.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("a relative half-width of the {} % interval is due, such as \"half-width 2%\"", 100.0 * CONFIDENCE)]
-pub struct NoPrecision;
-
-impl FromStr for Precision {
-    type Err = NoPrecision;
-
-    /// `half-width 2%`, `2 %` or `0.02`.
-    fn from_str(text: &str) -> Result<Self, NoPrecision> {
-        let number = text.trim().trim_start_matches("half-width").trim_start_matches([' ', '=', '<']).trim();
-        let share = match number.strip_suffix('%') {
-            Some(percent) => percent.trim().parse::<f64>().map(|percent| percent / 100.0),
-            None => number.parse(),
-        };
-        match share {
-            Ok(relative_half_width) if relative_half_width > 0.0 && relative_half_width < 1.0 => {
-                Ok(Self { relative_half_width })
-            }
-            _ => Err(NoPrecision),
         }
     }
 }
@@ -564,7 +524,7 @@ where
             }
             study.replications = replication + 1;
         }
-        if last == end && options.until.is_some_and(|precision| study.is_precise(precision)) {
+        if last == end && study.is_precise(&options.until) {
             break;
         }
         if last < options.replications && options.stop_after.is_some_and(|most| most <= last) {
@@ -628,14 +588,16 @@ impl Study {
         Ok(())
     }
 
-    fn is_precise(&self, precision: Precision) -> bool {
-        let known = |policy: usize, id: &str| {
-            self.index(id).is_some_and(|kpi| {
-                t_interval(&self.values(policy, kpi), CONFIDENCE).within(precision.relative_half_width)
+    /// Whether all that is watched is known well enough; false where nothing is watched.
+    fn is_precise(&self, until: &[Precision]) -> bool {
+        let known = |policy: usize, precision: &Precision| {
+            precision.figures().into_iter().all(|id| {
+                self.index(id).is_some_and(|kpi| precision.holds(&t_interval(&self.values(policy, kpi), CONFIDENCE)))
             })
         };
         self.replications >= Precision::LEAST
-            && (0..self.policies.len()).all(|policy| Precision::WATCHED.iter().all(|id| known(policy, id)))
+            && !until.is_empty()
+            && (0..self.policies.len()).all(|policy| until.iter().all(|precision| known(policy, precision)))
     }
 }
 

@@ -82,6 +82,9 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
     for (key, value) in planner::json(scenario, study).into_iter().flatten() {
         summary[key] = value;
     }
+    if let Some(plan) = planner::plan_json(scenario, study) {
+        summary["plan"] = plan;
+    }
     if let Some(variants) = variants::json(scenario, study) {
         summary["variants"] = variants;
     }

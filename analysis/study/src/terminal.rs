@@ -3,7 +3,7 @@
 use crate::compare::{Comparison, Difference, PolicyResult};
 use crate::figure::{decimals, factor, label, plain, shown, signed};
 use crate::kpi::{Better, Kpi};
-use crate::planner::late_orders;
+use crate::planner::{late_orders, plan_line};
 use crate::study::Study;
 use crate::summary::cutting_share;
 use crate::tune::tuning_text;
@@ -86,6 +86,7 @@ pub fn table(scenario: &Scenario, study: &Study, comparison: &Comparison, style:
         }
     }
     out.push_str(&late_orders(scenario, study));
+    out.push_str(&plan_line(scenario, study));
     out.push_str(&steady_text(scenario, study));
     varied(scenario, study, &mut out);
     if !study.complete {

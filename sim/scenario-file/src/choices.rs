@@ -32,6 +32,16 @@ impl ProcessKind {
         }
         words
     };
+    /// Words of what a tool can do: a process, or nothing of which more is known than how long its edges last.
+    pub const OF_TOOLS: &'static [&'static str] = &{
+        let mut words = [super::keys::LIFE_ONLY; Self::WORDS.len() + 1];
+        let mut i = 0;
+        while i < Self::WORDS.len() {
+            words[i] = Self::WORDS[i];
+            i += 1;
+        }
+        words
+    };
     /// Words of the processes whose edges cut passes at a commanded speed.
     pub const CUTTING: &'static [&'static str] = &[Self::Turning.word(), Self::Milling.word()];
     /// Words of those whose feed is given per tooth, with a width of cut.

@@ -20,6 +20,10 @@ pub const CODES: &[(&str, &str)] = &[
         "The shifts of a calendar are in order, do not overlap and end within its period. A night shift over midnight is written as two.",
     ),
     (
+        "schedule-cycle",
+        "A machine that follows a schedule waits for the next operation of its sequence, whatever else is there. Where the sequences of several machines wait for each other in a circle, as when A comes before B on one machine and after it on another in the other order of their routings, none of them can ever begin. The message names the circle: each operation comes before the next, by the sequence of its machine or the routing of its order.",
+    ),
+    (
         "parameter-set",
         "The constants of a tool and work material come from a parameter set: the name of a shipped one, or the path of a file of your own, which has a / or ends in .toml and counts from the file that names it. `toolroom check SET.toml` lists every value with where it comes from, `toolroom schema parameter-set` the keys. What a file states goes before what its [handbook] constants give, and both go before the set of `based_on`. `parameters` in a tool changes single constants.",
     ),

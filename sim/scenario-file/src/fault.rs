@@ -45,6 +45,12 @@ pub enum ScenarioFault {
         /// Part.
         part: String,
     },
+    /// Sequences of machines that wait for each other.
+    #[error("the sequences wait for each other in a circle: {circle}")]
+    ScheduleCycle {
+        /// Operations, each before the next, and the last before the first.
+        circle: String,
+    },
     /// Working intervals out of order.
     #[error("shift {second} starts before shift {first} ends")]
     ShiftsOverlap {
@@ -266,6 +272,7 @@ impl ContentFault for ScenarioFault {
             Self::WrongProcess { .. } => "wrong-process",
             Self::NoMachine { .. } => "no-machine",
             Self::NoOperation { .. } => "no-operation",
+            Self::ScheduleCycle { .. } => "schedule-cycle",
             Self::ShiftsOverlap { .. } => "shifts-overlap",
             Self::ParameterSet { .. } => "parameter-set",
             Self::CycleFile { .. } | Self::Cycle { .. } => "cycle",
@@ -302,6 +309,9 @@ impl ContentFault for ScenarioFault {
             }
             Self::NoMachine { .. } => "list at least one machine of the tool's process in `machines`".to_owned(),
             Self::NoOperation { .. } => "add [[part.operation]] below the part".to_owned(),
+            Self::ScheduleCycle { .. } => {
+                "let one of them come earlier or later on its machine: in a circle none can ever begin".to_owned()
+            }
             Self::ShiftsOverlap { .. } => "order the shifts and let each end before the next starts".to_owned(),
             Self::Unit { fix, .. } | Self::Arrangement { fix, .. } => fix.clone(),
             Self::DateWithoutStart { .. } => {

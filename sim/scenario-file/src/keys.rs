@@ -1,6 +1,7 @@
 //! The sections of a scenario file.
 
 mod control;
+mod crib;
 mod flow;
 mod gap;
 mod order;
@@ -11,9 +12,10 @@ mod shared;
 mod transport;
 
 use control::{DISPATCH, DISPATCH_RULE, DUE, LOOP, RELEASE};
+use crib::{CRIB, LIFE, MAINTENANCE};
 use flow::{BATCH, VARIANT};
 pub use gap::GAP;
-use order::{CALENDAR, EDGE_AT_START, ORDER, TABLES, WIP};
+use order::{CALENDAR, EDGE_AT_START, ORDER, SCHEDULE, TABLES, WIP};
 use part::PART;
 pub use policy::SENSORS;
 use resource::{BUFFER, OPERATOR, PLACES, SETUP_MATRIX};
@@ -33,6 +35,8 @@ use transport::{CREW, TRANSPORT};
 
 /// The case of a machine or operation without a process.
 const PLAIN: &[&str] = &[MachineType::PLAIN];
+/// The word of a tool of which only the life of its edges is known.
+pub(super) const LIFE_ONLY: &str = "life_only";
 
 /// Ten years, s: longer times are slips of the unit.
 const DECADE: f64 = 10.0 * 365.0 * 86400.0;
@@ -215,23 +219,32 @@ static TOOL: Form = Form {
     doc: "A kind of tool with its process model",
     keys: &[
         Key::required("name", Kind::Name, "Unique name"),
-        Key::required("process", Kind::Choice(ProcessKind::WORDS), "Process"),
+        Key::required(
+            "process",
+            Kind::Choice(ProcessKind::OF_TOOLS),
+            "Process; life_only: nothing but how long its edges last, in operations with `work`",
+        ),
+        LIFE,
         Key::optional(
             "parameter_set",
             Kind::Name,
             "Tool and work material: name of a parameter set of the process; due unless a unit is named",
-        ),
+        )
+        .when("process", ProcessKind::WORDS),
         Key::optional(
             "parameters_from",
             Kind::Text,
             "Draws of a calibration, a Parquet table beside this file: each replication takes one, the same under every policy",
-        ),
+        )
+        .when("process", ProcessKind::WORDS),
         Key::optional("fmu", Kind::Text, "FMI unit that stands in for the process; its path from this file")
             .when("process", ProcessKind::CUTTING),
         Key::optional("wiring", Kind::Table(&WIRING), "Which variable of the unit stands for which quantity")
             .when("process", ProcessKind::CUTTING),
-        Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
-        Key::optional("effects", Kind::Content(&EFFECTS), "Effects switched on in the true world"),
+        Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group")
+            .when("process", ProcessKind::WORDS),
+        Key::optional("effects", Kind::Content(&EFFECTS), "Effects switched on in the true world")
+            .when("process", ProcessKind::WORDS),
         Key::optional(
             "structure",
             Kind::Text,
@@ -251,7 +264,8 @@ static TOOL: Form = Form {
             Scatter::<f64>::KIND,
             ScatterWord::Shop.word(),
             "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
-        ),
+        )
+        .when("process", ProcessKind::WORDS),
     ],
 };
 
@@ -369,17 +383,20 @@ pub static SCENARIO: Form = Form {
         Key::optional("operator", Kind::Tables(&OPERATOR), "People"),
         Key::optional("crew", Kind::Tables(&CREW), "People who repair machines"),
         Key::optional("fixture", Kind::Tables(&FIXTURE), "Fixtures and pallets"),
+        Key::optional("crib", Kind::Tables(&CRIB), "Tool cribs: edges that are limited"),
         Key::optional("transport", Kind::Tables(&TRANSPORT), "Vehicles between places"),
         Key::optional("tool", Kind::Tables(&TOOL), "Tools"),
         Key::optional("part", Kind::Tables(&PART), "Parts with their routings"),
         Key::optional("arrivals", Kind::Tables(&ARRIVALS), "Where jobs come from"),
         Key::optional("order", Kind::Tables(&ORDER), "Orders: quantities of parts with dates"),
         Key::optional("wip", Kind::Tables(&WIP), "Orders that are in the shop when the run begins"),
+        Key::optional("schedule", Kind::Tables(&SCHEDULE), "Sequences that machines follow in the place of rules"),
         Key::optional("tables", Kind::Table(&TABLES), "Tables in files beside this one"),
         Key::optional("dispatch", Kind::Table(&DISPATCH), "Which waiting job a free machine takes"),
         Key::optional("loop", Kind::Tables(&LOOP), "Limited numbers of jobs between stations: CONWIP and kanban"),
         Key::optional("release", Kind::Table(&RELEASE), "When jobs that have come are let into the shop"),
         Key::optional("failure", Kind::Tables(&FAILURE), "Breakdowns"),
+        Key::optional("maintenance", Kind::Tables(&MAINTENANCE), "Planned maintenance"),
         Key::optional(
             "policy",
             Kind::Tables(&POLICY),

@@ -3,11 +3,12 @@
 use super::calendars::{calendars, start};
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
+use super::keys::LIFE_ONLY;
 use super::random::distribution;
 use super::variants::{ShopVariant, variants};
 use super::{
-    Output, control, flow, jobs, measured, orders, planned, processes, resources, routing, rules, shared, stability,
-    transport, tune,
+    Output, control, cribs, flow, jobs, measured, orders, planned, processes, resources, routing, rules, schedule,
+    shared, stability, transport, tune,
 };
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
@@ -99,7 +100,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let setup_matrices = resources::setup_matrices(walk, root, &mut names);
     let (mut machines, buffers) = machines(walk, root, &mut names);
     let buffers = flow::shared(walk, root, &names, &mut machines, buffers);
-    let (operators, skills) = resources::operators(walk, root, &names);
+    let (operators, skills) = resources::operators(walk, root, (&names, &machines));
     names.skills = skills;
     let crews = transport::crews(walk, root, &mut names);
     let transports = transport::transports(walk, root, &machines);
@@ -107,12 +108,17 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     names.defined = read_definitions(walk, root);
     let tools = tools(walk, root, &mut names);
     processes::check_edges(walk, root, &tools, &machines);
-    let parts = routing::parts(walk, root, &mut names, &machines, &tools);
+    let mut parts = routing::parts(walk, root, &mut names, &machines, &tools);
+    let known: Vec<_> = tools.iter().map(|tool| (tool.tool.as_ref(), tool.life_only)).collect();
+    let cribs = cribs::cribs(walk, root, (&names, &machines), &known, &mut parts);
+    let maintenance = cribs::maintenance(walk, root, &names);
     let arrivals = rules::arrivals(walk, root, &names);
     let around = orders::Around { names: &names, machines: &machines, parts: &parts, start, horizon };
     let orders = orders::orders(walk, root, &around);
     let dispatch = rules::dispatch(walk, root);
-    let control = control::control(walk, root, &names, (&parts, &orders));
+    let mut control = control::control(walk, root, &names, (&parts, &orders));
+    let planned = (orders.as_slice(), arrivals.len());
+    control.schedule = schedule::schedule(walk, root, &around, planned, dispatch.preemption);
     let failures = failures(walk, root, &names);
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
@@ -140,7 +146,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     transport::check(walk, root, &transports, &machines, &parts, &buffers);
     shared::check(walk, root, &names.fixtures, &around);
     shared::check_shift_ends(walk, root, (&machines, &parts), &calendars);
-    let shared = Shared { fixtures: std::mem::take(&mut names.fixtures) };
+    let shared = Shared { fixtures: std::mem::take(&mut names.fixtures), cribs };
     let variants = variants(walk, root, (start, horizon));
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
@@ -191,6 +197,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         preemption: dispatch.preemption,
         calendars,
         failures,
+        maintenance,
         policies,
         deviations,
         calibrations,
@@ -211,6 +218,8 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
 pub(super) struct NamedTool {
     pub process: Option<ProcessKind>,
     pub span: Span,
+    /// Whether nothing is known of it but how long its edges last.
+    pub life_only: bool,
     pub tool: Option<ToolType>,
 }
 
@@ -362,6 +371,11 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
     let mut tools = Vec::new();
     for (name, section) in named(walk, root, "tool", None) {
         names.tools.push(name.clone());
+        if section.text("process") == Some(LIFE_ONLY) {
+            let tool = Some(cribs::life_only(walk, &section, name));
+            tools.push(NamedTool { process: None, span: section.span_of("name"), life_only: true, tool });
+            continue;
+        }
         let scatter = processes::tool_scatter(walk, &section);
         let kind = section.chosen("process", ProcessKind::from_word);
         let effects = kind.map_or_else(Vec::new, |kind| measured::effects(walk, &section, kind.word(), names));
@@ -382,10 +396,12 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
             structure_scatter,
             posterior: posterior.map(Arc::new),
             spreads: spreads.unwrap_or_default(),
+            life: None,
         });
         tools.push(NamedTool {
             process: section.chosen("process", ProcessKind::from_word),
             span: section.span_of("name"),
+            life_only: false,
             tool,
         });
     }

@@ -3,10 +3,14 @@
 use super::fault::ScenarioFault;
 use super::resolve::{Names, named, reference};
 use toolroom_form::{Fault, Got, Section, Value, Walk, nearest};
-use toolroom_scenario::{Attendance, MachineType, Operator, Part, SetupMatrix};
+use toolroom_scenario::{Attendance, MachineType, Operator, Part, Presence, SetupMatrix, Ways};
 
 /// Operators, and the words for what they can do.
-pub(super) fn operators(walk: &mut Walk, root: &Section<'_>, names: &Names) -> (Vec<Operator>, Vec<String>) {
+pub(super) fn operators(
+    walk: &mut Walk,
+    root: &Section<'_>,
+    (names, machines): (&Names, &[MachineType]),
+) -> (Vec<Operator>, Vec<String>) {
     let (mut operators, mut all): (Vec<Operator>, Vec<String>) = (Vec::new(), Vec::new());
     for (name, section) in named(walk, root, "operator", None) {
         let calendar = reference(walk, "calendar", section.got("calendar"), names.calendars.iter().map(String::as_str));
@@ -20,6 +24,7 @@ pub(super) fn operators(walk: &mut Walk, root: &Section<'_>, names: &Names) -> (
                 skills.push(index);
             }
         }
+        let ways = ways(walk, &section, &name, machines);
         let count = section.count("count");
         for number in 1..=count.unwrap_or(1) {
             let operator_name = if count.is_some() { format!("{name}{number}") } else { name.clone() };
@@ -29,7 +34,9 @@ pub(super) fn operators(walk: &mut Walk, root: &Section<'_>, names: &Names) -> (
                     Fault::DuplicateName { kind: "operator", name: operator_name.clone() },
                 );
             }
-            operators.push(Operator { name: operator_name, skills: skills.clone(), calendar });
+            let walk = ways.clone();
+            let rate = section.required("rate");
+            operators.push(Operator { name: operator_name, skills: skills.clone(), calendar, rate, walk });
         }
     }
     (operators, all)
@@ -38,7 +45,22 @@ pub(super) fn operators(walk: &mut Walk, root: &Section<'_>, names: &Names) -> (
 /// The skills that an operation needs.
 pub(super) fn attendance(walk: &mut Walk, operation: &Section<'_>, names: &Names) -> Attendance {
     let Some(section) = walk.table(operation, "operator") else { return Attendance::default() };
-    let mut skill = |key: &'static str| {
+    let mut presence = Presence::Whole;
+    let run = if section.text("run").is_none() && section.given("run") { walk.table(&section, "run") } else { None };
+    if let Some(run) = &run {
+        presence = match (run.si("share"), run.si("first")) {
+            (None, None) => Presence::Whole,
+            (Some(share), None) if share > 0.0 => Presence::Share(share),
+            (None, Some(first)) => Presence::First(first),
+            (Some(_), _) => {
+                let reason = "a run has a share of a person above zero, or the first time of a piece".to_owned();
+                let fix = "give one of `share` and `first`; an operation without a person has no `run`".to_owned();
+                walk.fault(run.span_of("share"), ScenarioFault::Arrangement { reason, fix });
+                Presence::Whole
+            }
+        };
+    }
+    let mut skill = |section: &Section<'_>, key: &'static str| {
         let name = section.text(key)?;
         let found = names.skills.iter().position(|known| known == name);
         if found.is_none() {
@@ -51,7 +73,32 @@ pub(super) fn attendance(walk: &mut Walk, operation: &Section<'_>, names: &Names
         }
         found
     };
-    Attendance { setup: skill("setup"), load: skill("load"), run: skill("run") }
+    let (setup, load) = (skill(&section, "setup"), skill(&section, "load"));
+    let run = match &run {
+        Some(run) => skill(run, "skill"),
+        None => skill(&section, "run"),
+    };
+    Attendance { setup, load, run, presence }
+}
+
+/// Ways of a person between machines.
+fn ways(walk: &mut Walk, section: &Section<'_>, name: &str, machines: &[MachineType]) -> Option<Ways> {
+    let table = walk.table(section, "walk")?;
+    let ways = Ways { locations: table.texts("locations"), times: table.list("times").iter().map(row).collect() };
+    let count = ways.locations.len();
+    let mut refuse = |key: &str, reason: String, fix: &str| {
+        walk.fault(table.span_of(key), ScenarioFault::Arrangement { reason, fix: fix.to_owned() });
+    };
+    if ways.times.len() != count || ways.times.iter().any(|row| row.len() != count) {
+        let reason = format!("the ways of \"{name}\" are no table of {count} rows and {count} columns");
+        refuse("times", reason, "give a row for every location, with a time to every location");
+        return None;
+    }
+    if let Some(machine) = machines.iter().find(|machine| ways.location(&machine.location).is_none()) {
+        let reason = format!("the ways of \"{name}\" do not lead to \"{}\"", machine.location);
+        refuse("locations", reason, "name the place of every machine: its `location`, or the name of its section");
+    }
+    Some(ways)
 }
 
 /// Setup matrices; a bad one is left as it is read.

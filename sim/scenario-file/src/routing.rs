@@ -2,6 +2,7 @@
 
 use super::choices::{ProcessKind, RoutingWord};
 use super::control;
+use super::cribs;
 use super::fault::ScenarioFault;
 use super::jobs;
 use super::planned::{contour, cycle, program};
@@ -12,7 +13,8 @@ use super::shared;
 use std::f64::consts::PI;
 use toolroom_form::{Fault, Kind, Quantity, Section, Value, Walk, display, significant};
 use toolroom_scenario::{
-    Cut, GrindingPhase, Inspection, MachineChoice, MachineType, Operation, Part, ProcessModel, ToolType, Work, WorkPer,
+    Cut, Distribution, GrindingPhase, Inspection, MachineChoice, MachineType, Operation, Part, ProcessModel, ToolType,
+    Work, WorkPer,
 };
 
 pub(super) fn parts(
@@ -130,6 +132,15 @@ fn operations(
             work.calls.iter().for_each(|call| used[call.tool] = true);
             first = work.calls.first().map(|call| call.tool);
         }
+        let worn = tool.filter(|_| plain).map(|tool| (Some(tool), tools[tool].life_only));
+        let worn_tool = worn.and_then(|own| cribs::worn_tool(walk, &section, own, (machines, &able)));
+        if let Some(tool) = tool.filter(|tool| !plain && tools[*tool].life_only) {
+            let reason = format!("\"{}\" cuts nothing of which more is known than a time", names.tools[tool]);
+            let fix = "give the operation `work`, a time, in the place of its passes".to_owned();
+            walk.fault(section.span_of("tool"), ScenarioFault::Arrangement { reason, fix });
+        }
+        let spread = section.given("setup_time") && section.si("setup_time").is_none();
+        let setup_spread = spread.then(|| distribution(walk, &section, "setup_time"));
         let time_on = control::time_on(walk, &section, names, &able);
         let mut operation = Operation {
             name,
@@ -137,8 +148,10 @@ fn operations(
             time_on,
             machines: able,
             tool: if plain { None } else { Some(first.unwrap_or(0)) },
+            worn_tool,
             setup_group: section.text("setup_group").unwrap_or(part_name).to_owned(),
-            setup_time: section.si("setup_time"),
+            setup_time: setup_spread.as_ref().map(Distribution::mean).or(section.si("setup_time")),
+            setup_spread,
             attendance: attendance(walk, &section, names),
             work,
             work_per: WorkPer::Part,

@@ -1,7 +1,7 @@
 //! Crews and vehicles.
 
 use super::fault::ScenarioFault;
-use super::resolve::{Names, named};
+use super::resolve::{Names, named, reference};
 use toolroom_form::{Fault, Section, Value, Walk, nearest};
 use toolroom_scenario::{Buffer, Crew, MachineType, Parking, Part, Transport, TransportRule};
 
@@ -10,7 +10,8 @@ pub(super) fn crews(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> V
     let mut crews = Vec::new();
     for (name, section) in named(walk, root, "crew", None) {
         names.crews.push(name.clone());
-        crews.push(Crew { name, count: section.count32("count") });
+        let calendar = reference(walk, "calendar", section.got("calendar"), names.calendars.iter().map(String::as_str));
+        crews.push(Crew { name, count: section.count32("count"), calendar, rate: section.required("rate") });
     }
     crews
 }

@@ -23,4 +23,9 @@ impl Scenario {
     pub fn is_component(&self, part: usize) -> bool {
         self.parts.iter().any(|other| other.components.iter().any(|component| component.part == part))
     }
+
+    /// Whether a part stands for edges that are ground anew: it is none that the shop makes.
+    pub fn is_regrind(&self, part: usize) -> bool {
+        self.shared.cribs.iter().filter_map(|crib| crib.regrind.as_ref()).any(|own| own.part == Some(part))
+    }
 }

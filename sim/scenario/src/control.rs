@@ -1,6 +1,6 @@
 //! How work is let into a shop and chosen in it: cards, release, what the keys of dispatching rules are made of.
 
-use super::DispatchRule;
+use super::{DispatchRule, Schedule};
 use toolroom_form::vocabulary;
 
 /// What controls the flow of work beside the rules of queues.
@@ -16,6 +16,8 @@ pub struct Control {
     pub assign: Assignment,
     /// Which queue a job joins, with [`Assignment::AtArrival`].
     pub queue_choice: QueueChoice,
+    /// The schedule that machines follow in the place of their rules; `None`: they go by their rules.
+    pub schedule: Option<Schedule>,
 }
 
 /// A limited number of jobs between two stations: CONWIP over several of them, kanban over one.

@@ -24,6 +24,7 @@ mod branch;
 mod calibration;
 mod contour;
 mod control;
+mod crib;
 mod deviation;
 mod dispatch;
 pub mod effects;
@@ -31,6 +32,8 @@ mod flow;
 mod gap;
 mod grinding;
 mod inspection;
+mod life_only;
+mod maintenance;
 mod order;
 mod part;
 pub mod policies;
@@ -38,6 +41,7 @@ mod policy;
 mod posterior;
 mod program;
 mod resource;
+mod schedule;
 mod scope;
 mod shared;
 mod speed;
@@ -57,24 +61,28 @@ pub use contour::{ContourRule, ContourWork};
 pub use control::{
     Assignment, CardLoop, Control, DueRule, KeyOptions, KeyTime, MOST_LOOPS, QueueChoice, ReleaseRule, SlackBy,
 };
+pub use crib::{Crib, Purchase, Regrind};
 pub use deviation::{Deviation, MICRO_STOP, ShopEffect};
 pub use dispatch::{DispatchRule, MOST_RULES, Preemption};
 pub use flow::{Blocking, Buffer, Deadlock};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use inspection::{InspectedTo, InspectedUnit, Inspection, InspectionOutcome};
+pub use life_only::LifeOnly;
+pub use maintenance::Maintenance;
 pub use order::{InProcess, MachineChoice, Order};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
 pub use policy::{Knowledge, PolicyRule, SensorSheet, ToolChangeRule};
 pub use posterior::{DrawReader, DrawTable, Posterior, read_posterior, read_posterior_of_pair, set_draw_reader};
 pub use program::{ProgramWork, ProgramWorkError, ToolCall};
-pub use resource::{Attendance, Operator, SetupMatrix};
+pub use resource::{Attendance, Operator, Presence, SetupMatrix, Ways};
+pub use schedule::{PlannedOperation, Schedule};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use shared::{Fixture, Hold, Shared};
 pub use speed::{Course, PATH, PRICE, SPEED, SpeedChoice, SpeedEntry, SpeedPart, SpeedRule, WEAR};
 pub use spreads::Spreads;
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
-pub use station::{FailureClock, FailureMode, MachineType, ProcessModel, ToolType};
+pub use station::{FailureClock, FailureMode, MachineType, ProcessModel, ToolType, station_name};
 pub use toolroom_calendar::{
     Boundary, Dated, Hours, Interruption, Joined, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime, date,
 };
@@ -149,6 +157,8 @@ pub struct Scenario {
     pub calendars: Vec<ShiftCalendar>,
     /// Breakdowns.
     pub failures: Vec<FailureMode>,
+    /// Planned maintenance.
+    pub maintenance: Vec<Maintenance>,
     /// The comparison axis; the first one is the baseline of every difference.
     pub policies: Vec<PolicyRule>,
     /// What the true shop does otherwise than planned.

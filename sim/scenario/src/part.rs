@@ -52,10 +52,14 @@ pub struct Operation {
     pub time_on: Vec<(usize, f64)>,
     /// Tool, by index, of a part program the first; `None` for plain work, which has none.
     pub tool: Option<usize>,
+    /// Tool, by index, of which an edge wears in plain work; `None`: none does.
+    pub worn_tool: Option<usize>,
     /// Name of the fixture and program family; a change of it costs a setup.
     pub setup_group: String,
     /// Setup time, s; `None`: the machine's.
     pub setup_time: Option<f64>,
+    /// The same where it is random; `setup_time` is its mean.
+    pub setup_spread: Option<Distribution>,
     /// Skills that it needs.
     pub attendance: Attendance,
     /// What is done.

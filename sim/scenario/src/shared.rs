@@ -1,10 +1,21 @@
-//! Counted things that an operation needs beside its machine: fixtures and pallets.
+//! Counted things that an operation needs beside its machine: fixtures, pallets, edges.
+
+use super::Crib;
 
 /// What operations need beside their machines.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shared {
     /// Fixtures and pallets.
     pub fixtures: Vec<Fixture>,
+    /// Edges of the tools of which there are not as many as are needed.
+    pub cribs: Vec<Crib>,
+}
+
+impl Shared {
+    /// The crib of a tool, by index.
+    pub fn crib_of(&self, tool: usize) -> Option<usize> {
+        self.cribs.iter().position(|crib| crib.tool == tool)
+    }
 }
 
 /// A fixture or pallet of which there are so many.

@@ -1,13 +1,15 @@
 //! Machines, tools, working time, breakdowns.
 
-use super::{Batch, Calibration, DispatchRule, Distribution, Posterior, Spreads, StructureScatter, Target, Variants};
+use super::{
+    Batch, Calibration, DispatchRule, Distribution, LifeOnly, Posterior, Spreads, StructureScatter, Target, Variants,
+};
 use std::fmt;
 use std::sync::Arc;
 use toolroom_calendar::Interruption;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_form::vocabulary;
 use toolroom_infeed::Infeed;
-use toolroom_process::MachineProcess;
+use toolroom_process::{MachineProcess, Process};
 use toolroom_wear::{Pair, Scatter, check_tilt};
 
 /// A machine tool.
@@ -69,6 +71,39 @@ impl MachineType {
     }
 }
 
+/// Name of a station: of its machines in the order of the file, runs of three and more that are numbered on as `L1 … L3`.
+///
+/// # Examples
+/// ```
+/// let station = |names: &[&str]| toolroom_scenario::station_name(names.iter().copied());
+/// assert_eq!(station(&["L1", "L2"]), "L1 + L2");
+/// assert_eq!(station(&["saw", "L1", "L2", "L3", "L5"]), "saw + L1 … L3 + L5");
+/// ```
+pub fn station_name<'a>(machines: impl Iterator<Item = &'a str>) -> String {
+    let mut runs: Vec<Vec<&str>> = Vec::new();
+    for name in machines {
+        let follows = |run: &Vec<&str>| {
+            let ((before, last), (prefix, number)) = (numbered(run[run.len() - 1]), numbered(name));
+            before == prefix && last.zip(number).is_some_and(|(last, number)| number == last + 1)
+        };
+        match runs.last_mut().filter(|run| follows(run)) {
+            Some(run) => run.push(name),
+            None => runs.push(vec![name]),
+        }
+    }
+    let words = |run: &Vec<&str>| match run.as_slice() {
+        [first, _, .., last] => format!("{first} … {last}"),
+        few => few.join(" + "),
+    };
+    runs.iter().map(words).collect::<Vec<_>>().join(" + ")
+}
+
+/// A name without its number, and that number.
+fn numbered(name: &str) -> (&str, Option<u64>) {
+    let prefix = name.trim_end_matches(|digit: char| digit.is_ascii_digit());
+    (prefix, name[prefix.len()..].parse().ok())
+}
+
 /// The process of a tool: parameters and effects of the true world.
 #[derive(Clone)]
 pub enum ProcessModel {
@@ -108,7 +143,7 @@ impl ProcessModel {
     pub fn takes_speed_commands(&self) -> bool {
         match self {
             Self::Turning(_) => true,
-            Self::Other(process) => process.name() != "milling",
+            Self::Other(process) => !["milling", LifeOnly::NAME].contains(&process.name()),
             Self::Milling(_) | Self::Infeed(_) => false,
         }
     }
@@ -165,6 +200,8 @@ pub struct ToolType {
     pub posterior: Option<Arc<Posterior>>,
     /// How well its parameters are known before records of its own: by the draws, else by `[prior]` of the set.
     pub spreads: Spreads,
+    /// How long its edges last in plain work, s of work, where nothing else is known of it ([`LifeOnly`]).
+    pub life: Option<Distribution>,
 }
 
 impl ToolType {

@@ -3,12 +3,16 @@
 use toolroom_form::vocabulary;
 
 /// People who repair; the first breakdown that waits goes first.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Crew {
     /// Name, unique.
     pub name: String,
     /// Repairs at once.
     pub count: u32,
+    /// Index into [`Scenario::calendars`](super::Scenario::calendars) of when they begin repairs; `None`: always.
+    pub calendar: Option<usize>,
+    /// Cost of an hour of the calendar for each of them, currency per second.
+    pub rate: f64,
 }
 
 /// Vehicles of one kind.

@@ -50,6 +50,7 @@ fn tool(name: &str, process: ProcessModel) -> ToolType {
         structure_scatter: Default::default(),
         posterior: None,
         spreads: Default::default(),
+        life: None,
     }
 }
 
@@ -58,10 +59,12 @@ fn operation(machines: &[usize], tool: usize, work: Work) -> Operation {
         name: "operation".to_owned(),
         machines: machines.to_vec(),
         tool: Some(tool),
+        worn_tool: None,
         machine_choice: None,
         time_on: Vec::new(),
         setup_group: "one".to_owned(),
         setup_time: None,
+        setup_spread: None,
         attendance: Attendance::default(),
         work,
         work_per: WorkPer::Part,
@@ -129,6 +132,7 @@ fn scenario() -> Scenario {
         preemption: Preemption::None,
         calendars: Vec::new(),
         failures: Vec::new(),
+        maintenance: Vec::new(),
         policies: vec![policy(SpeedRule::Programmed)],
         deviations: Vec::new(),
         calibrations: Vec::new(),

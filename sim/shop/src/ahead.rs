@@ -67,6 +67,7 @@ impl<R: Recorder> Shop<'_, R> {
         let slot = self.world.jobs.insert_beside(stand_in, of);
         self.world.keep_ahead((order, operation), KeptMachine::new(machine as u32));
         let asked = self.asked(machine, slot);
+        let setup = self.drawn_setup(machine, slot, setup);
         let left = asked.calibrated(self.scenario, ShopConstant::SetupTime, setup);
         self.world.machines[machine].task = Some(Task {
             slot,
@@ -76,12 +77,14 @@ impl<R: Recorder> Shop<'_, R> {
             since: now,
             end: None,
             operator: None,
+            presence: 0.0,
             waits: false,
             load_time: 0.0,
             unload_time: 0.0,
             content: Content::Plain(0.0),
             before: 0.0,
             riders: Vec::new(),
+            tending: None,
         });
         self.log_event("setup", Some(machine), Some(number), None);
         self.start_clocks(machine)?;

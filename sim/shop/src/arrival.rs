@@ -299,8 +299,10 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn proceed(&mut self, slot: u32, machine: Option<usize>) {
         match self.world.jobs.at(slot).origin {
             Origin::Order(order) if self.world.lots[order as usize].is_some() => self.gather(order, slot),
-            Origin::Order(_) | Origin::Source(_) if self.world.flow.is_limited() => self.look_for_place(slot, machine),
-            Origin::Order(_) | Origin::Source(_) => self.wait(slot),
+            Origin::Order(_) | Origin::Source(_) | Origin::Crib(_) if self.world.flow.is_limited() => {
+                self.look_for_place(slot, machine);
+            }
+            Origin::Order(_) | Origin::Source(_) | Origin::Crib(_) => self.wait(slot),
         }
     }
 
@@ -321,6 +323,9 @@ impl<R: Recorder> Shop<'_, R> {
         self.log_event(event, None, Some(job.number), None);
         if let Origin::Order(order) = job.origin {
             self.left_lot(order, job.operation);
+        }
+        if let Origin::Crib(crib) = job.origin {
+            return self.ground_edges(crib as usize, job.number, outcome);
         }
         // A component is in the shop until it has been built in.
         let part = job.row.part as usize;

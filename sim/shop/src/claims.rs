@@ -1,7 +1,7 @@
 //! Queues, lines, batches, priorities, rework and assembly with exact answers, through the scenario files that are shipped.
 
 use crate::recorder::{Closing, Recorder};
-use crate::runlog::{EdgeRow, EventRow, JobRow, OperationRow, PassRow, StateRow};
+use crate::runlog::{EdgeRow, EventRow, JobRow, MachineState, OperationRow, PassRow, StateRow};
 use crate::{Shop, ShopError};
 use std::sync::Arc;
 use toolroom_process::Claim;
@@ -23,6 +23,61 @@ const REWORK: &str = include_str!("../../../scenarios/shop/rework.toml");
 const ASSEMBLY: &str = include_str!("../../../scenarios/shop/assembly.toml");
 /// Four stations and six cards.
 const CARDS: &str = include_str!("../../../scenarios/shop/cards.toml");
+/// A machine, its grinder, and the edges between them.
+const CRIB: &str = include_str!("../../../scenarios/shop/crib.toml");
+/// Six machines that break down, and a crew; they have no work.
+const CREW: &str = r#"
+schema = 1
+[shop]
+name = "crew"
+horizon = "1 h"
+[[machine]]
+name = "M"
+count = 6
+process = "plain"
+[[crew]]
+name = "fitters"
+[[failure]]
+machines = "M"
+clock = "calendar"
+crew = "fitters"
+time_between = { distribution = "exponential", mean = "480 min" }
+time_to_repair = { distribution = "exponential", mean = "60 min" }
+[[part]]
+name = "job"
+operation = [{ name = "do", machines = "M", work = "1 min" }]
+[[arrivals]]
+part = "job"
+pattern = "schedule"
+lot = [{ time = "0 min" }]
+"#;
+/// Moves one way by a vehicle, 8 min in each direction.
+const VEHICLE: &str = r#"
+schema = 1
+[shop]
+name = "vehicle"
+horizon = "1 h"
+[[machine]]
+name = "P"
+process = "plain"
+[[machine]]
+name = "Q"
+process = "plain"
+[[transport]]
+name = "AGV"
+locations = ["P", "Q"]
+times = [["0 min", "8 min"], ["8 min", "0 min"]]
+[[part]]
+name = "job"
+operation = [
+    { name = "first", machines = "P", work = "0 min" },
+    { name = "second", machines = "Q", work = "0 min" },
+]
+[[arrivals]]
+part = "job"
+pattern = "poisson"
+rate = "2.4 1/h"
+"#;
 /// Work of a batch, 18 jobs an hour.
 const BATCH: [&str; 3] = [
     "part.job.operation.serve.work_per=\"batch\"",
@@ -60,6 +115,12 @@ enum Figure {
     Assembled(f64),
     /// Jobs of the line with cards a minute.
     Carded(f64),
+    /// Share of a machine of the crib in plain work, 1.
+    Edged(u32, f64),
+    /// Share of the machines with a crew that is not down, 1.
+    Repaired(f64),
+    /// Time from the call of a vehicle to the delivery, min.
+    Delivered(f64),
 }
 
 /// The shipped queue at 80 % load and queues that differ from it by a word. The tolerances are some four
@@ -245,6 +306,41 @@ const CASES: &[Case] = &[
         figure: Figure::Carded(0.079_686),
         tolerance: 0.007, // four standard errors of 0.17 %, by batches of an independent model of as many jobs
     },
+    Case {
+        claim: "share in work of a machine with three edges that are ground anew",
+        source: "closed line of two exponential servers: 148/175 (Gordon and Newell, Operations Research 15 (1967) 254)",
+        changes: &[],
+        figure: Figure::Edged(0, 148.0 / 175.0),
+        tolerance: 0.007, // four standard errors, by batches of 35 000 lives
+    },
+    Case {
+        claim: "share in work of the grinder of its edges",
+        source: "the same: 111/175",
+        changes: &[],
+        figure: Figure::Edged(1, 111.0 / 175.0),
+        tolerance: 0.009,
+    },
+    Case {
+        claim: "availability of six machines with one crew",
+        source: "birth and death of failures: Feller, An Introduction to Probability Theory I (1968), XVII.7",
+        changes: &[],
+        figure: Figure::Repaired(0.813_664),
+        tolerance: 0.01,
+    },
+    Case {
+        claim: "the same with two crews",
+        source: "the same",
+        changes: &["crew.fitters.count=2"],
+        figure: Figure::Repaired(0.882_760),
+        tolerance: 0.01,
+    },
+    Case {
+        claim: "time from order to delivery by a vehicle that drives back empty, min",
+        source: "Pollaczek and Khinchine with 16 min of service, of which the last way back is not waited for",
+        changes: &[],
+        figure: Figure::Delivered(30.222_222),
+        tolerance: 1.0, // four standard errors of 100 000 correlated stays
+    },
 ];
 
 /// Time that jobs stay in the shop.
@@ -256,6 +352,9 @@ struct Stays {
     part: Option<u32>,
     total: f64,
     count: f64,
+    /// Time of every machine in plain work and broken down, s.
+    working: Vec<f64>,
+    down: f64,
 }
 
 impl Recorder for Stays {
@@ -269,7 +368,18 @@ impl Recorder for Stays {
     fn pass(&mut self, _: PassRow) {}
     fn edge(&mut self, _: u32, _: EdgeRow) {}
     fn operation(&mut self, _: OperationRow) {}
-    fn state(&mut self, _: StateRow) {}
+    fn state(&mut self, row: StateRow) {
+        let time = row.end - row.start.max(self.from);
+        if time <= 0.0 {
+            return;
+        }
+        if row.state == MachineState::Working {
+            let machine = row.machine as usize;
+            self.working.resize(self.working.len().max(machine + 1), 0.0);
+            self.working[machine] += time;
+        }
+        self.down += if row.state == MachineState::Down { time } else { 0.0 };
+    }
     fn event(&mut self, _: EventRow) {}
     fn close(&mut self, _: Closing) {}
 }
@@ -298,22 +408,33 @@ impl Case {
             Figure::Reworked(_) => ("rework.toml", REWORK),
             Figure::Assembled(_) => ("assembly.toml", ASSEMBLY),
             Figure::Carded(_) => ("cards.toml", CARDS),
+            Figure::Edged(..) => ("crib.toml", CRIB),
+            Figure::Repaired(_) => ("crew.toml", CREW),
+            Figure::Delivered(_) => ("vehicle.toml", VEHICLE),
         };
         let file = parse(name, text, &changes).unwrap_or_else(|error| panic!("{}: {error}", self.claim));
         let policy = Arc::new(ResolvedPolicy::of(&file.scenario, 0)?);
         let part = match self.figure {
             Figure::StayOf(part, _) => Some(part),
             Figure::Assembled(_) => Some(2), // after its two components
-            Figure::Stay(_) | Figure::Rate(_) | Figure::Reworked(_) | Figure::Carded(_) => None,
+            Figure::Stay(_)
+            | Figure::Rate(_)
+            | Figure::Reworked(_)
+            | Figure::Carded(_)
+            | Figure::Edged(..)
+            | Figure::Repaired(_)
+            | Figure::Delivered(_) => None,
         };
         let stays = Stays { from: file.scenario.warm_up, part, ..Stays::default() };
         let stays = Shop::with_recorder(&file.scenario, policy, 0, stays)?.run()?;
         let minutes = (file.scenario.horizon - stays.from) / 60.0;
         let (published, computed) = match self.figure {
-            Figure::Stay(stay) | Figure::StayOf(_, stay) | Figure::Reworked(stay) => {
+            Figure::Stay(stay) | Figure::StayOf(_, stay) | Figure::Reworked(stay) | Figure::Delivered(stay) => {
                 (stay, stays.total / stays.count / 60.0)
             }
             Figure::Rate(rate) | Figure::Assembled(rate) | Figure::Carded(rate) => (rate, stays.count / minutes),
+            Figure::Edged(machine, share) => (share, stays.working[machine as usize] / (60.0 * minutes)),
+            Figure::Repaired(share) => (share, 1.0 - stays.down / (6.0 * 60.0 * minutes)),
         };
         Ok(Claim {
             claim: self.claim.to_owned(),

@@ -46,8 +46,7 @@ impl<R: Recorder> Shop<'_, R> {
         };
         if edge.row.passes > 0 && controller.change_due(&seen, &Conditions::constant(first.0), duration) {
             edge.spent = Some(ChangeReason::Rule);
-            self.begin_change(machine);
-            return Ok(());
+            return self.begin_change(machine);
         }
         let mut input = tool_plan.input.clone();
         write(&mut input, ports.cutting_speed, first.0);

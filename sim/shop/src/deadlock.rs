@@ -10,16 +10,7 @@ use super::cards::loops_in;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use std::collections::BTreeSet;
-use toolroom_scenario::{Blocking, Deadlock};
-
-/// What a job holds and others want.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Holder {
-    /// A machine, or the place before it.
-    Machine(usize),
-    /// A card of a loop.
-    Loop(usize),
-}
+use toolroom_scenario::Blocking;
 
 impl<R: Recorder> Shop<'_, R> {
     /// Looks for parts that can never move, where any was held up since the last look; true where some have
@@ -39,43 +30,7 @@ impl<R: Recorder> Shop<'_, R> {
         if stuck.is_empty() {
             return Ok(false);
         }
-        if self.has_fixtures() {
-            return self.resolve_with_fixtures(&stuck);
-        }
-        let circle = self.circle(&stuck);
-        let machines: Option<Vec<(usize, u32)>> = circle
-            .iter()
-            .map(|(place, slot)| match place {
-                Holder::Machine(machine) => Some((*machine, *slot)),
-                Holder::Loop(_) => None,
-            })
-            .collect();
-        if let (Deadlock::Swap, Some(machines)) = (self.scenario.deadlock, &machines) {
-            self.swap(machines);
-            return Ok(true);
-        }
-        let holds = |(place, slot): (Holder, u32), wants: Holder| {
-            let name = |holder: Holder| match holder {
-                Holder::Machine(machine) => self.scenario.machines[machine].name.clone(),
-                Holder::Loop(index) => format!("a card of \"{}\"", self.scenario.control.loops[index].name),
-            };
-            let verb = match place {
-                Holder::Machine(_) => format!("{} holds {}", name(place), self.label(slot)),
-                Holder::Loop(_) => format!("{} has {}", self.label(slot), name(place)),
-            };
-            match place {
-                Holder::Machine(_) => format!("{verb} that wants {}", name(wants)),
-                Holder::Loop(_) => format!("{verb} and wants {}", name(wants)),
-            }
-        };
-        let after = circle.iter().cycle().skip(1);
-        let words: Vec<String> = circle.iter().zip(after).map(|(own, next)| holds(*own, next.0)).collect();
-        let (time, circle) = (self.now().seconds(), words.join("; "));
-        Err(if machines.is_some() {
-            ShopError::Deadlock { time, circle }
-        } else {
-            ShopError::CardDeadlock { time, circle }
-        })
+        self.name_circle(&stuck)
     }
 
     /// Jobs that wait in a place which others may want.
@@ -147,42 +102,6 @@ impl<R: Recorder> Shop<'_, R> {
         let index = loops_in(self.needs(slot)).find(gone)?;
         let member = self.holders(index).flatten().find(|slot| stuck.contains(slot))?;
         Some((index, *member))
-    }
-
-    /// Jobs that cannot move, each with what it holds; each wants that of the next one.
-    fn circle(&self, stuck: &BTreeSet<u32>) -> Vec<(Holder, u32)> {
-        let before = self.scenario.blocking == Blocking::BeforeService;
-        let next = |(_, slot): (Holder, u32)| {
-            if let Some((index, member)) = self.card_in_vain(slot, stuck) {
-                return (Holder::Loop(index), member);
-            }
-            let (machine, slot) = if before {
-                let job = self.world.jobs.at(slot);
-                let operations = &self.scenario.parts[job.row.part as usize].operations;
-                let machine = operations[job.next_operation(operations.len())].machines[0];
-                let buffer = self.input(machine).expect("only limited places are wanted in vain");
-                (machine, self.world.flow.buffers[buffer][0])
-            } else {
-                let machine = self.next_machines(slot)[0];
-                (machine, self.world.machines[machine].blocked.expect("a machine that is wanted in vain is blocked"))
-            };
-            (Holder::Machine(machine), slot)
-        };
-        let start = *stuck.first().expect("a deadlock has jobs");
-        // From whatever job it begins, the walk comes to the circle.
-        let mut walk = vec![next((Holder::Machine(0), start))];
-        loop {
-            let further = next(walk[walk.len() - 1]);
-            if let Some(first) = walk.iter().position(|(_, slot)| *slot == further.1) {
-                let mut circle = walk.split_off(first);
-                circle[0] = further;
-                let least = circle.iter().map(|(place, _)| *place).min();
-                let begin = circle.iter().position(|(place, _)| Some(*place) == least).unwrap_or(0);
-                circle.rotate_left(begin);
-                return circle;
-            }
-            walk.push(further);
-        }
     }
 
     /// What people call a job.

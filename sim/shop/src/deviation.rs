@@ -106,7 +106,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
         let state = &self.world.machines[machine];
         let at_work = state.task.as_ref().filter(|task| task.slot == slot).and_then(|task| match &task.content {
             Content::Machining(machining) => Some(machining.tool as usize),
-            Content::Plain(_) => None,
+            Content::Plain(_) | Content::Stretches(_) => None,
         });
         if let Some(tool) = at_work.or(operation.tool) {
             occasion.set("tool", self.scenario.tools[tool].name.clone());

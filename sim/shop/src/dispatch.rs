@@ -130,6 +130,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// picks again.
     pub(super) fn dispatch(&mut self) -> Result<(), ShopError> {
         self.offer_again();
+        self.maintain()?;
         if self.world.candidates.len() > 1 {
             self.world.candidates.sort_unstable();
         }
@@ -144,7 +145,7 @@ impl<R: Recorder> Shop<'_, R> {
             }
             while self.world.machines[machine].is_free() {
                 self.serve_first()?;
-                let Some(slot) = self.pick(machine) else { break };
+                let Some(slot) = self.pick(machine)? else { break };
                 let taker = self.preferred(machine, slot);
                 self.keep(taker, slot);
                 self.weigh(slot, Weighing::Leaves);
@@ -172,21 +173,24 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// The job that a machine takes next: of the order for which it is kept, or by its rules.
-    fn pick(&mut self, machine: usize) -> Option<u32> {
+    fn pick(&mut self, machine: usize) -> Result<Option<u32>, ShopError> {
         if let Some((order, operation)) = self.world.machines[machine].kept_for {
             if self.has_fixtures() || self.looks_at_shift_end(machine) {
                 let next = self.world.peek_of_lot(order, operation, machine);
                 let lack = next.and_then(|slot| self.lack_of(machine, slot));
                 self.set_lack(machine, lack);
                 if lack.is_some() || next.is_some_and(|slot| !self.fits(machine, slot)) {
-                    return None;
+                    return Ok(None);
                 }
             }
             let next = self.world.next_of_lot(order, operation, machine);
             if next.is_none() {
                 self.starves(machine, (order, operation));
             }
-            return next;
+            return Ok(next);
+        }
+        if self.scenario.control.schedule.is_some() {
+            return self.pick_planned(machine);
         }
         let reserves = self.world.flow.is_limited() && self.scenario.blocking == Blocking::BeforeService;
         let found =
@@ -195,8 +199,10 @@ impl<R: Recorder> Shop<'_, R> {
             } else {
                 self.choose(machine).map(|waiting| waiting.slot)
             };
-        self.stop_waiting(found?, Some(machine));
-        found
+        if let Some(slot) = found {
+            self.stop_waiting(slot, Some(machine));
+        }
+        Ok(found)
     }
 
     /// A job waits no longer; the queue of `machine` does not have it any more.
@@ -251,7 +257,8 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let plan = &self.layout.operations[part][index];
-        let settled = self.scenario.control.assign == Assignment::AtArrival;
+        let control = &self.scenario.control;
+        let settled = control.assign == Assignment::AtArrival || control.schedule.is_some();
         if settled || plan.only_machine.is_some() || self.world.machines[machine].kept_for.is_some() {
             return machine;
         }

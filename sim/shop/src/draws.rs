@@ -19,6 +19,8 @@ pub(super) mod owner {
     pub const WEAR_NOISE: u64 = 2;
     /// Readings of a chatter frequency, numbered by pass.
     pub const CHATTER: u64 = 3;
+    /// Life of an edge of which nothing else is known.
+    pub const LIFE: u64 = 4;
     /// Noise of the normal force in grinding, numbered by revolution; owned by the operation.
     pub const NORMAL_FORCE: u64 = 3;
 }

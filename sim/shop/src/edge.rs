@@ -37,4 +37,8 @@ pub struct Edge {
     pub worn_at_start: bool,
     /// Speed at the end of its last pass, m/s.
     pub last_speed: Option<f64>,
+    /// Plain work that it still does, s; infinite where a process says how it wears.
+    pub life_left: f64,
+    /// Whether the crib has it back already, although no other is mounted yet.
+    pub given_back: bool,
 }

@@ -44,6 +44,53 @@ pub enum Event {
         /// Vehicle among those of its kind.
         vehicle: u16,
     },
+    /// Edges come to a crib that were bought or ground elsewhere.
+    Edges {
+        /// Index into the cribs of the scenario.
+        crib: u16,
+        /// Number of the consignment.
+        number: u32,
+    },
+    /// Worn edges of a crib may be sent to be ground.
+    Regrind {
+        /// Index into the cribs of the scenario.
+        crib: u32,
+    },
+    /// Maintenance is due.
+    Maintenance {
+        /// Index into the maintenance of the scenario.
+        plan: u32,
+    },
+    /// The window of maintenance that waits opens.
+    Window {
+        /// Index into the maintenance of the scenario.
+        plan: u32,
+    },
+    /// Maintenance is over.
+    Maintained {
+        /// Index into the maintenance of the scenario.
+        plan: u32,
+    },
+    /// Whoever attended to the first time of a piece leaves its machine alone.
+    Alone {
+        /// Machine.
+        machine: u32,
+    },
+    /// A person has walked to a machine.
+    Walked {
+        /// Machine.
+        machine: u32,
+    },
+    /// A planned operation may begin from now on.
+    Planned {
+        /// Machine.
+        machine: u32,
+    },
+    /// A crew comes to its shift.
+    Crew {
+        /// Index into the crews of the scenario.
+        crew: u32,
+    },
     /// A person comes to work or leaves.
     Operator {
         /// Index into the operators of the scenario.
@@ -68,13 +115,26 @@ impl Event {
     #[inline]
     pub(super) fn class(self) -> Class {
         match self {
-            Self::StepEnd { .. } | Self::Failure { .. } | Self::Repair { .. } => Class::Finish,
+            Self::StepEnd { .. }
+            | Self::Failure { .. }
+            | Self::Repair { .. }
+            | Self::Maintenance { .. }
+            | Self::Maintained { .. }
+            | Self::Alone { .. } => Class::Finish,
             Self::Arrival { .. }
             | Self::Release { .. }
             | Self::BatchDue { .. }
             | Self::Pool
+            | Self::Edges { .. }
+            | Self::Regrind { .. }
+            | Self::Walked { .. }
+            | Self::Planned { .. }
             | Self::Delivery { .. } => Class::Arrive,
-            Self::ShiftStart { .. } | Self::ShiftEnd { .. } | Self::Operator { .. } => Class::Shift,
+            Self::ShiftStart { .. }
+            | Self::ShiftEnd { .. }
+            | Self::Operator { .. }
+            | Self::Window { .. }
+            | Self::Crew { .. } => Class::Shift,
         }
     }
 
@@ -91,6 +151,15 @@ impl Event {
             Self::Release { order } => (6, order),
             Self::BatchDue { machine } => (9, machine),
             Self::Pool => (11, 0),
+            Self::Edges { crib, number } => (12, u32::from(crib) << 24 ^ number),
+            Self::Regrind { crib } => (13, crib),
+            Self::Maintenance { plan } => (14, plan),
+            Self::Window { plan } => (15, plan),
+            Self::Maintained { plan } => (16, plan),
+            Self::Alone { machine } => (17, machine),
+            Self::Walked { machine } => (18, machine),
+            Self::Planned { machine } => (19, machine),
+            Self::Crew { crew } => (20, crew),
             Self::Delivery { transport, vehicle } => (10, u32::from(transport) << 16 | u32::from(vehicle)),
             Self::Operator { operator, comes } => (7 + u64::from(comes), operator),
         };

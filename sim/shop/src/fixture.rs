@@ -109,20 +109,20 @@ impl<R: Recorder> Shop<'_, R> {
         if !self.finds_fixtures(slot, None) {
             return Some(Lack::Fixture);
         }
-        let skill = self.first_skill(machine, slot)?;
-        self.free_operator(skill).is_none().then_some(Lack::Operator)
+        let (skill, share) = self.first_skill(machine, slot)?;
+        self.free_operator(skill, share).is_none().then_some(Lack::Operator)
     }
 
-    /// The skill that the first step of an operation needs which takes time.
-    fn first_skill(&self, machine: usize, slot: u32) -> Option<usize> {
+    /// The skill that the first step of an operation needs which takes time, and the share of a person.
+    fn first_skill(&self, machine: usize, slot: u32) -> Option<(usize, f64)> {
         let (part, index) = self.place_of(slot);
         let attendance = self.scenario.parts[part].operations[index].attendance;
         if self.setup_of_next(machine, slot).is_some_and(|time| time > 0.0) {
-            attendance.setup
+            attendance.setup.map(|skill| (skill, 1.0))
         } else if self.scenario.machines[machine].load_time.mean() > 0.0 {
-            attendance.load
+            attendance.load.map(|skill| (skill, 1.0))
         } else {
-            attendance.run
+            attendance.run.map(|skill| (skill, attendance.presence.share()))
         }
     }
 
@@ -230,8 +230,8 @@ impl<R: Recorder> Shop<'_, R> {
             return true;
         }
         let able = |operator: u32, skill| self.scenario.operators[operator as usize].skills.contains(&skill);
-        let attended = |skill: usize| {
-            self.free_operator(skill).is_some() || task.operator.is_some_and(|operator| able(operator, skill))
+        let attended = |(skill, share): (usize, f64)| {
+            self.free_operator(skill, share).is_some() || task.operator.is_some_and(|operator| able(operator, skill))
         };
         self.finds_fixtures(slot, Some(task.slot)) && self.first_skill(machine, slot).is_none_or(attended)
     }

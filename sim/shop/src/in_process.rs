@@ -62,6 +62,14 @@ impl<R: Recorder> Shop<'_, R> {
                     task.before = inside.done * *whole;
                     task.left = *whole - task.before;
                 }
+                (Content::Stretches(work), _) => {
+                    task.step = Step::Load;
+                    task.before = inside.done * work.whole;
+                    work.left = work.whole - task.before;
+                    if work.piece.is_finite() {
+                        work.piece_left = work.piece - task.before % work.piece;
+                    }
+                }
                 (Content::Machining(machining), ContentPlan::Machining { cutting_time, .. }) => {
                     // A ground piece begins anew.
                     let ground = matches!(operation.work, Work::Grinding { .. } | Work::Cycle(_));

@@ -57,6 +57,9 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// Lets the busy clocks of a machine run, if it works.
     pub(super) fn start_clocks(&mut self, machine: usize) -> Result<(), ShopError> {
+        if !self.layout.upkeep_of[machine].is_empty() {
+            self.start_upkeep_clocks(machine)?;
+        }
         let state = &self.world.machines[machine];
         if self.layout.modes_of[machine].is_empty() || !state.is_up() || state.task.is_none() {
             return Ok(());
@@ -79,6 +82,9 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// Stops the busy clocks of a machine.
     pub(super) fn stop_clocks(&mut self, machine: usize) {
+        if !self.layout.upkeep_of[machine].is_empty() {
+            self.stop_upkeep_clocks(machine);
+        }
         let now = self.now();
         for &mode in &self.layout.modes_of[machine] {
             if self.scenario.failures[mode as usize].clock != FailureClock::Busy {
@@ -180,15 +186,20 @@ impl<R: Recorder> Shop<'_, R> {
     /// The operation begins anew when the machine goes on; what was cut is lost.
     fn restart(&mut self, machine: usize) {
         self.close_pass(machine);
+        self.forget_edge(machine);
         let now = self.now();
+        let Some(slot) = self.world.machines[machine].task.as_ref().map(|task| task.slot) else { return };
+        let tending = self.tending_of(slot);
         let Some(task) = self.world.machines[machine].task.as_mut() else { return }; // an idle machine
         if matches!(task.step, Step::Setup) {
             return; // no part in the machine yet
         }
         task.begun = now;
         task.before = 0.0;
+        task.tending = tending;
         match &mut task.content {
             Content::Plain(_) => {} // the same time again
+            Content::Stretches(work) => (work.left, work.piece_left) = (work.whole, work.piece),
             Content::Machining(machining) => machining.piece = Piece::default(),
         }
         self.load(machine);
@@ -199,6 +210,7 @@ impl<R: Recorder> Shop<'_, R> {
             return Ok(()); // no part in the machine yet
         }
         self.close_pass(machine);
+        self.forget_edge(machine);
         let Some(task) = self.world.machines[machine].task.take() else { return Ok(()) }; // an idle machine
         self.lose(machine, &task, task.slot, outcome)?;
         task.riders.iter().try_for_each(|rider| self.lose(machine, &task, *rider, outcome))

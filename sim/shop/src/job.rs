@@ -11,6 +11,8 @@ pub enum Origin {
     Source(u32),
     /// An order, by index.
     Order(u32),
+    /// Edges of a crib, by index, that are ground anew.
+    Crib(u32),
 }
 
 /// A workpiece, or several of an order that move together.

@@ -7,8 +7,8 @@ use super::ports::{Ports, read, start_values, write};
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::{
-    ArrivalPattern, Cut, GrindingPhase, Interruption, KeyTime, MachineType, Operation, Part, ProcessModel, ReleaseRule,
-    Scenario, SetupMatrix, Work, WorkPer,
+    ArrivalPattern, Cut, GrindingPhase, Interruption, KeyTime, MachineType, Operation, Part, Preemption, Presence,
+    ProcessModel, ReleaseRule, Scenario, SetupMatrix, Work, WorkPer,
 };
 
 /// Tables that follow from the scenario alone.
@@ -34,6 +34,10 @@ pub(super) struct Layout {
     pub takes: Vec<Vec<u32>>,
     /// Failure modes of every machine.
     pub modes_of: Vec<Vec<u32>>,
+    /// Planned maintenance of every machine.
+    pub upkeep_of: Vec<Vec<u32>>,
+    /// Crib of every tool.
+    pub crib_of: Vec<Option<usize>>,
     /// Names of setup groups, by number.
     groups: Vec<String>,
     /// Row and column of every setup group in every setup matrix.
@@ -53,6 +57,8 @@ pub(super) struct Layout {
     /// Machines on which plain work that needs no setup is one step: nothing is loaded or unloaded, nobody attends, nothing
     /// breaks down and nothing is calibrated.
     pub one_step: Vec<bool>,
+    /// Whether machines with queues are all that there is: what nobody uses is not asked for after every instant.
+    pub bare: bool,
     /// Whether fixtures travel with jobs, which may then wait for each other.
     pub travels: bool,
     /// Rows of the schedule of every source in the order of time.
@@ -86,6 +92,8 @@ pub(super) struct OperationPlan {
     pub setup_time: Option<f64>,
     /// Whether machines differ in the time of its plain work.
     pub paced: bool,
+    /// Whether its plain work goes on in stretches.
+    pub stretched: bool,
     /// Whether it needs the components of its part.
     pub assembles: bool,
     /// Whether chance decides what becomes of its pieces.
@@ -155,6 +163,8 @@ impl Layout {
                     only_machine: if let [only] = operation.machines[..] { Some(only as u32) } else { None },
                     setup_time: operation.setup_time,
                     paced: !operation.time_on.is_empty(),
+                    stretched: operation.worn_tool.is_some()
+                        || matches!(operation.attendance.presence, Presence::First(_)),
                     assembles: operation.assembles,
                     inspected: !operation.inspection.outcomes.is_empty(),
                 });
@@ -186,6 +196,11 @@ impl Layout {
         for (mode, failure) in scenario.failures.iter().enumerate() {
             modes_of[failure.machine].push(mode as u32);
         }
+        let mut upkeep_of = vec![Vec::new(); scenario.machines.len()];
+        for (plan, own) in scenario.maintenance.iter().enumerate() {
+            upkeep_of[own.machine].push(plan as u32);
+        }
+        let crib_of = (0..scenario.tools.len()).map(|tool| scenario.shared.crib_of(tool)).collect();
         let mut assembles = vec![false; scenario.machines.len()];
         let components = (0..scenario.parts.len()).map(|part| scenario.is_component(part)).collect();
         let mut takes: Vec<Vec<u32>> = vec![Vec::new(); scenario.parts.len()];
@@ -205,8 +220,10 @@ impl Layout {
         let handling: Vec<[f64; 2]> =
             scenario.machines.iter().map(|own| [own.load_time.mean(), own.unload_time.mean()]).collect();
         let alone = as_planned && scenario.operators.is_empty() && !random_handling;
-        let one_step =
-            handling.iter().zip(&modes_of).map(|(times, modes)| alone && modes.is_empty() && *times == [0.0; 2]);
+        let one_step = handling
+            .iter()
+            .zip(modes_of.iter().zip(&upkeep_of))
+            .map(|(times, (modes, upkeep))| alone && modes.is_empty() && upkeep.is_empty() && *times == [0.0; 2]);
         let one_step = one_step.collect();
         let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
         let means = |part: &Part| part.operations.iter().map(|own| own.work.plain_time()).collect();
@@ -227,6 +244,8 @@ impl Layout {
             components,
             takes,
             modes_of,
+            upkeep_of,
+            crib_of,
             matrix_places,
             groups,
             machines,
@@ -236,6 +255,7 @@ impl Layout {
             random_handling,
             handling,
             one_step,
+            bare: is_bare(scenario),
             travels: super::fixture::travels(scenario),
             schedules,
         })
@@ -398,6 +418,17 @@ pub(super) fn cut_duration(cut: &Cut, process: &ProcessModel, tool: &ToolPlan, i
 /// Duration of a grinding phase, s.
 pub(super) fn phase_duration(phase: &GrindingPhase, work_rotation_speed: f64) -> f64 {
     f64::from(phase.revolutions) * std::f64::consts::TAU / work_rotation_speed
+}
+
+/// Whether a shop has none of what is looked at beside queues when an instant is settled.
+fn is_bare(scenario: &Scenario) -> bool {
+    scenario.transports.is_empty()
+        && scenario.operators.is_empty()
+        && scenario.buffers.is_empty()
+        && scenario.control.loops.is_empty()
+        && scenario.shared.fixtures.is_empty()
+        && scenario.control.release == ReleaseRule::Immediate
+        && scenario.preemption == Preemption::None
 }
 
 /// Every index points somewhere, every operation has a machine.

@@ -28,8 +28,8 @@
 //! | [`ShopError`] | why it stopped |
 //!
 //! # What is not modelled
-//! Shared tool cribs, traffic of vehicles, walking times of operators, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
-//! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock.
+//! Traffic of vehicles. Scatter of the stock that a grinder finds, and its finish and
+//! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock; a crib holds edges of one tool.
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
@@ -44,6 +44,7 @@ mod chatter;
 mod claims;
 mod contour;
 mod crew;
+mod crib;
 mod cut;
 mod deadlock;
 mod deadlock_words;
@@ -66,6 +67,7 @@ mod kinetic;
 mod layout;
 mod lot;
 mod machine;
+mod maintenance;
 mod operation;
 mod operator;
 mod part_program;
@@ -77,7 +79,9 @@ mod queue;
 mod recorder;
 mod release;
 pub mod runlog;
+mod sequence;
 mod shift;
+mod stretches;
 mod tooling;
 mod tournament;
 mod transport;
@@ -89,6 +93,7 @@ pub use cards::Cards;
 pub use chatter::{Reaction, Surface, Vibration};
 pub use claims::claims;
 pub use crew::CrewState;
+pub use crib::CribState;
 pub use cut::Segment;
 pub use edge::Edge;
 pub use error::{CODES, Refusal, ShopError};
@@ -98,13 +103,15 @@ pub use flow::{Flow, Place};
 pub use job::{Job, Jobs, Origin};
 pub use layout::programmed_cutting_times;
 pub use lot::{KeptMachine, Lot, LotStep};
-pub use machine::{Content, Lack, Machine, Machining, Pass, Piece, Readiness, Step, Task};
+pub use machine::{Content, Lack, Machine, Machining, Pass, Piece, Readiness, Step, Stretches, Task, Tending};
+pub use maintenance::UpkeepState;
 pub use operator::OperatorState;
 pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
 pub use recorder::{Closing, Recorder, Silent};
 pub use release::Pool;
 pub use runlog::RunLog;
+pub use sequence::Followed;
 pub use transport::{Call, TransportState, VehicleState};
 pub use world::{FailureState, SourceState, World};
 
@@ -213,6 +220,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
             transports: scenario.transports.iter().map(TransportState::of).collect(),
             awaiting: Vec::new(),
             fixtures: vec![FixtureState::default(); scenario.shared.fixtures.len()],
+            cribs: scenario.shared.cribs.iter().map(CribState::of).collect(),
+            sequences: vec![Followed::default(); scenario.machines.len()],
+            upkeep: Vec::new(),
+            upkeep_waiting: 0,
             lacking: Lacking::default(),
             flow: Flow::of(scenario),
             stock: vec![VecDeque::new(); scenario.parts.len()],
@@ -242,6 +253,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
         shop.open_shifts()?;
         shop.open_operators()?;
         shop.open_failures()?;
+        shop.open_maintenance()?;
+        shop.open_crews()?;
         for machine in 0..scenario.machines.len() {
             shop.show_state(machine);
         }
@@ -296,6 +309,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
                 if count > STUCK_EVENTS {
                     return Err(ShopError::NoProgress { time: now.seconds(), events: count });
                 }
+            }
+            if self.layout.bare {
+                self.dispatch()?;
+                continue;
             }
             self.send_vehicles()?;
             self.assign_operators()?; // steps in work go before those that are yet to begin
@@ -423,6 +440,21 @@ impl<'a, R: Recorder> Shop<'a, R> {
             }
             Event::Delivery { transport, vehicle } => self.delivered(transport as usize, vehicle as usize),
             Event::Operator { operator, comes } => self.operator_shift(operator as usize, comes),
+            Event::Edges { crib, number } => self.consigned(crib as usize, number),
+            Event::Regrind { crib } => self.send_to_regrind(crib as usize),
+            Event::Maintenance { plan } => self.maintenance_due(plan as usize),
+            Event::Window { plan } => self.window_opens(plan as usize),
+            Event::Maintained { plan } => self.maintained(plan as usize),
+            Event::Alone { machine } => {
+                self.leave_alone(machine as usize);
+                Ok(())
+            }
+            Event::Walked { machine } => self.walked(machine as usize),
+            Event::Crew { crew } => self.crew_comes(crew as usize),
+            Event::Planned { machine } => {
+                self.may_choose(machine as usize);
+                Ok(())
+            }
             Event::ShiftStart { machine } => self.shift_starts(machine as usize),
             Event::ShiftEnd { machine } => self.shift_ends(machine as usize),
         }

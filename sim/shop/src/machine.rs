@@ -45,8 +45,10 @@ pub struct Machine {
     pub held_up: bool,
     /// What its work lacks.
     pub lacks: Option<Lack>,
-    /// Failures not yet repaired.
+    /// Failures not yet repaired, and maintenance in progress.
     pub failures: u32,
+    /// Whether it is maintained.
+    pub maintained: bool,
     /// Whether it is out of shift.
     pub off_shift: bool,
     /// Whether the shift is over as soon as the operation is finished: the machine works overtime.
@@ -126,6 +128,8 @@ pub struct Task {
     pub end: Option<EventKey>,
     /// Who attends to it, by index into the operators of the scenario.
     pub operator: Option<u32>,
+    /// Share of that person which it takes, 0 to 1.
+    pub presence: f32,
     /// Whether it waits for somebody.
     pub waits: bool,
     /// Time of loading, s.
@@ -138,6 +142,8 @@ pub struct Task {
     pub before: f64,
     /// Other jobs that are worked on together with it.
     pub riders: Vec<u32>,
+    /// How long somebody still attends to its piece; `None`: as long as there is something to attend to.
+    pub tending: Option<Box<Tending>>,
 }
 
 /// What an operation does to its part.
@@ -145,11 +151,49 @@ pub struct Task {
 pub enum Content {
     /// Plain work that takes this time, s: its one step is [`Step::Work`].
     Plain(f64),
+    /// Plain work in several stretches.
+    Stretches(Box<Stretches>),
     /// Passes of a tool, with all that comes between them; apart, so that plain work moves little.
     Machining(Box<Machining>),
 }
 
+/// Plain work in which an edge wears, or to whose pieces somebody attends for a while.
+#[derive(Clone, Debug)]
+pub struct Stretches {
+    /// All of the work, s.
+    pub whole: f64,
+    /// What is left of it, s, when the step that it is in began or went on.
+    pub left: f64,
+    /// Time of a piece, s; infinite where all pieces are one.
+    pub piece: f64,
+    /// What is left of the piece, s.
+    pub piece_left: f64,
+    /// Tool of which an edge wears.
+    pub tool: Option<u32>,
+}
+
+/// Somebody attends to the first time of a piece only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tending {
+    /// What is left of that time, s, when the step that it is in began or went on.
+    pub left: f64,
+    /// The end of it in the calendar; `None` while nobody is there, or where the step ends before.
+    pub leaves: Option<EventKey>,
+}
+
 impl Task {
+    /// The tool whose edge it uses now.
+    ///
+    /// # Panics
+    /// Where it uses none: only changes of edges ask.
+    pub(super) fn tool(&self) -> usize {
+        match &self.content {
+            Content::Machining(machining) => machining.tool as usize,
+            Content::Stretches(work) => work.tool.expect("only work with an edge changes it") as usize,
+            Content::Plain(_) => unreachable!("{PLAIN}"),
+        }
+    }
+
     /// Its tool and workpiece.
     ///
     /// # Panics
@@ -158,7 +202,7 @@ impl Task {
     pub(super) fn machining(&self) -> &Machining {
         match &self.content {
             Content::Machining(machining) => machining,
-            Content::Plain(_) => unreachable!("{PLAIN}"),
+            Content::Plain(_) | Content::Stretches(_) => unreachable!("{PLAIN}"),
         }
     }
 
@@ -169,7 +213,7 @@ impl Task {
     pub(super) fn machining_mut(&mut self) -> &mut Machining {
         match &mut self.content {
             Content::Machining(machining) => machining,
-            Content::Plain(_) => unreachable!("{PLAIN}"),
+            Content::Plain(_) | Content::Stretches(_) => unreachable!("{PLAIN}"),
         }
     }
 }
@@ -266,6 +310,8 @@ pub enum Step {
     Load,
     /// Plain work.
     Work,
+    /// Waiting for an edge from its crib.
+    NoTool,
     /// Changing the edge.
     ToolChange,
     /// Cutting.
@@ -307,6 +353,7 @@ impl Step {
             Self::Setup
             | Self::Load
             | Self::Work
+            | Self::NoTool
             | Self::ToolChange
             | Self::Reading
             | Self::Delay
@@ -318,6 +365,20 @@ impl Step {
         }
     }
 
+    /// Whether it is part of the run of an operation, to which its person for the run attends.
+    pub(super) fn is_run(&self) -> bool {
+        match self {
+            Self::Setup | Self::Load | Self::Unload | Self::NoTool => false,
+            Self::Work
+            | Self::ToolChange
+            | Self::Pass(_)
+            | Self::Reading
+            | Self::Delay
+            | Self::Hold
+            | Self::Dressing => true,
+        }
+    }
+
     /// State of a machine that does it.
     #[inline]
     pub fn state(&self) -> MachineState {
@@ -325,6 +386,7 @@ impl Step {
             Self::Setup => MachineState::Setup,
             Self::Load | Self::Unload | Self::Reading => MachineState::Handling,
             Self::Work => MachineState::Working,
+            Self::NoTool => MachineState::WaitingTool,
             Self::ToolChange => MachineState::ToolChange,
             Self::Pass(_) | Self::Delay | Self::Hold => MachineState::Cutting,
             Self::Dressing => MachineState::Dressing,
@@ -352,6 +414,7 @@ impl Machine {
             held_up: false,
             lacks: None,
             failures: 0,
+            maintained: false,
             off_shift: false,
             leaving: false,
             listed: false,
@@ -379,7 +442,9 @@ impl Machine {
     /// The state that the log should show.
     #[inline]
     pub fn current_state(&self) -> MachineState {
-        if self.failures > 0 {
+        if self.maintained {
+            MachineState::Maintenance
+        } else if self.failures > 0 {
             MachineState::Down
         } else if self.off_shift {
             MachineState::OffShift

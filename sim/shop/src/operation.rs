@@ -7,7 +7,11 @@ use super::machine::{Content, IN_WORK, Machining, Piece, Readiness, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, OperationResult, OperationRow};
+use toolroom_kernel::Purpose;
 use toolroom_scenario::{Operation, ShopConstant, WorkPer};
+
+/// Owner of the setups of a job, part of its own name; operations are counted from it.
+const SETUP: u64 = 1 << 46;
 
 impl Piece {
     /// Why it is no good part, if it is none.
@@ -42,6 +46,19 @@ impl<R: Recorder> Shop<'_, R> {
         setup.filter(|_| !(state.set_up && state.kept_for.is_some()))
     }
 
+    /// The setup of a job that is begun, s: drawn where it is random, the same on every machine and under every rule.
+    pub(super) fn drawn_setup(&self, machine: usize, slot: u32, usual: f64) -> f64 {
+        let job = self.world.jobs.at(slot);
+        let operation = &self.scenario.parts[job.row.part as usize].operations[job.operation as usize];
+        let Some(spread) =
+            operation.setup_spread.as_ref().filter(|_| self.scenario.machines[machine].setup_matrix.is_none())
+        else {
+            return usual;
+        };
+        let owner = job.entity.part(SETUP + u64::from(job.operation));
+        spread.sample(&mut self.streams.at(owner, Purpose::Processing, u64::from(job.visits)))
+    }
+
     /// A machine takes a job, and in a batch others with it.
     pub(super) fn begin(&mut self, machine: usize, slot: u32, riders: Vec<u32>) -> Result<(), ShopError> {
         if self.layout.one_step[machine] && riders.is_empty() && self.begin_one_step(machine, slot)? {
@@ -57,7 +74,9 @@ impl<R: Recorder> Shop<'_, R> {
         // A machine is set up once for all jobs of an order.
         let again = std::mem::replace(&mut state.set_up, state.kept_for.is_some());
         let needed = self.layout.setup(self.scenario, machine, state.ready, plan.setup_group, setup).filter(|_| !again);
+        let needed = needed.map(|time| self.drawn_setup(machine, slot, time));
         let setup = asked.calibrated(self.scenario, ShopConstant::SetupTime, needed.unwrap_or(0.0));
+        let state = &mut self.world.machines[machine];
         state.task = Some(Task { left: if needed.is_some() { setup } else { 0.0 }, ..task });
         if needed.is_some() {
             self.log_event("setup", Some(machine), Some(number), None);
@@ -71,7 +90,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn begin_one_step(&mut self, machine: usize, slot: u32) -> Result<bool, ShopError> {
         let (now, job) = (self.now(), self.world.jobs.at(slot));
         let plan = &self.layout.operations[job.row.part as usize][job.operation as usize];
-        if !matches!(plan.content, ContentPlan::Plain) {
+        if !matches!(plan.content, ContentPlan::Plain) || plan.stretched {
             return Ok(false);
         }
         let group = plan.setup_group;
@@ -99,12 +118,14 @@ impl<R: Recorder> Shop<'_, R> {
             since: now,
             end: Some(end),
             operator: None,
+            presence: 0.0,
             waits: false,
             load_time: 0.0,
             unload_time: 0.0,
             content: Content::Plain(time),
             before: 0.0,
             riders: Vec::new(),
+            tending: None,
         });
         self.show_state(machine);
         Ok(true)
@@ -127,7 +148,8 @@ impl<R: Recorder> Shop<'_, R> {
                 let work_of = |slot: u32| self.whole_work(machine, slot, asked);
                 let whole = riders.iter().map(|rider| work_of(*rider)).fold(work_of(slot), f64::max);
                 let moved = self.deviating(asked, slot, whole);
-                Content::Plain(self.world.jobs.at_mut(slot).rest.take().unwrap_or(moved))
+                let time = self.world.jobs.at_mut(slot).rest.take().unwrap_or(moved);
+                self.plain_content(slot, !riders.is_empty(), time)
             }
             ContentPlan::Machining { tool, cutting_time, .. } => {
                 let moved = asked.moved(self.scenario, cutting_time);
@@ -150,12 +172,14 @@ impl<R: Recorder> Shop<'_, R> {
             since: now,
             end: None,
             operator: None,
+            presence: 0.0,
             waits: false,
             load_time,
             unload_time,
             content,
             before: 0.0,
             riders,
+            tending: if self.world.operators.is_empty() { None } else { self.tending_of(slot) },
         }
     }
 
@@ -189,6 +213,10 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn drive(&mut self, machine: usize, dispatching: bool) -> Result<(), ShopError> {
         loop {
             let Some(task) = &self.world.machines[machine].task else { return Ok(()) }; // the operation is over
+            if matches!(task.step, Step::NoTool) {
+                self.show_state(machine);
+                return Ok(()); // it goes on when an edge comes
+            }
             if task.left > 0.0 && !self.is_attended(machine) {
                 self.show_state(machine);
                 return Ok(());
@@ -202,6 +230,7 @@ impl<R: Recorder> Shop<'_, R> {
                     task.end = Some(end);
                     task.since = now;
                 }
+                self.tend(machine)?;
                 self.show_state(machine);
                 return Ok(());
             }
@@ -214,9 +243,19 @@ impl<R: Recorder> Shop<'_, R> {
         let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
         task.end = None;
         task.left = 0.0;
-        if matches!(task.step, Step::Work) && task.unload_time == 0.0 {
-            return self.end_operation(machine); // there is nothing to take off
+        match task.content {
+            Content::Plain(_) => {
+                if matches!(task.step, Step::Work) && task.unload_time == 0.0 {
+                    return self.end_operation(machine); // there is nothing to take off
+                }
+            }
+            Content::Stretches(_) => {
+                let elapsed = self.calendar.now() - task.since;
+                self.note_stretch(machine, elapsed);
+            }
+            Content::Machining(_) => {}
         }
+        self.end_tending(machine);
         self.end_step(machine)?;
         self.drive(machine, false)
     }
@@ -231,8 +270,12 @@ impl<R: Recorder> Shop<'_, R> {
         task.left = (task.left - elapsed).max(0.0);
         self.calendar.cancel(end);
         if !matches!(task.step, Step::Pass(_)) {
+            self.note_stretch(machine, elapsed);
+            self.note_tending(machine, elapsed);
             return Ok(());
         }
+        self.note_tending(machine, elapsed);
+        let task = self.world.machines[machine].task.as_ref().expect(IN_WORK);
         let pace = task.machining().moved.pace;
         self.halt_pass(machine, elapsed / pace)
     }
@@ -258,15 +301,21 @@ impl<R: Recorder> Shop<'_, R> {
                     self.work(machine, time);
                     Ok(())
                 }
+                Content::Stretches(_) => self.stretch(machine),
                 Content::Machining(_) => self.next_pass(machine),
             },
-            Step::Work => {
-                self.unload(machine);
-                Ok(())
-            }
+            Step::Work => match task.content {
+                Content::Stretches(_) => self.end_stretch(machine),
+                Content::Plain(_) | Content::Machining(_) => {
+                    self.unload(machine);
+                    Ok(())
+                }
+            },
+            Step::NoTool => unreachable!("it ends when an edge comes, not by itself"),
             Step::ToolChange => {
+                let stretched = matches!(task.content, Content::Stretches(_));
                 self.replace_edge(machine);
-                self.next_pass(machine)
+                if stretched { self.stretch(machine) } else { self.next_pass(machine) }
             }
             Step::Pass(_) => self.end_pass(machine),
             Step::Reading => self.next_pass(machine),
@@ -303,7 +352,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// Begins unloading.
-    fn unload(&mut self, machine: usize) {
+    pub(super) fn unload(&mut self, machine: usize) {
         let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
         task.step = Step::Unload;
         task.left = task.unload_time;
@@ -355,7 +404,7 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let bad = match &task.content {
-            Content::Plain(_) => None,
+            Content::Plain(_) | Content::Stretches(_) => None,
             Content::Machining(machining) => machining.piece.fault(&self.scenario.parts[part].operations[index]),
         };
         let whole = job.row.quantity;
@@ -459,13 +508,30 @@ impl<R: Recorder> Shop<'_, R> {
     fn time_left(&self, task: &Task, part: usize, operation: usize) -> f64 {
         let Machining { delay, hold, piece, .. } = match &task.content {
             Content::Machining(machining) => &**machining,
+            Content::Stretches(work) => {
+                return match task.step {
+                    Step::Setup => task.load_time + work.left + task.unload_time,
+                    Step::Load => task.left + work.left + task.unload_time,
+                    Step::Work | Step::ToolChange | Step::NoTool => work.left + task.unload_time,
+                    Step::Unload => task.left,
+                    Step::Pass(_) | Step::Reading | Step::Delay | Step::Hold | Step::Dressing => {
+                        unreachable!("steps of an operation that is cut")
+                    }
+                };
+            }
             Content::Plain(time) => {
                 return match task.step {
                     Step::Setup => task.load_time + time + task.unload_time,
                     Step::Load => task.left + time + task.unload_time,
                     Step::Work => task.left + task.unload_time,
                     Step::Unload => task.left,
-                    Step::ToolChange | Step::Pass(_) | Step::Reading | Step::Delay | Step::Hold | Step::Dressing => {
+                    Step::NoTool
+                    | Step::ToolChange
+                    | Step::Pass(_)
+                    | Step::Reading
+                    | Step::Delay
+                    | Step::Hold
+                    | Step::Dressing => {
                         unreachable!("steps of an operation with a tool")
                     }
                 };
@@ -480,7 +546,7 @@ impl<R: Recorder> Shop<'_, R> {
         match task.step {
             Step::Setup => task.load_time + due() + after_cutting,
             Step::Load => task.left + due() + after_cutting,
-            Step::ToolChange => due() + after_cutting,
+            Step::ToolChange | Step::NoTool => due() + after_cutting,
             Step::Reading => task.left + due() + after_cutting,
             Step::Pass(_) => task.left + from(pass + 1) + after_cutting,
             Step::Delay | Step::Hold => task.left + after_cutting,

@@ -3,27 +3,44 @@
 //! Nobody is given away while events of an instant are settled. Then steps that wait are served in the
 //! order in which the rules of their machines would take their jobs. Of the people who are free and have
 //! the skill the one with the fewest skills goes, then the one who has been free for longest, then the
-//! first of the file: a setter is not spent on loading.
+//! first of the file: a setter is not spent on loading. Who tends machines by a share is free for others as long as their
+//! shares add up to no more than one. Where ways take time, the person walks from the last machine first, and the step waits.
 
 use super::dispatch::keys_of;
 use super::event::Event;
-use super::machine::{IN_WORK, Step};
+use super::machine::{IN_WORK, Step, Task};
 use super::queue::Keys;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use std::cmp::Ordering;
-use toolroom_kernel::SimTime;
+use toolroom_kernel::{EventKey, SimTime};
 
 /// A person in the shop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OperatorState {
     /// Whether in shift.
     pub here: bool,
-    /// The machine to which the person attends.
+    /// The machine to which the person attends; of several the last.
     pub machine: Option<u32>,
     /// Since when the person attends to it, or is free.
     pub since: SimTime,
+    /// Shares of the machines that the person tends, 0 to 1.
+    pub load: f64,
+    /// Where the person is, by place of the ways.
+    pub place: u32,
+    /// The end of the way that the person walks.
+    pub walking: Option<EventKey>,
 }
+
+impl OperatorState {
+    /// Whether the person can take on a step that needs this share.
+    fn has_time(&self, share: f64) -> bool {
+        self.here && self.walking.is_none() && self.load + share <= 1.0 + SHARES
+    }
+}
+
+/// Shares that add up to this much more than one are one: ten of 0.1 are.
+const SHARES: f64 = 1e-9;
 
 /// A step that waits for somebody.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +50,7 @@ pub(super) struct Awaiting {
     arrival: (f64, u32),
     machine: u32,
     skill: usize,
+    share: f64,
 }
 
 impl Awaiting {
@@ -48,7 +66,8 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn open_operators(&mut self) -> Result<(), ShopError> {
         for (operator, resource) in self.scenario.operators.iter().enumerate() {
             let here = resource.calendar.is_none_or(|calendar| self.scenario.calendars[calendar].works_at(0.0));
-            self.world.operators.push(OperatorState { here, machine: None, since: SimTime::ZERO });
+            let since = SimTime::ZERO;
+            self.world.operators.push(OperatorState { here, machine: None, since, load: 0.0, place: 0, walking: None });
             self.schedule_operator(operator)?;
         }
         Ok(())
@@ -69,10 +88,24 @@ impl<R: Recorder> Shop<'_, R> {
         self.schedule_operator(operator)?;
         self.world.operators[operator].here = comes;
         self.person_is_free();
-        let Some(machine) = self.world.operators[operator].machine.filter(|_| !comes).map(|index| index as usize)
-        else {
+        if comes || self.world.operators[operator].machine.is_none() {
             return Ok(());
-        };
+        }
+        for machine in 0..self.world.machines.len() {
+            if self.attends(operator, machine) {
+                self.leave_machine(operator, machine)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn attends(&self, operator: usize, machine: usize) -> bool {
+        let task = self.world.machines[machine].task.as_ref();
+        task.is_some_and(|task| task.operator == Some(operator as u32))
+    }
+
+    /// A person whose shift is over leaves a machine, which waits for another one.
+    fn leave_machine(&mut self, operator: usize, machine: usize) -> Result<(), ShopError> {
         if let Some(task) = &self.world.machines[machine].task
             && let Some(end) = task.end
             && task.since.after(task.left)? == self.now()
@@ -80,7 +113,7 @@ impl<R: Recorder> Shop<'_, R> {
             self.calendar.cancel(end); // what ends at this instant has ended
             self.step_ended(machine)?;
         }
-        if self.world.operators[operator].machine == Some(machine as u32) {
+        if self.attends(operator, machine) {
             self.halt(machine)?;
             self.release_operator(machine);
             self.await_operator(machine);
@@ -89,21 +122,25 @@ impl<R: Recorder> Shop<'_, R> {
         Ok(())
     }
 
-    /// The skill that the step in a machine needs.
-    fn needed_skill(&self, machine: usize) -> Option<usize> {
+    /// The skill that the step in a machine needs, and the share of a person.
+    fn needed(&self, machine: usize) -> Option<(usize, f64)> {
         let task = self.world.machines[machine].task.as_ref()?;
         let job = self.world.jobs.at(task.slot);
         let attendance = self.scenario.parts[job.row.part as usize].operations[job.operation as usize].attendance;
         match task.step {
-            Step::Setup => attendance.setup,
-            Step::Load | Step::Unload => attendance.load,
+            Step::Setup => attendance.setup.map(|skill| (skill, 1.0)),
+            Step::Load | Step::Unload => attendance.load.map(|skill| (skill, 1.0)),
+            Step::NoTool => None,
             Step::Work
             | Step::Pass(_)
             | Step::ToolChange
             | Step::Reading
             | Step::Delay
             | Step::Hold
-            | Step::Dressing => attendance.run,
+            | Step::Dressing => {
+                let alone = task.tending.as_ref().is_some_and(|tending| tending.left <= 0.0);
+                attendance.run.filter(|_| !alone).map(|skill| (skill, attendance.presence.share()))
+            }
         }
     }
 
@@ -113,11 +150,13 @@ impl<R: Recorder> Shop<'_, R> {
         if self.world.operators.is_empty() {
             return true;
         }
-        let needed = self.needed_skill(machine);
+        let needed = self.needed(machine);
         let task = self.world.machines[machine].task.as_ref().expect(IN_WORK);
         if let Some(operator) = task.operator {
             let skills = &self.scenario.operators[operator as usize].skills;
-            if needed.is_some_and(|skill| skills.contains(&skill)) {
+            if let Some((_, share)) = needed.filter(|(skill, _)| skills.contains(skill))
+                && self.keeps(operator as usize, machine, share)
+            {
                 return true;
             }
             self.release_operator(machine);
@@ -134,13 +173,32 @@ impl<R: Recorder> Shop<'_, R> {
         false
     }
 
+    /// Whether a person who attends to a machine has time for the share of its next step, and gets it then.
+    fn keeps(&mut self, operator: usize, machine: usize, share: f64) -> bool {
+        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
+        let state = &mut self.world.operators[operator];
+        let more = share - f64::from(task.presence);
+        if more.abs() <= SHARES {
+            return true;
+        }
+        let fits = state.load + more <= 1.0 + SHARES;
+        if fits {
+            state.load += more;
+            task.presence = share as f32;
+            if more < 0.0 {
+                self.person_is_free();
+            }
+        }
+        fits
+    }
+
     fn await_operator(&mut self, machine: usize) {
-        let Some(skill) = self.needed_skill(machine) else { return };
+        let Some((skill, share)) = self.needed(machine) else { return };
         let slot = self.world.machines[machine].task.as_ref().expect(IN_WORK).slot;
         let keys = keys_of(self, machine, slot);
         let job = self.world.jobs.at(slot);
         let arrival = (job.queued.seconds(), job.number);
-        self.world.awaiting.push(Awaiting { keys, arrival, machine: machine as u32, skill });
+        self.world.awaiting.push(Awaiting { keys, arrival, machine: machine as u32, skill, share });
         self.world.machines[machine].task.as_mut().expect(IN_WORK).waits = true;
     }
 
@@ -155,9 +213,16 @@ impl<R: Recorder> Shop<'_, R> {
             self.world.awaiting.retain(|each| each.machine as usize != machine);
         }
         if let Some(operator) = task.operator.take() {
+            let share = f64::from(std::mem::take(&mut task.presence));
             let state = &mut self.world.operators[operator as usize];
-            state.machine = None;
+            state.load -= share;
+            if state.load <= 1e-6 {
+                (state.load, state.machine) = (0.0, None); // shares are kept in single precision
+            }
             state.since = now;
+            if let Some(walk) = state.walking.take() {
+                self.calendar.cancel(walk); // and goes back to where the way began, in no time
+            }
             self.person_is_free();
         }
     }
@@ -169,32 +234,93 @@ impl<R: Recorder> Shop<'_, R> {
         }
         self.world.awaiting.sort_by(Awaiting::order);
         let mut next = 0;
-        while let Some(&Awaiting { machine, skill, .. }) = self.world.awaiting.get(next) {
-            let Some(operator) = self.free_operator(skill) else {
+        while let Some(&Awaiting { machine, skill, share, .. }) = self.world.awaiting.get(next) {
+            let Some(operator) = self.free_operator(skill, share) else {
                 next += 1;
                 continue;
             };
             self.world.awaiting.remove(next);
             let (now, machine) = (self.now(), machine as usize);
+            let way = self.way(operator, machine);
             let state = &mut self.world.operators[operator];
             state.machine = Some(machine as u32);
             state.since = now;
             let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
             task.operator = Some(operator as u32);
-            task.waits = false;
-            if matches!(task.step, Step::Pass(_)) {
-                self.plan_segment(machine)?;
+            task.presence = share as f32;
+            state.load += f64::from(task.presence);
+            match way {
+                Some((_, time)) if time > 0.0 => {
+                    let walk = self.schedule(now.after(time)?, Event::Walked { machine: machine as u32 })?;
+                    self.world.operators[operator].walking = Some(walk);
+                }
+                Some(_) | None => self.attend(machine)?,
             }
-            self.drive(machine, false)?;
         }
         Ok(())
     }
 
+    /// Place of a machine on the ways of a person, and the time to it, s.
+    fn way(&self, operator: usize, machine: usize) -> Option<(u32, f64)> {
+        let ways = self.scenario.operators[operator].walk.as_ref()?;
+        let place = ways.location(&self.scenario.machines[machine].location)?;
+        Some((place as u32, ways.times[self.world.operators[operator].place as usize][place]))
+    }
+
+    /// A person has come to a machine.
+    pub(super) fn walked(&mut self, machine: usize) -> Result<(), ShopError> {
+        let task = self.world.machines[machine].task.as_ref().expect(IN_WORK);
+        let operator = task.operator.expect("who walks to a machine attends to it");
+        self.world.operators[operator as usize].walking = None;
+        self.attend(machine)
+    }
+
+    /// The step for which a person is there goes on.
+    fn attend(&mut self, machine: usize) -> Result<(), ShopError> {
+        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
+        task.waits = false;
+        let (passes, operator) = (matches!(task.step, Step::Pass(_)), task.operator);
+        if let Some(operator) = operator
+            && let Some((place, _)) = self.way(operator as usize, machine)
+        {
+            self.world.operators[operator as usize].place = place;
+        }
+        if passes {
+            self.plan_segment(machine)?;
+        }
+        self.drive(machine, false)
+    }
+
+    /// Whoever attends to the first time of a piece only leaves its machine when that is over.
+    pub(super) fn tend(&mut self, machine: usize) -> Result<(), ShopError> {
+        let Some(Task { step, tending: Some(tending), left, .. }) = &self.world.machines[machine].task else {
+            return Ok(()); // nobody leaves before the end
+        };
+        if !step.is_run() || tending.left <= 0.0 || tending.left >= *left {
+            return Ok(());
+        }
+        let time = self.now().after(tending.left)?;
+        let leaves = self.schedule(time, Event::Alone { machine: machine as u32 })?;
+        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
+        if let Some(tending) = &mut task.tending {
+            tending.leaves = Some(leaves);
+        }
+        Ok(())
+    }
+
+    /// The step of a machine is over, in which somebody may have attended to it.
+    pub(super) fn end_tending(&mut self, machine: usize) {
+        let task = self.world.machines[machine].task.as_ref().expect(IN_WORK);
+        if task.tending.is_some() {
+            let elapsed = self.now() - task.since;
+            self.note_tending(machine, elapsed);
+        }
+    }
+
     /// Who goes to a step that needs a skill.
-    pub(super) fn free_operator(&self, skill: usize) -> Option<usize> {
+    pub(super) fn free_operator(&self, skill: usize, share: f64) -> Option<usize> {
         let people = self.scenario.operators.iter().zip(&self.world.operators).enumerate();
-        let able =
-            people.filter(|(_, (own, state))| state.here && state.machine.is_none() && own.skills.contains(&skill));
+        let able = people.filter(|(_, (own, state))| state.has_time(share) && own.skills.contains(&skill));
         let best = able.min_by(|(_, (a, free)), (_, (b, other))| {
             a.skills.len().cmp(&b.skills.len()).then(free.since.cmp(&other.since))
         });

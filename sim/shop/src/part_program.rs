@@ -42,8 +42,7 @@ impl<R: Recorder> Shop<'_, R> {
         let conditions = Conditions::constant(main.map_or(0.0, |cut| cut.cutting_speed));
         if edge.row.passes > 0 && controller.change_due(&seen, &conditions, in_cut_time * piece.share_left) {
             edge.spent = Some(ChangeReason::Rule);
-            self.begin_change(machine);
-            return Ok(());
+            return self.begin_change(machine);
         }
         let mut program = program(call, ports);
         program.skip(call.time * (1.0 - piece.share_left));

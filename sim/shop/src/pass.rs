@@ -73,8 +73,7 @@ impl<R: Recorder> Shop<'_, R> {
         let plan = self.layout.passes(place.part, place.operation);
         let edge = self.world.machines[machine].edges[place.tool].as_ref();
         if edge.is_some_and(|edge| edge.spent.is_some_and(|reason| reason != ChangeReason::Dressing)) {
-            self.begin_change(machine);
-            return Ok(());
+            return self.begin_change(machine);
         }
         let spoiled = self.world.machines[machine].task.as_ref().is_some_and(|task| task.machining().piece.spoiled);
         if spoiled || place.pass >= plan.passes as usize {
@@ -82,6 +81,9 @@ impl<R: Recorder> Shop<'_, R> {
             return Ok(());
         }
         if edge.is_none() {
+            if !self.finds_edge(machine, place.tool)? {
+                return self.begin_change(machine);
+            }
             self.mount(machine, place.tool);
         }
         if place.pass == 0 {
@@ -173,8 +175,7 @@ impl<R: Recorder> Shop<'_, R> {
         };
         if edge.row.passes > 0 && controller.change_due(&seen, &conditions, duration) {
             edge.spent = Some(ChangeReason::Rule);
-            self.begin_change(machine);
-            return Ok(());
+            return self.begin_change(machine);
         }
         if let (Some(observer), Some(cut)) = (&mut edge.observer, controller.nominal_cut()) {
             observer.begin_pass(cut);

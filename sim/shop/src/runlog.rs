@@ -31,11 +31,15 @@ pub enum MachineState {
     OffShift,
     /// With work that lacks a fixture.
     WaitingFixture,
+    /// With a part for which there is no edge in the crib.
+    WaitingTool,
+    /// Maintained as planned.
+    Maintenance,
 }
 
 impl MachineState {
     /// All states in the order of reports; new ones at the end, so that the numbers of the others stay.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::Cutting,
         Self::Working,
         Self::Handling,
@@ -49,6 +53,8 @@ impl MachineState {
         Self::Idle,
         Self::OffShift,
         Self::WaitingFixture,
+        Self::WaitingTool,
+        Self::Maintenance,
     ];
 
     /// Whether the machine works on a job or is set up for one.
@@ -59,6 +65,8 @@ impl MachineState {
             | Self::Blocked
             | Self::WaitingOperator
             | Self::WaitingFixture
+            | Self::WaitingTool
+            | Self::Maintenance
             | Self::Down
             | Self::Idle
             | Self::OffShift => false,
@@ -67,8 +75,16 @@ impl MachineState {
 
     /// States in which machines of a scenario may be, in the order of [`ALL`](Self::ALL).
     pub fn of(scenario: &Scenario) -> impl Iterator<Item = Self> {
-        let fixtures = !scenario.shared.fixtures.is_empty();
-        Self::ALL.into_iter().filter(move |state| *state != Self::WaitingFixture || fixtures)
+        let (fixtures, cribs) = (!scenario.shared.fixtures.is_empty(), !scenario.shared.cribs.is_empty());
+        let maintenance = !scenario.maintenance.is_empty();
+        Self::ALL.into_iter().filter(move |state| state.occurs(fixtures, cribs, maintenance))
+    }
+
+    /// Whether it occurs where there are fixtures, cribs, planned maintenance.
+    fn occurs(self, fixtures: bool, cribs: bool, maintenance: bool) -> bool {
+        (self != Self::WaitingFixture || fixtures)
+            && (self != Self::WaitingTool || cribs)
+            && (self != Self::Maintenance || maintenance)
     }
 
     /// Name in files.
@@ -84,6 +100,8 @@ impl MachineState {
             Self::Blocked => "blocked",
             Self::WaitingOperator => "waiting_operator",
             Self::WaitingFixture => "waiting_fixture",
+            Self::WaitingTool => "waiting_tool",
+            Self::Maintenance => "maintenance",
             Self::Down => "down",
             Self::Idle => "idle",
             Self::OffShift => "off_shift",
@@ -239,6 +257,8 @@ pub struct PassRow {
 /// One cutting edge, or one dressing cycle of a wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeRow {
+    /// How often it had been ground anew when it was mounted.
+    pub ground: u32,
     /// Tool type.
     pub tool: u32,
     /// Machine.

@@ -1,6 +1,7 @@
 //! Shifts: when a machine may work, and what happens when it may no longer.
 
 use super::event::Event;
+use super::machine::Step;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::JobOutcome;
@@ -77,12 +78,22 @@ impl<R: Recorder> Shop<'_, R> {
             .map_or((Interruption::Finish, 0.0), |calendar| (calendar.at_end, calendar.finish_within));
         let finishes = |left: f64| at_end == Interruption::Finish || left <= within;
         // A part in a machine that is down cannot be finished; it stays where it is.
-        if self.world.machines[machine].is_up() && self.left_in(machine).is_some_and(finishes) {
+        let state = &self.world.machines[machine];
+        let lacks_tool = state.task.as_ref().is_some_and(|task| matches!(task.step, Step::NoTool));
+        if lacks_tool {
+            // Nobody waits after the shift for an edge: the part stays for the next one.
+            self.world.machines[machine].off_shift = true;
+            self.look_at_upkeep(machine);
+            self.show_state(machine);
+            return Ok(());
+        }
+        if state.is_up() && self.left_in(machine).is_some_and(finishes) {
             self.world.machines[machine].leaving = true;
             return Ok(());
         }
         self.interrupt(machine, at_end, JobOutcome::ShiftEnd)?;
         self.world.machines[machine].off_shift = true;
+        self.look_at_upkeep(machine);
         self.show_state(machine);
         Ok(())
     }

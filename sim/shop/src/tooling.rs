@@ -1,12 +1,13 @@
 //! Edges and wheels: mounted, changed, dressed.
 
-use super::Shop;
 use super::draws;
 use super::edge::Edge;
 use super::machine::{IN_WORK, Step};
 use super::ports::write;
 use super::recorder::Recorder;
+use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, EdgeRow};
+use toolroom_kernel::Purpose;
 use toolroom_process::Record;
 use toolroom_scenario::ProcessModel;
 use toolroom_scenario::policies::WheelEstimate;
@@ -21,7 +22,12 @@ impl<R: Recorder> Shop<'_, R> {
         let first = state.mounted[tool] == 0;
         state.mounted[tool] += 1;
         state.magazine = state.magazine.saturating_sub(1);
-        let scatter = draws::edge(&self.scenario.tools[tool].scatter, &self.streams, entity);
+        let ground = self.take_edge(machine, tool);
+        let life_factor = self.life_factor(tool, ground);
+        let mut scatter = draws::edge(&self.scenario.tools[tool].scatter, &self.streams, entity);
+        scatter.wear_factor /= life_factor;
+        let life = self.scenario.tools[tool].life.as_ref();
+        let life = life.map(|life| life.sample(&mut self.streams.open(entity.part(draws::owner::LIFE), Purpose::Tool)));
         let mut x = process.initial();
         if scatter.initial_flank_wear > 0.0 {
             write(&mut x, self.layout.tools[tool].ports.flank_wear_state, scatter.initial_flank_wear);
@@ -35,6 +41,7 @@ impl<R: Recorder> Shop<'_, R> {
         let number = self.world.edges_mounted;
         self.world.edges_mounted += 1;
         let row = EdgeRow {
+            ground,
             tool: tool as u32,
             machine: machine as u32,
             installed: now.seconds(),
@@ -64,24 +71,43 @@ impl<R: Recorder> Shop<'_, R> {
             samples: 0,
             worn_at_start: worn.is_some(),
             last_speed: None,
+            life_left: life.map_or(f64::INFINITY, |life| life * life_factor),
+            given_back: false,
         };
         self.world.machines[machine].edges[tool] = Some(edge);
     }
 
-    /// The machine starts to change a spent edge; an empty magazine is refilled on the way.
-    pub(super) fn begin_change(&mut self, machine: usize) {
+    /// The machine starts to change a spent edge, or to wait for another one from the crib.
+    pub(super) fn begin_change(&mut self, machine: usize) -> Result<(), ShopError> {
+        let tool = self.world.machines[machine].task.as_ref().expect(IN_WORK).tool();
+        if let Some(crib) = self.layout.crib_of[tool] {
+            self.give_back(crib, machine)?;
+            if !self.finds_edge(machine, tool)? {
+                self.await_edge(crib, machine);
+                return Ok(());
+            }
+        }
+        self.change_edge(machine);
+        Ok(())
+    }
+
+    /// The machine changes its edge for one that is there; an empty magazine is refilled on the way.
+    pub(super) fn change_edge(&mut self, machine: usize) {
         let now = self.now().seconds();
         let kind = &self.scenario.machines[machine];
-        let change = self.change_time(machine, kind.tool_change_time);
+        let tool = self.world.machines[machine].task.as_ref().expect(IN_WORK).tool();
+        let fetch = self.layout.crib_of[tool].map_or(0.0, |crib| self.scenario.shared.cribs[crib].fetch);
+        let change = self.change_time(machine, kind.tool_change_time) + fetch;
         let job = self.job_in(machine);
         let state = &mut self.world.machines[machine];
         let refill = if state.magazine == 0 { kind.refill_time } else { 0.0 };
         let task = state.task.as_mut().expect(IN_WORK);
         task.step = Step::ToolChange;
         task.left = change + refill;
-        let edge = state.edges[task.machining().tool as usize].as_mut();
-        let number = edge.map(|edge| {
-            edge.row.removed = now;
+        let number = state.edges[tool].as_mut().map(|edge| {
+            if !edge.given_back {
+                edge.row.removed = now;
+            }
             edge.number
         });
         self.log_event("tool_change", Some(machine), job, number);
@@ -90,7 +116,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// The change is done.
     pub(super) fn replace_edge(&mut self, machine: usize) {
         let state = &mut self.world.machines[machine];
-        let tool = state.task.as_ref().expect(IN_WORK).machining().tool as usize;
+        let tool = state.task.as_ref().expect(IN_WORK).tool();
         if state.magazine == 0 {
             state.magazine = self.scenario.machines[machine].magazine;
         }

@@ -3,13 +3,16 @@
 use super::assembly::Stocked;
 use super::cards::Cards;
 use super::crew::CrewState;
+use super::crib::CribState;
 use super::fixture::{FixtureState, Lacking};
 use super::flow::Flow;
 use super::job::Jobs;
 use super::lot::Lot;
 use super::machine::Machine;
+use super::maintenance::UpkeepState;
 use super::operator::{Awaiting, OperatorState};
 use super::release::Pool;
+use super::sequence::Followed;
 use super::transport::TransportState;
 use std::collections::VecDeque;
 use toolroom_kernel::{EventKey, SimTime, Stream};
@@ -36,6 +39,14 @@ pub struct World {
     pub transports: Vec<TransportState>,
     /// Fixtures, as in the scenario.
     pub fixtures: Vec<FixtureState>,
+    /// Edges that are limited, by crib.
+    pub cribs: Vec<CribState>,
+    /// Sequences that machines follow, by machine.
+    pub sequences: Vec<Followed>,
+    /// Planned maintenance, as in the scenario.
+    pub upkeep: Vec<UpkeepState>,
+    /// Maintenance that is due and has not begun.
+    pub(super) upkeep_waiting: u32,
     /// Machines with work that lacks one of them.
     pub(super) lacking: Lacking,
     /// Steps that wait for somebody.

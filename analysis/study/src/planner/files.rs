@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io;
 use toolroom_process::table::{Cell, CsvWriter};
-use toolroom_scenario::{Scenario, date};
+use toolroom_scenario::{Scenario, date, station_name};
 
 /// Files with the answers, beside the other results of a scenario with orders.
 pub const FILES: [&str; 3] = ["orders.csv", "load.csv", "queues.csv"];
@@ -142,7 +142,7 @@ fn write_queues<'a>(
 
 /// Name of a station: of its machines.
 fn station(scenario: &Scenario, machines: &[usize]) -> String {
-    machines.iter().map(|&machine| scenario.machines[machine].name.as_str()).collect::<Vec<_>>().join(" + ")
+    station_name(machines.iter().map(|&machine| scenario.machines[machine].name.as_str()))
 }
 
 /// The answers under the first policy for programs: `orders`, `resources` and `queues` of a summary.

@@ -6,12 +6,15 @@
 
 mod answers;
 mod files;
+mod plan;
 
 pub use answers::{Answers, Finish, LoadAnswer, OrderAnswer, QueueAnswer, answers};
 pub(crate) use answers::{late, late_in, shown};
 pub(crate) use files::ticks;
 pub use files::{FILES, json, late_orders, write};
+pub use plan::{PLAN, SEQUENCES, plan_json, plan_line, write_plan, write_sequences};
 
+use std::collections::BTreeMap;
 use toolroom_scenario::{Scenario, date};
 use toolroom_shop::runlog::{JobOutcome, JobRow, MachineState, RunLog, StateRow};
 
@@ -52,11 +55,15 @@ pub enum LoadKind {
     Free,
     /// With work that lacks a fixture.
     WaitingFixture,
+    /// With a part for which there is no edge.
+    WaitingTool,
+    /// Maintained as planned: no planned busy time.
+    Maintenance,
 }
 
 impl LoadKind {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::PlannedBusy,
         Self::Production,
         Self::Setup,
@@ -67,12 +74,17 @@ impl LoadKind {
         Self::Down,
         Self::Free,
         Self::WaitingFixture,
+        Self::WaitingTool,
+        Self::Maintenance,
     ];
 
     /// Those that a scenario has.
     pub fn of_scenario(scenario: &Scenario) -> impl Iterator<Item = Self> {
-        let fixtures = !scenario.shared.fixtures.is_empty();
-        Self::ALL.into_iter().filter(move |kind| *kind != Self::WaitingFixture || fixtures)
+        let states: Vec<MachineState> = MachineState::of(scenario).collect();
+        let is_rare = |kind: Self| kind as usize > Self::Free as usize;
+        Self::ALL
+            .into_iter()
+            .filter(move |kind| !is_rare(*kind) || states.iter().any(|own| Self::of(*own) == Some(*kind)))
     }
 
     /// Name in files.
@@ -88,6 +100,8 @@ impl LoadKind {
             Self::Down => "down",
             Self::Free => "free",
             Self::WaitingFixture => "waiting_fixture",
+            Self::WaitingTool => "waiting_tool",
+            Self::Maintenance => "maintenance",
         }
     }
 
@@ -101,6 +115,8 @@ impl LoadKind {
             MachineState::Blocked => Some(Self::Blocked),
             MachineState::WaitingOperator => Some(Self::WaitingOperator),
             MachineState::WaitingFixture => Some(Self::WaitingFixture),
+            MachineState::WaitingTool => Some(Self::WaitingTool),
+            MachineState::Maintenance => Some(Self::Maintenance),
             MachineState::Down => Some(Self::Down),
             MachineState::Idle => Some(Self::Free),
             MachineState::OffShift => None,
@@ -132,13 +148,16 @@ pub struct Figures {
     pub weeks: Vec<Week>,
     /// Machines of every station: those that do the same operations.
     pub stations: Vec<Vec<usize>>,
+    /// Number of the order and operation in the schedule that the shop follows.
+    planned: BTreeMap<(u32, u32), usize>,
 }
 
 impl Figures {
     /// Of a scenario; nothing is there without orders.
     pub fn of(scenario: &Scenario) -> Self {
         if scenario.orders.is_empty() {
-            return Self { orders: 0, machines: 0, weeks: Vec::new(), stations: Vec::new() };
+            let planned = BTreeMap::new();
+            return Self { orders: 0, machines: 0, weeks: Vec::new(), stations: Vec::new(), planned };
         }
         let mut stations: Vec<Vec<usize>> = Vec::new();
         for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
@@ -149,12 +168,16 @@ impl Figures {
             }
         }
         stations.sort();
-        Self { orders: scenario.orders.len(), machines: scenario.machines.len(), weeks: weeks(scenario), stations }
+        let schedule = scenario.control.schedule.iter().flat_map(|schedule| schedule.operations());
+        let planned =
+            schedule.enumerate().map(|(number, (.., own))| ((own.order as u32, own.operation as u32), number));
+        let (orders, machines) = (scenario.orders.len(), scenario.machines.len());
+        Self { orders, machines, weeks: weeks(scenario), stations, planned: planned.collect() }
     }
 
     /// Number of figures.
     pub fn len(&self) -> usize {
-        2 * self.orders + self.loads() + QueueFigure::COUNT * self.stations.len()
+        2 * self.orders + self.loads() + QueueFigure::COUNT * self.stations.len() + self.planned.len()
     }
 
     /// Whether there is nothing that a planner would ask.
@@ -182,6 +205,11 @@ impl Figures {
         2 * self.orders + self.loads() + station * QueueFigure::COUNT + figure as usize
     }
 
+    /// When an operation of the schedule began, s, by its number.
+    fn start(&self, number: usize) -> usize {
+        self.len() - self.planned.len() + number
+    }
+
     /// The figures of one run; NaN where an order is not finished.
     pub fn evaluate(&self, scenario: &Scenario, log: &RunLog) -> Vec<f64> {
         let mut values = vec![0.0; self.len()];
@@ -200,6 +228,15 @@ impl Figures {
         }
         self.add_loads(scenario, log, &mut values);
         self.add_queues(scenario, log, &mut values);
+        for number in 0..self.planned.len() {
+            values[self.start(number)] = f64::NAN;
+        }
+        for row in log.operations.iter().filter(|_| !self.planned.is_empty()) {
+            let order = log.jobs[row.job as usize].order;
+            let Some(&number) = order.and_then(|order| self.planned.get(&(order, row.operation))) else { continue };
+            let start = &mut values[self.start(number)];
+            *start = start.min(row.start); // the first piece; a number that is none gives way
+        }
         values
     }
 
@@ -220,7 +257,8 @@ impl Figures {
                 }
                 let calendar = scenario.machines[machine].calendar.map(|index| &scenario.calendars[index]);
                 let overtime = calendar.map_or(0.0, |calendar| to - from - calendar.working_time(from, to));
-                values[self.load(machine, number, LoadKind::PlannedBusy)] += overtime;
+                let maintained = if row.state == MachineState::Maintenance { to - from } else { 0.0 };
+                values[self.load(machine, number, LoadKind::PlannedBusy)] += overtime - maintained;
             }
         }
     }

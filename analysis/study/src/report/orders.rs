@@ -64,7 +64,7 @@ pub(super) fn section(source: &Source<'_>) -> Option<Section> {
         for answer in &all.queues {
             let names = answer.machines.iter().map(|&machine| scenario.machines[machine].name.as_str());
             queues.push([
-                names.collect::<Vec<_>>().join(" + ").into(),
+                toolroom_scenario::station_name(names).into(),
                 plain(answer.length, 2).into(),
                 plain(answer.longest[0], 1).into(),
                 plain(answer.longest[1], 1).into(),

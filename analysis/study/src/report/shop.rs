@@ -25,6 +25,8 @@ fn style(state: MachineState) -> (&'static str, Style) {
             ("waiting for operators", Style::nth(0).colour(Colour::Yellow).hatch(Hatch::Solid))
         }
         MachineState::WaitingFixture => ("waiting for fixtures", Style::nth(3).hatch(Hatch::Slash)),
+        MachineState::WaitingTool => ("waiting for tools", Style::nth(4).hatch(Hatch::Backslash)),
+        MachineState::Maintenance => ("maintenance", Style::nth(0)),
         MachineState::Down => ("down", Style::nth(1).hatch(Hatch::Slash)),
         MachineState::Idle => ("idle", Style::IDLE),
         MachineState::OffShift => ("off shift", Style::IDLE.colour(Colour::Ink).hatch(Hatch::Backslash)),

@@ -147,6 +147,28 @@ pub(super) static WIP: Form = Form {
     ],
 };
 
+pub(super) static SCHEDULE: Form = Form {
+    title: "[[schedule]]",
+    doc: "An operation of an order in the sequence of a machine, which follows it in the place of its rules",
+    keys: &[
+        Key::required("order", Kind::Name, "The order"),
+        Key::required("operation", Kind::Name, "Operation of its part"),
+        Key::required("machine", Kind::Reference("machine"), "The machine that does it"),
+        Key::optional(
+            "position",
+            Kind::Count { min: 0, max: 1_000_000_000 },
+            "Its place in the sequence of the machine; left out: after the rows before it",
+        ),
+        Key::optional(
+            "not_before",
+            Kind::Text,
+            "Earliest start, a date or the time since the start; left out: at once",
+        ),
+        Key::optional("start", Kind::Text, "Start as planned, with which that of the run is compared"),
+        Key::optional("end", Kind::Text, "End as planned, for people"),
+    ],
+};
+
 pub(super) static EDGE_AT_START: Form = Form {
     title: "edge_at_start",
     doc: "A worn edge that is in the machine when the run begins",
@@ -169,6 +191,11 @@ pub(super) static TABLES: Form = Form {
             "wip",
             Kind::Text,
             "Orders in the shop at the start, a row each: order, operation, machine, done, pieces, setup_left, since as in [[wip]]",
+        ),
+        Key::optional(
+            "schedule",
+            Kind::Text,
+            "Sequences of machines, a row each: order, operation, machine, position, not_before, start, end as in [[schedule]]",
         ),
         Key::optional(
             "column",

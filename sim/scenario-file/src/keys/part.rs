@@ -2,7 +2,7 @@
 
 use super::flow::{COMPONENT, OUTCOME};
 use super::resource::ATTENDANCE;
-use super::{COST, LONG_DURATION, PATH, PLAIN, RANDOM_TIME, SHARE, SPEED, TIME};
+use super::{COST, LONG_DURATION, PATH, PLAIN, RANDOM_TIME, SHARE, SPEED};
 use crate::choices::{ProcessKind, RoutingWord};
 use serde_json::json;
 use toolroom_form::{Content, Form, Key, Kind};
@@ -101,14 +101,21 @@ static OPERATION: Form = Form {
             "Whether it begins only when all components of its part are in stock, and takes them together",
         )
         .when("process", PLAIN),
-        Key::optional("tool", Kind::Reference("tool"), "Tool; due unless `work` or `program` is given")
-            .when("process", ProcessKind::WORDS),
+        Key::optional(
+            "tool",
+            Kind::Reference("tool"),
+            "Tool; due unless `work` or `program` is given; with `work` one of process = \"life_only\", whose edge wears in it",
+        ),
         Key::optional(
             "setup_group",
             Kind::Name,
             "Fixture and program family; a change of it costs a setup; left out: the part's name",
         ),
-        Key::optional("setup_time", TIME, "Setup time; left out: the machine's"),
+        Key::optional(
+            "setup_time",
+            RANDOM_TIME,
+            "Setup time, of which rules and choices know the mean where it is random; left out: the machine's",
+        ),
         super::shared::USES_FIXTURE,
         super::shared::HOLD,
         Key::optional("operator", Kind::Table(&ATTENDANCE), "Skills that its steps need; left out: none"),

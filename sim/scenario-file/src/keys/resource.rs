@@ -1,6 +1,6 @@
 //! People, setup matrices, buffers.
 
-use super::TIME;
+use super::{RATE, SHARE, TIME};
 use toolroom_form::{Form, Key, Kind};
 
 pub(super) static OPERATOR: Form = Form {
@@ -11,6 +11,26 @@ pub(super) static OPERATOR: Form = Form {
         Key::optional("count", Kind::Count { min: 1, max: 1000 }, "Number of people; left out: one, called as it is"),
         Key::required("skills", Kind::List(&Kind::Name), "What they can do, in words of your own"),
         Key::optional("calendar", Kind::Reference("calendar"), "Working time; always there, if left out"),
+        Key::default(
+            "rate",
+            RATE,
+            "0 EUR/h",
+            "Cost of an hour of the calendar; the `rate` of machines is theirs alone then",
+        ),
+        Key::optional("walk", Kind::Table(&WALK), "Times of the ways between machines; left out: no time"),
+    ],
+};
+
+static WALK: Form = Form {
+    title: "walk",
+    doc: "How long a person walks from one place to another",
+    keys: &[
+        Key::required(
+            "locations",
+            Kind::List(&Kind::Name),
+            "Places, by `location` of machines or the name of their section; they stand at the first at the start",
+        ),
+        Key::required("times", Kind::List(&ROW), "Times of the ways: a row is the place from, a column the place to"),
     ],
 };
 
@@ -20,7 +40,29 @@ pub(super) static ATTENDANCE: Form = Form {
     keys: &[
         Key::optional("setup", Kind::Name, "Skill for changing over"),
         Key::optional("load", Kind::Name, "Skill for loading and unloading"),
-        Key::optional("run", Kind::Name, "Skill for all that comes between them"),
+        Key::optional(
+            "run",
+            Kind::Shorthand { word: &Kind::Name, form: &RUN },
+            "Skill for all that comes between them, from its beginning to its end",
+        ),
+    ],
+};
+
+static RUN: Form = Form {
+    title: "run",
+    doc: "A person for a share of the run of an operation, or for the beginning of every piece",
+    keys: &[
+        Key::required("skill", Kind::Name, "Skill"),
+        Key::optional(
+            "share",
+            SHARE,
+            "Share of a person that it takes: one person tends as many operations at once as fit; left out: all of one",
+        ),
+        Key::optional(
+            "first",
+            super::crib::FIRST,
+            "Time at the beginning of every piece for which somebody is there; left out: all the time",
+        ),
     ],
 };
 

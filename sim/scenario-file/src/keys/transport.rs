@@ -1,5 +1,6 @@
 //! Crews and vehicles.
 
+use super::RATE;
 use super::resource::ROW;
 use toolroom_form::{Form, Key, Kind};
 use toolroom_scenario::{Parking, TransportRule};
@@ -10,6 +11,12 @@ pub(super) static CREW: Form = Form {
     keys: &[
         Key::required("name", Kind::Name, "Unique name"),
         Key::default("count", Kind::Count { min: 1, max: 1000 }, "1", "Repairs at once"),
+        Key::optional(
+            "calendar",
+            Kind::Reference("calendar"),
+            "When they begin repairs, which they finish; left out: always",
+        ),
+        Key::default("rate", RATE, "0 EUR/h", "Cost of an hour of the calendar for each of them"),
     ],
 };
 

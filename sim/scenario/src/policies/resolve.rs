@@ -291,6 +291,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         structure_scatter: Default::default(),
         posterior: None,
         spreads: Default::default(),
+        life: None,
     };
     let machine = MachineType {
         name: "lathe".to_owned(),

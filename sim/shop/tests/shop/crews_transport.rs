@@ -119,3 +119,19 @@ fn what_vehicles_cannot_do_is_refused() {
         assert!(error.contains(word), "{error}");
     }
 }
+
+#[test]
+fn a_crew_begins_repairs_in_its_shift_and_finishes_them() {
+    // It breaks down every 5 hours of the clock for an hour; the crew works from 6 to 11 o'clock.
+    let text = "schema = 1\n[shop]\nname = \"crew\"\nhorizon = \"40 h\"\n\
+        [[calendar]]\nname = \"day\"\nperiod = \"24 h\"\nshift = [{ start = \"6 h\", end = \"11 h\" }]\n\
+        [[machine]]\nname = \"M\"\nprocess = \"plain\"\n[[crew]]\nname = \"fitters\"\ncalendar = \"day\"\n\
+        [[failure]]\nmachines = \"M\"\nclock = \"calendar\"\ncrew = \"fitters\"\ntime_between = \"210 min\"\ntime_to_repair = \"3 h\"\n\
+        [[part]]\nname = \"job\"\noperation = [{ name = \"do\", machines = \"M\", work = \"1 min\" }]\n\
+        [[arrivals]]\npart = \"job\"\npattern = \"schedule\"\nlot = [{ time = \"0 min\" }]\n";
+    let log = run(&parsed(text), 0, 0).unwrap();
+    let down = log.states.iter().filter(|row| row.state == MachineState::Down);
+    let hours: Vec<(f64, f64)> = down.map(|row| (row.start / 3600.0, row.end / 3600.0)).collect();
+    // Down at 3.5, repaired from 6 to 9; down at 12.5, repaired from 30 on; down again at 36.5.
+    assert_eq!(hours, [(3.5, 9.0), (12.5, 33.0), (36.5, 40.0)]);
+}

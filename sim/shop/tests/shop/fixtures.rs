@@ -176,7 +176,7 @@ fn places_and_fixtures_may_close_one_circle() {
     let none = "input_buffer = 0";
     let text =
         shop(TWO, &[("A", none), ("B", none), ("C", none)], &routings).replace("[[fixture]]\nname = \"vice\"\n", "");
-    let circle = "P0 0 holds \"pallet\" and wants B; P1 1 holds B and wants \"pallet\"";
+    let circle = "B holds P1 1 that wants \"pallet\"; P0 0 holds \"pallet\" and wants B";
     assert_eq!(deadlock(&text), (300.0, circle.to_owned()));
     // A place before C lets P1 leave B.
     let placed = text.replace(

@@ -10,6 +10,7 @@ mod conservation;
 mod contours;
 mod control;
 mod crews_transport;
+mod cribs;
 mod cycles;
 mod dispatching;
 mod draws;
@@ -28,6 +29,7 @@ mod places;
 mod queues;
 mod replay;
 mod scenarios;
+mod sequences;
 mod setups;
 mod shifts;
 #[path = "../../../kernel/tests/kernel/statistics.rs"]

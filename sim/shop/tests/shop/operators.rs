@@ -113,7 +113,13 @@ fn edges_wear_as_much_while_somebody_stands_beside_them() {
     let alone = run(&scenario, 0, 0).unwrap();
     scenario.skills = vec!["run".to_owned()];
     scenario.operators = (0..2)
-        .map(|i| toolroom_scenario::Operator { name: format!("O{i}"), skills: vec![0], calendar: None })
+        .map(|i| toolroom_scenario::Operator {
+            name: format!("O{i}"),
+            skills: vec![0],
+            calendar: None,
+            rate: 0.0,
+            walk: None,
+        })
         .collect();
     scenario.parts[0].operations[0].attendance.run = Some(0);
     let attended = run(&scenario, 0, 0).unwrap();

@@ -109,6 +109,7 @@ pub fn tool(process: impl MachineProcess + 'static) -> ToolType {
         structure_scatter: Default::default(),
         posterior: None,
         spreads: Default::default(),
+        life: None,
     }
 }
 
@@ -152,10 +153,12 @@ pub fn operation(machines: &[usize], durations: &[f64]) -> Operation {
         name: "turn".to_owned(),
         machines: machines.to_vec(),
         tool: Some(0),
+        worn_tool: None,
         setup_group: "a".to_owned(),
         machine_choice: None,
         time_on: Vec::new(),
         setup_time: None,
+        setup_spread: None,
         attendance: Attendance::default(),
         work: Work::Cutting(durations.iter().map(cut).collect()),
         work_per: WorkPer::Part,
@@ -224,6 +227,7 @@ pub fn scenario() -> Scenario {
         preemption: Preemption::None,
         calendars: Vec::new(),
         failures: Vec::new(),
+        maintenance: Vec::new(),
         policies: vec![policy("programmed", SpeedRule::Programmed, ToolChangeRule::PartCount { parts: u32::MAX })],
         deviations: Vec::new(),
         calibrations: Vec::new(),

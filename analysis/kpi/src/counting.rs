@@ -1,6 +1,7 @@
 //! Key figures while a shop runs: a recorder whose memory does not grow with the events of the run.
 
-use super::definition::{SHOP, of_machine};
+use super::definition::SHOP;
+use super::machine::of_machine;
 use super::tally::Tally;
 use super::{cell, kpis};
 use std::collections::VecDeque;

@@ -272,3 +272,94 @@ fn planned_busy_time_is_busy_and_idle_time_in_every_shipped_scenario() {
     }
     assert!(seen.len() >= 10, "{seen:?}");
 }
+
+/// Values of the figures of a plain scenario by their ids, those of its first machine behind those of the shop.
+fn plain(text: &str) -> impl Fn(&str) -> f64 {
+    let scenario = file::parse("plain.toml", text, &[]).unwrap_or_else(|error| panic!("{error}")).scenario;
+    let log = toolroom_shop::run(&scenario, 0, 0).unwrap();
+    let (values, kpis) = (evaluate(&scenario, &log), kpis(&scenario));
+    move |id| {
+        let found =
+            kpis.iter().position(|kpi| kpi.definition.id == id && kpi.machine.is_none_or(|machine| machine == 0));
+        values[found.unwrap_or_else(|| panic!("no figure {id}"))]
+    }
+}
+
+#[test]
+fn planned_maintenance_is_no_planned_busy_time() {
+    // Shift from 6 to 14, half an hour of work without end; from 8 to 9 it is maintained: seven hours are planned, all worked.
+    let figure = plain(
+        r#"
+schema = 1
+[shop]
+name = "maintained"
+horizon = "24 h"
+[[calendar]]
+name = "day"
+period = "24 h"
+at_end = "resume"
+shift = [{ start = "6 h", end = "14 h" }]
+[[machine]]
+name = "M"
+process = "plain"
+calendar = "day"
+rate = "60 EUR/h"
+[[operator]]
+name = "setter"
+skills = "setup"
+calendar = "day"
+rate = "30 EUR/h"
+[[maintenance]]
+machines = "M"
+every = "8 h"
+clock = "calendar"
+duration = "1 h"
+[[part]]
+name = "part"
+operation = [{ name = "work", machines = "M", work = "30 min" }]
+[[arrivals]]
+part = "part"
+pattern = "constant_work"
+jobs = 2
+"#,
+    );
+    assert!((figure("availability") - 1.0).abs() < 1e-9);
+    assert!((figure("maintenance_time_share") - 1.0 / 24.0).abs() < 1e-12);
+    // 14 parts; seven paid hours of the machine, and eight of the setter.
+    assert!((figure("machine_cost_per_part") - 7.0 * 60.0 / 14.0).abs() < 1e-9);
+    assert!((figure("cost_per_part") - (7.0 * 60.0 + 8.0 * 30.0) / 14.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_ground_edge_costs_its_regrinding() {
+    // Edges of 20 minutes: one new, then the same ground three times, in 80 minutes of work and two parts.
+    let figure = plain(
+        r#"
+schema = 1
+[shop]
+name = "ground"
+horizon = "4 h"
+[[machine]]
+name = "M"
+process = "plain"
+[[tool]]
+name = "drill"
+process = "life_only"
+life = "20 min"
+edge_cost = "10 EUR"
+[[crib]]
+tool = "drill"
+edges = 1
+regrind = { time = "10 min", cost = "2 EUR" }
+[[part]]
+name = "part"
+operation = [{ name = "bore", machines = "M", work = "40 min", tool = "drill" }]
+[[arrivals]]
+part = "part"
+pattern = "schedule"
+lot = [{ time = "0 min", size = 2 }]
+"#,
+    );
+    assert!((figure("edge_cost_per_part") - (10.0 + 3.0 * 2.0) / 2.0).abs() < 1e-9, "{}", figure("edge_cost_per_part"));
+    assert!((figure("waiting_tool_time_share") - 30.0 / 240.0).abs() < 1e-12);
+}

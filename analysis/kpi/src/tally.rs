@@ -54,6 +54,7 @@ impl MachineTally {
             MachineState::Blocked,
             MachineState::WaitingOperator,
             MachineState::WaitingFixture,
+            MachineState::WaitingTool,
             MachineState::Down,
         ]
         .map(|state| self.state(state));
@@ -66,7 +67,7 @@ impl MachineTally {
     }
 
     pub fn utilisation(&self) -> f64 {
-        let empty = [MachineState::Idle, MachineState::WaitingFixture, MachineState::Down];
+        let empty = [MachineState::Idle, MachineState::WaitingFixture, MachineState::WaitingTool, MachineState::Down];
         let idle: f64 = empty.map(|state| self.state(state)).iter().sum();
         1.0 - idle / self.planned_busy_time()
     }
@@ -118,6 +119,8 @@ pub(super) struct Tally {
     /// Jobs at the start and arrived since; infinite with constant work.
     pub offered: f64,
     pub machine_cost: f64,
+    /// People, as far as they have a rate of their own.
+    pub people_cost: f64,
     pub edge_cost: f64,
     pub scrap_cost: f64,
     /// Edges used, failed, and dressing cycles, counted as they wear.
@@ -255,6 +258,9 @@ impl Tally {
             tally.states[row.state as usize] += inside;
             let planned = calendar(scenario, row.machine as usize).map(|calendar| calendar.working_time(from, row.end));
             tally.planned_busy_time += planned.map_or(0.0, |planned| inside - planned);
+            if row.state == MachineState::Maintenance {
+                tally.planned_busy_time -= inside; // no time for production
+            }
             return;
         }
         tally.states[MachineState::OffShift as usize] += inside;
@@ -272,6 +278,13 @@ impl Tally {
                 .map_or(self.window, |calendar| calendar.working_time(scenario.warm_up, horizon));
             self.machine_cost += machine.rate * tally.planned_busy_time();
             self.energy += machine.idle_power * tally.planned_busy_time();
+        }
+        let people = scenario.operators.iter().map(|person| (person.calendar, person.rate));
+        let crews = scenario.crews.iter().map(|crew| (crew.calendar, f64::from(crew.count) * crew.rate));
+        for (calendar, rate) in people.chain(crews) {
+            let calendar = calendar.map(|index| &scenario.calendars[index]);
+            let paid = calendar.map_or(self.window, |calendar| calendar.working_time(scenario.warm_up, horizon));
+            self.people_cost += rate * paid;
         }
         if scenario.arrivals.iter().any(|arrival| matches!(arrival.pattern, ArrivalPattern::ConstantWork { .. })) {
             self.offered = f64::INFINITY;
@@ -344,6 +357,9 @@ impl Tally {
         if left < scenario.warm_up {
             return;
         }
+        if scenario.is_regrind(job.part as usize) {
+            return; // edges are no parts
+        }
         let component = self.components[job.part as usize];
         self.offered += if component { 0.0 } else { f64::from(job.quantity) };
         self.job_time += left - job.arrival.max(scenario.warm_up);
@@ -387,6 +403,9 @@ impl Tally {
         }
         for &(ref edge, inside) in edges {
             let tool = &scenario.tools[edge.tool as usize];
+            // An edge without passes has worked evenly while it was in its machine.
+            let in_window = share_after(scenario.warm_up, edge.installed, edge.removed);
+            let inside = if tool.life.is_some() { edge.cutting_time * in_window } else { inside };
             let (time, count) = life[edge.tool as usize];
             let whole = if edge.reason != ChangeReason::EndOfRun {
                 1.0
@@ -402,7 +421,9 @@ impl Tally {
             } else {
                 whole * f64::from(edge.removed >= scenario.warm_up)
             };
-            self.edge_cost += used * tool.edge_cost;
+            let crib = scenario.shared.crib_of(edge.tool as usize).map(|crib| &scenario.shared.cribs[crib]);
+            let regrind = crib.and_then(|crib| crib.regrind.as_ref()).filter(|_| edge.ground > 0);
+            self.edge_cost += used * regrind.map_or(tool.edge_cost, |own| own.cost);
             if matches!(tool.process, ProcessModel::Infeed(_)) {
                 self.dressings += used;
                 continue;

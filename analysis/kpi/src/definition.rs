@@ -1,11 +1,8 @@
 //! What each key figure is called, measured in, and wanted to be.
 
+use super::machine::{MACHINE, of_machine};
 use super::tally::{MachineTally, Tally};
 use Better::{Less, More, Neither};
-use MachineState::{
-    Blocked, Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, Starved, ToolChange, WaitingFixture,
-    WaitingOperator, Working,
-};
 use toolroom_process::unit;
 use toolroom_scenario::Scenario;
 use toolroom_shop::runlog::MachineState;
@@ -74,7 +71,7 @@ impl Definition {
     }
 }
 
-const fn define(
+pub(super) const fn define(
     id: &'static str,
     title: &'static str,
     unit: &'static str,
@@ -87,7 +84,7 @@ const fn define(
 
 /// Availability · effectiveness · quality ratio, in which production time cancels. Where nothing was
 /// earned it is 0 without a quality; where nothing was completed it is not defined.
-fn oee(earned: f64, planned_busy_time: f64, quality_ratio: f64) -> f64 {
+pub(super) fn oee(earned: f64, planned_busy_time: f64, quality_ratio: f64) -> f64 {
     if earned > 0.0 { earned / planned_busy_time * quality_ratio } else { 0.0 / planned_busy_time }
 }
 
@@ -119,7 +116,7 @@ pub(super) const SHOP: &[ShopFigure] = &[
             Less,
             "Paid machine time at its rate, edges, dressings and the blanks of scrapped parts, per good part.",
         ),
-        |_, t| (t.machine_cost + t.edge_cost + t.scrap_cost) / f64::from(t.good),
+        |_, t| (t.machine_cost + t.people_cost + t.edge_cost + t.scrap_cost) / f64::from(t.good),
     ),
     (
         define(
@@ -298,7 +295,7 @@ pub(super) const SHOP: &[ShopFigure] = &[
     ),
     (
         define("cutting_share", "cutting share", "1", "%", Neither, "Time in cut over time in shift, all machines."),
-        |_, t| t.sum(|m| m.state(Cutting)) / t.sum(MachineTally::planned_busy_time),
+        |_, t| t.sum(|m| m.state(MachineState::Cutting)) / t.sum(MachineTally::planned_busy_time),
     ),
     (define("lead_time", "lead time", "s", "min", Less, "Mean time from arrival to finish of good parts."), |_, t| {
         t.lead_time / f64::from(t.good_jobs)
@@ -420,162 +417,10 @@ pub(super) const SHOP: &[ShopFigure] = &[
     ),
 ];
 
-/// Figures of each machine.
-pub(super) const MACHINE: &[MachineFigure] = &[
-    (
-        define("utilisation", "utilisation", "1", "%", Neither, "Share of the shift in which it works on something."),
-        |_, m| m.utilisation(),
-    ),
-    (
-        define(
-            "load",
-            "load",
-            "1",
-            "%",
-            Neither,
-            "Share of the shift in which it is not idle; breakdowns occupy it too.",
-        ),
-        |_, m| m.busy_time() / m.planned_busy_time(),
-    ),
-    (define("throughput", "throughput", "1/s", "1/h", More, "Good operations per time in shift."), |_, m| {
-        m.good / m.planned_busy_time()
-    }),
-    (define("oee", "OEE", "1", "1", More, "Overall equipment effectiveness."), |_, m| {
-        oee(m.earned, m.planned_busy_time(), m.planned_good / m.planned_produced)
-    }),
-    (define("availability", "availability", "1", "1", More, "Production time over planned busy time."), |_, m| {
-        m.production_time() / m.planned_busy_time()
-    }),
-    (
-        define(
-            "effectiveness",
-            "effectiveness",
-            "1",
-            "1",
-            More,
-            "Programmed time of its operations, by the share of each that lies in the window, over production time.",
-        ),
-        |_, m| m.earned / m.production_time(),
-    ),
-    (
-        define("quality_ratio", "quality ratio", "1", "1", More, "Good over completed operations, by programmed time."),
-        |_, m| m.planned_good / m.planned_produced,
-    ),
-    (
-        define(
-            "mtbf",
-            "mean time between failures",
-            "s",
-            "h",
-            More,
-            "Planned busy time in which it was not broken down, per failure.",
-        ),
-        |_, m| (m.planned_busy_time() - m.state(Down)) / m.failures,
-    ),
-    (
-        define(
-            "mttr",
-            "mean time to repair",
-            "s",
-            "h",
-            Less,
-            "Time broken down by the clock, in shift and out of it, per failure.",
-        ),
-        |_, m| m.down_time() / m.failures,
-    ),
-    (define("cutting_time_share", "cutting", "1", "%", Neither, "Share of all time in cut."), |t, m| {
-        m.state(Cutting) / t.window
-    }),
-    (define("working_time_share", "working", "1", "%", Neither, "Share of all time in plain work."), |t, m| {
-        m.state(Working) / t.window
-    }),
-    (
-        define("handling_time_share", "handling", "1", "%", Neither, "Share of all time loading and unloading."),
-        |t, m| m.state(Handling) / t.window,
-    ),
-    (define("setup_time_share", "setup", "1", "%", Neither, "Share of all time in setup."), |t, m| {
-        m.state(Setup) / t.window
-    }),
-    (
-        define("tool_change_time_share", "tool change", "1", "%", Neither, "Share of all time changing edges."),
-        |t, m| m.state(ToolChange) / t.window,
-    ),
-    (define("dressing_time_share", "dressing", "1", "%", Neither, "Share of all time dressing."), |t, m| {
-        m.state(Dressing) / t.window
-    }),
-    (
-        define(
-            "starved_time_share",
-            "starved",
-            "1",
-            "%",
-            Neither,
-            "Share of all time kept for an order of which nothing is there.",
-        ),
-        |t, m| m.state(Starved) / t.window,
-    ),
-    (
-        define(
-            "blocked_time_share",
-            "blocked",
-            "1",
-            "%",
-            Neither,
-            "Share of all time with a part that has no place to go to, or work for which none can be reserved.",
-        ),
-        |t, m| m.state(Blocked) / t.window,
-    ),
-    (
-        define(
-            "waiting_operator_time_share",
-            "waiting for operators",
-            "1",
-            "%",
-            Neither,
-            "Share of all time with a job whose step waits for somebody.",
-        ),
-        |t, m| m.state(WaitingOperator) / t.window,
-    ),
-    (define("down_time_share", "down", "1", "%", Neither, "Share of all time broken down in shift."), |t, m| {
-        m.state(Down) / t.window
-    }),
-    (define("idle_time_share", "idle", "1", "%", Neither, "Share of all time ready without work."), |t, m| {
-        m.state(Idle) / t.window
-    }),
-    (
-        define(
-            "off_shift_time_share",
-            "off shift",
-            "1",
-            "%",
-            Neither,
-            "Share of all time out of shift, repairs that go on then included.",
-        ),
-        |t, m| m.state(OffShift) / t.window,
-    ),
-    (
-        define(
-            "waiting_fixture_time_share",
-            "waiting for fixtures",
-            "1",
-            "%",
-            Neither,
-            "Share of all time with work that lacks a fixture; there in scenarios with fixtures.",
-        ),
-        |t, m| m.state(WaitingFixture) / t.window,
-    ),
-];
-
 /// Every figure that there is, and whether it is one of a machine: those of the shop first.
 pub fn definitions() -> impl Iterator<Item = (&'static Definition, bool)> {
     let shop = SHOP.iter().map(|(definition, _)| (definition, false));
     shop.chain(MACHINE.iter().map(|(definition, _)| (definition, true)))
-}
-
-/// Figures of each machine of a scenario: states in which its machines never are have none.
-pub(super) fn of_machine(scenario: &Scenario) -> impl Iterator<Item = &'static MachineFigure> + use<> {
-    let fixtures = !scenario.shared.fixtures.is_empty();
-    MACHINE.iter().filter(move |(definition, _)| fixtures || definition.id != "waiting_fixture_time_share")
 }
 
 /// All figures of a scenario: those of the shop, then those of each machine.

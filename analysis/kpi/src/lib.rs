@@ -5,10 +5,10 @@
 //!
 //! | time element | here | states |
 //! |---|---|---|
-//! | planned busy time PBT | working time of the calendar, and overtime that was worked; paid | all in shift |
+//! | planned busy time PBT | working time of the calendar without planned maintenance, and overtime that was worked; paid | all in shift but maintenance |
 //! | actual production time APT | a part is cut, worked on or handled | cutting, working, handling |
 //! | actual unit setup time AUST | change of the setup group | setup |
-//! | actual unit delay time ADET | tool change, dressing, starved within an order, blocked, waiting for an operator or a fixture, broken down | tool_change, dressing, starved, blocked, waiting_operator, waiting_fixture, down |
+//! | actual unit delay time ADET | tool change, dressing, starved within an order, blocked, waiting for an operator, a fixture or an edge, broken down | tool_change, dressing, starved, blocked, waiting_operator, waiting_fixture, waiting_tool, down |
 //! | ADOT | available, no order | idle |
 //! | actual unit busy time AUBT | APT + AUST + ADET | |
 //! | planned run time per item PRI | programmed cutting time or mean time of plain work, + mean load + mean unload | – |
@@ -33,11 +33,14 @@
 //! longer tool life, counting only new ones the other. Dressings are counted alike, on their own.
 //!
 //! # What is not modelled
-//! The cost of the material of good parts, energy prices, and wages outside the machine rate: they
-//! are the same under every policy.
+//! The cost of the material of good parts and energy prices: they are the same under every policy. People are paid for the
+//! time of their calendars where they have a rate, overtime that they work left out.
+
+#![deny(clippy::wildcard_enum_match_arm)]
 
 mod counting;
 mod definition;
+mod machine;
 mod tally;
 
 pub use counting::Counting;
@@ -50,7 +53,12 @@ use toolroom_shop::runlog::RunLog;
 /// parts).
 ///
 /// # Examples
-/// See [`run_study`](crate::study::run_study), which calls it for every replication.
+/// ```
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/demo.toml");
+/// let scenario = toolroom_scenario_file::read(file.as_ref(), &[]).unwrap().scenario;
+/// let log = toolroom_shop::run(&scenario, 0, 0).unwrap();
+/// assert_eq!(toolroom_kpi::evaluate(&scenario, &log).len(), toolroom_kpi::kpis(&scenario).len());
+/// ```
 pub fn evaluate(scenario: &Scenario, log: &RunLog) -> Vec<f64> {
     Counting::of(scenario, log).values()
 }
@@ -70,6 +78,9 @@ pub fn cell(scenario: &Scenario) -> Vec<usize> {
     if cell.is_empty() { (0..scenario.machines.len()).collect() } else { cell }
 }
 
+#[cfg(test)]
+#[path = "../../study/src/fixture.rs"]
+mod fixture;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
