@@ -5,7 +5,9 @@
 #   packaging/release.sh x86_64-unknown-linux-musl        single targets, static here
 #
 # Needs cargo-zigbuild and Zig (`pip install cargo-zigbuild`), and the targets (`rustup target add …`). Units of others
-# (feature fmu-import) need libclang of the build machine and are left out.
+# (feature fmu-import) need libclang of the build machine and are left out. Where packaging/units.sh has made dist/units, the
+# archives have it as units/ beside the program, which then exports units for every platform, and the program has the library of
+# its own platform inside.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 targets=("$@")
@@ -24,12 +26,21 @@ mkdir -p dist
 for target in "${targets[@]}"; do
   # The part behind a dot is the version of glibc, which the folder of results does not have.
   plain=${target%%.*}
+  case $plain in
+    x86_64-unknown-linux-*) library=dist/units/x86_64-linux/libtoolroom_fmu.so ;;
+    aarch64-unknown-linux-*) library=dist/units/aarch64-linux/libtoolroom_fmu.so ;;
+    x86_64-pc-windows-*) library=dist/units/x86_64-windows/toolroom_fmu.dll ;;
+    *-apple-darwin) library=dist/units/darwin/libtoolroom_fmu.dylib ;;
+    *) library= ;;
+  esac
+  if [ -n "$library" ] && [ -f "$library" ]; then export TOOLROOM_UNITS_LIBRARY=$PWD/$library; else unset TOOLROOM_UNITS_LIBRARY; fi
   cargo zigbuild --release --locked --features embedded-units --target "$target"
   name=toolroom-$version-$plain
   stage=target/release-stage/$name
   rm -rf "$stage" && mkdir -p "$stage"
   cp README.md CHANGELOG.md CITATION.cff LICENSE-APACHE LICENSE-MIT "$stage"
   cp -r "$pages/man" "$pages/completions" "$stage"
+  if [ -d dist/units ]; then cp -r dist/units "$stage/units"; fi
   rm -f "$stage/man/.toolroom.json"
   if [ -f "target/$plain/release/toolroom.exe" ]; then
     cp "target/$plain/release/toolroom.exe" "$stage"

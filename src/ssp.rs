@@ -7,7 +7,7 @@ use crate::fmu::seconds;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
-use toolroom_cell::{Cell, Choice};
+use toolroom_cell::{Cell, Choice, Form};
 use toolroom_fmu::Version;
 use toolroom_output::Files;
 use toolroom_scenario_file::read;
@@ -39,8 +39,12 @@ fn export(args: &SspExportArgs, voice: &Voice) -> Result<(), Failure> {
         Choice { machine: args.machine.clone(), policy: args.policy.clone(), operation: args.operation.clone() };
     let cell = Cell::of(&file.scenario, &choice).map_err(|error| refused(error.to_string()))?;
     let version = if args.fmi == 3 { Version::Three } else { Version::Two };
+    let form = if args.flat { Form::Flat } else { Form::Whole };
+    if form == Form::Flat && version == Version::Three {
+        return Err(Failure::argument("--flat makes units of FMI 2.0", "leave out --fmi 3 or --flat"));
+    }
     let bytes = cell
-        .package(version, &binaries(&args.platforms, voice)?, stop)
+        .in_form(form, version, &binaries(&args.platforms, args.libraries.as_deref(), voice)?, stop)
         .map_err(|error| Failure::Work { message: error.to_string() })?;
     files.put(&args.out, &bytes)?;
     if voice.json {

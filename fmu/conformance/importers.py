@@ -214,6 +214,41 @@ def cell(path, stop, step):
     return [[float(row[name]) for name in names] for row in rows]
 
 
+def cell_in_ecos(path, stop, step):
+    """Time, wear and edges of a flat system of units after each step by the master of Ecos."""
+    from ecospy.EcosSimulation import EcosSimulation
+
+    stop, step = float(stop), float(step)
+    simulation = EcosSimulation(step_size=step, ssp_path=path)
+    simulation.init(parameter_set="initialValues")
+    rows = []
+    for _ in range(round(stop / step)):
+        simulation.step(1)
+        rows.append([simulation.get_time(), simulation.get_real("lathe::process.flank_wear"), simulation.get_integer("lathe::tool.count")])
+    return rows
+
+
+def cell_in_libcosim(path, stop, step):
+    """The same by that of libcosim, the library of the Open Simulation Platform."""
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+
+    stop, step = float(stop), float(step)
+    execution = CosimExecution.from_ssp_file(path, step_size=round(step * 1e9))
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    text = lambda name: name.decode() if isinstance(name, bytes) else name
+    lathe = {text(info.name): info.index for info in execution.slave_infos()}["lathe"]
+    known = {text(each.name): each.reference for each in execution.slave_variables(lathe)}
+    rows = []
+    for number in range(round(stop / step)):
+        execution.step(1)
+        wear = observer.last_real_values(slave_index=lathe, variable_references=[known["process.flank_wear"]])
+        edges = observer.last_integer_values(slave_index=lathe, variable_references=[known["tool.count"]])
+        rows.append([(number + 1) * step, wear[0], edges[0]])
+    return rows
+
+
 def validate(path):
     from fmpy.validation import validate_fmu
 
@@ -222,6 +257,8 @@ def validate(path):
 
 ACTIONS = {
     "cell": cell,
+    "cell_in_ecos": cell_in_ecos,
+    "cell_in_libcosim": cell_in_libcosim,
     "validate": validate,
     "cs": lambda path, step: fmpy_run(path, "CoSimulation", float(step)),
     "me": lambda path, speed: fmpy_run(path, "ModelExchange", 1.0, start_values={"process.cutting_speed": float(speed) / 60.0}),

@@ -319,14 +319,25 @@ class Matrix:
             raise Failed(done.stderr.strip())
         with open(table, newline="") as source:
             own = [(float(row["lathe.process.flank_wear [m]"]), float(row["lathe.tool.count"])) for row in csv.DictReader(source)]
-        edges = rows[-1][3]
+        said = [f"FMPy's master {self.apart([(wear, edge) for _, wear, _, edge in rows], own, 1e-2)}"]
+        flat = self.folder / "flat.ssp"
+        self.run(self.toolroom, "ssp", "export", scenario, "--machine", "L", "--flat", "--out", flat)
+        for name, action in (("Ecos", "cell_in_ecos"), ("libcosim", "cell_in_libcosim")):
+            rows = self.importer(action, flat, stop, step)
+            said.append(f"that of {name} {self.apart([row[1:] for row in rows], own, 1e-2)}")
+        return f"{', '.join(said)} of the greatest wear from the own one over {stop:.0f} s"
+
+    @staticmethod
+    def apart(theirs, own, limit):
+        """Greatest difference of wear at points with the same edge, over the greatest wear; rows of wear and edges."""
+        edges = theirs[-1][1]
         # At the change of an edge one of the two may be a step ahead.
-        same = [abs(row[1] - wear) for row, (wear, edge) in zip(rows, own[1:]) if row[3] == edge]
-        if len(same) < 0.99 * len(rows) or edges < 2:
-            raise Failed(f"{len(same)} of {len(rows)} points with the same edge, {edges:.0f} edges")
+        same = [abs(each - wear) for (each, edge), (wear, other) in zip(theirs, own[1:]) if edge == other]
+        if len(same) < 0.99 * len(theirs) or edges < 2:
+            raise Failed(f"{len(same)} of {len(theirs)} points with the same edge, {edges:.0f} edges")
         worst = max(same) / max(wear for wear, _ in own)
-        near(worst, 1e-2, "of the greatest wear against the own master")
-        return f"FMPy's master {worst:.1e} of the greatest wear from the own one over {stop:.0f} s and {edges:.0f} edges"
+        near(worst, limit, "of the greatest wear against the own master")
+        return f"{worst:.1e} ({edges:.0f} edges)"
 
     def on_path(self, program, *runs):
         if not shutil.which(program):

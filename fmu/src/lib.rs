@@ -26,7 +26,7 @@
 //! | [`Description`], [`Dependencies`] | what the package says |
 //! | [`package()`], [`Platform`], [`Binary`] | the file that importers open |
 //! | [`archive`], [`Xml`], [`parameter_values`] | parts of other packages that hold units |
-//! | [`libraries()`], [`Compiler`] | the shared library for this platform and others |
+//! | [`Sources`], [`Compiler`] | the shared library for this platform and others |
 //!
 //! ```
 //! use toolroom_fmu::{Interface, Log, Slot, ValueType, units};
@@ -73,10 +73,13 @@ pub use cross::{Compiler, CrossError};
 pub use description::{Attributes, Dependencies, Description, Xml, unit_powers};
 pub use fault::{Fault, Outcome};
 pub use instance::Instance;
-pub use libraries::{LibraryError, libraries, library_beside_program};
+pub use libraries::{LibraryError, Sources, library_beside_program, library_of_folder};
 pub use log::{Category, Log, Sink, Status};
 pub use mode::Mode;
-pub use package::{Binary, OwnSet, OwnSetError, PackageError, Platform, Version, archive, file_name, own_set, package};
+pub use package::{
+    Binary, OwnSet, OwnSetError, PackageError, Platform, Version, archive, file_name, own_set, package,
+    package_without_enumerations,
+};
 pub use unit::{AdaptivePolicy, Renewal, Unit};
 pub use units::{MillingMachine, TurningMachine};
 pub use variable::{Role, Slot, ValueType, Variable, variables};

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use toolroom_fmu::{Binary, Entry, LibraryError, OwnSet, Platform, Version, file_name, libraries, own_set, package};
+use toolroom_fmu::{Binary, Entry, LibraryError, OwnSet, Platform, Sources, Version, file_name, own_set, package};
 use toolroom_output::Files;
 
 pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
@@ -22,7 +22,7 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
     let places = places(args, versions, |version| file_name(description, version));
     places.iter().try_for_each(|(_, path)| files.check(path))?;
     let sets = own_sets(args, unit)?;
-    let binaries = binaries(&args.platforms, voice)?;
+    let binaries = binaries(&args.platforms, args.libraries.as_deref(), voice)?;
     let mut written = Vec::new();
     for (version, path) in places {
         let bytes =
@@ -90,9 +90,10 @@ fn places(args: &FmuExportArgs, versions: &[Version], name: impl Fn(Version) -> 
     versions.iter().map(|version| (*version, place(version))).collect()
 }
 
-/// Libraries of the wanted platforms.
-pub(crate) fn binaries(wanted: &[String], voice: &Voice) -> Result<Vec<Binary>, Failure> {
-    libraries(wanted, &own_library, &|line| voice.say(line)).map_err(|error| match error.fix() {
+/// Libraries of the wanted platforms, from a folder where one is given.
+pub(crate) fn binaries(wanted: &[String], folder: Option<&Path>, voice: &Voice) -> Result<Vec<Binary>, Failure> {
+    let sources = Sources { folder, own: &own_library, say: &|line| voice.say(line) };
+    sources.libraries(wanted).map_err(|error| match error.fix() {
         Some(fix) => Failure::argument(error, fix),
         None => Failure::Work { message: error.to_string() },
     })

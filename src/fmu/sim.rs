@@ -37,6 +37,10 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
     if !left_out.is_empty() {
         voice.say(format_args!("left out, since no table can hold it: {}", left_out.join(", ")));
     }
+    let clocks: Vec<&str> = unit.description().clocks().map(|clock| clock.name.as_str()).collect();
+    if !clocks.is_empty() {
+        voice.say(format_args!("these clocks do not tick here, nor does what belongs to them: {}", clocks.join(", ")));
+    }
     let done = run.table(&files, voice, |table| simulate(&unit, &experiment, inputs.as_ref(), table))?;
     let done = done.map_err(|error| failed(error, args.run.output.as_ref()))?;
     run.report(&args.file, ("fmi_version", &unit.description().fmi_version), done, voice)

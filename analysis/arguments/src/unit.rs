@@ -13,7 +13,8 @@ pub enum FmuCommand {
   toolroom fmu export turning                 out/fmu/toolroom_turning_fmi2.fmu and _fmi3.fmu
   toolroom fmu export milling --fmi 3 --out .
   toolroom fmu export milling --out mill.fmu             this one file, FMI 3.0 unless --fmi 2
-  toolroom fmu export turning --platforms x86_64-linux --platforms x86_64-windows")]
+  toolroom fmu export turning --platforms x86_64-linux --platforms x86_64-windows
+  toolroom fmu export turning --libraries dist/units     every platform whose library is there")]
     Export(FmuExportArgs),
     /// What an FMI unit offers: interfaces, platforms, variables with units
     #[command(before_help = "Examples:
@@ -101,9 +102,13 @@ pub struct FmuExportArgs {
     #[arg(long, value_name = "VERSION", value_parser = clap::value_parser!(u32).range(2..=3))]
     pub fmi: Option<u32>,
     /// Platform to run on, repeatable; `host`, which is this one, if left out. Others, and `all` that can be had, are
-    /// compiled, which needs cargo-zigbuild and the sources
+    /// taken from a folder `units` beside the program, or compiled, which needs cargo-zigbuild and the sources
     #[arg(long, value_name = "PLATFORM", value_parser = platforms())]
     pub platforms: Vec<String>,
+    /// Directory of libraries that are compiled already, PLATFORM/libtoolroom_fmu.so and so on: every platform that it
+    /// has, or those of --platforms. packaging/units.sh makes one
+    #[arg(long, value_name = "DIR")]
+    pub libraries: Option<PathBuf>,
     /// Parameter set file to pack beside the shipped sets, repeatable
     #[arg(long, value_name = "SET")]
     pub parameters: Vec<PathBuf>,
@@ -127,7 +132,8 @@ pub enum SspCommand {
     /// Package a lathe of a scenario and the policy that controls it as two units with the signals between them
     #[command(before_help = "Examples:
   toolroom ssp export scenarios/fmu-lathe-native.toml --machine L1 --policy adaptive --out cell.ssp
-  toolroom ssp export shop.toml --machine L1 --operation ring.turn --fmi 3 --stop \"2 h\" --out cell.ssp")]
+  toolroom ssp export shop.toml --machine L1 --operation ring.turn --fmi 3 --stop \"2 h\" --out cell.ssp
+  toolroom ssp export shop.toml --machine L1 --flat --out cell.ssp      for Ecos and libcosim")]
     Export(SspExportArgs),
     /// What a system is made of: units, signals, start values
     #[command(before_help = "Examples:
@@ -159,9 +165,15 @@ pub struct SspExportArgs {
     /// Version of the standard of both units; 2 is read by every tool
     #[arg(long, value_name = "VERSION", default_value_t = 2, value_parser = clap::value_parser!(u32).range(2..=3))]
     pub fmi: u32,
+    /// Nothing at the system itself and no enumerations, in FMI 2.0: what Ecos and libcosim read
+    #[arg(long)]
+    pub flat: bool,
     /// Platform to run on, repeatable, as with `fmu export`
     #[arg(long, value_name = "PLATFORM", value_parser = platforms())]
     pub platforms: Vec<String>,
+    /// Directory of libraries that are compiled already, as with `fmu export`
+    #[arg(long, value_name = "DIR")]
+    pub libraries: Option<PathBuf>,
     /// End of the default experiment
     #[arg(long, value_name = "TIME", default_value = "1 h")]
     pub stop: String,

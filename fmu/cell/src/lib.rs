@@ -17,7 +17,7 @@ mod structure;
 mod values;
 
 use toolroom_cutting::Turning;
-use toolroom_fmu::{Binary, PackageError, Version, archive, package, units};
+use toolroom_fmu::{Binary, PackageError, Version, archive, package, package_without_enumerations, units};
 use toolroom_scenario::policies::{ChangeRule, ResolveError, ResolvedPolicy, SpeedSetting};
 use toolroom_scenario::{Cut, Knowledge, ProcessModel, Scenario, Work};
 use toolroom_wear::SpeedLaw;
@@ -61,6 +61,17 @@ pub struct Choice {
     pub policy: Option<String>,
     /// Operation, `part.operation` or its name alone; the first one that the machine cuts, if left out.
     pub operation: Option<String>,
+}
+
+/// How much of the standard a package asks of its readers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Form {
+    /// The system has connectors and parameter values of its own; parameters that choose are enumerations.
+    #[default]
+    Whole,
+    /// Everything stands at the components, and parameters that choose are integers: what Ecos and libcosim read. The units
+    /// are of FMI 2.0.
+    Flat,
 }
 
 /// A lathe with its controller.
@@ -140,18 +151,47 @@ impl Cell {
     /// # Errors
     /// [`PackageError`].
     pub fn package(&self, version: Version, binaries: &[Binary], stop: f64) -> Result<Vec<u8>, PackageError> {
-        let mut entries = vec![
-            ("SystemStructure.ssd".to_owned(), structure::description(self, stop).into_bytes()),
-            (structure::VALUES.to_owned(), values::file(&self.name, &self.start).into_bytes()),
-        ];
-        for (component, model) in structure::COMPONENTS {
-            if let Some(unit) = units().find(|unit| unit.name == model) {
-                entries.push((structure::source(component), package(unit, version, binaries, &[])?));
+        self.in_form(Form::Whole, version, binaries, stop)
+    }
+
+    /// [`Cell::package`] in a form: [`Form::Flat`] makes units of FMI 2.0, whatever `version` says.
+    ///
+    /// # Errors
+    /// [`PackageError`].
+    pub fn in_form(
+        &self,
+        form: Form,
+        version: Version,
+        binaries: &[Binary],
+        stop: f64,
+    ) -> Result<Vec<u8>, PackageError> {
+        let description = structure::description(self, form, stop);
+        let mut entries = vec![("SystemStructure.ssd".to_owned(), description.into_bytes())];
+        match form {
+            Form::Whole => {
+                entries.push((structure::VALUES.to_owned(), values::file(&self.name, &self.start).into_bytes()));
             }
+            Form::Flat => {
+                for (component, _) in structure::COMPONENTS {
+                    let file = values::file(FLAT_SET, &values::within(component, &self.start));
+                    entries.push((structure::values_of(component), file.into_bytes()));
+                }
+            }
+        }
+        for (component, model) in structure::COMPONENTS {
+            let Some(unit) = units().find(|unit| unit.name == model) else { continue };
+            let packed = match form {
+                Form::Whole => package(unit, version, binaries, &[])?,
+                Form::Flat => package_without_enumerations(unit, binaries)?,
+            };
+            entries.push((structure::source(component), packed));
         }
         archive(&entries)
     }
 }
+
+/// Name of the sets of parameter values of a flat system, by which Ecos is asked for them.
+pub const FLAT_SET: &str = "initialValues";
 
 /// Part, operation, number of its first pass, its passes and tool.
 type Chosen<'s> = (&'s str, &'s str, u32, &'s [Cut], usize);

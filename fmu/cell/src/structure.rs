@@ -4,7 +4,7 @@
 //! System Structure and Parameterization 1.0.1, Modelica Association. Version 2.0 has the same elements in the same
 //! namespaces; readers of 1.0 refuse a file that calls itself 2.0.
 
-use crate::Cell;
+use crate::{Cell, Form};
 use std::collections::BTreeSet;
 use toolroom_fmu::{Attributes, ValueType, Variable, Xml, unit_powers, units};
 
@@ -76,8 +76,19 @@ pub(crate) fn unit_definitions(xml: &mut Xml, element: &'static str, names: impl
     });
 }
 
+/// Entry of the parameter values of a component, in a flat system.
+pub(crate) fn values_of(component: &str) -> String {
+    format!("resources/{component}.ssv")
+}
+
+fn binding(xml: &mut Xml, source: String) {
+    xml.element("ssd:ParameterBindings", &[], |xml| {
+        xml.leaf("ssd:ParameterBinding", &[("source", source)]);
+    });
+}
+
 /// `SystemStructure.ssd` of a cell.
-pub(crate) fn description(cell: &Cell, stop: f64) -> String {
+pub(crate) fn description(cell: &Cell, form: Form, stop: f64) -> String {
     let models: Vec<(&str, Vec<Variable>)> = COMPONENTS
         .iter()
         .filter_map(|(component, model)| Some((*component, units().find(|unit| unit.name == *model)?.variables())))
@@ -94,17 +105,17 @@ pub(crate) fn description(cell: &Cell, stop: f64) -> String {
     xml.element("ssd:SystemStructureDescription", &head, |xml| {
         let system = [("name", "cell".to_owned()), ("description", cell.title.clone())];
         xml.element("ssd:System", &system, |xml| {
-            xml.element("ssd:Connectors", &[], |xml| {
-                for [component, name, shown] in SHOWN {
-                    if let Some(variable) = variable(component, name, true) {
-                        used.insert(variable.field.unit);
-                        connector(xml, shown, "output", variable);
+            if form == Form::Whole {
+                xml.element("ssd:Connectors", &[], |xml| {
+                    for [component, name, shown] in SHOWN {
+                        if let Some(variable) = variable(component, name, true) {
+                            used.insert(variable.field.unit);
+                            connector(xml, shown, "output", variable);
+                        }
                     }
-                }
-            });
-            xml.element("ssd:ParameterBindings", &[], |xml| {
-                xml.leaf("ssd:ParameterBinding", &[("source", VALUES.to_owned())]);
-            });
+                });
+                binding(xml, VALUES.to_owned());
+            }
             xml.element("ssd:Elements", &[], |xml| {
                 for (component, _) in COMPONENTS {
                     let attributes = [
@@ -128,6 +139,9 @@ pub(crate) fn description(cell: &Cell, stop: f64) -> String {
                                 }
                             }
                         });
+                        if form == Form::Flat {
+                            binding(xml, values_of(component));
+                        }
                     });
                 }
             });
@@ -141,7 +155,7 @@ pub(crate) fn description(cell: &Cell, stop: f64) -> String {
                     ];
                     xml.leaf("ssd:Connection", &ends);
                 }
-                for [from, start, shown] in SHOWN {
+                for [from, start, shown] in SHOWN.iter().filter(|_| form == Form::Whole) {
                     let ends = [
                         ("startElement", (*from).to_owned()),
                         ("startConnector", (*start).to_owned()),

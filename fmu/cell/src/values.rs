@@ -42,6 +42,15 @@ pub(crate) fn differing<U: Unit>(component: &str, model: &str, process: &U) -> V
     parameter_values(process).into_iter().filter_map(start).collect()
 }
 
+/// The start values of one component, by their names in its unit.
+pub(crate) fn within(component: &str, start: &[Start]) -> Vec<Start> {
+    let own = |each: &Start| {
+        let name = each.name.strip_prefix(component)?.strip_prefix('.')?.to_owned();
+        Some(Start { name, ..each.clone() })
+    };
+    start.iter().filter_map(own).collect()
+}
+
 /// The file of parameter values.
 pub(crate) fn file(name: &str, start: &[Start]) -> String {
     let mut xml = Xml::new();

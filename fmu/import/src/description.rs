@@ -191,6 +191,8 @@ pub struct Variable {
     pub derivative_of: Option<usize>,
     /// Whether it belongs to clocks, and has a value only where one of them ticks (FMI 3.0).
     pub clocked: bool,
+    /// Of a clock: `triggered`, or who decides when it ticks next (`constant`, `countdown` and so on).
+    pub interval_variability: Option<String>,
     /// Dimensions of an array; none for a scalar.
     pub dimensions: Vec<Dimension>,
     /// Meaning.
@@ -254,6 +256,17 @@ pub struct Reading {
 }
 
 impl ModelDescription {
+    /// The clocks of FMI 3.0.
+    pub fn clocks(&self) -> impl Iterator<Item = &Variable> {
+        self.variables.iter().filter(|variable| variable.value_type == ValueType::Clock)
+    }
+
+    /// A clock that the importer of Model Exchange has to tick: one of time, which the unit is told of.
+    pub fn clock_to_tick(&self) -> Option<&Variable> {
+        let of_time = |clock: &&Variable| clock.interval_variability.as_deref() != Some("triggered");
+        self.clocks().filter(|clock| clock.causality == "input").find(of_time)
+    }
+
     /// Reads the text of a `modelDescription.xml`. What can be understood is; every fault is
     /// listed.
     ///

@@ -69,6 +69,7 @@ fn fix(error: &LoadError) -> Option<String> {
         LoadError::Archive(_)
         | LoadError::Description { .. }
         | LoadError::Interface { .. }
+        | LoadError::Clock { .. }
         | LoadError::Symbols { .. }
         | LoadError::Library { .. } => None,
     }

@@ -50,7 +50,8 @@ fn said(messages: &[String]) -> String {
 pub enum Stepped {
     /// At its end.
     Whole,
-    /// Before its end, at this time (s): the unit discarded the rest (`fmi2Discard`).
+    /// Before its end, at this time (s): the unit discarded the rest (`fmi2Discard`), or all of it (`fmi3Discard`, after
+    /// which it is where it was before the step).
     Part(f64),
     /// The unit ended the simulation at this time (s): `terminateSimulation`, or `fmi2Discard` with `fmi2Terminated`.
     Ended(f64),
@@ -66,7 +67,7 @@ pub enum Action<'a> {
     /// Sets a variable; a Boolean is false at 0.
     Set(Port, f64),
     /// Sets every element of an array, the last index fastest: eight little-endian bytes each, as they go over to a
-    /// worker ([`bytes_of`]).
+    /// worker ([`bytes_of`]), and each text with a zero byte behind it.
     SetArray(Port, &'a [u8]),
     /// Reads a variable: as many values as it has elements.
     Get(Port),
@@ -138,7 +139,8 @@ trait Calls: std::fmt::Debug + Send {
     fn configure(&mut self, begin: bool) -> Result<(), CallError>;
     /// Sets as many elements as there are values.
     fn set(&mut self, port: Port, values: &[f64]) -> Result<(), CallError>;
-    fn set_text(&mut self, reference: u32, text: &CStr) -> Result<(), CallError>;
+    /// Sets as many elements as there are texts.
+    fn set_texts(&mut self, reference: u32, texts: &[&CStr]) -> Result<(), CallError>;
     /// Appends the value of each element.
     fn get(&mut self, port: Port, values: &mut Vec<f64>) -> Result<(), CallError>;
     /// Appends the text of each element.
@@ -184,7 +186,7 @@ impl Local {
             match value {
                 StartValue::Structure(number) => calls.set(*port, &[*number])?,
                 StartValue::Numbers(numbers) => calls.set(*port, numbers)?,
-                StartValue::Text(text) => calls.set_text(port.reference, text)?,
+                StartValue::Text(text) => calls.set_texts(port.reference, &[text.as_c_str()])?,
             }
         }
         if configuring {
@@ -209,6 +211,11 @@ impl Local {
             begin(number);
             match *action {
                 Action::Set(port, value) => self.0.set(port, &[value])?,
+                Action::SetArray(Port { value_type: ValueType::String, reference, .. }, bytes) => {
+                    let texts = bytes.split_inclusive(|byte| *byte == 0);
+                    let texts: Result<Vec<&CStr>, _> = texts.map(CStr::from_bytes_with_nul).collect();
+                    self.0.set_texts(reference, &texts.unwrap_or_default())?;
+                }
                 Action::SetArray(port, bytes) => {
                     let numbers = bytes.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number));
                     self.0.set(port, &numbers.collect::<Vec<_>>())?;
@@ -346,17 +353,21 @@ impl Messages {
         CallError { function: function.to_owned(), status: status.into(), messages }
     }
 
+    /// What was said on the way is of no interest any more.
+    fn forget(&self) {
+        if let Ok(mut kept) = self.0.lock() {
+            kept.clear();
+        }
+    }
+
     /// Turns a status, the same number in both versions, into a result.
     fn judge(&self, function: &str, status: u32) -> Result<(), CallError> {
         match status {
             0 | 1 => {
-                // What was said on the way is of no interest any more.
-                if let Ok(mut kept) = self.0.lock() {
-                    kept.clear();
-                }
+                self.forget();
                 Ok(())
             }
-            2 => Err(self.error(function, "discard")),
+            DISCARD => Err(self.error(function, "discard")),
             3 => Err(self.error(function, "error")),
             FATAL => Err(self.error(function, "fatal")),
             other => Err(self.error(function, format!("status {other}"))),
@@ -375,6 +386,9 @@ unsafe fn owned(text: *const c_char) -> String {
     // SAFETY: not null, and the caller vouches for the rest.
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
+
+/// The status of a step that was not taken, or not to its end.
+const DISCARD: u32 = 2;
 
 /// The status after which an instance may not even be freed.
 const FATAL: u32 = 4;

@@ -47,6 +47,8 @@ mod keeping;
 mod listing;
 #[cfg(feature = "fmi")]
 pub mod machine;
+#[cfg(feature = "fmi")]
+pub mod parts;
 pub mod platform;
 #[cfg(feature = "fmi")]
 pub mod simulate;
@@ -67,6 +69,7 @@ pub use {
     importer::register,
     instance::{Action, Answer, CallError, Instance, Port, StartValue, Stepped},
     machine::UnitProcess,
+    parts::Retaking,
     unit::{CALL_LIMIT, Driven, Isolation, LoadError, Steps, Unit, WorkerProgram},
     wire::WiringError,
 };

@@ -2,6 +2,7 @@
 
 use crate::instance::{Action, Answer, Place, Port, StartValue, Stepped};
 use crate::keeping::{Keeping, KeepingError, Maker, Turn};
+use crate::parts::Parts;
 use crate::unit::{Steps, Unit};
 use crate::watch::Watch;
 use crate::wire::{Wire, Wires, WiringError, events, inner, start_values};
@@ -33,9 +34,6 @@ const EVENT_TIME: f64 = 1e-13;
 
 /// Where the state at the start of a step is saved while an event is located.
 const START: Place = Place::MAX;
-
-/// Shorter steps in a row that are tried where the unit discards a step (assumption: 2⁻³⁰ of a pass is no step).
-const RETRIES: usize = 30;
 
 /// An imported unit that stands in for a native process.
 ///
@@ -251,9 +249,15 @@ impl UnitProcess {
         Ok(Way { advance: Advance { elapsed, event }, time })
     }
 
-    /// Whether a step can be taken again in parts.
+    /// Whether an event is located by taking its step again in parts.
     fn halves(&self) -> bool {
         self.goes_back() && self.grid.is_none()
+    }
+
+    /// Whether a step that the unit discarded can be taken again in parts: from the state before it, which a unit of FMI
+    /// 3.0 is in after that.
+    fn retakes(&self) -> bool {
+        self.grid.is_none() && (self.goes_back() || self.unit.description().major == 3)
     }
 
     /// One communication step, up to the first event in it; how long it took.
@@ -265,10 +269,9 @@ impl UnitProcess {
         step: &Step<'_>,
         seen: &mut [f64],
     ) -> Result<(f64, Option<ProcessEvent>), KeepingError> {
-        let mut done = 0.0;
-        let mut part = step.length;
-        let mut retries = 0;
-        while done < step.length {
+        let mut parts = Parts::of(step.length);
+        while parts.left() {
+            let Parts { done, part, .. } = parts;
             let from = step.from + done;
             let try_from = Try { from, length: part, save: self.halves(), check: step.first && done == 0.0 };
             let (stepped, event) = self.attempt(turn, answer, u, &try_from, step.before, seen)?;
@@ -278,20 +281,18 @@ impl UnitProcess {
                     return Ok((done + length, event));
                 }
                 Stepped::Whole => {
-                    done = if part == step.length - done { step.length } else { done + part };
-                    part = step.length - done;
+                    parts.taken();
                     if event.is_some() {
-                        return Ok((done, event));
+                        return Ok((parts.done, event));
                     }
                 }
-                Stepped::Part(reached) if self.halves() && retries < RETRIES => {
-                    retries += 1;
-                    turn.act(&[Action::Restore(START)], false, answer)?;
-                    // As far as it came, or else half the way.
-                    part = if reached > from && reached < from + part { reached - from } else { 0.5 * part };
+                Stepped::Part(reached) if self.retakes() && parts.discarded(reached - from) => {
+                    if self.halves() {
+                        turn.act(&[Action::Restore(START)], false, answer)?;
+                    }
                 }
                 Stepped::Part(reached) => {
-                    let way = if self.halves() { "" } else { ", and cannot go back for a shorter one" };
+                    let way = if self.retakes() { "" } else { ", and cannot go back for a shorter one" };
                     return Err(KeepingError::Impossible(format!(
                         "at {from} s it discarded a step of {part} s, came to {reached} s{way}"
                     )));

@@ -2,9 +2,11 @@
 
 use crate::description::{ModelDescription, ValueType, Variable};
 use crate::instance::{Action, Answer, CallError, Instance, Port, StartValue, Stepped, bytes_of};
+use crate::parts::Retaking;
 use crate::unit::{Steps, Unit};
 use crate::wire::{WiringError, start_values};
 use std::collections::BTreeMap;
+use std::ffi::CString;
 use std::io::{Read, Write};
 use std::sync::Arc;
 use toolroom_process::Wiring;
@@ -81,7 +83,7 @@ pub enum SimulateError {
         /// The call.
         source: CallError,
     },
-    /// The unit took a part of a step only.
+    /// The unit took a part of a step only, and none of the rest in parts.
     #[error("the unit discarded the step from {time} s over {step} s and came to {reached} s: give a shorter --step")]
     Discarded {
         /// Start of the step, s.
@@ -114,7 +116,15 @@ pub struct Inputs {
     times: Vec<f64>,
     signals: Vec<Signal>,
     /// Values of each column after the time.
-    columns: Vec<Vec<f64>>,
+    columns: Vec<Column>,
+}
+
+/// The values of a column.
+#[derive(Clone, Debug, PartialEq)]
+enum Column {
+    Numbers(Vec<f64>),
+    /// Each with a zero byte behind it.
+    Texts(Vec<CString>),
 }
 
 /// A variable and its columns, one for each element.
@@ -127,8 +137,8 @@ struct Signal {
 
 impl Inputs {
     /// Reads a CSV table with a column `time` (s) and one for each input, headed by its name,
-    /// with or without unit in brackets; the numbers are in the unit's own units. Arrays have a column for each
-    /// element, `name[1]` or `name[2,1]`; their sizes may depend on `start` values.
+    /// with or without unit in brackets; the numbers are in the unit's own units, strings are taken as they are. Arrays
+    /// have a column for each element, `name[1]` or `name[2,1]`; their sizes may depend on `start` values.
     ///
     /// # Errors
     /// [`SimulateError::Input`] with the line.
@@ -161,7 +171,8 @@ impl Inputs {
         let settable: Vec<(&Variable, Vec<String>)> = description
             .variables
             .iter()
-            .filter(|variable| variable.causality == "input" && is_number(variable))
+            .filter(|variable| variable.causality == "input" && !variable.clocked)
+            .filter(|variable| is_number(variable) || is_text(variable))
             .filter_map(|variable| Some((variable, elements(description, variable, start)?)))
             .collect();
         let known = || settable.iter().flat_map(|(_, names)| names);
@@ -184,7 +195,10 @@ impl Inputs {
                 columns: columns.into_iter().flatten().collect(),
             });
         }
-        inputs.columns = vec![Vec::new(); heads.len()];
+        inputs.columns = vec![Column::Numbers(Vec::new()); heads.len()];
+        for signal in inputs.signals.iter().filter(|signal| signal.port.value_type == ValueType::String) {
+            signal.columns.iter().for_each(|column| inputs.columns[*column] = Column::Texts(Vec::new()));
+        }
         for record in reader.records() {
             let record = record.map_err(broken)?;
             let line = record.position().map_or(0, csv::Position::line);
@@ -203,7 +217,13 @@ impl Inputs {
             }
             inputs.times.push(time);
             for (i, column) in inputs.columns.iter_mut().enumerate() {
-                column.push(number(i + 1)?);
+                match column {
+                    Column::Numbers(numbers) => numbers.push(number(i + 1)?),
+                    Column::Texts(texts) => {
+                        let text = CString::new(record.get(i + 1).unwrap_or_default());
+                        texts.push(text.map_err(|_| refused(line, "a text with a zero byte".to_owned()))?);
+                    }
+                }
             }
         }
         if inputs.times.is_empty() {
@@ -217,19 +237,20 @@ impl Inputs {
         // Of two rows at one time the later one holds from then on.
         let after = self.times.partition_point(|each| *each <= time);
         let row = after.saturating_sub(1);
-        let value = |signal: &Signal, column: &usize| {
-            let values = &self.columns[*column];
+        let value = |signal: &Signal, values: &[f64]| {
             if signal.interpolated && after > 0 && after < self.times.len() {
                 let share = (time - self.times[row]) / (self.times[after] - self.times[row]);
                 return values[row] + share * (values[after] - values[row]);
             }
             values[row]
         };
-        let summary = |signal: &Signal| {
-            let values: Vec<f64> = signal.columns.iter().map(|column| value(signal, column)).collect();
-            (signal.port, bytes_of(&values))
+        let bytes = |signal: &Signal, column: &usize| match &self.columns[*column] {
+            Column::Numbers(numbers) => bytes_of(&[value(signal, numbers)]),
+            Column::Texts(texts) => texts[row].to_bytes_with_nul().to_vec(),
         };
-        self.signals.iter().map(summary).collect()
+        let elements =
+            |signal: &Signal| -> Vec<u8> { signal.columns.iter().flat_map(|column| bytes(signal, column)).collect() };
+        self.signals.iter().map(|signal| (signal.port, elements(signal))).collect()
     }
 }
 
@@ -263,10 +284,13 @@ struct Output<'a> {
     names: Vec<String>,
 }
 
-/// Outputs that a table can hold; those that it cannot are binary, clocks, or arrays of unknown size.
+/// Outputs that a table can hold; those that it cannot are binary, clocks and what has a value only while one of them
+/// ticks, or arrays of unknown size.
 fn outputs<'a>(description: &'a ModelDescription, start: &BTreeMap<String, String>) -> Vec<Output<'a>> {
     let wanted = |variable: &&Variable| {
-        variable.causality == "output" && !matches!(variable.value_type, ValueType::Binary | ValueType::Clock)
+        variable.causality == "output"
+            && !variable.clocked
+            && !matches!(variable.value_type, ValueType::Binary | ValueType::Clock)
     };
     let output = |variable: &'a Variable| {
         let names = elements(description, variable, start)?;
@@ -289,8 +313,8 @@ pub fn named_values(texts: &[String]) -> Result<BTreeMap<String, String>, String
     texts.iter().map(named).collect()
 }
 
-/// Names of the outputs of `description` that [`simulate`] leaves out: binary ones, clocks, and arrays whose size cannot
-/// be known.
+/// Names of the outputs of `description` that [`simulate`] leaves out: binary ones, clocks and what belongs to them, and
+/// arrays whose size cannot be known.
 pub fn left_out(description: &ModelDescription, start: &BTreeMap<String, String>) -> Vec<String> {
     let held: Vec<&str> = outputs(description, start).iter().map(|output| output.variable.name.as_str()).collect();
     let all = description.variables.iter().filter(|variable| variable.causality == "output");
@@ -312,13 +336,18 @@ pub fn own_steps(unit: &Unit, start: f64, stop: f64, step: f64) -> Result<u64, S
     Ok((step / own).round() as u64)
 }
 
+fn is_text(variable: &Variable) -> bool {
+    variable.value_type == ValueType::String
+}
+
 fn is_number(variable: &Variable) -> bool {
     !matches!(variable.value_type, ValueType::String | ValueType::Binary | ValueType::Clock)
 }
 
 /// Simulates `unit` and writes time and every output to `table`, one row for each communication point and one column for
 /// each element, in the unit's own units; Booleans as 0 and 1, enumerations as numbers. What [`left_out`] names is left
-/// out. A unit of fixed steps takes as many of its own as a communication step holds.
+/// out. A unit of fixed steps takes as many of its own as a communication step holds; a step that a unit discards is taken
+/// in parts.
 ///
 /// # Errors
 /// [`SimulateError`]; rows written before stay.
@@ -353,24 +382,33 @@ pub fn simulate(
     let failed = |time| move |source| SimulateError::Call { time, source };
     let mut instance = Instance::new(unit, &start_values, start).map_err(failed(start))?;
     let (mut time, mut done) = (start, Done { start, stop, step, steps: steps as u64, ended: false });
-    let mut answer = Answer::default();
+    let (mut answer, mut retaking) = (Answer::default(), Retaking::of(unit));
     let gets: Vec<Action<'_>> = outputs.iter().map(|output| output.action).collect();
     for number in 0..=steps as u64 {
         // The last step ends at the stop time, however the steps round.
         let mut goal = if number as f64 == steps { stop } else { start + number as f64 * step };
         // Step, inputs and outputs at once: a unit in a worker process is asked once.
         let mut actions = Vec::new();
-        let part = (goal - time) / parts as f64;
-        let steps = (0..parts).filter(|_| number > 0);
-        actions.extend(steps.map(|i| Action::Step { time: time + i as f64 * part, duration: part }));
         let set = inputs.map_or_else(Vec::new, |inputs| inputs.values(goal));
-        actions.extend(set.iter().map(|(port, elements)| Action::SetArray(*port, elements)));
-        actions.extend(gets.iter().copied());
-        if let Err(source) = instance.act(&actions, &mut answer) {
-            table.flush()?;
-            return Err(SimulateError::Call { time, source });
-        }
-        match answer.stepped {
+        let after = set.iter().map(|(port, elements)| Action::SetArray(*port, elements)).chain(gets.iter().copied());
+        let stepped = if number > 0 && parts == 1 {
+            let after: Vec<Action<'_>> = after.collect();
+            retaking.act(&mut instance, &[], (time, goal), &after, &mut answer)
+        } else {
+            let part = (goal - time) / parts as f64;
+            let steps = (0..parts).filter(|_| number > 0);
+            actions.extend(steps.map(|i| Action::Step { time: time + i as f64 * part, duration: part }));
+            actions.extend(after);
+            instance.act(&actions, &mut answer).map(|()| answer.stepped)
+        };
+        let stepped = match stepped {
+            Ok(stepped) => stepped,
+            Err(source) => {
+                table.flush()?;
+                return Err(SimulateError::Call { time, source });
+            }
+        };
+        match stepped {
             Stepped::Whole => {}
             Stepped::Part(reached) => {
                 table.flush()?;

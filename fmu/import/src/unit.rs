@@ -54,6 +54,18 @@ pub enum LoadError {
         /// Platform folders that there are.
         there: String,
     },
+    /// A clock that has to be ticked in Model Exchange.
+    #[error(
+        "{path}: in Model Exchange its importer has to tick the clock {clock}, which is not offered; Co-Simulation \
+         leaves clocks to the unit",
+        path = .path.display()
+    )]
+    Clock {
+        /// The file.
+        path: PathBuf,
+        /// Name of the clock.
+        clock: String,
+    },
     /// A library without functions that FMI asks for.
     #[error("{path}: {library} lacks functions that FMI asks for: {missing}", path = .path.display())]
     Symbols {
@@ -267,6 +279,9 @@ impl Unit {
             return Err(LoadError::Description { path: path.to_owned(), line, message });
         };
         let (interface, equations) = interface(path, &description, driven)?;
+        if let Some(clock) = description.clock_to_tick().filter(|_| equations.is_some()) {
+            return Err(LoadError::Clock { path: path.to_owned(), clock: clock.name.clone() });
+        }
         let library = library_entry(&archive, &description, &interface)?;
         let missing = missing_functions(&mut archive, &description, &library)?;
         if !missing.is_empty() {

@@ -176,7 +176,7 @@ fn named<'d>(
 ) -> Result<&'d Variable, WiringError> {
     let fits = |variable: &&Variable| {
         let same = variable.causality == causality || (causality == "output" && variable.causality == "local");
-        same && variable.dimensions.is_empty()
+        same && variable.dimensions.is_empty() && !variable.clocked
     };
     description.variables.iter().filter(fits).find(|variable| variable.name == name).ok_or_else(|| {
         let known = description.variables.iter().filter(fits).map(|variable| variable.name.as_str()).take(40);
@@ -191,7 +191,8 @@ fn named<'d>(
 
 /// The variable called `name`, or the only one of this causality whose last part it is.
 fn found<'d>(description: &'d ModelDescription, name: &str, causality: &str) -> Option<&'d Variable> {
-    let fits = |variable: &&Variable| variable.causality == causality && variable.dimensions.is_empty();
+    let fits =
+        |variable: &&Variable| variable.causality == causality && variable.dimensions.is_empty() && !variable.clocked;
     let exact = description.variables.iter().filter(fits).find(|variable| variable.name == name);
     exact.or_else(|| {
         let last = |variable: &&Variable| variable.name.rsplit_once('.').is_some_and(|(_, last)| last == name);

@@ -384,6 +384,19 @@ fn what_is_clocked_is_no_initial_unknown() {
         structure.map(|finding| finding.message).collect()
     };
     assert_eq!(findings(&clocked), [""; 0]);
+    // A clock of time is the importer's to tick in Model Exchange, which is said; a triggered one is not.
+    let notes = |description: &str| -> Vec<String> {
+        let mut archive = Archive::open(&unit(&folder, description, &[])).expect("a zip file");
+        let events = check(&mut archive).findings.into_iter().filter(|finding| finding.rule == Rule::Events);
+        events.map(|finding| finding.message).filter(|message| message.contains("clock")).collect()
+    };
+    assert_eq!(notes(THREE), [""; 0]);
+    let ticked = |notes: &[String]| notes.iter().any(|note| note.contains("has to tick the clock tick"));
+    let exchange = "  <ModelExchange modelIdentifier=\"Wear\"/>\n  <CoSimulation";
+    let triggered = clocked.replace("  <CoSimulation", exchange);
+    let periodic = triggered.replace("\"triggered\"", "\"constant\" intervalDecimal=\"0.1\"");
+    assert!(!ticked(&notes(&triggered)) && ticked(&notes(&periodic)), "{:?}", notes(&periodic));
+    assert!(notes(&clocked).iter().any(|note| note.contains("no clock ticks for an importer without Event Mode")));
     let listed =
         clocked.replace("    <InitialUnknown", "    <InitialUnknown valueReference=\"7\"/>\n    <InitialUnknown");
     assert!(findings(&listed)[0].contains("as initial unknown, but is none: ticks"), "{:?}", findings(&listed));

@@ -77,6 +77,15 @@ impl Description {
         }
     }
 
+    /// The same unit with integers in the place of enumerations, for importers that read none. What it computes and its
+    /// token stay.
+    #[must_use]
+    pub fn without_enumerations(&self) -> Self {
+        let mut plain = self.clone();
+        plain.variables.iter_mut().for_each(|variable| variable.items = &[]);
+        plain
+    }
+
     /// `modelDescription.xml` of FMI 2.0.
     pub fn fmi2(&self) -> String {
         fmi2::write(self)

@@ -64,7 +64,25 @@ const LICENCES: [(&str, &str); 2] = [
 /// # Errors
 /// [`PackageError`]; memory is the only place written to.
 pub fn package(unit: &Entry, version: Version, binaries: &[Binary], sets: &[OwnSet]) -> Result<Vec<u8>, PackageError> {
-    let description = unit.describe();
+    described(unit, unit.describe(), version, binaries, sets)
+}
+
+/// [`package`] of FMI 2.0 with integers in the place of enumerations ([`Description::without_enumerations`]), which
+/// importers of FMI 2.0 set by the same functions.
+///
+/// # Errors
+/// As [`package`].
+pub fn package_without_enumerations(unit: &Entry, binaries: &[Binary]) -> Result<Vec<u8>, PackageError> {
+    described(unit, &unit.describe().without_enumerations(), Version::Two, binaries, &[])
+}
+
+fn described(
+    unit: &Entry,
+    description: &Description,
+    version: Version,
+    binaries: &[Binary],
+    sets: &[OwnSet],
+) -> Result<Vec<u8>, PackageError> {
     let mut zip = Zip(ZipWriter::new(Cursor::new(Vec::new())));
     let model = match version {
         Version::Two => description.fmi2(),

@@ -73,6 +73,22 @@ impl Platform {
         }
     }
 
+    /// Whether these are the bytes of a library of this platform, by the head of its format: ELF, PE, or a universal
+    /// binary of macOS.
+    pub fn is_library(self, bytes: &[u8]) -> bool {
+        let starts = |at: usize, with: &[u8]| bytes.get(at..).is_some_and(|rest| rest.starts_with(with));
+        let number = |at: usize| bytes.get(at..at + 4).and_then(|four| four.try_into().ok()).map(u32::from_le_bytes);
+        // Numbers of processors: EM_X86_64 and EM_AARCH64 of ELF, IMAGE_FILE_MACHINE_AMD64 of PE.
+        match self {
+            Self::X86Linux => starts(0, b"\x7fELF\x02\x01") && starts(18, &[62, 0]),
+            Self::ArmLinux => starts(0, b"\x7fELF\x02\x01") && starts(18, &[183, 0]),
+            Self::X86Windows => {
+                starts(0, b"MZ") && number(0x3c).is_some_and(|header| starts(header as usize, b"PE\0\0\x64\x86"))
+            }
+            Self::UniversalMac => starts(0, &[0xca, 0xfe, 0xba, 0xbe]),
+        }
+    }
+
     /// File name of the library as the compiler leaves it.
     pub fn library_name(self) -> String {
         let prefix = if self == Self::X86Windows { "" } else { "lib" };

@@ -19,7 +19,8 @@ use tempfile::TempDir;
 use toolroom_fmu_import::simulate::{Done, SimulateError, checked, own_steps};
 use toolroom_fmu_import::wire::start_values;
 use toolroom_fmu_import::{
-    Action, Answer, ArchiveError, Driven, Instance, Isolation, LoadError, ModelDescription, Port, Stepped, Unit,
+    Action, Answer, ArchiveError, Driven, Instance, Isolation, LoadError, ModelDescription, Port, Retaking, Stepped,
+    Unit,
 };
 use toolroom_process::Wiring;
 use toolroom_process::table::{Cell, CsvWriter};
@@ -275,6 +276,7 @@ impl System {
             let instance = Instance::new(unit, &values, start)
                 .map_err(|source| self.failed(index, SimulateError::Call { time: start, source }))?;
             run.instances.push(instance);
+            run.retaking.push(Retaking::of(unit));
             let values = run.act(self, index, &[], start)?;
             run.values.push(values);
         }
@@ -296,6 +298,8 @@ struct Run {
     instances: Vec<Instance>,
     /// Steps of a unit of fixed steps in one of communication; 1 for the others.
     parts: Vec<u64>,
+    /// How steps are taken that a unit discards.
+    retaking: Vec<Retaking>,
     /// The last outputs of each component.
     values: Vec<Vec<f64>>,
     answer: Answer,
@@ -340,12 +344,21 @@ impl Run {
         goal: f64,
     ) -> Result<(Vec<f64>, Option<f64>), MasterError> {
         let duration = (goal - time) / self.parts[index] as f64;
-        let sets = inputs.iter().map(|(port, value)| Action::Set(*port, *value));
-        let steps = (0..self.parts[index]).map(|part| Action::Step { time: time + part as f64 * duration, duration });
-        let actions: Vec<Action<'_>> = sets.chain(steps).collect();
-        let values = self.act(system, index, &actions, time)?;
-        match self.answer.stepped {
-            Stepped::Whole => Ok((values, None)),
+        let sets: Vec<Action<'_>> = inputs.iter().map(|(port, value)| Action::Set(*port, *value)).collect();
+        let stepped = if self.parts[index] == 1 {
+            let gets: Vec<Action<'_>> = system.outputs[index].iter().map(|output| Action::Get(output.port)).collect();
+            let (instance, retaking) = (&mut self.instances[index], &mut self.retaking[index]);
+            retaking
+                .act(instance, &sets, (time, goal), &gets, &mut self.answer)
+                .map_err(|source| system.failed(index, SimulateError::Call { time, source }))?
+        } else {
+            let steps =
+                (0..self.parts[index]).map(|part| Action::Step { time: time + part as f64 * duration, duration });
+            self.act(system, index, &sets.into_iter().chain(steps).collect::<Vec<_>>(), time)?;
+            self.answer.stepped
+        };
+        match stepped {
+            Stepped::Whole => Ok((self.read(system, index, time)?, None)),
             Stepped::Part(reached) => {
                 let source = SimulateError::Discarded { time, step: goal - time, reached };
                 Err(system.failed(index, source))

@@ -3,7 +3,7 @@
 #![cfg(feature = "fmi")]
 
 use std::path::{Path, PathBuf};
-use toolroom_cell::{Cell, Choice};
+use toolroom_cell::{Cell, Choice, Form};
 use toolroom_fmu::{Binary, Platform, Version};
 use toolroom_fmu_import::Isolation;
 use toolroom_scenario::Scenario;
@@ -28,10 +28,14 @@ fn library() -> Binary {
 
 /// The exported cell under a policy.
 fn exported(scenario: &Scenario, policy: &str, version: Version, folder: &Path) -> PathBuf {
+    in_form(Form::Whole, scenario, policy, version, folder)
+}
+
+fn in_form(form: Form, scenario: &Scenario, policy: &str, version: Version, folder: &Path) -> PathBuf {
     let choice = Choice { machine: "L".to_owned(), policy: Some(policy.to_owned()), operation: None };
     let cell = Cell::of(scenario, &choice).expect("a cell");
     let path = folder.join("cell.ssp");
-    std::fs::write(&path, cell.package(version, &[library()], STOP).expect("a package")).expect("writable");
+    std::fs::write(&path, cell.in_form(form, version, &[library()], STOP).expect("a package")).expect("writable");
     path
 }
 
@@ -151,4 +155,27 @@ fn the_same_cell_gives_the_same_bytes_and_what_no_unit_stands_for_is_refused() {
     assert!(refused("L", "fast", &[]).starts_with("there is no policy `fast`; there are adaptive, minimum wear"));
     let schedule = refused("L", "constant", &["policy.constant.speed=schedule"]);
     assert_eq!(schedule, "policy `constant`: a schedule of speed against path is not exported");
+}
+
+#[test]
+fn a_flat_cell_has_everything_at_its_components_and_is_the_same_system() {
+    let (folder, scenario) = (tempfile::TempDir::new().expect("a folder"), scenario(&[]));
+    for policy in ["adaptive", "minimum wear", "set path"] {
+        let whole = simulated(&exported(&scenario, policy, Version::Two, folder.path()), &Order::Jacobi, 5.0);
+        let path = in_form(Form::Flat, &scenario, policy, Version::Two, folder.path());
+        assert_eq!(simulated(&path, &Order::Jacobi, 5.0), whole, "{policy}");
+        let mut package = zip::ZipArchive::new(std::fs::File::open(&path).expect("a file")).expect("a zip file");
+        let mut text = |name: &str| {
+            let entry = package.by_name(name).unwrap_or_else(|error| panic!("{name}: {error}"));
+            std::io::read_to_string(entry).expect("text")
+        };
+        let structure = text("SystemStructure.ssd");
+        let connections: Vec<&str> = structure.lines().filter(|line| line.contains("<ssd:Connection ")).collect();
+        assert!(connections.iter().all(|line| line.contains("startElement") && line.contains("endElement")));
+        let (system, _) = structure.split_once("<ssd:Elements>").expect("elements");
+        assert!(!system.contains("ParameterBinding") && !system.contains("Connector"), "{system}");
+        for component in ["controller", "lathe"] {
+            assert!(!text(&format!("resources/{component}.ssv")).contains(&format!("name=\"{component}.")));
+        }
+    }
 }

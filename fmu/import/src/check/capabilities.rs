@@ -43,6 +43,17 @@ pub(super) fn check(description: &ModelDescription, findings: &mut Findings) {
             };
             add(Rule::Time, Severity::Note, &message);
         }
+        let clocks: Vec<&str> = description.clocks().map(|clock| clock.name.as_str()).collect();
+        if name == "Co-Simulation" && !clocks.is_empty() {
+            let clocks = clocks.join(", ");
+            let message = format!("no clock ticks for an importer without Event Mode, as toolroom is one: {clocks}");
+            add(Rule::Events, Severity::Note, &message);
+        }
+        if let Some(clock) = description.clock_to_tick().filter(|_| name == "Model Exchange") {
+            let clock = &clock.name;
+            let message = format!("its importer has to tick the clock {clock}; toolroom drives no such unit");
+            add(Rule::Events, Severity::Note, &message);
+        }
         if interface.can("needsExecutionTool") {
             add(Rule::Instances, Severity::Warning, "it needs the tool that exported it");
         }

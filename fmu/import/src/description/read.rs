@@ -289,6 +289,7 @@ impl Reader {
                 nominal: self.number(typed, "nominal"),
                 derivative_of: None,
                 clocked: description.major == 3 && element.has_attribute("clocks"),
+                interval_variability: element.attribute("intervalVariability").map(str::to_owned),
                 dimensions: self.dimensions(element),
                 description: element.attribute("description").unwrap_or_default().to_owned(),
                 line,

@@ -218,8 +218,8 @@ impl<E: Equations> Calls for Exchange<E> {
         self.unit.set(port, values)
     }
 
-    fn set_text(&mut self, reference: u32, text: &CStr) -> Result<(), CallError> {
-        self.unit.set_text(reference, text)
+    fn set_texts(&mut self, reference: u32, texts: &[&CStr]) -> Result<(), CallError> {
+        self.unit.set_texts(reference, texts)
     }
 
     fn get(&mut self, port: Port, values: &mut Vec<f64>) -> Result<(), CallError> {

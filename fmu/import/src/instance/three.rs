@@ -3,7 +3,7 @@
 #![allow(unsafe_code)] // calls into a C library
 
 use super::exchange::{Equations, Update};
-use super::{CallError, Calls, FATAL, Messages, Place, Port, Stepped, owned};
+use super::{CallError, Calls, DISCARD, FATAL, Messages, Place, Port, Stepped, owned};
 use crate::description::ValueType;
 use crate::unit::{Functions, Library};
 use fmi::fmi3::binding::{Fmi3Binding, fmi3FMUState, fmi3Instance, fmi3InstanceEnvironment, fmi3Status, fmi3String};
@@ -200,10 +200,11 @@ impl Calls for Three {
         }
     }
 
-    fn set_text(&mut self, reference: u32, text: &CStr) -> Result<(), CallError> {
-        let pointer: fmi3String = text.as_ptr();
+    fn set_texts(&mut self, reference: u32, texts: &[&CStr]) -> Result<(), CallError> {
+        let pointers: Vec<fmi3String> = texts.iter().map(|text| text.as_ptr()).collect();
+        let (start, count) = (pointers.as_ptr(), pointers.len());
         // SAFETY: as for numbers.
-        let status = unsafe { self.binding().fmi3SetString(self.instance, &reference, 1, &pointer, 1) };
+        let status = unsafe { self.binding().fmi3SetString(self.instance, &reference, 1, start, count) };
         self.judge("fmi3SetString", status)
     }
 
@@ -252,6 +253,11 @@ impl Calls for Three {
                 &mut reached,
             )
         };
+        if status == DISCARD && !terminate {
+            // The standard has the unit in the state before the call: a shorter step may do.
+            self.messages.forget();
+            return Ok(Stepped::Part(time));
+        }
         self.judge("fmi3DoStep", status)?;
         let ends = time..=time + duration;
         if terminate {

@@ -3,7 +3,7 @@
 #![allow(unsafe_code)] // calls into a C library
 
 use super::exchange::{Equations, Update};
-use super::{CallError, Calls, FATAL, Messages, Place, Port, Stepped, owned};
+use super::{CallError, Calls, DISCARD, FATAL, Messages, Place, Port, Stepped, owned};
 use crate::description::ValueType;
 use crate::unit::{Functions, Library};
 use fmi::fmi2::binding::{
@@ -50,8 +50,6 @@ unsafe extern "C" fn logger(
     unsafe { Messages::take(environment, message) }
 }
 
-/// `fmi2Discard`.
-const DISCARD: u32 = 2;
 /// `fmi2LastSuccessfulTime` of `fmi2StatusKind`.
 const LAST_SUCCESSFUL_TIME: u32 = 2;
 /// `fmi2Terminated` of `fmi2StatusKind`.
@@ -189,7 +187,10 @@ impl Calls for Two {
         }
     }
 
-    fn set_text(&mut self, reference: u32, text: &CStr) -> Result<(), CallError> {
+    fn set_texts(&mut self, reference: u32, texts: &[&CStr]) -> Result<(), CallError> {
+        let &[text] = texts else {
+            return Err(self.messages.error("fmi2SetString", "nothing: FMI 2.0 has no arrays"));
+        };
         let pointer: fmi2String = text.as_ptr();
         let status = unsafe { self.binding().fmi2SetString(self.component, &reference, 1, &pointer) };
         self.judge("fmi2SetString", status)

@@ -1,5 +1,8 @@
 /* A unit of FMI 3.0 with arrays and strings: y = gain * u, both with as many elements as the structural parameter n says.
-   Its text tells how many steps it took; it takes steps of one length only. */
+   Its text tells how many steps it took, and what it is called by its string input; it takes steps of one length only.
+   Compiled by the tests with -D switches:
+   DISCARD  it takes steps of any length up to so many seconds, and discards longer ones. Its speed (m/s) wears 1 um
+            for each metre then. */
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -13,8 +16,8 @@ typedef struct {
     uint64_t n;
     int configuring;
     long steps;
-    double time, gain, u[MOST];
-    char text[32];
+    double time, gain, u[MOST], speed, wear;
+    char text[64], called[16];
 } Unit;
 
 E const char *fmi3GetVersion(void) { return "3.0"; }
@@ -42,12 +45,14 @@ E int fmi3SetUInt64(void *u, const uint32_t *r, size_t n, const uint64_t *v, siz
 }
 E int fmi3SetFloat64(void *u, const uint32_t *r, size_t n, const double *v, size_t nv) {
     Unit *unit = u;
+    if (r[0] == 5) return unit->speed = v[0], 0;
     if (r[0] != 2 || nv != unit->n) return 3;
     for (size_t i = 0; i < nv; i++) unit->u[i] = v[i];
     return 0;
 }
 E int fmi3GetFloat64(void *u, const uint32_t *r, size_t n, double *v, size_t nv) {
     Unit *unit = u;
+    if (r[0] == 6) return v[0] = unit->wear, 0;
     if (r[0] != 3 || nv != unit->n) return 3;
     for (size_t i = 0; i < nv; i++) v[i] = unit->gain * unit->u[i];
     return 0;
@@ -55,15 +60,27 @@ E int fmi3GetFloat64(void *u, const uint32_t *r, size_t n, double *v, size_t nv)
 E int fmi3GetString(void *u, const uint32_t *r, size_t n, const char **v, size_t nv) {
     Unit *unit = u;
     if (r[0] != 4 || nv != 1) return 3;
-    snprintf(unit->text, sizeof unit->text, "%ld steps, \"%s\"", unit->steps, unit->n > 2 ? "many" : "few");
+    const char *few = unit->called[0] ? unit->called : unit->n > 2 ? "many" : "few";
+    snprintf(unit->text, sizeof unit->text, "%ld steps, \"%s\"", unit->steps, few);
     v[0] = unit->text;
+    return 0;
+}
+E int fmi3SetString(void *u, const uint32_t *r, size_t n, const char *const *v, size_t nv) {
+    if (r[0] != 7 || nv != 1) return 3;
+    snprintf(((Unit *)u)->called, sizeof ((Unit *)u)->called, "%s", v[0]);
     return 0;
 }
 E int fmi3DoStep(void *u, double time, double step, bool no, bool *event, bool *end, bool *early, double *last) {
     Unit *unit = u;
     double off = time - unit->time;
     *event = *end = *early = false;
-    if (off > 1e-9 || off < -1e-9 || step < 0.25 - 1e-9 || step > 0.25 + 1e-9) return 3;
+    if (off > 1e-9 || off < -1e-9) return 3;
+#ifdef DISCARD
+    if (step > DISCARD) return 2;
+    unit->wear += 1e-6 * unit->speed * step;
+#else
+    if (step < 0.25 - 1e-9 || step > 0.25 + 1e-9) return 3;
+#endif
     unit->time = *last = time + step;
     unit->steps++;
     return 0;
@@ -75,7 +92,7 @@ NONE(fmi3SetDebugLogging) NONE(fmi3EnterEventMode) NONE(fmi3Terminate) NONE(fmi3
 NONE(fmi3GetInt8) NONE(fmi3GetUInt8) NONE(fmi3GetInt16) NONE(fmi3GetUInt16) NONE(fmi3GetInt32) NONE(fmi3GetUInt32)
 NONE(fmi3GetInt64) NONE(fmi3GetUInt64) NONE(fmi3GetBoolean) NONE(fmi3GetBinary) NONE(fmi3GetClock)
 NONE(fmi3SetFloat32) NONE(fmi3SetInt8) NONE(fmi3SetUInt8) NONE(fmi3SetInt16) NONE(fmi3SetUInt16) NONE(fmi3SetInt32)
-NONE(fmi3SetUInt32) NONE(fmi3SetInt64) NONE(fmi3SetBoolean) NONE(fmi3SetString) NONE(fmi3SetBinary)
+NONE(fmi3SetUInt32) NONE(fmi3SetInt64) NONE(fmi3SetBoolean) NONE(fmi3SetBinary)
 NONE(fmi3SetClock) NONE(fmi3GetNumberOfVariableDependencies) NONE(fmi3GetVariableDependencies) NONE(fmi3GetFMUState)
 NONE(fmi3SetFMUState) NONE(fmi3FreeFMUState) NONE(fmi3SerializedFMUStateSize) NONE(fmi3SerializeFMUState)
 NONE(fmi3DeserializeFMUState) NONE(fmi3GetDirectionalDerivative) NONE(fmi3GetAdjointDerivative)

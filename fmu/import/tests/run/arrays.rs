@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempDir;
 use toolroom_fmu_import::check::{Severity, check};
-use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, simulate};
+use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, left_out, simulate};
 use toolroom_fmu_import::{Archive, Isolation, Unit, WiringError};
 use toolroom_process::{MachineProcess, ProcessEvent, Wiring};
 
@@ -22,6 +22,7 @@ const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
     <Float64 name="u" valueReference="2" causality="input" start="0 0"><Dimension valueReference="1"/></Float64>
     <Float64 name="y" valueReference="3" causality="output"><Dimension valueReference="1"/></Float64>
     <String name="text" valueReference="4" causality="output"/>
+    <String name="called" valueReference="7" causality="input"><Start value=""/></String>
   </ModelVariables>
   <ModelStructure>
     <Output valueReference="3"/><Output valueReference="4"/>
@@ -31,6 +32,19 @@ const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 
 fn array(folder: &Path) -> PathBuf {
     compiled(folder, "array", include_str!("array.c"), DESCRIPTION, &[], 3)
+}
+
+/// A unit that takes steps of any length up to 7 s, discards longer ones, and cannot go back.
+fn discarding(folder: &Path) -> PathBuf {
+    let scalars = r#"<Float64 name="cutting_speed" valueReference="5" causality="input" unit="m/s" start="1"/>
+    <Float64 name="flank_wear" valueReference="6" causality="output" unit="m"/>
+  </ModelVariables>"#;
+    let description = DESCRIPTION
+        .replace("fixedInternalStepSize=\"0.25\"", "canHandleVariableCommunicationStepSize=\"true\"")
+        .replace("</UnitDefinitions>", "<Unit name=\"m/s\"><BaseUnit m=\"1\" s=\"-1\"/></Unit><Unit name=\"m\"><BaseUnit m=\"1\"/></Unit></UnitDefinitions>")
+        .replace("</ModelVariables>", scalars)
+        .replace("</ModelStructure>", "<Output valueReference=\"6\"/><InitialUnknown valueReference=\"6\"/></ModelStructure>");
+    compiled(folder, "array", include_str!("array.c"), &description, &["DISCARD=7"], 3)
 }
 
 fn run(path: &Path, table: Option<&str>, experiment: &Experiment) -> Result<(Done, Vec<String>), SimulateError> {
@@ -55,6 +69,60 @@ fn arrays_and_strings_are_columns() {
     // Two of its own steps in each; the second element is a ramp.
     assert_eq!(rows[1], "0,2,6,\"0 steps, \"\"few\"\"\"");
     assert_eq!(rows[5], "2,2,10,\"8 steps, \"\"few\"\"\"");
+}
+
+#[test]
+fn a_string_of_the_table_reaches_the_unit_when_its_time_comes() {
+    let folder = TempDir::new().expect("a folder");
+    let table = "time,called,u[1],u[2]\n0,turn,1,1\n1,\"mill, twice\",1,1\n2,x,1,1\n";
+    let (_, rows) = run(&array(folder.path()), Some(table), &Experiment::default()).expect("to the end");
+    let calls: Vec<&str> = rows.iter().skip(1).filter_map(|row| row.split("\"\"").nth(1)).collect();
+    assert_eq!(calls, ["turn", "turn", "mill, twice", "mill, twice", "x"]);
+}
+
+#[test]
+fn a_unit_that_discards_a_step_is_where_it_was_and_takes_it_in_parts() {
+    let folder = TempDir::new().expect("a folder");
+    let path = discarding(folder.path());
+    let speed = [("cutting_speed".to_owned(), "1".to_owned())].into();
+    let experiment = Experiment { stop: Some(100.0), step: Some(50.0), start_values: speed, ..Experiment::default() };
+    let (done, rows) = run(&path, None, &experiment).expect("to the end");
+    assert_eq!((done.steps, rows.len()), (2, 4), "{rows:?}");
+    let wear = rows[3].rsplit_once(',').and_then(|(_, wear)| wear.parse::<f64>().ok()).expect("a wear");
+    assert!((wear - 100e-6).abs() < 1e-15, "{}", rows[3]);
+    // In the place of a process, which goes forward only: 2 m/s over passes of two minutes and of five.
+    let process = machine(&path, &Wiring::default()).expect("it fits");
+    let (mut x, mut y) = (process.initial(), [0.0]);
+    let mut u = input(&process, &[("cutting_speed", 2.0)]);
+    for (pass, expected) in [(120.0, 240e-6), (310.0, 860e-6)] {
+        process.advance(&mut x, &mut u, pass).expect("a pass");
+        process.output(&x, &u, &mut y);
+        assert!((y[0] - expected).abs() < 1e-12, "{} m after {pass} s", y[0]);
+    }
+}
+
+#[test]
+fn a_clock_that_has_to_be_ticked_is_refused_and_what_belongs_to_one_is_left_out() {
+    let folder = TempDir::new().expect("a folder");
+    let clocked = |description: &str, interval: &str| {
+        let clock = format!(
+            "<Clock name=\"tick\" valueReference=\"8\" causality=\"input\" intervalVariability={interval}/>\n\
+             <Int32 name=\"ticks\" valueReference=\"9\" causality=\"output\" clocks=\"8\"/></ModelVariables>"
+        );
+        let description = description.replace("</ModelVariables>", &clock);
+        compiled(folder.path(), "array", include_str!("array.c"), &description, &[], 3)
+    };
+    // In Co-Simulation without Event Mode the unit does without: the table has what belongs to no clock.
+    let (_, rows) = run(&clocked(DESCRIPTION, "\"constant\" intervalDecimal=\"1\""), None, &Experiment::default())
+        .expect("to the end");
+    assert_eq!(rows[0], "time [s],y[1],y[2],text");
+    let unit = Unit::load(&folder.path().join("array.fmu"), &Isolation::None).expect("it loads");
+    assert_eq!(left_out(unit.description(), &Default::default()), ["ticks"]);
+    // In Model Exchange the importer would have to tick it.
+    let exchange =
+        DESCRIPTION.replace("<CoSimulation", "<ModelExchange").replace(" fixedInternalStepSize=\"0.25\"", "");
+    let refused = Unit::load(&clocked(&exchange, "\"countdown\""), &Isolation::None).map(|_| ()).expect_err("refused");
+    assert!(refused.to_string().contains("tick the clock tick"), "{refused}");
 }
 
 #[test]

@@ -382,6 +382,15 @@ fn a_discarded_step_is_taken_in_parts_and_an_end_is_told() {
         y[0]
     };
     assert!((wear(&parts) - wear(&whole)).abs() < 1e-15);
+    // By itself, in a step that takes more parts than one part may be halved.
+    let path = unit(folder.path(), &["DISCARD=7"], ("", ""));
+    let discarding = Arc::new(Unit::load(&path, &Isolation::None).expect("it loads"));
+    let long = Experiment { stop: Some(590.0), step: Some(590.0), ..Experiment::default() };
+    let mut rows = Vec::new();
+    simulate(&discarding, &long, None, &mut rows).expect("to the end");
+    let last = String::from_utf8(rows).expect("UTF-8").lines().last().map(str::to_owned).expect("a row");
+    let mm: f64 = last.split(',').nth(1).and_then(|cell| cell.parse().ok()).expect("a wear");
+    assert!((mm - 0.295).abs() < 1e-9, "{last}");
     let forward = machine(&unit(folder.path(), &["DISCARD=7"], STATELESS), &wiring()).expect("it fits");
     let mut u = input(&forward, &[]);
     let refused = forward.advance(&mut forward.initial(), &mut u, 50.0).expect_err("it cannot go back").to_string();
