@@ -14,8 +14,8 @@ use toolroom_chatter::{ChatterError, Lobes};
 use toolroom_form::FormFile;
 use toolroom_output::{OutputDir, provenance};
 use toolroom_planning::lobes::{
-    Best, ChartMap, ChartStudy, HISTORY_NAMES, HistoryError, LobesFile, MapError, MapKind, NAMES, PitchError,
-    PointVerdict, read,
+    Best, ChartMap, ChartStudy, HISTORY_NAMES, HistoryError, LobesFile, MapError, GREATEST_DIFFERENCE, MapKind, MeasuredCurve, NAMES,
+    PitchError, PointVerdict, read,
 };
 use toolroom_process::unit::quantity;
 
@@ -109,6 +109,7 @@ fn finish(
 /// What is requested beside the chart, as it has to be typed.
 fn arguments(requested: &LobesArgs) -> Vec<String> {
     let mut typed: Vec<String> = requested.show.iter().flat_map(|map| ["--show".to_owned(), map.clone()]).collect();
+    typed.extend(requested.measured.iter().flat_map(|path| ["--measured".to_owned(), path.display().to_string()]));
     if requested.best {
         typed.extend(["--best".to_owned(), "--probability".to_owned(), requested.probability.to_string()]);
     }
@@ -138,6 +139,15 @@ fn workbench(study: &mut ChartStudy<'_>, requested: &LobesArgs, voice: &Voice) -
             let message = "robust speeds are worked out for milling and turning at constant speed";
             return Err(Failure::argument(message, "leave out --robust"));
         }
+    }
+    if let Some(path) = &requested.measured {
+        let measured = crate::modes::responses(path)?;
+        let curve = MeasuredCurve::new(study, &measured);
+        let curve = curve.map_err(|error| Failure::argument(error, "see docs/dynamics.md"))?;
+        if curve.median.is_some_and(|median| median > GREATEST_DIFFERENCE) {
+            voice.say(format_args!("warning: the limits of the modes are not those of the measured response: look at the fit"));
+        }
+        study.measured = Some(curve);
     }
     if requested.best {
         if !(0.5..1.0).contains(&requested.probability) {
@@ -221,8 +231,9 @@ fn verdict(
     let place = file.cut.place(speed, depth).map_err(|error| Failure::argument(&error, error.fix()))?;
     let mut verdict = PointVerdict::new(file, place).map_err(refused)?;
     if let Some(path) = measured {
-        let measured = crate::modes::measurement(path, &Default::default())?.0;
-        verdict = verdict.beside(&measured).map_err(|error| Failure::argument(error, "see docs/dynamics.md"))?;
+        let guide = |error| Failure::argument(error, "see docs/dynamics.md");
+        let measured = crate::modes::responses(path)?;
+        verdict = verdict.beside(&*measured.at(place.0).map_err(guide)?).map_err(guide)?;
         if let Some(warning) = verdict.warning() {
             voice.say(format_args!("warning: {warning}"));
         }

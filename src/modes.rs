@@ -9,9 +9,10 @@ use toolroom_chart::page::Provenance;
 use toolroom_dynamics::{FitOptions, Measurement, Scatter, ShopCut, TapOptions, read_shop_cuts};
 use toolroom_lobes::{LobesCut, LobesFile, read_structure};
 use toolroom_output::{Files, OutputDir, provenance};
+use toolroom_planning::lobes::Measured;
 use toolroom_planning::modes::{
-    ModesStudy, ModesUpdate, NAMES, Request, RequestError, UpdateOptions, is_records, range, read_tool, recorded_cuts,
-    scatter, summary, tip,
+    ModesStudy, ModesUpdate, NAMES, Request, RequestError, SpeedStudy, UpdateOptions, is_records, range, read_tool,
+    recorded_cuts, scatter, summary, tip,
 };
 use toolroom_records::{RecordKind, parse_csv};
 
@@ -27,17 +28,56 @@ pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
     let (direction, estimator, highest) =
         (args.direction.as_deref(), args.estimator.as_deref(), args.highest.as_deref());
     let request = Request { averages, direction, modes, picks: &args.pick, estimator, highest, scales: &args.scale };
-    let (measured, bytes) = measurement(&args.file, &request.taps()?)?;
+    let taps = request.taps()?;
+    let bytes = bytes(&args.file)?;
+    let name = args.file.display().to_string();
+    let scattered = args.scatter.iter().flat_map(|change| ["--scatter".to_owned(), change.clone()]);
+    let inputs = [(name.clone(), bytes.as_slice())];
+    let provenance = provenance("modes", &inputs, request.arguments().into_iter().chain(scattered), None);
+    let refused = |error| Failure::argument(error, GUIDE);
+    if let Some(measured) = toolroom_dynamics::measure_by_speed(&name, &bytes).map_err(refused)? {
+        return by_speed(args, measured, (&request.options()?, &provenance), &target, voice);
+    }
+    let measured = toolroom_dynamics::measure(&name, &bytes, &taps).map_err(refused)?;
     if args.read {
         return voice.data(summary(&measured) + "\n");
     }
     let (options, scatter) = (request.options()?, scatter(&args.scatter)?);
     let files = target.files([args.file.as_path()], voice)?;
-    let scattered = args.scatter.iter().flat_map(|change| ["--scatter".to_owned(), change.clone()]);
-    let inputs = [(args.file.display().to_string(), bytes.as_slice())];
-    let provenance = provenance("modes", &inputs, request.arguments().into_iter().chain(scattered), None);
     let study = ModesStudy::new(target.name(&args.file), measured, &options, scatter);
     target.write(&study.map_err(|error| Failure::argument(error, GUIDE))?, &files, &provenance, voice)
+}
+
+/// Responses at several spindle speeds (rad/s): modes of each, and a structure file with all of them.
+fn by_speed(
+    args: &ModesArgs,
+    measured: Vec<(f64, Measurement)>,
+    (options, provenance): (&FitOptions, &Provenance),
+    target: &Target<'_>,
+    voice: &Voice,
+) -> Result<(), Failure> {
+    if args.read {
+        let lines: Vec<String> = measured.iter().map(|(_, measured)| summary(measured)).collect();
+        return voice.data(lines.join("\n") + "\n");
+    }
+    if args.report.is_some() {
+        let message = "--report: a report is that of one tap, and this table holds taps at several spindle speeds";
+        return Err(Failure::argument(message, "give a table of one speed, without the column spindle_speed"));
+    }
+    let files = target.files([args.file.as_path()], voice)?;
+    let study = SpeedStudy::new(&target.name(&args.file), measured, options, scatter(&args.scatter)?)
+        .map_err(|error| Failure::argument(error, GUIDE))?;
+    if voice.json {
+        voice.json(&study.json())?
+    } else {
+        voice.data(study.text())?
+    }
+    for (_, fit) in study.fits() {
+        target.accepted(fit)?;
+    }
+    let Some(out) = &args.out else { return Ok(()) };
+    let text = study.structure(provenance).map_err(|error| Failure::argument(error, GUIDE))?;
+    target.put(out, &text, &files, voice)
 }
 
 /// `--cuts CUTS --lobes LOBES`: a structure file brought up to date by cuts of the shop.
@@ -113,12 +153,18 @@ fn shop_cuts(
     Ok(found.cuts)
 }
 
-/// The frequency responses of a file, and its bytes.
-pub fn measurement(path: &Path, options: &TapOptions) -> Result<(Measurement, Vec<u8>), Failure> {
+/// The frequency responses of a file, at rest or at several spindle speeds.
+pub fn responses(path: &Path) -> Result<Measured, Failure> {
     let bytes = bytes(path)?;
-    let measured = toolroom_dynamics::measure(&path.display().to_string(), &bytes, options)
-        .map_err(|error| Failure::argument(error, GUIDE))?;
-    Ok((measured, bytes))
+    let name = path.display().to_string();
+    let refused = |error| Failure::argument(error, GUIDE);
+    Ok(match toolroom_dynamics::measure_by_speed(&name, &bytes).map_err(refused)? {
+        Some(measured) => {
+            let study = SpeedStudy::new(&name, measured, &FitOptions::default(), Scatter::NONE);
+            Measured::BySpeed(study.map_err(|error| Failure::argument(error, GUIDE))?)
+        }
+        None => Measured::AtRest(toolroom_dynamics::measure(&name, &bytes, &TapOptions::default()).map_err(refused)?),
+    })
 }
 
 /// The bytes of a measured file.
@@ -183,16 +229,29 @@ impl<'a> Target<'a> {
             voice.data(study.text())?
         }
         voice.detail(format_args!("{:.2} s", self.start.elapsed().as_secs_f64()));
-        if let Some(refusal) = study.fit.quality.refusals.first().filter(|_| !self.accept_refused) {
-            let message = format!("refused ({}): {refusal}; {}", refusal.code(), refusal.fix());
-            return Err(Failure::Work { message });
-        }
+        self.accepted(study)?;
         let Some(out) = self.out else { return Ok(()) };
+        self.put(out, &study.structure(provenance), files, voice)
+    }
+
+    /// Refuses a fit that must not be used.
+    fn accepted(&self, study: &ModesStudy) -> Result<(), Failure> {
+        match study.fit.quality.refusals.first().filter(|_| !self.accept_refused) {
+            Some(refusal) => {
+                let message = format!("refused ({}): {refusal}; {}", refusal.code(), refusal.fix());
+                Err(Failure::Work { message })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the structure file.
+    fn put(&self, out: &Path, text: &str, files: &Files, voice: &Voice) -> Result<(), Failure> {
         if let Some(folder) = out.parent() {
             std::fs::create_dir_all(folder)
                 .map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
         }
-        files.put(out, study.structure(provenance).as_bytes())?;
+        files.put(out, text.as_bytes())?;
         voice.say(format_args!("wrote {}; a lobes file takes it by structure = \"…\"", out.display()));
         Ok(())
     }

@@ -13,8 +13,9 @@ pub struct LobesArgs {
     /// Verdict at this point alone: the values of the two axes, such as spindle speed and depth of cut
     #[arg(long, num_args = 2, value_names = ["SPEED", "DEPTH"], allow_hyphen_values = true)]
     pub at: Vec<String>,
-    /// Frequency responses (CSV or universal file) whose own limit stands beside that of the modes
-    #[arg(long, value_name = "FRF", requires = "at")]
+    /// Frequency responses (CSV or universal file, at several spindle speeds too) whose own limit stands beside that of the
+    /// modes, at a point or over the chart
+    #[arg(long, value_name = "FRF", conflicts_with_all = ["plan", "run", "pitch"])]
     pub measured: Option<PathBuf>,
     /// Write the vibration at that point to this directory: over time, its spectrum, one sample a tooth
     #[arg(long, value_name = "DIR", requires = "at")]

@@ -12,6 +12,7 @@
 //! | [`RecordKind`], [`RecordColumn`] | the columns of turning, milling, grinding and shop records |
 //! | [`ReadReport`] | what the reader used, dropped, and did on its own account |
 //! | [`read`], [`tables`], [`parse_csv`], [`cells`], [`write_csv`] | files |
+//! | [`WRONG_CHATTER_RECORD`], [`CHATTER_FREQUENCY_DEVIATION`] | how far records of chatter are to be believed |
 //! | [`Sensor`] | errors of a sensor, and those that a channel usually has |
 //! | [`table`] | typed rows on their way to a file of any format |
 //! | [`mtconnect`] | logs of machines that speak MTConnect, as records |
@@ -19,6 +20,7 @@
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
+mod chatter;
 mod columns;
 mod csv_table;
 pub mod import;
@@ -31,6 +33,7 @@ pub mod table;
 mod tests;
 mod write;
 
+pub use chatter::{CHATTER_FREQUENCY_DEVIATION, WRONG_CHATTER_RECORD};
 pub use columns::{ColumnKind, RecordColumn};
 pub use csv_table::{OtherTable, RawTable};
 pub use read::{RecordError, cells, parse_csv, read, tables};

@@ -13,6 +13,7 @@ fn standard(immersion: f64) -> Option<Milling> {
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     })
 }
 

@@ -64,6 +64,7 @@ fn case(i: usize) -> Case {
             force: MillingForce::new(tangential, tangential * draw.between(0.2, 0.5)),
             feed_per_tooth: 0.1e-3,
             by_speed: None,
+            along_path: None,
         };
         // Oscillations in a tooth period.
         let waves = draw.between(0.4, 4.0);

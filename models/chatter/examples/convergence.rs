@@ -31,6 +31,7 @@ pub fn convergence() -> Result<Convergence, ChatterError> {
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     };
     let (speed, depth) = (5000.0 / 60.0 * TAU, 0.5e-3);
     let truth = collocated_radius(&slot, speed, depth, 60)?;

@@ -17,6 +17,7 @@ fn cut(degrees: usize, immersion: f64, direction: Direction) -> Result<Milling, 
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     })
 }
 

@@ -143,6 +143,7 @@ fn milling() -> Result<Vec<Claim>, ChatterError> {
             force: MillingForce::new(6e8, 2e8),
             feed_per_tooth: 0.1e-3,
             by_speed: None,
+            along_path: None,
         };
         let depth = cut.at_speed(rpm(speed))?.limit(12e-3)?.depth;
         let claim = format!("milling, modes in {modes} directions, a/D {immersion}, {speed} rpm: limiting depth, mm");
@@ -179,6 +180,7 @@ fn helical(immersion: f64) -> Result<Milling, ChatterError> {
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     })
 }
 
@@ -210,6 +212,7 @@ fn vibrations() -> Result<Vec<Claim>, ChatterError> {
         force: MillingForce::new(800e6, 260e6),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     };
     let limit = milling.at_speed(rpm(7200.0))?.limit(12e-3)?.depth;
     let what = "milling, a/D 0.3, 7200 rpm";
@@ -230,6 +233,7 @@ fn vibrations() -> Result<Vec<Claim>, ChatterError> {
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     };
     let limit = slot.at_speed(rpm(12000.0))?.limit(12e-3)?.depth;
     for (ratio, published) in [(1.1, 345.32), (1.5, 484.10)] {

@@ -58,7 +58,7 @@ pub fn spectral_radius(
 /// use toolroom_chatter::{Cutter, Direction, Engagement, Milling, MillingForce, Mode};
 /// let modes = vec![Mode::from_mass([1.0, 0.0], 922.0, 0.011, 0.03993)];
 /// let (cutter, engagement) = (Cutter::straight(2, 0.02), Engagement::new(1.0, Direction::Down).unwrap());
-/// let slot = Milling { modes, cutter, engagement, force: MillingForce::new(6e8, 2e8), feed_per_tooth: 1e-4, by_speed: None };
+/// let slot = Milling { modes, cutter, engagement, force: MillingForce::new(6e8, 2e8), feed_per_tooth: 1e-4, by_speed: None, along_path: None };
 /// let radius = collocated_radius(&slot, 5000.0 / 60.0 * TAU, 0.5e-3, 40).unwrap();
 /// assert!((radius - 1.073975587).abs() < 1e-8);
 /// ```

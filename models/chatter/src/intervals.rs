@@ -47,6 +47,24 @@ pub struct StableIntervals {
 }
 
 impl StableIntervals {
+    /// The depths at which the cuts of all `lists` are stable.
+    pub(crate) fn common(lists: &[Self], greatest: f64) -> Self {
+        let mut all: Vec<Crossing> = lists.iter().flat_map(|list| list.ends.iter().copied()).collect();
+        all.sort_by(|a, b| a.limit.depth.total_cmp(&b.limit.depth));
+        let mut unstable = 0i32;
+        let mut ends = Vec::new();
+        for end in all {
+            let before = unstable;
+            unstable += if end.becomes_unstable { 1 } else { -1 };
+            if (before > 0) != (unstable > 0) {
+                ends.push(end);
+            }
+        }
+        // Each list is as sure as its own certificate; that of the first that is not proved speaks for all.
+        let certificate = lists.iter().map(|list| list.certificate).find(|kind| *kind != Certificate::Proved);
+        Self { ends, greatest, certificate: certificate.unwrap_or(Certificate::Proved) }
+    }
+
     /// The stable intervals (m), ascending, the first from depth zero, the last up to the greatest depth if the cut
     /// is stable there.
     pub fn intervals(&self) -> Vec<[f64; 2]> {

@@ -30,6 +30,7 @@
 //! | [`Forced`], [`Simulation`], [`LimitCycle`] | vibration of stable and unstable cuts |
 //! | [`CuttingLoad`] | torque, power, force and removal rate of a steady cut |
 //! | [`Scatter`], [`Probability`], [`RobustSpeed`] | stability under uncertain constants |
+//! | [`SpeedModes`], [`PathModes`] | modes that change with the spindle speed or along the path |
 //! | [`SpeedVariation`] | sinusoidal spindle speed |
 //! | [`paper`] | parametric stability in a three-jaw chuck |
 //! | [`discretised`] | semi- and full discretisation, for cross-checks only |
@@ -44,6 +45,7 @@
 //!     force: MillingForce::new(6e8, 2e8),
 //!     feed_per_tooth: 0.1e-3,
 //!     by_speed: None,
+//!     along_path: None,
 //! };
 //! let limit = cut.at_speed(16000.0 / 60.0 * TAU).unwrap().limit(12e-3).unwrap();
 //! assert!((limit.depth - 5.5176757e-3).abs() < 1e-9);
@@ -69,7 +71,8 @@
 //! immersion it is unsafe by a factor of two.
 //!
 //! # What is not modelled
-//! * Modes that change with spindle speed, temperature or place of the cut, other than [`Bar`]'s.
+//! * Modes that change with the temperature; with spindle speed and place of the cut other than by tables ([`SpeedModes`],
+//!   [`PathModes`]) and [`Bar`]'s.
 //! * Force that is not linear in the chip in milling, size effect.
 //! * Unequal pitch in the simulation of [`Milling`]; process damping in the amplitude of [`Turning`] from the table.
 //! * Frequency responses without a modal fit; cross-coupled modes that are not symmetric.
@@ -93,10 +96,12 @@ mod krylov;
 mod lobes;
 mod milling;
 pub mod paper;
+mod path;
 mod period;
 mod plan;
 mod polynomial;
 mod response;
+mod rows;
 mod scan;
 mod simulate;
 mod speed_variation;
@@ -115,6 +120,7 @@ pub use lobes::{Axis, Hole, Lobes};
 pub use milling::{
     AtSpeed, Cutter, CuttingLoad, Direction, Engagement, Forced, Milling, MillingForce, Response, Sampling, WorstPhase,
 };
+pub use path::PathModes;
 pub use simulate::{SETTLED, Settled, Simulation, SimulationSettings};
 pub use speed_variation::SpeedVariation;
 pub use speeds::SpeedModes;

@@ -6,6 +6,7 @@ use crate::turning::TurningAtSpeed;
 use crate::verdict::{ChatterKind, StabilityVerdict};
 use crate::{Milling, SpeedVariation, Turning};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Evenly spaced values from `start` to `end`, both included.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -145,8 +146,16 @@ impl Turning {
     pub fn lobe_chart(&self, speed: &[f64], width: &[f64]) -> Result<Lobes, ChatterError> {
         let greatest = width.iter().copied().fold(0.0, f64::max);
         Lobes::fill(speed, width, |speed| {
-            let at_speed = TurningAtSpeed::new(self, speed, greatest)?;
-            Ok(move |width| at_speed.verdict(width))
+            let places: Result<Vec<_>, ChatterError> = self
+                .places()
+                .into_iter()
+                .map(|(_, cut)| TurningAtSpeed::new(Cow::Owned(cut), speed, greatest))
+                .collect();
+            let places = places?;
+            Ok(move |width| {
+                let verdicts = places.iter().map(|place| place.verdict(width)).collect::<Result<Vec<_>, _>>()?;
+                crate::path::worst(verdicts).ok_or(ChatterError::NoModes)
+            })
         })
     }
 

@@ -7,8 +7,9 @@ pub use settled::{SETTLED, Settled};
 
 use crate::discretised::integrals;
 use crate::error::{ChatterError, positive, within};
+use crate::milling::{SLICES, Slice, slices};
 use crate::response::Modal;
-use crate::{Milling, Turning};
+use crate::{Engagement, Milling, MillingForce, Turning};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
@@ -246,6 +247,10 @@ impl Turning {
                 go_on,
             );
         }
+        if self.along_path.is_some() {
+            let worst = self.at_worst_place(spindle_speed, width)?;
+            return worst.simulate_on(spindle_speed, width, feed_per_rev, settings, go_on);
+        }
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         positive("width", width)?;
@@ -314,8 +319,10 @@ impl Milling {
         if self.by_speed.is_some() {
             return self.at_spindle_speed(spindle_speed)?.simulate_on(spindle_speed, depth, settings, go_on);
         }
+        if self.along_path.is_some() {
+            return self.at_worst_place(spindle_speed, depth)?.simulate_on(spindle_speed, depth, settings, go_on);
+        }
         self.check()?;
-        self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;
         positive("depth", depth)?;
         positive("feed_per_tooth", self.feed_per_tooth)?;
@@ -329,48 +336,49 @@ impl Milling {
         let k = settings.steps;
         let step_angle = equal / k as f64;
         let dt = step_angle / spindle_speed;
-        // Axial slices, each lagging the one below it by one step of angle.
-        let lag = self.cutter.lag_angle(depth) / step_angle;
-        let slices = lag.ceil().max(1.0) as usize;
-        let slice_lag = |slice: usize| ((slice as f64 + 0.5) * lag / slices as f64).floor() as usize;
-        let bins: Vec<Bin> = self.bins(step_angle);
+        let slices = self.axial_slices(depth, step_angle);
         let radius: Vec<f64> = (0..teeth).map(|j| self.cutter.extra_radius(j)).collect();
         let mut stepper = Stepper::new(self.modes.iter().map(|m| m.modal(m.unit(), m.unit())), dt);
         for (SteppedMode { modal: m, .. }, z) in stepper.modes.iter().zip(&mut stepper.state) {
             z[0] = settings.kick * self.feed_per_tooth * (m.output[0] + m.output[1]);
         }
-        let surface = std::cell::RefCell::new(vec![vec![0.0; bins.len()]; slices]);
+        let surface =
+            std::cell::RefCell::new(slices.iter().map(|slice| vec![0.0; slice.bins.len()]).collect::<Vec<_>>());
         // Teeth in the engagement: (slice, bin, tooth). Tooth 0 enters at step 0, tooth j one pitch
         // after tooth j − 1.
         let revolution = teeth * k;
-        let ways = (0..slices).flat_map(|slice| (0..teeth).map(move |j| (slice, j)));
-        let behind: Vec<(usize, usize, usize)> =
-            ways.map(|(slice, j)| (slice, j, (j * k + slice_lag(slice)) % revolution)).collect();
+        let ways = (0..slices.len()).flat_map(|slice| (0..teeth).map(move |j| (slice, j)));
+        let behind: Vec<(usize, usize, usize)> = ways
+            .map(|(slice, j)| {
+                let AxialSlice { lag, first, .. } = slices[slice];
+                (slice, j, ((j * k + lag) as i64 + first).rem_euclid(revolution as i64) as usize)
+            })
+            .collect();
         let visit = |step: usize, found: &mut dyn FnMut(usize, usize, usize)| {
             let ahead = step % revolution;
             for &(slice, j, behind) in &behind {
                 let bin = if ahead >= behind { ahead - behind } else { ahead + revolution - behind };
-                if bin < bins.len() {
+                if bin < slices[slice].bins.len() {
                     found(slice, bin, j);
                 }
             }
         };
         let chip = |slice: usize, bin: usize, j: usize, u: [f64; 2]| {
-            let Bin { sine, cosine, .. } = bins[bin];
+            let Bin { sine, cosine, .. } = slices[slice].bins[bin];
             let position = sine * u[0] + cosine * u[1] + radius[j];
             (self.feed_per_tooth * sine + position - surface.borrow()[slice][bin], position)
         };
-        let width = depth / slices as f64;
         let force = |step: usize, Moving { at: u, velocity }: Moving| {
             let mut force = [0.0; 2];
             visit(step, &mut |slice, bin, j| {
                 let h = chip(slice, bin, j, u).0;
                 if h > 0.0 {
+                    let AxialSlice { width, force: of, edge, dyad, ref bins, .. } = slices[slice];
                     let Bin { share, sine, cosine } = bins[bin];
-                    let t = self.force.tangential * h + self.force.edge_tangential;
-                    let mut n = self.force.radial * h + self.force.edge_radial;
+                    let t = of.tangential * h + edge[0];
+                    let mut n = of.radial * h + edge[1];
                     if damping > 0.0 {
-                        n = (n + damping * (sine * velocity[0] + cosine * velocity[1])).max(0.0);
+                        n = (n + dyad * damping * (sine * velocity[0] + cosine * velocity[1])).max(0.0);
                     }
                     force[0] -= share * width * (t * cosine + n * sine);
                     force[1] -= share * width * (n * cosine - t * sine);
@@ -383,7 +391,8 @@ impl Milling {
             visit(step, &mut |slice, bin, j| {
                 let (h, position) = chip(slice, bin, j, u);
                 let left_surface = &mut surface.borrow_mut()[slice][bin];
-                *left_surface = if h > 0.0 { position } else { *left_surface - self.feed_per_tooth * bins[bin].sine };
+                *left_surface =
+                    if h > 0.0 { position } else { *left_surface - self.feed_per_tooth * slices[slice].bins[bin].sine };
                 engaged += 1;
                 air += u32::from(h <= 0.0);
             });
@@ -392,20 +401,74 @@ impl Milling {
         run(&mut stepper, settings, (dt, self.cutter.diameter), force, leave, go_on)
     }
 
-    /// The steps of angle within the engagement, from its entry.
-    fn bins(&self, step_angle: f64) -> Vec<Bin> {
-        let arc = self.engagement.exit - self.engagement.entry;
-        let count = (arc / step_angle + 0.5).floor() as usize + 1;
-        (0..count)
-            .map(|i| {
-                let (sine, cosine) = (self.engagement.entry + step_angle * i as f64).sin_cos();
-                // Cells of one step about each angle, cut off at the ends of the engagement.
-                let from = (i as f64 - 0.5).max(0.0);
-                let to = (i as f64 + 0.5).min(arc / step_angle);
-                Bin { share: (to - from).max(0.0), sine, cosine }
-            })
-            .collect()
+    /// The cut in axial slices: of a cylinder each lags the one below it by one step of angle, of a cutter with a corner
+    /// radius each has its own engagement, coefficients and lag.
+    fn axial_slices(&self, depth: f64, step_angle: f64) -> Vec<AxialSlice> {
+        let Engagement { entry, exit } = self.engagement;
+        let edge = [self.force.edge_tangential, self.force.edge_radial];
+        let lag = self.cutter.lag_angle(depth) / step_angle;
+        let count = lag.ceil().max(1.0) as usize;
+        if self.cutter.corner_radius == 0.0 {
+            let (first, bins) = bins(entry, (entry, exit), step_angle);
+            let slice = |number: usize| AxialSlice {
+                width: depth / count as f64,
+                lag: ((number as f64 + 0.5) * lag / count as f64).floor() as usize,
+                first,
+                bins: bins.clone(),
+                force: self.force,
+                edge,
+                dyad: 1.0,
+            };
+            return (0..count).map(slice).collect();
+        }
+        let full = 0.5 * self.cutter.diameter;
+        let slice = |slice: &Slice| {
+            let engaged = slice.engagement(full, entry, exit);
+            let (first, bins) = bins(entry, engaged, step_angle);
+            AxialSlice {
+                width: depth * slice.share,
+                lag: (self.cutter.lag_angle(slice.height) / step_angle).round() as usize,
+                first,
+                bins,
+                force: slice.force(&self.force),
+                edge: [edge[0] * slice.edge, edge[1]],
+                dyad: slice.sine,
+            }
+        };
+        slices(self, depth, count.max(SLICES)).iter().map(slice).collect()
     }
+}
+
+/// Steps of angle, counted from `origin`, that an engagement (rad) covers, the first of them and what lies within it: cells of
+/// one step about each angle, cut off at the ends of the engagement.
+fn bins(origin: f64, (from, to): (f64, f64), step_angle: f64) -> (i64, Vec<Bin>) {
+    let (start, end) = ((from - origin) / step_angle, (to - origin) / step_angle);
+    if end <= start {
+        return (0, Vec::new());
+    }
+    let (first, last) = ((start + 0.5).floor() as i64, (end + 0.5).floor() as i64);
+    let bin = |i: i64| {
+        let (sine, cosine) = (origin + step_angle * i as f64).sin_cos();
+        let within = (i as f64 + 0.5).min(end) - (i as f64 - 0.5).max(start);
+        Bin { share: within.max(0.0), sine, cosine }
+    };
+    (first, (first..=last).map(bin).collect())
+}
+
+/// A part of the depth in which every tooth has one angle.
+struct AxialSlice {
+    /// Part of the depth (m).
+    width: f64,
+    /// Steps by which it lags behind the tip.
+    lag: usize,
+    /// Step, from the entry at full diameter, of its first bin.
+    first: i64,
+    bins: Vec<Bin>,
+    /// Coefficients in the plane, per height, and edge forces (N/m).
+    force: MillingForce,
+    edge: [f64; 2],
+    /// Damping by the cut, over that of a straight cutter.
+    dyad: f64,
 }
 
 /// A step of angle within the engagement.

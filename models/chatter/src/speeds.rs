@@ -1,8 +1,8 @@
 //! Modes that change with the spindle speed.
 
-use crate::error::{ChatterError, finite, positive, within};
+use crate::error::{ChatterError, positive, within};
+use crate::rows::{Row, check_rows, interpolated, mapped};
 use crate::structure::{Mode, check_modes};
-use std::f64::consts::TAU;
 
 /// Relative distance beyond the ends of a table at which the modes of the end still count: the step to which the shop rounds
 /// speeds is half of it.
@@ -35,7 +35,7 @@ const EDGE: f64 = 1e-3;
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SpeedModes {
     /// By ascending speed (rad/s).
-    rows: Vec<(f64, Vec<Mode>)>,
+    rows: Vec<Row>,
 }
 
 impl SpeedModes {
@@ -45,20 +45,9 @@ impl SpeedModes {
     /// Fewer than two speeds; speeds that are not positive or do not ascend; another number of modes at one speed; a mode
     /// that is none.
     pub fn new(rows: Vec<(f64, Vec<Mode>)>) -> Result<Self, ChatterError> {
-        if rows.len() < 2 {
-            return Err(ChatterError::TooFewPoints { quantity: "spindle speeds with modes", points: rows.len() });
-        }
-        let count = rows[0].1.len() as f64;
-        for (speed, modes) in &rows {
+        check_rows(&rows, ["spindle_speed", "spindle speeds with modes", "number of modes at each spindle speed"])?;
+        for (speed, _) in &rows {
             positive("spindle_speed", *speed)?;
-            within("number of modes at each spindle speed", modes.len() as f64, count, count)?;
-            check_modes(modes)?;
-        }
-        for pair in rows.windows(2) {
-            let [(start, _), (end, _)] = pair else { continue };
-            if finite("spindle_speed", *end)? <= *start {
-                return Err(ChatterError::EmptyRange { quantity: "spindle_speed", start: *start, end: *end });
-            }
         }
         Ok(Self { rows })
     }
@@ -80,19 +69,12 @@ impl SpeedModes {
     pub fn at(&self, spindle_speed: f64) -> Result<Vec<Mode>, ChatterError> {
         let (least, greatest) = self.range();
         within("spindle_speed of the table of modes", spindle_speed, least * (1.0 - EDGE), greatest * (1.0 + EDGE))?;
-        let speed = spindle_speed.clamp(least, greatest);
-        let after = self.rows.partition_point(|(known, _)| *known < speed).max(1);
-        let ((from, before), (to, behind)) = (&self.rows[after - 1], &self.rows[after]);
-        let share = (speed - from) / (to - from);
-        Ok(before.iter().zip(behind).map(|(a, b)| between(a, b, share)).collect())
+        Ok(interpolated(&self.rows, spindle_speed.clamp(least, greatest)))
     }
 
     /// The same speeds with other modes, of the number and the mode at each.
-    pub fn map(&self, mut other: impl FnMut(usize, &Mode) -> Mode) -> Self {
-        let row = |(speed, modes): &(f64, Vec<Mode>)| {
-            (*speed, modes.iter().enumerate().map(|(number, mode)| other(number, mode)).collect())
-        };
-        Self { rows: self.rows.iter().map(row).collect() }
+    pub fn map(&self, other: impl FnMut(usize, &Mode) -> Mode) -> Self {
+        Self { rows: mapped(&self.rows, other) }
     }
 
     /// The table with one more mode, which is the same at all speeds.
@@ -112,38 +94,11 @@ pub(crate) fn check_speeds(table: Option<&SpeedModes>) -> Result<(), ChatterErro
     table.map_or(Ok(()), |table| table.rows().try_for_each(|modes| check_modes(modes)))
 }
 
-/// The mode at a `share` of the way from `a` to `b`.
-fn between(a: &Mode, b: &Mode, share: f64) -> Mode {
-    if a == b || share == 0.0 {
-        return *a;
-    }
-    if share == 1.0 {
-        return *b;
-    }
-    let mix = |a: f64, b: f64| a + (b - a) * share;
-    let (from, to) = (a.pole(), b.pole());
-    let pole = nalgebra::Complex::new(mix(from.re, to.re), mix(from.im, to.im));
-    let frequency = pole.norm();
-    // The sign of a direction says nothing: the shape that turns less is the one that goes on.
-    let shape = |mode: &Mode| mode.unit().map(|component| component / mode.mass().sqrt());
-    let (start, mut end) = (shape(a), shape(b));
-    if start[0] * end[0] + start[1] * end[1] < 0.0 {
-        end = end.map(|component| -component);
-    }
-    let shape = [mix(start[0], end[0]), mix(start[1], end[1])];
-    let mass = 1.0 / (shape[0] * shape[0] + shape[1] * shape[1]);
-    Mode {
-        direction: shape.map(|component| component * mass.sqrt()),
-        natural_frequency: frequency / TAU,
-        damping_ratio: -pole.re / frequency,
-        stiffness: mass * frequency * frequency,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Axis, Cutter, Direction, Engagement, Milling, MillingForce, Scatter, Turning};
+    use std::f64::consts::TAU;
 
     fn mode(natural_frequency: f64) -> Mode {
         Mode { direction: [1.0, 0.0], natural_frequency, damping_ratio: 0.03, stiffness: 8e6 }
@@ -161,6 +116,7 @@ mod tests {
             force: MillingForce::new(8e8, 2.6e8),
             feed_per_tooth: 1e-4,
             by_speed: None,
+            along_path: None,
         }
     }
 

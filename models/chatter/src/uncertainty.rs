@@ -2,7 +2,7 @@
 
 use crate::error::{ChatterError, within};
 use crate::lobes::{Axis, Lobes};
-use crate::{Milling, Mode, SpeedModes, Turning};
+use crate::{Milling, Mode, PathModes, SpeedModes, Turning};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -49,7 +49,7 @@ impl Milling {
         scatter.check()?;
         let mut draw = Draw::new(seed, sample);
         let mut cut = self.clone();
-        draw.scatter(&mut cut.modes, cut.by_speed.as_mut(), scatter);
+        draw.scatter(&mut cut.modes, (cut.by_speed.as_mut(), cut.along_path.as_mut()), scatter);
         cut.force.tangential *= draw.factor(scatter.coefficients);
         // Radial and axial force are one on the face of the tooth, and scatter together.
         let factor = draw.factor(scatter.coefficients);
@@ -158,7 +158,7 @@ impl Turning {
         scatter.check()?;
         let mut draw = Draw::new(seed, sample);
         let mut cut = self.clone();
-        draw.scatter(&mut cut.modes, cut.by_speed.as_mut(), scatter);
+        draw.scatter(&mut cut.modes, (cut.by_speed.as_mut(), cut.along_path.as_mut()), scatter);
         cut.cutting_coefficient *= draw.factor(scatter.coefficients);
         Ok(cut)
     }
@@ -387,8 +387,13 @@ impl Draw {
         Self { key: seed ^ sample.wrapping_mul(0x9E37_79B9_7F4A_7C15), counter: 0 }
     }
 
-    /// Scatters every mode for itself, at constant modal mass; a mode by speed at all speeds alike.
-    fn scatter(&mut self, modes: &mut [Mode], by_speed: Option<&mut SpeedModes>, scatter: &Scatter) {
+    /// Scatters every mode for itself, at constant modal mass; a mode by speed or along a path alike everywhere.
+    fn scatter(
+        &mut self,
+        modes: &mut [Mode],
+        (by_speed, along_path): (Option<&mut SpeedModes>, Option<&mut PathModes>),
+        scatter: &Scatter,
+    ) {
         let factors: Vec<(f64, f64)> = modes
             .iter()
             .map(|_| {
@@ -410,6 +415,9 @@ impl Draw {
         }
         if let Some(table) = by_speed {
             *table = table.map(other);
+        }
+        if let Some(path) = along_path {
+            *path = path.map(other);
         }
     }
 

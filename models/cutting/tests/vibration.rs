@@ -64,6 +64,7 @@ fn the_limit_is_that_of_the_stability_model() {
         force: toolroom_chatter::MillingForce::new(2389e6, 965e6),
         feed_per_tooth: 0.05e-3,
         by_speed: None,
+        along_path: None,
     };
     let expected = cut.at_speed(output.spindle_speed).unwrap().limit(20e-3).unwrap().depth;
     let limit = u.depth_of_cut / (1.0 - output.stability_margin);

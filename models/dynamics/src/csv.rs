@@ -54,7 +54,76 @@ struct Parts {
 /// assert!((measured.functions[0].receptance[1].im + 0.2e-6).abs() < 1e-18);
 /// ```
 pub fn read_csv(file: &str, text: &str) -> Result<Measurement, DynamicsError> {
-    let Table { line, titles, columns: cells, decimals } = read_table(file, text)?;
+    let table = read_table(file, text)?;
+    if speed_column(&table).is_some() {
+        return Err(DynamicsError::BySpeed { file: file.to_owned() });
+    }
+    from_table(file, table)
+}
+
+/// Reads frequency responses at several spindle speeds (rad/s), ascending: a table as that of [`read_csv`] with the column
+/// `spindle_speed [rpm]`, whose rows of one speed are one measurement. None where the table has no such column.
+///
+/// # Errors
+/// As [`read_csv`]; a speed that is not positive.
+///
+/// # Examples
+/// ```
+/// let text = "spindle_speed [rpm],frequency [Hz],real [um/N],imag [um/N]\n6000,100,0.5,-0.1\n3000,100,0.6,-0.2\n";
+/// let measured = toolroom_dynamics::read_csv_by_speed("taps.csv", text).unwrap().unwrap();
+/// assert_eq!(measured.len(), 2);
+/// assert!((measured[0].0 - 314.159265).abs() < 1e-6 && measured[0].1.functions[0].receptance[0].re == 0.6e-6);
+/// ```
+pub fn read_csv_by_speed(file: &str, text: &str) -> Result<Option<Vec<(f64, Measurement)>>, DynamicsError> {
+    let table = read_table(file, text)?;
+    let Some(place) = speed_column(&table) else { return Ok(None) };
+    let Table { line, mut titles, mut columns, mut decimals } = table;
+    let title = titles.remove(place);
+    decimals.remove(place);
+    let told = columns.remove(place);
+    let (_, unit) = split_title(&title);
+    let unit = unit.filter(|unit| !unit.is_empty()).ok_or_else(|| DynamicsError::MissingUnit {
+        file: file.to_owned(),
+        line,
+        column: title.clone(),
+        example: "spindle_speed [rpm]",
+    })?;
+    let factor = unit::speed(unit).ok_or_else(|| DynamicsError::UnknownUnit {
+        file: file.to_owned(),
+        line,
+        column: title.clone(),
+        unit: unit.to_owned(),
+        accepted: unit::SPEEDS,
+    })?;
+    let mut speeds = told.clone();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    if let Some(speed) = speeds.iter().find(|speed| **speed <= 0.0) {
+        return Err(DynamicsError::Speed { file: file.to_owned(), value: *speed });
+    }
+    let at = |speed: &f64| {
+        let rows = |column: &Vec<f64>| {
+            column.iter().zip(&told).filter(|(_, told)| *told == speed).map(|(value, _)| *value).collect()
+        };
+        let table = Table {
+            line,
+            titles: titles.clone(),
+            columns: columns.iter().map(rows).collect(),
+            decimals: decimals.clone(),
+        };
+        let named = format!("{file} at {speed} {unit}");
+        Ok((speed * factor, from_table(&named, table)?))
+    };
+    speeds.iter().map(at).collect::<Result<Vec<_>, _>>().map(Some)
+}
+
+/// Place of the column of spindle speeds.
+fn speed_column(table: &Table) -> Option<usize> {
+    table.titles.iter().position(|title| split_title(title).0 == "spindle_speed")
+}
+
+fn from_table(file: &str, table: Table) -> Result<Measurement, DynamicsError> {
+    let Table { line, titles, columns: cells, decimals } = table;
     let columns: Vec<Column> = titles.iter().map(|title| column(file, line, title)).collect::<Result<_, _>>()?;
     let digits = columns.iter().zip(&decimals).filter(|(column, _)| column.quantity == Quantity::Coherence);
     let digits = digits.map(|(_, decimals)| *decimals).max().unwrap_or(0);
@@ -205,6 +274,22 @@ mod tests {
         assert!(fault("frequency [Hz],real [um/N],imag [um/N]\n2,1,1\n1,1,1\n").contains("1 Hz follows 2 Hz"));
         assert!(fault("frequency [Hz],real [um/N],imag [um/N],coherence\n2,1,1,1.2\n").contains("coherence at 2 Hz"));
         assert!(fault("").contains("no frequency response"));
+    }
+
+    #[test]
+    fn responses_at_several_speeds_are_told_apart() {
+        let text =
+            "frequency [Hz],spindle_speed [1/min],real [um/N],imag [um/N]\n100,3000,1,0\n100,6000,3,0\n110,3000,2,0\n";
+        let found = read_csv_by_speed("a", text).unwrap().unwrap();
+        assert_eq!(found.iter().map(|(_, measured)| measured.frequencies.len()).collect::<Vec<_>>(), [2, 1]);
+        assert!(read_csv("a", text).unwrap_err().to_string().contains("several spindle speeds"));
+        let fault =
+            |header: &str, row: &str| read_csv_by_speed("a", &format!("{header}\n{row}\n")).unwrap_err().to_string();
+        let rest = "frequency [Hz],real [um/N],imag [um/N]";
+        assert!(fault(&format!("spindle_speed,{rest}"), "1,1,1,1").contains("has no unit"));
+        assert!(fault(&format!("spindle_speed [m/min],{rest}"), "1,1,1,1").contains("rpm"));
+        assert!(fault(&format!("spindle_speed [rpm],{rest}"), "0,1,1,1").contains("0"));
+        assert_eq!(read_csv_by_speed("a", "frequency [Hz],real [um/N],imag [um/N]\n1,1,1\n"), Ok(None));
     }
 
     proptest! {

@@ -10,6 +10,20 @@ pub enum DynamicsError {
         /// The file.
         file: String,
     },
+    /// A table of responses at several spindle speeds where one is wanted.
+    #[error("{file}: the table holds responses at several spindle speeds, and one is wanted here")]
+    BySpeed {
+        /// The file.
+        file: String,
+    },
+    /// A spindle speed that is none.
+    #[error("{file}: a spindle speed must be positive, is {value}")]
+    Speed {
+        /// The file.
+        file: String,
+        /// The value as written.
+        value: f64,
+    },
     /// A column without its unit.
     #[error("{file}:{line}: the column `{column}` has no unit; write for example `{example}`")]
     MissingUnit {

@@ -33,6 +33,8 @@ const MOST_FAILURES: usize = 4;
 /// Misfit over degrees of freedom from which on a mode may stand for two (assumption: of a hundred lines and more chance alone
 /// makes less).
 const MISFIT: f64 = 1.3;
+/// Least share of the residue in a second direction at one pole from which on two modes are tried there (assumption).
+const LEAST_SECOND: f64 = 0.05;
 /// Greatest damping ratio of a mode (assumption).
 const GREATEST_DAMPING: f64 = 0.3;
 /// Frequencies of modes, over the ends of the measured range (assumption): beyond, residuals stand for them.
@@ -283,13 +285,62 @@ impl Search {
                 }
                 trial
             };
-            let trials: Vec<Model> = (0..count).map(halves).collect();
+            let both = (0..count).filter_map(|r| self.doubled(&found.model, r)).collect::<Vec<_>>();
+            let trials: Vec<Model> = both.into_iter().chain((0..count).map(halves)).collect();
             let apart = |trial| self.pruned(trial, most, false).filter(|divided| divided.model.modes.len() > count);
             let Some(divided) = trials.into_iter().find_map(apart) else { break };
             found = divided;
         }
         self.likelihood.reweigh(&found.model);
         found
+    }
+
+    /// The model with mode `r` as two at the same pole, where responses across are measured and the residues there are those of
+    /// two directions: a symmetric spindle has every bending mode twice. Each reference of a tap shows another share of
+    /// the two, which their matrix of residues takes apart.
+    fn doubled(&self, model: &Model, r: usize) -> Option<Model> {
+        if !self.crossed() {
+            return None;
+        }
+        let poles: Vec<(f64, f64)> = model.modes.iter().map(|mode| (mode.frequency, mode.damping_ratio)).collect();
+        let [xx, xy, yy] = self.likelihood.linear(&poles)?.residues[r];
+        let (mean, half) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+        // A second direction that adds less than this share could not be told from a complex mode (assumption).
+        if mean - half < LEAST_SECOND * (mean + half) {
+            return None;
+        }
+        let (sine, cosine) = (0.5 * (2.0 * xy).atan2(xx - yy)).sin_cos();
+        let mut both = model.clone();
+        let mode = both.modes.remove(r);
+        for (residue, direction, side) in [(mean + half, [cosine, sine], -1.0), (mean - half, [-sine, cosine], 1.0)] {
+            both.modes.push(RealMode {
+                // Apart by a hundredth of the half-power band, so that the search can tell them.
+                frequency: mode.frequency * (1.0 + 0.01 * side * mode.damping_ratio),
+                damping_ratio: mode.damping_ratio,
+                shape: direction.map(|part| part * residue.sqrt()),
+            });
+        }
+        Some(both)
+    }
+
+    /// The model with each mode that moves in both directions as one along x and one along y, where no response across is
+    /// measured: nobody knows the sign between them, and a symmetric spindle has two equal modes.
+    fn parted(&mut self, found: Maximum) -> Option<Maximum> {
+        let moves = |mode: &RealMode| mode.shape.iter().all(|part| *part != 0.0);
+        if self.crossed() || self.likelihood.directions.len() < 2 || !found.model.modes.iter().any(moves) {
+            return Some(found);
+        }
+        let mut model = found.model;
+        let modes = std::mem::take(&mut model.modes);
+        for mode in modes {
+            if !moves(&mode) {
+                model.modes.push(mode);
+                continue;
+            }
+            let [x, y] = mode.shape;
+            model.modes.extend([[x, 0.0], [0.0, y]].map(|shape| RealMode { shape, ..mode.clone() }));
+        }
+        self.refined(&model)
     }
 
     /// Whether a response across the force is measured.
@@ -387,8 +438,11 @@ impl Search {
 
     /// The last refinement, with lower residuals where they differ from zero.
     fn finish(&mut self, plain: Maximum) -> Option<Maximum> {
-        self.likelihood.lower = true;
+        let plain = self.parted(plain)?;
+        let plain = self.refined(&plain.model)?;
+        let deviance = self.likelihood.deviance(&plain, self.known_scale);
         let count = self.likelihood.pairs().len();
+        self.likelihood.lower = true;
         let with = self.refined(&plain.model).filter(|with| {
             let size = with.covariance.nrows();
             let scale = self.scale(with).sqrt();
@@ -396,8 +450,12 @@ impl Search {
             (size - count..size)
                 .any(|i| parameters[i].abs() > SIGNIFICANT_RESIDUAL * scale * with.covariance[(i, i)].max(0.0).sqrt())
         });
-        if with.is_some() {
-            return with;
+        // On lines that hold noise alone a greater modulus is a greater variance, in which a residual of any size can hide.
+        let explains = |with: &Maximum| {
+            self.likelihood.deviance(with, self.known_scale) + SIGNIFICANT_RESIDUAL * SIGNIFICANT_RESIDUAL < deviance
+        };
+        if let Some(with) = with.filter(explains) {
+            return Some(with);
         }
         self.likelihood.lower = false;
         self.refined(&plain.model)

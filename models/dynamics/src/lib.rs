@@ -44,7 +44,7 @@ mod unit;
 mod wav;
 
 pub use coupling::{BaseMode, Body, Joint, Material, Receptance, Segment, base, chain};
-pub use csv::read_csv;
+pub use csv::{read_csv, read_csv_by_speed};
 pub use cuts::{ShopCut, ShopCutError, read_shop_cuts};
 pub use error::{DynamicsError, RecordProblem, UniversalProblem, WaveProblem};
 pub use fit::{Estimate, Fit, FitOptions, FittedMode, fit};
@@ -52,7 +52,7 @@ pub use frf::{Direction, Frf, Measurement};
 pub use groups::{GROUPS_SOURCE, MATERIAL_GROUPS, MaterialGroup};
 pub use hammer::{Estimator, HammerOptions, responses};
 pub use quality::{Quality, Refusal};
-pub use read::{TapOptions, measure, read};
+pub use read::{TapOptions, measure, measure_by_speed, read};
 pub use record::{Channel, FullScale, Record, Signal, is_record, read_record};
 pub use slot::{Coefficient, Coefficients, ForceLine, ForceTest, ForceTestError, LackOfFit, TestedCut, read_forces};
 pub use sound::{Chatter, Cutting, Heard, Line, Origin, listen};

@@ -60,9 +60,19 @@ pub(crate) struct Target {
     pub relative: Option<Vec<f64>>,
     /// That variance (m²/N²) itself, where it was measured.
     pub absolute: Option<Vec<f64>>,
+    /// Greatest variance of each part (m²/N²) that the coherence can tell: a few times that of the measured moduli around a
+    /// line. Without it a model hides on lines without coherence, where a greater modulus is a greater variance: two equal
+    /// modes along x and y would be one at 45 degrees, whose response across nothing measured contradicts.
+    pub ceiling: Option<Vec<f64>>,
     /// Variance of each part (m²/N²), of the last round.
     pub variance: Vec<f64>,
 }
+
+/// Lines on either side over which the measured noise is averaged, and how many times that noise a variance may be:
+/// assumptions. A variance of the right model is the noise itself, and the mean of 17 lines is off by a factor of two at most;
+/// without the number of averages its size is known to their number alone.
+const AROUND: usize = 8;
+const CEILING: [f64; 2] = [4.0, 64.0];
 
 /// Everything measured, and which parameters are free.
 pub(crate) struct Likelihood {
@@ -113,12 +123,14 @@ impl Likelihood {
                 };
                 coherence.iter().map(share).collect()
             });
+            let ceiling = coherence.map(|coherence| ceiling(&function.receptance, coherence, averages));
             Target {
                 response: function.response.index(),
                 force: function.force.index(),
                 values: function.receptance.clone(),
                 relative,
                 absolute,
+                ceiling,
                 variance: Vec::new(),
             }
         });
@@ -208,6 +220,21 @@ impl Likelihood {
             lines.map(|((w, h), v)| (h - model.receptance(target.response, target.force, *w)).norm_sqr() / v).sum()
         };
         self.targets.iter().map(sum_of).sum()
+    }
+
+    /// Twice the negative logarithm of the likelihood of a maximum under the present variances, but for a constant: what two
+    /// models whose variances differ are compared by. Where the scale of the variances is not known, it is that of the
+    /// misfit.
+    pub fn deviance(&self, maximum: &Maximum, known_scale: bool) -> f64 {
+        let logarithms: f64 =
+            self.targets.iter().flat_map(|target| &target.variance).map(|variance| 2.0 * variance.ln()).sum();
+        let observations = self.targets.iter().map(|target| 2 * target.values.len()).sum::<usize>() as f64;
+        let misfit = if known_scale {
+            maximum.chi2
+        } else {
+            observations * (maximum.chi2 / observations).max(f64::MIN_POSITIVE).ln()
+        };
+        logarithms + misfit
     }
 
     /// Residues of every pair of directions and upper residuals that fit best with given poles, frequency (rad/s) and damping
@@ -358,7 +385,12 @@ impl Target {
             }
             (None, Some(relative)) => {
                 let least = 1e-12 * typical;
-                moduli.iter().zip(relative).map(|(modulus, share)| (modulus * modulus).max(least) * share).collect()
+                let variances =
+                    moduli.iter().zip(relative).map(|(modulus, share)| (modulus * modulus).max(least) * share);
+                match &self.ceiling {
+                    Some(ceiling) => variances.zip(ceiling).map(|(variance, most)| variance.min(*most)).collect(),
+                    None => variances.collect(),
+                }
             }
             (None, None) => {
                 let powers: Vec<f64> = lines.iter().map(|w| w.powi(-2 * order)).collect();
@@ -367,6 +399,24 @@ impl Target {
             }
         };
     }
+}
+
+/// Greatest variances of each part of `values`: a mean square modulus is `|H|² + 2 v` with `v = |H|² (1 − γ²)/(2 n γ²)`, so that
+/// each line has a `v = |H|² (1 − γ²)/(2 (n γ² + 1 − γ²))` of its own, which is averaged over neighbours.
+fn ceiling(values: &[Complex<f64>], coherence: &[f64], averages: f64) -> Vec<f64> {
+    let of_line = |(value, coherence): (&Complex<f64>, &f64)| {
+        let noisy = 1.0 - coherence.clamp(0.0, 1.0);
+        value.norm_sqr() * noisy / (2.0 * (averages * (1.0 - noisy) + noisy))
+    };
+    let lines: Vec<f64> = values.iter().zip(coherence).map(of_line).collect();
+    let factor = if averages > 1.0 { CEILING[0] } else { CEILING[1] };
+    let mean = |i: usize| {
+        let near = &lines[i.saturating_sub(AROUND)..(i + AROUND + 1).min(lines.len())];
+        let mean = near.iter().sum::<f64>() / near.len() as f64;
+        // A coherence of exactly one around says nothing of the noise.
+        if mean > 0.0 { factor * mean } else { f64::INFINITY }
+    };
+    (0..lines.len()).map(mean).collect()
 }
 
 /// `1/sqrt` of the diagonal, which makes the normal equations independent of units; zero for a parameter that moves nothing,

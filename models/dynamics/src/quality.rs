@@ -126,7 +126,7 @@ pub struct Quality {
     pub coherence: Vec<Option<f64>>,
     /// Difference of xy and yx over their size, on lines of clear coherence.
     pub reciprocity: Option<f64>,
-    /// Whether modes move in both directions and no response across tells the sign.
+    /// Whether x and y have a mode at one frequency and no response across tells whether the two are one.
     pub unsigned: bool,
     /// Why the fit must not be used, the first reason first.
     pub refusals: Vec<Refusal>,
@@ -182,7 +182,11 @@ impl Quality {
         );
         let crossed = measured.functions.iter().any(|function| !function.is_direct());
         let plane = measured.functions.len() > 1;
-        let unsigned = plane && !crossed && modes.iter().any(|mode| mode.direction.iter().all(|part| *part != 0.0));
+        let alike = |a: &FittedMode, b: &FittedMode| {
+            let (f, g) = (a.natural_frequency.value, b.natural_frequency.value);
+            a.direction != b.direction && (f - g).abs() < a.damping_ratio.value.min(b.damping_ratio.value) * f
+        };
+        let unsigned = plane && !crossed && modes.windows(2).any(|pair| alike(&pair[0], &pair[1]));
         Self { reduced_chi2, residuals, coherence, reciprocity: reciprocity(measured), unsigned, refusals }
     }
 
@@ -196,7 +200,8 @@ impl Quality {
             )
         });
         let oblique = self.unsigned.then(|| {
-            "neither xy nor yx was measured: modes that move in both directions are taken to do so with the same sign"
+            "neither xy nor yx was measured: where x and y have a mode at one frequency, it is taken as one mode along each; a \
+             single mode between x and y would look the same"
                 .to_owned()
         });
         asymmetry.into_iter().chain(oblique).collect()

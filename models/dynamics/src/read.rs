@@ -1,6 +1,6 @@
 //! Which kind of file holds the measurement.
 
-use crate::csv::read_csv;
+use crate::csv::{read_csv, read_csv_by_speed};
 use crate::error::DynamicsError;
 use crate::frf::Measurement;
 use crate::hammer::{HammerOptions, responses};
@@ -37,4 +37,18 @@ pub fn measure(file: &str, bytes: &[u8], options: &TapOptions) -> Result<Measure
     } else {
         read(file, bytes)
     }
+}
+
+/// Frequency responses at several spindle speeds (rad/s), ascending, of a table that has a column `spindle_speed [rpm]`; none of
+/// any other file.
+///
+/// # Errors
+/// [`DynamicsError`] with the place of the first fault of such a table.
+pub fn measure_by_speed(file: &str, bytes: &[u8]) -> Result<Option<Vec<(f64, Measurement)>>, DynamicsError> {
+    let text = String::from_utf8_lossy(bytes);
+    let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
+    if is_record(bytes) || !header.contains("spindle_speed") {
+        return Ok(None);
+    }
+    read_csv_by_speed(file, &text)
 }

@@ -38,6 +38,18 @@ impl Motion {
     }
 }
 
+/// Units of spindle speeds that are read.
+pub(crate) const SPEEDS: &str = "rpm, 1/min, rad/s";
+
+/// Factor to rad/s of a unit of spindle speed.
+pub(crate) fn speed(unit: &str) -> Option<f64> {
+    match unit {
+        "rpm" | "1/min" => Some(TAU / 60.0),
+        "rad/s" => Some(1.0),
+        _ => None,
+    }
+}
+
 /// Units of responses that are read.
 pub(crate) const RESPONSES: &str = "m/N, mm/N, um/N, (m/s)/N, (m/s2)/N, g/N (g is standard gravity), in/lbf";
 

@@ -111,7 +111,7 @@ static CUTTER: Form = Form {
             "corner_radius",
             Kind::quantity("m", "mm", 0.0, 1.0, "2 mm"),
             "0 mm",
-            "Radius of the corner: a bull nose, half the diameter a ball end; limits and verdicts alone",
+            "Radius of the corner: a bull nose, half the diameter a ball end",
         ),
     ],
 };

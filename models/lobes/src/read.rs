@@ -259,16 +259,6 @@ fn milling(
         let example = "\"0.1 mm/tooth\"".to_owned();
         walk.fault(force.span_of("feed_per_tooth"), Fault::MissingKey { section, key: "feed_per_tooth", example });
     }
-    if cutter.corner_radius > 0.0 && feed_per_tooth > 0.0 {
-        let fault = Fault::Contradiction {
-            first: "feed_per_tooth",
-            first_value: format!("{} mm", significant(feed_per_tooth * 1e3)),
-            second: "corner_radius",
-            second_value: format!("{} mm", significant(cutter.corner_radius * 1e3)),
-            rule: "loads and vibration, which the feed is for, are those of cylinders; leave it out",
-        };
-        walk.fault(force.span_of("feed_per_tooth"), fault);
-    }
     let file = if force.given("coefficients") { coefficients::named(walk, &force) } else { None };
     *deviation = file.as_ref().map(|file| file.deviation);
     let of_file = |i: usize| file.as_ref().map(|file| file.chip[i]);
@@ -294,6 +284,7 @@ fn milling(
         force,
         feed_per_tooth,
         by_speed: structure.and_then(|structure| structure.by_speed.clone()),
+        along_path: structure.and_then(|structure| structure.along_path.clone()),
     })
 }
 
@@ -396,6 +387,7 @@ fn turning(
         diameter: diameter?,
         chip_exponent: cut.si("chip_exponent")?,
         by_speed: structure.and_then(|structure| structure.by_speed.clone()),
+        along_path: structure.and_then(|structure| structure.along_path.clone()),
     };
     Some(LobesCut::Turning { cut, bar })
 }

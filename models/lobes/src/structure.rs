@@ -2,10 +2,10 @@
 
 use super::keys::{DAMPING_RATIO, FREQUENCY, STIFFNESS};
 use super::read::direction;
-use std::f64::consts::TAU;
 use std::path::Path;
-use toolroom_chatter::{ChatterError, Mode, Scatter, SpeedModes};
+use toolroom_chatter::{Mode, PathModes, Scatter, SpeedModes};
 use toolroom_form::{Content, ContentFault, Fault, Form, FormFile, Key, Kind, ReadError, Section, Walk, significant};
+use toolroom_process::unit::convert;
 
 /// Natural frequency of the mode that stands for all modes above the range, over the highest one of the file: its
 /// compliance is 10 % more than the residual at the highest mode and 1 % more at a third of that frequency, and a residual is
@@ -29,6 +29,17 @@ pub static STRUCTURE: Form = Form {
             Kind::Tables(&SPEED),
             "In place of [[mode]]: the modes at several spindle speeds, ascending, where they change with the speed",
         ),
+        Key::optional(
+            "station",
+            Kind::Tables(&STATION),
+            "In place of [[mode]]: the modes at several places along the path of the tool, as of a thin wall; the worst \
+             place counts",
+        ),
+        Key::optional(
+            "mass_loss",
+            Kind::quantity("1", "1", 0.0, 0.9, "0.1"),
+            "Beside [[station]]: share of the modal masses that the cut has removed at the end of the path",
+        ),
         Key::optional("residual", Kind::Table(&RESIDUAL), "What the modes above the measured range give way"),
         Key::optional("covariance", Kind::Table(&COVARIANCE), "Covariance of all values of the modes"),
     ],
@@ -49,6 +60,15 @@ static SPEED: Form = Form {
     keys: &[
         Key::required("spindle_speed", Kind::positive("rad/s", "rpm", 1e6, "6000 rpm"), "Spindle speed of the tap"),
         Key::required("mode", Kind::Tables(&FITTED_MODE), "Vibration modes at the point of cut"),
+    ],
+};
+
+static STATION: Form = Form {
+    title: "[[station]]",
+    doc: "The modes at one place of the path: at every place the same modes, in the same order",
+    keys: &[
+        Key::required("position", Kind::quantity("m", "mm", -100.0, 100.0, "40 mm"), "Place along the path"),
+        Key::required("mode", Kind::Tables(&FITTED_MODE), "Vibration modes with the cut at this place"),
     ],
 };
 
@@ -160,6 +180,8 @@ pub struct Structure {
     pub modes: Vec<Mode>,
     /// The same by spindle speed, where the modes change with it; `modes` are then those of the least speed.
     pub by_speed: Option<SpeedModes>,
+    /// The same along the path of the tool, where the modes change on it; `modes` are then those of its first station.
+    pub along_path: Option<PathModes>,
     /// Slope over displacement (1/m) of the modes of the file, where it is given.
     pub rotations: Vec<Option<f64>>,
     /// Relative standard deviations, of the least known mode each; none where the file has none.
@@ -205,27 +227,18 @@ type Row = (Vec<Mode>, Vec<[f64; 3]>);
 fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
     let plain = walk.sections(root, "mode", None);
     let speeds = walk.sections(root, "speed", None);
-    let by_speed: Vec<Vec<Section<'_>>> = speeds.iter().map(|speed| walk.sections(speed, "mode", None)).collect();
-    if plain.is_empty() == speeds.is_empty() {
-        let fault = if plain.is_empty() {
-            Fault::Nothing {
-                what: "vibration mode",
-                example: "[[mode]] with natural_frequency, damping_ratio and stiffness",
-            }
-        } else {
-            Fault::Contradiction {
-                first: "mode",
-                first_value: format!("{} modes", plain.len()),
-                second: "speed",
-                second_value: format!("{} speeds", speeds.len()),
-                rule: "modes are those of all speeds or stand under each [[speed]]",
-            }
-        };
-        walk.fault(root.span_of(if plain.is_empty() { "" } else { "speed" }), fault);
+    let stations = walk.sections(root, "station", None);
+    let by_row = [&speeds, &stations]
+        .map(|rows| rows.iter().map(|row| walk.sections(row, "mode", None)).collect::<Vec<Vec<Section<'_>>>>());
+    one_place(walk, root, [("mode", plain.len()), ("speed", speeds.len()), ("station", stations.len())])?;
+    if root.given("mass_loss") && stations.is_empty() {
+        let example = "[[station]] with position and its modes".to_owned();
+        let section = "a structure file with mass_loss".to_owned();
+        walk.fault(root.span_of("mass_loss"), Fault::MissingKey { section, key: "station", example });
         return None;
     }
     let rows: Vec<&[Section<'_>]> =
-        if speeds.is_empty() { vec![&plain[..]] } else { by_speed.iter().map(Vec::as_slice).collect() };
+        if plain.is_empty() { by_row.iter().flatten().map(Vec::as_slice).collect() } else { vec![&plain[..]] };
     let modes: Vec<Vec<Option<Estimated>>> =
         rows.iter().map(|sections| sections.iter().map(|section| mode(walk, section)).collect()).collect();
     for described in ["measurement", "covariance"] {
@@ -250,42 +263,109 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
     // One compliance above the range stands at all speeds.
     let above = stiff_modes(&all, upper?);
     known.iter_mut().for_each(|(modes, _)| modes.extend(&above));
-    let table = if speeds.is_empty() { None } else { Some(table(walk, &speeds, &known)?) };
+    let by_speed = match table(walk, &speeds, &known, &SPEEDS)? {
+        Some(rows) => Some(SpeedModes::new(rows).ok()?),
+        None => None,
+    };
+    let along_path = match table(walk, &stations, &known, &STATIONS)? {
+        Some(rows) => Some(PathModes::new(rows, root.si("mass_loss").unwrap_or(0.0)).ok()?),
+        None => None,
+    };
     let (modes, deviations) = known.swap_remove(0);
-    Some(Structure { name, modes, by_speed: table, rotations, scatter, stiffness_deviation: stiffness, deviations })
+    Some(Structure {
+        name,
+        modes,
+        by_speed,
+        along_path,
+        rotations,
+        scatter,
+        stiffness_deviation: stiffness,
+        deviations,
+    })
 }
 
-/// The modes by speed; a fault at the speed that does not fit the one before it.
-fn table(walk: &mut Walk, speeds: &[Section<'_>], known: &[Row]) -> Option<SpeedModes> {
-    let values: Vec<f64> = speeds.iter().map(|section| section.si("spindle_speed")).collect::<Option<_>>()?;
-    for (i, section) in speeds.iter().enumerate().skip(1) {
-        let shown = |speed: f64| format!("{} rpm", significant(speed * 60.0 / TAU));
+/// The modes stand in one of the places where they can, of which each has a number of tables; a fault where they do not.
+fn one_place(walk: &mut Walk, root: &Section<'_>, places: [(&'static str, usize); 3]) -> Option<()> {
+    let given: Vec<(&'static str, usize)> = places.into_iter().filter(|(_, count)| *count > 0).collect();
+    let (fault, at) = match given[..] {
+        [_] => return Some(()),
+        [(first, some), (second, others), ..] => {
+            let shown = |key: &str, count: usize| format!("{count} {key}s");
+            let fault = Fault::Contradiction {
+                first,
+                first_value: shown(first, some),
+                second,
+                second_value: shown(second, others),
+                rule: "modes are those of all speeds and places, or stand under each [[speed]] or each [[station]]",
+            };
+            (fault, second)
+        }
+        [] => {
+            let what = "vibration mode";
+            (Fault::Nothing { what, example: "[[mode]] with natural_frequency, damping_ratio and stiffness" }, "")
+        }
+    };
+    walk.fault(root.span_of(at), fault);
+    None
+}
+
+/// What the rows of a table of modes are.
+struct Rows {
+    /// Key of the value of a row, its unit in files and for people.
+    value: (&'static str, &'static str, &'static str),
+    /// What is due where there is one row alone.
+    second: (&'static str, &'static str),
+}
+
+const SPEEDS: Rows = Rows {
+    value: ("spindle_speed", "rad/s", "rpm"),
+    second: (
+        "second spindle speed",
+        "[[speed]] with spindle_speed and its modes, or [[mode]] alone for modes of all speeds",
+    ),
+};
+const STATIONS: Rows = Rows {
+    value: ("position", "m", "mm"),
+    second: (
+        "second station",
+        "[[station]] with position and its modes, or [[mode]] alone for modes of the whole path",
+    ),
+};
+
+/// The modes at the value of each row; none without rows, and a fault at the row that does not fit the one before it.
+fn table(
+    walk: &mut Walk,
+    sections: &[Section<'_>],
+    known: &[Row],
+    rows: &Rows,
+) -> Option<Option<Vec<(f64, Vec<Mode>)>>> {
+    let (key, si, unit) = rows.value;
+    let values: Vec<f64> = sections.iter().map(|section| section.si(key)).collect::<Option<_>>()?;
+    for (i, section) in sections.iter().enumerate().skip(1) {
+        let shown = |value: f64| format!("{} {unit}", significant(convert(value, si, unit)));
         let (before, here) = (known[i - 1].0.len(), known[i].0.len());
         let fault = if values[i] <= values[i - 1] {
-            ("spindle_speed", shown(values[i]), "spindle_speed", shown(values[i - 1]), "the speeds of a table ascend")
+            (key, shown(values[i]), key, shown(values[i - 1]), "the rows of a table of modes ascend")
         } else if before != here {
             let count = |modes: usize| format!("{modes} modes");
-            ("speed", count(here), "speed", count(before), "every speed has the same modes, in the same order")
+            ("mode", count(here), "mode", count(before), "every row has the same modes, in the same order")
         } else {
             continue;
         };
         let (first, first_value, second, second_value, rule) = fault;
         let fault = Fault::Contradiction { first, first_value, second, second_value: second_value + " before", rule };
-        walk.fault(section.span_of("spindle_speed"), fault);
+        walk.fault(section.span_of(key), fault);
         return None;
     }
-    let rows = values.into_iter().zip(known).map(|(speed, (modes, _))| (speed, modes.clone())).collect();
-    match SpeedModes::new(rows) {
-        Ok(table) => Some(table),
-        Err(ChatterError::TooFewPoints { .. }) => {
-            let what = "second spindle speed";
-            let example = "[[speed]] with spindle_speed and its modes, or [[mode]] alone for modes of all speeds";
-            walk.fault(speeds[0].span_of(""), Fault::Nothing { what, example });
-            None
-        }
-        // The form lets no other mode or speed pass.
-        Err(_) => None,
+    if let [single] = sections {
+        let (what, example) = rows.second;
+        walk.fault(single.span_of(""), Fault::Nothing { what, example });
+        return None;
     }
+    if sections.is_empty() {
+        return Some(None);
+    }
+    Some(Some(values.into_iter().zip(known).map(|(value, (modes, _))| (value, modes.clone())).collect()))
 }
 
 /// A mode, and the relative standard deviations of frequency, damping and stiffness.

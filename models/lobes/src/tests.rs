@@ -119,9 +119,38 @@ fn a_corner_radius_reaches_the_limit_and_what_it_cannot_have_is_refused() {
     for (cutter, force, word) in [
         ("corner_radius = \"7 mm\"", "", "half the diameter"),
         ("corner_radius = \"2 mm\"\nrunout = \"5 um\"", "feed_per_tooth = \"0.1 mm\"", "equal pitch"),
-        ("corner_radius = \"2 mm\"", "feed_per_tooth = \"0.1 mm\"", "leave it out"),
     ] {
         let error = parse("chart.toml", &text(cutter, force), &[]).unwrap_err();
         assert!(format!("{error:?}").contains(word), "{word}: {error:?}");
     }
+}
+
+#[test]
+fn modes_along_a_path_reach_limits_and_what_does_not_fit_is_refused_at_its_line() {
+    let station =
+        |at: f64, frequency: f64| format!("[[station]]\nposition = \"{at} mm\"\n{}", mode(frequency, "station."));
+    let wall = cut("wall", &format!("mass_loss = 0.1\n{HEAD}{}{}", station(0.0, 1150.0), station(60.0, 900.0)));
+    let path = wall.along_path.as_ref().unwrap();
+    assert_eq!(path.range(), (0.0, 0.06));
+    // A tenth of the mass has gone at the end.
+    assert!((path.at(0.06).unwrap()[0].natural_frequency - 900.0 / 0.9f64.sqrt()).abs() < 1e-9);
+    let alone = cut("alone", &format!("{HEAD}{}", mode(1150.0, "")));
+    let limit = |cut: &Milling| cut.at_speed(600.0).unwrap().limit(20e-3).unwrap().depth;
+    assert!(limit(&wall) <= limit(&alone) * (1.0 + 1e-9));
+    let speed = speed(3000.0, 900.0) + &speed(6000.0, 900.0);
+    let cases = [
+        (format!("{HEAD}{}", station(0.0, 900.0)), "second station"),
+        (format!("{HEAD}{}{}", station(10.0, 900.0), station(0.0, 900.0)), "ascend"),
+        (format!("{HEAD}{}{}{speed}", station(0.0, 900.0), station(5.0, 900.0)), "[[station]]"),
+        (format!("mass_loss = 0.1\n{HEAD}{}", mode(900.0, "")), "[[station]]"),
+        (format!("mass_loss = 0.95\n{HEAD}{}{}", station(0.0, 900.0), station(5.0, 900.0)), "mass_loss"),
+    ];
+    let folder = folder("stations");
+    let file = folder.join("wall.toml");
+    for (text, word) in cases {
+        std::fs::write(&file, &text).unwrap();
+        let error = read_structure(&file, &[]).unwrap_err();
+        assert!(format!("{error:?} {error}").contains(word), "{word}: {error} {error:?}");
+    }
+    std::fs::remove_dir_all(folder).unwrap();
 }

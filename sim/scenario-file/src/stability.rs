@@ -60,7 +60,12 @@ pub(super) fn around_milling(
     };
     let damping = cut.force.process_damping;
     match MillingStructure::new(cut.modes, cut.cutter.helix_angle, damping, Regeneration::default()) {
-        Ok(structure) => milling.structure = Some(Arc::new(structure.by_speed(cut.by_speed))),
+        Ok(structure) => {
+            let axial_ratio = cut.force.axial / cut.force.tangential;
+            let structure = structure.by_speed(cut.by_speed).along_path(cut.along_path);
+            let structure = structure.with_corner(cut.cutter.corner_radius, axial_ratio);
+            milling.structure = Some(Arc::new(structure));
+        }
         Err(reason) => refused(walk, tool, reason),
     }
     Some(cut.cutter)
@@ -68,9 +73,6 @@ pub(super) fn around_milling(
 
 /// The cutter of the file and that of the tool are one.
 pub(super) fn same_cutter(walk: &mut Walk, tool: &Section<'_>, drawn: &Cutter, milling: &Milling) {
-    if drawn.corner_radius > 0.0 {
-        refused(walk, tool, "its cutter has a corner radius; the shop mills with cylinders");
-    }
     let (teeth, diameter) = (milling.cutter.teeth as usize, milling.cutter.diameter);
     if drawn.teeth != teeth || (drawn.diameter / diameter - 1.0).abs() > 1e-6 {
         let reason = format!(

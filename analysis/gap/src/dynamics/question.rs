@@ -10,12 +10,8 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 use toolroom_facts::{Fact, Quantity};
 use toolroom_nominal::{HeardCut, StructurePrior};
+use toolroom_records::{CHATTER_FREQUENCY_DEVIATION, WRONG_CHATTER_RECORD};
 
-/// Probability that a record of chatter is wrong (assumption, as in `toolroom modes --cuts`).
-const WRONG: f64 = 0.05;
-/// Relative standard deviation of chatter frequencies of a machine about those of the limit, all of them together
-/// (assumption: beyond the limit the frequency moves by about as much).
-const FREQUENCY: f64 = 0.01;
 /// Half width of the logarithm of frequencies that may have drifted, and of depths (assumptions: a collet, a bearing or
 /// another holder moves frequencies by less than a fifth, the limit by less than a factor of 2.5).
 const WIDE: [f64; 2] = [0.2, 0.92];
@@ -211,7 +207,7 @@ impl Question {
                 let limit = self.limit(c, point)[0];
                 for depth in &condition.depths {
                     let beyond = if limit.is_finite() { standard.cdf((depth - limit) / scatter) } else { 0.0 };
-                    let chance = WRONG + (1.0 - 2.0 * WRONG) * beyond;
+                    let chance = WRONG_CHATTER_RECORD + (1.0 - 2.0 * WRONG_CHATTER_RECORD) * beyond;
                     chances.push([chance.ln(), (1.0 - chance).ln()]);
                 }
             }
@@ -242,7 +238,7 @@ impl Question {
             // What all frequencies of a machine share is off once, not once a condition.
             let apart = |(c, frequency): &(usize, f64)| {
                 let expected = self.limit(*c, point)[1];
-                if expected.is_finite() { (frequency - expected) / FREQUENCY } else { NO_LIMIT }
+                if expected.is_finite() { (frequency - expected) / CHATTER_FREQUENCY_DEVIATION } else { NO_LIMIT }
             };
             let mean = read.iter().map(apart).sum::<f64>() / read.len().max(1) as f64;
             heard - 0.5 * mean * mean
@@ -274,7 +270,7 @@ impl Question {
         let [lot, piece] = self.prior.hardness;
         let pieces: Vec<f64> = (0..count(0)).map(|_| piece * normal()).collect();
         let lots: Vec<f64> = (0..count(1)).map(|_| lot * normal()).collect();
-        let off = FREQUENCY * normal();
+        let off = CHATTER_FREQUENCY_DEVIATION * normal();
         let limits: Vec<[f64; 2]> = (0..self.conditions.len()).map(|c| self.limit(c, point)).collect();
         let chatter: Vec<bool> = self
             .places
@@ -283,7 +279,7 @@ impl Question {
             .map(|((c, d), [piece, lot])| {
                 let condition = &self.conditions[*c];
                 let beyond = condition.depths[d - condition.first] + pieces[*piece] + lots[*lot] > limits[*c][0];
-                beyond != (random.random::<f64>() < WRONG)
+                beyond != (random.random::<f64>() < WRONG_CHATTER_RECORD)
             })
             .collect();
         let reads = self.conditions.iter().any(|condition| condition.frequency.is_some());

@@ -2,11 +2,12 @@
 
 use super::file::Chart;
 use super::judgement::{Judgement, Vibration};
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::ops::Range;
 use toolroom_chatter::paper::{FiveDegrees, Reduced};
 use toolroom_chatter::{
-    AtSpeed, ChatterError, Lobes, Milling, SpeedVariation, StabilityLimit, StabilityVerdict, Turning,
+    AtSpeed, ChatterError, Lobes, Milling, Mode, SpeedVariation, StabilityLimit, StabilityVerdict, Turning,
 };
 use toolroom_lobes::{LobesCut, LobesProcess, axes};
 use toolroom_process::unit::convert;
@@ -188,16 +189,52 @@ impl Cut {
         nearest.unwrap_or(verdict.chatter_frequency)
     }
 
+    /// Where on its path, m, the cut is worst at a point, and the least unstable depth at every judged place, searched up to
+    /// `greatest`; none where its modes do not change along the path.
+    ///
+    /// # Errors
+    /// As [`Cut::judge`].
+    pub(super) fn along_path(&self, speed: f64, depth: f64, greatest: f64) -> Result<Option<AlongPath>, ChatterError> {
+        type Limits = Result<Vec<(f64, Option<f64>)>, ChatterError>;
+        Ok(match self {
+            Self::Milling(cut, variation) if cut.along_path.is_some() => {
+                let limit = |(position, cut): (Option<f64>, Milling)| {
+                    let limit = found(prepared(&cut, *variation, speed)?.limit(greatest))?;
+                    Ok((position.unwrap_or_default(), limit))
+                };
+                let limits = cut.places().into_par_iter().map(limit).collect::<Limits>()?;
+                prepared(cut, *variation, speed)?.worst_position(depth)?.map(|worst| AlongPath { worst, limits })
+            }
+            Self::Turning(cut, None) if cut.along_path.is_some() => {
+                let limit = |(position, cut): (Option<f64>, Turning)| {
+                    Ok((position.unwrap_or_default(), found(cut.limit(speed))?.filter(|limit| *limit <= greatest)))
+                };
+                let limits = cut.places().into_iter().map(limit).collect::<Limits>()?;
+                cut.worst_position(speed, depth)?.map(|worst| AlongPath { worst, limits })
+            }
+            Self::Milling(..) | Self::Turning(..) | Self::Chuck(_) | Self::ChipLag(_) | Self::Lathe(_) => None,
+        })
+    }
+
     /// Twice the highest natural frequency, Hz, up to which the lines of a vibration are listed.
     pub fn greatest_frequency(&self) -> f64 {
-        let modes = match self {
-            Self::Milling(cut, _) => &cut.modes,
-            Self::Turning(cut, _) => &cut.modes,
+        let modes: Vec<Mode> = match self {
+            Self::Milling(cut, _) => cut.places().into_iter().flat_map(|(_, cut)| cut.modes).collect(),
+            Self::Turning(cut, _) => cut.places().into_iter().flat_map(|(_, cut)| cut.modes).collect(),
             Self::Chuck(chuck) | Self::ChipLag(chuck) => return 2.0 * chuck.natural_frequency() / TAU,
             Self::Lathe(lathe) => return 2.0 * lathe.reference_frequency() / TAU,
         };
         2.0 * modes.iter().map(|mode| mode.natural_frequency).fold(0.0, f64::max)
     }
+}
+
+/// What stability is along the path of the tool, at one speed.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct AlongPath {
+    /// Place (m) at which a disturbance at the depth in question grows most.
+    pub worst: f64,
+    /// Judged places (m) with the least unstable depth (m), where there is one.
+    pub limits: Vec<(f64, Option<f64>)>,
 }
 
 /// A milling cut at a speed that may vary.

@@ -150,6 +150,18 @@ fn summary(study: &ChartStudy<'_>) -> Value {
         "boundaries": boundaries,
     });
     // What was not requested is not there.
+    if let Some(measured) = &study.measured {
+        let pairs = measured.limits.iter().map(|(speed, depth)| {
+            let depth = if depth.is_finite() { json!(axes.depth.shown(*depth)) } else { Value::Null };
+            json!([axes.speed.shown(*speed), depth])
+        });
+        summary["measured"] = json!({
+            "limits": pairs.collect::<Vec<_>>(),
+            "greatest_difference": measured.greatest.map(|(_, difference)| difference),
+            "at": measured.greatest.map(|(speed, _)| axes.speed.shown(speed)),
+            "median_difference": measured.median,
+        });
+    }
     if !limits.is_empty() {
         summary["limits"] = json!(limits);
     }

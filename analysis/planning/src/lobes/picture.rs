@@ -77,6 +77,9 @@ pub(super) fn lobes(study: &ChartStudy<'_>) -> StabilityLobes {
             lobes.boundary(curve.label.as_str(), points.map(|point| shown(&point)))
         };
     }
+    if let Some(measured) = &study.measured {
+        lobes = lobes.boundary("limit of the measured response", measured.limits.iter().map(shown));
+    }
     for judgement in judgements.iter().flatten() {
         let standing = Standing::of(judgement.verdict.stable, judgement.margin());
         lobes = lobes.point("", shown(&(judgement.speed, judgement.depth)), standing);
@@ -126,6 +129,9 @@ pub(super) fn report(study: &ChartStudy<'_>, echo: &[Echo], provenance: Provenan
     section = section.figure(Figure::new(chart.as_ref(), caption).data_in("lobes.csv"));
     for lack in study.holes() {
         section = section.paragraph(format!("Missing: {lack}."));
+    }
+    if let Some(words) = study.beside_measured() {
+        section = section.paragraph(format!("Measured response: {words}."));
     }
     report = report.section(section);
     if let Some(best) = &study.best {

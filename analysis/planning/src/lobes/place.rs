@@ -1,6 +1,6 @@
 //! A single point of a chart: where it is, as people write it, and its verdict.
 
-use super::cut::Cut;
+use super::cut::{AlongPath, Cut};
 use super::judgement::Vibration;
 use super::{Judgement, LobesFile};
 use crate::modes::{MeasuredError, MeasuredLimit, measured_limit, measured_milling_limit};
@@ -76,6 +76,8 @@ pub struct PointVerdict<'a> {
     load: Map<String, Value>,
     /// The worst phase of a varying speed, of milling.
     worst: Option<WorstPhase>,
+    /// Stability along the path, where the modes change on it.
+    path: Option<AlongPath>,
 }
 
 /// Samples behind a probability: its standard error is at most 2.5 %.
@@ -84,7 +86,10 @@ const SAMPLES: u64 = 400;
 const SEED: u64 = 1;
 
 /// Difference of the limits of modes and of the measured response from which on a warning is due (assumption).
-const GREATEST_DIFFERENCE: f64 = 0.05;
+pub const GREATEST_DIFFERENCE: f64 = 0.05;
+
+/// Key of the limits along the path: pairs of position and stability limit.
+const ALONG_PATH: &str = "limits_along_path [mm]";
 
 impl<'a> PointVerdict<'a> {
     /// Judges a place, SI, on both axes of the chart of `file`.
@@ -114,7 +119,8 @@ impl<'a> PointVerdict<'a> {
             }
             Cut::Milling(..) | Cut::Turning(..) | Cut::Chuck(_) | Cut::ChipLag(_) | Cut::Lathe(_) => None,
         };
-        Ok(Self { file, judgement, measured: None, probability, load, worst })
+        let path = file.cut.along_path(speed, depth, judgement.searched.min(file.chart.depth.end.max(2.0 * depth)))?;
+        Ok(Self { file, judgement, measured: None, probability, load, worst, path })
     }
 
     /// Puts the limit straight from a measured response beside that of the modes.
@@ -156,6 +162,12 @@ impl<'a> PointVerdict<'a> {
             object.insert("worst_phase [deg]".to_owned(), json!(worst.phase.to_degrees()));
             object.insert("phase_spread".to_owned(), json!(worst.spread));
         }
+        if let Some(path) = &self.path {
+            let limits: Vec<Value> =
+                path.limits.iter().map(|(at, limit)| json!([at * 1e3, limit.map(|depth| depth * 1e3)])).collect();
+            object.insert("worst_position [mm]".to_owned(), json!(path.worst * 1e3));
+            object.insert(ALONG_PATH.to_owned(), json!(limits));
+        }
         if let Some(probability) = self.probability {
             object.insert("p_stable".to_owned(), json!(probability.value));
         }
@@ -180,6 +192,15 @@ impl<'a> PointVerdict<'a> {
                         |interval: &Value, side: usize| interval[side].as_f64().map_or_else(String::new, significant);
                     let interval = |interval: &Value| format!("{}–{}", end(interval, 0), end(interval, 1));
                     intervals.iter().map(interval).collect::<Vec<_>>().join(", ")
+                }
+                Value::Array(places) if name == ALONG_PATH => {
+                    let _ = write!(text, "\n  {name}");
+                    for place in places {
+                        let at = place[0].as_f64().map_or_else(String::new, significant);
+                        let limit = place[1].as_f64().map_or_else(|| "none".to_owned(), significant);
+                        let _ = write!(text, "\n  {:28} {limit:>24}", format!("  at {at} mm"));
+                    }
+                    continue;
                 }
                 Value::Object(vibration) => {
                     for (name, value) in vibration {

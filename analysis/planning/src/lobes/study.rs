@@ -1,6 +1,6 @@
 //! A chart worked out: boundaries, verdicts over the grid and at operating points, and what is missing of them.
 
-use super::{Best, ChartMap, Curve, Judged, Limited, LobesFile, Point, Quantity, boundaries};
+use super::{Best, ChartMap, Curve, Judged, Limited, LobesFile, MeasuredCurve, Point, Quantity, boundaries};
 use toolroom_chatter::{ChatterError, Hole, Lobes, RobustSpeed};
 use toolroom_form::significant;
 
@@ -24,6 +24,8 @@ pub struct ChartStudy<'a> {
     pub best: Option<Best>,
     /// Speeds of the chart with the probability that a depth is stable there, where they were requested.
     pub robust: Vec<RobustSpeed>,
+    /// Limits straight from a measured response, where it was given.
+    pub measured: Option<MeasuredCurve>,
 }
 
 impl<'a> ChartStudy<'a> {
@@ -41,7 +43,18 @@ impl<'a> ChartStudy<'a> {
         let curves = boundaries(cut, chart)?;
         let speeds = chart.speed.values("speed")?;
         let limits = file.limit_depths(&speeds)?;
-        Ok(Self { file, curves, grid, judgements, speeds, limits, maps: Vec::new(), best: None, robust: Vec::new() })
+        Ok(Self {
+            file,
+            curves,
+            grid,
+            judgements,
+            speeds,
+            limits,
+            maps: Vec::new(),
+            best: None,
+            robust: Vec::new(),
+            measured: None,
+        })
     }
 
     /// The first limit of stability at other speeds between those where it was worked out, on a straight line; not a number
@@ -79,6 +92,21 @@ impl<'a> ChartStudy<'a> {
             }
         }
         values
+    }
+
+    /// How far the limits of a measured response are from those of the modes, in words.
+    pub fn beside_measured(&self) -> Option<String> {
+        let measured = self.measured.as_ref()?;
+        let axes = self.file.cut.axes();
+        Some(match (measured.greatest, measured.median) {
+            (Some((speed, difference)), Some(median)) => format!(
+                "limits of the modes differ from those of the measured response by {:.1} % in the median and by {:+.1} % at most, at {}",
+                median * 100.0,
+                difference * 100.0,
+                with_unit(&axes.speed, speed)
+            ),
+            _ => "the measured response has no limit on the chart that could be compared".to_owned(),
+        })
     }
 
     /// What the chart lacks, a sentence each: points, limits and operating points for which the search failed.

@@ -37,6 +37,9 @@ impl ChartStudy<'_> {
                 }
             };
         }
+        if let Some(words) = self.beside_measured() {
+            let _ = writeln!(text, "  {words}");
+        }
         if let Some(best) = &self.best {
             let _ = writeln!(text, "  best: {}", best.text(file));
         }

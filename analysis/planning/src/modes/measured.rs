@@ -14,6 +14,7 @@
 //! Lines around the greatest response, as far as the coherence does not stay below 0.5 for three lines. In turning neutral
 //! vibrations outside are not seen, so that the limit is at most too high there.
 
+use super::SpeedsError;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 use toolroom_chatter::{ChatterError, Milling, Sampling, Turning};
@@ -43,6 +44,14 @@ pub enum MeasuredError {
     /// Hardly a line of clear coherence.
     #[error("fewer than ten lines have a coherence of 0.5 and more")]
     Unclear,
+    /// A table at several spindle speeds that says nothing of this one.
+    #[error(transparent)]
+    Speeds(#[from] SpeedsError),
+    /// A cut whose modes change along its path, of which the response was measured at one place.
+    #[error(
+        "the modes of this cut change along its path; put the response beside a lobes file with the modes of its place"
+    )]
+    Path,
     /// The model refused the cut.
     #[error(transparent)]
     Refused(#[from] ChatterError),
@@ -67,6 +76,9 @@ pub fn measured_limit(
     cut: &Turning,
     spindle_speed: f64,
 ) -> Result<Option<MeasuredLimit>, MeasuredError> {
+    if cut.along_path.is_some() {
+        return Err(MeasuredError::Path);
+    }
     let find = |response: Direction, force: Direction| {
         measured.functions.iter().find(|function| function.response == response && function.force == force)
     };
@@ -131,6 +143,9 @@ pub fn measured_milling_limit(
     spindle_speed: f64,
     greatest: f64,
 ) -> Result<Option<MeasuredLimit>, MeasuredError> {
+    if cut.along_path.is_some() {
+        return Err(MeasuredError::Path);
+    }
     let find = |response: Direction, force: Direction| {
         let found = measured.functions.iter().find(|function| function.response == response && function.force == force);
         found.map(|function| Band::new(measured, function)).transpose()
@@ -279,6 +294,7 @@ mod tests {
             force: MillingForce::new(1.8e9, 6e8),
             feed_per_tooth: 0.0,
             by_speed: None,
+            along_path: None,
         };
         for rpm in [4200.0, 5400.0] {
             let speed = rpm / 60.0 * TAU;

@@ -6,14 +6,11 @@ use std::f64::consts::PI;
 use toolroom_chatter::{ChatterError, Direction, Draw, Engagement, Milling, Mode, StabilityLimit, Turning};
 use toolroom_dynamics::ShopCut;
 use toolroom_lobes::{LobesCut, LobesFile, Structure};
+use toolroom_records::{CHATTER_FREQUENCY_DEVIATION, WRONG_CHATTER_RECORD};
 
 /// Modes and the factor of the force coefficients that one particle stands for.
 pub(super) type Values = (Vec<Mode>, f64);
 
-/// Probability that a record of chatter is wrong (assumption).
-const WRONG: f64 = 0.05;
-/// Relative standard deviation of an observed chatter frequency about that of the limit (assumption).
-const FREQUENCY: f64 = 0.01;
 /// Share of the particles that must count in a step of the tempering.
 const EFFECTIVE: f64 = 0.5;
 /// Metropolis moves after each resampling.
@@ -109,7 +106,8 @@ impl<'a> Question<'a> {
         };
         match &self.file.cut {
             LobesCut::Milling(milling) => {
-                let mut milling = Milling { modes: modes.to_vec(), by_speed: None, ..milling.clone() };
+                let mut milling =
+                    Milling { modes: modes.to_vec(), by_speed: None, along_path: None, ..milling.clone() };
                 milling.force.tangential *= factor;
                 milling.force.radial *= factor;
                 milling.force.axial *= factor;
@@ -139,7 +137,8 @@ impl<'a> Question<'a> {
                 Ok((unstable, limit.and_then(Result::ok).map(|limit| limit.chatter_frequency)))
             }
             LobesCut::Turning { cut: turning, bar } => {
-                let mut turning = Turning { modes: modes.to_vec(), by_speed: None, ..turning.clone() };
+                let mut turning =
+                    Turning { modes: modes.to_vec(), by_speed: None, along_path: None, ..turning.clone() };
                 turning.cutting_coefficient *= factor;
                 if let Some((bar, place)) = bar {
                     turning.modes.push(bar.mode_at(*place)?);
@@ -223,13 +222,13 @@ fn read_frequency(cuts: &[&ShopCut], frequency: Option<f64>) -> f64 {
     }
     let observed = read.iter().sum::<f64>() / read.len() as f64;
     // A limit that was not found is three standard deviations away.
-    let apart = frequency.map_or(3.0, |frequency| (observed / frequency - 1.0) / FREQUENCY);
+    let apart = frequency.map_or(3.0, |frequency| (observed / frequency - 1.0) / CHATTER_FREQUENCY_DEVIATION);
     -0.5 * apart * apart
 }
 
 /// Probability of a record.
 fn told(chatter: bool, unstable: bool) -> f64 {
-    if chatter == unstable { 1.0 - WRONG } else { WRONG }
+    if chatter == unstable { 1.0 - WRONG_CHATTER_RECORD } else { WRONG_CHATTER_RECORD }
 }
 
 /// Particles of the posterior, and the logarithm of the evidence.
@@ -314,7 +313,7 @@ fn words(records: &[bool]) -> Vec<u64> {
 pub(super) fn surprise(prior: &[Particle], cuts: &[ShopCut], seed: u64) -> f64 {
     let sets: Vec<Vec<u64>> = prior.iter().map(|particle| words(&particle.unstable)).collect();
     // Logarithm of the probability but for a constant: every record that differs costs as much.
-    let cost = ((1.0 - WRONG) / WRONG).ln();
+    let cost = ((1.0 - WRONG_CHATTER_RECORD) / WRONG_CHATTER_RECORD).ln();
     let evidence = |records: &[bool]| -> f64 {
         let records = words(records);
         let differs = |set: &Vec<u64>| set.iter().zip(&records).map(|(a, b)| (a ^ b).count_ones()).sum::<u32>();
@@ -329,7 +328,7 @@ pub(super) fn surprise(prior: &[Particle], cuts: &[ShopCut], seed: u64) -> f64 {
         let mut draw = Draw::new(seed ^ 0xA5A5, i as u64);
         let particle = &prior[i % prior.len()];
         let records: Vec<bool> =
-            particle.unstable.iter().map(|unstable| *unstable != (draw.uniform() < WRONG)).collect();
+            particle.unstable.iter().map(|unstable| *unstable != (draw.uniform() < WRONG_CHATTER_RECORD)).collect();
         evidence(&records) <= observed + 1e-9
     };
     let fewer = (0..DRAWN).into_par_iter().filter(|i| drawn(*i)).count();

@@ -21,6 +21,9 @@ pub enum SwapError {
     /// Modes that change with the spindle speed.
     #[error("the modes of the base change with the spindle speed; put those of one speed into a file of their own")]
     Speeds,
+    /// Modes that change along the path.
+    #[error("the modes of the base change along the path; put those of one station into a file of their own")]
+    Stations,
     /// Modes that move along different lines.
     #[error(
         "mode {mode} of the base moves along another line than the first; put the modes of each direction into a file of \
@@ -46,6 +49,9 @@ pub enum SwapError {
 pub fn tip(spindle: &Structure, tool: &Tool, range: [f64; 2]) -> Result<(Measurement, [f64; 2]), SwapError> {
     if spindle.by_speed.is_some() {
         return Err(SwapError::Speeds);
+    }
+    if spindle.along_path.is_some() {
+        return Err(SwapError::Stations);
     }
     let [x, y] = spindle.modes.first().map_or([1.0, 0.0], |mode| mode.direction);
     let mut modes = Vec::new();

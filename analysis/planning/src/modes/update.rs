@@ -42,6 +42,11 @@ pub enum UpdateError {
         "the modes of the structure file change with the spindle speed: bring those of one speed up to date by the cuts at that speed"
     )]
     Speeds,
+    /// Modes that change along the path.
+    #[error(
+        "the modes of the structure file change along the path: bring those of one station up to date by the cuts there"
+    )]
+    Stations,
     /// An immersion of a turned cut.
     #[error("a turned cut has no immersion: leave out that column")]
     Immersion,
@@ -134,6 +139,9 @@ impl ModesUpdate {
         }
         if structure.by_speed.is_some() {
             return Err(UpdateError::Speeds);
+        }
+        if structure.along_path.is_some() {
+            return Err(UpdateError::Stations);
         }
         if cuts.is_empty() {
             return Err(UpdateError::NoCuts);
@@ -332,6 +340,7 @@ mod tests {
             name: "lathe".to_owned(),
             modes: vec![mode],
             by_speed: None,
+            along_path: None,
             rotations: vec![None],
             scatter: None,
             deviations: vec![[0.03, 0.25, 0.10]],

@@ -35,6 +35,7 @@ impl Milling {
     ///     force: MillingForce::new(6e8, 2e8),
     ///     feed_per_tooth: 0.1e-3,
     ///     by_speed: None,
+    ///     along_path: None,
     /// };
     /// // Period doubling at 1.1 times the limit: an independent simulation has 345.32 um.
     /// let cycle = slot.limit_cycle(12000.0 / 60.0 * TAU, 1.1 * 2.14930949e-3).unwrap();
@@ -43,6 +44,9 @@ impl Milling {
     pub fn limit_cycle(&self, spindle_speed: f64, depth: f64) -> Result<LimitCycle, ChatterError> {
         if self.by_speed.is_some() {
             return self.at_spindle_speed(spindle_speed)?.limit_cycle(spindle_speed, depth);
+        }
+        if self.along_path.is_some() {
+            return self.at_worst_place(spindle_speed, depth)?.limit_cycle(spindle_speed, depth);
         }
         let teeth = self.cutter.teeth;
         let pitch = TAU / (teeth as f64 * positive("spindle_speed", spindle_speed)?);

@@ -92,6 +92,9 @@ impl Turning {
         if self.by_speed.is_some() {
             return self.at_spindle_speed(spindle_speed)?.limit_cycle(spindle_speed, width);
         }
+        if self.along_path.is_some() {
+            return self.at_worst_place(spindle_speed, width)?.limit_cycle(spindle_speed, width);
+        }
         within("width", width, 0.0, f64::MAX)?;
         let limit = match self.limit(spindle_speed) {
             Err(ChatterError::NoLimit { .. }) => return Ok(LimitCycle::NONE),

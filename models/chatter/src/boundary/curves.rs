@@ -160,6 +160,7 @@ mod tests {
             force: MillingForce::new(6e8, 2e8),
             feed_per_tooth: 0.1e-3,
             by_speed: None,
+            along_path: None,
         };
         let curves = cut.boundary(&axis(17000.0, 18400.0, 29), 4.5e-3).unwrap().curves();
         let islands: Vec<_> = curves.iter().filter(|curve| curve.closed).collect();

@@ -38,7 +38,8 @@ const SAMPLES: usize = 1000;
 impl Milling {
     /// Forced vibration at `spindle_speed` (rad/s) and `depth` (m), by the Fourier coefficients of
     /// the static force times the frequency response. It is the motion of a stable cut: the same in
-    /// every period, so regeneration drops out.
+    /// every period, so regeneration drops out. Where the modes change along the path it is that of the place with the
+    /// greatest error of the surface.
     ///
     /// # Errors
     /// A cut that is none; a speed or depth that is not positive; runout so great that the teeth's
@@ -47,13 +48,23 @@ impl Milling {
     /// # Source
     /// `F = −w H(phi) (f_z, 0)` with the forces of runout and edge, coefficients `G(i r N Omega)`; surface location error after
     /// Schmitz and Smith (Machining Dynamics, 2009), at the angle where the tooth leaves the wall:
-    /// 0 in up, pi in down milling.
+    /// 0 in up, pi in down milling, at the foot of the wall above a corner radius.
     pub fn forced(&self, spindle_speed: f64, depth: f64) -> Result<Forced, ChatterError> {
         if self.by_speed.is_some() {
             return self.at_spindle_speed(spindle_speed)?.forced(spindle_speed, depth);
         }
+        if self.along_path.is_some() {
+            let mut worst: Option<Forced> = None;
+            for (_, cut) in self.places() {
+                let forced = cut.forced(spindle_speed, depth)?;
+                let size = |forced: &Forced| forced.surface_location_error.abs();
+                if worst.as_ref().is_none_or(|worst| size(&forced) > size(worst)) {
+                    worst = Some(forced);
+                }
+            }
+            return worst.ok_or(ChatterError::NoModes);
+        }
         self.check()?;
-        self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;
         positive("depth", depth)?;
         let geometry = Geometry::new(self, depth, false)?;
@@ -75,7 +86,7 @@ impl Milling {
         };
         Ok(Forced {
             peak_to_peak: [range(0), range(1)],
-            surface_location_error: at(&motion, self.wall())[1],
+            surface_location_error: at(&motion, self.wall(depth))[1],
             mean_force: [coefficients[0][0].re, coefficients[0][1].re],
             greatest_force: [greatest(0), greatest(1)],
             greatest_resultant: angles
@@ -101,7 +112,6 @@ impl Milling {
     /// As [`Milling::forced`].
     pub fn surface_errors(&self, speeds: &[f64], depths: &[f64]) -> Result<Vec<f64>, ChatterError> {
         self.check()?;
-        self.only_cylinder()?;
         let series = |depth: &f64| {
             if *depth == 0.0 {
                 return Ok(None);
@@ -110,21 +120,26 @@ impl Milling {
             let coefficients = self.force_coefficients(&geometry, *depth);
             Ok(Some((geometry.origin, geometry.span, coefficients)))
         };
-        let series: Vec<_> = depths.par_iter().map(series).collect::<Result<_, ChatterError>>()?;
+        let series: Vec<Option<ForceSeries>> = depths.par_iter().map(series).collect::<Result<_, ChatterError>>()?;
         let sign = if self.direction() == Direction::Up { -1.0 } else { 1.0 };
         // Straight teeth repeat after the same angle at every depth, helical ones too.
         let span = if self.cutter.is_regular() { TAU / self.cutter.teeth as f64 } else { TAU };
         let column = |speed: &f64| {
             positive("spindle_speed", *speed)?;
-            let cut = self.at_spindle_speed(*speed)?;
-            let responses: Vec<_> = (0..=HARMONICS).map(|r| cut.frequency_response(r as f64 * speed / span)).collect();
-            let left = |series: &Option<ForceSeries>| {
-                series.as_ref().map_or(0.0, |(origin, base, forces)| {
+            let mut worst = vec![0.0f64; depths.len()];
+            for (_, cut) in self.at_spindle_speed(*speed)?.places() {
+                let responses: Vec<_> =
+                    (0..=HARMONICS).map(|r| cut.frequency_response(r as f64 * speed / span)).collect();
+                for ((worst, series), depth) in worst.iter_mut().zip(&series).zip(depths) {
+                    let Some((origin, base, forces)) = series else { continue };
                     let motion: Vec<_> = forces.iter().zip(&responses).map(|(force, g)| g * force).collect();
-                    sign * sum(&motion, (self.wall() - origin) / base)[1]
-                })
-            };
-            Ok(series.iter().map(left).collect::<Vec<f64>>())
+                    let left = sign * sum(&motion, (self.wall(*depth) - origin) / base)[1];
+                    if left.abs() > worst.abs() {
+                        *worst = left;
+                    }
+                }
+            }
+            Ok(worst)
         };
         let columns: Vec<Vec<f64>> = speeds.par_iter().map(column).collect::<Result<_, ChatterError>>()?;
         Ok(columns.into_iter().flatten().collect())
@@ -146,9 +161,10 @@ impl Milling {
         Ok((0..SAMPLES).map(at).fold(0.0, f64::max))
     }
 
-    /// Angle at which a tooth leaves the wall: it moves along the feed there.
-    fn wall(&self) -> f64 {
-        if self.direction() == Direction::Up { 0.0 } else { PI }
+    /// Angle of tooth 0 at its tip at which it leaves the foot of the wall, where it moves along the feed.
+    fn wall(&self, depth: f64) -> f64 {
+        let leaving = if self.direction() == Direction::Up { 0.0 } else { PI };
+        leaving + self.cutter.lag_angle(self.foot_of_wall(depth))
     }
 
     /// Up milling if the engagement starts at the wall, else down.

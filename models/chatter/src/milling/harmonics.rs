@@ -329,6 +329,7 @@ mod tests {
             force: MillingForce { process_damping, ..MillingForce::new(6e8, 2e8) },
             feed_per_tooth: 0.0,
             by_speed: None,
+            along_path: None,
         }
     }
 

@@ -16,9 +16,11 @@ pub(crate) use engagement::tooth_period_gain;
 pub use forced::Forced;
 pub use harmonics::{Response, Sampling};
 pub use load::CuttingLoad;
+pub(crate) use profile::{SLICES, Slice, slices};
 pub use stability::{AtSpeed, WorstPhase};
 
 use crate::error::{ChatterError, positive, within};
+use crate::path::{PathModes, check_path, one_table};
 use crate::speeds::{SpeedModes, check_speeds};
 use crate::structure::{Mode, check_modes};
 use std::borrow::Cow;
@@ -39,6 +41,7 @@ use std::borrow::Cow;
 ///     force: MillingForce::new(6e8, 2e8),
 ///     feed_per_tooth: 0.1e-3,
 ///     by_speed: None,
+///     along_path: None,
 /// };
 /// let verdict = cut.verdict(5000.0 / 60.0 * TAU, 0.5e-3).unwrap();
 /// assert!((verdict.spectral_radius - 1.073975587).abs() < 1e-7);
@@ -59,6 +62,10 @@ pub struct Milling {
     /// speed.
     #[serde(default)]
     pub by_speed: Option<SpeedModes>,
+    /// The modes at stations along the path, where they change on it: every question is answered at the worst place. They
+    /// count then, and `modes` nowhere. Not together with `by_speed`.
+    #[serde(default)]
+    pub along_path: Option<PathModes>,
 }
 
 impl Milling {
@@ -71,7 +78,7 @@ impl Milling {
             None => Cow::Borrowed(self),
             Some(table) => {
                 let modes = table.at(spindle_speed)?;
-                Cow::Owned(Self { modes, cutter: self.cutter.clone(), by_speed: None, ..*self })
+                Cow::Owned(Self { modes, cutter: self.cutter.clone(), by_speed: None, along_path: None, ..*self })
             }
         })
     }
@@ -79,6 +86,8 @@ impl Milling {
     pub(crate) fn check(&self) -> Result<(), ChatterError> {
         check_modes(&self.modes)?;
         check_speeds(self.by_speed.as_ref())?;
+        check_path(self.along_path.as_ref())?;
+        one_table(self.by_speed.is_some(), self.along_path.is_some())?;
         self.cutter.check()?;
         self.engagement.check()?;
         self.force.check()?;

@@ -24,6 +24,14 @@ impl Milling {
         if self.by_speed.is_some() {
             return self.at_spindle_speed(spindle_speed)?.zeroth_order_limit(spindle_speed);
         }
+        if self.along_path.is_some() {
+            let limit = |(_, cut): (_, Self)| cut.zeroth_order_limit(spindle_speed);
+            let least = self.places().into_iter().map(limit).try_fold(f64::INFINITY, |least, limit| match limit {
+                Err(ChatterError::NoLimit { .. }) => Ok(least),
+                limit => Ok(least.min(limit?)),
+            })?;
+            return if least.is_finite() { Ok(least) } else { Err(ChatterError::NoLimit { searched: f64::INFINITY }) };
+        }
         self.check()?;
         self.only_cylinder()?;
         positive("spindle_speed", spindle_speed)?;

@@ -219,6 +219,7 @@ mod tests {
             force: MillingForce::new(6e8, 2e8),
             feed_per_tooth: 0.1e-3,
             by_speed: None,
+            along_path: None,
         }
     }
 

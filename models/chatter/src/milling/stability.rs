@@ -14,7 +14,7 @@ use crate::krylov::{Dominant, Krylov, LinearMap, dense_dominant, dense_eigenvalu
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::speed_variation::{SpeedVariation, Started};
-use crate::structure::last_to_decay;
+use crate::structure::{Mode, last_to_decay};
 use crate::verdict::StabilityVerdict;
 use nalgebra::Complex;
 use std::borrow::Cow;
@@ -72,6 +72,11 @@ pub struct AtSpeed<'a> {
     krylov: Krylov,
     /// Angle of tooth 0 where a varying speed is greatest (rad).
     phase: f64,
+    /// Where this cut stands on its path (m), and the cuts at the other places of it.
+    position: Option<f64>,
+    others: Vec<AtSpeed<'a>>,
+    /// Which of them, counted from one, was the worst at the last depth; this cut where it is zero.
+    worst: usize,
 }
 
 /// A period ready for depths up to some depth.
@@ -171,7 +176,19 @@ fn stretches(geometry: &Geometry, repeats: u32) -> Vec<PlannedStretch<(usize, us
 }
 
 impl<'a> AtSpeed<'a> {
+    /// The cut, or of one whose modes change along its path that of the first place with all others beside it.
     fn new(cut: Cow<'a, Milling>, motion: Motion) -> Result<Self, ChatterError> {
+        if cut.along_path.is_none() {
+            return Self::here(cut, motion);
+        }
+        let at = |(position, cut)| Ok(Self { position, ..Self::here(Cow::Owned(cut), motion)? });
+        let mut places = cut.places().into_iter().map(at).collect::<Result<Vec<_>, ChatterError>>()?;
+        let mut first = places.remove(0);
+        first.others = places;
+        Ok(first)
+    }
+
+    fn here(cut: Cow<'a, Milling>, motion: Motion) -> Result<Self, ChatterError> {
         let varying = matches!(motion, Motion::Varying(..));
         Ok(Self {
             motion,
@@ -185,12 +202,32 @@ impl<'a> AtSpeed<'a> {
             storage: MapStorage::default(),
             krylov: Krylov::default(),
             phase: 0.0,
+            position: None,
+            others: Vec::new(),
+            worst: 0,
         })
+    }
+
+    /// The modes of the place that was the worst at the last depth.
+    fn worst_modes(&self) -> &[Mode] {
+        let place = self.worst.checked_sub(1).and_then(|i| self.others.get(i)).unwrap_or(self);
+        &place.cut.modes
+    }
+
+    /// The place of the path (m) at which a disturbance at `depth` (m) grows most; none where the modes do not change along
+    /// a path.
+    ///
+    /// # Errors
+    /// As [`AtSpeed::verdict`].
+    pub fn worst_position(&mut self, depth: f64) -> Result<Option<f64>, ChatterError> {
+        self.verdict(depth)?;
+        Ok(self.worst.checked_sub(1).and_then(|i| self.others.get(i)).map_or(self.position, |place| place.position))
     }
 
     /// For many depths up to `greatest` (m): what they share is worked out once.
     pub(crate) fn up_to(mut self, greatest: f64) -> Self {
         self.expected = greatest;
+        self.others.iter_mut().for_each(|place| place.expected = greatest);
         self
     }
 
@@ -237,8 +274,21 @@ impl<'a> AtSpeed<'a> {
         Ok(Prepared { period, length: f64::from(repeats) * geometry.span / speed, greatest })
     }
 
-    /// Dominant multiplier at `depth` over one period, and the period (s).
+    /// Dominant multiplier at `depth` over one period, at the worst place, and the period (s).
     fn dominant(&mut self, depth: f64, effort: Effort) -> Result<(Dominant, f64), ChatterError> {
+        let mut greatest = self.dominant_here(depth, effort)?;
+        self.worst = 0;
+        for (i, place) in self.others.iter_mut().enumerate() {
+            let found = place.dominant_here(depth, effort)?;
+            if found.0.value.norm() > greatest.0.value.norm() {
+                (greatest, self.worst) = (found, i + 1);
+            }
+        }
+        Ok(greatest)
+    }
+
+    /// Dominant multiplier at `depth` over one period, and the period (s).
+    fn dominant_here(&mut self, depth: f64, effort: Effort) -> Result<(Dominant, f64), ChatterError> {
         if let Some(speed) = self.slow()? {
             let geometry = self.geometry(depth)?;
             return Ok((slow::dominant(&self.cut, &geometry, speed, depth), geometry.span / speed));
@@ -342,7 +392,8 @@ impl<'a> AtSpeed<'a> {
             Motion::Varying(speed, started) => (started.variation.revolutions, speed),
         };
         let period = f64::from(repeats) * self.geometry.span / speed;
-        (Dominant { value: (last_to_decay(&self.cut.modes) * period).exp(), residual: 0.0 }, period)
+        let modes = std::iter::once(self).chain(&self.others).flat_map(|place| &place.cut.modes);
+        (Dominant { value: (last_to_decay(modes) * period).exp(), residual: 0.0 }, period)
     }
 
     /// The dominant multiplier at `depth` (m) and the period (s), with more effort the nearer it is to the unit circle.
@@ -363,20 +414,31 @@ impl<'a> AtSpeed<'a> {
         within("depth", depth, 0.0, f64::MAX)?;
         let (dominant, period) = if depth == 0.0 { self.uncut() } else { self.refined(depth, effort)? };
         let mut verdict = StabilityVerdict::from_multiplier(dominant.value, period, dominant.residual);
-        verdict.name_frequency(&self.cut.modes);
+        verdict.name_frequency(self.worst_modes());
         if let Motion::Varying(_, started) = self.motion {
             verdict.spread_over(started.variation.revolutions);
         }
         Ok(verdict)
     }
 
-    /// All Floquet multipliers at `depth` (m), the greatest first, by the dense eigenvalues of the
+    /// All Floquet multipliers at `depth` (m), at the worst place of a path, the greatest first, by the dense eigenvalues of the
     /// period map with `extra` more nodes than on the boundary: slow, for cross-checks.
     ///
     /// # Errors
     /// As [`AtSpeed::verdict`].
     pub fn multipliers(&self, depth: f64, extra: usize) -> Result<Vec<Complex<f64>>, ChatterError> {
         within("depth", depth, 0.0, f64::MAX)?;
+        let mut all = self.multipliers_here(depth, extra)?;
+        for place in &self.others {
+            let found = place.multipliers_here(depth, extra)?;
+            if found.first().map(|value| value.norm()) > all.first().map(|value| value.norm()) {
+                all = found;
+            }
+        }
+        Ok(all)
+    }
+
+    fn multipliers_here(&self, depth: f64, extra: usize) -> Result<Vec<Complex<f64>>, ChatterError> {
         let period = self.assemble(depth, Effort::Boundary.settings().0 + extra)?.period;
         let mut storage = MapStorage::default();
         let matrix = PeriodMap::new(&period, depth, &mut storage).dense();

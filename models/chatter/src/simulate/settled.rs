@@ -111,6 +111,9 @@ impl Turning {
         if self.by_speed.is_some() {
             return self.at_spindle_speed(spindle_speed)?.settled(spindle_speed, width, feed_per_rev);
         }
+        if self.along_path.is_some() {
+            return self.at_worst_place(spindle_speed, width)?.settled(spindle_speed, width, feed_per_rev);
+        }
         let steps = 2 * steps_for(&self.modes, TAU / positive("spindle_speed", spindle_speed)?, FINE);
         settle(steps, &[0], |settings, go_on| self.simulate_on(spindle_speed, width, feed_per_rev, settings, go_on))
     }
@@ -124,6 +127,9 @@ impl Milling {
     pub fn settled(&self, spindle_speed: f64, depth: f64) -> Result<Settled, ChatterError> {
         if self.by_speed.is_some() {
             return self.at_spindle_speed(spindle_speed)?.settled(spindle_speed, depth);
+        }
+        if self.along_path.is_some() {
+            return self.at_worst_place(spindle_speed, depth)?.settled(spindle_speed, depth);
         }
         let pitch = TAU / (self.cutter.teeth as f64 * positive("spindle_speed", spindle_speed)?);
         let steps = steps_for(&self.modes, pitch, FINE);

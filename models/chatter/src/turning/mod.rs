@@ -16,6 +16,7 @@ use self::oriented::Oriented;
 use crate::boundary::Crossing;
 use crate::error::{ChatterError, finite, positive, within};
 use crate::intervals::{Certificate, StableIntervals};
+use crate::path::{PathModes, check_path, one_table};
 use crate::speeds::{SpeedModes, check_speeds};
 use crate::structure::{Mode, check_modes};
 use crate::verdict::StabilityLimit;
@@ -72,6 +73,10 @@ pub struct Turning {
     /// speed.
     #[serde(default)]
     pub by_speed: Option<SpeedModes>,
+    /// The modes at stations along the path, where they change on it: every question is answered at the worst place. They
+    /// count then, and `modes` nowhere. Not together with `by_speed`.
+    #[serde(default)]
+    pub along_path: Option<PathModes>,
 }
 
 fn one() -> f64 {
@@ -89,6 +94,7 @@ impl Turning {
             diameter,
             chip_exponent: 1.0,
             by_speed: None,
+            along_path: None,
         }
     }
 
@@ -99,7 +105,9 @@ impl Turning {
     pub fn at_spindle_speed(&self, spindle_speed: f64) -> Result<Cow<'_, Self>, ChatterError> {
         Ok(match &self.by_speed {
             None => Cow::Borrowed(self),
-            Some(table) => Cow::Owned(Self { modes: table.at(spindle_speed)?, by_speed: None, ..*self }),
+            Some(table) => {
+                Cow::Owned(Self { modes: table.at(spindle_speed)?, by_speed: None, along_path: None, ..*self })
+            }
         })
     }
 
@@ -107,12 +115,15 @@ impl Turning {
     #[must_use]
     pub fn with_mode(mut self, mode: Mode) -> Self {
         self.modes.push(mode);
-        Self { by_speed: self.by_speed.map(|table| table.with(mode)), ..self }
+        let along_path = self.along_path.map(|path| path.with(mode));
+        Self { by_speed: self.by_speed.map(|table| table.with(mode)), along_path, ..self }
     }
 
     pub(crate) fn check(&self) -> Result<(), ChatterError> {
         check_modes(&self.modes)?;
         check_speeds(self.by_speed.as_ref())?;
+        check_path(self.along_path.as_ref())?;
+        one_table(self.by_speed.is_some(), self.along_path.is_some())?;
         positive("cutting_coefficient", self.cutting_coefficient)?;
         finite("force_angle", self.force_angle)?;
         within("process_damping", self.process_damping, 0.0, f64::MAX)?;
@@ -149,12 +160,17 @@ impl Turning {
     /// # Errors
     /// A cut that is none; [`ChatterError::NoLimit`] if the oriented response never turns negative.
     ///
-    /// Of modes that change with the speed it is the least at the speeds of their table.
+    /// Of modes that change with the speed or along the path it is the least at the speeds of their table, at the judged places.
     pub fn absolute_limit(&self) -> Result<f64, ChatterError> {
         self.check()?;
-        if let Some(table) = &self.by_speed {
-            let limit = |modes: &Vec<Mode>| Self { modes: modes.clone(), by_speed: None, ..*self }.absolute_limit();
-            return table.rows().map(limit).try_fold(f64::INFINITY, |least, limit| match limit {
+        let tabled: Vec<Vec<Mode>> = match (&self.by_speed, &self.along_path) {
+            (Some(table), _) => table.rows().cloned().collect(),
+            (None, Some(path)) => path.places().into_iter().map(|(_, modes)| modes).collect(),
+            (None, None) => Vec::new(),
+        };
+        if !tabled.is_empty() {
+            let limit = |modes| Self { modes, by_speed: None, along_path: None, ..*self }.absolute_limit();
+            return tabled.into_iter().map(limit).try_fold(f64::INFINITY, |least, limit| match limit {
                 Err(ChatterError::NoLimit { .. }) => Ok(least),
                 limit => Ok(least.min(limit?)),
             });
@@ -188,7 +204,8 @@ impl Turning {
     /// # Source
     /// Sufficient: the damping force exceeds every regenerative force (Altintas et al. 2008).
     pub fn always_stable_below(&self) -> f64 {
-        let fastest = self.modes.iter().map(Mode::angular_frequency).fold(0.0, f64::max);
+        let fastest = |cut: &Self| cut.modes.iter().map(Mode::angular_frequency).fold(0.0, f64::max);
+        let fastest = self.places().iter().map(|(_, cut)| fastest(cut)).fold(0.0, f64::max);
         fastest * self.process_damping / self.force_slope() / (self.diameter / 2.0)
     }
 
@@ -216,6 +233,9 @@ impl Turning {
     /// A cut that is none, a speed that is not positive; [`ChatterError::NoLimit`] where process damping keeps every
     /// width stable, up to that at which the cut is a thousand times as stiff as the structure.
     pub fn limit(&self, spindle_speed: f64) -> Result<StabilityLimit, ChatterError> {
+        if self.along_path.is_some() {
+            return self.least_limit(|cut| cut.limit(spindle_speed));
+        }
         let line = LoopGain::new(self, spindle_speed)?;
         let searched = line.stiff_width();
         let least = Crossings::new(&line).least(searched).ok_or(ChatterError::NoLimit { searched })?;
@@ -232,6 +252,12 @@ impl Turning {
     /// frequencies at which roots cross the imaginary axis do not depend on it. All of them are isolated; a root crosses
     /// to the right where the imaginary part of the loop gain rises.
     pub fn stable_intervals(&self, spindle_speed: f64, greatest: f64) -> Result<StableIntervals, ChatterError> {
+        if self.along_path.is_some() {
+            let places = self.places();
+            let lists: Result<Vec<_>, _> =
+                places.iter().map(|(_, cut)| cut.stable_intervals(spindle_speed, greatest)).collect();
+            return Ok(StableIntervals::common(&lists?, greatest));
+        }
         let line = LoopGain::new(self, spindle_speed)?;
         positive("greatest width", greatest)?;
         Ok(stable_intervals(&Crossings::new(&line).up_to(greatest), greatest))

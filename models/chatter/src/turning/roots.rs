@@ -69,9 +69,13 @@ impl<'a> TurningAtSpeed<'a> {
     /// # Errors
     /// A cut that is none; a speed that is not positive; a width that is negative or makes the cut more than a thousand
     /// times as stiff as the structure.
-    pub fn new(cut: &'a Turning, spindle_speed: f64, greatest: f64) -> Result<Self, ChatterError> {
-        let line = LoopGain::new(cut, spindle_speed)?;
-        let cut = cut.at_spindle_speed(spindle_speed)?;
+    pub fn new(cut: Cow<'a, Turning>, spindle_speed: f64, greatest: f64) -> Result<Self, ChatterError> {
+        let line = LoopGain::new(&cut, spindle_speed)?;
+        let other = match cut.at_spindle_speed(spindle_speed)? {
+            Cow::Owned(other) => Some(other),
+            Cow::Borrowed(_) => None,
+        };
+        let cut = other.map_or(cut, Cow::Owned);
         // Beyond, the vibrations that a cut could have are without number.
         within("width", greatest, 0.0, line.stiff_width())?;
         // Somewhat beyond, where the vibration lies that a stable cut is nearest to.

@@ -12,6 +12,7 @@ use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, a
 use crate::response::{Modal, Modes};
 use crate::speed_variation::Started;
 use crate::verdict::{ChatterKind, StabilityLimit, StabilityVerdict};
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 impl Cut for Turning {
@@ -92,7 +93,10 @@ impl Turning {
     /// # Errors
     /// As [`Turning::verdict`].
     pub fn verdict_without_margin(&self, spindle_speed: f64, width: f64) -> Result<StabilityVerdict, ChatterError> {
-        TurningAtSpeed::new(self, spindle_speed, width)?.verdict(width)
+        if self.along_path.is_some() {
+            return self.worst_verdict(|cut| cut.verdict_without_margin(spindle_speed, width));
+        }
+        TurningAtSpeed::new(Cow::Borrowed(self), spindle_speed, width)?.verdict(width)
     }
 
     /// Whether the cut is stable at `spindle_speed` (rad/s) and `width` (m): the number of unstable roots alone, for
@@ -101,7 +105,15 @@ impl Turning {
     /// # Errors
     /// As [`Turning::verdict`].
     pub fn is_stable(&self, spindle_speed: f64, width: f64) -> Result<bool, ChatterError> {
-        Ok(TurningAtSpeed::new(self, spindle_speed, width)?.unstable_roots(width) == 0)
+        if self.along_path.is_some() {
+            for (_, cut) in self.places() {
+                if !cut.is_stable(spindle_speed, width)? {
+                    return Ok(false);
+                }
+            }
+            return Ok(true);
+        }
+        Ok(TurningAtSpeed::new(Cow::Borrowed(self), spindle_speed, width)?.unstable_roots(width) == 0)
     }
 
     /// Verdict at a speed that varies about `spindle_speed` (rad/s); the spectral radius is that of
@@ -131,6 +143,9 @@ impl Turning {
         if self.by_speed.is_some() {
             return self.at_spindle_speed(spindle_speed)?.verdict_at_varying_speed(spindle_speed, variation, width);
         }
+        if self.along_path.is_some() {
+            return self.worst_verdict(|cut| cut.verdict_at_varying_speed(spindle_speed, variation, width));
+        }
         const RESIDUAL: f64 = 1e-8;
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
@@ -140,7 +155,7 @@ impl Turning {
         let length = TAU * f64::from(revolutions) / spindle_speed;
         let dominant = if width == 0.0 {
             // Without a cut the speed does not matter.
-            let root = TurningAtSpeed::new(self, spindle_speed, width)?.rightmost_root(width)?;
+            let root = TurningAtSpeed::new(Cow::Borrowed(self), spindle_speed, width)?.rightmost_root(width)?;
             Dominant { value: (root.rate * length).exp(), residual: root.residual }
         } else {
             let motion = Motion::Varying(spindle_speed, Started::new(variation, 0.0));
@@ -175,6 +190,9 @@ impl Turning {
                 steps,
             );
         }
+        if self.along_path.is_some() {
+            return self.least_limit(|cut| cut.limit_at_varying_speed(spindle_speed, variation, greatest, steps));
+        }
         let (depth, dominant) = self.varying(spindle_speed, variation, (greatest, steps), true)?;
         let length = TAU * f64::from(variation.revolutions) / spindle_speed;
         // Requested, and so worked out.
@@ -202,6 +220,9 @@ impl Turning {
                 greatest,
                 steps,
             );
+        }
+        if self.along_path.is_some() {
+            return Ok(self.limit_at_varying_speed(spindle_speed, variation, greatest, steps)?.depth);
         }
         Ok(self.varying(spindle_speed, variation, (greatest, steps), false)?.0)
     }

@@ -89,6 +89,7 @@ fn islands_of_a_helical_cutter() {
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     };
     for (speed, from, to) in
         [(17850.0, 1.78988805, 3.06628205), (16800.0, 6.24774127, 7.29866957), (17600.0, 2.67135879, 3.54511686)]

@@ -19,6 +19,7 @@ fn milling() -> Milling {
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     }
 }
 

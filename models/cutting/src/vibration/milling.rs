@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 use toolroom_chatter::{
     AtSpeed, ChatterError, ChatterKind, Cutter, Direction, Engagement, LimitCycle, Milling, MillingForce, Mode,
-    SpeedModes, SpeedVariation,
+    PathModes, SpeedModes, SpeedVariation,
 };
 
 /// Tool, holder, spindle and workpiece around a milled cut, in (feed, normal).
@@ -18,12 +18,16 @@ use toolroom_chatter::{
 pub struct MillingStructure {
     modes: Vec<Mode>,
     by_speed: Option<SpeedModes>,
+    along_path: Option<PathModes>,
+    /// Radius of the corner (m), and the axial over the tangential coefficient, which acts there.
+    corner: (f64, f64),
     helix_angle: f64,
     process_damping: f64,
     /// What wear changes.
     pub regeneration: Regeneration,
     boundaries: Memo<Key, Boundary>,
-    forced: Memo<Key, f64>,
+    /// By steps of the depth where a corner makes it count.
+    forced: Memo<(Key, i32), f64>,
     /// By steps of the depth.
     growth: Memo<(Key, i32), f64>,
     /// By steps of the ratio of depth to limit.
@@ -96,12 +100,15 @@ impl MillingStructure {
         let force = MillingForce { process_damping, ..MillingForce::new(1e9, 3e8) };
         let cutter = Cutter { helix_angle, ..Cutter::straight(2, 0.01) };
         let engagement = Engagement::new(0.5, Direction::Down)?;
-        let trial = Milling { modes, cutter, engagement, force, feed_per_tooth: 1e-4, by_speed: None };
+        let trial =
+            Milling { modes, cutter, engagement, force, feed_per_tooth: 1e-4, by_speed: None, along_path: None };
         trial.at_speed(100.0)?;
         let modes = trial.modes;
         Ok(Self {
             modes,
             by_speed: None,
+            along_path: None,
+            corner: (0.0, 0.0),
             helix_angle,
             process_damping,
             regeneration,
@@ -117,6 +124,24 @@ impl MillingStructure {
     #[must_use]
     pub fn by_speed(self, by_speed: Option<SpeedModes>) -> Self {
         Self { by_speed, ..self }
+    }
+
+    /// The structure with modes that change along the path of the tool: a pass is judged at its worst place.
+    #[must_use]
+    pub fn along_path(self, along_path: Option<PathModes>) -> Self {
+        Self { along_path, ..self }
+    }
+
+    /// The structure of a cutter with a corner of `radius` (m), a ball end or a bull nose; `axial_ratio` is the axial over the
+    /// tangential coefficient. Stability and vibration are those of this cutter.
+    #[must_use]
+    pub fn with_corner(self, radius: f64, axial_ratio: f64) -> Self {
+        Self { corner: (radius, axial_ratio), ..self }
+    }
+
+    /// Whether the depth changes the angles of the teeth, so that limits do not go with the inverse of the coefficient.
+    fn depth_counts(&self) -> bool {
+        self.helix_angle != 0.0 || self.corner.0 > 0.0
     }
 
     /// Least and greatest spindle speed (rad/s) at which the modes are known, where they change with it.
@@ -138,7 +163,7 @@ impl MillingStructure {
 
     fn key(&self, at: &Tooth) -> Key {
         let (tangential, damping) = self.worn(at);
-        let helical = self.helix_angle != 0.0;
+        let helical = self.depth_counts();
         let damping = self.graded(damping, at);
         Key {
             speed: rounded(at.spindle_speed, SPEED_STEP).0,
@@ -160,13 +185,17 @@ impl MillingStructure {
     /// The cut as it is judged, its speed, and the factor from its depth to the real one.
     fn judged(&self, at: &Tooth, key: &Key) -> Result<(Milling, f64, f64), ChatterError> {
         let (tangential, damping) = self.worn(at);
-        let helical = self.helix_angle != 0.0;
+        let helical = self.depth_counts();
         let judged = if helical { rounded(tangential, STIFFNESS_STEP).1 } else { NOMINAL };
-        let cutter =
-            Cutter { helix_angle: self.helix_angle, runout: at.runout, ..Cutter::straight(key.teeth, at.diameter) };
+        let corner_radius = self.corner.0.min(0.5 * at.diameter);
+        // With a corner the teeth count as true: runout is not calculated there.
+        let runout = if corner_radius > 0.0 { 0.0 } else { at.runout };
+        let straight = Cutter::straight(key.teeth, at.diameter);
+        let cutter = Cutter { helix_angle: self.helix_angle, runout, corner_radius, ..straight };
         let direction = if at.down { Direction::Down } else { Direction::Up };
         let force = MillingForce {
             process_damping: rounded_damping(self.graded(damping, at)).1 * judged,
+            axial: judged * self.corner.1,
             ..MillingForce::new(judged, judged * radial_ratio(at).1)
         };
         let speed = rounded(at.spindle_speed, SPEED_STEP).1;
@@ -181,8 +210,15 @@ impl MillingStructure {
             force,
             feed_per_tooth: at.feed_per_tooth,
             by_speed: None,
+            along_path: self.path(at),
         };
         Ok((cut, speed, if helical { 1.0 } else { judged / tangential }))
+    }
+
+    /// The modes along the path with the factors of the machine.
+    fn path(&self, at: &Tooth) -> Option<PathModes> {
+        let scatter = |_, mode: &Mode| other(mode, at.frequency_factor, at.damping_factor);
+        self.along_path.as_ref().map(|path| path.map(scatter))
     }
 
     /// Boundary in depths of the judged cut. A cut that the model refuses, as one without a tooth in
@@ -217,10 +253,12 @@ impl MillingStructure {
         // The response goes with depth and feed; with a helix nearly so.
         const DEPTH: f64 = 1e-3;
         let key = Key { damping: 0, searched: 0, variation: (0, 0), ..*key };
-        self.forced.of(key, || {
+        // A corner meets the work at other angles at every depth.
+        let (step, depth) = if self.corner.0 > 0.0 { rounded(at.depth, SPEED_STEP * CYCLE_SPEED) } else { (0, DEPTH) };
+        self.forced.of((key, step), || {
             let respond = || -> Result<f64, ChatterError> {
                 let (cut, speed, _) = self.judged(at, &key)?;
-                Ok(0.5 * cut.forced(speed, DEPTH)?.peak_to_peak[1] / (DEPTH * at.feed_per_tooth))
+                Ok(0.5 * cut.forced(speed, depth)?.peak_to_peak[1] / (depth * at.feed_per_tooth))
             };
             // Teeth whose surfaces overlap by runout have no forced response without simulation.
             respond().unwrap_or(0.0)
@@ -232,7 +270,7 @@ impl MillingStructure {
     pub(crate) fn limit(&self, at: &Tooth) -> (f64, f64) {
         let boundary = self.boundary(at, &self.key(at));
         let (tangential, _) = self.worn(at);
-        let scale = if self.helix_angle == 0.0 { NOMINAL / tangential } else { 1.0 };
+        let scale = if self.depth_counts() { 1.0 } else { NOMINAL / tangential };
         (boundary.limit * scale, boundary.frequency)
     }
 
@@ -241,7 +279,7 @@ impl MillingStructure {
         let key = self.key(at);
         let judged = self.boundary(at, &key);
         let (tangential, _) = self.worn(at);
-        let scale = if self.helix_angle == 0.0 { NOMINAL / tangential } else { 1.0 };
+        let scale = if self.depth_counts() { 1.0 } else { NOMINAL / tangential };
         let boundary = Boundary { limit: judged.limit * scale, ..judged };
         // Nearer to the limit the verdict on a rounded depth could lie on its other side.
         let beyond = at.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
@@ -297,7 +335,9 @@ impl MillingStructure {
         let (cut, _, _) = self.judged(at, &self.key(at))?;
         let (tangential, damping) = self.worn(at);
         let radial = tangential * at.radial / at.tangential;
-        let force = MillingForce { process_damping: damping * tangential, ..MillingForce::new(tangential, radial) };
+        let axial = tangential * self.corner.1;
+        let force =
+            MillingForce { process_damping: damping * tangential, axial, ..MillingForce::new(tangential, radial) };
         let by_speed = self
             .by_speed
             .as_ref()
@@ -309,7 +349,7 @@ impl MillingStructure {
     pub(crate) fn growth_rate(&self, at: &Tooth) -> f64 {
         let key = self.key(at);
         let (tangential, _) = self.worn(at);
-        let scale = if self.helix_angle == 0.0 { NOMINAL / tangential } else { 1.0 };
+        let scale = if self.depth_counts() { 1.0 } else { NOMINAL / tangential };
         let (step, depth) = rounded(at.depth / scale, STIFFNESS_STEP);
         let judge = || -> Result<f64, ChatterError> {
             let (cut, speed, _) = self.judged(at, &key)?;

@@ -189,7 +189,11 @@ impl TurningStructure {
         let speed = rounded(at.spindle_speed, SPEED_STEP).1;
         let nominal = cut.at_spindle_speed(speed)?.into_owned();
         let modes = scattered(&nominal.modes, at.frequency_factor, at.damping_factor);
-        Ok((Turning { modes, process_damping: damping, diameter: at.diameter, ..nominal }, speed))
+        let along_path = nominal
+            .along_path
+            .as_ref()
+            .map(|path| path.map(|_, mode| other(mode, at.frequency_factor, at.damping_factor)));
+        Ok((Turning { modes, process_damping: damping, diameter: at.diameter, along_path, ..nominal }, speed))
     }
 
     /// The boundary at nominal coefficient. What cannot be judged counts as unstable.

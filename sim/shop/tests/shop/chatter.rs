@@ -182,5 +182,27 @@ fn modes_by_speed_are_those_of_the_cut_and_refused_where_nobody_measured() {
     };
     let faster = by_speed("outside", |text| text.replace("2000 rpm", "5000 rpm"), "");
     refused(faster.unwrap_err(), ["cutting_speed", "[[speed]]"]);
-    refused(by_speed("corner", |text| text, "corner_radius = \"2 mm\"").unwrap_err(), ["endmill", "corner radius"]);
+}
+
+#[test]
+fn a_wall_is_judged_at_its_worst_place_and_a_ball_end_by_its_corner() {
+    let stations = |text: String| {
+        text.replace("[[speed", "[[station")
+            .replace("spindle_speed = \"2000 rpm\"", "position = \"0 mm\"")
+            .replace("spindle_speed = \"7000 rpm\"", "position = \"80 mm\"")
+    };
+    let soft = |text: String| {
+        let text = stations(text);
+        let (near, far) = text.split_once("80 mm").unwrap();
+        format!("{near}80 mm{}", far.replace("9.6 N/um", "3.2 N/um"))
+    };
+    let short = ["shop.horizon=\"1.2 h\"".to_owned(), "shop.warm_up=\"0 h\"".to_owned()];
+    let plain = log(&read(FILE.as_ref(), &short).unwrap().scenario, "constant");
+    let same = log(&by_speed("wall", stations, "").unwrap(), "constant");
+    assert_eq!(format!("{:?}", same.passes), format!("{:?}", plain.passes));
+    let soft = log(&by_speed("soft", soft, "").unwrap(), "constant");
+    let ball = log(&by_speed("ball", |text| text, "corner_radius = \"2 mm\"").unwrap(), "constant");
+    let share = |log: &RunLog| chatter_share(log, 1);
+    assert!(share(&soft) > share(&plain) + 0.05, "{} {}", share(&soft), share(&plain));
+    assert_ne!(format!("{:?}", ball.passes), format!("{:?}", plain.passes));
 }

@@ -34,10 +34,12 @@ impl AtSpeed<'_> {
     pub fn stable_intervals(&mut self, greatest: f64) -> Result<StableIntervals, ChatterError> {
         self.turn_to_worst_limit(greatest)?;
         let ends = self.ends(greatest, Effort::Boundary, false)?;
-        let certificate = match self.slow()? {
-            Some(_) => Certificate::Envelope,
-            None => Certificate::Resolution(greatest / STEPS as f64),
-        };
+        let mut certificate = Certificate::Resolution(greatest / STEPS as f64);
+        for place in std::iter::once(&*self).chain(&self.others) {
+            if place.slow()?.is_some() {
+                certificate = Certificate::Envelope;
+            }
+        }
         Ok(StableIntervals { ends, greatest, certificate })
     }
 
@@ -80,7 +82,7 @@ impl AtSpeed<'_> {
         if matches!(effort, Effort::Boundary) && excess > NEUTRAL {
             return Err(ChatterError::NotConverged { residual: excess });
         }
-        Ok(Crossing { limit: StabilityLimit::new(depth, &self.cut.modes, dominant, period), becomes_unstable })
+        Ok(Crossing { limit: StabilityLimit::new(depth, self.worst_modes(), dominant, period), becomes_unstable })
     }
 
     /// [`AtSpeed::limit`] for less effort: `steps` even depths are sampled and the first that ends
@@ -135,7 +137,7 @@ impl AtSpeed<'_> {
         };
         let depth = root(&mut excess, *before, *after, 1e-3 / steps as f64)?;
         let (dominant, period) = self.dominant(depth, Effort::Screening)?;
-        Ok(StabilityLimit::new(depth, &self.cut.modes, dominant, period))
+        Ok(StabilityLimit::new(depth, self.worst_modes(), dominant, period))
     }
 
     /// Logarithm of the spectral radius at `depth` (m): for screening to some three digits, of the right sign.

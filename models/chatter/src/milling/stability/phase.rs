@@ -25,6 +25,7 @@ impl AtSpeed<'_> {
             self.motion = Motion::Varying(speed, Started::new(started.variation, phase - self.geometry.origin));
             self.prepared = [None, None, None];
             self.phase = phase;
+            self.others.iter_mut().for_each(|place| place.turn_to(phase));
         }
     }
 

@@ -118,6 +118,7 @@ fn vibration_settles_to_that_of_an_independent_simulation() {
         force: MillingForce::new(800e6, 260e6),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     };
     let limit = cut.at_speed(rpm(7200.0)).unwrap().limit(12e-3).unwrap().depth;
     assert!((limit * 1e3 / 1.511_244_31 - 1.0).abs() < 1e-7);
@@ -162,6 +163,7 @@ fn a_short_simulation_of_milling_has_the_vibration_of_a_fine_one() {
         force: MillingForce { process_damping: 5e4, ..MillingForce::new(2389e6, 965e6) },
         feed_per_tooth: 0.05e-3,
         by_speed: None,
+        along_path: None,
     };
     for speed in [3000.0, 4244.0, 5700.0] {
         let quick = cut.limit_cycle(rpm(speed), 3e-3).unwrap().amplitude * cut.feed_per_tooth;
@@ -187,6 +189,7 @@ fn a_cutter_that_is_pulled_into_the_work_is_refused() {
         force: MillingForce::new(653e6, 316e6),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     };
     let refused = |error| matches!(error, ChatterError::OutOfRange { quantity: "displacement", .. });
     assert!(refused(cut.settled(1469.5, 12.7e-3).unwrap_err()));

@@ -16,6 +16,7 @@ pub fn standard(degrees: usize, immersion: f64, direction: Direction) -> Milling
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     }
 }
 
@@ -249,6 +250,7 @@ fn two_modes_three_teeth_vibrate_and_leave_material_as_computed_independently() 
         force: MillingForce::new(8e8, 2.6e8),
         feed_per_tooth: 1e-4,
         by_speed: None,
+        along_path: None,
     };
     let limit = cut.at_speed(rpm(7200.0)).unwrap().limit(5e-3).unwrap().depth;
     close(limit * 1e3, 1.51124431, 1e-6);
@@ -281,6 +283,7 @@ fn the_phase_of_a_varying_speed_counts() {
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
         by_speed: None,
+        along_path: None,
     };
     let expected = [1.009478, 0.984666, 0.965380, 0.964125, 0.981944, 1.007122, 1.024723, 1.025609];
     for (i, expected) in expected.into_iter().enumerate() {
