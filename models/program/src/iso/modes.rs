@@ -17,6 +17,8 @@ pub(super) enum Move {
     Cycle,
     /// A lathe's box cycle or thread.
     Lathe(u32),
+    /// Holes of a lathe.
+    Drilling,
     Thread,
 }
 
@@ -72,7 +74,7 @@ impl Modes {
             Move::Rapid => Some(0.0),
             Move::Line => Some(1.0),
             Move::Arc { left } => Some(if left { 3.0 } else { 2.0 }),
-            Move::Cycle | Move::Lathe(_) | Move::Thread => None,
+            Move::Cycle | Move::Lathe(_) | Move::Drilling | Move::Thread => None,
         };
         let feed = match kernel.feed_mode {
             FeedMode::Minute => 94.0,
