@@ -195,14 +195,7 @@ impl Iso {
                 return Err(Fault::new("the least depth of a peck (K) is missing beside the decrement J"));
             }
             let stops = stops((bottom - reference).abs(), depth, decrement, least)?;
-            Ok(Some(Pecks {
-                stops,
-                retract,
-                clearance: Clearance::Fixed(clearance),
-                outside: 0.0,
-                inside: 0.0,
-                slow: false,
-            }))
+            Ok(Some(Pecks::new(stops, retract, Clearance::Fixed(clearance))))
         };
         let shift = if cycle.shift == [0.0; 2] { [cycle.peck.unwrap_or(0.0), 0.0] } else { cycle.shift };
         let plain = Hole { reference, bottom, level, pecks: None, dwell: 0.0, exit: Exit::Rapid, feed: None };

@@ -111,8 +111,7 @@ fn hole_at(target: &Target, drilling: Drilling, kernel: &mut Kernel) -> Result<(
             }
             let stops = stops((bottom - reference).abs(), peck, 0.0, peck)?;
             let retract = (!full).then_some(clearance);
-            let clearance = Clearance::Fixed(clearance);
-            Some(Pecks { stops, retract, clearance, outside: 0.0, inside: 0.0, slow: false })
+            Some(Pecks::new(stops, retract, Clearance::Fixed(clearance)))
         }
         None => None,
     };
