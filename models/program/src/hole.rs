@@ -9,8 +9,10 @@ use crate::motion::{EventKind, Purpose, Sense};
 pub(crate) enum Exit {
     /// At rapid speed.
     Rapid,
-    /// At the feed of the cycle.
+    /// At the feed of the cycle, up to the reference plane.
     Feed,
+    /// At the feed of the cycle all the way.
+    FeedAllTheWay,
     /// At another feed, mm/min.
     FeedOf(f64),
     /// The spindle turns the other way, at feed.
@@ -213,6 +215,7 @@ impl Kernel {
         match hole.exit {
             Exit::Rapid => {}
             Exit::Feed => self.across(hole.reference, false)?,
+            Exit::FeedAllTheWay => return self.across(hole.level, false),
             Exit::FeedOf(feed) => self.along_at(feed, hole.reference)?,
             Exit::TapAt(feed) => {
                 self.reverse();

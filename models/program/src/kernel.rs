@@ -371,7 +371,7 @@ impl Kernel {
                 let place =
                     Event { line: self.line, main_line: self.main_line, depth: self.depth, kind: EventKind::Block };
                 let flat = self.plane[..2].iter().all(|axis| motion.start[*axis] == motion.end[*axis]);
-                let leaves = offset.is_leaving() && !flat;
+                let leaves = offset.leaves_by(flat);
                 let done = offset.take(motion, place)?;
                 self.out.extend(done);
                 if leaves {

@@ -305,6 +305,11 @@ impl Writer {
         let from = [u, v].map(|axis| self.at[axis].unwrap_or(motion.start[axis]));
         let centre = [Self::round(arc.centre[0]), Self::round(arc.centre[1])];
         let turns = ((arc.angle - 1e-9) / TAU).floor().max(0.0);
+        // An arc so short that its ends are written alike would be read as a full circle.
+        let alike = [u, v].into_iter().zip(from).all(|(axis, from)| Self::round(motion.end[axis]) == Self::round(from));
+        if alike && arc.angle < 0.5 * TAU && motion.start[w] == motion.end[w] {
+            return Ok(());
+        }
         let mut forced = [false; 9];
         (forced[u], forced[v]) = (true, true);
         if self.klartext() {

@@ -128,3 +128,28 @@ fn an_axis_whose_place_is_not_known_is_sent_nowhere() {
         }
     }
 }
+
+#[test]
+fn corners_that_are_nearly_straight_on_are_no_full_circles() {
+    // The path turns by a ten thousandth of a degree, and by a millionth: the arc about the corner is shorter than a digit.
+    for turn in [2e-6_f64, 4e-8, 1e-7] {
+        let text = format!("G21 G17 G90\nG1 X-20 Y0 F600\nG41 D1 X0 Y0\nX50 Y0\nX100 Y{}\nG40 X130 Y0", -50.0 * turn);
+        let mut source = control(Dialect::LinuxCnc);
+        source.diameters.insert(1, 10.0);
+        let (motions, _) = motions(&text, &source);
+        let length: f64 = motions.iter().map(|motion| motion.length).sum();
+        assert!(length < 180.0, "{turn}: {length}");
+        comes_back_but_for_the_shortest(&text, &source);
+    }
+}
+
+/// The post of a program takes the time of the program.
+fn comes_back_but_for_the_shortest(text: &str, source: &Control) {
+    let time = |list: &[Motion]| list.iter().map(|motion| motion.time).sum::<f64>();
+    let (original, _) = motions(text, source);
+    for target in TARGETS {
+        let written = post(text, source, target).expect("a post").text;
+        let (read, _) = motions(&written, &control(target));
+        assert!((time(&read) - time(&original)).abs() < 1e-4 * time(&original), "{}\n{written}", target.name());
+    }
+}

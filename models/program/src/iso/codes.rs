@@ -53,7 +53,7 @@ impl Iso {
             let diameter = words.take(b'D').ok_or_else(|| Fault::new("G41.1 and G42.1 need D, the diameter"))?;
             let radius = 0.5 * self.mm(kernel, words, b'D', diameter)?;
             if radius > 0.0 {
-                kernel.offset = Some(Offsetting::new(left, radius, kernel.plane, Corner::Round));
+                kernel.offset = Some(Offsetting::new(left, radius, kernel.plane, Corner::Round).left_at_once());
             }
             return Ok(());
         }
@@ -72,7 +72,8 @@ impl Iso {
             return Ok(());
         };
         let corner = if self.dialect == Dialect::Fanuc { Corner::Extended } else { Corner::Round };
-        kernel.offset = Some(Offsetting::new(left, 0.5 * diameter, kernel.plane, corner));
+        let offset = Offsetting::new(left, 0.5 * diameter, kernel.plane, corner);
+        kernel.offset = Some(if self.dialect == Dialect::LinuxCnc { offset.left_at_once() } else { offset });
         Ok(())
     }
 

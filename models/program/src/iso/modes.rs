@@ -47,11 +47,12 @@ pub(super) struct Modes {
 }
 
 impl Modes {
-    pub fn new() -> Self {
+    /// Modes at the start; LinuxCNC returns to the plane R where neither G98 nor G99 stands (so its interpreter rs274).
+    pub fn new(initial_return: bool) -> Self {
         Self {
             motion: Move::Open,
             arc_absolute: false,
-            initial_return: true,
+            initial_return,
             polar: None,
             rotation: None,
             scaling: None,

@@ -79,7 +79,7 @@ impl Iso {
             calls: Vec::new(),
             loops: Vec::new(),
             store: Store::new(dialect),
-            modes: Modes::new(),
+            modes: Modes::new(dialect != Dialect::LinuxCnc),
             cycle: None,
             turned: None,
             drilling: None,

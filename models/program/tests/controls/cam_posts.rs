@@ -64,7 +64,7 @@ fn subprograms_of_siemens_take_values_and_give_back_what_they_hide() {
     does(
         Siemens,
         "G71 G90\nTRAFOOF\nCYCLE800()\nCYCLE832(0.01,_ROUGH,1)\nIF $P_SEARCH GOTOF END\nG1 X10 F600\nEND: M30",
-        { (1.0, 0.0, 0.0, [10.0, 0.0, 100.0]) },
+        (1.0, 0.0, 0.0, [10.0, 0.0, 100.0]),
     );
     for (body, line, word) in [
         ("HOLE(20,2,60,1)", 8, "the call gives 4 values"),
@@ -98,5 +98,13 @@ fn words_of_fanuc_and_linuxcnc_that_change_no_path_are_followed() {
     let found =
         sums("G21 G90 G54 G0 X5. Y5. Z5.\nG54 P12\nG1 X10. Y10. Z5. F600\nX20.", &control(Fanuc)).expect("a program");
     assert!((found.feed - 1.0).abs() < 1e-9, "{found:?}");
+    // Without G98 or G99 the tool returns to the plane R, and behind a contour the first motion of all leads back to it.
+    does(LinuxCnc, "G21 G90\nG0 Z20\nG81 X10 Y0 Z-8 R5 F60\nX20\nG80\nG0 Z20", {
+        (26.0, (80.0 + 10.0 + 15.0 + 13.0 + 10.0 + 13.0 + 15.0) / 500.0, 0.0, [20.0, 0.0, 20.0])
+    });
+    let bored = "G21 G90\nG0 Z20\nG98 G89 X10 Y0 Z-8 R5 P0.5 F60\nG80";
+    does(LinuxCnc, bored, (13.0 + 28.0, (80.0 + 10.0 + 15.0) / 500.0, 0.5, [10.0, 0.0, 20.0]));
+    let contour = "G21 G17 G90 G64\nG0 X-40 Y0 Z0\nG41.1 D10 G1 X0 F600\nX50\nG40 G0 Z30\nX0";
+    does(LinuxCnc, contour, (40.0_f64.hypot(5.0) / 10.0 + 5.0, (100.0 + 30.0 + 50.0) / 500.0, 0.0, [0.0, 0.0, 30.0]));
     does(LinuxCnc, "G21 G90\nG52 X10 Y0\nG1 X10 F600\nG52 X0\nG43.2 H2\nX0", (4.0, 0.0, 0.0, [0.0, 0.0, 100.0]));
 }
