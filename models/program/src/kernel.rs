@@ -107,6 +107,8 @@ pub(crate) struct Kernel {
     pub torn: bool,
     /// Line of the last jump back; 0 before the first.
     pub loop_line: usize,
+    /// Line of the first step of an axis from a place that only the machine knows.
+    pub blind_step: Option<usize>,
 }
 
 impl Kernel {
@@ -144,6 +146,7 @@ impl Kernel {
             waiting: None,
             torn: false,
             loop_line: 0,
+            blind_step: None,
         };
         // X of a lathe is a diameter in the program and a radius here.
         if lathe {
@@ -215,6 +218,9 @@ impl Kernel {
         let (mut start, end) = (self.frame.base(from), self.frame.base(to));
         let mut unknown = false;
         for axis in 0..9 {
+            if !self.known[axis] && target.step[axis].is_some_and(|step| step != 0.0) && self.blind_step.is_none() {
+                self.blind_step = Some(self.line);
+            }
             if !self.known[axis] && target.absolute[axis].is_some() {
                 // It comes from nowhere known and counts as standing.
                 start[axis] = end[axis];

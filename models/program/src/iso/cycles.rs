@@ -200,7 +200,7 @@ impl Iso {
         let shift = if cycle.shift == [0.0; 2] { [cycle.peck.unwrap_or(0.0), 0.0] } else { cycle.shift };
         let plain = Hole { reference, bottom, level, pecks: None, dwell: 0.0, exit: Exit::Rapid, feed: None };
         let dwell = cycle.dwell;
-        // LinuxCNC feeds up to where the cycle ends, others to the plane R (its interpreter rs274 shows it).
+        // Out of G89 LinuxCNC feeds up to where the cycle ends, others to the plane R (its interpreter rs274 shows it).
         let fed = if linuxcnc { Exit::FeedAllTheWay } else { Exit::Feed };
         let taps = || if cycle.peck.is_some() { pecks(None) } else { Ok(None) };
         let hole = match cycle.code {
@@ -213,7 +213,7 @@ impl Iso {
                 let exit = feed.map_or(Exit::Tap, |feed| Exit::TapAt(cycle.back * feed));
                 Hole { pecks: taps()?, dwell, exit, ..plain }
             }
-            85 => Hole { exit: fed, ..plain },
+            85 => Hole { exit: Exit::Feed, ..plain },
             86 => Hole { dwell, exit: Exit::Stopped, ..plain },
             88 => Hole { dwell, exit: Exit::Operator, ..plain },
             89 => Hole { dwell, exit: fed, ..plain },
