@@ -212,7 +212,7 @@ def moved(motions, tolerance):
     """Motions that go anywhere."""
     kept, at = [], [0.0] * 6
     for motion in motions:
-        if motion[0] == "arc" or math.dist(motion[1], at) > tolerance:
+        if math.dist(motion[1], at) > tolerance or (motion[0] == "arc" and motion[2] > tolerance):
             kept.append(motion)
         at = motion[1]
     return kept
