@@ -51,7 +51,7 @@ impl Contour {
     /// Moves around sharp corners are not looked at.
     ///
     /// # Errors
-    /// [`ContourError::Neck`] for the first section on which it cuts into another.
+    /// As [`Contour::admits`], and [`ContourError::Neck`] for the first section on which it cuts into another.
     ///
     /// ```
     /// use toolroom_contour::{ContourError, CutterSide, Point, Trace};
@@ -65,6 +65,7 @@ impl Contour {
     /// assert!(matches!(slot.clears(0.013, 1e-6), Err(ContourError::Neck { section: 0, other: 2, .. })));
     /// ```
     pub fn clears(&self, radius: f64, tolerance: f64) -> Result<(), ContourError> {
+        self.admits(radius)?;
         let tracks: Vec<Track> = self.sections.iter().copied().map(Track::new).collect();
         let grid = Grid::new(self, radius + tolerance);
         for (index, section) in self.sections.iter().enumerate() {
@@ -139,6 +140,8 @@ mod tests {
         trace.line(0.1).unwrap();
         let crossing = trace.finish(CutterSide::Left, false).unwrap();
         assert!(matches!(crossing.clears(0.005, 1e-6), Err(ContourError::Neck { .. })));
+        // A radius that is too small by itself is named as that.
+        assert!(matches!(crossing.clears(0.021, 1e-6), Err(ContourError::CutterTooLarge { section: 1, .. })));
         // Tangential joints are no necks, whatever the side.
         let mut trace = Trace::new(Point::default(), 0.0);
         for (radius, angle) in [(0.02, 1.0), (0.03, -1.2), (0.025, 0.7)] {

@@ -67,7 +67,6 @@ impl Planner<'_> {
         if settings != sections {
             return Err(ContourError::SettingCount { settings, sections });
         }
-        self.drawn().admits(self.parameters.cutter.radius() + leave)?;
         self.drawn().clears(self.parameters.cutter.radius() + leave, self.pass.gouge())?;
         let backwards = self.backwards();
         let reversed;
