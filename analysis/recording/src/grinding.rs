@@ -1,4 +1,4 @@
-//! Plunge grinding trials: parts ground with one infeed and a spark-out. The log keeps the force at
+//! Plunge grinding trials: parts ground with one infeed, or with a rough and a finish one, and a spark-out. The log keeps the force at
 //! the end of each phase; stock, rise and the other forces follow from the process, with the process
 //! stiffness that this force tells.
 
@@ -22,6 +22,8 @@ struct Trial<'a> {
     wheel: &'a Infeed,
     work_rotation_speed: f64,
     infeed: GrindingPhase,
+    /// The finish stage, where there is one.
+    finish: Option<GrindingPhase>,
     spark_out: u32,
     /// Dressing cycle.
     edge: u32,
@@ -65,6 +67,11 @@ pub fn trials(run: &Run<'_>) -> Records {
     records.set_numbers("infeed_per_rev", number(&|trial| trial.infeed.infeed_per_rev));
     records.set_numbers("revolutions", number(&|trial| f64::from(trial.infeed.revolutions)));
     records.set_numbers("spark_out_revolutions", number(&|trial| f64::from(trial.spark_out)));
+    if trials.iter().any(|trial| trial.finish.is_some()) {
+        let of = |value: fn(&GrindingPhase) -> f64| number(&|trial| trial.finish.as_ref().map_or(0.0, value));
+        records.set_numbers("finish_infeed_per_rev", of(|phase| phase.infeed_per_rev));
+        records.set_numbers("finish_revolutions", of(|phase| f64::from(phase.revolutions)));
+    }
     records.set_numbers("work_rotation_speed", number(&|trial| trial.work_rotation_speed));
     records.set_numbers("start_time", number(&|trial| trial.start));
     run.coolants(&mut records, &trials.iter().map(|trial| (machine(trial), trial.start)).collect::<Vec<_>>());
@@ -74,7 +81,7 @@ pub fn trials(run: &Run<'_>) -> Records {
     records
 }
 
-/// The trial that a visit is, if it has one infeed and is ground by one dressing of the wheel.
+/// The trial that a visit is, if it has one or two infeeds before its spark-out and is ground by one dressing of the wheel.
 fn trial<'a>(run: &Run<'a>, index: usize) -> Option<Trial<'a>> {
     let visit = &run.visits.list[index];
     let operation = &run.scenario.parts[visit.part as usize].operations[visit.operation as usize];
@@ -86,7 +93,15 @@ fn trial<'a>(run: &Run<'a>, index: usize) -> Option<Trial<'a>> {
     };
     let (moving, resting): (Vec<&GrindingPhase>, Vec<&GrindingPhase>) =
         phases.iter().partition(|phase| phase.infeed_per_rev > 0.0);
-    let [infeed] = moving[..] else { return None };
+    let (infeed, finish) = match moving[..] {
+        [infeed] => (infeed, None),
+        [infeed, finish] => (infeed, Some(*finish)),
+        _ => return None,
+    };
+    // Infeed that goes on behind a spark-out is no stage of a trial.
+    if phases[..moving.len()].iter().any(|phase| phase.infeed_per_rev <= 0.0) {
+        return None;
+    }
     let first = &run.log.passes[*visit.passes.first()?];
     let whole =
         visit.passes.len() == phases.len() && visit.passes.iter().all(|pass| run.log.passes[*pass].edge == first.edge);
@@ -95,6 +110,7 @@ fn trial<'a>(run: &Run<'a>, index: usize) -> Option<Trial<'a>> {
         wheel,
         work_rotation_speed: *work_rotation_speed,
         infeed: *infeed,
+        finish,
         spark_out: resting.iter().map(|phase| phase.revolutions).sum(),
         edge: first.edge,
         start: first.start,
@@ -124,8 +140,12 @@ fn ground(trial: &Trial<'_>, stiffness: f64, wheel: &mut State) -> [f64; CHANNEL
     };
     turn(&mut part, u.infeed_per_rev, trial.infeed.revolutions);
     let steady = trial.wheel.output(&part, &u);
+    if let Some(finish) = trial.finish {
+        turn(&mut part, finish.infeed_per_rev, finish.revolutions);
+    }
     // Heat comes in under infeed and stays until the part is gauged.
-    let warm = part.stock_removed - steady.stock_removed;
+    let infeed_per_rev = trial.finish.map_or(u.infeed_per_rev, |finish| finish.infeed_per_rev);
+    let warm = part.stock_removed - trial.wheel.output(&part, &Input { infeed_per_rev, ..u }).stock_removed;
     turn(&mut part, 0.0, trial.spark_out);
     let end = trial.wheel.output(&part, &Input { infeed_per_rev: 0.0, ..u });
     *wheel = part;

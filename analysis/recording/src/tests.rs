@@ -112,6 +112,33 @@ fn grinding_trials_carry_the_stock_of_the_paper_machine() {
     assert!((force / logged - 1.0).abs() < 0.01, "{force} N, {logged} N");
 }
 
+#[test]
+fn trials_of_rough_and_finish_stages_are_recorded_with_both() {
+    let phases = r#"part.part.operation.grind.phase=[{ infeed_per_rev = "4.43 um/rev", revolutions = 12 }, { infeed_per_rev = "1 um/rev", revolutions = 8 }, { infeed_per_rev = "0 um/rev", revolutions = 4 }]"#;
+    let (_, log, all) = shop("grinding.toml", &[phases]);
+    let trials = &all[0];
+    assert!(trials.kind == RecordKind::Grinding && trials.len() > 50, "{} trials", trials.len());
+    let column = |name: &str| trials.numbers(name).unwrap_or_else(|| panic!("{name}"));
+    assert!(column("finish_infeed_per_rev").iter().all(|infeed| (infeed / 1e-6 - 1.0).abs() < 1e-9));
+    assert!(
+        column("finish_revolutions").iter().zip(column("revolutions")).all(|(finish, n)| (*finish, *n) == (8.0, 12.0))
+    );
+    // 61.04 um of the recursion, less half of the last depth of 0.096 um and what springs back.
+    let stock = mean(column("stock_removed").iter().copied());
+    assert!((stock / 61.04e-6 - 1.0).abs() < 0.01, "{stock} m");
+    // The steady force is that of the rough stage, what is left that of the whole.
+    let force = mean(column("normal_force").iter().copied());
+    let logged = mean(log.passes.iter().filter(|pass| pass.pass == 0).map(|pass| pass.cutting_force));
+    assert!((force / logged - 1.0).abs() < 0.01, "{force} N, {logged} N");
+    // Infeed that goes on behind a spark-out is no trial.
+    let twice = phases.replace(
+        r#"{ infeed_per_rev = "1 um/rev", revolutions = 8 }, { infeed_per_rev = "0 um/rev", revolutions = 4 }"#,
+        r#"{ infeed_per_rev = "0 um/rev", revolutions = 4 }, { infeed_per_rev = "1 um/rev", revolutions = 8 }"#,
+    );
+    let (_, _, all) = shop("grinding.toml", &[&twice]);
+    assert!(all.iter().all(|records| records.kind != RecordKind::Grinding || records.len() == 0));
+}
+
 /// What the heat of the infeed has done to a part is still there when it is gauged after the spark-out.
 #[test]
 fn a_part_that_is_gauged_warm_is_read_too_small_by_what_the_infeed_heated_it() {

@@ -163,6 +163,8 @@ const GRINDING: &[RecordColumn] = &[
     required(condition("infeed_per_rev", "m", "um", 1e3)),
     required(condition("revolutions", "1", "1", 1e6)),
     condition("spark_out_revolutions", "1", "1", 1e6),
+    condition("finish_infeed_per_rev", "m", "um", 1e3),
+    condition("finish_revolutions", "1", "1", 1e6),
     required(condition("work_rotation_speed", "rad/s", "rpm", 1e5)),
     condition("width", "m", "mm", 2000.0),
     text("coolant_id"),

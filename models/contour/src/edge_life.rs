@@ -1,8 +1,8 @@
 //! Plans on an edge that is partly used: the state is the gear and the life left.
 
 use crate::plan::Extras;
-use crate::planner::Candidate;
 use crate::search::Weights;
+use crate::wall::Candidate;
 use crate::{ContourError, Objective, Plan, Planner};
 
 /// The edge that starts the contour.

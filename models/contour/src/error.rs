@@ -89,6 +89,20 @@ pub enum ContourError {
         /// Radius of the cutter, m.
         cutter_radius: f64,
     },
+    /// A place that is too narrow for the cutter, though every section admits it by itself.
+    #[error(
+        "along section {} the cutter cuts {:.4} mm into section {}: a neck or slot is narrower than the cutter, or the contour \
+         crosses itself; take a smaller cutter or another contour",
+        section + 1, depth * 1e3, other + 1
+    )]
+    Neck {
+        /// Section along which the cutter runs.
+        section: usize,
+        /// Section that it cuts into.
+        other: usize,
+        /// How deep it cuts at least, m.
+        depth: f64,
+    },
     /// A number outside its range.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -191,7 +205,7 @@ impl ContourError {
             Self::Open { .. } => "open-contour",
             Self::ArcMissesEnd { .. } => "arc-misses-end",
             Self::SharpInsideCorner { .. } | Self::Reversal { .. } => "unreachable-corner",
-            Self::CutterTooLarge { .. } => "cutter-too-large",
+            Self::CutterTooLarge { .. } | Self::Neck { .. } => "cutter-too-large",
             Self::Division { .. } | Self::Residual { .. } | Self::Model(_) | Self::NoSpindleSpeed => "out-of-range",
             Self::EmptyFeasibleSet { .. } | Self::NoCommonSetting { .. } | Self::NoHandbookRegime { .. } => {
                 "limits-conflict"
@@ -213,6 +227,7 @@ impl ContourError {
             | Self::SharpInsideCorner { section, .. }
             | Self::Reversal { section }
             | Self::CutterTooLarge { section, .. }
+            | Self::Neck { section, .. }
             | Self::EmptyFeasibleSet { section, .. }
             | Self::NoRamp { section }
             | Self::EdgeTooShort { section } => Some(*section),

@@ -179,10 +179,11 @@ impl ContourFile {
     /// A planner for each pass.
     ///
     /// # Errors
-    /// As [`Planner::new`].
+    /// As [`Planner::new`], and [`ContourError::Neck`] where the cutter does not clear the whole contour.
     pub fn planners(&self) -> Result<Vec<(&str, Planner<'_>)>, ContourError> {
         let mut planners = Vec::new();
         for (name, pass) in &self.passes {
+            self.contour.clears(self.parameters.cutter.radius(), pass.gouge())?;
             planners.push((name.as_str(), Planner::new(&self.contour, &self.parameters, pass, &self.models)?));
         }
         Ok(planners)

@@ -1,7 +1,7 @@
 //! Plans whose feeds can be reached: the state is the gear and the feed.
 
 use crate::plan::Extras;
-use crate::planner::Candidate;
+use crate::wall::Candidate;
 use crate::{ContourError, Objective, Plan, Planner};
 
 /// A state behind a section: value so far, and the state before.

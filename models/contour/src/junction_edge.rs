@@ -1,7 +1,7 @@
 //! Plans with ramps on an edge that is partly used: the state is gear, feed and life left.
 
 use crate::edge_life::{Label, efficient};
-use crate::planner::Candidate;
+use crate::wall::Candidate;
 use crate::{ContourError, EdgeLife, Objective, Plan, Planner};
 
 impl Planner<'_> {

@@ -41,9 +41,8 @@
 //! Chatter and every other vibration: forces are those of a stiff machine or of one that bends
 //! statically. Stock is parallel to the wall: what an earlier pass left at corners and by deflection is not carried
 //! over. With [`EngagementModel::Section`] the engagement changes at once at joints of different curvature, as in the
-//! paper; with [`EngagementModel::Path`] limits hold between samples too. The cutter is compared with the radius of the
-//! section under it only: narrow slots, necks and contours that cross themselves are not noticed. Run-out enters the roughness, not
-//! the forces. Heat. Wear of the edge raises the edge forces as a constant of the pass, not
+//! paper; with [`EngagementModel::Path`] limits hold between samples too. [`Contour::clears`] finds narrow slots, necks and
+//! contours that cross themselves, but not on the ways around sharp corners. Run-out enters the roughness, not the forces. Heat. Wear of the edge raises the edge forces as a constant of the pass, not
 //! along the contour. The feed in ramps wears the edge as if there were none. Lead-in, lead-out
 //! and the change from the last spindle speed back to the first take no time. The direction of
 //! the feed forces moves the cutter along the wall only. Friction, backlash and jerk of the drives.
@@ -53,6 +52,7 @@
 mod along;
 mod baseline;
 mod claims;
+mod clearance;
 mod constraint;
 mod contour;
 mod corner;
@@ -60,6 +60,7 @@ mod dxf;
 mod edge_life;
 mod engagement;
 mod error;
+mod evaluation;
 mod file;
 mod file_form;
 mod force;
@@ -84,6 +85,7 @@ mod spline;
 mod trace;
 mod track;
 mod trajectory;
+mod wall;
 
 pub use along::{Along, Piece};
 pub use claims::claims;
@@ -94,6 +96,7 @@ pub use dxf::read as read_dxf;
 pub use edge_life::EdgeLife;
 pub use engagement::Engagement;
 pub use error::{ContourError, FileError};
+pub use evaluation::{Evaluation, Setting, Warning};
 pub use file::{ContourFile, Drawing, GcodeFileError};
 pub use file_form::{CONTOUR, SETUP};
 pub use force::{EdgeForce, Forces, MeanForces, Milling};
@@ -109,7 +112,7 @@ pub use path_error::{
     inertia_force,
 };
 pub use plan::{Plan, PlannedSection};
-pub use planner::{Evaluation, Planner, Setting, Warning};
+pub use planner::Planner;
 pub use rim::Rim;
 pub use search::Objective;
 pub use sensitivity::{ConditionScatter, Draw, Sensitivity};

@@ -60,14 +60,14 @@ impl Planner<'_> {
     /// and slow corners are written out; changes of edge stop the program (M0).
     ///
     /// # Errors
-    /// [`ContourError::SettingCount`] for a plan of another contour, [`ContourError::CutterTooLarge`] where the cutter with
-    /// what it leaves does not fit into a hollow section.
+    /// [`ContourError::SettingCount`] for a plan of another contour, [`ContourError::CutterTooLarge`] and
+    /// [`ContourError::Neck`] where the cutter with what it leaves does not fit into a hollow section or between two.
     pub fn part_program_leaving(&self, plan: &Plan, name: &str, leave: f64) -> Result<String, ContourError> {
         let (settings, sections) = (plan.sections.len(), self.contour.sections.len());
         if settings != sections {
             return Err(ContourError::SettingCount { settings, sections });
         }
-        self.drawn().admits(self.parameters.cutter.radius() + leave)?;
+        self.drawn().clears(self.parameters.cutter.radius() + leave, self.pass.gouge())?;
         let backwards = self.backwards();
         let reversed;
         let contour = if backwards {

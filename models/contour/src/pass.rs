@@ -38,6 +38,11 @@ impl Pass {
         Self { allowance: 3e-3, tolerance: 0.2e-3, roughness: 40e-6, table_feed: 0.08e-3, ..Self::default() }
     }
 
+    /// How deep the cutter may cut into a wall that it does not mill at that moment, m: a tenth of the tolerance (assumption).
+    pub fn gouge(&self) -> f64 {
+        0.1 * self.tolerance
+    }
+
     /// Candidates of the feed per tooth, m, ascending.
     pub fn feeds(&self) -> Vec<f64> {
         let steps = ((self.highest_feed_per_tooth - self.lowest_feed_per_tooth) / self.feed_step + 1e-9).floor();

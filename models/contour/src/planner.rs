@@ -1,125 +1,15 @@
 //! A contour, a pass and a parameter set together: what a setting does on a section.
 
+use crate::along::{cut, whole};
 use crate::constraint::exceeds;
-use crate::path_error::ArcError;
+use crate::wall::{Candidate, Wall};
 use crate::{
-    Along, Constraint, Contour, ContourError, Corner, CornerMove, Cutter, CutterSide, Engagement, EngagementModel,
-    Forces, FormError, HelicalCut, Machine, MeanForces, Milling, Models, Parameters, Pass, PathError, Piece, Ratios,
-    Section, Shape,
+    Along, Constraint, Contour, ContourError, CornerMove, CutterSide, EngagementModel, Evaluation, FormError, Machine,
+    Milling, Models, Parameters, Pass, PathError, Piece, Setting, Warning,
 };
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::f64::consts::{PI, TAU};
 use toolroom_process::{ModelError, Record};
-
-/// Spindle speed and feed of a section: what a plan chooses.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Setting {
-    /// Spindle speed, rad/s.
-    pub spindle_speed: f64,
-    /// Feed per tooth, m.
-    pub feed_per_tooth: f64,
-}
-
-impl Setting {
-    /// Feed of the cutter centre, m/s.
-    pub fn feed(&self, teeth: f64) -> f64 {
-        self.spindle_speed / TAU * self.feed_per_tooth * teeth
-    }
-}
-
-/// What a setting does on a section.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Evaluation {
-    /// Feed of the cutter centre, m/s.
-    pub feed: f64,
-    /// Cutting speed, m/s.
-    pub cutting_speed: f64,
-    /// Engagement with the stock.
-    pub engagement: Engagement,
-    /// Forces averaged over a revolution.
-    pub forces: Forces,
-    /// Cutting power, W.
-    pub power: f64,
-    /// Deflection of the cutter off the wall as the accuracy constraint sees it, m.
-    pub deflection: f64,
-    /// Error of the drives, m, positive where material is left.
-    pub path_error: f64,
-    /// Roughness Rz, m.
-    pub roughness: f64,
-    /// Tool life, s.
-    pub tool_life: f64,
-    /// Every constraint's value over its limit.
-    pub ratios: Ratios,
-}
-
-impl Evaluation {
-    /// Signed error of the wall, m, positive where material is left: deflection and path error
-    /// with their directions. The accuracy constraint adds their magnitudes.
-    pub fn wall_error(&self) -> f64 {
-        self.deflection + self.path_error
-    }
-}
-
-/// What a plan should be warned of.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Warning {
-    /// The path error is one of the calculation.
-    #[error("the path error is the truncation error of explicit Euler at {:.3} ms: halving the step halves it; no machine behaves so", step * 1e3)]
-    ExplicitEuler {
-        /// Time step, s.
-        step: f64,
-    },
-    /// The path error is empirical.
-    #[error("the empirical path error has the size of a truncation error; the servo law is the physical one")]
-    EmpiricalPathError,
-    /// A cutter outside the recommended range.
-    #[error("cutter radius over smallest concave radius is {ratio:.3}; 0.70 to 0.75 is recommended")]
-    CutterRadius {
-        /// Cutter radius over smallest concave radius.
-        ratio: f64,
-    },
-    /// The average force hides the form over the height.
-    #[error("the average force hides the form over the height, up to {:.1} um more on this contour", excess * 1e6)]
-    MeanForce {
-        /// Greatest additional error, m, at the plan's settings.
-        excess: f64,
-    },
-}
-
-/// Everything about a wall shape that does not depend on the setting.
-#[derive(Clone, Debug)]
-struct Wall {
-    shape: Shape,
-    engagement: Engagement,
-    forces: MeanForces,
-    chip_thickness_ratio: f64,
-    life: f64,
-    /// Roughness per feed per tooth squared, 1/m.
-    cusp: f64,
-    arc_error: ArcError,
-    /// Finishing force, N, and its slope, N/m, at the heights that matter; empty for the mean.
-    heights: Vec<(f64, f64)>,
-}
-
-/// A candidate on a wall: feed index, time and edge life used per length of centre path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Candidate {
-    pub feed: usize,
-    pub time: f64,
-    pub life: f64,
-}
-
-/// The settings of one point with what depends on them alone.
-#[derive(Clone, Copy)]
-struct Operating {
-    spindle_speed: f64,
-    feed_per_tooth: f64,
-    feed: f64,
-    cutting_speed: f64,
-    life: f64,
-}
 
 /// Plans the milling of a contour: checks everything once, then answers for any section and
 /// setting, and searches.
@@ -145,15 +35,15 @@ pub struct Planner<'a> {
     pub(crate) parameters: &'a Parameters,
     pub(crate) pass: &'a Pass,
     pub(crate) models: &'a Models,
-    walls: Vec<Wall>,
+    pub(crate) walls: Vec<Wall>,
     /// Wall and length of the cutter-centre path of every section.
-    sections: Vec<(usize, f64)>,
-    stiffness: f64,
+    pub(crate) sections: Vec<(usize, f64)>,
+    pub(crate) stiffness: f64,
     pub(crate) speeds: Vec<f64>,
     pub(crate) feeds: Vec<f64>,
-    life_of_speed: Vec<f64>,
-    life_of_feed: Vec<f64>,
-    tooth_force: (f64, f64),
+    pub(crate) life_of_speed: Vec<f64>,
+    pub(crate) life_of_feed: Vec<f64>,
+    pub(crate) tooth_force: (f64, f64),
 }
 
 impl<'a> Planner<'a> {
@@ -164,6 +54,28 @@ impl<'a> Planner<'a> {
     /// without speed.
     pub fn new(
         contour: &'a Contour,
+        parameters: &'a Parameters,
+        pass: &'a Pass,
+        models: &'a Models,
+    ) -> Result<Self, ContourError> {
+        parameters.cutter.check()?;
+        pass.check()?;
+        contour.admits(parameters.cutter.radius())?;
+        let (radius, allowance) = (parameters.cutter.radius(), pass.allowance);
+        let pieces = match models.engagement {
+            EngagementModel::Section => whole(contour, radius, allowance),
+            EngagementModel::Path => Along::new(contour, radius, allowance, backwards(contour, models)).pieces(),
+        };
+        Self::over(contour, pieces, parameters, pass, models)
+    }
+
+    /// The same over pieces of the sections, each with its engagement, in the order of the contour: they cover every section.
+    ///
+    /// # Errors
+    /// As [`Planner::new`].
+    pub fn over(
+        contour: &'a Contour,
+        pieces: Vec<Piece>,
         parameters: &'a Parameters,
         pass: &'a Pass,
         models: &'a Models,
@@ -194,13 +106,9 @@ impl<'a> Planner<'a> {
             return Err(ContourError::NoSpindleSpeed);
         }
         let coefficients = force.under(pass.hardness_ratio, pass.flank_wear);
-        let backwards = backwards(contour, models);
-        let (refined, pieces) = match models.engagement {
-            EngagementModel::Section => (Cow::Borrowed(contour), whole(contour, cutter.radius(), pass.allowance)),
-            EngagementModel::Path => {
-                let pieces = Along::new(contour, cutter.radius(), pass.allowance, backwards).pieces();
-                (Cow::Owned(cut(contour, &pieces)), pieces)
-            }
+        let refined = match models.engagement {
+            EngagementModel::Section => Cow::Borrowed(contour),
+            EngagementModel::Path => Cow::Owned(cut(contour, &pieces)),
         };
         let mut planner = Self {
             drawn: contour,
@@ -219,155 +127,18 @@ impl<'a> Planner<'a> {
             tooth_force: (coefficients.tangential_edge, coefficients.on_tooth(1.0) - coefficients.tangential_edge),
         };
         // Sections of one shape share a wall; great contours repeat few shapes or none.
-        let mut known: BTreeMap<(u64, u64, u64), usize> = BTreeMap::new();
+        let mut known: BTreeMap<[u64; 4], usize> = BTreeMap::new();
         for i in 0..planner.contour.sections.len() {
             let section = planner.contour.sections[i];
-            let (shape, engagement) = (planner.contour.shape(&section), planner.pieces[i].engagement);
-            let key = (shape.curvature().to_bits(), section.arc_angle.to_bits(), engagement.angle.to_bits());
+            let (shape, Piece { engagement, least, .. }) = (planner.contour.shape(&section), planner.pieces[i]);
+            let key = [shape.curvature(), section.arc_angle, engagement.angle, least].map(f64::to_bits);
             let wall = *known.entry(key).or_insert_with(|| {
-                planner.walls.push(planner.wall(shape, engagement, section.arc_angle, &coefficients));
+                planner.walls.push(planner.wall(shape, (engagement, least), section.arc_angle, &coefficients));
                 planner.walls.len() - 1
             });
             planner.sections.push((wall, section.length * shape.centre_path_ratio(cutter.radius())));
         }
         Ok(planner)
-    }
-
-    fn wall(&self, shape: Shape, engagement: Engagement, arc_angle: f64, coefficients: &crate::EdgeForce) -> Wall {
-        let Parameters { machine, cutter, life, .. } = self.parameters;
-        let (pass, models, radius) = (self.pass, self.models, cutter.radius());
-        let contact = 1.0 / shape.centre_path_ratio(radius);
-        let heights = match models.form_error {
-            FormError::Mean => Vec::new(),
-            FormError::Helical => helical_heights(&self.helical(engagement.angle, coefficients)),
-        };
-        Wall {
-            shape,
-            engagement,
-            forces: coefficients.mean(engagement.angle, pass.depth_of_cut, cutter.teeth, models.milling),
-            chip_thickness_ratio: engagement.chip_thickness_ratio(),
-            life: life.of_cutter(pass.depth_of_cut, cutter.teeth, cutter.diameter)
-                * life.of_immersion(engagement.immersion),
-            // Run-out makes one cusp a revolution; the contact point is slower or faster than
-            // the cutter centre.
-            cusp: (cutter.teeth * contact).powi(2) / 8.0 * (1.0 / radius + shape.curvature()),
-            arc_error: models.path_error.on_arc(shape.centre_radius(radius), arc_angle, machine.position_gain),
-            heights,
-        }
-    }
-
-    fn helical<'f>(&self, engagement_angle: f64, force: &'f crate::EdgeForce) -> HelicalCut<'f> {
-        let cutter = &self.parameters.cutter;
-        HelicalCut {
-            force,
-            milling: self.models.milling,
-            engagement_angle,
-            depth_of_cut: self.pass.depth_of_cut,
-            teeth: cutter.teeth,
-            // A straight edge is the limit of a slight helix.
-            lag: cutter.helix_lag().max(1e-6 / self.pass.depth_of_cut),
-        }
-    }
-
-    fn operating(&self, setting: Setting) -> Operating {
-        let Cutter { diameter, teeth, .. } = self.parameters.cutter;
-        let life = &self.parameters.life;
-        Operating {
-            spindle_speed: setting.spindle_speed,
-            feed_per_tooth: setting.feed_per_tooth,
-            feed: setting.feed(teeth),
-            cutting_speed: setting.spindle_speed / TAU * PI * diameter,
-            life: life.of_speed(setting.spindle_speed, diameter) * life.of_feed(setting.feed_per_tooth),
-        }
-    }
-
-    /// The candidate of gear and feed index.
-    fn candidate(&self, gear: usize, feed: usize) -> Operating {
-        let Cutter { diameter, teeth, .. } = self.parameters.cutter;
-        let (spindle_speed, feed_per_tooth) = (self.speeds[gear], self.feeds[feed]);
-        Operating {
-            spindle_speed,
-            feed_per_tooth,
-            feed: spindle_speed / TAU * feed_per_tooth * teeth,
-            cutting_speed: spindle_speed / TAU * PI * diameter,
-            life: self.life_of_speed[gear] * self.life_of_feed[feed],
-        }
-    }
-
-    fn deflection(&self, wall: &Wall, feed_per_tooth: f64) -> f64 {
-        let left = 1.0 - self.pass.deflection_compensation;
-        let force = if wall.heights.is_empty() {
-            wall.forces.edge.normal + wall.forces.per_feed.normal * feed_per_tooth
-        } else {
-            let at = |(edge, slope): &(f64, f64)| edge + slope * feed_per_tooth;
-            wall.heights
-                .iter()
-                .map(at)
-                .fold(0.0, |worst: f64, force| if force.abs() > worst.abs() { force } else { worst })
-        };
-        left * force / self.stiffness
-    }
-
-    fn ratio(&self, constraint: Constraint, wall: &Wall, operating: &Operating) -> f64 {
-        let Parameters { machine, cutter, life, .. } = self.parameters;
-        let pass = self.pass;
-        match constraint {
-            Constraint::HighestFeed => operating.feed / machine.highest_feed,
-            Constraint::LowestFeed => machine.lowest_feed / operating.feed,
-            Constraint::LowestSpindleSpeed => machine.lowest_spindle_speed / operating.spindle_speed,
-            Constraint::HighestSpindleSpeed => operating.spindle_speed / machine.highest_spindle_speed,
-            Constraint::Power => {
-                let force = wall.forces.edge.tangential + wall.forces.per_feed.tangential * operating.feed_per_tooth;
-                force * operating.cutting_speed / (machine.power * machine.efficiency)
-            }
-            Constraint::FeedForce => wall.forces.at(operating.feed_per_tooth).resultant() / machine.feed_force,
-            Constraint::ToothStrength => {
-                let force =
-                    self.tooth_force.0 + self.tooth_force.1 * wall.chip_thickness_ratio * operating.feed_per_tooth;
-                6.0 * cutter.tooth_height * force / (cutter.tooth_thickness.powi(2) * cutter.tooth_strength)
-            }
-            Constraint::BodyStrength => {
-                let forces = wall.forces.at(operating.feed_per_tooth);
-                let moment = (forces.resultant() * cutter.overhang).hypot(forces.tangential * cutter.radius());
-                moment / (cutter.section_modulus_ratio * cutter.radius().powi(3) * cutter.body_strength)
-            }
-            Constraint::ChipSpace => {
-                operating.feed_per_tooth * wall.engagement.immersion * cutter.chip_packing
-                    / (cutter.chip_space_ratio * cutter.diameter.powi(2))
-            }
-            Constraint::ToolLife => life.nominal_life / (wall.life * operating.life),
-            Constraint::Accuracy => {
-                (self.deflection(wall, operating.feed_per_tooth).abs() + wall.arc_error.at(operating.feed))
-                    / pass.tolerance
-            }
-            Constraint::Roughness => {
-                (cutter.roughness_floor + wall.cusp * operating.feed_per_tooth * operating.feed_per_tooth)
-                    / pass.roughness
-            }
-        }
-    }
-
-    fn admits(&self, wall: &Wall, operating: &Operating) -> bool {
-        // Cheap and usually decisive ones first.
-        const ORDER: [Constraint; 12] = [
-            Constraint::HighestFeed,
-            Constraint::LowestFeed,
-            Constraint::Accuracy,
-            Constraint::ToolLife,
-            Constraint::ToothStrength,
-            Constraint::Roughness,
-            Constraint::Power,
-            Constraint::BodyStrength,
-            Constraint::FeedForce,
-            Constraint::ChipSpace,
-            Constraint::LowestSpindleSpeed,
-            Constraint::HighestSpindleSpeed,
-        ];
-        ORDER.into_iter().all(|constraint| !exceeds(self.ratio(constraint, wall, operating)))
-    }
-
-    fn ratios(&self, wall: &Wall, operating: &Operating) -> Ratios {
-        Ratios(Constraint::ALL.map(|constraint| self.ratio(constraint, wall, operating)))
     }
 
     /// What `setting` does on section `i`; `None` past the last section.
@@ -580,33 +351,6 @@ impl<'a> Planner<'a> {
         }
         warnings
     }
-
-    /// By how much the form error over the height exceeds that of the average force, at most, m.
-    fn hidden_form_error(&self, settings: &[Setting]) -> f64 {
-        let force = self.parameters.force.under(self.pass.hardness_ratio, self.pass.flank_wear);
-        let left = 1.0 - self.pass.deflection_compensation;
-        let heights: Vec<Vec<(f64, f64)>> =
-            self.walls.iter().map(|wall| helical_heights(&self.helical(wall.engagement.angle, &force))).collect();
-        let excess = settings.iter().zip(&self.sections).map(|(setting, (wall, _))| {
-            let at = |(edge, slope): &(f64, f64)| (edge + slope * setting.feed_per_tooth).abs();
-            let worst = heights[*wall].iter().map(at).fold(0.0, f64::max);
-            let mean = self.walls[*wall].forces.at(setting.feed_per_tooth).normal.abs();
-            left * (worst - mean) / self.stiffness
-        });
-        excess.fold(0.0, f64::max)
-    }
-}
-
-/// Finishing force at zero feed and its slope at the kinks of the form and halfway between.
-fn helical_heights(cut: &HelicalCut) -> Vec<(f64, f64)> {
-    const UNIT_FEED: f64 = 1e-4;
-    let kinks = cut.heights();
-    let between = kinks.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
-    let line = |height: f64| {
-        let edge = cut.finishing_force(0.0, height);
-        (edge, (cut.finishing_force(UNIT_FEED, height) - edge) / UNIT_FEED)
-    };
-    kinks.iter().copied().chain(between).map(line).collect()
 }
 
 /// Whether the machine travels a contour against the order in which it is drawn.
@@ -616,27 +360,6 @@ fn backwards(contour: &Contour, models: &Models) -> bool {
         Milling::Up => CutterSide::Right,
     };
     contour.side != due
-}
-
-/// Every section as one piece.
-fn whole(contour: &Contour, radius: f64, allowance: f64) -> Vec<Piece> {
-    let piece = |(section, own): (usize, &Section)| {
-        let engagement = Engagement::new(contour.shape(own), radius, allowance);
-        Piece { section, from: 0.0, to: own.length, engagement }
-    };
-    contour.sections.iter().enumerate().map(piece).collect()
-}
-
-/// The contour with its sections cut into pieces.
-fn cut(contour: &Contour, pieces: &[Piece]) -> Contour {
-    let section = |piece: &Piece| {
-        let shape = &contour.sections[piece.section];
-        let heading = shape.heading + shape.curvature * piece.from;
-        Section { start: shape.at(piece.from), heading, length: piece.to - piece.from, ..*shape }
-    };
-    let last = |section: usize| pieces.iter().rposition(|piece| piece.section == section).unwrap_or(section);
-    let corners = contour.corners.iter().map(|corner| Corner { after: last(corner.after), ..*corner }).collect();
-    Contour { sections: pieces.iter().map(section).collect(), corners, side: contour.side, closed: contour.closed }
 }
 
 fn contradiction(

@@ -1,7 +1,7 @@
 //! Dynamic programming over the sections.
 
 use crate::plan::Extras;
-use crate::planner::Candidate;
+use crate::wall::Candidate;
 use crate::{ContourError, Plan, Planner, Setting};
 
 /// What a plan makes least.

@@ -203,6 +203,11 @@ static CONTROL: Form = Form {
             Kind::quantity("m", "mm", 0.0, 1.0, "1 mm"),
             "Distance above the last depth at which a peck begins again",
         ),
+        Key::optional(
+            "pecks",
+            Kind::Choice(&["chip_breaking", "full"]),
+            "Where pecks of lathes are drawn: back by the clearance, or out to the plane R",
+        ),
         Key::optional("m", Kind::Texts, "Times of M codes: 29 = \"0.3 s\""),
         Key::optional("g", Kind::Texts, "Times of G codes that are not understood: 411 = \"0 s\""),
     ],
@@ -375,7 +380,7 @@ fn control(walk: &mut Walk, section: &Section<'_>, control: &mut Control) {
             walk.fault(section.span_of(key), MachineFault::Control(reason));
         }
     };
-    for key in ["units", "decimal", "rotary_feed", "feed_at"] {
+    for key in ["units", "decimal", "pecks", "rotary_feed", "feed_at"] {
         if let Some(word) = section.text(key) {
             set(walk, key, key, word);
         }

@@ -28,6 +28,10 @@ pub struct Trial {
     pub revolutions: f64,
     /// Work revolutions without infeed before retraction.
     pub spark_out_revolutions: f64,
+    /// Infeed per work revolution of a finish stage behind the first one; 0 without one.
+    pub finish_infeed_per_rev: f64,
+    /// Work revolutions of the finish stage; 0 without one.
+    pub finish_revolutions: f64,
     /// Rotation of the workpiece, rad/s.
     pub work_rotation_speed: Option<f64>,
     /// Radial stock removed, at retraction.
@@ -155,9 +159,9 @@ impl fmt::Display for Rounded {
 const UM: f64 = 1e6;
 
 impl Trial {
-    /// Infeed commanded in the whole trial, n S.
+    /// Infeed commanded in the whole trial, n S of each stage, m.
     pub fn commanded_infeed(&self) -> f64 {
-        self.revolutions * self.infeed_per_rev
+        self.revolutions * self.infeed_per_rev + self.finish_revolutions * self.finish_infeed_per_rev
     }
 
     /// Everything that makes this trial impossible.
@@ -189,11 +193,16 @@ impl Trial {
                 faults.push(TrialFault::NotPositive { field, value: Rounded(value * scale), unit });
             }
         }
-        if !self.spark_out_revolutions.is_finite() {
-            faults.push(TrialFault::NotFinite { field: "spark_out_revolutions" });
-        } else if self.spark_out_revolutions < 0.0 {
-            let value = Rounded(self.spark_out_revolutions);
-            faults.push(TrialFault::Negative { field: "spark_out_revolutions", value, unit: "rev" });
+        for (field, value, scale, unit) in [
+            ("spark_out_revolutions", self.spark_out_revolutions, 1.0, "rev"),
+            ("finish_infeed_per_rev", self.finish_infeed_per_rev, UM, "um"),
+            ("finish_revolutions", self.finish_revolutions, 1.0, "rev"),
+        ] {
+            if !value.is_finite() {
+                faults.push(TrialFault::NotFinite { field });
+            } else if value < 0.0 {
+                faults.push(TrialFault::Negative { field, value: Rounded(value * scale), unit });
+            }
         }
         if self.force_trace.iter().any(|sample| !(sample.revolution.is_finite() && sample.force.is_finite())) {
             faults.push(TrialFault::NotFinite { field: "force_trace" });

@@ -41,13 +41,16 @@ const TRIAL_COLUMNS: &[ColumnSpec] = &[
     number("width", "m", false),
     text("coolant_id", false),
     number("wait_time", "s", false),
+    number("finish_infeed_per_rev", "m", false),
+    number("finish_revolutions", "1", false),
 ];
 
 /// Reads a table of trials: a header `name [unit]` in any column order, one trial a line.
 ///
 /// Required: `trial_id`, `infeed_per_rev [um]`, `revolutions`; and at least one of
 /// `stock_removed [um]`, `rise_revolutions`, `force_after_spark_out [N]` or a recorded force, of
-/// which `identify` says so. `normal_force [N]` gives the stiffnesses. Comma, semicolon or tab
+/// which `identify` says so. `finish_infeed_per_rev [um]` and `finish_revolutions` name a finish stage behind the first.
+/// `normal_force [N]` gives the stiffnesses. Comma, semicolon or tab
 /// separate; a decimal comma is found out; lines that start with `#` are comments.
 /// `file` is the name for messages.
 ///
@@ -96,6 +99,8 @@ fn trial(row: &Row) -> Trial {
         infeed_per_rev: number_at(row, 2).unwrap_or(f64::NAN),
         revolutions: number_at(row, 3).unwrap_or(f64::NAN),
         spark_out_revolutions: number_at(row, 4).unwrap_or(0.0),
+        finish_infeed_per_rev: number_at(row, 17).unwrap_or(0.0),
+        finish_revolutions: number_at(row, 18).unwrap_or(0.0),
         work_rotation_speed: number_at(row, 5),
         stock_removed: number_at(row, 6),
         normal_force: number_at(row, 7),

@@ -56,6 +56,8 @@ pub struct Control {
     /// Distance above the last depth at which a peck begins and by which G73 retracts, mm. Where it is not given 0.254 mm
     /// on LinuxCNC and 1 mm elsewhere, which is an assumption.
     pub peck_clearance: Option<f64>,
+    /// Whether pecks of lathes (Q of G83 and G87) are drawn out to the plane R instead of back by the clearance.
+    pub full_pecks: bool,
     /// Whether F is a speed of all axes together, where linear and rotary axes move at once.
     pub rotary_feed_all_axes: bool,
     /// Times of M codes, s, by their number.
@@ -83,6 +85,7 @@ impl Default for Control {
             start: [None; 9],
             steps: Self::STEPS,
             peck_clearance: None,
+            full_pecks: false,
             rotary_feed_all_axes: false,
             m: BTreeMap::new(),
             g: BTreeMap::new(),
@@ -160,7 +163,7 @@ impl Control {
     }
 
     /// Keys of [`Control::set`].
-    pub const KEYS: &'static str = "units, decimal, peck_clearance, rotary_feed, feed_at, m.NUMBER, g.NUMBER";
+    pub const KEYS: &'static str = "units, decimal, peck_clearance, pecks, rotary_feed, feed_at, m.NUMBER, g.NUMBER";
 
     /// Sets a value by its key, one of [`Control::KEYS`]: a word, or a number with its unit, a length for the clearance and a
     /// time for `m.NUMBER` and `g.NUMBER`, from 0 to 1e6 m or s.
@@ -193,6 +196,7 @@ impl Control {
         match key {
             "units" => self.units = Some(Units::ALL[choice(Units::NAMES)?]),
             "decimal" => self.least_increment = choice(["calculator", "least_increment"])? == 1,
+            "pecks" => self.full_pecks = choice(["chip_breaking", "full"])? == 1,
             "rotary_feed" => self.rotary_feed_all_axes = choice(["linear_axes", "all_axes"])? == 1,
             "feed_at" => self.feed_at_contour = choice(["centre", "contour"])? == 1,
             "peck_clearance" => self.peck_clearance = Some(1e3 * quantity("m")?),

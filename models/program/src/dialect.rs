@@ -75,6 +75,11 @@ impl Dialect {
         if let Some(line) = signs.lathe.filter(|_| signs.g17.is_none()) {
             return Ok((Self::FanucLathe, format!("words of a lathe in line {line}, and no G17")));
         }
+        if let Some(line) =
+            signs.turret.filter(|_| !signs.mill && signs.g17.is_none() && extension.is_none_or(is_plain))
+        {
+            return Ok((Self::FanucLathe, format!("a tool with its offset in line {line}, and no word of a mill")));
+        }
         let ending = match extension.map(str::to_ascii_lowercase).as_deref() {
             Some("h") => Some(Self::Heidenhain),
             Some("mpf" | "spf") => Some(Self::Siemens),
@@ -104,9 +109,18 @@ pub struct Conflict {
     pub second: (Dialect, usize, &'static str),
 }
 
+/// Whether an ending of a file says nothing of the language.
+fn is_plain(extension: &str) -> bool {
+    !["h", "mpf", "spf", "ngc"].contains(&extension.to_ascii_lowercase().as_str())
+}
+
 #[derive(Default)]
 struct Signs {
     lathe: Option<usize>,
+    /// A tool of four digits, two of them its offset.
+    turret: Option<usize>,
+    /// A tool change by M6, a length offset or an axis Y.
+    mill: bool,
     g17: Option<usize>,
     five: Option<usize>,
     seen: usize,
@@ -206,6 +220,11 @@ fn strong(line: &str, signs: &mut Signs) -> Option<(Dialect, &'static str)> {
     }
     if has(&compact, "G17") {
         signs.g17 = Some(signs.seen);
+    }
+    signs.mill |= ["M6", "M06", "G43", "G91", "Y"].iter().any(|word| compact.contains(word));
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    if compact.match_indices('T').any(|(at, _)| digits(&compact[at + 1..]) == 4) {
+        signs.turret = signs.turret.or(Some(signs.seen));
     }
     let clamp = has(&compact, "G50") && compact.contains('S');
     let contour =

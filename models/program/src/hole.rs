@@ -9,8 +9,10 @@ use crate::motion::{EventKind, Purpose, Sense};
 pub(crate) enum Exit {
     /// At rapid speed.
     Rapid,
-    /// At the feed of the cycle.
+    /// At the feed of the cycle, up to the reference plane.
     Feed,
+    /// At the feed of the cycle all the way.
+    FeedAllTheWay,
     /// At another feed, mm/min.
     FeedOf(f64),
     /// The spindle turns the other way, at feed.
@@ -40,11 +42,33 @@ pub(crate) struct Pecks {
     pub retract: Option<f64>,
     /// Distance above the last depth at which feed begins again, mm; a control may take it from the depth.
     pub clearance: Clearance,
+    /// After so many retractions within the hole comes one to the reference plane; 0 means none.
+    pub breaks: usize,
     /// Dwell outside, s, and at the bottom of each peck, s.
     pub outside: f64,
     pub inside: f64,
-    /// Whether the tool is drawn out between pecks at feed, that of the exit where it has one.
-    pub slow: bool,
+    /// Whether the tool is drawn up within the hole at feed, and out of it at feed, that of the exit where it has one.
+    pub slow_within: bool,
+    pub slow_out: bool,
+    /// Feed of the first peck over that of the others.
+    pub first: f64,
+}
+
+impl Pecks {
+    /// Pecks between which the tool retracts at rapid speed, without dwell.
+    pub fn new(stops: Vec<f64>, retract: Option<f64>, clearance: Clearance) -> Self {
+        Self {
+            stops,
+            retract,
+            clearance,
+            breaks: 0,
+            outside: 0.0,
+            inside: 0.0,
+            slow_within: false,
+            slow_out: false,
+            first: 1.0,
+        }
+    }
 }
 
 /// Distance above the last depth at which feed begins again.
@@ -131,7 +155,12 @@ impl Kernel {
                 let last = pecks.stops.len() - 1;
                 for (count, reached) in pecks.stops.iter().copied().enumerate() {
                     let to = if count == last { hole.bottom } else { hole.reference + down * reached };
-                    self.across(to, false)?;
+                    if count == 0 && pecks.first != 1.0 {
+                        let feed = self.feed.ok_or_else(|| self.no_feed())?;
+                        self.along_at(pecks.first * feed, to)?;
+                    } else {
+                        self.across(to, false)?;
+                    }
                     if count == last {
                         break;
                     }
@@ -142,15 +171,16 @@ impl Kernel {
                         self.reverse();
                         continue;
                     }
-                    match pecks.retract {
+                    let clears = pecks.breaks > 0 && (count + 1) % (pecks.breaks + 1) == 0;
+                    match pecks.retract.filter(|_| !clears) {
                         Some(retract) => {
-                            self.across(hole.reference + down * (reached - retract).max(0.0), !pecks.slow)?;
+                            self.across(hole.reference + down * (reached - retract).max(0.0), !pecks.slow_within)?;
                         }
                         None => {
-                            if let (true, Exit::FeedOf(feed)) = (pecks.slow, hole.exit) {
-                                self.out_at(feed, hole.reference)?;
+                            if let (true, Exit::FeedOf(feed)) = (pecks.slow_out, hole.exit) {
+                                self.along_at(feed, hole.reference)?;
                             } else {
-                                self.across(hole.reference, !pecks.slow)?;
+                                self.across(hole.reference, !pecks.slow_out)?;
                             }
                             self.dwell(pecks.outside)?;
                             let again = (reached - pecks.clearance.at(reached)).max(0.0);
@@ -185,10 +215,11 @@ impl Kernel {
         match hole.exit {
             Exit::Rapid => {}
             Exit::Feed => self.across(hole.reference, false)?,
-            Exit::FeedOf(feed) => self.out_at(feed, hole.reference)?,
+            Exit::FeedAllTheWay => return self.across(hole.level, false),
+            Exit::FeedOf(feed) => self.along_at(feed, hole.reference)?,
             Exit::TapAt(feed) => {
                 self.reverse();
-                self.out_at(feed, hole.reference)?;
+                self.along_at(feed, hole.reference)?;
                 self.reverse();
             }
             Exit::Tap => {
@@ -226,11 +257,11 @@ impl Kernel {
         self.across(hole.level, true)
     }
 
-    /// Draws the tool out at another feed, mm/min.
-    fn out_at(&mut self, feed: f64, reference: f64) -> Result<(), Fault> {
+    /// Moves along the hole at another feed, mm/min.
+    fn along_at(&mut self, feed: f64, place: f64) -> Result<(), Fault> {
         let (before, scale) = (self.feed, self.feed_scale);
         self.set_feed(feed, 1.0)?;
-        self.across(reference, false)?;
+        self.across(place, false)?;
         (self.feed, self.feed_scale) = (before, scale);
         Ok(())
     }

@@ -107,6 +107,8 @@ pub(crate) struct Kernel {
     pub torn: bool,
     /// Line of the last jump back; 0 before the first.
     pub loop_line: usize,
+    /// Line of the first step of an axis from a place that only the machine knows.
+    pub blind_step: Option<usize>,
 }
 
 impl Kernel {
@@ -144,6 +146,7 @@ impl Kernel {
             waiting: None,
             torn: false,
             loop_line: 0,
+            blind_step: None,
         };
         // X of a lathe is a diameter in the program and a radius here.
         if lathe {
@@ -215,6 +218,9 @@ impl Kernel {
         let (mut start, end) = (self.frame.base(from), self.frame.base(to));
         let mut unknown = false;
         for axis in 0..9 {
+            if !self.known[axis] && target.step[axis].is_some_and(|step| step != 0.0) && self.blind_step.is_none() {
+                self.blind_step = Some(self.line);
+            }
             if !self.known[axis] && target.absolute[axis].is_some() {
                 // It comes from nowhere known and counts as standing.
                 start[axis] = end[axis];
@@ -371,7 +377,7 @@ impl Kernel {
                 let place =
                     Event { line: self.line, main_line: self.main_line, depth: self.depth, kind: EventKind::Block };
                 let flat = self.plane[..2].iter().all(|axis| motion.start[*axis] == motion.end[*axis]);
-                let leaves = offset.is_leaving() && !flat;
+                let leaves = offset.leaves_by(flat);
                 let done = offset.take(motion, place)?;
                 self.out.extend(done);
                 if leaves {

@@ -29,6 +29,9 @@ pub(crate) struct Offsetting {
     plane: [usize; 3],
     corner: Corner,
     stage: Stage,
+    /// Whether the first motion behind the contour leads back to the programmed path even where it leaves the plane, as on
+    /// LinuxCNC (its interpreter rs274 shows it); elsewhere the first motion in the plane does.
+    at_once: bool,
     /// The motion whose end waits for the next, with its centre path up to now.
     waiting: Option<(Motion, Event)>,
     /// What happens behind the waiting motion.
@@ -62,7 +65,18 @@ impl Offsetting {
     pub fn new(left: bool, radius: f64, plane: [usize; 3], corner: Corner) -> Self {
         // A negative radius is one on the other side.
         let (left, radius) = if radius < 0.0 { (!left, -radius) } else { (left, radius) };
-        Self { left, radius, plane, corner, stage: Stage::Starting, waiting: None, held: Vec::new(), lifts: 0 }
+        let stage = Stage::Starting;
+        Self { left, radius, plane, corner, stage, at_once: false, waiting: None, held: Vec::new(), lifts: 0 }
+    }
+
+    /// The same, left by the first motion of all.
+    pub fn left_at_once(self) -> Self {
+        Self { at_once: true, ..self }
+    }
+
+    /// Whether a motion, `flat` where it leaves the plane alone, leads back to the programmed path.
+    pub fn leaves_by(&self, flat: bool) -> bool {
+        self.is_leaving() && (!flat || self.at_once)
     }
 
     pub fn is_waiting(&self) -> bool {
@@ -99,7 +113,7 @@ impl Offsetting {
         let [u, v, _] = self.plane;
         let flat =
             motion.start[u] == motion.end[u] && motion.start[v] == motion.end[v] && matches!(motion.path, Path::Line);
-        if flat {
+        if flat && !self.leaves_by(flat) {
             if self.waiting.is_none() {
                 return Ok(vec![Event { kind: EventKind::Motion(self.lifted(motion)), ..place }]);
             }
@@ -312,7 +326,8 @@ impl Offsetting {
             let mut round = flat;
             (round.start[u], round.start[v], round.end[u], round.end[v]) = (end[0], end[1], start[0], start[1]);
             let left = !self.left;
-            let angle = sweep(end, start, corner, left);
+            // Nearly straight on, the chord says nothing of the turn.
+            let angle = cross(leaving, entering).abs().atan2(dot(leaving, entering));
             add(self.paced(round, Arc { centre: corner, plane: self.plane, left, angle, radius: self.radius }, motion));
             return;
         }

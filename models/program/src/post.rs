@@ -26,7 +26,8 @@ const DECIMALS: usize = 4;
 /// of a millimetre or degree, those of helices in Klartext within two units, since they follow from a rounded pole.
 ///
 /// # Errors
-/// [`ProgramError`] where the program is refused, comes from a lathe, or needs an arc that the language does not have.
+/// [`ProgramError`] where the program is refused, comes from a lathe, steps from a place that only the machine knows, or needs
+/// an arc that the language does not have.
 ///
 /// ```
 /// use toolroom_program::{Control, Dialect, post};
@@ -44,6 +45,12 @@ pub fn post(text: &str, control: &Control, dialect: Dialect) -> Result<Post, Pro
     }
     while let Some(event) = run.next() {
         let event = event?;
+        if let Some(line) = run.blind_step() {
+            return Err(refused(
+                line,
+                "a step from a place that only the machine knows has no absolute end: name a place before it, or give --start",
+            ));
+        }
         writer.known = run.position().map(|place| place.is_some());
         writer.event(&event).map_err(|message| refused(event.line, message))?;
     }
@@ -229,13 +236,19 @@ impl Writer {
         }
     }
 
+    /// Whether an axis has to be written to get to `end`.
+    fn changes(&self, axis: usize, end: &Axes) -> bool {
+        let place = Self::round(end[axis]);
+        let unset = self.at[axis].is_none() && (!self.known[axis] || (axis > 2 && place == 0.0));
+        self.at[axis] != Some(place) && !unset
+    }
+
     /// Words of the axes that change, or all that are known; the position is theirs afterwards.
     fn axes(&mut self, end: &Axes, forced: [bool; 9]) -> String {
         let mut words = String::new();
         for axis in 0..9 {
             let place = Self::round(end[axis]);
-            let unset = self.at[axis].is_none() && (!self.known[axis] || (axis > 2 && place == 0.0));
-            if (self.at[axis] != Some(place) && !unset) || forced[axis] {
+            if self.changes(axis, end) || forced[axis] {
                 let _ = write!(words, " {}{}", AXES[axis], self.value(place));
                 self.at[axis] = Some(place);
             }
@@ -257,11 +270,8 @@ impl Writer {
 
     fn motion(&mut self, motion: &Motion, line: usize) -> Result<(), &'static str> {
         let moves = motion.start != motion.end || matches!(motion.path, Path::Arc(_));
-        if !moves
-            && motion.unknown
-            && self.at.iter().enumerate().all(|(i, at)| at.is_none_or(|at| at == Self::round(motion.end[i])))
-            && self.at[0].is_some()
-        {
+        // To a place of the machine; from one, the axis that comes from there is written.
+        if !moves && motion.unknown && (0..9).all(|axis| !self.changes(axis, &motion.end)) {
             self.leave_out(line);
             return Ok(());
         }
@@ -305,6 +315,11 @@ impl Writer {
         let from = [u, v].map(|axis| self.at[axis].unwrap_or(motion.start[axis]));
         let centre = [Self::round(arc.centre[0]), Self::round(arc.centre[1])];
         let turns = ((arc.angle - 1e-9) / TAU).floor().max(0.0);
+        // An arc so short that its ends are written alike would be read as a full circle.
+        let alike = [u, v].into_iter().zip(from).all(|(axis, from)| Self::round(motion.end[axis]) == Self::round(from));
+        if alike && arc.angle < 0.5 * TAU && motion.start[w] == motion.end[w] {
+            return Ok(());
+        }
         let mut forced = [false; 9];
         (forced[u], forced[v]) = (true, true);
         if self.klartext() {

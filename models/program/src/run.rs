@@ -121,6 +121,11 @@ impl Run {
         std::array::from_fn(|axis| self.kernel.known[axis].then(|| diameter(axis) * self.kernel.at[axis]))
     }
 
+    /// Line of the first step of an axis from a place that only the machine knows: its end has no coordinates.
+    pub fn blind_step(&self) -> Option<usize> {
+        self.kernel.blind_step
+    }
+
     fn error(&self, fault: Fault) -> ProgramError {
         let place = self.interpreter.place();
         ProgramError {

@@ -1,5 +1,9 @@
 //! What programs in six languages do, worked out independently as lists of moves, and what is refused.
 
+#[path = "controls/cam_posts.rs"]
+mod cam_posts;
+#[path = "controls/lathes.rs"]
+mod lathes;
 #[path = "controls/shop_floor.rs"]
 mod shop_floor;
 #[path = "controls/whole_programs.rs"]

@@ -128,3 +128,61 @@ fn an_axis_whose_place_is_not_known_is_sent_nowhere() {
         }
     }
 }
+
+#[test]
+fn corners_that_are_nearly_straight_on_are_no_full_circles() {
+    // The path turns by a ten thousandth of a degree, and by a millionth: the arc about the corner is shorter than a digit.
+    for turn in [2e-6_f64, 4e-8, 1e-7] {
+        let text = format!("G21 G17 G90\nG1 X-20 Y0 F600\nG41 D1 X0 Y0\nX50 Y0\nX100 Y{}\nG40 X130 Y0", -50.0 * turn);
+        let mut source = control(Dialect::LinuxCnc);
+        source.diameters.insert(1, 10.0);
+        let (motions, _) = motions(&text, &source);
+        let length: f64 = motions.iter().map(|motion| motion.length).sum();
+        assert!(length < 180.0, "{turn}: {length}");
+        comes_back_but_for_the_shortest(&text, &source);
+    }
+}
+
+/// The post of a program takes the time of the program.
+fn comes_back_but_for_the_shortest(text: &str, source: &Control) {
+    let time = |list: &[Motion]| list.iter().map(|motion| motion.time).sum::<f64>();
+    let (original, _) = motions(text, source);
+    for target in TARGETS {
+        let written = post(text, source, target).expect("a post").text;
+        let (read, _) = motions(&written, &control(target));
+        assert!((time(&read) - time(&original)).abs() < 1e-4 * time(&original), "{}\n{written}", target.name());
+    }
+}
+
+#[test]
+fn a_step_from_a_place_that_only_the_machine_knows_is_not_posted() {
+    // Behind another work offset, behind a reference point, and at the start of a program without its place.
+    for (text, line) in
+        [("G21 G90 G54 G0 X0 Y0 Z5\nG55\nG91 G1 X10 F500", 3), ("G21 G90 G54 G0 X0 Y0 Z5\nG91 G28 Z0\nG0 Z-50", 3)]
+    {
+        let error = post(text, &control(Dialect::Fanuc), Dialect::Siemens).expect_err(text);
+        assert!(error.line == line && error.message.contains("name a place before it"), "{error}");
+    }
+    let mut nowhere = control(Dialect::Fanuc);
+    nowhere.start = [None; 9];
+    assert_eq!(post("G21 G91 G1 X10 F500", &nowhere, Dialect::Haas).expect_err("a step").line, 1);
+    // To the reference point by steps of nothing, and on from a place that is named.
+    let text = "G21 G90 G54 G0 X0 Y0 Z5\nG91 G28 Z0\nG90 G0 Z5\nG91 G1 X10 F500";
+    assert!(post(text, &control(Dialect::Fanuc), Dialect::Siemens).is_ok());
+}
+
+#[test]
+fn an_axis_that_comes_back_from_its_reference_point_is_written_before_the_others_go_on() {
+    let text = "G21 G90 G54 G0 X0 Y0 Z5\nG91 G28 Z0\nG90\nT2 M6\nG0 X10 Y10\nG43 Z15 H2\nX50\nG1 Z-1 F600\nM30";
+    for target in [Dialect::Fanuc, Dialect::Siemens, Dialect::Heidenhain] {
+        let written = post(text, &control(Dialect::Fanuc), target).expect("a post").text;
+        let lines: Vec<&str> = written.lines().collect();
+        let place = |word: &str| {
+            lines.iter().position(|line| line.contains(word)).unwrap_or_else(|| panic!("{word}: {written}"))
+        };
+        let letter = if target == Dialect::Heidenhain { "+" } else { "" };
+        let (across, down) = (place(&format!("X{letter}50")), place(&format!("Z{letter}15")));
+        let alone = !lines[down].contains(&format!("X{letter}")) && !lines[across].contains('Z');
+        assert!(down < across && alone, "{written}");
+    }
+}

@@ -1,5 +1,6 @@
 //! Conditions of recorded trials, and what stands in for what was not recorded.
 
+use super::plunge::Stage;
 use crate::features;
 use std::collections::BTreeMap;
 use toolroom_infeed::Input;
@@ -13,6 +14,7 @@ pub(super) struct Conditions {
     pub inputs: Vec<Input>,
     pub revolutions: Vec<f64>,
     pub spark_out: Vec<f64>,
+    pub finish: Vec<Stage>,
     /// Parts ground between the trial before and this one.
     pub between: Vec<f64>,
     /// Stock of a part between trials, m.
@@ -30,6 +32,9 @@ impl Conditions {
         };
         let (infeed, rotation) = (column("infeed_per_rev"), column("work_rotation_speed"));
         let (revolutions, spark_out) = (column("revolutions"), column("spark_out_revolutions"));
+        let finish: Vec<Stage> = (column("finish_infeed_per_rev").into_iter().zip(column("finish_revolutions")))
+            .map(|(infeed_per_rev, revolutions)| Stage { infeed_per_rev, revolutions })
+            .collect();
         let (age, wait) = (column("coolant_age"), column("wait_time"));
         let between = between(records);
         let mut notes = Vec::new();
@@ -39,7 +44,8 @@ impl Conditions {
                  grinding and waiting; the size of stiffness_drift is as good as that"
                     .to_owned(),
             );
-            let turns = |row: usize| (revolutions[row] + spark_out[row]) * std::f64::consts::TAU;
+            let turns =
+                |row: usize| (revolutions[row] + finish[row].revolutions + spark_out[row]) * std::f64::consts::TAU;
             let grinding = |row: usize| if rotation[row] > 0.0 { turns(row) / rotation[row] } else { 0.0 };
             reckoned(records, |row| (1.0 + between[row]) * (grinding(row) + wait[row] + HANDLING))
         });
@@ -53,9 +59,10 @@ impl Conditions {
                 ..Input::default()
             })
             .collect();
-        let commanded = infeed.iter().zip(&revolutions).map(|(infeed, revolutions)| infeed * revolutions);
-        let ordinary_stock = commanded.sum::<f64>() / records.len().max(1) as f64;
-        (Self { inputs, revolutions, spark_out, between, ordinary_stock }, notes)
+        let commanded =
+            |row: usize| infeed[row] * revolutions[row] + finish[row].infeed_per_rev * finish[row].revolutions;
+        let ordinary_stock = (0..records.len()).map(commanded).sum::<f64>() / records.len().max(1) as f64;
+        (Self { inputs, revolutions, spark_out, finish, between, ordinary_stock }, notes)
     }
 
     /// Age of the machine at the last trial, s.

@@ -21,7 +21,7 @@ use super::stated::Stated;
 use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform, WrittenEffect};
 use catalogue::Action;
 use conditions::Conditions;
-use plunge::{Plunge, plunge};
+use plunge::{Plunge, Stage, plunge};
 use rayon::prelude::*;
 use scattered::Scattered;
 use toolroom_effects::{Effect, Effects};
@@ -232,7 +232,10 @@ impl Grinding {
                 // Each trial finds its own contact: what the wheel has worn is not missing.
                 part.commanded_infeed = part.wheel_wear;
             }
-            let ground = |u: &Input| plunge(process, part, u, [c.revolutions[*row], c.spark_out[*row]], exponent, ramp);
+            let Stage { infeed_per_rev, revolutions } = c.finish[*row];
+            let finish = Stage { infeed_per_rev: infeed_per_rev * scale, revolutions };
+            let turns = [c.revolutions[*row], c.spark_out[*row]];
+            let ground = |u: &Input| plunge(process, part, u, turns, finish, exponent, ramp);
             let (read, end) = ground(&u);
             wheel = end;
             readings.push(if harder == 0.0 {

@@ -73,13 +73,22 @@ impl Contact<'_> {
     }
 }
 
-/// Revolutions of infeed and of spark-out on `part`; what is read, and the wheel as it is then.
+/// A stage with an infeed of its own.
+#[derive(Clone, Copy)]
+pub(super) struct Stage {
+    /// m a revolution.
+    pub infeed_per_rev: f64,
+    pub revolutions: f64,
+}
+
+/// Revolutions of infeed, of a finish stage and of spark-out on `part`; what is read, and the wheel as it is then.
 /// The mean radius lacks `ramp` of the last revolution's depth.
 pub(super) fn plunge(
     process: &Infeed,
     part: State,
     u: &Input,
     [revolutions, spark_out]: [f64; 2],
+    finish: Stage,
     exponent: f64,
     ramp: f64,
 ) -> (Plunge, State) {
@@ -98,7 +107,15 @@ pub(super) fn plunge(
     }
     let steady = process.output(&contact.part, &contact.input(u));
     // Heat comes in under infeed and stays until the part is gauged.
-    let warm = contact.part.stock_removed - steady.stock_removed;
+    let mut warm = contact.part.stock_removed - steady.stock_removed;
+    if finish.revolutions > 0.0 {
+        let slower = Input { infeed_per_rev: finish.infeed_per_rev, ..*u };
+        for share in shares(finish.revolutions) {
+            contact.turn(&slower, share);
+        }
+        let end = process.output(&contact.part, &contact.input(&slower));
+        warm = contact.part.stock_removed - end.stock_removed;
+    }
     let resting = Input { infeed_per_rev: 0.0, ..*u };
     for share in shares(spark_out) {
         contact.turn(&resting, share);
@@ -147,5 +164,26 @@ mod tests {
         // A force that has come to its end within a revolution has no rate to go by.
         assert!((risen(&[(0.0, 0.0), (1.0, 100.0)], 100.0) - 0.95).abs() < 1e-12);
         assert_eq!(risen(&[], 100.0), 0.0);
+    }
+
+    #[test]
+    fn a_finish_stage_leaves_the_stock_of_the_recursion() {
+        let process = Infeed::default();
+        let u = Input { infeed_per_rev: 4.43e-6, ..Input::default() };
+        let ground =
+            |turns: [f64; 2], finish: Stage| plunge(&process, process.initial(), &u, turns, finish, 0.0, 0.0).0;
+        let lag = toolroom_infeed::lag(process.parameters.process_stiffness, process.parameters.system_stiffness);
+        let (mut depth, mut stock) = (0.0, 0.0);
+        for infeed in [4.43e-6; 12].into_iter().chain([1e-6; 8]).chain([0.0; 4]) {
+            depth = (1.0 - lag) * infeed + lag * depth;
+            stock += depth;
+        }
+        let two = ground([12.0, 4.0], Stage { infeed_per_rev: 1e-6, revolutions: 8.0 });
+        let (found, force) = (two.channel("stock_removed"), two.channel("normal_force"));
+        // The shipped process wears its wheel by a little of the stock.
+        assert!((found / stock - 1.0).abs() < 5e-3, "{found} {stock}");
+        let one = ground([12.0, 4.0], Stage { infeed_per_rev: 0.0, revolutions: 0.0 });
+        assert_eq!(force, one.channel("normal_force"));
+        assert!(two.channel("force_after_spark_out") > 0.0 && one.channel("stock_removed") < found);
     }
 }

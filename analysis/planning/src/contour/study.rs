@@ -155,6 +155,7 @@ fn study<'a>(
     options: &StudyOptions,
     note: &dyn Fn(&str),
 ) -> Result<PassStudy<'a>, ContourError> {
+    file.contour.clears(file.parameters.cutter.radius(), pass.gouge())?;
     let planner = Planner::new(&file.contour, &file.parameters, pass, &file.models)?;
     let sections = file.contour.sections.len();
     if options.ramps && options.edge.is_some() && sections > JOINT_SECTIONS {

@@ -2,6 +2,7 @@
 
 mod between_samples;
 mod files;
+mod gate;
 mod literature;
 mod rescaling;
 mod search;

@@ -137,14 +137,19 @@ pub(crate) fn least(misfit: impl Fn(f64) -> f64) -> Option<f64> {
 /// The lag of a trial from its recorded force, else from the 95 % rise and the force that
 /// spark-out leaves.
 pub(super) fn estimate(trial: &Trial, errors: &MeasurementErrors) -> Option<Estimate> {
-    if let Some(fit) = fit_force_trace(&trial.force_trace, trial.revolutions, errors.force) {
+    // Behind the first stage a finish stage holds the force up: only the rise tells the lag by itself.
+    let single = trial.finish_revolutions == 0.0;
+    let within = |sample: &&ForceSample| single || sample.revolution <= trial.revolutions;
+    let trace: Vec<ForceSample> = trial.force_trace.iter().filter(within).copied().collect();
+    if let Some(fit) = fit_force_trace(&trace, trial.revolutions, errors.force) {
         return Some(fit.lag);
     }
     let rise = trial.rise_revolutions.map(|revolutions| {
         let value = lag_from_rise(revolutions);
         Estimate { value, sd: value * -(0.05f64.ln()) / (revolutions * revolutions) * errors.revolutions }
     });
-    let spark_out = trial.force_after_spark_out.zip(trial.normal_force).filter(|_| trial.spark_out_revolutions > 0.0);
+    let spark_out =
+        trial.force_after_spark_out.zip(trial.normal_force).filter(|_| single && trial.spark_out_revolutions > 0.0);
     let decay = spark_out.map(|(after, steady)| {
         let value = lag_from_spark_out(after / steady, trial.spark_out_revolutions);
         let relative = (errors.force / after).hypot(errors.force / steady);

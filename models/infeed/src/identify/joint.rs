@@ -47,11 +47,13 @@ struct Turn {
 /// A trial, revolution by revolution, from rest.
 fn course([process, system, threshold, exponent]: Numbers, trial: &Trial) -> Vec<Turn> {
     let (process, system) = (process.exp(), system.exp());
-    let last = (trial.revolutions + trial.spark_out_revolutions).ceil().min(1e5) as u32;
+    let last = (trial.revolutions + trial.finish_revolutions + trial.spark_out_revolutions).ceil().min(1e5) as u32;
     let mut turns = vec![Turn::default()];
     let mut stock = 0.0;
     for revolution in 1..=last {
-        let commanded = trial.infeed_per_rev * f64::from(revolution).min(trial.revolutions);
+        let beyond = (f64::from(revolution) - trial.revolutions).clamp(0.0, trial.finish_revolutions);
+        let commanded =
+            trial.infeed_per_rev * f64::from(revolution).min(trial.revolutions) + trial.finish_infeed_per_rev * beyond;
         let engagement = (commanded - stock - threshold / system).max(0.0);
         let (depth, _) = share_out(engagement, process / system, 0.0, exponent, REFERENCE_DEPTH);
         let pressed = system * (commanded - stock);
@@ -77,7 +79,7 @@ fn residuals(numbers: Numbers, trials: &[Trial], errors: &MeasurementErrors) -> 
     for trial in trials {
         let turns = course(numbers, trial);
         let steady = at(&turns, trial.revolutions);
-        let end = at(&turns, trial.revolutions + trial.spark_out_revolutions);
+        let end = at(&turns, trial.revolutions + trial.finish_revolutions + trial.spark_out_revolutions);
         let infeed_error = errors.infeed_per_rev / trial.infeed_per_rev;
         if let Some(stock) = trial.stock_removed {
             // A revolution more or less costs the last depth of stock.

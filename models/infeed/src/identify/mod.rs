@@ -326,16 +326,7 @@ fn weighted(a: Estimate, b: Estimate) -> Estimate {
 
 /// The stock's mean lag with `revolutions` more in each trial.
 fn shifted(trials: &[Trial], revolutions: f64) -> Option<Shifted> {
-    let lag_of = |trial: &Trial| {
-        lag_from_stock(
-            trial.infeed_per_rev,
-            trial.revolutions + revolutions,
-            trial.spark_out_revolutions,
-            trial.stock_removed?,
-        )
-        .ok()
-    };
-    let lags: Option<Vec<f64>> = trials.iter().map(lag_of).collect();
+    let lags: Option<Vec<f64>> = trials.iter().map(|trial| stock::lag_of(trial, revolutions)).collect();
     let lags = lags?;
     let stiffness =
         |(trial, lag): (&Trial, &f64)| Some(stiffness_from_k(process_stiffness(trial, *lag, revolutions)?, *lag));

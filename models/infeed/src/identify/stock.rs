@@ -47,10 +47,41 @@ fn root(rising: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     }
 }
 
+/// Deflection at retraction, m, of a trial whose first stage has `more` revolutions: each stage adds its own, and what the
+/// first leaves goes on falling under the second.
+fn deflection<N: Number>(trial: &Trial, more: f64, lag: N) -> N {
+    let (finish, rest) = (trial.finish_revolutions, trial.spark_out_revolutions);
+    let first = deflection_in_infeeds(lag, trial.revolutions + more, finish + rest) * trial.infeed_per_rev;
+    if finish == 0.0 {
+        return first;
+    }
+    first + deflection_in_infeeds(lag, finish, rest) * trial.finish_infeed_per_rev
+}
+
+/// The lag of a trial with `more` revolutions in its first stage from its stock; `None` where no lag leaves that stock.
+pub(super) fn lag_of(trial: &Trial, more: f64) -> Option<f64> {
+    let (infeed, revolutions) = (trial.infeed_per_rev, trial.revolutions + more);
+    if trial.finish_revolutions == 0.0 {
+        return lag_from_stock(infeed, revolutions, trial.spark_out_revolutions, trial.stock_removed?).ok();
+    }
+    let commanded = infeed * revolutions + trial.finish_infeed_per_rev * trial.finish_revolutions;
+    let due = commanded - trial.stock_removed?;
+    (due > 0.0 && due < commanded).then(|| root(|lag| deflection(trial, more, lag) - due, 0.0, 1.0))
+}
+
 pub(super) fn estimate(trial: &Trial, errors: &MeasurementErrors) -> Option<Estimate> {
     let (infeed, revolutions, spark_out) = (trial.infeed_per_rev, trial.revolutions, trial.spark_out_revolutions);
-    let value = lag_from_stock(infeed, revolutions, spark_out, trial.stock_removed?).ok()?;
-    Some(Estimate { value, sd: lag_sd(value, infeed, revolutions, spark_out, errors) })
+    let value = lag_of(trial, 0.0)?;
+    if trial.finish_revolutions == 0.0 {
+        return Some(Estimate { value, sd: lag_sd(value, infeed, revolutions, spark_out, errors) });
+    }
+    // As for one stage: the errors of gauge and feed, and the last depth for a revolution more or less.
+    let (finish, whole) = (trial.finish_infeed_per_rev, trial.finish_revolutions + spark_out);
+    let last_depth = finish + (infeed - finish) * value.powf(trial.finish_revolutions);
+    let fed = trial.stock_removed? / infeed * errors.infeed_per_rev;
+    let stock =
+        errors.stock.hypot(fed).hypot(last_depth * value.powf(whole - trial.finish_revolutions) * errors.revolutions);
+    Some(Estimate { value, sd: stock / stock_slope(trial, value) })
 }
 
 /// One lag for the stock of all trials.
@@ -68,14 +99,14 @@ pub struct Pooled {
 
 /// Pooled estimate over possible trials that all have stock.
 pub(super) fn pooled(trials: &[Trial]) -> Option<Pooled> {
-    let alone = |trial: &Trial| {
-        let (infeed, revolutions) = (trial.infeed_per_rev, trial.revolutions);
-        lag_from_stock(infeed, revolutions, trial.spark_out_revolutions, trial.stock_removed?).ok()
-    };
-    let lags: Vec<f64> = trials.iter().map(alone).collect::<Option<_>>()?;
+    let lags: Vec<f64> = trials.iter().map(|trial| lag_of(trial, 0.0)).collect::<Option<_>>()?;
     let residual = |trial: &Trial, lag: f64| {
+        let stock = trial.stock_removed.unwrap_or(f64::NAN);
+        if trial.finish_revolutions > 0.0 {
+            return stock - (trial.commanded_infeed() - deflection(trial, 0.0, lag));
+        }
         let deflection = deflection_in_infeeds(lag, trial.revolutions, trial.spark_out_revolutions);
-        trial.stock_removed.unwrap_or(f64::NAN) - trial.infeed_per_rev * (trial.revolutions - deflection)
+        stock - trial.infeed_per_rev * (trial.revolutions - deflection)
     };
     // Each residual rises through zero at the lag of its trial, so half the slope of the sum of
     // squares rises from below zero at the least lag to above zero at the greatest.
@@ -96,6 +127,10 @@ pub(super) fn pooled(trials: &[Trial]) -> Option<Pooled> {
 
 /// −dP/dK of a trial.
 fn stock_slope(trial: &Trial, lag: f64) -> f64 {
+    use toolroom_process::num_dual::first_derivative;
+    if trial.finish_revolutions > 0.0 {
+        return first_derivative(|lag| deflection(trial, 0.0, lag), lag).1;
+    }
     trial.infeed_per_rev * deflection_slope(lag, trial.revolutions, trial.spark_out_revolutions)
 }
 

@@ -504,3 +504,67 @@ fn one_stray_trial_moves_the_robust_means_little() {
     let even = Scatter::of(&[1.0, 2.0, 3.0]);
     assert!((even.huber - 2.0).abs() < 1e-12);
 }
+
+/// Stock, force at the end of the rough stage and force after spark-out, by the recursion h = (1 − K) S + K h.
+fn two_stages(k: f64, process: f64, [rough, finish]: [(f64, u32); 2], spark_out: u32) -> (f64, f64, f64) {
+    let (mut depth, mut stock, mut force) = (0.0, 0.0, 0.0);
+    for (stage, (infeed, revolutions)) in [rough, finish, (0.0, spark_out)].into_iter().enumerate() {
+        for _ in 0..revolutions {
+            depth = (1.0 - k) * infeed + k * depth;
+            stock += depth;
+        }
+        if stage == 0 {
+            force = process * depth;
+        }
+    }
+    (stock, force, process * depth)
+}
+
+#[test]
+fn trials_of_a_rough_and_a_finish_stage_tell_the_lag_and_the_stiffnesses() {
+    let (k, process) = (0.553, 38.3747e6);
+    let trials: Vec<Trial> = [(4.43e-6, 12, 1.0e-6, 8, 4), (3.0e-6, 9, 1.5e-6, 5, 2), (5.0e-6, 6, 0.8e-6, 3, 0)]
+        .into_iter()
+        .enumerate()
+        .map(|(i, (rough, n, finish, m, spark_out))| {
+            let (stock, force, after) = two_stages(k, process, [(rough, n), (finish, m)], spark_out);
+            Trial {
+                trial_id: format!("{i}"),
+                infeed_per_rev: rough,
+                revolutions: n.into(),
+                finish_infeed_per_rev: finish,
+                finish_revolutions: m.into(),
+                spark_out_revolutions: spark_out.into(),
+                stock_removed: Some(stock),
+                normal_force: Some(force),
+                force_after_spark_out: (spark_out > 0).then_some(after),
+                ..Trial::default()
+            }
+        })
+        .collect();
+    // 12 and 8 revolutions of the published cycle: 59.8858 um without spark-out, 61.0408 with four revolutions of it.
+    close(trials[0].stock_removed.expect("stock"), 61.0408e-6, SIX_DIGITS);
+    let found = identify(&trials, &IdentifyOptions::default()).expect("possible trials");
+    for trial in &found.trials {
+        close(trial.from_stock.expect("a lag").value, k, SIX_DIGITS);
+        close(trial.lag.value, k, SIX_DIGITS);
+        close(trial.process_stiffness.expect("a stiffness"), process, SIX_DIGITS);
+    }
+    let joint = found.joint.expect("a joint fit");
+    close(joint.system_stiffness.value, stiffness_from_k(process, k), 1e-5);
+    close(joint.process_stiffness.value, process, 1e-5);
+    // Read as one stage, the finish infeed would pass for a stiffer machine.
+    let blind = lag_from_stock(4.43e-6, 12.0, 4.0, trials[0].stock_removed.expect("stock"));
+    assert!(blind.is_err(), "{blind:?}");
+    let table = "trial_id,infeed_per_rev [um],revolutions,finish_infeed_per_rev [um],finish_revolutions,spark_out_revolutions,stock_removed [um]\n\
+                 1,4.43,12,1,8,4,61.0408\n";
+    let read = read_trials("trials.csv", table.as_bytes()).expect("a table").trials;
+    assert_eq!((read[0].finish_revolutions, read[0].commanded_infeed()), (8.0, trials[0].commanded_infeed()));
+    let mut wrong = trials[0].clone();
+    wrong.finish_revolutions = -1.0;
+    assert!(
+        wrong.faults().iter().any(|fault| fault.to_string().contains("finish_revolutions")),
+        "{:?}",
+        wrong.faults()
+    );
+}

@@ -305,7 +305,7 @@ impl<'t> Parser<'t> {
             "SGN" if klartext => Sign,
             "POW" => Power,
             "EXISTS" => Exists,
-            _ if siemens && self.peek() != b'(' && !word.starts_with('$') => {
+            _ if siemens && self.peek() != b'(' && (!word.starts_with('$') || word.starts_with("$P_")) => {
                 return Ok(Expression::Named(word.to_owned()));
             }
             _ => {

@@ -61,6 +61,13 @@ impl Iso {
                 let value = self.mm(kernel, words, letter, value)?;
                 target.step[index] = Some(if index == 0 { 0.5 * value } else { value });
             }
+            // H turns the spindle axis C by steps.
+            if let Some(value) = words.take(b'H') {
+                if target.names(5) {
+                    return Err(Fault::at(words.column(b'H'), "C is given twice, absolute and by a step"));
+                }
+                target.step[5] = Some(self.angle(kernel, words, b'H', value));
+            }
         }
         self.by_angle(&mut target, words, kernel)?;
         let [u, v, _] = kernel.plane;
@@ -97,6 +104,9 @@ impl Iso {
                     moves += 1;
                     if motion != Move::Cycle {
                         self.cycle = None;
+                    }
+                    if motion != Move::Drilling {
+                        self.drilling = None;
                     }
                     self.modes.motion = motion;
                 }
@@ -181,8 +191,10 @@ impl Iso {
         }
         if !matches!(once, Once::Data) {
             words.spend(b"D");
-            // Another length of the tool shifts its axis by what the machine knows; the programmed path stays the same.
-            words.whole(b'H', 0.0, 9999.0)?;
+            if !self.is_lathe() {
+                // Another length of the tool shifts its axis by what the machine knows; the programmed path stays the same.
+                words.whole(b'H', 0.0, 9999.0)?;
+            }
         }
         Ok(())
     }
@@ -346,9 +358,11 @@ impl Iso {
             words.spend(b"XYZABCUVW");
             return kernel.machine_motion(&axes);
         }
-        let has_axis = words.any(b"XYZABCUVW") || words.any(&[DISTANCE, ANGLE]);
+        let turns = self.is_lathe() && words.has(b'H');
+        let has_axis = turns || words.any(b"XYZABCUVW") || words.any(&[DISTANCE, ANGLE]);
         match self.modes.motion {
             Move::Cycle => self.canned(words, kernel).map_err(|fault| fault.or_at(column)),
+            Move::Drilling => self.drill(words, kernel).map_err(|fault| fault.or_at(column)),
             Move::Lathe(code) => self.turning_cycle(code, words, kernel).map_err(|fault| fault.or_at(column)),
             Move::Open if has_axis => Err(Fault::at(
                 column,

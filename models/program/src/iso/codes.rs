@@ -53,7 +53,7 @@ impl Iso {
             let diameter = words.take(b'D').ok_or_else(|| Fault::new("G41.1 and G42.1 need D, the diameter"))?;
             let radius = 0.5 * self.mm(kernel, words, b'D', diameter)?;
             if radius > 0.0 {
-                kernel.offset = Some(Offsetting::new(left, radius, kernel.plane, Corner::Round));
+                kernel.offset = Some(Offsetting::new(left, radius, kernel.plane, Corner::Round).left_at_once());
             }
             return Ok(());
         }
@@ -72,7 +72,8 @@ impl Iso {
             return Ok(());
         };
         let corner = if self.dialect == Dialect::Fanuc { Corner::Extended } else { Corner::Round };
-        kernel.offset = Some(Offsetting::new(left, 0.5 * diameter, kernel.plane, corner));
+        let offset = Offsetting::new(left, 0.5 * diameter, kernel.plane, corner);
+        kernel.offset = Some(if self.dialect == Dialect::LinuxCnc { offset.left_at_once() } else { offset });
         Ok(())
     }
 
@@ -81,6 +82,8 @@ impl Iso {
         let (linuxcnc, haas, lathe) =
             (self.dialect == Dialect::LinuxCnc, self.dialect == Dialect::Haas, self.is_lathe());
         let macros = self.macros();
+        let calls = words.m.iter().any(|(code, _)| matches!(code, 97 | 98));
+        let additional = |number: f64| (1.0..=300.0).contains(&number) && number.fract() == 0.0;
         let refuse = |reason: &str| Err(Fault::new(format!("G{}: {reason}", written(code))));
         Ok(match code {
             0 => Found::Motion(Move::Rapid),
@@ -93,6 +96,11 @@ impl Iso {
                 words.spend(b"PQR");
                 Modal
             }
+            // G5 P10000 and P0 switch the look-ahead for programs of many short blocks.
+            50 if macros => match words.whole(b'P', 0.0, 99_999.0)? {
+                Some(0 | 1 | 2 | 3 | 10_000) => Modal,
+                _ => return refuse("only P10000 and P0, the look-ahead for short blocks, are followed"),
+            },
             70 if linuxcnc => return refuse("diameters of a lathe are not followed for LinuxCNC; write G8 and radii"),
             80 if linuxcnc => Modal,
             90 if macros => ExactStop,
@@ -125,6 +133,11 @@ impl Iso {
                 self.compensate(code, words, kernel)?;
                 Modal
             }
+            432 if linuxcnc => {
+                words.whole(b'H', 0.0, 9999.0)?;
+                words.spend(b"XYZ");
+                Modal
+            }
             430 | 440 | 431 | 490 if !lathe => {
                 if code == 431 {
                     words.spend(b"XYZ");
@@ -152,8 +165,14 @@ impl Iso {
                 Found::Once(Once::Mirror(false))
             }
             511 if macros && !lathe => Found::Once(Once::Mirror(true)),
-            520 if macros => Found::Once(Once::Local),
+            520 if macros || linuxcnc => Found::Once(Once::Local),
             530 => Found::Once(Once::Machine),
+            // G54 P5 is G54.1 P5; P may belong to a call or a hole of the block instead.
+            540 if macros && !calls && !words.has(b'R') && words.see(b'P').is_some_and(additional) => {
+                let number = words.whole(b'P', 1.0, 300.0)?.unwrap_or(1);
+                self.system(100 + number, kernel);
+                Modal
+            }
             540 | 550 | 560 | 570 | 580 | 590 => {
                 self.system(code / 10 - 53, kernel);
                 kernel.offset_by(Offset::Work(code / 10 - 54));
@@ -199,9 +218,18 @@ impl Iso {
                 self.begin_cycle(code / 10, kernel)?;
                 Found::Motion(Move::Cycle)
             }
+            830..=850 | 870..=890 if lathe && code.is_multiple_of(10) => {
+                self.begin_drilling(code / 10, kernel);
+                Found::Motion(Move::Drilling)
+            }
+            810..=890 if lathe && code.is_multiple_of(10) => {
+                return refuse(
+                    "the holes of a Fanuc lathe are G83 to G85 along Z and G87 to G89 along X; other formats are not followed",
+                );
+            }
             800 => {
-                self.cycle = None;
-                if matches!(self.modes.motion, Move::Cycle) {
+                (self.cycle, self.drilling) = (None, None);
+                if matches!(self.modes.motion, Move::Cycle | Move::Drilling) {
                     // LinuxCNC asks for a motion behind G80; others go on with what was before the cycle, mostly G0.
                     self.modes.motion = if linuxcnc { Move::Open } else { Move::Rapid };
                 }

@@ -195,18 +195,13 @@ impl Iso {
                 return Err(Fault::new("the least depth of a peck (K) is missing beside the decrement J"));
             }
             let stops = stops((bottom - reference).abs(), depth, decrement, least)?;
-            Ok(Some(Pecks {
-                stops,
-                retract,
-                clearance: Clearance::Fixed(clearance),
-                outside: 0.0,
-                inside: 0.0,
-                slow: false,
-            }))
+            Ok(Some(Pecks::new(stops, retract, Clearance::Fixed(clearance))))
         };
         let shift = if cycle.shift == [0.0; 2] { [cycle.peck.unwrap_or(0.0), 0.0] } else { cycle.shift };
         let plain = Hole { reference, bottom, level, pecks: None, dwell: 0.0, exit: Exit::Rapid, feed: None };
         let dwell = cycle.dwell;
+        // Out of G89 LinuxCNC feeds up to where the cycle ends, others to the plane R (its interpreter rs274 shows it).
+        let fed = if linuxcnc { Exit::FeedAllTheWay } else { Exit::Feed };
         let taps = || if cycle.peck.is_some() { pecks(None) } else { Ok(None) };
         let hole = match cycle.code {
             73 => Hole { pecks: pecks(Some(clearance))?, dwell, ..plain },
@@ -221,7 +216,7 @@ impl Iso {
             85 => Hole { exit: Exit::Feed, ..plain },
             86 => Hole { dwell, exit: Exit::Stopped, ..plain },
             88 => Hole { dwell, exit: Exit::Operator, ..plain },
-            89 => Hole { dwell, exit: Exit::Feed, ..plain },
+            89 => Hole { dwell, exit: fed, ..plain },
             76 => Hole { dwell, exit: Exit::Shifted(shift), ..plain },
             87 => return kernel.back_bore(reference, bottom, initial, shift, dwell),
             code => return Err(Fault::new(format!("G{code} is no cycle that is followed"))),

@@ -4,15 +4,13 @@ mod block;
 mod codes;
 mod corner;
 mod cycles;
-mod lathe;
 mod modes;
 mod once;
 mod parse;
 mod path;
 mod pocket;
-mod repeating;
 mod run;
-mod turning;
+mod turn;
 mod variables;
 mod words;
 

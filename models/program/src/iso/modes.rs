@@ -17,6 +17,8 @@ pub(super) enum Move {
     Cycle,
     /// A lathe's box cycle or thread.
     Lathe(u32),
+    /// Holes of a lathe.
+    Drilling,
     Thread,
 }
 
@@ -45,11 +47,12 @@ pub(super) struct Modes {
 }
 
 impl Modes {
-    pub fn new() -> Self {
+    /// Modes at the start; LinuxCNC returns to the plane R where neither G98 nor G99 stands (so its interpreter rs274).
+    pub fn new(initial_return: bool) -> Self {
         Self {
             motion: Move::Open,
             arc_absolute: false,
-            initial_return: true,
+            initial_return,
             polar: None,
             rotation: None,
             scaling: None,
@@ -72,7 +75,7 @@ impl Modes {
             Move::Rapid => Some(0.0),
             Move::Line => Some(1.0),
             Move::Arc { left } => Some(if left { 3.0 } else { 2.0 }),
-            Move::Cycle | Move::Lathe(_) | Move::Thread => None,
+            Move::Cycle | Move::Lathe(_) | Move::Drilling | Move::Thread => None,
         };
         let feed = match kernel.feed_mode {
             FeedMode::Minute => 94.0,

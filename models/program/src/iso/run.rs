@@ -1,10 +1,9 @@
 //! The flow of a program: blocks, jumps, loops, calls.
 
 use super::cycles::Cycle;
-use super::lathe::Turned;
 use super::modes::Modes;
 use super::parse::{BlockCode, Code, Order, Statement, statements};
-use super::turning::TwoBlocks;
+use super::turn::{Drilling, Turned, TwoBlocks};
 use super::variables::{Locals, Store};
 use super::words::Words;
 use crate::Dialect;
@@ -53,6 +52,8 @@ pub(crate) struct Iso {
     pub(super) cycle: Option<Cycle>,
     /// The cycle of a lathe that ran last.
     pub(super) turned: Option<Turned>,
+    /// The cycle of a lathe that drills.
+    pub(super) drilling: Option<Drilling>,
     /// Values of the first block of a cycle in two.
     pub(super) two: TwoBlocks,
     library: Library,
@@ -78,9 +79,10 @@ impl Iso {
             calls: Vec::new(),
             loops: Vec::new(),
             store: Store::new(dialect),
-            modes: Modes::new(),
+            modes: Modes::new(dialect != Dialect::LinuxCnc),
             cycle: None,
             turned: None,
+            drilling: None,
             two: TwoBlocks::default(),
             library,
             modal_macro: None,

@@ -20,7 +20,16 @@ pub(super) struct Words {
     left: Option<bool>,
     polar_radius: Option<(f64, bool)>,
     polar_angle: Option<(f64, bool)>,
+    /// MB of M140: the way off the workpiece, mm, or as far as the axis goes.
+    back: Option<Back>,
     pub m: Vec<(u32, usize)>,
+}
+
+/// How far M140 draws the tool back along its axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Back {
+    Way(f64),
+    Limit,
 }
 
 impl Klartext {
@@ -124,6 +133,9 @@ impl Klartext {
                     "free contour programming (FK) is solved by the control; post L and C instead",
                 ));
             }
+            // Tilted planes are refused, so none is in force that could end.
+            "PLANE" if word(1) == "RESET" => Flow::Going,
+            "FUNCTION" if matches!((word(1), word(2)), ("RESET", "TCPM") | ("MODE", "MILL")) => Flow::Going,
             "PLANE" => {
                 return Err(Fault::at(column(0), "tilted planes are not followed; post the motions in machine axes"));
             }
@@ -131,6 +143,7 @@ impl Klartext {
                 self.flush(kernel)?;
                 let given = self.words(words, kernel)?;
                 self.before(&given.m, kernel)?;
+                self.draw_back(&given, kernel)?;
                 self.after(&given.m, kernel)?
             }
             other => {
@@ -174,6 +187,7 @@ impl Klartext {
                     | "PA"
                     | "IPA"
                     | "M"
+                    | "MB"
             ) && let Some((next, _)) = list.get(index)
             {
                 word.push_str(next);
@@ -195,6 +209,7 @@ impl Klartext {
             "RL" | "RR" => parsed.side = word.chars().nth(1),
             "DR+" => parsed.left = Some(true),
             "DR-" => parsed.left = Some(false),
+            "MBMAX" => parsed.back = Some(Back::Limit),
             _ => {
                 if let Some(rest) = word.strip_prefix("IPA") {
                     parsed.polar_angle = Some((self.value(rest, column)?, true));
@@ -204,6 +219,8 @@ impl Klartext {
                     parsed.polar_radius = Some((length(rest)?, true));
                 } else if let Some(rest) = word.strip_prefix("PR") {
                     parsed.polar_radius = Some((length(rest)?, false));
+                } else if let Some(rest) = word.strip_prefix("MB") {
+                    parsed.back = Some(Back::Way(length(rest)?.abs()));
                 } else if let Some(rest) = word.strip_prefix('F').filter(|rest| !rest.is_empty()) {
                     if rest.starts_with(|c: char| c.is_ascii_alphabetic() && c != 'Q') {
                         return Err(Fault::at(
@@ -251,8 +268,7 @@ impl Klartext {
     }
 
     fn tool(&mut self, words: &[(String, usize)], kernel: &mut Kernel) -> Result<(), Fault> {
-        let mut changes = false;
-        let mut number = None;
+        let (mut changes, mut number, mut oversize) = (false, None, 0.0);
         for (index, (word, column)) in words.iter().enumerate() {
             let first = word.chars().next().unwrap_or(' ');
             match first {
@@ -279,11 +295,17 @@ impl Klartext {
                     self.tool_feed = Some(feed * scale);
                     kernel.set_feed(feed, scale)?;
                 }
-                'D' => {}
+                'D' => {
+                    // DR is an oversize of the radius; DL and DR2 change the length and the corner.
+                    if let Some(rest) = word.strip_prefix("DR").filter(|rest| rest.starts_with(['+', '-'])) {
+                        oversize = kernel.length(self.value(rest, *column)?)?;
+                    }
+                }
                 _ => return Err(Fault::at(*column, format!("{word} is not understood behind TOOL CALL"))),
             }
         }
         if changes {
+            self.oversize = oversize;
             kernel.finish_offset()?;
             kernel.change_tool(number);
             // The length of the tool is added from here on.
@@ -327,7 +349,23 @@ impl Klartext {
     pub(super) fn cutter_radius(&self, kernel: &Kernel) -> Option<f64> {
         let tool = kernel.tool?;
         let given = kernel.control.diameters.get(&tool).map(|diameter| 0.5 * diameter);
-        given.or_else(|| self.radii.get(&tool).copied())
+        given.or_else(|| self.radii.get(&tool).copied()).map(|radius| radius + self.oversize)
+    }
+
+    /// M140: off the workpiece along the axis of the tool, at rapid speed where no feed stands beside it.
+    fn draw_back(&mut self, given: &Words, kernel: &mut Kernel) -> Result<(), Fault> {
+        let Some((_, column)) = given.m.iter().find(|(code, _)| *code == 140) else { return Ok(()) };
+        let w = kernel.plane[2];
+        match given.back {
+            None => Err(Fault::at(*column, "M140 needs MB, the way, or MB MAX")),
+            Some(Back::Limit) => kernel.machine_motion(&[w]),
+            Some(Back::Way(way)) => {
+                self.feed(given, kernel)?;
+                let mut target = Target::default();
+                target.step[w] = Some(way);
+                kernel.straight(&target, given.feed.is_none() && !given.auto)
+            }
+        }
     }
 
     /// Functions that act when the block begins.
@@ -339,7 +377,9 @@ impl Klartext {
                 6 => kernel.change_tool(kernel.tool),
                 7 | 8 => kernel.push(EventKind::Coolant(true)),
                 19 => kernel.spindle(Sense::Still),
-                0 | 1 | 2 | 5 | 9 | 30 | 89 | 99 | 91 | 92 | 126 | 127 | 120 => {}
+                0 | 1 | 2 | 5 | 9 | 30 | 89 | 99 | 91 | 92 | 126 | 127 | 120 | 140 => {}
+                // Ends of modes that are not followed, and messages about oversizes.
+                102 | 107 | 108 | 111 | 117 | 129 | 137 | 145 | 149 => {}
                 97 | 98 | 101..=118 | 128..=149 => {
                     return Err(Fault::at(
                         *column,
@@ -392,6 +432,17 @@ impl Klartext {
             self.before(&given.m, kernel)?;
             let axes: Vec<usize> = (0..9).filter(|axis| given.target.names(*axis)).collect();
             kernel.machine_motion(&axes)?;
+            return self.after(&given.m, kernel);
+        }
+        if given.m.iter().any(|(code, _)| *code == 140) {
+            self.flush(kernel)?;
+            self.before(&given.m, kernel)?;
+            if !given.target.is_empty() {
+                return Err(Fault::new(
+                    "M140 moves the axis of the tool alone; give the other axes a block of their own",
+                ));
+            }
+            self.draw_back(&given, kernel)?;
             return self.after(&given.m, kernel);
         }
         if let Some(side) = given.side

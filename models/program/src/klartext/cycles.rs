@@ -1,4 +1,4 @@
-//! Drilling cycles 200 to 208, the old cycles 1 and 2, dwell, and coordinate transformations.
+//! Drilling cycles 200 to 209 and 240, the old cycles 1 and 2, dwell, and coordinate transformations.
 //!
 //! # Source
 //! Parameters and sequences of motions as the user's manuals of TNC 640 and iTNC 530 describe them, cited from memory
@@ -138,12 +138,22 @@ impl Klartext {
         if number == 247 {
             return self.datum(statement, column, kernel);
         }
-        if !matches!(number, 200..=203 | 205..=208 | 220 | 221) {
+        if !matches!(number, 200..=203 | 205..=209 | 220 | 221 | 240) {
             return Err(Fault::at(column, format!("cycle {number} is not followed; post its motions")));
         }
-        for (word, column) in &statement.words[3..] {
+        let mut words = statement.words[3..].iter();
+        while let Some((word, column)) = words.next() {
             let Some((target, value)) = word.split_once('=') else { continue };
-            let value = self.value(value, *column)?;
+            // The value may stand apart.
+            let value = if value.is_empty() { words.next().map_or("", |(word, _)| word.as_str()) } else { value };
+            let value = match value {
+                "MAX" | "FMAX" => RAPID,
+                "AUTO" | "FAUTO" => {
+                    let feed = self.tool_feed.ok_or_else(|| Fault::at(*column, "FAUTO needs F behind TOOL CALL"))?;
+                    feed / kernel.unit()?
+                }
+                value => self.value(value, *column)?,
+            };
             self.set(target, value).map_err(|fault| fault.or_at(*column))?;
         }
         if matches!(number, 220 | 221) {
@@ -175,14 +185,7 @@ impl Klartext {
                 let pecks = if number == 1 && peck.abs() > 0.0 && peck.abs() < depth.abs() {
                     let mut list = stops(depth.abs(), peck.abs(), 0.0, peck.abs())?;
                     list.iter_mut().for_each(|stop| *stop += whole - depth.abs());
-                    Some(Pecks {
-                        stops: list,
-                        retract: None,
-                        clearance: Clearance::Depth,
-                        outside: 0.0,
-                        inside: 0.0,
-                        slow: false,
-                    })
+                    Some(Pecks::new(list, None, Clearance::Depth))
                 } else {
                     None
                 };
@@ -210,7 +213,7 @@ impl Klartext {
         let level = surface + length(204, 0.0)?.max(setup);
         let bottom = surface + depth;
         let clearance = |default: f64| Clearance::Fixed(kernel.control.peck_clearance.unwrap_or(default));
-        let feed = if number == 207 { 1.0 } else { needed(206)? };
+        let feed = if matches!(number, 207 | 209) { 1.0 } else { needed(206)? };
         if feed <= 0.0 {
             return Err(Fault::new("the feed Q206 of the cycle must be above 0"));
         }
@@ -234,14 +237,8 @@ impl Klartext {
         match number {
             200 => {
                 let list = from_surface(length(202, 0.0)?.abs(), 0.0, 0.0)?;
-                hole.pecks = list.map(|stops| Pecks {
-                    stops,
-                    retract: None,
-                    clearance: clearance(AGAIN),
-                    outside: seconds(210),
-                    inside: 0.0,
-                    slow: false,
-                });
+                hole.pecks =
+                    list.map(|stops| Pecks { outside: seconds(210), ..Pecks::new(stops, None, clearance(AGAIN)) });
             }
             201 => hole.exit = out_at(208)?,
             202 => {
@@ -254,24 +251,17 @@ impl Klartext {
             203 => {
                 let list = from_surface(length(202, 0.0)?.abs(), length(212, 0.0)?.abs(), length(205, 0.0)?.abs())?;
                 if let Some(stops) = list {
+                    // Behind so many breaks of the chip the tool is drawn out; without any, behind each depth.
                     let breaks = q(213).unwrap_or(0.0);
-                    let retract = if breaks == 0.0 {
-                        None
-                    } else if breaks + 1.0 >= stops.len() as f64 {
-                        Some(length(256, 0.2)?.abs())
-                    } else {
-                        return Err(Fault::new(
-                            "cycle 203 with both chip breaking and retraction (Q213) is not followed",
-                        ));
-                    };
+                    if !(0.0..=99_999.0).contains(&breaks) {
+                        return Err(Fault::new(format!("Q213 = {breaks} is no number of breaks")));
+                    }
+                    let retract = if breaks >= 1.0 { Some(length(256, AGAIN)?.abs()) } else { None };
                     hole.pecks = Some(Pecks {
-                        stops,
-                        retract,
-                        clearance: clearance(AGAIN),
+                        breaks: breaks as usize,
                         outside: seconds(210),
-                        inside: 0.0,
-                        // Without chip breaking the tool is drawn out at the feed of retraction.
-                        slow: retract.is_none() && q(208).is_some_and(|feed| feed < RAPID),
+                        slow_out: q(208).is_some_and(|feed| feed < RAPID),
+                        ..Pecks::new(stops, retract, clearance(AGAIN))
                     });
                 }
                 hole.exit = if q(208).is_some() { out_at(208)? } else { Exit::Rapid };
@@ -287,14 +277,7 @@ impl Klartext {
                     return Err(Fault::new("cycle 205 with different advanced stops (Q258, Q259) is not followed"));
                 }
                 let list = from_surface(length(202, 0.0)?.abs(), length(212, 0.0)?.abs(), length(205, 0.0)?.abs())?;
-                hole.pecks = list.map(|stops| Pecks {
-                    stops,
-                    retract: None,
-                    clearance: Clearance::Fixed(upper),
-                    outside: 0.0,
-                    inside: 0.0,
-                    slow: false,
-                });
+                hole.pecks = list.map(|stops| Pecks::new(stops, None, Clearance::Fixed(upper)));
             }
             206 => hole.exit = Exit::Tap,
             207 => {
@@ -304,6 +287,28 @@ impl Klartext {
                 }
                 hole.feed = Some(pitch * kernel.speed);
                 hole.exit = Exit::Tap;
+            }
+            209 => {
+                let pitch = needed(239)?.abs();
+                if kernel.speed <= 0.0 || pitch == 0.0 {
+                    return Err(Fault::new("cycle 209 needs a pitch Q239 and a speed of the spindle"));
+                }
+                let feed = pitch * kernel.speed;
+                hole.feed = Some(feed);
+                // Q256 counts pitches; 0 draws the tool out. Q403 is the speed on the way out over that of cutting.
+                let (step, breaks) = (length(257, 0.0)?.abs(), q(256).unwrap_or(0.0).abs());
+                let list = from_surface(step, 0.0, 0.0)?;
+                let retract = (breaks > 0.0).then_some(breaks * pitch);
+                hole.pecks = list.map(|stops| Pecks::new(stops, retract, Clearance::Fixed(0.0)));
+                let faster = q(403).filter(|factor| *factor > 0.0).unwrap_or(1.0);
+                hole.exit = if faster == 1.0 { Exit::Tap } else { Exit::TapAt(faster * feed) };
+            }
+            240 => {
+                if q(343).unwrap_or(0.0) != 0.0 {
+                    return Err(Fault::new(
+                        "cycle 240 to a diameter (Q343 = 1) takes the point angle of the tool's table; write the depth",
+                    ));
+                }
             }
             _ => return self.bore_milling(hole, kernel),
         }
@@ -315,9 +320,7 @@ impl Klartext {
         let q = |index: u32| self.store.0.get(&index).copied();
         let given = |index: u32| q(index).ok_or_else(|| Fault::new(format!("cycle 208 needs Q{index}")));
         let (step, diameter) = (kernel.length(given(334)?)?.abs(), kernel.length(given(335)?)?);
-        let tool = kernel.tool.and_then(|tool| {
-            kernel.control.diameters.get(&tool).copied().or_else(|| self.radii.get(&tool).map(|radius| 2.0 * radius))
-        });
+        let tool = self.cutter_radius(kernel).map(|radius| 2.0 * radius);
         let tool = tool.ok_or_else(|| {
             Fault::new("cycle 208 needs the diameter of the tool: give --tool D1=\"10 mm\" with its number")
         })?;

@@ -83,6 +83,8 @@ pub(crate) struct Klartext {
     left: Option<bool>,
     tool_feed: Option<f64>,
     radii: BTreeMap<u32, f64>,
+    /// Oversize of the radius of the tool in the spindle, DR of its call, mm.
+    oversize: f64,
     cycle: Option<Cycle>,
     /// Parameters of an old cycle while its blocks are read.
     old: BTreeMap<u32, f64>,
@@ -114,6 +116,7 @@ impl Klartext {
             left: None,
             tool_feed: None,
             radii: BTreeMap::new(),
+            oversize: 0.0,
             cycle: None,
             old: BTreeMap::new(),
             modal_call: false,

@@ -37,7 +37,10 @@ impl Values {
 }
 
 /// Words that change how the control computes, but neither the path nor the time at programmed feeds.
-const QUIET: [&str; 38] = [
+const QUIET: [&str; 40] = [
+    // Transformations of five axes end; none is followed.
+    "TRAFOOF",
+    "CUT2DF",
     "FFWON",
     "FFWOF",
     "SOFT",
@@ -94,7 +97,7 @@ impl Siemens {
                 }
                 Item::Define(name, value) => {
                     let value = self.value(value)?;
-                    self.store.named.insert(name.clone(), value);
+                    self.define(name, value);
                 }
                 Item::Text { address, text, column } => {
                     if address != "T" {
@@ -200,12 +203,13 @@ impl Siemens {
             self.modal = None;
         }
         for (word, arguments, column) in calls {
+            // Their values, such as _ROUGH, move nothing.
+            if matches!(word, "MSG" | "CYCLE832") {
+                continue;
+            }
             let mut list = Vec::with_capacity(arguments.len());
             for argument in arguments {
                 list.push(argument.as_ref().map(|argument| self.value(argument)).transpose()?);
-            }
-            if word == "MSG" {
-                continue;
             }
             self.cycle(word, &list, modal_call, kernel).map_err(|fault| fault.or_at(column))?;
         }
@@ -235,24 +239,23 @@ impl Siemens {
                     kernel.push(EventKind::ExactStop);
                 }
                 if let Some(modal) = self.modal.clone() {
-                    self.bore(&modal, kernel)?;
+                    self.repeat(&modal, kernel)?;
                 }
             }
         }
-        if let Some((_, column)) = sub.filter(|_| modal_call) {
-            return Err(Fault::at(column, "MCALL of a subprogram is not followed; call it behind each place"));
-        }
-        if let Some((word, column)) = sub {
+        if let Some((word, column)) = sub.filter(|_| modal_call) {
+            self.cycle(word, &[], true, kernel).map_err(|fault| fault.or_at(column))?;
+        } else if let Some((word, column)) = sub {
             let count = values.take("P").map_or(1.0, |(count, ..)| count);
             if !(0.0..=1e8).contains(&count) {
                 return Err(Fault::at(column, format!("P={count} is no number of runs")));
             }
             let line = kernel.line;
-            self.call(word, count as u32, line).map_err(|fault| fault.or_at(column))?;
+            self.call(word, count as u32, Vec::new(), false, line).map_err(|fault| fault.or_at(column))?;
         } else if let Some((number, _, column)) = values.take("L") {
             let count = values.take("P").map_or(1.0, |(count, ..)| count);
             let line = kernel.line;
-            self.call(&format!("L{number}"), count.clamp(0.0, 1e8) as u32, line)
+            self.call(&format!("L{number}"), count.clamp(0.0, 1e8) as u32, Vec::new(), false, line)
                 .map_err(|fault| fault.or_at(column))?;
         }
         if let Some(left) = values.0.iter().find(|own| !own.used) {
@@ -270,7 +273,7 @@ impl Siemens {
                 9 => kernel.push(EventKind::Coolant(false)),
                 _ => {
                     kernel.push(EventKind::Auxiliary(code, 0.0));
-                    if matches!(code, 2 | 30) || !self.back() {
+                    if matches!(code, 2 | 30) || !self.back(kernel) {
                         kernel.end()?;
                         return Ok(Flow::Ended);
                     }

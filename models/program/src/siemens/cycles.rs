@@ -11,7 +11,7 @@ use crate::kernel::{FeedMode, Kernel, Target};
 
 /// Drilling cycles that are followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cycle {
+pub(super) enum Cycle {
     Drill,
     Counterbore,
     DeepHole,
@@ -37,12 +37,11 @@ impl Cycle {
     }
 }
 
-/// A cycle with its values, which every motion calls.
+/// What every motion calls, with its values.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Modal {
-    name: &'static str,
-    cycle: Cycle,
-    values: Vec<Option<f64>>,
+pub(super) enum Modal {
+    Cycle { name: &'static str, cycle: Cycle, values: Vec<Option<f64>> },
+    Subprogram(String, Vec<Option<f64>>),
 }
 
 /// Metric coarse threads: nominal diameter and pitch, mm (ISO 261, first and second choice).
@@ -84,7 +83,7 @@ impl Siemens {
         kernel: &mut Kernel,
     ) -> Result<(), Fault> {
         if let Some((name, cycle)) = Cycle::named(name) {
-            let repeated = Modal { name, cycle, values: list.to_vec() };
+            let repeated = Modal::Cycle { name, cycle, values: list.to_vec() };
             if modal {
                 self.modal = Some(repeated);
                 return Ok(());
@@ -92,8 +91,9 @@ impl Siemens {
             return self.bore(&repeated, kernel);
         }
         match name {
-            // Tolerance and look-ahead of the control: no motion.
+            // Tolerance and look-ahead of the control, and the end of a tilted plane: no motion.
             "CYCLE832" => Ok(()),
+            "CYCLE800" if list.is_empty() => Ok(()),
             "HOLES1" | "HOLES2" => self.pattern(name, list, kernel),
             _ if name.starts_with("CYCLE")
                 || name.starts_with("POCKET")
@@ -102,16 +102,26 @@ impl Siemens {
             {
                 Err(Fault::new(format!("{name} is a cycle of the control that is not followed; post its motions")))
             }
-            _ if list.is_empty() && !modal => {
-                let line = kernel.line;
-                self.call(name, 1, line)
+            _ if modal => {
+                self.modal = Some(Modal::Subprogram(name.to_owned(), list.to_vec()));
+                Ok(())
             }
-            _ => Err(Fault::new(format!("{name}( ) is not understood; subprograms with parameters are not followed"))),
+            _ => self.call(name, 1, list.to_vec(), false, kernel.line),
+        }
+    }
+
+    /// Runs what every motion calls, behind a motion.
+    pub(super) fn repeat(&mut self, modal: &Modal, kernel: &mut Kernel) -> Result<(), Fault> {
+        match modal {
+            Modal::Cycle { .. } => self.bore(modal, kernel),
+            // Motions of the subprogram do not call it again.
+            Modal::Subprogram(..) if self.calls.iter().any(|call| call.modal) => Ok(()),
+            Modal::Subprogram(name, list) => self.call(name, 1, list.clone(), true, kernel.line),
         }
     }
 
     pub(super) fn bore(&mut self, modal: &Modal, kernel: &mut Kernel) -> Result<(), Fault> {
-        let (name, list) = (modal.name, &modal.values);
+        let Modal::Cycle { name, cycle, values: list } = modal else { return Ok(()) };
         let given = |index: usize| list.get(index).copied().flatten();
         let length = |index: usize| given(index).map(|value| kernel.length(value)).transpose();
         let needed =
@@ -131,18 +141,28 @@ impl Siemens {
         let reference = surface + clearance;
         let mut hole =
             Hole { reference, bottom, level: retract, pecks: None, dwell: 0.0, exit: Exit::Rapid, feed: None };
-        let seconds = |index: usize| given(index).unwrap_or(0.0).max(0.0);
-        match modal.cycle {
+        // A dwell below zero counts turns of the spindle.
+        let speed = kernel.speed;
+        let seconds = |index: usize| match given(index).unwrap_or(0.0) {
+            turns if turns < 0.0 && speed > 0.0 => Ok(-60.0 * turns / speed),
+            turns if turns < 0.0 => Err(Fault::new(format!("{name}: a dwell of {} turns needs S before it", -turns))),
+            time => Ok(time),
+        };
+        match cycle {
             Cycle::Drill => {}
-            Cycle::Counterbore => hole.dwell = seconds(5),
+            Cycle::Counterbore => hole.dwell = seconds(5)?,
             Cycle::DeepHole => {
                 let first = match (length(5)?, length(6)?) {
                     (_, Some(depth)) if depth != 0.0 => depth.abs(),
                     (Some(depth), _) => surface - depth,
                     (None, _) => return Err(Fault::new("CYCLE83 needs FDEP or FDPR, the first depth")),
                 };
-                if given(10).is_some_and(|factor| factor != 0.0 && factor != 1.0) {
-                    return Err(Fault::new("CYCLE83 with another feed for the first depth (FRF) is not followed"));
+                // FRF: feed of the first depth.
+                let factor = given(10).filter(|factor| *factor != 0.0).unwrap_or(1.0);
+                if !(0.001..=1.0).contains(&factor) {
+                    return Err(Fault::new(format!(
+                        "CYCLE83: {factor} is no factor of the feed (FRF) from 0.001 to 1"
+                    )));
                 }
                 let amount = length(7)?.unwrap_or(0.0);
                 let least = length(13)?.unwrap_or(0.0);
@@ -152,20 +172,19 @@ impl Siemens {
                 list.iter_mut().for_each(|stop| *stop += clearance);
                 let breaking = length(14)?.filter(|value| *value > 0.0).unwrap_or(1.0);
                 let again = length(16)?.filter(|value| *value > 0.0).map_or(Clearance::Depth, Clearance::Fixed);
-                hole.dwell = seconds(8);
-                hole.pecks = Some(Pecks {
-                    stops: list,
-                    retract: if deep { None } else { Some(breaking) },
-                    clearance: again,
-                    outside: seconds(9),
-                    inside: seconds(8),
-                    // Between chips it is drawn up by G1.
-                    slow: !deep,
-                });
+                // DTD, the dwell at the bottom, is that between the depths where it is left out.
+                hole.dwell = if given(15).is_some_and(|time| time != 0.0) { seconds(15)? } else { seconds(8)? };
+                let retract = (!deep).then_some(breaking);
+                // Between chips it is drawn up by G1.
+                let pecks = Pecks { slow_within: true, first: factor, ..Pecks::new(list, retract, again) };
+                hole.pecks = Some(Pecks { outside: seconds(9)?, inside: seconds(8)?, ..pecks });
             }
-            Cycle::RigidTap | Cycle::CompensatedTap => return self.tap(modal, hole, kernel),
+            Cycle::RigidTap | Cycle::CompensatedTap => {
+                hole.dwell = seconds(5)?;
+                return self.tap(modal, hole, kernel);
+            }
             Cycle::Ream => {
-                hole.dwell = seconds(5);
+                hole.dwell = seconds(5)?;
                 hole.feed = Some(needed(6, "FFR, the feed")?);
                 hole.exit = Exit::FeedOf(needed(7, "RFF, the feed of retraction")?);
                 if kernel.feed_mode != FeedMode::Minute {
@@ -173,7 +192,7 @@ impl Siemens {
                 }
             }
             Cycle::Bore => {
-                hole.dwell = seconds(5);
+                hole.dwell = seconds(5)?;
                 let (x, y) = (length(7)?.unwrap_or(0.0), length(8)?.unwrap_or(0.0));
                 hole.exit = if x == 0.0 && y == 0.0 { Exit::Stopped } else { Exit::Shifted([x, y]) };
             }
@@ -182,9 +201,9 @@ impl Siemens {
     }
 
     fn tap(&mut self, modal: &Modal, mut hole: Hole, kernel: &mut Kernel) -> Result<(), Fault> {
-        let (name, list) = (modal.name, &modal.values);
+        let Modal::Cycle { name, cycle, values: list } = modal else { return Ok(()) };
         let given = |index: usize| list.get(index).copied().flatten();
-        let rigid = modal.cycle == Cycle::RigidTap;
+        let rigid = *cycle == Cycle::RigidTap;
         let (size, pitch) = if rigid { (given(7), given(8)) } else { (given(9), given(10)) };
         let by_size = |size: f64| {
             let found = THREADS.iter().find(|(diameter, _)| *diameter == size.abs()).map(|(_, pitch)| *pitch);
@@ -195,7 +214,6 @@ impl Siemens {
             (None, Some(size)) => Some(by_size(size)?),
             (None, None) => None,
         };
-        hole.dwell = given(5).unwrap_or(0.0).max(0.0);
         hole.exit = Exit::Tap;
         let speed = given(10).filter(|speed| rigid && *speed > 0.0).unwrap_or(kernel.speed);
         let Some(pitch) = pitch else {
@@ -221,8 +239,8 @@ impl Siemens {
     }
 
     fn pattern(&mut self, name: &str, list: &[Option<f64>], kernel: &mut Kernel) -> Result<(), Fault> {
-        let Some(modal) = self.modal.clone() else {
-            return Err(Fault::new(format!("{name} calls a cycle at each place, but no MCALL is in force")));
+        let Some(modal) = self.modal.clone().filter(|modal| matches!(modal, Modal::Cycle { .. })) else {
+            return Err(Fault::new(format!("{name} calls a cycle at each place, but no MCALL of a cycle is in force")));
         };
         let given = |index: usize| list.get(index).copied().flatten().unwrap_or(0.0);
         let length = |index: usize| kernel.length(given(index));

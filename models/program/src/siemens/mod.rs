@@ -10,6 +10,7 @@ mod polar;
 use crate::Dialect;
 use crate::error::Fault;
 use crate::expression::{Expression, Variables};
+use crate::frame::Frame;
 use crate::kernel::Kernel;
 use crate::library::Library;
 use crate::motion::EventKind;
@@ -33,12 +34,33 @@ impl Variables for Store {
     }
 
     fn named(&self, name: &str) -> Result<Option<f64>, String> {
-        Ok(self.named.get(name).copied())
+        match name {
+            "TRUE" => Ok(Some(1.0)),
+            // Neither a search, a simulation nor a dry run.
+            "FALSE" | "$P_SEARCH" | "$P_SIM" | "$P_DRYRUN" | "$P_ISTEST" => Ok(Some(0.0)),
+            _ => match self.named.get(name) {
+                Some(value) => Ok(Some(*value)),
+                None if name.starts_with('$') => {
+                    Err(format!("{name} belongs to the control, and its value is not known here"))
+                }
+                None => Err(format!("{name} has no value; define it with DEF, or mend the word")),
+            },
+        }
     }
 }
 
+/// Modes that a subprogram with SAVE gives back: absolute or by steps, plane, exact stop, motion, frame.
+#[derive(Clone, Debug)]
+struct Saved {
+    absolute: bool,
+    plane: [usize; 3],
+    exact: bool,
+    modes: Modes,
+    frame: Frame,
+}
+
 /// A call or a repeated part that has not ended.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Call {
     start: usize,
     /// Statement behind the part; `None` for a subprogram, which ends by itself.
@@ -47,6 +69,31 @@ struct Call {
     left: u32,
     line: usize,
     count: usize,
+    /// Whether motions call it.
+    modal: bool,
+    /// Values that the call gives to the parameters.
+    arguments: Vec<Option<f64>>,
+    /// Variables of the same name outside, which come back when it ends.
+    hidden: Vec<(String, Option<f64>)>,
+    saved: Option<Box<Saved>>,
+}
+
+impl Call {
+    fn new(start: usize, end: Option<usize>, back: usize, runs: u32, line: usize) -> Self {
+        let (left, count) = (runs - 1, 1);
+        Self {
+            start,
+            end,
+            back,
+            left,
+            line,
+            count,
+            modal: false,
+            arguments: Vec::new(),
+            hidden: Vec::new(),
+            saved: None,
+        }
+    }
 }
 
 pub(crate) struct Siemens {
@@ -153,8 +200,49 @@ impl Siemens {
         .ok_or_else(|| Fault::new(format!("there is no label {name} in this direction; check name and GOTOF or GOTOB")))
     }
 
-    /// Calls a subprogram by its name.
-    fn call(&mut self, name: &str, count: u32, line: usize) -> Result<(), Fault> {
+    /// Defines a variable where the program stands: that of the same name outside is hidden until the subprogram ends.
+    fn define(&mut self, name: &str, value: f64) {
+        let outside = self.store.named.insert(name.to_owned(), value);
+        let call = self.calls.iter_mut().rev().find(|call| call.end.is_none());
+        if let Some(call) = call.filter(|call| call.hidden.iter().all(|(known, _)| known != name)) {
+            call.hidden.push((name.to_owned(), outside));
+        }
+    }
+
+    /// The head of a subprogram: its parameters take the values of the call.
+    fn procedure(&mut self, parameters: &[(String, Expression)], saves: bool, kernel: &Kernel) -> Result<(), Fault> {
+        let Some(call) = self.calls.last().filter(|call| call.end.is_none()) else { return Ok(()) };
+        let given = call.arguments.clone();
+        if given.len() > parameters.len() {
+            return Err(Fault::new(format!(
+                "the call gives {} values, and the subprogram takes {}",
+                given.len(),
+                parameters.len()
+            )));
+        }
+        let mut values = Vec::with_capacity(parameters.len());
+        for (index, (_, otherwise)) in parameters.iter().enumerate() {
+            values.push(given.get(index).copied().flatten().map_or_else(|| self.value(otherwise), Ok)?);
+        }
+        for ((name, _), value) in parameters.iter().zip(values) {
+            self.define(name, value);
+        }
+        if saves && let Some(call) = self.calls.last_mut().filter(|call| call.saved.is_none()) {
+            let Kernel { absolute, plane, exact, frame, .. } = *kernel;
+            call.saved = Some(Box::new(Saved { absolute, plane, exact, frame, modes: self.modes.clone() }));
+        }
+        Ok(())
+    }
+
+    /// Calls a subprogram by its name, with values for its parameters; `modal` where a motion calls it.
+    fn call(
+        &mut self,
+        name: &str,
+        count: u32,
+        arguments: Vec<Option<f64>>,
+        modal: bool,
+        line: usize,
+    ) -> Result<(), Fault> {
         let start = match self.sections.get(name) {
             Some(start) => *start,
             None => {
@@ -173,7 +261,12 @@ impl Siemens {
         if count == 0 {
             return Ok(());
         }
-        self.push(Call { start, end: None, back: self.pc, left: count - 1, line, count: 1 })?;
+        let takes = self.statements[start.min(self.statements.len())..].iter().map(|statement| &statement.code);
+        let takes = takes.take_while(|code| matches!(code, Code::Nothing | Code::Procedure(..)));
+        if !arguments.is_empty() && !takes.into_iter().any(|code| matches!(code, Code::Procedure(..))) {
+            return Err(Fault::new(format!("{name} takes no values: PROC {name}( ) with its parameters is missing")));
+        }
+        self.push(Call { modal, arguments, ..Call::new(start, None, self.pc, count, line) })?;
         self.pc = start;
         Ok(())
     }
@@ -187,7 +280,7 @@ impl Siemens {
     }
 
     /// Ends a subprogram; false in the main program.
-    fn back(&mut self) -> bool {
+    fn back(&mut self, kernel: &mut Kernel) -> bool {
         // Repeated parts end with the subprogram in which they stand.
         while self.calls.last().is_some_and(|call| call.end.is_some()) {
             self.calls.pop();
@@ -197,9 +290,22 @@ impl Siemens {
             call.left -= 1;
             call.count += 1;
             self.pc = call.start;
-        } else {
-            self.pc = call.back;
-            self.calls.pop();
+            return true;
+        }
+        self.pc = call.back;
+        let (hidden, saved) = (std::mem::take(&mut call.hidden), call.saved.take());
+        self.calls.pop();
+        for (name, value) in hidden {
+            match value {
+                Some(value) => self.store.named.insert(name, value),
+                None => self.store.named.remove(&name),
+            };
+        }
+        if let Some(saved) = saved {
+            (kernel.absolute, kernel.plane, kernel.exact) = (saved.absolute, saved.plane, saved.exact);
+            // Tools and offsets are no modes.
+            self.modes = saved.modes.with_tools_of(&self.modes);
+            kernel.frame = saved.frame;
         }
         true
     }
@@ -209,6 +315,7 @@ impl Siemens {
         match code {
             Code::Fault(fault) => return Err(fault.clone()),
             Code::Nothing | Code::EndIf | Code::Loop | Code::Repeat => {}
+            Code::Procedure(parameters, saves) => self.procedure(parameters, *saves, kernel)?,
             Code::Section(_) => {
                 if index > 0 {
                     return self.section_end(kernel);
@@ -294,7 +401,7 @@ impl Siemens {
                 };
                 if count >= 1.0 {
                     let line = kernel.line;
-                    self.push(Call { start, end: Some(end), back: self.pc, left: count as u32 - 1, line, count: 1 })?;
+                    self.push(Call::new(start, Some(end), self.pc, count as u32, line))?;
                     self.pc = start;
                 }
             }
@@ -307,7 +414,7 @@ impl Siemens {
 
     /// A section or file has no more statements.
     fn section_end(&mut self, kernel: &mut Kernel) -> Result<Flow, Fault> {
-        if self.back() {
+        if self.back(kernel) {
             return Ok(Flow::Going);
         }
         kernel.end()?;

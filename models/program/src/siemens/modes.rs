@@ -61,6 +61,14 @@ impl Default for Modes {
     }
 }
 
+impl Modes {
+    /// These modes with the tools and offsets of others.
+    pub fn with_tools_of(self, other: &Self) -> Self {
+        let Self { work, next_tool, edge, direction, pole, .. } = *other;
+        Self { work, next_tool, edge, direction, pole, ..self }
+    }
+}
+
 impl Siemens {
     /// A modal code; whether it chooses a motion.
     pub(super) fn code(&mut self, code: u32, values: &mut Values, kernel: &mut Kernel) -> Result<bool, Fault> {

@@ -64,6 +64,8 @@ pub(super) enum Code {
     Goto(Option<Expression>, Direction, String),
     /// Labels of the first and last block, further runs, whether only the block of the label runs.
     Again(String, Option<String>, Expression, bool),
+    /// Parameters of a subprogram with the values that hold where a call leaves them out, and whether it saves modes.
+    Procedure(Vec<(String, Expression)>, bool),
     Nothing,
     Fault(Fault),
 }
@@ -227,11 +229,9 @@ fn read_code(parser: &mut Parser<'_>) -> Result<Code, Fault> {
             Code::Nothing
         }
         "DEF" => return definition(parser),
-        "PROC" | "EXTERN" => {
-            parser.identifier();
-            if parser.peek() == b'(' {
-                return Err(parser.fault("subprograms with parameters are not followed; pass values by R parameters"));
-            }
+        "PROC" => return procedure(parser),
+        "EXTERN" => {
+            // What a subprogram takes is said again by itself.
             parser.at = parser.text.len();
             Code::Nothing
         }
@@ -269,6 +269,41 @@ fn definition(parser: &mut Parser<'_>) -> Result<Code, Fault> {
         }
     }
     end(parser, Code::Block(items))
+}
+
+/// `PROC NAME(REAL A, INT B=2) SAVE`.
+fn procedure(parser: &mut Parser<'_>) -> Result<Code, Fault> {
+    parser.identifier();
+    let mut parameters = Vec::new();
+    if parser.eat(b'(') && !parser.eat(b')') {
+        loop {
+            let kind = parser.identifier().to_owned();
+            if !matches!(kind.as_str(), "REAL" | "INT" | "BOOL") {
+                return Err(parser.fault(format!(
+                    "a parameter of the kind {kind} is not followed; REAL, INT and BOOL are, by value"
+                )));
+            }
+            let name = parser.identifier().to_owned();
+            if name.is_empty() || parser.peek() == b'[' {
+                return Err(parser.fault("the name of a single parameter is missing here"));
+            }
+            let value = if parser.eat(b'=') { parser.expression()? } else { Expression::Number(0.0) };
+            parameters.push((name, value));
+            if !parser.eat(b',') {
+                break;
+            }
+        }
+        parser.expect(b')')?;
+    }
+    let mut saves = false;
+    while parser.peek() != 0 {
+        match parser.identifier() {
+            "SAVE" => saves = true,
+            "DISPLOF" | "DISPLON" | "SBLOF" | "ACTBLOCNO" | "ACTBLOCNOON" => {}
+            _ => return Err(parser.fault("SAVE, DISPLOF and SBLOF may follow a subprogram's parameters")),
+        }
+    }
+    Ok(Code::Procedure(parameters, saves))
 }
 
 fn value(parser: &mut Parser<'_>) -> Result<(Count, Expression), Fault> {
@@ -419,7 +454,16 @@ fn link(list: &mut [Statement], index: usize, offset: usize, open: &mut Vec<usiz
         | (Code::EndLoop, Some(Code::Loop))
         | (Code::Until(_), Some(Code::Repeat)) => true,
         (Code::Else | Code::EndIf | Code::EndWhile | Code::EndFor | Code::EndLoop | Code::Until(_), _) => false,
-        (Code::Block(_) | Code::Section(_) | Code::Goto(..) | Code::Again(..) | Code::Nothing | Code::Fault(_), _) => {
+        (
+            Code::Block(_)
+            | Code::Section(_)
+            | Code::Goto(..)
+            | Code::Again(..)
+            | Code::Procedure(..)
+            | Code::Nothing
+            | Code::Fault(_),
+            _,
+        ) => {
             return;
         }
     };

@@ -41,7 +41,7 @@ const CASES: [Case; 32] = {
         ("klartext-inch.h", Heidenhain, 41.777953, None, 1.0, 183.68, [50.8, 25.4]),
         ("klartext-polar.h", Heidenhain, 23.506310, Some(0.2), 0.0, 195.885919, [4.5, 0.0]),
         ("klartext-deep-holes.h", Heidenhain, 40.22, None, 1.0, 90.7, [60.0, 0.0]),
-        ("linuxcnc-o-words.ngc", LinuxCnc, 53.474334, Some(0.484), 2.5, 411.743339, [8.0, 45.0]),
+        ("linuxcnc-o-words.ngc", LinuxCnc, 53.474334, Some(0.414), 2.5, 411.743339, [8.0, 45.0]),
         ("linuxcnc-polar.ngc", LinuxCnc, 41.091254, None, 0.0, 122.808271, [40.0, 0.0]),
         ("linuxcnc-inch.ngc", LinuxCnc, 169.441106, None, 0.0, 722.382178, NOWHERE),
         ("linuxcnc-splines.ngc", LinuxCnc, 33.843605, Some(0.21), 0.75, 128.436045, [20.0, 15.0]),

@@ -126,6 +126,7 @@ impl ContourPlan {
             economics: economics(&content.parameters.economics, tool, machine),
             ..content.parameters.clone()
         };
+        content.contour.clears(parameters.cutter.radius(), pass.gouge()).map_err(refuse)?;
         let planner = Planner::new(&content.contour, &parameters, pass, &content.models).map_err(refuse)?;
         let plan = match rule {
             ContourRule::HandbookOneFeed => planner.handbook(),

@@ -1,30 +1,29 @@
-//! Cycles of lathes in two blocks, G code system A: finishing G70, roughing along the axis G71 and across it G72, pecking
-//! along the axis and across it G74 and G75, threading G76; G73 stands by itself.
+//! Cycles of lathes in two blocks, G code system A: finishing G70, pecking along the axis and across it G74 and G75, threading
+//! G76. Roughing G71 and G72 stands with the contours, G73 by itself.
 //!
 //! # Source
-//! Sequences of motions as the manuals of Fanuc describe them, cited from memory (assumption): G71 starts its passes at the
-//! allowances from the start, feeds along the axis, escapes by R under 45 degrees and returns at rapid speed, and feeds along
-//! the contour with its allowances at the end; G72 is the same with the axes exchanged. G76 feeds straight in; its angle and the pull-out at its end take no time of
-//! their own.
+//! Sequences of motions as the manuals of Fanuc describe them, cited from memory (assumption). G76 feeds straight in; its
+//! angle and the pull-out at its end take no time of their own. G71 to G73 in one block give the depth of a pass as D, as
+//! older controls and those of Haas have it.
 
-use super::parse::Code;
-use super::run::Iso;
-use super::words::Words;
 use crate::error::Fault;
-use crate::kernel::{FeedMode, Kernel, Round, Target};
-use crate::motion::{EventKind, Motion, Path, Purpose};
+use crate::iso::parse::Code;
+use crate::iso::run::Iso;
+use crate::iso::words::Words;
+use crate::kernel::{FeedMode, Kernel, Target};
+use crate::motion::Purpose;
 use crate::run::Flow;
 
 /// Values of the first of two blocks, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct TwoBlocks {
+pub(in crate::iso) struct TwoBlocks {
     /// Depth of a roughing pass.
-    depth: f64,
+    pub(super) depth: f64,
     /// Escape or retraction.
-    escape: f64,
+    pub(super) escape: f64,
     /// Relief of G73 in X, as a radius, and in Z, and its number of passes.
-    pub(super) relief: [f64; 2],
-    pub(super) divisions: u32,
+    pub(in crate::iso) relief: [f64; 2],
+    pub(in crate::iso) divisions: u32,
     /// Finishing passes of a thread.
     finishing: u32,
     /// Least depth of a pass of a thread.
@@ -36,11 +35,9 @@ pub(super) struct TwoBlocks {
 }
 
 /// Greatest number of passes of a cycle: a bound against programs without end (assumption).
-const PASSES: u32 = 10_000;
-/// Pieces into which an arc is cut where a pass meets it.
-const PIECES: u32 = 200;
+pub(super) const PASSES: u32 = 10_000;
 
-pub(super) fn place(x: Option<f64>, z: Option<f64>) -> Target {
+pub(in crate::iso) fn place(x: Option<f64>, z: Option<f64>) -> Target {
     let mut target = Target::default();
     (target.absolute[0], target.absolute[2]) = (x, z);
     target
@@ -48,19 +45,27 @@ pub(super) fn place(x: Option<f64>, z: Option<f64>) -> Target {
 
 impl Iso {
     /// A length that is a number of least increments without a decimal point, mm.
-    fn increments(&self, words: &mut Words, letter: u8, kernel: &Kernel) -> Result<Option<f64>, Fault> {
+    pub(super) fn increments(&self, words: &mut Words, letter: u8, kernel: &Kernel) -> Result<Option<f64>, Fault> {
         let Some(value) = words.take(letter) else { return Ok(None) };
         let unit = kernel.unit()?;
         let least = if unit > 1.0 { 1e-4 } else { 1e-3 };
         Ok(Some((if words.is_pointed(letter) { value } else { value * least }) * unit))
     }
 
-    pub(super) fn two_blocks(&mut self, code: u32, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
+    pub(in crate::iso) fn two_blocks(
+        &mut self,
+        code: u32,
+        words: &mut Words,
+        kernel: &mut Kernel,
+    ) -> Result<(), Fault> {
         let due = |what: &str| Fault::new(format!("G{code} needs {what}"));
         match code {
             70..=73 => {
                 if code == 73 && !words.has(b'P') {
                     return self.relief(words, kernel);
+                }
+                if matches!(code, 71 | 72) && words.has(b'P') && words.has(b'D') {
+                    self.two.depth = self.increments(words, b'D', kernel)?.unwrap_or(0.0);
                 }
                 if code != 70 && !words.has(b'P') {
                     let letter = if code == 71 { b'U' } else { b'W' };
@@ -140,7 +145,7 @@ impl Iso {
     }
 
     /// Runs the blocks of a contour.
-    fn contour(&mut self, first: usize, last: usize, kernel: &mut Kernel) -> Result<(), Fault> {
+    pub(super) fn contour(&mut self, first: usize, last: usize, kernel: &mut Kernel) -> Result<(), Fault> {
         if std::mem::replace(&mut self.two.within, true) {
             return Err(Fault::new("a cycle stands within the contour of another"));
         }
@@ -170,114 +175,6 @@ impl Iso {
         let start = kernel.program_at();
         self.contour(first, last, kernel)?;
         kernel.straight(&place(Some(start[0]), Some(start[2])), true)
-    }
-
-    /// The motions of a contour, in coordinates of the program; everything stands as before afterwards.
-    pub(super) fn motions(&mut self, first: usize, last: usize, kernel: &mut Kernel) -> Result<Vec<Motion>, Fault> {
-        let out = std::mem::take(&mut kernel.out);
-        let (at, known) = (kernel.at, kernel.known);
-        let (feed, scale, mode) = (kernel.feed, kernel.feed_scale, kernel.feed_mode);
-        let (speed, surface, sense) = (kernel.speed, kernel.surface, kernel.sense);
-        let program = kernel.program_at();
-        let done = self.contour(first, last, kernel);
-        let events = std::mem::replace(&mut kernel.out, out);
-        (kernel.at, kernel.known) = (at, known);
-        (kernel.feed, kernel.feed_scale, kernel.feed_mode) = (feed, scale, mode);
-        (kernel.speed, kernel.surface, kernel.sense) = (speed, surface, sense);
-        done?;
-        let shift = [program[0] - at[0], program[2] - at[2]];
-        let moved = |mut motion: Motion| {
-            for (axis, part) in [(0, shift[0]), (2, shift[1])] {
-                motion.start[axis] += part;
-                motion.end[axis] += part;
-            }
-            if let Path::Arc(arc) = &mut motion.path {
-                // The plane of a lathe is ZX.
-                arc.centre[0] += shift[1];
-                arc.centre[1] += shift[0];
-            }
-            motion
-        };
-        let list = events.into_iter().filter_map(|event| match event.kind {
-            EventKind::Motion(motion) => Some(moved(motion)),
-            EventKind::Block
-            | EventKind::Dwell(_)
-            | EventKind::ToolChange(_)
-            | EventKind::Spindle { .. }
-            | EventKind::Coolant(_)
-            | EventKind::Stop(_)
-            | EventKind::Auxiliary(..)
-            | EventKind::Hole
-            | EventKind::Home(_)
-            | EventKind::ExactStop
-            | EventKind::Offset(_)
-            | EventKind::End => None,
-        });
-        Ok(list.collect())
-    }
-
-    /// G71: passes along Z down to the contour with its allowances `[u, w]` in X and Z, mm; G72: passes along X.
-    fn rough(
-        &mut self,
-        code: u32,
-        first: usize,
-        last: usize,
-        allowances: [f64; 2],
-        kernel: &mut Kernel,
-    ) -> Result<(), Fault> {
-        let (depth, escape) = (self.two.depth, self.two.escape);
-        // Axis across the passes, with its letter and the word of the depth, and the axis along them.
-        let (across, letter, word, along) = if code == 71 { (0, 'X', 'U', 2) } else { (2, 'Z', 'W', 0) };
-        if depth <= 0.0 {
-            return Err(Fault::new(format!("G{code} needs {word} above zero in its first block, the depth of a pass")));
-        }
-        let contour = self.motions(first, last, kernel)?;
-        let (Some((entry, rest)), start) = (contour.split_first(), kernel.program_at()) else {
-            return Err(Fault::new(format!("the contour of G{code} moves nothing")));
-        };
-        let Some(end) = rest.last().map(|motion| motion.end) else {
-            return Err(Fault::new(format!("the contour of G{code} needs motions behind its first block")));
-        };
-        if entry.start[along] != entry.end[along] {
-            return Err(Fault::new(format!(
-                "the first block of the contour of G{code} moves {letter} alone; other contours are not followed"
-            )));
-        }
-        let allowance = |axis: usize| allowances[usize::from(axis == 2)];
-        let inwards = if entry.end[across] <= start[across] { -1.0 } else { 1.0 };
-        let ahead = if end[along] < entry.end[along] { -1.0 } else { 1.0 };
-        let begin = |axis: usize| start[axis] + allowance(axis);
-        let both = |a: f64, b: f64| {
-            let mut target = Target::one(across, a);
-            target.absolute[along] = Some(b);
-            target
-        };
-        kernel.purpose = Some(Purpose::Cycle);
-        let mut cut = || -> Result<(), Fault> {
-            kernel.straight(&both(begin(across), begin(along)), true)?;
-            let deepest = entry.end[across] + allowance(across);
-            for pass in 1..=PASSES {
-                let level = begin(across) + inwards * depth * f64::from(pass);
-                if inwards * (deepest - level) <= 1e-9 {
-                    break;
-                }
-                if pass == PASSES {
-                    return Err(Fault::new(format!("G{code} takes more than {PASSES} passes; check its depth")));
-                }
-                kernel.straight(&Target::one(across, level), entry.rapid)?;
-                let beyond = |at: [f64; 9]| inwards * (at[across] + allowance(across) - level) <= 0.0;
-                let stop = meets(rest, along, beyond).unwrap_or(end[along]) + allowance(along);
-                kernel.straight(&Target::one(along, stop), false)?;
-                kernel.straight(&both(level - inwards * escape, stop - ahead * escape), true)?;
-                kernel.straight(&Target::one(along, begin(along)), true)?;
-            }
-            kernel.straight(&Target::one(across, deepest), entry.rapid)?;
-            follow_shifted(rest, allowances, kernel)?;
-            kernel.straight(&place(Some(start[0]), Some(start[2])), true)
-        };
-        let done = cut();
-        kernel.purpose = None;
-        done
     }
 
     /// G74 pecks along Z and steps across, G75 pecks along X and steps along Z.
@@ -387,39 +284,4 @@ impl Iso {
         (kernel.purpose, kernel.feed_mode) = (None, mode);
         done
     }
-}
-
-/// The motions of a contour, shifted in X and Z, mm.
-pub(super) fn follow_shifted(contour: &[Motion], [u, w]: [f64; 2], kernel: &mut Kernel) -> Result<(), Fault> {
-    for motion in contour {
-        let target = place(Some(motion.end[0] + u), Some(motion.end[2] + w));
-        match motion.path {
-            Path::Line => kernel.straight(&target, motion.rapid)?,
-            Path::Arc(arc) => {
-                // The plane of a lathe is ZX.
-                let centre = Round::Centre([arc.centre[0] + w, arc.centre[1] + u]);
-                kernel.round(&target, centre, arc.left, 0.0)?;
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The place along an axis where a contour first meets `beyond`; `None` where it never does.
-fn meets(contour: &[Motion], axis: usize, beyond: impl Fn([f64; 9]) -> bool) -> Option<f64> {
-    for motion in contour {
-        let pieces = if motion.path == Path::Line { 1 } else { PIECES };
-        let at = |piece: u32| motion.position(f64::from(piece) / f64::from(pieces));
-        if beyond(motion.start) {
-            return Some(motion.start[axis]);
-        }
-        let Some(piece) = (1..=pieces).find(|piece| beyond(at(*piece))) else { continue };
-        let (mut low, mut high) = (f64::from(piece - 1) / f64::from(pieces), f64::from(piece) / f64::from(pieces));
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if beyond(motion.position(middle)) { high = middle } else { low = middle }
-        }
-        return Some(motion.position(high)[axis]);
-    }
-    None
 }

@@ -1,14 +1,14 @@
 //! Cycles of lathes in G code system A: G90, G92, G94.
 
-use super::run::Iso;
-use super::words::Words;
 use crate::error::Fault;
+use crate::iso::run::Iso;
+use crate::iso::words::Words;
 use crate::kernel::{FeedMode, Kernel, Target};
 use crate::motion::Purpose;
 
 /// Values of a cycle of lathes that hold for the next block, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Turned {
+pub(in crate::iso) struct Turned {
     code: u32,
     from: [f64; 2],
     to: [f64; 2],
@@ -17,7 +17,12 @@ pub(super) struct Turned {
 
 impl Iso {
     /// A box of four motions: turning (G90), threading (G92), facing (G94), with R for a taper.
-    pub(super) fn turning_cycle(&mut self, code: u32, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
+    pub(in crate::iso) fn turning_cycle(
+        &mut self,
+        code: u32,
+        words: &mut Words,
+        kernel: &mut Kernel,
+    ) -> Result<(), Fault> {
         let named = words.any(b"XZUW");
         let target = self.target(words, kernel)?;
         let taper = match words.take(b'R') {

@@ -5,10 +5,11 @@
 //! shifted by the whole relief and the allowances, the last by the allowances alone, those between in equal steps; the tool
 //! goes to the start, shifted alike, before each pass.
 
-use super::run::Iso;
-use super::turning::{follow_shifted, place};
-use super::words::Words;
+use super::blocks::place;
+use super::profile::follow_shifted;
 use crate::error::Fault;
+use crate::iso::run::Iso;
+use crate::iso::words::Words;
 use crate::kernel::Kernel;
 use crate::motion::Purpose;
 
@@ -17,7 +18,7 @@ const PASSES: f64 = 10_000.0;
 
 impl Iso {
     /// The first block: relief U as a radius, W, and the number of passes R.
-    pub(super) fn relief(&mut self, words: &mut Words, kernel: &Kernel) -> Result<(), Fault> {
+    pub(in crate::iso) fn relief(&mut self, words: &mut Words, kernel: &Kernel) -> Result<(), Fault> {
         for (slot, letter) in [(0, b'U'), (1, b'W')] {
             if let Some(value) = words.take(letter) {
                 self.two.relief[slot] = self.mm(kernel, words, letter, value)?;
@@ -29,7 +30,7 @@ impl Iso {
         Ok(())
     }
 
-    pub(super) fn repeat(
+    pub(in crate::iso) fn repeat(
         &mut self,
         first: usize,
         last: usize,
