@@ -51,7 +51,7 @@ use failure::Failure;
 use speak::Voice;
 use std::process::ExitCode;
 use toolroom_arguments as args;
-use toolroom_output::{memory, signals};
+use toolroom_output::signals;
 
 fn main() -> ExitCode {
     let Toolroom { command, common } = Toolroom::try_parse().unwrap_or_else(|error| refused(&error));
@@ -63,7 +63,7 @@ fn main() -> ExitCode {
     let watched = if matches!(command, Command::Fmu(args::FmuCommand::Worker)) {
         Ok(())
     } else {
-        signals::watch(common.max_memory.or_else(memory::default_bound)).map_err(Failure::from)
+        signals::watch(voice.max_memory).map_err(Failure::from)
     };
     match watched.and_then(|()| perform(command, &voice)) {
         Ok(()) => ExitCode::SUCCESS,

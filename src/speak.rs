@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use toolroom_output::fitted;
+use toolroom_output::{fitted, memory};
 
 /// What the flags of every verb ask for: how much is said, in which form, and what may be replaced.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +19,8 @@ pub struct Voice {
     pub force: bool,
     /// Columns of the terminal into which tables have to fit; none for files, pipes and `--wide`.
     pub width: Option<usize>,
+    /// Memory that the command may have, bytes; none where the system does not tell its own.
+    pub max_memory: Option<u64>,
     quiet: bool,
     verbose: bool,
 }
@@ -30,7 +32,9 @@ impl Voice {
     pub fn new(common: &Common) -> Self {
         let colour = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
         let width = if common.wide { None } else { columns() };
-        Self { json: common.json, colour, force: common.force, width, quiet: common.quiet, verbose: common.verbose }
+        let max_memory = common.max_memory.or_else(memory::default_bound);
+        let Common { json, force, quiet, verbose, .. } = *common;
+        Self { json, colour, force, width, max_memory, quiet, verbose }
     }
 
     /// Whether data were written.

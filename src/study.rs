@@ -125,6 +125,10 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
     if let Some(dir) = &args.records {
         refuse_records(&files, dir, target)?;
     }
+    let bound = voice.max_memory;
+    for warning in toolroom_kinds::overloads(scenario, bound, options.logged > 0) {
+        voice.say(format_args!("warning[{}]: {}", warning.code, warning.message));
+    }
     let command = std::env::args().map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
     let information = requested.information(command).map_err(Failure::Json)?;
     let Place { out, journal } = place.map_or_else(|| Place::take(&request.input, file, args, target, voice), Ok)?;

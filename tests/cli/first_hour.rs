@@ -155,3 +155,67 @@ fn a_command_ends_at_its_bound_of_memory_and_says_so() {
     let refused = quick("compare", &out, &["--max-memory", "1"]);
     assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
 }
+
+#[test]
+fn what_is_overloaded_is_said_before_a_run_with_its_growth() {
+    let out = directory("cli", "overload").join("out").display().to_string();
+    let change = "part.shaft.operation.measure.work=\"2 h\"";
+    let run = toolroom(&["run", "builtin:orders", "--replications", "1", "--set", change, "--out", &out]);
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    // 157.0 h of work and setups and 128 h of working time in two weeks: 29.0 h more, 2.1 h a day.
+    let said = stderr(&run);
+    assert!(said.contains("warning[overload]: C is overloaded") && said.contains("grows by 2.1 h a day"), "{said}");
+    let fits = toolroom(&[
+        "run",
+        "builtin:queue",
+        "--replications",
+        "1",
+        "--set",
+        "shop.horizon=\"8 h\"",
+        "--set",
+        "shop.warm_up=\"0 h\"",
+        "--out",
+        &out,
+    ]);
+    assert_eq!(fits.status.code(), Some(0), "{}", stderr(&fits));
+    assert!(!stderr(&fits).contains("warning"), "{}", stderr(&fits));
+    // 1.4e9 jobs before a server of 60 an hour.
+    let text = fs::read_to_string(shipped("shop/queue")).expect("shipped").replace("48 1/h", "360000 1/h");
+    let flood = file("flood", text);
+    let ended = toolroom(&["run", &flood, "--replications", "1", "--max-memory", "200 MB", "--out", &out]);
+    assert_eq!(ended.status.code(), Some(1), "{}", stderr(&ended));
+    assert!(stderr(&ended).contains("warning[memory]: some 1.4e9 jobs"), "{}", stderr(&ended));
+    assert!(stderr(&ended).contains("needs more than 0.200 GB"), "{}", stderr(&ended));
+}
+
+#[test]
+fn check_reads_records_and_diagnoses() {
+    let folder = directory("cli", "check_found").join("gap");
+    let here = |name: &str| folder.join(name).display().to_string();
+    assert_eq!(toolroom(&["new", "gap", &here("")]).status.code(), Some(0));
+    let (log, map, records) = (here("log.csv"), here("map.toml"), here("records"));
+    assert_eq!(toolroom(&["import", "csv", &log, "--map", &map, "--out", &records]).status.code(), Some(0));
+    for place in [here("records"), here("records/operations.csv")] {
+        let checked = json(&toolroom(&["check", &place, "--json"]));
+        assert_eq!((&checked["kind"], &checked["tables"][0]["rows"]), (&"records".into(), &168.into()), "{checked}");
+    }
+    let found = here("found");
+    let diagnosed =
+        toolroom(&["gap", "diagnose", "--model", &here("turning.toml"), "--data", &records, "--out", &found]);
+    assert_eq!(diagnosed.status.code(), Some(0), "{}", stderr(&diagnosed));
+    let diagnosis = here("found/diagnosis.json");
+    assert_eq!(json(&toolroom(&["check", &diagnosis, "--json"]))["kind"], "diagnosis");
+    let text =
+        fs::read_to_string(&diagnosis).expect("a diagnosis").replace("\"verdict\": \"effect\"", "\"verdict\": 7");
+    let refused = toolroom(&["check", &file("found.json", text)]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("verdict: 7 stands here"), "{}", stderr(&refused));
+    assert_eq!(toolroom(&["schema", "records"]).status.code(), Some(0));
+}
+
+#[test]
+fn no_advance_is_computed_for_hours() {
+    let long = toolroom(&["point", "infeed", "--set", "infeed_per_rev=1 um/rev", "--advance", "1e12 s"]);
+    assert_eq!(long.status.code(), Some(2), "{}", stderr(&long));
+    assert!(stderr(&long).contains("is more than 1000000 s"), "{}", stderr(&long));
+}

@@ -20,12 +20,14 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod diagnosis;
 mod error;
 mod load_table;
 mod places;
 mod plan;
 mod presence;
 mod readers;
+mod records;
 mod reference;
 mod samples;
 mod truncated;
@@ -44,7 +46,19 @@ pub const CODES: &[(&str, &str)] = &[
     ),
     (
         "overload",
-        "A warning of check: a station, or everybody who has a skill, has more work than working time until the horizon, or until a due date. The queue before it then grows without end, and lead times say how long was simulated. Mean times, one setup a lot, no breakdowns: the true load is greater. Lower the arrivals, or add machines, people or hours.",
+        "A warning of check, run and compare: a station, or everybody who has a skill, has more work than working time until the horizon, or until a due date. The queue before it then grows without end, and lead times say how long was simulated. The same is said before run and compare begin. Mean times, one setup a lot, no breakdowns: the true load is greater. Lower the arrivals, or add machines, people or hours.",
+    ),
+    (
+        "memory",
+        "A warning before run and compare: a station has so much more work than working time that the jobs before it would fill the memory that --max-memory allows (half of the machine if left out) before the horizon. Mean times; the run begins all the same, and what is finished when it ends is kept. Lower the arrivals, shorten the horizon, or add machines.",
+    ),
+    (
+        "diagnosis",
+        "diagnosis.json is held against its schema (toolroom schema diagnosis): the message names the entry, what stands there and what is due. Diagnosis files are written by gap diagnose and read by gap apply; one of an earlier version is made anew by diagnosing again.",
+    ),
+    (
+        "records",
+        "A table of records has one row an operation, cut, trial, event or stretch; `toolroom schema records` lists the columns of each kind with their units, and a header has its unit in brackets, such as `cutting_time [min]`. Tables of other people become records by a mapping: toolroom import csv LOG --map MAP --out DIR.",
     ),
     (
         "late",
@@ -72,6 +86,7 @@ pub use error::KindError;
 pub use readers::{Checked, Reader, checked};
 pub use samples::Sample;
 pub use warning::Warning;
+pub use workload::overloads;
 
 use serde_json::{Value, json};
 use std::path::Path;
@@ -109,6 +124,8 @@ pub enum Described {
     ByOneOf(&'static [&'static Form]),
     /// A text of its own.
     Text(&'static str),
+    /// Made from the columns of tables.
+    Rows(fn() -> Value),
 }
 
 /// Every kind; of a file with signs of several, the first counts.
@@ -226,13 +243,8 @@ pub static KINDS: &[FileKind] = &[
         form: Described::By(&toolroom_wear::PARAMETER_SET),
     },
     plan::KIND,
-    FileKind {
-        word: "diagnosis",
-        doc: "diagnosis.json of gap diagnose",
-        signs: &[],
-        read: None,
-        form: Described::Text(include_str!("../../../scenarios/schema/diagnosis.schema.json")),
-    },
+    diagnosis::KIND,
+    records::KIND,
 ];
 
 impl FileKind {
@@ -251,6 +263,9 @@ impl FileKind {
     /// # Errors
     /// The file cannot be read, or has no sign of any kind.
     pub fn of(path: &Path) -> Result<&'static Self, KindError> {
+        if records::by_place(path) {
+            return Ok(&records::KIND);
+        }
         let text = toolroom_form::text(path)?;
         let found = if text.trim_start().starts_with('{') {
             let json: Option<Value> = serde_json::from_str(&text).ok();
@@ -259,6 +274,7 @@ impl FileKind {
         } else {
             let outline = Outline::of(&text);
             let known = KINDS.iter().find(|kind| kind.signs.iter().any(|sign| outline.has(sign)));
+            let known = known.or_else(|| records::by_header(&text).then_some(&records::KIND));
             // Every reader of a form tells all slips of a text that is not TOML, and nothing else.
             known.or(outline.is_broken().then_some(&KINDS[0]))
         };
@@ -286,6 +302,7 @@ impl FileKind {
                 })
             }
             Described::Text(text) => serde_json::from_str(text).expect("a schema of the repository is JSON"),
+            Described::Rows(schema) => schema(),
         }
     }
 

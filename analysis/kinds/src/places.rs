@@ -11,6 +11,13 @@ pub fn refused(path: &Path, text: &str, place: (usize, usize), refusal: Refusal)
     ReadError::Faults(Box::new(FaultList::refused(&path.display().to_string(), text, [(place, refusal)])))
 }
 
+/// Line and column of a field of JSON, from 1.
+pub fn key(text: &str, field: &str) -> (usize, usize) {
+    let name = format!("\"{field}\"");
+    let line = text.lines().position(|line| line.trim_start().starts_with(&name));
+    line.map_or((1, 1), |line| (line + 1, 1))
+}
+
 /// The header of the table `name` with this index among those of its name; the start of the text where there is none.
 pub fn header(text: &str, name: &str, index: usize) -> (usize, usize) {
     let header = format!("[[{name}]]");

@@ -1,12 +1,12 @@
 //! Plans of shards: JSON that `--plan` writes, and that `shard` and `merge` read.
 
-use crate::places::refused;
+use crate::places::{key, refused};
 use crate::{Checked, Described, FileKind, KindError, checked};
 use std::path::Path;
 use toolroom_form::{ReadError, Refusal};
 use toolroom_shards::{Plan, Work};
 
-/// The one kind in JSON that is read: a text in JSON that is broken is taken for a plan.
+/// A text in JSON that is broken is taken for a plan.
 pub const KIND: FileKind = FileKind {
     word: "plan",
     doc: "A plan of shards, which --plan of life, compare and lobes writes",
@@ -42,13 +42,6 @@ fn content(plan: &Plan) -> Result<&'static str, ReadError> {
             .map(|_| "replications of a comparison"),
         Work::Lobes => toolroom_planning::lobes::chart(plan).map(|_| "columns of a stability chart"),
     }
-}
-
-/// Line and column of a field.
-fn key(text: &str, field: &str) -> (usize, usize) {
-    let name = format!("\"{field}\"");
-    let line = text.lines().position(|line| line.trim_start().starts_with(&name));
-    line.map_or((1, 1), |line| (line + 1, 1))
 }
 
 #[cfg(test)]

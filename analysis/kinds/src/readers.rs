@@ -73,6 +73,7 @@ pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
         })?;
     }
     let mut result = Map::new();
+    result.insert("kind".to_owned(), json!("scenario"));
     result.insert("name".to_owned(), json!(scenario.name));
     let policies: Vec<_> = scenario.policies.iter().map(|policy| &policy.name).collect();
     result.insert("policies".to_owned(), json!(policies));

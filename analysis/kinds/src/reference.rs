@@ -27,12 +27,29 @@ impl FileKind {
                 }
             }
             Described::Text(_) => text.push_str(&of_schema(&self.schema())),
+            Described::Rows(_) => text.push_str(&of_rows(&self.schema())),
         }
-        if self.read.is_some() && !matches!(self.form, Described::Text(_)) {
+        if self.read.is_some() && !matches!(self.form, Described::Text(_) | Described::Rows(_)) {
             text.push_str("A number stands with its unit in quotes, `\"2 min\"`; ratios may stand bare.\n");
         }
         text
     }
+}
+
+/// Columns of tables, kind by kind.
+fn of_rows(schema: &Value) -> String {
+    let mut text =
+        "Units stand in the header, in brackets; other units of the same quantity are read, too.\n\n".to_owned();
+    for kind in schema["anyOf"].as_array().into_iter().flatten() {
+        let required: Vec<&str> = kind["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let _ = write!(text, "## {}\n\n| column | required |\n|---|---|\n", kind["title"].as_str().unwrap_or("–"));
+        for (name, _) in kind["properties"].as_object().into_iter().flatten() {
+            let mark = if required.contains(&name.as_str()) { "yes" } else { "" };
+            let _ = writeln!(text, "| `{name}` | {mark} |");
+        }
+        text.push('\n');
+    }
+    text
 }
 
 /// Keys at the top of a file that has a schema of its own.

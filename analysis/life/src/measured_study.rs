@@ -172,7 +172,19 @@ fn report(file: &str, groups: &[Group], regression: Option<&Regression>, words: 
                 report = report.tile(tile);
             }
         }
-        for section in page::sections(&group.name, &group.sample, analysis, words, request.confidence) {
+    }
+    let found = groups.iter().filter_map(|group| {
+        let analysis = group.analysis.as_ref().ok()?;
+        Some(page::Group { name: group.name.clone(), sample: &group.sample, analysis, remark: None })
+    });
+    let mut found: Vec<page::Group<'_>> = found.collect();
+    if let [all, _, ..] = &mut found[..]
+        && all.name.is_empty()
+    {
+        all.name = "all".to_owned();
+    }
+    if !found.is_empty() {
+        for section in page::sections(&found, words, request.confidence) {
             report = report.section(section);
         }
     }

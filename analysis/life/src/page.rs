@@ -179,73 +179,121 @@ pub fn tiles(sample: &Sample, analysis: &Analysis, words: &Words, confidence: f6
     vec![Tile::new("lives", n(sample.size()), size), mean, banded("B10", &analysis.b10), replaced]
 }
 
-/// The sections about one sample; `name` is that of its group.
-pub fn sections(name: &str, sample: &Sample, analysis: &Analysis, words: &Words, confidence: f64) -> Vec<Section> {
+/// Lives of one kind of edges, and what was worked out of them.
+pub struct Group<'a> {
+    /// Condition and policy, or the group of a measured table; empty where there is one only.
+    pub name: String,
+    /// The lives.
+    pub sample: &'a Sample,
+    /// Their laws.
+    pub analysis: &'a Analysis,
+    /// What else is known of their replacement.
+    pub remark: Option<String>,
+}
+
+impl Group<'_> {
+    /// A text about this group, which says so where there are several.
+    fn said(&self, text: &str) -> String {
+        if self.name.is_empty() { text.to_owned() } else { format!("{}: {text}", self.name) }
+    }
+
+    /// What is said of replacing its edges.
+    fn replaced(&self, unit: &str) -> String {
+        let blocks = &self.analysis.in_blocks;
+        let costs = if !self.analysis.replacement_seen() {
+            "When to replace an edge lies beyond the ages that were observed; the curve there is the law's alone."
+                .to_owned()
+        } else if blocks.age.is_finite() {
+            format!(
+                "In blocks, replacing all edges every {} {unit} whatever their age, the cost per time is {} against {} by age.",
+                toolroom_chart::number(blocks.age, 4),
+                toolroom_chart::number(blocks.cost_rate, 4),
+                toolroom_chart::number(self.analysis.by_age.cost_rate, 4)
+            )
+        } else {
+            "Replacing all edges at fixed intervals does not pay.".to_owned()
+        };
+        self.remark.iter().fold(costs, |text, remark| format!("{text} {remark}"))
+    }
+}
+
+/// The laws of every group as one table.
+fn all_fits(groups: &[Group<'_>], words: &Words) -> Table {
+    let tables: Vec<Table> = groups.iter().map(|group| fits(group.analysis, words)).collect();
+    if let [table] = &tables[..] {
+        return table.clone();
+    }
+    let columns = tables.first().into_iter().flat_map(|table| table.columns().iter().map(String::as_str));
+    let mut all = Table::new(std::iter::once("edges").chain(columns));
+    for (group, table) in groups.iter().zip(&tables) {
+        for row in table.rows() {
+            all.push(std::iter::once(group.name.as_str().into()).chain(row.iter().cloned()));
+        }
+    }
+    all
+}
+
+/// The sections about lives: laws, reliability, replacement. Of several groups each picture is chosen by the group's name.
+pub fn sections(groups: &[Group<'_>], words: &Words, confidence: f64) -> Vec<Section> {
     let unit = words.unit.as_str();
-    let of_group = if name.is_empty() { String::new() } else { format!(", {name}") };
-    let bands = format!(
-        "Bands are pointwise {} % intervals of {} resampled refits.",
-        100.0 * confidence,
-        analysis.resampled.len()
-    );
-    let mut laws = Section::new(format!("Laws{of_group}")).table(
+    let bands = |analysis: &Analysis| {
+        let (percent, count) = (100.0 * confidence, analysis.resampled.len());
+        format!("Bands are pointwise {percent} % intervals of {count} resampled refits.")
+    };
+    let of_all = |figure: &dyn Fn(&Group<'_>) -> Figure| {
+        groups.iter().map(|group| (group.name.clone(), figure(group))).collect::<Vec<_>>()
+    };
+    let mut laws = Section::new("Laws").table(
         "Fits by maximum likelihood, profile-likelihood intervals, most credible first; A² is the Anderson–Darling \
          distance, p the share of samples of the law that are farther from their own fit",
-        fits(analysis, words),
+        all_fits(groups, words),
     );
-    for fitted in analysis.fits.iter().filter(|fitted| !fitted.fit.regular()) {
-        let name = picture::label(fitted.fit.law.family());
-        laws = laws.note(format!(
-            "The {name} law stands last whatever its AICc: its likelihood is not regular here, and it predicts little."
-        ));
-    }
-    for (family, reason) in &analysis.refused {
-        laws = laws.note(format!("No {} law: {reason}.", picture::label(*family)));
+    for group in groups {
+        for fitted in group.analysis.fits.iter().filter(|fitted| !fitted.fit.regular()) {
+            let name = picture::label(fitted.fit.law.family());
+            laws = laws.note(group.said(&format!(
+                "The {name} law stands last whatever its AICc: its likelihood is not regular here, and it predicts little."
+            )));
+        }
+        for (family, reason) in &group.analysis.refused {
+            laws = laws.note(group.said(&format!("No {} law: {reason}.", picture::label(*family))));
+        }
     }
     let laws = laws
-        .figure(Figure::new(
-            &picture::histogram(sample, analysis, unit),
-            "Lives that ended, with the densities of the most credible laws.",
-        ))
-        .figure(Figure::new(
-            &picture::probability(analysis, unit),
-            format!("On this paper the best law is straight, or nearly. {bands}"),
-        ));
-    let hazard = Axis::linear("Hazard", picture::per(unit)).include(0.0);
-    let residual = Axis::linear("Mean residual life", unit).include(0.0);
-    let reliability = Section::new(format!("Reliability{of_group}"))
-        .figure(Figure::new(&picture::reliability(analysis, unit), bands))
-        .figure(Figure::new(
-            &picture::banded("Hazard", hazard, &analysis.hazard, unit, "Rate at which edges of an age end."),
-            "A hazard that rises says that edges wear out; one that falls, that weak edges go first.",
-        ))
-        .figure(Figure::new(
-            &picture::banded(
-                "Mean residual life",
-                residual,
-                &analysis.residual_life,
-                unit,
-                "Mean time that an edge still lives.",
-            ),
-            "How long an edge of an age will still last on average.",
-        ));
-    let blocks = &analysis.in_blocks;
-    let costs = if !analysis.replacement_seen() {
-        "When to replace an edge lies beyond the ages that were observed; the curve there is the law's alone."
-            .to_owned()
-    } else if blocks.age.is_finite() {
-        format!(
-            "In blocks, replacing all edges every {} {unit} whatever their age, the cost per time is {} against {} by age.",
-            toolroom_chart::number(blocks.age, 4),
-            toolroom_chart::number(blocks.cost_rate, 4),
-            toolroom_chart::number(analysis.by_age.cost_rate, 4)
-        )
-    } else {
-        "Replacing all edges at fixed intervals does not pay.".to_owned()
+        .choice(of_all(&|group| {
+            let chart = picture::histogram(group.sample, group.analysis, unit);
+            Figure::new(&chart, group.said("Lives that ended, with the densities of the most credible laws."))
+        }))
+        .choice(of_all(&|group| {
+            let caption = format!("On this paper the best law is straight, or nearly. {}", bands(group.analysis));
+            Figure::new(&picture::probability(group.analysis, unit), group.said(&caption))
+        }));
+    let hazard = || Axis::linear("Hazard", picture::per(unit)).include(0.0);
+    let residual = || Axis::linear("Mean residual life", unit).include(0.0);
+    let reliability = Section::new("Reliability")
+        .choice(of_all(&|group| {
+            Figure::new(&picture::reliability(group.analysis, unit), group.said(&bands(group.analysis)))
+        }))
+        .choice(of_all(&|group| {
+            let rate = "Rate at which edges of an age end.";
+            let chart = picture::banded("Hazard", hazard(), &group.analysis.hazard, unit, rate);
+            let caption = "A hazard that rises says that edges wear out; one that falls, that weak edges go first.";
+            Figure::new(&chart, group.said(caption))
+        }))
+        .choice(of_all(&|group| {
+            let time = "Mean time that an edge still lives.";
+            let chart = picture::banded("Mean residual life", residual(), &group.analysis.residual_life, unit, time);
+            Figure::new(&chart, group.said("How long an edge of an age will still last on average."))
+        }));
+    let texts: Vec<String> = groups.iter().map(|group| group.said(&group.replaced(unit))).collect();
+    let replacement = Section::new("Replacement");
+    let replacement = match &texts[..] {
+        [text] => replacement.paragraph(text.as_str()),
+        _ => replacement.list(texts),
     };
-    let replacement = Section::new(format!("Replacement{of_group}")).paragraph(costs).figure(Figure::new(
-        &picture::cost(analysis, unit, &words.money),
-        "Too early wastes life, too late pays for failures in the cut.",
-    ));
+    let replacement = replacement.choice(of_all(&|group| {
+        let chart = picture::cost(group.analysis, unit, &words.money);
+        Figure::new(&chart, group.said("Too early wastes life, too late pays for failures in the cut."))
+    }));
     vec![laws, reliability, replacement]
 }

@@ -42,7 +42,7 @@ details{margin-top:6px;font-size:14px}summary{cursor:pointer;color:var(--link);w
 details .scroll{max-height:360px;overflow:auto;margin-top:8px;padding:0 12px;background:var(--soft);border:1px solid var(--rule)}\
 details table{font-size:13px;margin:0}details thead th{position:sticky;top:0;background:var(--soft)}\
 details p{margin:8px 0 0;font-size:13px;color:var(--tr-muted)}\
-.remark{padding:10px 16px;margin:0 0 14px;border-left:4px solid var(--ok-rule);background:var(--ok);max-width:none}\
+.remark{padding:7px 16px;margin:0 0 9px;border-left:4px solid var(--ok-rule);background:var(--ok);max-width:none}\
 .warning{border-left-color:var(--warn-rule);background:var(--warn)}\
 footer{font-size:13px;color:var(--tr-muted)}footer h2{font-size:15px;color:var(--tr-ink)}footer table{font-size:13px}\
 code{font:12.5px/1.5 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;overflow-wrap:anywhere}\
@@ -51,7 +51,7 @@ code{font:12.5px/1.5 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;overfl
 const PRINT: &str = "\
 @page{margin:14mm}\
 body{max-width:none;background:none;font-size:10.5pt}header,section,nav,footer{border:0;padding:8px 0}\
-figure,.tiles,tr,.remark,.scroll{break-inside:avoid}h2{break-after:avoid}details{display:none}table,.scroll>table{font-size:7.5pt}th,td{padding-right:4px}thead th{white-space:normal}\
+figure,.tiles,tr,.remark,.scroll{break-inside:avoid}h2{break-after:avoid}details{display:none}table,.scroll>table{font-size:7.5pt}th,td{padding-right:4px;overflow-wrap:anywhere}thead th{white-space:normal}\
 .blocks{display:block}.choice>input,.choice>label{display:none}.choice>.panel{display:block}\
 .chart,.scroll{overflow:visible;max-height:none}.chart>svg{min-width:0}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}";
 

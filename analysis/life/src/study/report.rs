@@ -336,24 +336,25 @@ fn report(
         ));
     }
     report = report.section(cells);
-    for cell in worked.iter().take(SHOWN) {
-        let name = if worked.len() == 1 { String::new() } else { name(cell.cell) };
-        match &cell.analysis {
-            Ok(analysis) => {
-                let mut sections = page::sections(&name, &cell.sample, analysis, &words(), inputs.request.confidence);
-                if let (Some(last), Some((wear, rate))) = (sections.pop(), cell.by_wear) {
-                    let text = format!(
-                        "Replaced by wear instead, at {} mm, the cost per time is {}.",
-                        number(wear * 1e3, 3),
-                        number(rate, 4)
-                    );
-                    sections.push(last.paragraph(text));
-                }
-                for section in sections {
-                    report = report.section(section);
-                }
-            }
-            Err(reason) => report = report.section(Section::new(name).warning(format!("No law: {reason}."))),
+    let of_cell = |cell: &Worked<'_>| if worked.len() == 1 { String::new() } else { name(cell.cell) };
+    let by_wear = |(wear, rate): (f64, f64)| {
+        format!("Replaced by wear instead, at {} mm, the cost per time is {}.", number(wear * 1e3, 3), number(rate, 4))
+    };
+    let shown = || worked.iter().take(SHOWN);
+    let groups: Vec<page::Group<'_>> = shown()
+        .filter_map(|cell| {
+            let analysis = cell.analysis.as_ref().ok()?;
+            Some(page::Group { name: of_cell(cell), sample: &cell.sample, analysis, remark: cell.by_wear.map(by_wear) })
+        })
+        .collect();
+    if !groups.is_empty() {
+        for section in page::sections(&groups, &words(), inputs.request.confidence) {
+            report = report.section(section);
+        }
+    }
+    for cell in shown() {
+        if let Err(reason) = &cell.analysis {
+            report = report.section(Section::new(of_cell(cell)).warning(format!("No law: {reason}.")));
         }
     }
     if let Some((regression, points)) = regression {

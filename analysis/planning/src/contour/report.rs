@@ -43,12 +43,9 @@ pub fn report(file: &ContourFile, studies: &[PassStudy<'_>], provenance: Provena
             report = report.section(gains(study));
         }
     }
-    if let Some(section) = all_passes(studies) {
-        report = report.section(section);
-    }
-    report
-        .section(Section::new("Inputs").table("Every value as it was understood", inputs(file, studies)))
-        .provenance(provenance)
+    let inputs = inputs(file, studies);
+    let last = all_passes(studies).unwrap_or_else(|| Section::new("Inputs"));
+    report.section(last.table("Every value as it was understood", inputs)).provenance(provenance)
 }
 
 fn lead(study: &PassStudy<'_>) -> String {
@@ -69,11 +66,14 @@ fn lead(study: &PassStudy<'_>) -> String {
 
 fn plans(study: &PassStudy<'_>) -> Section {
     let contour = study.planner.contour();
-    let mut section = Section::new(format!("Pass {}", study.name)).table("Regimes and plans", regimes(study));
+    let mut section = Section::new(format!("Pass {}", study.name));
     for warning in study.warnings() {
         section = section.warning(warning.to_string());
     }
+    // The two tables stand side by side.
     section = section
+        .table("Regimes and plans", regimes(study))
+        .table("Sections of the plan of least cost", sections(study))
         .figure(
             Figure::new(
                 &picture::feeds(contour, study),
@@ -87,7 +87,6 @@ fn plans(study: &PassStudy<'_>) -> Section {
         )
         .figure(Figure::new(&picture::map(contour, study), "The wall from above, as it is drawn."))
         .figure(Figure::new(&picture::front(study), "Plans on the convex hull of time and cost, and the regimes."));
-    section = section.table("Sections of the plan of least cost", sections(study));
     if !study.plans[1].corners.is_empty() {
         section = section.table("Moves around sharp corners", corners(&study.plans[1]));
     }
@@ -251,7 +250,7 @@ fn all_passes(studies: &[PassStudy<'_>]) -> Option<Section> {
             hundredth(cost).into(),
         ]);
     }
-    Some(Section::new("All passes").table("Regimes and plans, passes together", table))
+    Some(Section::new("All passes, and inputs").table("Regimes and plans, passes together", table))
 }
 
 /// Per cent to two decimals: more would say more than the constants do.

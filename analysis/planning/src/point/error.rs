@@ -77,6 +77,14 @@ pub enum PointError {
     /// A time of the advance that is none.
     #[error("--advance: {0}")]
     AdvanceTime(UnitError),
+    /// A time of the advance longer than any edge or wheel is used: it could be computed for hours.
+    #[error("--advance: {seconds} s is more than {most} s")]
+    AdvanceTooLong {
+        /// What was given, s.
+        seconds: f64,
+        /// The most that is taken, s.
+        most: f64,
+    },
     /// The process cannot be advanced.
     #[error("--advance: {0}")]
     Advance(ModelError),
@@ -98,7 +106,7 @@ impl PointError {
             Self::Twice { .. } => "leave one of them out".to_owned(),
             Self::Lengths { .. } => "give every axis as many values as there are points".to_owned(),
             Self::Row { source, .. } => source.fix(),
-            Self::AdvanceTime(_) => "--advance \"10 s\"".to_owned(),
+            Self::AdvanceTime(_) | Self::AdvanceTooLong { .. } => "--advance \"10 s\"".to_owned(),
             Self::Advance(_) => "see the ranges above".to_owned(),
         }
     }

@@ -60,6 +60,10 @@ pub fn no_value<P: Process>(key: &str) -> PointError {
     PointError::NoValue { process: P::NAME, key: key.to_owned(), known }
 }
 
+/// Longest time of an advance, s: eleven days, beyond the life of any edge. Grinding goes on revolution by revolution, a
+/// million of which take a tenth of a second.
+const MOST_ADVANCED: f64 = 1e6;
+
 /// Advances by the time of the options; what stopped the advance before its time.
 pub fn advance<P: Process>(
     process: &P,
@@ -69,6 +73,9 @@ pub fn advance<P: Process>(
 ) -> Result<Option<ProcessEvent>, PointError> {
     let Some(time) = &options.advance else { return Ok(None) };
     let time = unit::quantity(time, "s").map_err(PointError::AdvanceTime)?;
+    if time > MOST_ADVANCED {
+        return Err(PointError::AdvanceTooLong { seconds: time, most: MOST_ADVANCED });
+    }
     let advance = process.advance(state, input, time).map_err(PointError::Advance)?;
     *input = process.input_after(input, advance.elapsed);
     Ok(advance.event)
