@@ -29,6 +29,7 @@ pub(super) fn life_only(walk: &mut Walk, section: &Section<'_>, name: String) ->
         scatter: Scatter::none(),
         structure_scatter: Default::default(),
         posterior: None,
+        spreads: Default::default(),
         life: Some(life),
     }
 }
