@@ -95,7 +95,7 @@ pub fn rates_table(entries: &[HiddenEntry], logs: &[RecoveredLog]) -> String {
     for rate in rates(entries, logs) {
         let [low, high] = rate.bounds().map(|bound| 100.0 * bound);
         let _ =
-            write!(text, "\n{:58} {:3} of {:3}   exact 95 %: {low:.1} to {high:.1} %", rate.name, rate.count, rate.of);
+            write!(text, "\n{:66} {:3} of {:3}   exact 95 %: {low:.1} to {high:.1} %", rate.name, rate.count, rate.of);
     }
     for log in logs.iter().filter(|log| log.wrong()) {
         let wrong = log.named.iter().filter(|own| !own.right);
