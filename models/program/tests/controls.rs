@@ -428,9 +428,9 @@ mod fuzz {
         }
     }
 
-    /// A million inputs a language, about an hour: `cargo test --release -p toolroom-program -- --ignored million`.
+    /// A million inputs a language, some minutes: `cargo test -p toolroom-program --test controls -- --ignored million`.
     #[test]
-    #[ignore = "an hour"]
+    #[ignore = "some minutes"]
     fn a_million_inputs_a_language_end_without_panic() {
         let mut state = 0x9e37_79b9_7f4a_7c15_u64;
         let mut next = |count: usize| {
