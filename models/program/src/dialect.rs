@@ -181,25 +181,11 @@ fn strong(line: &str, signs: &mut Signs) -> Option<(Dialect, &'static str)> {
         } else {
             Some(rest.trim_start().trim_start_matches(|c: char| c.is_ascii_digit()))
         };
-        const WORDS: [&str; 14] = [
-            "SUB",
-            "ENDSUB",
-            "CALL",
-            "WHILE",
-            "ENDWHILE",
-            "DO",
-            "IF",
-            "ELSE",
-            "ELSEIF",
-            "ENDIF",
-            "REPEAT",
-            "ENDREPEAT",
-            "BREAK",
-            "RETURN",
-        ];
+        const WORDS: &str = "SUB ENDSUB CALL WHILE ENDWHILE DO IF \
+                             ELSE ELSEIF ENDIF REPEAT ENDREPEAT BREAK RETURN";
         let word: String =
             rest.unwrap_or_default().trim_start().chars().take_while(char::is_ascii_alphabetic).collect();
-        if WORDS.contains(&word.as_str()) {
+        if WORDS.split(' ').any(|known| known == word) {
             return Some((Dialect::LinuxCnc, "an o-word"));
         }
         if signs.five.is_none() {
@@ -246,32 +232,11 @@ fn siemens(line: &str) -> Option<&'static str> {
     let word_at = |word: &str| {
         line.find(word).is_some_and(|at| at == 0 || !(bytes[at - 1].is_ascii_alphanumeric() || bytes[at - 1] == b'<'))
     };
-    for (word, sign) in [
-        ("CR=", "CR="),
-        ("CYCLE8", "a cycle call"),
-        ("MCALL", "MCALL"),
-        ("AC(", "AC( )"),
-        ("IC(", "IC( )"),
-        ("TURN=", "TURN="),
-        ("GOTOF", "GOTOF"),
-        ("GOTOB", "GOTOB"),
-        ("ENDFOR", "ENDFOR"),
-        ("ATRANS", "ATRANS"),
-        ("TRANS ", "TRANS"),
-        ("DEF REAL", "DEF"),
-        ("DEF INT", "DEF"),
-        ("MSG(", "MSG( )"),
-        ("SUPA", "SUPA"),
-        ("G641", "G641"),
-        ("G642", "G642"),
-        ("G450", "G450"),
-        ("G451", "G451"),
-        ("G710", "G710"),
-        ("G700", "G700"),
-    ] {
-        if word_at(word) && !line.contains("(MSG(") {
-            return Some(sign);
-        }
+    /// Words that stand for themselves in the reason.
+    const WORDS: &str = "CR=|CYCLE8|MCALL|AC(|IC(|TURN=|GOTOF|GOTOB|ENDFOR|ATRANS|TRANS \
+                         |DEF REAL|DEF INT|MSG(|SUPA|G641|G642|G450|G451|G710|G700";
+    if let Some(word) = WORDS.split('|').find(|word| word_at(word) && !line.contains("(MSG(")) {
+        return Some(word.trim_end());
     }
     // R1=…, and a label of at least two letters.
     for (index, _) in line.match_indices('R') {

@@ -274,7 +274,7 @@ mod fuzz {
     use super::*;
     use proptest::prelude::*;
 
-    const WORDS: [&str; 84] = [
+    const WORDS: [&str; 107] = [
         "G0",
         "G1",
         "G2",
@@ -348,6 +348,29 @@ mod fuzz {
         "G76 P010060 Q100 R0.1",
         "G76 X6 Z-9 P900 Q400",
         "N2",
+        "G71 P1 Q2 U0.5 W0.1 D1000 F0.2",
+        "N1 G0 X4 Z2",
+        "N2 G1 X9 Z-9",
+        "G72 W1 R0.5",
+        "G83 Z-5 R-2 Q1000 F9",
+        "G87 X4 R-2 F9",
+        "G89 W-3 P500 K2",
+        "C90",
+        "H45",
+        "G80",
+        "PROC A(REAL B, INT C=2) SAVE",
+        "DEF REAL _D=3",
+        "A(1,2)",
+        "MCALL A(1)",
+        "MCALL",
+        "M17",
+        "X=_D",
+        "CYCLE83(10,0,2,-9,,-3,,1,0.5,0.2,0.5,1)",
+        "CYCL DEF 203 Q200=2 Q201=-9 Q202=2 Q206=99 Q213=1 Q208= MAX",
+        "CYCL DEF 209 Q200=2 Q201=-9 Q239=1 Q257=3 Q256=1",
+        "L M140 MB MAX",
+        "M140 MB5 F9",
+        "PLANE RESET STAY",
         "APPR LCT X+1 Y+2 R3 RL F9",
         "APPR LT X+1 Y+2 LEN3 RR F9",
         "DEP CT CCA90 R+5",
@@ -405,9 +428,9 @@ mod fuzz {
         }
     }
 
-    /// A million inputs a language, about an hour: `cargo test --release -p toolroom-program -- --ignored million`.
+    /// A million inputs a language, some minutes: `cargo test -p toolroom-program --test controls -- --ignored million`.
     #[test]
-    #[ignore = "an hour"]
+    #[ignore = "some minutes"]
     fn a_million_inputs_a_language_end_without_panic() {
         let mut state = 0x9e37_79b9_7f4a_7c15_u64;
         let mut next = |count: usize| {

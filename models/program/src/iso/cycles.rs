@@ -70,7 +70,9 @@ impl Iso {
         };
         let [u, v, w] = kernel.plane;
         let across = AXES[w] as u8;
-        let bores = words.any(b"XYZR");
+        // Rotary axes turn to the next hole as the plane's axes move; LinuxCNC refuses them in a cycle.
+        let turns = self.macros() && words.any(b"ABC");
+        let bores = words.any(b"XYZR") || turns;
         let stepped = !kernel.absolute;
         let take = |own: &Self, words: &mut Words, letter: u8| -> Result<Option<f64>, Fault> {
             words.take(letter).map(|value| own.mm(kernel, words, letter, value)).transpose()
@@ -132,6 +134,13 @@ impl Iso {
         for axis in [u, v] {
             let letter = AXES[axis] as u8;
             if let Some(value) = take(self, words, letter)? {
+                if stepped { target.step[axis] = Some(value) } else { target.absolute[axis] = Some(value) }
+            }
+        }
+        for axis in (3..6).filter(|_| turns) {
+            let letter = AXES[axis] as u8;
+            if let Some(value) = words.take(letter) {
+                let value = self.angle(kernel, words, letter, value);
                 if stepped { target.step[axis] = Some(value) } else { target.absolute[axis] = Some(value) }
             }
         }

@@ -291,29 +291,8 @@ impl Iso {
             words.whole(b'P', 0.0, 99_999.0)?.ok_or_else(|| Fault::new("a macro call needs P, its program"))?;
         let count = words.whole(b'L', 0.0, 99_999_999.0)?.unwrap_or(1);
         let mut locals = Locals::default();
-        const TABLE: [(u8, usize); 21] = [
-            (b'A', 1),
-            (b'B', 2),
-            (b'C', 3),
-            (b'D', 7),
-            (b'E', 8),
-            (b'F', 9),
-            (b'H', 11),
-            (b'I', 4),
-            (b'J', 5),
-            (b'K', 6),
-            (b'M', 13),
-            (b'Q', 17),
-            (b'R', 18),
-            (b'S', 19),
-            (b'T', 20),
-            (b'U', 21),
-            (b'V', 22),
-            (b'W', 23),
-            (b'X', 24),
-            (b'Y', 25),
-            (b'Z', 26),
-        ];
+        const LETTERS: &[u8] = b"ABCDEFHIJKMQRSTUVWXYZ";
+        const NUMBERS: [usize; 21] = [1, 2, 3, 7, 8, 9, 11, 4, 5, 6, 13, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26];
         // I, J and K again and again are the second way of passing values: #4 #5 #6, #7 #8 #9 and on.
         let mut set = 0;
         let mut last = 0_u8;
@@ -328,7 +307,7 @@ impl Iso {
             }
             locals.numbered[index] = Some(*value);
         }
-        for (letter, index) in TABLE {
+        for (letter, index) in LETTERS.iter().copied().zip(NUMBERS) {
             let value = words.take(letter);
             if !matches!(letter, b'I' | b'J' | b'K') && value.is_some() {
                 locals.numbered[index] = value;

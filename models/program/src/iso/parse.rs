@@ -75,7 +75,8 @@ pub(super) struct Statement {
 
 /// Statements of a text, with the jumps of its loops from `offset`.
 pub(super) fn statements(text: &str, dialect: Dialect, file: usize, offset: usize) -> Vec<Statement> {
-    let mut list: Vec<Statement> = Vec::new();
+    // Programs of CAM systems have millions of lines: what is kept of each takes no more than it needs.
+    let mut list: Vec<Statement> = Vec::with_capacity(text.bytes().filter(|byte| *byte == b'\n').count() + 1);
     let mut open: Vec<(String, usize)> = Vec::new();
     let mut tape = 0;
     for (index, line) in text.lines().enumerate() {
@@ -221,7 +222,10 @@ fn block(parser: &mut Parser<'_>) -> Result<BlockCode, Fault> {
     let mut code = BlockCode::default();
     loop {
         match parser.peek() {
-            0 => return Ok(code),
+            0 => {
+                code.words.shrink_to_fit();
+                return Ok(code);
+            }
             b'#' => {
                 parser.at += 1;
                 let target = parser.hash()?;

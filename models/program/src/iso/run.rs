@@ -94,7 +94,12 @@ impl Iso {
 
     fn add(&mut self, text: &str, name: String) {
         let offset = self.statements.len();
-        self.statements.extend(statements(text, self.dialect, self.files.len(), offset));
+        let mut read = statements(text, self.dialect, self.files.len(), offset);
+        if self.statements.is_empty() {
+            self.statements = read;
+        } else {
+            self.statements.append(&mut read);
+        }
         self.files.push(name);
         for (index, statement) in self.statements.iter().enumerate().skip(offset) {
             if let Some(number) = statement.number {

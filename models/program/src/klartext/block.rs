@@ -169,26 +169,9 @@ impl Klartext {
             index += 1;
             // A letter may stand apart from its value.
             let mut word = word.clone();
-            if matches!(
-                word.as_str(),
-                "F" | "X"
-                    | "Y"
-                    | "Z"
-                    | "A"
-                    | "B"
-                    | "C"
-                    | "U"
-                    | "V"
-                    | "W"
-                    | "IX"
-                    | "IY"
-                    | "IZ"
-                    | "PR"
-                    | "PA"
-                    | "IPA"
-                    | "M"
-                    | "MB"
-            ) && let Some((next, _)) = list.get(index)
+            const APART: &str = "F X Y Z A B C U V W IX IY IZ PR PA IPA M MB";
+            if APART.split(' ').any(|letter| letter == word)
+                && let Some((next, _)) = list.get(index)
             {
                 word.push_str(next);
                 index += 1;

@@ -45,30 +45,12 @@ pub(super) enum Modal {
 }
 
 /// Metric coarse threads: nominal diameter and pitch, mm (ISO 261, first and second choice).
-const THREADS: [(f64, f64); 22] = [
-    (3.0, 0.5),
-    (4.0, 0.7),
-    (5.0, 0.8),
-    (6.0, 1.0),
-    (8.0, 1.25),
-    (10.0, 1.5),
-    (12.0, 1.75),
-    (14.0, 2.0),
-    (16.0, 2.0),
-    (18.0, 2.5),
-    (20.0, 2.5),
-    (22.0, 2.5),
-    (24.0, 3.0),
-    (27.0, 3.0),
-    (30.0, 3.5),
-    (33.0, 3.5),
-    (36.0, 4.0),
-    (39.0, 4.0),
-    (42.0, 4.5),
-    (45.0, 4.5),
-    (48.0, 5.0),
-    (52.0, 5.0),
+const SIZES: [f64; 22] = [
+    3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 22.0, 24.0, 27.0, 30.0, 33.0, 36.0, 39.0, 42.0, 45.0,
+    48.0, 52.0,
 ];
+const PITCHES: [f64; 22] =
+    [0.5, 0.7, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.0, 2.5, 2.5, 2.5, 3.0, 3.0, 3.5, 3.5, 4.0, 4.0, 4.5, 4.5, 5.0, 5.0];
 
 /// Greatest number of holes of a pattern: a bound against programs without end (assumption).
 const HOLES: f64 = 1e5;
@@ -206,7 +188,7 @@ impl Siemens {
         let rigid = *cycle == Cycle::RigidTap;
         let (size, pitch) = if rigid { (given(7), given(8)) } else { (given(9), given(10)) };
         let by_size = |size: f64| {
-            let found = THREADS.iter().find(|(diameter, _)| *diameter == size.abs()).map(|(_, pitch)| *pitch);
+            let found = SIZES.iter().position(|diameter| *diameter == size.abs()).map(|index| PITCHES[index]);
             found.ok_or_else(|| Fault::new(format!("{name}: M{size} is no thread of the table; give PIT, the pitch")))
         };
         let pitch = match (pitch.filter(|pitch| *pitch != 0.0), size.filter(|size| *size != 0.0)) {

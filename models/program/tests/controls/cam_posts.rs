@@ -94,6 +94,10 @@ fn deep_holes_of_siemens_slow_down_at_first_and_dwell_for_turns() {
 fn words_of_fanuc_and_linuxcnc_that_change_no_path_are_followed() {
     does(Fanuc, "G21 G90\nG5 P10000\nG1 X10. F600\nG5 P0\nG5.1 Q1\nX20.", (2.0, 0.0, 0.0, [20.0, 0.0, 100.0]));
     assert!(refused(Fanuc, "G21 G90\nG5 P12").message.contains("P10000"));
+    // Holes around a fourth axis: it turns to each of them at rapid speed, 45 degrees in 0.3 s.
+    let around = "G21 G90\nG0 X0 Y0 Z10. A0\nG98 G81 Z-4. R1. F60\nA45.\nA90.\nG80";
+    does(Fanuc, around, (15.0, (90.0 + 3.0 * (9.0 + 14.0)) / 500.0 + 0.6, 0.0, [0.0, 0.0, 10.0]));
+    assert!(refused(LinuxCnc, around).message.contains("A45"));
     // Another offset of the table: the axes come from where only the machine knows.
     let found =
         sums("G21 G90 G54 G0 X5. Y5. Z5.\nG54 P12\nG1 X10. Y10. Z5. F600\nX20.", &control(Fanuc)).expect("a program");

@@ -83,8 +83,8 @@ impl Profile {
         for pair in spots.windows(2) {
             let (a, b) = (pair[0], pair[1]);
             match (inside(&a), inside(&b)) {
-                (false, true) => begun = Some(self.crossing(a, b, &inside)),
-                (true, false) => parts.extend(begun.take().map(|first| (first, self.crossing(a, b, &inside)))),
+                (false, true) => begun = Some(self.crossing(a, b, inside)),
+                (true, false) => parts.extend(begun.take().map(|first| (first, self.crossing(a, b, inside)))),
                 (true, true) | (false, false) => {}
             }
         }
