@@ -119,7 +119,8 @@ pub fn maximise_near(f: &dyn Fn(&[f64]) -> f64, start: &[f64], held: &DMatrix<f6
         }
         let trial: Vec<f64> = point.iter().zip(step.iter()).map(|(x, dx)| x + dx).collect();
         let better = f(&trial);
-        if !(better > value) {
+        // A value that is no number is not better either.
+        if better.is_nan() || better <= value {
             break;
         }
         let next = gradient(&sides(f, &trial));
