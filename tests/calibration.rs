@@ -20,6 +20,19 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
+/// A calibration of turning on `wear.csv`, from the shipped set, to `my.toml`.
+fn calibrated(folder: &Path, more: &[&str]) -> Output {
+    let command =
+        ["calibrate", "turning", "--model", "c45_t15k6", "--data", "wear.csv", "--limit", "0.3 mm", "--out", "my.toml"];
+    toolroom(folder, &[&command[..], more].concat())
+}
+
+/// The answer of a command for programs.
+fn answer(output: &Output) -> Value {
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
 /// Six edges at three speeds whose life is 30 min · (220 m/min / v)⁴ to 0.3 mm, worn evenly over time, with levels and
 /// reading errors of a fixed pattern; `unit` in mm is that of the wear readings.
 fn wear(unit: f64, header: &str) -> String {
@@ -46,11 +59,7 @@ fn wear_readings_become_a_set_with_intervals_that_shops_accept() {
     let folder = TempDir::new().expect("a folder");
     let folder = folder.path();
     fs::write(folder.join("wear.csv"), wear(1.0, "flank_wear [mm]")).expect("a table");
-    let command =
-        ["calibrate", "turning", "--model", "c45_t15k6", "--data", "wear.csv", "--limit", "0.3 mm", "--out", "my.toml"];
-    let output = toolroom(folder, &[&command[..], &["--json"]].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let answer = answer(&calibrated(folder, &["--json"]));
     assert_eq!((&answer["edges"], &answer["readings"], &answer["ends"]["worn"]), (&6.into(), &48.into(), &6.into()));
     let life = answer["life"].as_array().expect("lives").iter();
     let life =
@@ -65,7 +74,7 @@ fn wear_readings_become_a_set_with_intervals_that_shops_accept() {
     let point = toolroom(folder, &["point", "turning", "--tool", "my.toml", "--json"]);
     assert_eq!(point.status.code(), Some(0), "{}", text(&point.stderr));
     // Feed and depth do not vary, so that not everything is determined; the files are written all the same.
-    let strict = toolroom(folder, &[&command[..], &["--law", "extended_taylor", "--strict"]].concat());
+    let strict = calibrated(folder, &["--law", "extended_taylor", "--strict"]);
     assert_eq!(strict.status.code(), Some(1), "{}", text(&strict.stderr));
     assert!(text(&strict.stdout).contains("vary feed_per_rev"), "{}", text(&strict.stdout));
 }
@@ -94,9 +103,7 @@ fn lives_of_draws_spread_as_the_calibration_says(folder: &Path, calibration: &Va
                  [[condition]]\ncutting_speed = \"220 m/min\"\nfeed_per_rev = \"0.3 mm/rev\"\ndepth_of_cut = \"1.5 mm\"\n";
     fs::write(folder.join("lives.toml"), study).expect("a study");
     let lived = |out: &str, threads: &str| {
-        let output = toolroom(folder, &["life", "lives.toml", "--threads", threads, "--out", out, "--json"]);
-        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-        serde_json::from_slice::<Value>(&output.stdout).expect("JSON")
+        answer(&toolroom(folder, &["life", "lives.toml", "--threads", threads, "--out", out, "--json"]))
     };
     let (lives, again) = (lived("lives", "1"), lived("again", "2"));
     assert_eq!(lives["digest"], again["digest"]);
@@ -135,37 +142,14 @@ fn draws_of_a_calibration_enter_a_shop_and_say_what_they_leave_open() {
     let folder = TempDir::new().expect("a folder");
     let folder = folder.path();
     fs::write(folder.join("wear.csv"), wear(1.0, "flank_wear [mm]")).expect("a table");
-    let calibrated = toolroom(
-        folder,
-        &[
-            "calibrate",
-            "turning",
-            "--model",
-            "c45_t15k6",
-            "--data",
-            "wear.csv",
-            "--limit",
-            "0.3 mm",
-            "--law",
-            "extended_taylor",
-            "--draws",
-            "200",
-            "--out",
-            "my.toml",
-            "--json",
-        ],
-    );
-    assert_eq!(calibrated.status.code(), Some(0), "{}", text(&calibrated.stderr));
-    let calibration: Value = serde_json::from_slice(&calibrated.stdout).expect("JSON");
+    let calibration = answer(&calibrated(folder, &["--law", "extended_taylor", "--draws", "200", "--json"]));
     lives_of_draws_spread_as_the_calibration_says(folder, &calibration);
     let shipped = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/steel-shafts.toml"));
     let keys = "parameter_set = \"./my.toml\"\nparameters_from = \"my-posterior.parquet\"";
     let scenario = shipped.expect("the shipped scenario").replace("parameter_set = \"c45_t15k6\"", keys);
     fs::write(folder.join("shop.toml"), scenario.replace("horizon = \"70 h\"", "horizon = \"34 h\""))
         .expect("a scenario");
-    let compared = toolroom(folder, &["compare", "shop.toml", "--replications", "8", "--out", "out", "--json"]);
-    assert_eq!(compared.status.code(), Some(0), "{}", text(&compared.stderr));
-    let answer: Value = serde_json::from_slice(&compared.stdout).expect("JSON");
+    let answer = answer(&toolroom(folder, &["compare", "shop.toml", "--replications", "8", "--out", "out", "--json"]));
     let notes = answer["decision"]["notes"].to_string();
     assert!(notes.contains("over 2 draws of the parameters") && notes.contains("of what your data allow"), "{notes}");
     // A value that both the file and the draws give, and draws of another law.
@@ -278,9 +262,7 @@ fn a_log_of_milling_becomes_a_set_whose_draws_a_shop_takes() {
     assert_eq!(imported.status.code(), Some(0), "{}", text(&imported.stderr));
     let command = ["calibrate", "milling", "--model", "c45_endmill_d12", "--data", "records", "--out", "mill.toml"];
     let more = ["--by", "material", "--shape", "straight", "--draws", "200", "--json"];
-    let output = toolroom(folder, &[&command[..], &more[..]].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let answer = answer(&toolroom(folder, &[&command[..], &more[..]].concat()));
     let steel = answer["parameters"].as_array().expect("a list").iter().find(|own| own["name"] == "material=steel");
     let ends = &steel.expect("a factor")["ci90"];
     assert!(ends[0].as_f64() < Some(2.0) && Some(2.0) < ends[1].as_f64(), "{ends}");
@@ -330,32 +312,8 @@ fn a_decision_of_a_scenario_says_what_to_measure_and_edges_that_chip_give_a_rate
         .expect("a file");
     let shop = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/steel-shafts.toml");
     let shop = shop.to_str().expect("a path");
-    let output = toolroom(
-        folder,
-        &[
-            "calibrate",
-            "turning",
-            "--model",
-            "c45_t15k6",
-            "--data",
-            "wear.csv",
-            "--limit",
-            "0.3 mm",
-            "--law",
-            "extended_taylor",
-            "--draws",
-            "500",
-            "--decision",
-            shop,
-            "--prior",
-            "priors.toml",
-            "--out",
-            "my.toml",
-            "--json",
-        ],
-    );
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let more = ["--law", "extended_taylor", "--draws", "500", "--decision", shop, "--prior", "priors.toml", "--json"];
+    let answer = answer(&calibrated(folder, &more));
     let chips = &answer["scatter"]["chipping_rate [1/km]"];
     assert!(chips["chips"] == 1 && chips["ci90"][0].as_f64() < chips["value"].as_f64(), "{chips}");
     assert!(fs::read_to_string(folder.join("my.toml")).expect("a set").contains("[parameters.chipping]"));
@@ -371,4 +329,52 @@ fn a_decision_of_a_scenario_says_what_to_measure_and_edges_that_chip_give_a_rate
         .iter()
         .find(|own| own["name"] == "extended_taylor.feed_exponent");
     assert_eq!(feed.expect("a parameter")["prior"]["sd"], 0.2);
+}
+
+#[test]
+fn what_one_life_leaves_open_enters_shops_and_stability_charts() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    let known = ["calibrate", "turning", "--life", "15 min", "--at", "200 m/min", "--out", "first.toml"];
+    answer(&toolroom(folder, &[&known[..], &["--draws", "200", "--json"]].concat()));
+    let shipped = |file: &str| fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("shipped");
+    let keys = "parameter_set = \"./first.toml\"\nparameters_from = \"first-posterior.parquet\"";
+    let shop = shipped("scenarios/steel-shafts.toml").replace("parameter_set = \"c45_t15k6\"", keys);
+    fs::write(folder.join("shop.toml"), shop).expect("a scenario");
+    let checked = toolroom(folder, &["check", "shop.toml"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    // A force known to a quarter leaves open whether a cut near its limit is stable.
+    fs::write(folder.join("chart.toml"), shipped("scenarios/chatter/turning-bar.toml")).expect("a chart");
+    let at = ["lobes", "chart.toml", "--at", "1000 rpm", "1 mm", "--json"];
+    let draws = ["--parameters-from", "first-posterior.parquet", "--parameter-set", "first.toml"];
+    let judged = answer(&toolroom(folder, &[&at[..], &draws[..]].concat()));
+    let probability = judged["p_stable"].as_f64().expect("a probability");
+    assert!(0.5 < probability && probability < 1.0, "{judged}");
+    let other =
+        toolroom(folder, &["lobes", "chart.toml", "--at", "1000 rpm", "1 mm", "--parameters-from", "first.toml"]);
+    assert_eq!(other.status.code(), Some(2), "draws belong to a set: {}", text(&other.stderr));
+}
+
+#[test]
+fn wear_over_the_path_is_calibrated_like_wear_over_the_time() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    let timed = wear(1.0, "flank_wear [mm]");
+    fs::write(folder.join("wear.csv"), &timed).expect("a table");
+    let more = ["--law", "extended_taylor", "--draws", "200", "--json"];
+    let by_time = answer(&calibrated(folder, &more));
+    let over_path = timed.lines().enumerate().map(|(row, line)| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if row == 0 {
+            cells[7] = "path_length [m]".to_owned();
+        } else {
+            let [speed, time] = [4, 7].map(|place| cells[place].parse::<f64>().expect("a number"));
+            cells[7] = format!("{:.9}", speed * time);
+        }
+        cells.join(",")
+    });
+    fs::write(folder.join("wear.csv"), over_path.collect::<Vec<_>>().join("\n")).expect("a table");
+    let by_path = answer(&calibrated(folder, &more));
+    let life = |answer: &Value| answer["life"][0]["median [min]"].as_f64().expect("a life");
+    assert!((life(&by_path) / life(&by_time) - 1.0).abs() < 1e-3, "{} {}", life(&by_path), life(&by_time));
 }

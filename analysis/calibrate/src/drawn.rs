@@ -12,6 +12,9 @@ use toolroom_wear::{EDGE_SCATTER_NAME, ParameterSet, Spread};
 /// a hundredth lies in the range is none).
 const TRIES: usize = 1000;
 
+/// Greatest scatter of edges that tools of scenarios take.
+const MOST_SCATTER: f64 = 2.0;
+
 /// Draws of parameters in units of files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrawnTable {
@@ -52,7 +55,9 @@ impl DrawnTable {
                 (0..TRIES).map(|_| drawn()).find(possible).unwrap_or(shown)
             };
             let mut row: Vec<f64> = known.iter().map(one).collect();
-            row.push(scatter.0 * (scatter.1 * normal()).exp());
+            let spread =
+                (0..TRIES).map(|_| scatter.0 * (scatter.1 * normal()).exp()).find(|drawn| *drawn <= MOST_SCATTER);
+            row.push(spread.unwrap_or(MOST_SCATTER));
             row
         };
         let rows = (0..count).map(row).collect();

@@ -93,40 +93,44 @@ pub fn maximise(f: &dyn Fn(&[f64]) -> f64, start: &[f64]) -> Option<Maximum> {
     Some(Maximum { at: point, value, information })
 }
 
-/// Part of the gain that is left after a step, above which the second derivatives that are held describe the neighbourhood
-/// no longer (assumption: of two steps with them and one with new ones the former is dearer then).
-const SLOW: f64 = 0.25;
-/// Steps with second derivatives that are held.
+/// Steps with second derivatives that are held (assumption: as dear as a search anew).
 const HELD: usize = 12;
 
 /// The same from a place near to a maximum whose second derivatives `held` is known to be those of the neighbourhood: most
-/// of the work of [`maximise`] is to find these anew at every step. Where they lead nowhere, and where `held` is of another
-/// size, it is [`maximise`].
+/// of the work of [`maximise`] is to find these anew at every step. Here each step corrects them by the change of the gradient.
+/// Where that leads nowhere, and where `held` is of another size, it is [`maximise`].
 ///
 /// The result has `held` as its information.
 ///
 /// # Source
-/// C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations, SIAM 1995, section 5.4 (the chord method).
+/// The method of Broyden, Fletcher, Goldfarb and Shanno: J. Nocedal, S. J. Wright, Numerical Optimization (2006), section 6.1.
 pub fn maximise_near(f: &dyn Fn(&[f64]) -> f64, start: &[f64], held: &DMatrix<f64>) -> Option<Maximum> {
     let anew = || maximise(f, start);
-    let Some(factor) = held.clone().cholesky().filter(|_| held.nrows() == start.len()) else { return anew() };
+    let size = start.len();
+    let Some(factor) = held.clone().cholesky().filter(|_| held.nrows() == size) else { return anew() };
+    let mut inverse = factor.inverse();
     let mut point = start.to_vec();
     let mut value = f(&point);
-    let mut before = f64::INFINITY;
+    let mut slope = gradient(&sides(f, &point));
     for _ in 0..HELD {
-        let gradient = gradient(&sides(f, &point));
-        let step = factor.solve(&gradient);
-        let gain = 0.5 * gradient.dot(&step);
-        // What is left of a sum of shrinking gains is a share of the last one.
-        if gain < SETTLED * (1.0 - SLOW) {
+        let step = &inverse * &slope;
+        if 0.5 * slope.dot(&step) < SETTLED {
             return Some(Maximum { at: point, value, information: held.clone() });
         }
         let trial: Vec<f64> = point.iter().zip(step.iter()).map(|(x, dx)| x + dx).collect();
         let better = f(&trial);
-        if !(gain < SLOW * before && better > value) {
+        // A value that is no number is not better either.
+        if better.is_nan() || better <= value {
             break;
         }
-        (point, value, before) = (trial, better, gain);
+        let next = gradient(&sides(f, &trial));
+        let change = &slope - &next;
+        let product = step.dot(&change);
+        if product > 0.0 {
+            let left = DMatrix::identity(size, size) - &step * change.transpose() / product;
+            inverse = &left * inverse * left.transpose() + &step * step.transpose() / product;
+        }
+        (point, value, slope) = (trial, better, next);
     }
     anew()
 }

@@ -101,3 +101,19 @@ impl Settings {
 fn kept(known: Option<f64>, usual: f64) -> f64 {
     known.map_or(usual, |known| known.hypot(STAYS * usual))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_calibration_has_left_goes_before_the_usual_spread() {
+        let spreads =
+            Spreads { parameters: [("force.specific_force".to_owned(), 0.02)].into(), wear_level: Some(0.05) };
+        let settings = Settings { spreads, ..Settings::default() };
+        assert!((settings.spread("force.specific_force", 0.08) - 0.02_f64.hypot(0.25 * 0.08)).abs() < 1e-12);
+        assert!((settings.spread("force.flank_pressure", 0.08) - 0.08).abs() < 1e-12);
+        assert!((settings.spread_of_wear() - 0.05_f64.hypot(0.25 * 0.15)).abs() < 1e-12);
+        assert!((Settings::default().spread_of_wear() - 0.15).abs() < 1e-12);
+    }
+}
