@@ -14,8 +14,8 @@ use toolroom_chatter::{ChatterError, Lobes};
 use toolroom_form::FormFile;
 use toolroom_output::{OutputDir, provenance};
 use toolroom_planning::lobes::{
-    Best, ChartMap, ChartStudy, HISTORY_NAMES, HistoryError, LobesFile, MapError, GREATEST_DIFFERENCE, MapKind, MeasuredCurve, NAMES,
-    PitchError, PointVerdict, read,
+    Best, ChartMap, ChartStudy, GREATEST_DIFFERENCE, HISTORY_NAMES, HistoryError, LobesFile, MapError, MapKind,
+    MeasuredCurve, NAMES, PitchError, PointVerdict, read,
 };
 use toolroom_process::unit::quantity;
 
@@ -145,7 +145,9 @@ fn workbench(study: &mut ChartStudy<'_>, requested: &LobesArgs, voice: &Voice) -
         let curve = MeasuredCurve::new(study, &measured);
         let curve = curve.map_err(|error| Failure::argument(error, "see docs/dynamics.md"))?;
         if curve.median.is_some_and(|median| median > GREATEST_DIFFERENCE) {
-            voice.say(format_args!("warning: the limits of the modes are not those of the measured response: look at the fit"));
+            voice.say(format_args!(
+                "warning: the limits of the modes are not those of the measured response: look at the fit"
+            ));
         }
         study.measured = Some(curve);
     }

@@ -44,7 +44,9 @@ pub(super) fn report(study: &IdentificationStudy, provenance: Provenance) -> Rep
         lags = lags.warning(advice.to_string());
     }
     report = report.section(lags.table("Trials", trials(study)));
-    if study.trials.iter().any(|trial| trial.stock_removed.is_some() && trial.spark_out_revolutions == 0.0 && trial.finish_revolutions == 0.0) {
+    if study.trials.iter().any(|trial| {
+        trial.stock_removed.is_some() && trial.spark_out_revolutions == 0.0 && trial.finish_revolutions == 0.0
+    }) {
         report = report.section(
             Section::new("Infeed and stock")
                 .figure(Figure::new(&stock(study), "Commanded infeed and stock ground, at the infeed of the first trial."))
