@@ -21,11 +21,17 @@ const SHOP: (usize, f64) = (24, 1.02);
 /// Points, those without an answer, and contradictions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
+    /// Points that were asked about.
     pub points: usize,
+    /// Points for which a search failed.
     pub refused: usize,
+    /// Single verdicts that differ from the stable intervals.
     pub at: usize,
+    /// Chart points that differ from the single verdicts.
     pub chart: usize,
+    /// Points whose side of the curve differs from the stable intervals.
     pub curve: usize,
+    /// Points that the shop's search would answer otherwise.
     pub shop: usize,
 }
 

@@ -82,6 +82,19 @@ pub enum ChatterError {
         /// Spindle speed (rpm) up to which the envelope answers.
         greatest_rpm: f64,
     },
+    /// A varying speed that is so low that a period of its variation holds too many oscillations.
+    #[error(
+        "a period of the speed variation holds {waves:.0} oscillations of the fastest mode, and a period map of more than \
+         {greatest:.0} takes minutes; ask above {least_rpm:.1} rpm, or for fewer revolutions in a period"
+    )]
+    TooManyOscillations {
+        /// Oscillations of the fastest mode in a period of the variation.
+        waves: f64,
+        /// How many are worked out.
+        greatest: f64,
+        /// Mean spindle speed (rpm) from which on there are no more than that.
+        least_rpm: f64,
+    },
     /// The eigenvalue iteration did not reach its tolerance; nothing is reported instead.
     #[error("the dominant multiplier was not found: residual {residual}")]
     NotConverged {
@@ -95,7 +108,7 @@ impl ChatterError {
     /// point and all others.
     pub fn is_failed_search(&self) -> bool {
         match self {
-            Self::NotConverged { .. } | Self::TooSlow { .. } => true,
+            Self::NotConverged { .. } | Self::TooSlow { .. } | Self::TooManyOscillations { .. } => true,
             Self::NotFinite { .. }
             | Self::NotPositive { .. }
             | Self::OutOfRange { .. }

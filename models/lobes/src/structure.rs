@@ -263,14 +263,11 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
     // One compliance above the range stands at all speeds.
     let above = stiff_modes(&all, upper?);
     known.iter_mut().for_each(|(modes, _)| modes.extend(&above));
-    let by_speed = match table(walk, &speeds, &known, &SPEEDS)? {
-        Some(rows) => Some(SpeedModes::new(rows).ok()?),
-        None => None,
-    };
-    let along_path = match table(walk, &stations, &known, &STATIONS)? {
-        Some(rows) => Some(PathModes::new(rows, root.si("mass_loss").unwrap_or(0.0)).ok()?),
-        None => None,
-    };
+    let rows = table(walk, &speeds, &known, &SPEEDS)?;
+    let by_speed = if rows.is_empty() { None } else { Some(SpeedModes::new(rows).ok()?) };
+    let rows = table(walk, &stations, &known, &STATIONS)?;
+    let mass_loss = root.si("mass_loss").unwrap_or(0.0);
+    let along_path = if rows.is_empty() { None } else { Some(PathModes::new(rows, mass_loss).ok()?) };
     let (modes, deviations) = known.swap_remove(0);
     Some(Structure {
         name,
@@ -333,12 +330,7 @@ const STATIONS: Rows = Rows {
 };
 
 /// The modes at the value of each row; none without rows, and a fault at the row that does not fit the one before it.
-fn table(
-    walk: &mut Walk,
-    sections: &[Section<'_>],
-    known: &[Row],
-    rows: &Rows,
-) -> Option<Option<Vec<(f64, Vec<Mode>)>>> {
+fn table(walk: &mut Walk, sections: &[Section<'_>], known: &[Row], rows: &Rows) -> Option<Vec<(f64, Vec<Mode>)>> {
     let (key, si, unit) = rows.value;
     let values: Vec<f64> = sections.iter().map(|section| section.si(key)).collect::<Option<_>>()?;
     for (i, section) in sections.iter().enumerate().skip(1) {
@@ -362,10 +354,7 @@ fn table(
         walk.fault(single.span_of(""), Fault::Nothing { what, example });
         return None;
     }
-    if sections.is_empty() {
-        return Some(None);
-    }
-    Some(Some(values.into_iter().zip(known).map(|(value, (modes, _))| (value, modes.clone())).collect()))
+    Some(values.into_iter().zip(known).map(|(value, (modes, _))| (value, modes.clone())).collect())
 }
 
 /// A mode, and the relative standard deviations of frequency, damping and stiffness.

@@ -6,8 +6,9 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use toolroom_dynamics::Measurement;
 
-/// Speeds of a chart at which the measured response is asked, at most (assumption: a limit costs some tenths of a second).
-const COLUMNS: usize = 61;
+/// Speeds of a chart at which the measured response is asked, at most, in turning and in milling (assumptions: a limit of
+/// milling costs some two seconds).
+const COLUMNS: [usize; 2] = [61, 17];
 
 /// A measured response, at rest or at several spindle speeds.
 #[derive(Debug)]
@@ -50,7 +51,8 @@ impl MeasuredCurve {
     /// measured.
     pub fn new(study: &ChartStudy<'_>, measured: &Measured) -> Result<Self, MeasuredError> {
         let depth = study.file.chart.depth.end;
-        let step = study.speeds.len().div_ceil(COLUMNS).max(1);
+        let columns = COLUMNS[usize::from(matches!(study.file.cut, Cut::Milling(..)))];
+        let step = study.speeds.len().div_ceil(columns).max(1);
         let speeds: Vec<f64> = study.speeds.iter().copied().step_by(step).collect();
         let limit = |speed: &f64| {
             let response = measured.at(*speed)?;

@@ -135,6 +135,9 @@ impl Milling {
         positive("spindle_speed", spindle_speed)?;
         variation.check()?;
         let cut = self.at_spindle_speed(spindle_speed)?;
+        for (_, place) in cut.places() {
+            variation.check_oscillations(&place.modes, spindle_speed)?;
+        }
         let mut at_speed = AtSpeed::new(cut, Motion::Varying(spindle_speed, Started::new(variation, 0.0)))?;
         at_speed.turn_to(variation.phase.unwrap_or(at_speed.geometry.origin));
         Ok(at_speed)

@@ -150,6 +150,7 @@ impl Turning {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         variation.check()?;
+        variation.check_oscillations(&self.modes, spindle_speed)?;
         within("width", width, 0.0, f64::MAX)?;
         let revolutions = variation.revolutions;
         let length = TAU * f64::from(revolutions) / spindle_speed;
@@ -239,6 +240,7 @@ impl Turning {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         variation.check()?;
+        variation.check_oscillations(&self.modes, spindle_speed)?;
         let motion = Motion::Varying(spindle_speed, Started::new(variation, 0.0));
         // A period serves all widths up to the one that quickens the oscillations by the next step.
         let mut prepared: Option<(f64, Period)> = None;

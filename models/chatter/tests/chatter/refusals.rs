@@ -118,3 +118,23 @@ fn settings_that_are_none() {
     assert_eq!(bar.mode_at(0.0), Err(ChatterError::NoModes));
     assert!(matches!(bar.mode_at(0.3), Err(ChatterError::OutOfRange { quantity: "position", .. })));
 }
+
+/// A period of the variation that holds thousands of oscillations would take minutes; what is refused says which speed is not.
+#[test]
+fn a_varying_speed_with_too_many_oscillations_is_refused() {
+    let variation = SpeedVariation { amplitude: 0.1, revolutions: 5, phase: None };
+    let mode = Mode { direction: [1.0, 0.0], natural_frequency: 540.9, damping_ratio: 0.038, stiffness: 6.48e6 };
+    let turning = Turning::orthogonal(vec![mode], 1384e6, 0.035);
+    let milling = milling();
+    let rpm = |speed: f64| speed / 60.0 * TAU;
+    let refused = [
+        turning.verdict_at_varying_speed(rpm(37.0), variation, 1e-3).unwrap_err(),
+        turning.limit_at_varying_speed(rpm(37.0), variation, 3e-3, 10).unwrap_err(),
+        milling.at_varying_speed(rpm(37.0), variation).err().unwrap(),
+    ];
+    for error in refused {
+        let ChatterError::TooManyOscillations { least_rpm, .. } = error else { panic!("{error:?}") };
+        assert!(error.is_failed_search() && least_rpm > 100.0 && least_rpm < 1000.0, "{error}");
+    }
+    assert!(turning.verdict_at_varying_speed(rpm(170.0), variation, 1e-4).unwrap().stable);
+}

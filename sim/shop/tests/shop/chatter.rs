@@ -202,7 +202,10 @@ fn a_wall_is_judged_at_its_worst_place_and_a_ball_end_by_its_corner() {
     assert_eq!(format!("{:?}", same.passes), format!("{:?}", plain.passes));
     let soft = log(&by_speed("soft", soft, "").unwrap(), "constant");
     let ball = log(&by_speed("ball", |text| text, "corner_radius = \"2 mm\"").unwrap(), "constant");
-    let share = |log: &RunLog| chatter_share(log, 1);
-    assert!(share(&soft) > share(&plain) + 0.05, "{} {}", share(&soft), share(&plain));
+    let margin = |log: &RunLog| {
+        let milled = log.passes.iter().filter(|row| row.operation == 1).map(|row| row.stability_margin);
+        milled.fold(f64::INFINITY, f64::min)
+    };
+    assert!(margin(&soft) < margin(&plain) - 0.1, "{} {}", margin(&soft), margin(&plain));
     assert_ne!(format!("{:?}", ball.passes), format!("{:?}", plain.passes));
 }
