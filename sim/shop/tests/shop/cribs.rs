@@ -92,7 +92,7 @@ fn the_only_edge_is_ground_while_its_machine_waits_for_it() {
     let log = run(&worn(1, once, "50 min"), 0, 0).unwrap();
     assert_eq!(minutes(&log, 0, MachineState::WaitingTool), [(20.0, 50.0), (71.0, 240.0)]);
     // With a shorter life after every regrinding: 20, 18, 12 minutes of work.
-    let shorter = "regrind = { time = \"30 min\", life_factor = 0.9 }";
+    let shorter = "regrind = { time = \"30 min\", times = 9, life_factor = 0.9 }";
     let log = run(&worn(1, shorter, "50 min"), 0, 0).unwrap();
     assert_eq!(minutes(&log, 0, MachineState::Working), [(0.0, 20.0), (51.0, 69.0), (100.0, 112.0)]);
 }
@@ -223,6 +223,12 @@ fn one_person_tends_as_many_machines_as_shares_allow() {
     assert_eq!(finishes(&log), [10.0, 10.0, 10.0, 20.0, 20.0]);
     let two = run(&tended(5, "{ skill = \"tend\", share = 0.3 }", "count = 2", &five), 0, 0).unwrap();
     assert_eq!(finishes(&two), [10.0; 5]);
+    // Five of 0.2 are one person, and so are ten of 0.1.
+    let fifth = run(&tended(5, "{ skill = \"tend\", share = 0.2 }", "", &five), 0, 0).unwrap();
+    assert_eq!(finishes(&fifth), [10.0; 5]);
+    let ten: String = (0..11).map(|each| order(&each.to_string(), "part", 1, 0)).collect();
+    let tenth = run(&tended(11, "{ skill = \"tend\", share = 0.1 }", "", &ten), 0, 0).unwrap();
+    assert_eq!(finishes(&tenth).iter().filter(|finish| **finish == 10.0).count(), 10);
     // What needs all of a person waits for the machines that this one tends.
     let mixed = order("a", "part", 1, 0) + &order("b", "other", 1, 1);
     let log = run(&tended(5, "{ skill = \"tend\", share = 0.3 }", "", &mixed), 0, 0).unwrap();
