@@ -62,12 +62,12 @@ fn random_shop(seed: u64) -> String {
         .unwrap();
     }
     let mut counts = [0; 3];
-    for group in 0..3usize {
-        counts[group] = 1 + pick(4);
+    for (group, count) in counts.iter_mut().enumerate() {
+        *count = 1 + pick(4);
         writeln!(
             text,
             "[[machine]]\nname = \"M{group}\"\ncount = {}\nprocess = \"plain\"\nsetup_at_start = \"\"\nsetup_time = \"{} min\"",
-            counts[group],
+            *count,
             10 * pick(4)
         )
         .unwrap();
