@@ -94,10 +94,18 @@ pub(super) fn cribs(
                 parts.push(regrinding(name, stations, group, time.clone()));
                 parts.len() - 1
             });
+            let times = own.count("times").and_then(|times| u32::try_from(times).ok());
+            if own.si("life_factor").is_some_and(|factor| factor < 1.0) && times.is_none() {
+                let reason =
+                    format!("edges of \"{name}\" last shorter after every regrinding, of which there is no end");
+                let fix =
+                    "add `times`, how often an edge is ground: in the end it would last for no time at all".to_owned();
+                walk.fault(own.span_of("life_factor"), ScenarioFault::Arrangement { reason, fix });
+            }
             Regrind {
                 part,
                 time,
-                times: own.count("times").and_then(|times| u32::try_from(times).ok()),
+                times,
                 life_factor: own.required("life_factor"),
                 cost: own.required("cost"),
                 batch: own.count32("batch"),

@@ -109,6 +109,7 @@ impl<R: Recorder> Shop<'_, R> {
         (task.step, task.left) = (Step::NoTool, 0.0);
         if std::mem::take(&mut state.leaving) {
             state.off_shift = true; // nobody waits after the shift
+            self.stop_clocks(machine);
         }
     }
 

@@ -39,8 +39,8 @@ impl OperatorState {
     }
 }
 
-/// Shares that add up to this much more than one are one: ten of 0.1 are.
-const SHARES: f64 = 1e-9;
+/// Shares that add up to this much more than one are one: they are kept in single precision, and ten of 0.1 are one.
+const SHARES: f64 = 1e-6;
 
 /// A step that waits for somebody.
 #[derive(Clone, Copy, Debug)]
@@ -216,8 +216,8 @@ impl<R: Recorder> Shop<'_, R> {
             let share = f64::from(std::mem::take(&mut task.presence));
             let state = &mut self.world.operators[operator as usize];
             state.load -= share;
-            if state.load <= 1e-6 {
-                (state.load, state.machine) = (0.0, None); // shares are kept in single precision
+            if state.load <= SHARES {
+                (state.load, state.machine) = (0.0, None);
             }
             state.since = now;
             if let Some(walk) = state.walking.take() {

@@ -82,6 +82,7 @@ impl<R: Recorder> Shop<'_, R> {
         let lacks_tool = state.task.as_ref().is_some_and(|task| matches!(task.step, Step::NoTool));
         if lacks_tool {
             // Nobody waits after the shift for an edge: the part stays for the next one.
+            self.stop_clocks(machine);
             self.world.machines[machine].off_shift = true;
             self.look_at_upkeep(machine);
             self.show_state(machine);

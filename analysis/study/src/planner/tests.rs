@@ -62,3 +62,31 @@ fn waits_and_lengths_agree_by_littles_law() {
     }
     assert_eq!(most_at_once(&[(0.0, 2.0), (1.0, 3.0), (2.0, 4.0), (5.0, 5.0)]), 2);
 }
+
+#[test]
+fn the_schedule_of_a_run_is_followed_and_compared() {
+    let first = shipped(&[]);
+    let study_of_first = study(&first);
+    let mut table = Vec::new();
+    write_sequences(&first, &study_of_first.first_logs[0], &mut table).unwrap();
+    let text = String::from_utf8(table).unwrap();
+    assert!(text.starts_with("order,operation,machine,position,start,end\nO1,turn,T1,1,2026-03-30 06:00,"), "{text}");
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("plan.csv");
+    std::fs::write(&file, text).unwrap();
+    let followed = shipped(&[&format!("tables.schedule={:?}", file.display().to_string()), "dispatch.rule=edd"]);
+    let again = study(&followed);
+    // The same run whatever the rule, event for event.
+    assert_eq!(again.first_logs[0].jobs, study_of_first.first_logs[0].jobs);
+    let mut plan = Vec::new();
+    write_plan(&followed, &again, &mut plan).unwrap();
+    let plan = String::from_utf8(plan).unwrap();
+    let row = plan.lines().find(|row| row.contains(",O6,turn,")).unwrap();
+    assert!(row.ends_with(",0,0,0") || row.ends_with(",0.00,0.00,0"), "{row}");
+    assert!(
+        plan_line(&followed, &again).contains("begin 0.0 min after their planned start"),
+        "{}",
+        plan_line(&followed, &again)
+    );
+    assert!(plan_line(&first, &study_of_first).is_empty());
+}

@@ -62,12 +62,12 @@ fn random_shop(seed: u64) -> String {
         .unwrap();
     }
     let mut counts = [0; 3];
-    for group in 0..3usize {
-        counts[group] = 1 + pick(4);
+    for (group, count) in counts.iter_mut().enumerate() {
+        *count = 1 + pick(4);
         writeln!(
             text,
             "[[machine]]\nname = \"M{group}\"\ncount = {}\nprocess = \"plain\"\nsetup_at_start = \"\"\nsetup_time = \"{} min\"",
-            counts[group],
+            *count,
             10 * pick(4)
         )
         .unwrap();
@@ -156,7 +156,10 @@ fn random_shop(seed: u64) -> String {
         let station = if pick(2) == 0 && at_end != "scrap" { "station = \"M2\", " } else { "" };
         let back = match pick(3) {
             0 => "buy = { below = 2, lot = 3, lead = \"4 h\" }".to_owned(),
-            1 => format!("regrind = {{ {station}time = \"25 min\", life_factor = 0.98 }}"),
+            1 => format!(
+                "regrind = {{ {station}time = \"25 min\", times = 3, life_factor = 0.9 }}\n\
+                 buy = {{ below = 2, lot = 3, lead = \"4 h\" }}"
+            ),
             _ => format!("regrind = {{ {station}time = \"15 min\", batch = {} }}", batch),
         };
         writeln!(text, "[[crib]]\ntool = \"drill\"\nedges = {edges}\nfetch = \"2 min\"\n{back}").unwrap();
@@ -206,7 +209,15 @@ proptest! {
         // Every piece of every order leaves the shop, good or scrapped.
         let mut left = vec![0; scenario.orders.len()];
         for job in &log.jobs {
-            prop_assert!(job.outcome != JobOutcome::InProcess, "a job that never ends: {:?}\n{}", job, text);
+            let last: Vec<_> =
+                (0..scenario.machines.len() as u32).map(|own| log.states.iter().rfind(|row| row.machine == own)).collect();
+            prop_assert!(
+                job.outcome != JobOutcome::InProcess,
+                "a job that never ends: {:?}\n{:?}\n{}",
+                job,
+                last,
+                text
+            );
             if let Some(order) = job.order {
                 left[order as usize] += job.quantity;
             }
