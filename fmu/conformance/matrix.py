@@ -324,7 +324,7 @@ class Matrix:
         self.run(self.toolroom, "ssp", "export", scenario, "--machine", "L", "--flat", "--out", flat)
         for name, action in (("Ecos", "cell_in_ecos"), ("libcosim", "cell_in_libcosim")):
             rows = self.importer(action, flat, stop, step)
-            said.append(f"that of {name} {self.apart([row[1:] for row in rows], own, 1e-2)}")
+            said.append(f"that of {name} {self.apart([row[1:] for row in rows], own, 1e-9)}")
         return f"{', '.join(said)} of the greatest wear from the own one over {stop:.0f} s"
 
     @staticmethod

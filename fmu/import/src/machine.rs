@@ -345,6 +345,26 @@ impl UnitProcess {
         Ok((Stepped::Whole, rose.map(|((event, _), _)| *event)))
     }
 
+    /// What comes of `actions` at the state `x`, by another instance where the first one fails: a worker that died since
+    /// the last step leaves no gap in a log, which would have no place to tell of it.
+    fn read_at(
+        &self,
+        x: &[f64],
+        actions: &[Action<'_>],
+        check: impl Fn(&Answer, f64) -> Result<(), KeepingError>,
+    ) -> Result<Answer, KeepingError> {
+        let once = || {
+            let (mut state, mut answer) = (x[..self.keeping.length()].to_vec(), Answer::default());
+            self.keeping.with(&self.maker(), &mut state, &mut answer, |turn, answer| {
+                turn.act(actions, false, answer)?;
+                check(answer, turn.time)?;
+                Ok(((), None))
+            })?;
+            Ok(answer)
+        };
+        once().or_else(|_: KeepingError| once())
+    }
+
     /// Finds the earliest event of a step of `length` by halving it, from the state saved at its start; the
     /// instance is left at the event.
     #[allow(clippy::too_many_arguments)] // a step, its start and what was seen there
@@ -460,18 +480,12 @@ impl MachineProcess for UnitProcess {
     /// Outputs as the unit gives them after its inputs were set; not a number where it refuses or gives one that
     /// cannot be, which the next step from there refuses.
     fn output(&self, x: &[f64], u: &[f64], y: &mut [f64]) {
-        let mut state = x[..self.keeping.length()].to_vec();
         let mut actions = Vec::new();
         self.set(u, &mut actions);
         self.get_outputs(&mut actions);
-        let mut answer = Answer::default();
-        let answered = self.keeping.with(&self.maker(), &mut state, &mut answer, |turn, answer| {
-            turn.act(&actions, false, answer)?;
-            self.watch.check(&answer.values, turn.time, f64::NEG_INFINITY)?;
-            Ok(((), None))
-        });
-        match answered {
-            Ok(()) => {
+        let check = |answer: &Answer, time| self.watch.check(&answer.values, time, f64::NEG_INFINITY).map(|_| ());
+        match self.read_at(x, &actions, check) {
+            Ok(answer) => {
                 let wires = self.outputs.wires.iter().flatten();
                 y.iter_mut().zip(wires.zip(&answer.values)).for_each(|(y, (wire, value))| *y = wire.inward(*value));
             }
@@ -481,16 +495,10 @@ impl MachineProcess for UnitProcess {
     /// By the flag of the unit; false where it has none for the event or refuses.
     fn holds(&self, event: ProcessEvent, x: &[f64], u: &[f64]) -> bool {
         let Some(flag) = self.events.iter().find(|(each, _)| *each == event) else { return false };
-        let mut state = x[..self.keeping.length()].to_vec();
         let mut actions = Vec::new();
         self.set(u, &mut actions);
         actions.push(Action::Get(flag.1));
-        let mut answer = Answer::default();
-        let answered = self.keeping.with(&self.maker(), &mut state, &mut answer, |turn, answer| {
-            turn.act(&actions, false, answer)?;
-            Ok(((), None))
-        });
-        answered.is_ok() && answer.values[0] != 0.0
+        self.read_at(x, &actions, |_, _| Ok(())).is_ok_and(|answer| answer.values[0] != 0.0)
     }
     fn advance(&self, x: &mut [f64], u: &mut [f64], dt: f64) -> Result<Advance, ModelError> {
         if !(dt.is_finite() && dt >= 0.0) {

@@ -291,7 +291,10 @@ impl std::fmt::Debug for Remote {
 impl Body for Remote {
     fn act(&mut self, actions: &[Action<'_>], answer: &mut Answer) -> Result<(), CallError> {
         let named = |call: usize| {
-            actions.get(call).map_or_else(String::new, |action| function(action, self.major, self.exchange))
+            // A worker that died while it was idle has called none of them.
+            actions
+                .get(call)
+                .map_or_else(|| "the worker".to_owned(), |action| function(action, self.major, self.exchange))
         };
         *answer = locked(&self.worker).ask(&Request::act(self.number, actions), &named)?;
         Ok(())

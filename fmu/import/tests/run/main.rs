@@ -236,6 +236,28 @@ fn a_failing_step_is_an_error_with_the_words_of_the_unit() {
 }
 
 #[test]
+fn a_value_that_is_read_between_two_steps_is_read_again_where_the_first_instance_fails() {
+    let folder = TempDir::new().expect("a folder");
+    let marker = folder.path().join("marker");
+    let path = unit(folder.path(), &[&format!("MARKER=\"{}\"", marker.display())], ("", ""));
+    let process = machine(&path, &wiring()).expect("it fits");
+    let (mut x, mut u, mut y) = (process.initial(), input(&process, &[("cutting_speed", 1.0)]), [0.0]);
+    process.advance(&mut x, &mut u, 400.0).expect("past the wear limit");
+    process.output(&x, &u, &mut y);
+    let wear = y[0];
+    assert!(wear > 0.0 && process.holds(ProcessEvent::WearLimit, &x, &u));
+    // A log has no place for a value that is not there: another instance goes back to the state and answers.
+    std::fs::write(&marker, "").expect("writable");
+    process.output(&x, &u, &mut y);
+    assert!(y[0] == wear && !marker.exists(), "{} instead of {wear}", y[0]);
+    std::fs::write(&marker, "").expect("writable");
+    assert!(process.holds(ProcessEvent::WearLimit, &x, &u) && !marker.exists());
+    // A step that fails is told.
+    std::fs::write(&marker, "").expect("writable");
+    assert!(process.advance(&mut x, &mut u, 10.0).is_err() && !marker.exists());
+}
+
+#[test]
 fn a_unit_that_cannot_be_loaded_is_told_why() {
     let folder = TempDir::new().expect("a folder");
     let load = |path: &Path| Unit::load(path, &Isolation::None).map(|_| ()).expect_err("refused");

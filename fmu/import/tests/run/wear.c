@@ -8,6 +8,7 @@
    VALUE   the wear that it tells of, mm, from 100 s on
    BEFORE  an expression that is evaluated before each step from 100 s on, such as a crash
    DISCARD longest step that it takes, s; TERMINATE  the time at which it ends the simulation, s
+   MARKER  a path: where such a file is, it is removed and the reading of a value fails
    EXCHANGE  Model Exchange in place of Co-Simulation: wear is a state, its limit a state event; TICK  from this time on,
    s, a time event, the unit wears twice as fast; CALLS  a step event after so many steps of the integrator;
    REFUSES  no derivatives after this time, s; STIFF  equations for an implicit integrator */
@@ -86,8 +87,14 @@ E int fmi2Reset(void *u) {
     ((Unit *)u)->state = START;
     return 0;
 }
+#ifdef MARKER
+#define MARKED if (!unlink(MARKER)) return 3
+#else
+#define MARKED
+#endif
 E int fmi2GetReal(void *u, const unsigned *r, size_t n, double *v) {
     State *s = &((Unit *)u)->state;
+    MARKED;
     for (size_t i = 0; i < n; i++) v[i] = r[i] == 1 ? s->speed * 60 : r[i] == 2 ? s->wear * 1e3 : s->rate;
 #ifdef VALUE
     for (size_t i = 0; i < n; i++) if (r[i] == 2 && s->time > 100) v[i] = VALUE;
@@ -105,6 +112,7 @@ E int fmi2SetReal(void *u, const unsigned *r, size_t n, const double *v) {
 }
 E int fmi2GetBoolean(void *u, const unsigned *r, size_t n, int *v) {
     State *s = &((Unit *)u)->state;
+    MARKED;
     for (size_t i = 0; i < n; i++) v[i] = r[i] == 4 ? s->engaged : s->worn;
     return 0;
 }
