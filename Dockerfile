@@ -2,7 +2,8 @@
 FROM rust:1.95-slim-bookworm AS build
 WORKDIR /src
 COPY . .
-RUN cargo build --release --locked --features embedded-units
+# The compiler of the image, and not the one that rust-toolchain.toml would fetch.
+RUN RUSTUP_TOOLCHAIN=$RUST_VERSION cargo build --release --locked --features embedded-units
 
 FROM debian:bookworm-slim
 COPY --from=build /src/target/release/toolroom /usr/local/bin/toolroom

@@ -90,7 +90,7 @@ def main():
                 left = [path.name for path in out.iterdir() if path.name.startswith(".")]
                 if left:
                     sys.exit(f"{case}: {', '.join(left)} left behind")
-            print(f"{case}: {killed} × SIG{arguments.signal} within {seconds:.1f} s, same bytes of {len(expected)} files")
+            print(f"{case}: {killed} × SIG{arguments.signal} within {seconds:.1f} s, same bytes of {len(expected)} files", flush=True)
 
 
 if __name__ == "__main__":

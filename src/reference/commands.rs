@@ -127,10 +127,16 @@ fn head(name: &str, about: &str) -> String {
     )
 }
 
-/// A text that roff prints as it is, line by line.
+/// A text that roff prints as it is, line by line; letters beyond ASCII by their number, which every roff knows.
 fn escaped(text: &str) -> String {
+    let letter = |letter: char| match letter {
+        '\\' => "\\\\".to_owned(),
+        '-' => "\\-".to_owned(),
+        letter if letter.is_ascii() => letter.to_string(),
+        letter => format!("\\[u{:04X}]", u32::from(letter)),
+    };
     let line = |line: &str| {
-        let line = line.replace('\\', "\\\\").replace('-', "\\-");
+        let line: String = line.chars().map(letter).collect();
         if line.starts_with(['.', '\'']) { format!("\\&{line}") } else { line }
     };
     text.lines().map(line).collect::<Vec<_>>().join("\n")

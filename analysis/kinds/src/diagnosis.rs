@@ -134,10 +134,7 @@ mod tests {
         if let Some(constant) = schema.get("const") {
             return constant.clone();
         }
-        let word = match &schema["type"] {
-            Value::Array(words) => words[0].as_str(),
-            word => word.as_str(),
-        };
+        let word = schema["type"].get(0).unwrap_or(&schema["type"]).as_str();
         let required = || schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
         match word {
             Some("object") => required().map(|key| (key.to_owned(), least(&schema["properties"][key]))).collect(),
