@@ -310,12 +310,28 @@ pub(super) const SHOP: &[ShopFigure] = &[
     (define("wip", "work in process", "1", "1", Less, "Time average of the number of jobs in the shop."), |_, t| {
         t.job_time / t.window
     }),
-    (define("tool_life", "tool life", "s", "min", More, "Cutting time per edge used on the lathes."), |_, t| {
-        t.cell_edge_time / t.cell_edges
-    }),
-    (define("path_per_edge", "path / edge", "m", "m", More, "Cutting path per edge used on the lathes."), |_, t| {
-        t.cell_path / t.cell_edges
-    }),
+    (
+        define(
+            "tool_life",
+            "tool life",
+            "s",
+            "min",
+            More,
+            "Cutting time per edge used on the lathes; the time at work of edges of which only the life is known.",
+        ),
+        |_, t| t.cell_edge_time / t.cell_edges,
+    ),
+    (
+        define(
+            "path_per_edge",
+            "path / edge",
+            "m",
+            "m",
+            More,
+            "Cutting path per edge used on the lathes; nothing where no path is known.",
+        ),
+        |_, t| if t.cell_path > 0.0 { t.cell_path / t.cell_edges } else { f64::NAN },
+    ),
     (
         define(
             "grinding_time",

@@ -434,6 +434,9 @@ impl Tally {
             }
             if in_cell[edge.machine as usize] {
                 self.cell_edges += used;
+                if tool.life.is_some() {
+                    self.cell_edge_time += inside;
+                }
             }
         }
     }

@@ -362,4 +362,6 @@ lot = [{ time = "0 min", size = 2 }]
     );
     assert!((figure("edge_cost_per_part") - (10.0 + 3.0 * 2.0) / 2.0).abs() < 1e-9, "{}", figure("edge_cost_per_part"));
     assert!((figure("waiting_tool_time_share") - 30.0 / 240.0).abs() < 1e-12);
+    assert!((figure("tool_life") - 1200.0).abs() < 1e-9, "{} s", figure("tool_life"));
+    assert!(figure("path_per_edge").is_nan());
 }

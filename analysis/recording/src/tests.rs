@@ -136,7 +136,7 @@ fn trials_of_rough_and_finish_stages_are_recorded_with_both() {
         r#"{ infeed_per_rev = "0 um/rev", revolutions = 4 }, { infeed_per_rev = "1 um/rev", revolutions = 8 }"#,
     );
     let (_, _, all) = shop("grinding.toml", &[&twice]);
-    assert!(all.iter().all(|records| records.kind != RecordKind::Grinding || records.len() == 0));
+    assert!(all.iter().all(|records| records.kind != RecordKind::Grinding || records.is_empty()));
 }
 
 /// What the heat of the infeed has done to a part is still there when it is gauged after the spark-out.
