@@ -29,8 +29,11 @@ fn every_example_runs() {
 #[test]
 fn examples_are_short_and_name_the_library_only() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let files: Vec<_> =
-        fs::read_dir(folder).expect("the examples").map(|entry| entry.expect("a file").path()).collect();
+    let files: Vec<_> = fs::read_dir(folder)
+        .expect("the examples")
+        .map(|entry| entry.expect("a file").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
+        .collect();
     assert_eq!(files.len(), 6);
     for file in files {
         let text = fs::read_to_string(&file).expect("text");

@@ -129,7 +129,7 @@ fn a_program_that_cannot_be_timed_is_refused_with_line_word_and_fix() {
         ),
         ("G21\nG0 X0 Y0 Z3.\nM97 P100 L2\nM30\n", "part.nc:3:5: haas: P100: there is no block N100"),
         ("G21\nG0 X10 Y0 Z2\nG2 X10 Y0 Z-4 I-10 J0 P3 F300\n", "part.nc:3:23: fanuc: P3 has no meaning"),
-        ("G21\nG0 X0 Y0\nG5 X1 Y1 I1 J0 P0 Q1\n", "part.nc:3:1: fanuc: G5 is not understood"),
+        ("G21\nG0 X0 Y0\nG5 X1 Y1 I1 J0 P0 Q1\n", "part.nc:3:10: fanuc: I1 has no meaning"),
         (
             "G21\nG0 X0 Y0\nM98 P7\nM30\nO7\nG1 X5.\nM99\n",
             "part.nc:6:4: fanuc: no feed: the motion needs a word F before it, in the unit of G93, G94 or G95 (called from line 3, run 1)",

@@ -29,12 +29,8 @@ pub(super) fn section(source: &Source<'_>) -> Section {
             section = section.figure(figure);
         }
     }
-    if let Some(figure) = relative(source) {
-        section = section.figure(figure);
-    }
-    if let Some(figure) = tornado(source) {
-        section = section.figure(figure);
-    }
+    let further = [("Key figures", relative(source)), ("Other prices", tornado(source))];
+    section = section.choice(further.into_iter().filter_map(|(name, figure)| Some((name.to_owned(), figure?))));
     let mut roles = Table::new(["policy", "what it is"]);
     for policy in &source.comparison.policies {
         roles.push([policy.name.as_str().into(), policy.role.describe().into()]);
