@@ -254,7 +254,7 @@ SHIPPED = [
     case("gap-grinding", ["gap", "predict", "--model", "g.toml", "--data", "t.csv"],
          ("g.toml", "gap/grinding.toml"), ("t.csv", "data/zb153u_trials.csv")),
     case("gap-recovery", ["gap", "recovery", "--model", "g.toml", "--truth", "t.toml", "--logs", "1", "--out", "out"],
-         ("g.toml", "gap/turning.toml"), ("t.toml", "gap/turning.toml"))
+         ("g.toml", "gap/turning.toml"), ("t.toml", "gap/turning.toml")),
     case("gap-blind", ["gap", "blind", "--cases", "smoke", "--process", "turning", "--part", "1/9", "--only", "null"]),
 ]
 
