@@ -100,29 +100,14 @@ impl<R: Recorder> Shop<'_, R> {
         };
         let handling = self.layout.random_handling.then(|| Box::new(self.streams.open(entity, Purpose::Processing)));
         let job = Job {
-            number,
-            entity,
-            origin: Origin::Source(source as u32),
             priority: self.scenario.arrivals[source].priority,
             weight: self.scenario.arrivals[source].weight,
-            row,
             operation: route.as_ref().map_or(0, |route| u32::from(route[0])),
             route,
-            assigned: None,
-            ticket: 0,
-            parked: false,
-            waiting: false,
-            queued: now,
-            buffer: None,
-            reserved: None,
             lot_owner: origin,
             lot,
-            visits: 0,
-            divisions: 0,
-            rest: None,
-            supplied: false,
-            stand_in: false,
             handling,
+            ..Job::new(number, (entity, Origin::Source(source as u32)), row, now)
         };
         let slot = self.world.jobs.insert(job);
         for (operation, stream) in &mut self.world.sources[source].ranks {
@@ -210,29 +195,13 @@ impl<R: Recorder> Shop<'_, R> {
             let handling =
                 self.layout.random_handling.then(|| Box::new(self.streams.open(entity, Purpose::Processing)));
             let slot = self.world.jobs.insert(Job {
-                number,
-                entity,
-                origin: Origin::Order(order as u32),
                 priority: urgency.priority,
                 weight: urgency.weight,
-                row,
                 operation: route.as_ref().map_or(operation as u32, |route| u32::from(route[0])),
                 route,
-                assigned: None,
-                ticket: 0,
-                parked: false,
-                waiting: false,
-                queued: now,
-                buffer: None,
-                reserved: None,
                 lot_owner: owner,
-                lot: 0,
-                visits: 0,
-                divisions: 0,
-                rest: None,
-                supplied: false,
-                stand_in: false,
                 handling,
+                ..Job::new(number, (entity, Origin::Order(order as u32)), row, now)
             });
             for (operation, time) in drawn.iter().enumerate() {
                 if matches!(part.operations[operation].work, Work::Plain(_)) {

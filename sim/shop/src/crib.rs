@@ -200,31 +200,8 @@ impl<R: Recorder> Shop<'_, R> {
             outcome: JobOutcome::InProcess,
         };
         let handling = self.layout.random_handling.then(|| Box::new(self.streams.open(entity, Purpose::Processing)));
-        let slot = self.world.jobs.insert(Job {
-            number: job,
-            entity,
-            origin: Origin::Crib(crib as u32),
-            priority: 0,
-            weight: 1.0,
-            row,
-            operation: 0,
-            route: None,
-            assigned: None,
-            ticket: 0,
-            parked: false,
-            waiting: false,
-            queued: now,
-            buffer: None,
-            reserved: None,
-            lot_owner: entity,
-            lot: 0,
-            visits: 0,
-            divisions: 0,
-            rest: None,
-            supplied: false,
-            stand_in: false,
-            handling,
-        });
+        let origin = Origin::Crib(crib as u32);
+        let slot = self.world.jobs.insert(Job { handling, ..Job::new(job, (entity, origin), row, now) });
         *self.world.jobs.drawn_mut(slot, 0) = time;
         if self.has_cards() {
             self.enroll(slot, None);

@@ -68,6 +68,35 @@ pub struct Job {
 }
 
 impl Job {
+    /// A job that comes into the shop: before the first operation of its part, with nothing done and nowhere yet.
+    pub(super) fn new(number: u32, (entity, origin): (Entity, Origin), row: JobRow, now: SimTime) -> Self {
+        Self {
+            number,
+            entity,
+            origin,
+            priority: 0,
+            weight: 1.0,
+            row,
+            operation: 0,
+            route: None,
+            assigned: None,
+            ticket: 0,
+            parked: false,
+            waiting: false,
+            queued: now,
+            buffer: None,
+            reserved: None,
+            lot_owner: entity,
+            lot: 0,
+            visits: 0,
+            divisions: 0,
+            rest: None,
+            supplied: false,
+            stand_in: false,
+            handling: None,
+        }
+    }
+
     /// Place of its operation in its routing.
     fn place(&self) -> usize {
         let own = |route: &[u16]| route.iter().position(|each| u32::from(*each) == self.operation);

@@ -294,7 +294,7 @@ pub struct JobRow {
     pub order: Option<u32>,
     /// Pieces.
     pub quantity: u32,
-    /// Hardness batch of its source, from 1; of an order 1.
+    /// Hardness batch of its source, from 1; of an order its number, from 1.
     pub lot: u32,
     /// Arrival, s.
     pub arrival: f64,
