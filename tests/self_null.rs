@@ -438,3 +438,26 @@ fn a_study_of_recovery_counts_what_is_found_again_and_what_is_named_wrongly() {
     let read = |name: &str| fs::read_to_string(at(name)).expect("records");
     assert_eq!(read("null/log-3/operations.csv"), read("r/operations.csv"));
 }
+
+#[test]
+fn a_study_of_recovery_replaces_its_own_records_and_no_others() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| Path::join(dir.path(), name).display().to_string();
+    fs::write(at("model.toml"), shipped("turning")).expect("a writable folder");
+    let last = u64::MAX.to_string();
+    let study = || {
+        let (model, out) = (at("model.toml"), at("out"));
+        toolroom(&["gap", "recovery", "--model", &model, "--seed", &last, "--logs", "1", "--fresh", "--out", &out])
+    };
+    for _ in 0..2 {
+        let output = study();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let table = at(&format!("out/log-{last}/operations.csv"));
+    fs::write(&table, "mine").expect("a writable folder");
+    let output = study();
+    assert_eq!(output.status.code(), Some(2));
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(message.contains("operations.csv") && message.contains("--force"), "{message}");
+    assert_eq!(fs::read_to_string(&table).expect("the file"), "mine");
+}

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::speak::Voice;
 use serde_json::json;
+use std::path::Path;
 use toolroom_gap_study::{RecoveredLog, RecoveryRate, RecoveryRequest, rates, rates_table, recovery};
 use toolroom_output::Files;
 use toolroom_study::study::Progress;
@@ -25,9 +26,10 @@ pub fn run(args: &RecoveryArgs, voice: &Voice) -> Result<(), Failure> {
         folder: &args.out,
     };
     let bar = Bar::new(voice);
-    let found = recovery(&request, &|done, total| bar.at(Progress { done, total }));
+    let put = |path: &Path, bytes: &[u8]| files.put(path, bytes).map_err(Failure::from);
+    let found = recovery(&request, &put, &|done, total| bar.at(Progress { done, total }));
     bar.finish();
-    let (hidden, logs) = found.map_err(Failure::from)?;
+    let (hidden, logs) = found?;
     let entry = |own: &toolroom_gap_study::HiddenEntry| json!({ "id": own.id, "scope": own.scope.words(), "size": own.size, "unit": own.unit });
     let document = json!({
         "schema": 1, "model": args.model.display().to_string(),

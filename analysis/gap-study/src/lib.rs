@@ -18,8 +18,8 @@
 //! | [`GapStudyError`] | why there is none, and the likely fix |
 //!
 //! # What is not modelled
-//! But for the records of a recovery study nothing is written: documents are handed out as texts. Reading Parquet is left to
-//! the caller, who hands in a reader.
+//! Nothing is written here: documents are handed out as texts, the records of a recovery study to whoever puts them into
+//! files. Reading Parquet is left to the caller, who hands in a reader.
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
@@ -40,7 +40,7 @@ pub use error::GapStudyError;
 pub use figures::{Figure, figures, table};
 pub use rates::{RecoveryRate, rates, rates_table};
 pub use recorded::{RECORDED, recorded};
-pub use recovery::{ClosedFigure, Finding, GivenName, HiddenEntry, RecoveredLog, RecoveryRequest, recovery};
+pub use recovery::{ClosedFigure, Finding, GivenName, HiddenEntry, Put, RecoveredLog, RecoveryRequest, recovery};
 pub use request::{GapRequest, Reading};
 pub use study::{GapStudy, NAMES};
 pub use tables::{Table, tables};

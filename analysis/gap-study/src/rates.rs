@@ -48,8 +48,8 @@ pub fn rates(entries: &[HiddenEntry], logs: &[RecoveredLog]) -> Vec<RecoveryRate
         RecoveryRate::of("an effect named wrongly", logs.iter().map(RecoveredLog::wrong)),
         RecoveryRate::of("a constant named by a fact", logs.iter().map(|log| !log.facts.is_empty())),
     ];
-    for verdict_of in [GapVerdict::Small, GapVerdict::Constant, GapVerdict::Unknown, GapVerdict::Masked] {
-        rates.push(RecoveryRate::of(verdict_of.name(), verdict(verdict_of)));
+    for other in GapVerdict::ALL.into_iter().filter(|own| *own != GapVerdict::NoGap) {
+        rates.push(RecoveryRate::of(other.name(), verdict(other)));
     }
     for (i, entry) in entries.iter().enumerate() {
         let place = if entry.scope.is_everywhere() { String::new() } else { format!(" ({})", entry.scope.words()) };

@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
-use toolroom_apply::{ApplyError, Changes, Request, apply, scope_json};
+use toolroom_apply::{ApplyError, Request, apply, scope_json};
 use toolroom_gap::{Diagnosis, GapVerdict, ModelFileError, NominalModel};
 use toolroom_process::unit;
 use toolroom_records::{RawTable, RecordError, write_csv};
@@ -54,6 +54,9 @@ pub struct RecoveryRequest<'a> {
     /// Folder of the records, a folder `log-SEED` each.
     pub folder: &'a Path,
 }
+
+/// Writes a file, whose folder exists; refuses to replace what is not its own.
+pub type Put<'a, E> = &'a (dyn Fn(&Path, &[u8]) -> Result<(), E> + Sync);
 
 /// Records of a study are texts.
 fn no_other_table(path: &Path) -> Result<RawTable, RecordError> {
@@ -159,41 +162,44 @@ fn hidden(model: &Scenario, truth: &Scenario) -> Vec<HiddenEntry> {
     found
 }
 
-/// Runs the truth, diagnoses what was recorded, and counts. `progress` receives how many logs of how many are done.
+/// Runs the truth, diagnoses what was recorded, and counts. Every file is written by `put`; `progress` receives how many logs of
+/// how many are done.
 ///
 /// # Errors
-/// [`GapStudyError`]: files that cannot be read or written, a run that stops, records that the model does not suit.
-pub fn recovery(
+/// [`GapStudyError`]: files and folders that cannot be read or made, a run that stops, records that the model does not suit;
+/// and what `put` refuses.
+pub fn recovery<E: From<GapStudyError> + Send>(
     request: &RecoveryRequest<'_>,
+    put: Put<'_, E>,
     progress: &(dyn Fn(u32, u32) + Sync),
-) -> Result<(Vec<HiddenEntry>, Vec<RecoveredLog>), GapStudyError> {
+) -> Result<(Vec<HiddenEntry>, Vec<RecoveredLog>), E> {
     let truth = request.truth.unwrap_or(request.model);
     let scenario = |path: &Path| -> Result<Scenario, GapStudyError> {
         Ok(read(path, request.set).map_err(ModelFileError::from)?.scenario)
     };
     let entries = hidden(&scenario(request.model)?, &scenario(truth)?);
     let done = AtomicU32::new(0);
-    let seeds: Vec<u64> = (0..u64::from(request.logs)).map(|log| request.seed + log).collect();
+    let seeds: Vec<u64> = (0..u64::from(request.logs)).map(|log| request.seed.wrapping_add(log)).collect();
     let one = |seed: &u64| {
-        let log = log(request, truth, &entries, *seed);
+        let log = log(request, put, (truth, &entries), *seed);
         progress(done.fetch_add(1, Ordering::Relaxed) + 1, request.logs);
         log
     };
-    let logs = seeds.par_iter().map(one).collect::<Result<Vec<RecoveredLog>, GapStudyError>>()?;
+    let logs = seeds.par_iter().map(one).collect::<Result<Vec<RecoveredLog>, E>>()?;
     Ok((entries, logs))
 }
 
-fn log(
+fn log<E: From<GapStudyError>>(
     request: &RecoveryRequest<'_>,
-    truth: &Path,
-    entries: &[HiddenEntry],
+    put: Put<'_, E>,
+    (truth, entries): (&Path, &[HiddenEntry]),
     seed: u64,
-) -> Result<RecoveredLog, GapStudyError> {
+) -> Result<RecoveredLog, E> {
     let folder = request.folder.join(format!("log-{seed}"));
-    simulated(request, truth, seed, &folder)?;
+    simulated(request, put, (truth, seed), &folder)?;
     let study = diagnosed(request, request.model, &folder)?;
     let Some((_, diagnosis)) = study.answers.processes.first() else {
-        return Err(GapStudyError::Work("the model diagnoses no process".to_owned()));
+        return Err(GapStudyError::Work("the model diagnoses no process".to_owned()).into());
     };
     let named: Vec<GivenName> = diagnosis
         .effects
@@ -219,21 +225,22 @@ fn log(
     };
     if request.fresh || request.figures {
         let better = folder.join("model.toml");
-        if applied(request, &study.document, &better)? {
-            after(request, truth, seed, (&folder, &better), &mut log)?;
+        if let Some(text) = applied(request, &study.document)? {
+            put(&better, text.as_bytes())?;
+            after(request, put, (truth, seed), (&folder, &better), &mut log)?;
         }
     }
     Ok(log)
 }
 
 /// What an applied model makes of the key figures and of fresh records.
-fn after(
+fn after<E: From<GapStudyError>>(
     request: &RecoveryRequest<'_>,
-    truth: &Path,
-    seed: u64,
+    put: Put<'_, E>,
+    (truth, seed): (&Path, u64),
     (folder, better): (&Path, &Path),
     log: &mut RecoveredLog,
-) -> Result<(), GapStudyError> {
+) -> Result<(), E> {
     let reading = Reading { parquet: &no_other_table, say: &|_| {} };
     if request.figures {
         let [by_applied, by_truth] = compared(request.model, [better, truth], folder, request.set, &reading)?;
@@ -241,7 +248,7 @@ fn after(
     }
     if request.fresh {
         let fresh = folder.join("fresh");
-        simulated(request, truth, seed + FRESH, &fresh)?;
+        simulated(request, put, (truth, seed.wrapping_add(FRESH)), &fresh)?;
         let study = diagnosed(request, better, &fresh)?;
         log.fresh = study.answers.processes.first().map(|(_, own)| (own.verdict, own.effects.len()));
     }
@@ -256,17 +263,21 @@ fn closed(figure: &Figure, by_truth: &[Figure]) -> Option<ClosedFigure> {
 }
 
 /// Records of a run of the truth, as tables of `folder`.
-fn simulated(request: &RecoveryRequest<'_>, truth: &Path, seed: u64, folder: &Path) -> Result<(), GapStudyError> {
-    let mut file = read(truth, request.set).map_err(ModelFileError::from)?;
+fn simulated<E: From<GapStudyError>>(
+    request: &RecoveryRequest<'_>,
+    put: Put<'_, E>,
+    (truth, seed): (&Path, u64),
+    folder: &Path,
+) -> Result<(), E> {
+    let mut file = read(truth, request.set).map_err(ModelFileError::from).map_err(GapStudyError::from)?;
     file.scenario.seed = seed;
     let log = toolroom_shop::run(&file.scenario, 0, 0).map_err(|error| GapStudyError::Work(error.to_string()))?;
     let unwritable = |source| GapStudyError::Unwritable { path: folder.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(unwritable)?;
-    for records in recorded(&truth.display().to_string(), &file, &log)? {
+    for records in recorded(&truth.display().to_string(), &file, &log).map_err(GapStudyError::from)? {
         let mut csv = Vec::new();
         write_csv(&records, &mut csv).map_err(|error| GapStudyError::Work(error.to_string()))?;
-        let path = folder.join(records.kind.file_stem()).with_extension("csv");
-        std::fs::write(&path, csv).map_err(|source| GapStudyError::Unwritable { path: path.clone(), source })?;
+        put(&folder.join(records.kind.file_stem()).with_extension("csv"), &csv)?;
     }
     Ok(())
 }
@@ -288,8 +299,8 @@ fn diagnosed(request: &RecoveryRequest<'_>, model: &Path, data: &Path) -> Result
     GapStudy::new(&asked, &reading)
 }
 
-/// Writes the model with what was found; whether there was anything.
-fn applied(request: &RecoveryRequest<'_>, diagnosis: &Value, better: &Path) -> Result<bool, GapStudyError> {
+/// The model with what was found; `None` where that is nothing.
+fn applied(request: &RecoveryRequest<'_>, diagnosis: &Value) -> Result<Option<String>, GapStudyError> {
     let text = std::fs::read_to_string(request.model)
         .map_err(|source| GapStudyError::Unreadable { path: request.model.to_owned(), source })?;
     let process = NominalModel::read(request.model, request.set)?.kind().name();
@@ -302,14 +313,11 @@ fn applied(request: &RecoveryRequest<'_>, diagnosis: &Value, better: &Path) -> R
         calibration: true,
         empirical: false,
     };
-    let changes: Changes = match apply(asked) {
-        Ok(changes) => changes,
-        Err(ApplyError::Nothing) => return Ok(false),
-        Err(error) => return Err(error.into()),
-    };
-    std::fs::write(better, changes.text)
-        .map_err(|source| GapStudyError::Unwritable { path: better.to_owned(), source })?;
-    Ok(true)
+    match apply(asked) {
+        Ok(changes) => Ok(Some(changes.text)),
+        Err(ApplyError::Nothing) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// How an entry was found.

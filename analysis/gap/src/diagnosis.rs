@@ -24,12 +24,14 @@ pub enum GapVerdict {
 }
 
 impl GapVerdict {
+    /// Every verdict, that by which most is found first.
+    pub const ALL: [Self; 7] =
+        [Self::Effect, Self::Unknown, Self::Constant, Self::Masked, Self::Small, Self::CannotTell, Self::NoGap];
+
     /// The verdict over several parts: that of the part where most is found. No gap is answered only where every part
     /// could be told.
     pub fn of_all(parts: impl Iterator<Item = Self>) -> Self {
-        let order =
-            [Self::Effect, Self::Unknown, Self::Constant, Self::Masked, Self::Small, Self::CannotTell, Self::NoGap];
-        let rank = |verdict: &Self| order.iter().position(|own| own == verdict);
+        let rank = |verdict: &Self| Self::ALL.iter().position(|own| own == verdict);
         parts.min_by_key(rank).unwrap_or(Self::NoGap)
     }
 
