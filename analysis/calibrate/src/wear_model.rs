@@ -46,7 +46,7 @@ const FOLLOWED: usize = 4;
 /// Edges that are worth more than one thread (assumption: a tenth of a millisecond of work).
 const PARALLEL: usize = 48;
 
-/// Speeds within this factor are one speed, of which no exponent follows.
+/// Speeds within this factor are one speed, of which no exponent follows (assumption).
 pub(crate) const ONE_SPEED: f64 = 1.2;
 /// The same of feeds, depths and widths (assumption: a shop does not call that another feed).
 pub(crate) const ONE_VALUE: f64 = 1.05;

@@ -16,10 +16,11 @@ const MOST: f64 = 64.0;
 /// The modes of a structure at several stations along the path of the tool, each followed from station to station: a thin
 /// wall, or a slender part whose support is far from the cut.
 ///
-/// A cut is as stable as it is at its worst place. Judged are the stations, and places between them so close
-/// that a natural frequency changes by 2 % at most from one to the next; between two stations the pole of a mode, `−zeta w + i w sqrt(1 − zeta²)`, and its shape `direction/sqrt(mass)` change
-/// linearly along the path. What the cut removes on its way can lighten the modes: at a share s of the path the modal masses
-/// are `1 − s mass_loss` times those of the stations, at the same stiffness.
+/// A cut is as stable as it is at its worst place. The stations are judged, and places between them so close that a natural
+/// frequency changes by 2 % at most from one to the next. Between two stations the pole of a mode,
+/// `−zeta w + i w sqrt(1 − zeta²)`, and its shape `direction/sqrt(mass)` change linearly along the path. What the cut removes
+/// on its way can lighten the modes: at a share s of the path the modal masses are `1 − s mass_loss` times those of the
+/// stations, at the same stiffness.
 ///
 /// | symbol | unit | range |
 /// |---|---|---|
@@ -76,12 +77,18 @@ impl PathModes {
     pub fn at(&self, position: f64) -> Result<Vec<Mode>, ChatterError> {
         let (first, last) = self.range();
         within("position along the path", position, first, last)?;
+        Ok(self.modes_at(position))
+    }
+
+    /// The modes at a position that lies on the path (m).
+    fn modes_at(&self, position: f64) -> Vec<Mode> {
+        let (first, last) = self.range();
         let mut modes = interpolated(&self.stations, position);
         if self.mass_loss > 0.0 {
             let left = 1.0 - self.mass_loss * (position - first) / (last - first);
             modes.iter_mut().for_each(|mode| mode.natural_frequency /= left.sqrt());
         }
-        Ok(modes)
+        modes
     }
 
     /// The places that are judged (m), ascending, with the modes there; a place whose modes are those of the one before is
@@ -95,18 +102,15 @@ impl PathModes {
         let mut positions: Vec<f64> = Vec::new();
         for pair in self.stations.windows(2) {
             let (from, to) = (pair[0].0, pair[1].0);
-            let steps = match (self.at(from), self.at(to)) {
-                (Ok(a), Ok(b)) => a.iter().zip(&b).map(|(a, b)| steps_between(a, b)).fold(1.0, f64::max),
-                _ => 1.0,
-            };
+            let (before, after) = (self.modes_at(from), self.modes_at(to));
+            let steps = before.iter().zip(&after).map(|(a, b)| steps_between(a, b)).fold(1.0, f64::max);
             let parts = steps.ceil().min(MOST) as usize * finer;
             positions.extend((0..parts).map(|i| from + (to - from) * i as f64 / parts as f64));
         }
         positions.push(self.range().1);
         let mut places: Vec<(f64, Vec<Mode>)> = Vec::with_capacity(positions.len());
         for position in positions {
-            // Within the path, as they were made.
-            let Ok(modes) = self.at(position) else { continue };
+            let modes = self.modes_at(position);
             if places.last().is_none_or(|(_, before)| *before != modes) {
                 places.push((position, modes));
             }
