@@ -57,6 +57,6 @@ pub use record::{Channel, FullScale, Record, Signal, is_record, read_record};
 pub use slot::{Coefficient, Coefficients, ForceLine, ForceTest, ForceTestError, LackOfFit, TestedCut, read_forces};
 pub use sound::{Chatter, Cutting, Heard, Line, Origin, listen};
 pub use stabilisation::{Pole, stabilisation};
-pub use structure::{Scatter, StructureText};
+pub use structure::{Scatter, StructureText, mode_keys, quoted};
 pub use uff::read_uff;
 pub use unit::Motion;

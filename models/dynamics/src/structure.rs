@@ -1,6 +1,6 @@
 //! A fit as a structure file.
 
-use crate::fit::{Estimate, Fit};
+use crate::fit::{Estimate, Fit, FittedMode};
 use std::fmt::{self, Write as _};
 
 /// Standard deviations that belong to a measurement as such, relative: what changes from tap to tap and from mounting to
@@ -37,18 +37,11 @@ pub struct StructureText<'a> {
 impl fmt::Display for StructureText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, fit, source, scatter } = self;
-        writeln!(f, "schema = 1\nname = \"{name}\"\n\n[measurement]")?;
+        writeln!(f, "schema = 1\nname = {}\n\n[measurement]", quoted(name))?;
         writeln!(f, "source = {}", quoted(source))?;
         writeln!(f, "quality = {}", quoted(&fit.quality.verdict()))?;
         for (i, mode) in fit.modes.iter().enumerate() {
-            let [x, y] = mode.direction;
-            writeln!(f, "\n[[mode]]\nname = \"m{}\"\ndirection = [{x:.5}, {y:.5}]", i + 1)?;
-            let frequency = widened(mode.natural_frequency, scatter.natural_frequency);
-            let damping = widened(mode.damping_ratio, scatter.damping_ratio);
-            let stiffness = widened(mode.stiffness, scatter.stiffness);
-            writeln!(f, "natural_frequency = {{ value = \"{} Hz\", sd = \"{} Hz\" }}", frequency.0, frequency.1)?;
-            writeln!(f, "damping_ratio = {{ value = {}, sd = {} }}", damping.0, damping.1)?;
-            writeln!(f, "stiffness = {{ value = \"{} N/m\", sd = \"{} N/m\" }}", stiffness.0, stiffness.1)?;
+            write!(f, "\n[[mode]]\n{}", mode_keys(i + 1, mode, *scatter))?;
         }
         writeln!(f, "\n# Compliance of all modes above the measured range.\n[residual]")?;
         for (pair, upper) in &fit.upper {
@@ -66,6 +59,22 @@ impl fmt::Display for StructureText<'_> {
         }
         writeln!(f, "matrix = [\n{rows}]")
     }
+}
+
+/// The keys of a mode in a structure file, whatever table they stand in: its name from its number, and what was fitted with
+/// `scatter` added to its uncertainty.
+pub fn mode_keys(number: usize, mode: &FittedMode, scatter: Scatter) -> String {
+    let [x, y] = mode.direction;
+    let frequency = widened(mode.natural_frequency, scatter.natural_frequency);
+    let damping = widened(mode.damping_ratio, scatter.damping_ratio);
+    let stiffness = widened(mode.stiffness, scatter.stiffness);
+    format!(
+        "name = \"m{number}\"\ndirection = [{x:.5}, {y:.5}]\n\
+         natural_frequency = {{ value = \"{} Hz\", sd = \"{} Hz\" }}\n\
+         damping_ratio = {{ value = {}, sd = {} }}\n\
+         stiffness = {{ value = \"{} N/m\", sd = \"{} N/m\" }}\n",
+        frequency.0, frequency.1, damping.0, damping.1, stiffness.0, stiffness.1
+    )
 }
 
 /// A value and its standard deviation with a relative one added, each with the digits that count.
@@ -86,7 +95,7 @@ fn digits(value: f64, sd: f64) -> String {
     }
 }
 
-/// A text as a TOML string.
-fn quoted(text: &str) -> String {
+/// A text as a string of a structure file, on one line.
+pub fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\"").replace(['\n', '\r'], " "))
 }

@@ -10,12 +10,11 @@
 //! speed in question do, and only then the responses are mixed. At a speed of the table the response is the measured one.
 
 use super::ModesStudy;
-use super::text::N_PER_UM;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use toolroom_chart::page::Provenance;
-use toolroom_dynamics::{DynamicsError, Estimate, FitOptions, FittedMode, Frf, Measurement, Scatter};
+use toolroom_dynamics::{DynamicsError, FitOptions, FittedMode, Frf, Measurement, Scatter, mode_keys, quoted};
 
 /// Relative change of a natural frequency between two neighbouring speeds beyond which two modes are not one (assumption: a
 /// spindle loses a few percent of its stiffness by preload and heat).
@@ -151,36 +150,13 @@ impl SpeedStudy {
         let digests = provenance.inputs.iter().map(|(name, digest)| format!("{name} ({digest})"));
         let source = format!("{} of {}", provenance.command, digests.collect::<Vec<_>>().join(", "));
         let worst = self.rows.iter().map(|(_, study, _)| study.fit.quality.verdict()).collect::<Vec<_>>().join("; ");
-        let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
         let mut text = format!("schema = 1\nname = {}\n\n[measurement]\n", quoted(&self.name));
         let _ = writeln!(text, "source = {}\nquality = {}", quoted(&source), quoted(&worst));
         for (speed, study, order) in &self.rows {
             let _ = writeln!(text, "\n[[speed]]\nspindle_speed = \"{} rpm\"", rpm(*speed));
             for (number, place) in order.iter().enumerate() {
-                let mode = &study.fit.modes[*place];
-                let [x, y] = mode.direction;
-                let wide = |estimate: Estimate, share: f64| estimate.sd.hypot(share * estimate.value);
-                let Scatter { natural_frequency, damping_ratio, stiffness } = study.scatter;
-                let (f, zeta, k) = (mode.natural_frequency, mode.damping_ratio, mode.stiffness);
-                let _ = writeln!(text, "[[speed.mode]]\nname = \"m{}\"\ndirection = [{x:.5}, {y:.5}]", number + 1);
-                let _ = writeln!(
-                    text,
-                    "natural_frequency = {{ value = \"{:.4} Hz\", sd = \"{:.3e} Hz\" }}",
-                    f.value,
-                    wide(f, natural_frequency)
-                );
-                let _ = writeln!(
-                    text,
-                    "damping_ratio = {{ value = {:.7}, sd = {:.3e} }}",
-                    zeta.value,
-                    wide(zeta, damping_ratio)
-                );
-                let _ = writeln!(
-                    text,
-                    "stiffness = {{ value = \"{:.6} N/um\", sd = \"{:.3e} N/um\" }}",
-                    k.value * N_PER_UM,
-                    wide(k, stiffness) * N_PER_UM
-                );
+                let keys = mode_keys(number + 1, &study.fit.modes[*place], study.scatter);
+                let _ = write!(text, "[[speed.mode]]\n{keys}");
             }
         }
         // One compliance stands for the modes above the range at all speeds: the mean.
