@@ -110,7 +110,8 @@ fn is(value: &Value, word: &str) -> bool {
         "integer" => value.is_i64() || value.is_u64(),
         "boolean" => value.is_boolean(),
         "null" => value.is_null(),
-        _ => true,
+        // A word that this does not know would be met by every test of a diagnosis.
+        _ => false,
     }
 }
 

@@ -85,7 +85,9 @@ impl FromStr for Precision {
         };
         let found = match (share, named) {
             (Some(share), _) if share > 0.0 && share < 1.0 => Width::Relative(share),
-            (Some(_), _) | (None, None) => return Err(none("a share between 0 and 1 is no half-width otherwise")),
+            (Some(_), _) | (None, None) => {
+                return Err(none("a half-width over the mean is a share above 0 and below 1"));
+            }
             (None, Some((id, si))) => {
                 let read = match si {
                     // Of money and numbers there is no other unit.
