@@ -68,7 +68,7 @@ pub fn study(py: Python<'_>, options: Options, progress: Option<Py<PyAny>>) -> R
         let study_options = StudyOptions {
             policies,
             threads: options.threads,
-            until,
+            until: until.into_iter().collect(),
             logged: options.logged.unwrap_or(of_verb),
             tuning,
             ..StudyOptions::of(scenario)
@@ -101,8 +101,8 @@ fn command(options: &Options, tuned: bool) -> String {
         words.push("--tune".to_owned());
     }
     words.extend(options.policy.iter().flat_map(|name| ["--policy".to_owned(), quoted(name)]));
-    if let Some(Precision { relative_half_width }) = options.until.as_deref().and_then(|until| until.parse().ok()) {
-        words.push(format!("--until \"half-width {}%\"", 100.0 * relative_half_width));
+    if let Some(precision) = options.until.as_deref().and_then(|until| until.parse::<Precision>().ok()) {
+        words.push(format!("--until \"{precision}\""));
     }
     words.join(" ")
 }

@@ -35,6 +35,16 @@ def test_a_comparison(here, shipped, program):
     assert study.summary == said and study.complete
 
 
+def test_a_comparison_until_a_figure_is_known(here, shipped, program):
+    until = "cost_per_part half-width 90%"
+    policies = ["v0 at 0.2 mm", "best cost"]
+    words = ["--policy", policies[0], "--policy", policies[1], "--replications", 40, "--until", until, "--out", "cli"]
+    said = json.loads(program("compare", shipped / "demo.toml", *words, "--json", cwd=here))
+    study = tr.scenario(shipped / "demo.toml").compare(replications=40, policies=policies, until=until)
+    same(study, here / "cli")
+    assert study.summary == said and said["replications"] < 40
+
+
 def test_the_tables_of_a_comparison(here, shipped):
     study = tr.scenario(shipped / "demo.toml").compare(replications=1)
     assert {"policy", "kpi", "value"} <= set(study.kpi.columns) and len(study.kpi) > 0

@@ -124,9 +124,10 @@ class Scenario:
     ) -> Comparison:
         """Compares policies on common random numbers, as ``toolroom compare``.
 
-        `until` stops when the key figures are known well enough (``"half-width 2%"``), `tune` first finds the best
-        settings of every policy, `logged` is the number of replications with full tables, `threads` 0 stands for one
-        a processor; the result does not depend on it. Ctrl-C ends the study.
+        `until` stops when the key figures are known well enough (``"half-width 2%"``; of one figure
+        ``"cost_per_part half-width 2%"``), `tune` first finds the best settings of every policy, `logged` is the number of
+        replications with full tables, `threads` 0 stands for one a processor; the result does not depend on it. Ctrl-C
+        ends the study.
         """
         return self._study("compare", replications, policies, until, tune, seed, threads, logged, csv, progress)
 
