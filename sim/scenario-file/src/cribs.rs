@@ -168,7 +168,7 @@ fn regrinding(tool: &str, machines: Vec<usize>, setup_group: String, time: toolr
     Part {
         name: format!("{tool} regrind"),
         material_cost: 0.0,
-        flow_allowance: 28_800.0,
+        flow_allowance: 28_800.0, // s, that of a part for which nothing is said
         batch_size: 1,
         deviating_lot: None,
         components: Vec::new(),
