@@ -118,13 +118,14 @@ def tried(program, number, options):
     """Runs one mutation; what was found, and its name."""
     draw = random.Random(f"{options.seed}-{number}")
     name, files, arguments = options.cases[number % len(options.cases)]
-    arguments = list(arguments)
+    arguments, spoilt = list(arguments), set()
     with tempfile.TemporaryDirectory(prefix="toolroom-fuzz-") as place:
         folder = pathlib.Path(place)
         texts = [(to, of if isinstance(of, bytes) else of.read_bytes()) for to, of in files]
         if texts and draw.random() < 0.9:
             which = draw.randrange(len(texts))
             text, what = mutated(texts[which][1], draw)
+            spoilt = {texts[which][0]} if text != texts[which][1] else set()
             texts[which] = (texts[which][0], text)
             what = f"{texts[which][0]} {what}"
         else:
@@ -167,8 +168,8 @@ def tried(program, number, options):
             found.append("ends with 0 and says error")
         if code in (1, 2) and not said.strip():
             found.append(f"ends with {code} and says nothing")
-        # A state goes on with every look: what the program accepts as one it may write.
-        states = {arguments[i + 1] for i, own in enumerate(arguments[:-1]) if own == "--state"}
+        # A state goes on with every look, if it is what the program has written.
+        states = {arguments[i + 1] for i, own in enumerate(arguments[:-1]) if own == "--state"} - spoilt
         changed = [own for own, hash in before.items() if after.get(own) != hash and own not in states]
         if changed:
             found.append(f"changes {', '.join(changed)}")

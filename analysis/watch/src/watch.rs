@@ -7,11 +7,14 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use toolroom_shards::fingerprint;
 
 /// Fewer blocks of a stream give no alarm (assumption: before that a rank cannot be extreme enough).
 pub const FEWEST_BLOCKS: usize = 40;
-/// Version of the form of the state.
-const SCHEMA: u32 = 1;
+/// Version of the form of the state. The first had no fingerprint.
+const SCHEMA: u32 = 2;
+/// How a state begins: the fingerprint of all that follows it.
+const SEAL: &str = "{\"fingerprint\":\"";
 /// Values of a stream that are kept; the oldest go first (assumption: ten years of days; keeps the state small).
 const MOST_VALUES: usize = 4000;
 
@@ -80,6 +83,9 @@ pub enum StateError {
     /// It is no state, or of another form.
     #[error("this is no state of a watch: {0}")]
     Form(String),
+    /// It is not what this program has written: somebody has edited it, or it was cut off or damaged.
+    #[error("the state was changed after it was written: its fingerprint is that of another text")]
+    Changed,
     /// It belongs to another model.
     #[error("the state was kept for the model {state}, not for {model}")]
     Model {
@@ -137,11 +143,18 @@ impl Watch {
     /// The watch of a state that was written by [`Watch::state`].
     ///
     /// # Errors
-    /// [`StateError::Form`] where the text is no state, [`StateError::Model`] where it belongs to another model.
+    /// [`StateError::Form`] where the text is no state, [`StateError::Changed`] where it is not as it was written,
+    /// [`StateError::Model`] where it belongs to another model.
     pub fn resume(text: &str, model: &str) -> Result<Self, StateError> {
-        let watch: Self = serde_json::from_str(text).map_err(|error| StateError::Form(error.to_string()))?;
+        let form = |reason: String| StateError::Form(reason);
+        let sealed = text.strip_prefix(SEAL).and_then(|rest| rest.split_once("\","));
+        let (seal, rest) = sealed.ok_or_else(|| form("it does not begin with a fingerprint".to_owned()))?;
+        if seal != fingerprint(rest.as_bytes()) {
+            return Err(StateError::Changed);
+        }
+        let watch: Self = serde_json::from_str(&format!("{{{rest}")).map_err(|error| form(error.to_string()))?;
         if watch.schema != SCHEMA {
-            return Err(StateError::Form(format!("form {}, this program knows {SCHEMA}", watch.schema)));
+            return Err(form(format!("form {}, this program knows {SCHEMA}", watch.schema)));
         }
         if watch.model != model {
             return Err(StateError::Model { state: watch.model, model: model.to_owned() });
@@ -149,12 +162,16 @@ impl Watch {
         Ok(watch)
     }
 
-    /// The state as JSON.
+    /// The state as JSON, with a fingerprint of it: a state that was edited or cut off would give another promise of false
+    /// alarms than the one printed, and nothing else would show it.
     ///
     /// # Panics
     /// Never: every number in it is finite.
     pub fn state(&self) -> String {
-        serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a state is plain numbers and texts: {error}"))
+        let text = serde_json::to_string(self)
+            .unwrap_or_else(|error| unreachable!("a state is plain numbers and texts: {error}"));
+        let rest = &text[1..]; // without the brace, which comes before the fingerprint
+        format!("{SEAL}{}\",{rest}", fingerprint(rest.as_bytes()))
     }
 
     /// Takes in the blocks that are new, in the order of their time, and returns the alarms that they give at `threshold`
@@ -360,8 +377,24 @@ mod tests {
         let state = Watch::new("m").state();
         assert!(matches!(Watch::resume(&state, "other"), Err(StateError::Model { .. })));
         assert!(matches!(Watch::resume("{}", "m"), Err(StateError::Form(_))));
-        let newer = state.replace("\"schema\":1", "\"schema\":2");
+        let newer = Watch { schema: SCHEMA + 1, ..Watch::new("m") }.state();
         assert!(matches!(Watch::resume(&newer, "m"), Err(StateError::Form(_))));
+        let unsealed = serde_json::to_string(&Watch::new("m")).expect("plain numbers");
+        assert!(matches!(Watch::resume(&unsealed, "m"), Err(StateError::Form(_))));
+    }
+
+    #[test]
+    fn a_state_in_which_any_byte_was_changed_or_lost_is_refused() {
+        let mut watch = Watch::new("m");
+        watch.look(&blocks(3, 9, 0.0, 1), 1e9);
+        let state = watch.state();
+        assert_eq!(Watch::resume(&state, "m").expect("as written"), watch);
+        assert!(serde_json::from_str::<serde_json::Value>(&state).is_ok(), "a state is JSON");
+        for at in 0..state.len() {
+            let other = if &state[at..=at] == "7" { "8" } else { "7" };
+            assert!(Watch::resume(&[&state[..at], other, &state[at + 1..]].concat(), "m").is_err(), "byte {at}");
+            assert!(Watch::resume(&state[..at], "m").is_err(), "cut off at {at}");
+        }
     }
 
     #[test]
