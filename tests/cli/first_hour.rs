@@ -3,18 +3,22 @@
 use super::*;
 
 /// Kinds of which there is an example.
-const KINDS: [&str; 12] = [
+const KINDS: [&str; 16] = [
     "scenario",
+    "effects",
     "structure",
+    "coefficients",
     "tool",
     "lobes",
     "life",
     "cycle",
     "contour",
     "setup",
+    "program-setup",
     "mapping",
     "shop-mapping",
     "gap",
+    "machine",
     "parameter-set",
 ];
 

@@ -12,16 +12,20 @@ pub struct Sample {
 /// The example of each kind that has one, by the word of the kind.
 pub(crate) static SAMPLES: &[(&str, &Sample)] = &[
     ("scenario", &SCENARIO),
+    ("effects", &EFFECTS),
     ("structure", &STRUCTURE),
+    ("coefficients", &COEFFICIENTS),
     ("tool", &TOOL),
     ("lobes", &LOBES),
     ("life", &LIFE),
     ("cycle", &CYCLE),
     ("contour", &CONTOUR),
     ("setup", &SETUP),
+    ("program-setup", &PROGRAM_SETUP),
     ("mapping", &MAPPING),
     ("shop-mapping", &SHOP_MAPPING),
     ("gap", &GAP),
+    ("machine", &MACHINE),
     ("parameter-set", &PARAMETER_SET),
 ];
 
@@ -37,12 +41,34 @@ static SCENARIO: Sample = Sample {
     next: &["toolroom check scenario.toml", "toolroom compare scenario.toml"],
 };
 
+static EFFECTS: Sample = Sample {
+    files: &[("effects.toml", scenarios!("new/effects.toml"))],
+    next: &[
+        "toolroom effects --context",
+        "toolroom check effects.toml",
+        "toolroom point turning --effects effects.toml --effect my.crater=0.1 --set \"flank_wear=0.2 mm\"",
+    ],
+};
+
 static STRUCTURE: Sample = Sample {
     files: &[
         ("structure.toml", scenarios!("chatter/spindle.toml")),
         ("endmill12.toml", scenarios!("chatter/endmill12.toml")),
     ],
     next: &["toolroom swap structure.toml --tool endmill12.toml --out structure-d12.toml"],
+};
+
+static COEFFICIENTS: Sample = Sample {
+    files: &[
+        ("al7075.toml", scenarios!("new/coefficients.toml")),
+        ("side-milling.toml", scenarios!("chatter/side-milling.toml")),
+        ("slot.csv", scenarios!("data/slot-al7075.csv")),
+    ],
+    next: &[
+        "toolroom lobes side-milling.toml",
+        "toolroom coefficients slot.csv --teeth 2 --depth \"2 mm\" --out measured.toml",
+        "toolroom lobes side-milling.toml --set force.coefficients=measured.toml --at \"8000 rpm\" \"1.5 mm\"",
+    ],
 };
 
 static TOOL: Sample = Sample {
@@ -67,6 +93,11 @@ static CONTOUR: Sample =
 static SETUP: Sample = Sample {
     files: &[("setup.toml", scenarios!("new/setup.toml")), ("part.nc", scenarios!("new/part.nc"))],
     next: &["toolroom contour setup.toml --gcode part.nc"],
+};
+
+static PROGRAM_SETUP: Sample = Sample {
+    files: &[("setup.toml", scenarios!("programs/plate-setup.toml")), ("plate.nc", scenarios!("programs/plate.nc"))],
+    next: &["toolroom program plate.nc --setup setup.toml"],
 };
 
 static MAPPING: Sample = Sample {
@@ -101,6 +132,11 @@ static GAP: Sample = Sample {
         "toolroom gap diagnose --model turning.toml --data records --out gap",
         "toolroom gap apply --model turning.toml --diagnosis gap/diagnosis.json --out better.toml",
     ],
+};
+
+static MACHINE: Sample = Sample {
+    files: &[("machine.toml", scenarios!("machines/vmc.toml")), ("plate.nc", scenarios!("programs/plate.nc"))],
+    next: &["toolroom program plate.nc --drives machine.toml"],
 };
 
 static PARAMETER_SET: Sample = Sample {
