@@ -114,9 +114,10 @@ pub fn quoted(argument: &str) -> String {
 }
 
 /// Name, seed, replications, policies, and values by key.
-type Understood = (String, u64, u32, Vec<String>, Vec<(String, String)>);
+type Understood = (String, u64, u32, Vec<String>, Vec<(String, String, Option<String>)>);
 
-/// Name, seed, replications, policies and every value of a scenario as it was understood, as key and text.
+/// Name, seed, replications, policies and every value of a scenario: its key, how it was understood, and how the file
+/// writes it where it does.
 #[pyfunction]
 pub fn echo(file: PathBuf, set: Vec<String>) -> Result<Understood, Failure> {
     let ScenarioFile { scenario, echo, .. } = read(&file, &set)?;
@@ -128,7 +129,14 @@ pub fn echo(file: PathBuf, set: Vec<String>) -> Result<Understood, Failure> {
         Some((table, name)) => format!("{table}.{name}.{key}"),
         None => format!("{section}.{key}"),
     };
-    let values = echo.into_iter().map(|value| (key(&value.section, &value.key), value.value)).collect();
+    let text = toolroom::form::text(&file)?;
+    let values = echo
+        .into_iter()
+        .map(|value| {
+            let written = text.get(value.span).filter(|_| !value.default).map(|own| own.trim_matches('"').to_owned());
+            (key(&value.section, &value.key), value.value, written)
+        })
+        .collect();
     Ok((scenario.name, scenario.seed, scenario.replications, policies, values))
 }
 

@@ -357,12 +357,13 @@ pub fn apply(
     set: Vec<String>,
     only: Vec<String>,
     calibration: bool,
+    accept_empirical: bool,
 ) -> Result<(String, Vec<String>), Failure> {
     let nominal = NominalModel::read(&model, &set).map_err(|error| Failure::from(GapStudyError::from(error)))?;
     let diagnosis: Value = serde_json::from_str(diagnosis).map_err(Failure::work)?;
     let text = toolroom::form::text(&model)?;
     let request = ApplyRequest {
-        empirical: false,
+        empirical: accept_empirical,
         text: &text,
         overrides: &set,
         diagnosis: &diagnosis,

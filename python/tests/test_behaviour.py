@@ -112,6 +112,25 @@ def test_a_sweep_is_a_table(shipped):
     assert row["shop.seed"] == 1 and row["parts_per_shift low"] <= row["parts_per_shift"] <= row["parts_per_shift high"]
 
 
+def test_a_bare_number_stands_in_the_unit_of_the_file(tmp_path, shipped):
+    price, change = "tool.insert.edge_cost", "machine.L.tool_change_time"
+    text = (shipped / "demo.toml").read_text()
+    assert f'{change.rsplit(".")[-1]} = "2 min"' in text
+    path = tmp_path / "own.toml"
+    path.write_text(text.replace('"2 min"', '"120 s"'))
+    scenario = tr.scenario(path)
+    scenario[price] = 9
+    # Times read back in the unit that suits their length; what counts is how the file writes them.
+    assert scenario[change] == "2 min"
+    scenario[change] = 90
+    assert scenario.changes == {price: "9 EUR", change: "90 s"}
+    words = tr.scenario(path, {price: "9 EUR"}).compare(replications=1)
+    row = next(tr.sweep(path, {price: [9]}, replications=1).table.rows())
+    assert row[price] == 9 and row["cost_per_part"] == words.policies[row["policy"]]["cost_per_part"]["mean"]
+    with pytest.raises(tr.Error, match="unit"):
+        tr.scenario(path, {"machine.M.coolant_change": 90})
+
+
 def test_reports_are_written_once(tmp_path, shipped):
     study = tr.lobes(shipped / "chatter" / "turning-bar.toml")
     path = study.report(tmp_path / "r.html")

@@ -194,6 +194,7 @@ pub fn parameter_set(path: &Path, set: &[String]) -> Result<Checked, KindError> 
         },
         key: value.field.name.to_owned(),
         value: format!("{:14} {}: {}", value.shown(), value.origin, value.source),
+        span: 0..0, // the set keeps no places
         default: value.origin == Origin::Assumed,
     });
     let mut checked = checked("parameter-set", Some(&set.name), echo.collect(), "");

@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     fn value(key: &str, value: &str, default: bool) -> Echo {
-        Echo { section: "operation turn".to_owned(), key: key.to_owned(), value: value.to_owned(), default }
+        Echo { section: "operation turn".to_owned(), key: key.to_owned(), value: value.to_owned(), span: 0..0, default }
     }
 
     #[test]

@@ -66,7 +66,7 @@ pub fn set_record(walk: &mut Walk, title: &str, table: &DeTable<'_>, record: &mu
         if let Value::Si(value) = walk.quantity(field.name, &quantity, raw) {
             record.set_value(i, value);
             let (section, value) = (title.to_owned(), display(&quantity, value));
-            walk.echo.push(Echo { section, key: field.name.to_owned(), value, default: false });
+            walk.echo.push(Echo { section, key: field.name.to_owned(), value, span: raw.span(), default: false });
         }
     }
 }

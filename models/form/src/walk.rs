@@ -29,6 +29,9 @@ pub struct Echo {
     pub key: String,
     /// Value in the key's display unit.
     pub value: String,
+    /// Bytes of the value in the text; those of the section where the file leaves it out.
+    #[serde(skip)]
+    pub span: Range<usize>,
     /// Whether the file leaves it out.
     pub default: bool,
 }
@@ -420,7 +423,8 @@ impl Walk {
         {
             value = value.replace("EUR", &self.currency);
         }
-        self.echo.push(Echo { section: path.to_owned(), key: key.name.to_owned(), value, default: !got.given });
+        let (section, key, span) = (path.to_owned(), key.name.to_owned(), got.span.clone());
+        self.echo.push(Echo { section, key, value, span, default: !got.given });
     }
 }
 

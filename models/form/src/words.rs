@@ -12,6 +12,9 @@ pub(crate) fn understood(kind: &Kind, value: &Value<'_>) -> Option<String> {
         (_, Value::Count(count)) => count.to_string(),
         (_, Value::Text(text)) => text.clone(),
         (_, Value::Flag(flag)) => flag.to_string(),
+        (Kind::Amount, Value::Raw(DeValue::String(text))) => text.to_string(),
+        (Kind::Amount, Value::Raw(DeValue::Integer(number))) => number.to_string(),
+        (Kind::Amount, Value::Raw(DeValue::Float(number))) => number.to_string(),
         (Kind::Shorthand { word, .. } | Kind::Fields { word, .. }, value) => return understood(word, value),
         (Kind::Or { other, .. }, value) => return understood(other, value),
         (Kind::List(item), Value::List(list)) => {

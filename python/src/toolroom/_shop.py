@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import numbers
 import os
 import sys
 import tempfile
@@ -76,25 +77,48 @@ class Comparison(Study):
         return {policy["name"]: policy["kpi"] for policy in self.summary["policies"]}
 
 
+def _is_number(value: object) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def _like(written: str, value: object) -> object:
+    """A bare number with the unit of the text `written`; as it is where that has none, or is no number."""
+    number, _, unit = written.partition(" ")
+    try:
+        float(number)
+    except ValueError:
+        return value
+    return f"{value} {unit}" if unit else value
+
+
 class Scenario:
     """A scenario file with changes: ``s["tool.insert.edge_cost"] = "9 EUR"``.
 
-    Reading an item gives the changed value, or the value of the file as it was understood, as text with its unit.
+    Reading an item gives the changed value, or the value of the file as it was understood, as text with its unit. A bare
+    number stands in the unit that the file writes there: ``s["tool.insert.edge_cost"] = 9`` is ``"9 EUR"`` where it
+    counts in EUR. Of a value that the file leaves out the unit has to be said.
     """
 
     def __init__(self, path: PathLike, set: Optional[Changes] = None) -> None:
         self.path = os.fspath(path)
         #: Values that replace those of the file.
-        self.changes: dict[str, object] = dict(set or {})
+        self.changes: dict[str, object] = self._with_units(dict(set or {}))
         self.name, self.seed, self.replications, self.policies, _ = self._echo()
 
-    def _echo(self) -> tuple[str, int, int, list[str], list[tuple[str, str]]]:
+    def _echo(self) -> tuple[str, int, int, list[str], list[tuple[str, str, Optional[str]]]]:
         return _native.echo(self.path, changes(self.changes))
+
+    def _with_units(self, set: dict[str, object]) -> dict[str, object]:
+        """The changes, each bare number with the unit that the file gives the value that it replaces."""
+        if not any(_is_number(value) for value in set.values()):
+            return set
+        written = {key: text for key, _, text in _native.echo(self.path, [])[4] if text is not None}
+        return {key: _like(written.get(key, ""), value) if _is_number(value) else value for key, value in set.items()}
 
     @property
     def values(self) -> dict[str, str]:
         """Every value of the scenario as it is understood, defaults included."""
-        return dict(self._echo()[4])
+        return {key: value for key, value, _ in self._echo()[4]}
 
     def __getitem__(self, key: str) -> object:
         return self.changes[key] if key in self.changes else self.values[key]
@@ -245,9 +269,9 @@ class Sweep:
 def sweep(
     scenario: Union[Scenario, PathLike], keys: Mapping[str, Sequence[object]], **options: Any
 ) -> Sweep:
-    """Compares at every combination of values: ``{"tool.insert.edge_cost": ["4 EUR", "9 EUR"]}``.
+    """Compares at every combination of values: ``{"tool.insert.edge_cost": [4, 6, 9]}``.
 
-    `options` are those of `Scenario.compare`. All comparisons share their random numbers.
+    A bare number stands in the unit that the file writes there; texts such as ``"4 EUR"`` bring their own. `options` are those of `Scenario.compare`. All comparisons share their random numbers.
     """
     base = scenario if isinstance(scenario, Scenario) else Scenario(scenario)
     rows: list[dict[str, object]] = []

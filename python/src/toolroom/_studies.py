@@ -158,11 +158,19 @@ class Diagnosis(Kept):
         return self.table("predictions")
 
     def apply_text(
-        self, model: Union[Scenario, PathLike, None] = None, *, only: Sequence[str] = (), calibration: bool = True
+        self,
+        model: Union[Scenario, PathLike, None] = None,
+        *,
+        only: Sequence[str] = (),
+        calibration: bool = True,
+        accept_empirical: bool = False,
     ) -> str:
-        """The text of the model with what was found, as ``toolroom gap apply``."""
+        """The text of the model with what was found, as ``toolroom gap apply``.
+
+        Effects of the kind ``empirical`` are written only where they are accepted.
+        """
         path, own = self._model(model)
-        text, notes = _native.apply(path, json.dumps(self.summary), own, list(only), calibration)
+        text, notes = _native.apply(path, json.dumps(self.summary), own, list(only), calibration, accept_empirical)
         self.notes.extend(note for note in notes if note not in self.notes)
         return text
 
@@ -173,15 +181,17 @@ class Diagnosis(Kept):
         *,
         only: Sequence[str] = (),
         calibration: bool = True,
+        accept_empirical: bool = False,
         overwrite: bool = False,
     ) -> Scenario:
         """The scenario with what was found, in a file `path`.
 
-        Without a path it is a file of its own beside the model, ``MODEL-applied.toml``.
+        Without a path it is a file of its own beside the model, ``MODEL-applied.toml``. A model is the one that was
+        diagnosed, with the same changes: another is refused (``apply-model``), since sizes are told relative to it.
         """
         origin = Path(self._model(model)[0])
         target = origin.with_name(f"{origin.stem}-applied.toml") if path is None else Path(path)
-        text = self.apply_text(model, only=only, calibration=calibration)
+        text = self.apply_text(model, only=only, calibration=calibration, accept_empirical=accept_empirical)
         return Scenario(_put(target, text.encode(), overwrite))
 
     def _model(self, model: Union[Scenario, PathLike, None]) -> tuple[str, list[str]]:
@@ -219,14 +229,15 @@ def apply(
     *,
     only: Sequence[str] = (),
     calibration: bool = True,
+    accept_empirical: bool = False,
 ) -> str:
     """The text of a model with what a diagnosis, or a file ``diagnosis.json``, has found."""
     if isinstance(diagnosis, Diagnosis):
-        return diagnosis.apply_text(model, only=only, calibration=calibration)
+        return diagnosis.apply_text(model, only=only, calibration=calibration, accept_empirical=accept_empirical)
     own = changes(model.changes) if isinstance(model, Scenario) else []
     path = model.path if isinstance(model, Scenario) else os.fspath(model)
     found = Path(diagnosis).read_text(encoding="utf-8")
-    return _native.apply(path, found, own, list(only), calibration)[0]
+    return _native.apply(path, found, own, list(only), calibration, accept_empirical)[0]
 
 
 def export_fmu(
