@@ -1,7 +1,7 @@
 //! Lives as sections of a report and as JSON.
 
 use super::analysis::{Analysis, Interval};
-use super::law::{Dimension, Law};
+use super::law::{Dimension, Family, Law};
 use super::picture;
 use super::sample::Sample;
 use serde_json::{Map, Value, json};
@@ -233,6 +233,21 @@ fn all_fits(groups: &[Group<'_>], words: &Words) -> Table {
     all
 }
 
+/// The laws whose likelihood is not regular, each with the groups where that is so.
+fn irregular(groups: &[Group<'_>]) -> Vec<(Family, Vec<String>)> {
+    let mut found: Vec<(Family, Vec<String>)> = Vec::new();
+    for group in groups {
+        for fitted in group.analysis.fits.iter().filter(|fitted| !fitted.fit.regular()) {
+            let family = fitted.fit.law.family();
+            match found.iter_mut().find(|(known, _)| *known == family) {
+                Some((_, names)) => names.push(group.name.clone()),
+                None => found.push((family, vec![group.name.clone()])),
+            }
+        }
+    }
+    found
+}
+
 /// The sections about lives: laws, reliability, replacement. Of several groups each picture is chosen by the group's name.
 pub fn sections(groups: &[Group<'_>], words: &Words, confidence: f64) -> Vec<Section> {
     let unit = words.unit.as_str();
@@ -248,13 +263,14 @@ pub fn sections(groups: &[Group<'_>], words: &Words, confidence: f64) -> Vec<Sec
          distance, p the share of samples of the law that are farther from their own fit",
         all_fits(groups, words),
     );
+    for (law, names) in irregular(groups) {
+        let name = picture::label(law);
+        let of = if names.iter().all(String::is_empty) { String::new() } else { format!(" for {}", names.join(", ")) };
+        laws = laws.note(format!(
+            "The {name} law stands last{of}, whatever its AICc: its likelihood is not regular here, and it predicts little."
+        ));
+    }
     for group in groups {
-        for fitted in group.analysis.fits.iter().filter(|fitted| !fitted.fit.regular()) {
-            let name = picture::label(fitted.fit.law.family());
-            laws = laws.note(group.said(&format!(
-                "The {name} law stands last whatever its AICc: its likelihood is not regular here, and it predicts little."
-            )));
-        }
         for (family, reason) in &group.analysis.refused {
             laws = laws.note(group.said(&format!("No {} law: {reason}.", picture::label(*family))));
         }
