@@ -307,10 +307,7 @@ pub(crate) fn write(scenario: &Scenario, study: &Study, out: impl io::Write) -> 
             for (replication, values) in (0u32..).zip(replications) {
                 for (figure, value) in values.iter().enumerate() {
                     let kpi = shop_figures(study).get(figure).map(|kpi| &kpi.definition);
-                    let unit = match kpi.map_or("1", |kpi| kpi.file_unit()) {
-                        "currency" => scenario.currency.as_str(),
-                        unit => unit,
-                    };
+                    let unit = kpi.map_or("1", |kpi| kpi.file_unit_in(scenario));
                     let value = value.unwrap_or(f64::NAN) * kpi.map_or(1.0, |kpi| kpi.file_scale());
                     csv.row([
                         runs.name.as_str().into(),

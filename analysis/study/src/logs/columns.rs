@@ -169,7 +169,7 @@ pub fn states() -> Vec<Column<StateRow>> {
 pub fn events() -> Vec<Column<EventRow>> {
     let columns = [
         real("time", "s", "min", |row: &EventRow| row.time),
-        text("event", |r| r.row.event),
+        text("event", |r| r.row.event.name()),
         text("machine", |r| r.row.machine.map_or("", |machine| r.names.machine(machine))),
         count("job", |r| r.row.job),
         count("edge", |r| r.row.edge),
