@@ -53,7 +53,7 @@ def followed(path, text, how, line, code):
         return code
     assert text is not None, f"{path} does not exist"
     lines = text.splitlines(keepends=True)
-    places = [i for i, own in enumerate(lines) if own.strip() == line.strip()]
+    places = [i for i, text in enumerate(lines) if text.strip() == line.strip()]
     assert len(places) == 1, f"{path} has the line `{line}` {len(places)} times"
     start = places[0] + (how == "after")
     end = places[0] + (how != "before")
@@ -82,7 +82,7 @@ def reached():
         needs[package["name"]] = {need["name"] for need in package["dependencies"] if need["kind"] != "dev"}
     found = {ROOT: "toolroom"} | folders
     crates = {next(found[parent] for parent in (ROOT / path).parents if parent in found) for path in patched()}
-    while above := {name for name, own in needs.items() if name not in crates and own & crates}:
+    while above := {name for name, below in needs.items() if name not in crates and below & crates}:
         crates |= above
     return crates, set(needs)
 
@@ -122,9 +122,12 @@ def reuse(target, crates, workspace):
 
     def ignored(folder, files):
         top = pathlib.Path(folder).parent == built
-        own = {file for file in files if (name := crate(file)) is not None and (name in crates or name not in workspace)}
+        if not top:
+            return set()
+        named = [(file, crate(file)) for file in files]
+        stale = {file for file, name in named if name is not None and (name in crates or name not in workspace)}
         # Tests of ours are built anew where they are run.
-        return own | {file for file in files if file.startswith(("promises", "catalogue"))} if top else set()
+        return stale | {file for file in files if file.startswith(("promises", "catalogue"))}
 
     def take(source, to):
         path = pathlib.Path(source).relative_to(built)
@@ -161,11 +164,11 @@ def effect(program, folder):
         call(program, "run", shop, "--seed", "2", "--replications", "1", "--records", records, "--out", folder / "run", "--force")
         answer = json.loads(call(program, "gap", "diagnose", "--model", model, "--data", records / "operations.csv", "--json"))
         sizes.append([(named["id"], named["ci90"]) for named in answer["effects"]])
-        untried = {each["id"] for each in answer["untried"]}
+        untried = {effect["id"] for effect in answer["untried"]}
         assert "coolant_friction" not in untried and "chipping" in untried, untried
     without, named = sizes
     assert without == [], f"named where nothing was hidden: {without}"
-    assert [each[0] for each in named] == ["coolant_friction"], f"named: {named}"
+    assert [name for name, _ in named] == ["coolant_friction"], f"named: {named}"
     low, high = named[0][1]
     assert low <= 0.02 <= high, f"90 % interval of the size {low} … {high}, hidden was 0.02 1/h"
     unit = folder / "turning.fmu"

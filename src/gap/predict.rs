@@ -1,14 +1,12 @@
 //! `toolroom gap predict`: what a model predicts of recorded operations.
 
 use super::reading;
-use crate::args::{GapData, PredictArgs};
-use crate::effects::defined;
+use crate::args::PredictArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
 use std::collections::BTreeMap;
 use toolroom_apply::{Prediction, predictions};
-use toolroom_gap::Asked;
 use toolroom_gap_study::tables;
 use toolroom_output::Files;
 use toolroom_process::table::{Cell, csv_text};
@@ -16,21 +14,19 @@ use toolroom_process::unit;
 
 pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     let mut rows: Vec<(String, Prediction)> = Vec::new();
-    let GapData { model, data, group, set, effects } = &args.data;
-    let defined = defined(effects)?;
-    for table in reading(voice, |reading| tables(std::slice::from_ref(model), set, &defined, data, reading))? {
+    let model = std::slice::from_ref(&args.model);
+    for table in reading(voice, |reading| tables(model, &args.set, &[], &args.data, reading))? {
         let records = table.records.map_err(|why| Failure::argument(why, "add rows"))?;
-        let Asked { parts, notes, .. } = table.model.asked(&records, group.as_deref(), |_, _| false);
-        if parts.iter().all(|part| part.frame().measured.observations.is_empty()) {
-            return Err(super::nothing_measured(&notes));
+        let asked = table.model.asked(&records, args.group.as_deref(), |_, _| false);
+        if asked.parts.iter().all(|part| part.frame().measured.observations.is_empty()) {
+            return Err(super::nothing_measured(&asked.notes));
         }
-        for note in &notes {
+        for note in &asked.notes {
             voice.say(note);
         }
         let ids = ["operation_id", "trial_id"].iter().find_map(|name| records.texts(name));
         let id = |row: usize| ids.and_then(|ids| ids.get(row)).cloned().unwrap_or_else(|| (row + 1).to_string());
-        let predicted = parts.iter().flat_map(|part| predictions(part.as_ref()));
-        rows.extend(predicted.map(|prediction| (id(prediction.row), prediction)));
+        rows.extend(asked.parts.iter().flat_map(|part| predictions(part.as_ref())).map(|own| (id(own.row), own)));
     }
     for line in summary(&rows) {
         voice.say(line);
@@ -40,7 +36,7 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         let path = out.join("predictions.csv");
         std::fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.clone(), source })?;
-        Files::new([model.as_path(), data.as_path()], voice.force).put(&path, text.as_bytes())?;
+        Files::new([args.model.as_path(), args.data.as_path()], voice.force).put(&path, text.as_bytes())?;
         if voice.json {
             return voice.json(&json!({ "schema": 1, "rows": rows.len(), "path": path.display().to_string() }));
         }
@@ -49,10 +45,10 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     if voice.json {
         let list: Vec<_> = rows
             .iter()
-            .map(|(id, prediction)| {
+            .map(|(id, own)| {
                 json!({
-                    "operation_id": id, "channel": prediction.channel, "unit": prediction.unit, "measured": prediction.measured,
-                    "predicted": prediction.value, "standard_deviation": prediction.standard_deviation,
+                    "operation_id": id, "channel": own.channel, "unit": own.unit, "measured": own.measured,
+                    "predicted": own.value, "standard_deviation": own.standard_deviation,
                 })
             })
             .collect();
@@ -64,11 +60,11 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
 /// How far the model is from each channel, in the unit for people.
 fn summary(rows: &[(String, Prediction)]) -> Vec<String> {
     let mut channels: BTreeMap<&str, (&str, f64, f64, f64)> = BTreeMap::new();
-    for (_, prediction) in rows {
-        let shown = |value: f64| unit::convert(value, prediction.unit, prediction.display);
-        let off = shown(prediction.measured) - shown(prediction.value);
+    for (_, own) in rows {
+        let shown = |value: f64| unit::convert(value, own.unit, own.display);
+        let off = shown(own.measured) - shown(own.value);
         if off.is_finite() {
-            let sums = channels.entry(prediction.channel).or_insert((prediction.display, 0.0, 0.0, 0.0));
+            let sums = channels.entry(own.channel).or_insert((own.display, 0.0, 0.0, 0.0));
             *sums = (sums.0, sums.1 + off, sums.2 + off * off, sums.3 + 1.0);
         }
     }
@@ -83,13 +79,13 @@ fn summary(rows: &[(String, Prediction)]) -> Vec<String> {
     channels.into_iter().map(line).collect()
 }
 
-fn cells((id, prediction): &(String, Prediction)) -> [Cell<'_>; 6] {
+fn cells((id, own): &(String, Prediction)) -> [Cell<'_>; 6] {
     [
         id.into(),
-        prediction.channel.into(),
-        prediction.unit.into(),
-        prediction.measured.into(),
-        prediction.value.into(),
-        prediction.standard_deviation.into(),
+        own.channel.into(),
+        own.unit.into(),
+        own.measured.into(),
+        own.value.into(),
+        own.standard_deviation.into(),
     ]
 }

@@ -305,7 +305,10 @@ pub fn tune_from(
     });
     Ok(Tuning {
         objective: request.objective.clone(),
-        unit: definition.file_unit_in(scenario).to_owned(),
+        unit: match definition.file_unit() {
+            "currency" => scenario.currency.clone(),
+            unit => unit.to_owned(),
+        },
         seed: request.seed,
         budget: request.budget,
         collapse: request.collapse,

@@ -77,7 +77,7 @@ pub fn shops(path: &Path, changes: &[String], variants: &[ShopVariant]) -> Resul
         let all: Vec<String> = changes.iter().chain(&variant.set).cloned().collect();
         let scenario = read(&all)?;
         match variant.from {
-            Some(at) => Ok(branched(&read(changes)?, &scenario, at, &variant.set)?),
+            Some(time) => Ok(branched(&read(changes)?, &scenario, time, &variant.set)?),
             None => Ok(scenario),
         }
     };
@@ -154,8 +154,8 @@ pub(crate) fn run(
             logged: 0,
             ..StudyOptions::of(&variant.scenario)
         };
-        let at = |at: Progress| progress(Progress { done: runs_each.saturating_mul(place) + at.done, total });
-        let done = run_study(&variant.scenario, &variant_options, None, &at, stop)
+        let report = |run: Progress| progress(Progress { done: runs_each.saturating_mul(place) + run.done, total });
+        let done = run_study(&variant.scenario, &variant_options, None, &report, stop)
             .map_err(|source| StudyError::Variant { name: variant.name.clone(), source: Box::new(source) })?;
         if !done.complete {
             study.complete = false;

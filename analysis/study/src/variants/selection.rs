@@ -1,7 +1,7 @@
 //! The best of a shop and its variants, with a guarantee.
 
 use super::{LATE_ORDERS, VariantShop, shop_figures};
-use crate::kpi::{Better, CURRENCY, kpis};
+use crate::kpi::{Better, kpis};
 use crate::planner::late_in;
 use crate::study::{Study, StudyError, StudyOptions, stored_runs};
 use serde::{Deserialize, Serialize};
@@ -62,7 +62,7 @@ impl Wanted {
             (kpi.definition.unit, kpi.definition.better)
         };
         let difference = difference.trim();
-        let indifference = if si == CURRENCY {
+        let indifference = if si == "currency" {
             let number = difference.strip_suffix(scenario.currency.as_str()).unwrap_or(difference).trim();
             number.parse::<f64>().map_err(|_| refuse(format!("an amount of {} is due", scenario.currency)))?
         } else {
