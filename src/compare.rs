@@ -49,7 +49,7 @@ fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> R
     let mut variants = if wants(Axis::Variant) { file.variants.clone() } else { Vec::new() };
     if let Some(Snapshot { at, .. }) = snapshot {
         // What is to change later than that still does.
-        variants.iter_mut().for_each(|variant| variant.from = Some(variant.from.map_or(*at, |own| own.max(*at))));
+        variants.iter_mut().for_each(|variant| variant.from = Some(variant.from.map_or(*at, |from| from.max(*at))));
     }
     if policies.len() < 2 && variants.is_empty() {
         let help = "add a [[policy]] or a [[variant]] to the scenario, or use toolroom run";

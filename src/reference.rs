@@ -82,8 +82,8 @@ fn effects() -> String {
         .to_owned();
     let word = |value: &Value| value.as_str().unwrap_or_default().replace('|', "\\|");
     for effect in catalogue_json(&[])["effects"].as_array().into_iter().flatten() {
-        let list = |value: &Value, of: &dyn Fn(&Value) -> String| {
-            value.as_array().into_iter().flatten().map(of).collect::<Vec<_>>().join(", ")
+        let list = |value: &Value, word_of: &dyn Fn(&Value) -> String| {
+            value.as_array().into_iter().flatten().map(word_of).collect::<Vec<_>>().join(", ")
         };
         let size = &effect["size"];
         let unit = if size["unit"] == "1" { String::new() } else { format!(" {}", word(&size["unit"])) };

@@ -17,21 +17,21 @@ use toolroom_study::variants::{POSSIBLE, branched};
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// `run FILE --snapshot-at TIME --snapshot TARGET`.
-pub fn take(args: &RunArgs, (at, target): (&str, &Path), voice: &Voice) -> Result<(), Failure> {
+pub fn take(args: &RunArgs, (time, target): (&str, &Path), voice: &Voice) -> Result<(), Failure> {
     let (path, changes) = (args.scenario.path(), args.scenario.changes.overrides());
     let file = read(path, &changes)?;
     let policies = policies_named(&file.scenario, &args.study.policy)?;
-    let at = instant(&file.scenario, at)?;
+    let time = instant(&file.scenario, time)?;
     let files = Files::new(file.files.iter().map(AsRef::as_ref).chain([path]), voice.force);
     files.check(target)?;
-    let snapshot = Snapshot::take(VERSION, path, &file, changes, &policies, at)?;
+    let snapshot = Snapshot::take(VERSION, path, &file, changes, &policies, time)?;
     files.put(target, snapshot.text().map_err(Failure::Json)?.as_bytes())?;
     if voice.json {
         let written = target.display().to_string();
         return voice
-            .json(&json!({ "schema": 1, "written": written, "at [h]": at / 3600.0, "policies": snapshot.policies }));
+            .json(&json!({ "schema": 1, "written": written, "at [h]": time / 3600.0, "policies": snapshot.policies }));
     }
-    let when = file.scenario.start.map_or_else(|| format!("{} h", at / 3600.0), |start| date::show(start + at));
+    let when = file.scenario.start.map_or_else(|| format!("{} h", time / 3600.0), |start| date::show(start + time));
     let shown = quoted(&target.display().to_string());
     voice.say(format_args!("wrote {shown}: the shop at {when}   next: toolroom run --from {shown} --set …"));
     Ok(())

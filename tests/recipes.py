@@ -5,9 +5,11 @@
     python3 tests/recipes.py --words                       # only whether every place that a recipe names is there
     python3 tests/recipes.py --features toolroom/fmu-import   # with the features of the build whose artefacts are there
 
-It takes less than three minutes of processor time where the artefacts of third parties are there, and fifteen more for
-polars where they are not. The copy stands in target/recipes, with a target directory of its own. Recipes are followed by their words: a block of
-code belongs to the line before it, which says `New file PATH:`, or `In PATH, after LINE:`, `before` or `replacing`.
+All recipes are followed in one copy, which is compiled once. It stands in target/recipes, with a target directory of its own.
+What target/debug holds of third parties, and of our crates that no recipe reaches, is used again; crates that the recipes reach
+but whose speed none of them needs are compiled without optimisation. Where nothing is there to be used again, polars alone
+takes fifteen minutes of processor time. Recipes are followed by their words: a block of code belongs to the line before it,
+which says `New file PATH:`, or `In PATH, after LINE:`, `before` or `replacing`.
 """
 
 import argparse
@@ -24,6 +26,8 @@ import time
 import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+# Crates that compute while the recipes run: without optimisation they would take longer than their compilation saves.
+COMPUTING = {f"toolroom-{name}" for name in ("effects", "cutting", "scenario", "shop", "recording", "nominal", "gap")}
 STEP = re.compile(r"^(?:New file `(?P<new>[^`]+)`|In `(?P<path>[^`]+)`, (?P<how>after|before|replacing) `(?P<line>.+)`):$")
 
 
@@ -49,7 +53,7 @@ def followed(path, text, how, line, code):
         return code
     assert text is not None, f"{path} does not exist"
     lines = text.splitlines(keepends=True)
-    places = [i for i, own in enumerate(lines) if own.strip() == line.strip()]
+    places = [i for i, text in enumerate(lines) if text.strip() == line.strip()]
     assert len(places) == 1, f"{path} has the line `{line}` {len(places)} times"
     start = places[0] + (how == "after")
     end = places[0] + (how != "before")
@@ -68,8 +72,24 @@ def patched():
     return files
 
 
+def reached():
+    """Crates of the workspace that a recipe changes, and all that are built upon them."""
+    command = ["cargo", "metadata", "--no-deps", "--format-version", "1"]
+    described = json.loads(subprocess.run(command, cwd=ROOT, capture_output=True, check=True).stdout)
+    folders, needs = {}, {}
+    for package in described["packages"]:
+        folders[pathlib.Path(package["manifest_path"]).parent] = package["name"]
+        needs[package["name"]] = {need["name"] for need in package["dependencies"] if need["kind"] != "dev"}
+    found = {ROOT: "toolroom"} | folders
+    crates = {next(found[parent] for parent in (ROOT / path).parents if parent in found) for path in patched()}
+    while above := {name for name, below in needs.items() if name not in crates and below & crates}:
+        crates |= above
+    return crates, set(needs)
+
+
 def copy(folder):
-    """The workspace with the recipes followed. What has not changed since the last copy keeps its time."""
+    """The workspace with the recipes followed. A file that a recipe leaves alone has the time of the original, so that what was
+    compiled of it there is fresh here; what has not changed since the last copy keeps its time."""
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout
     names = {name for name in listed.decode().split("\0") if name and (ROOT / name).is_file()}
     changed = patched()
@@ -78,22 +98,45 @@ def copy(folder):
     for name in sorted(names | set(changed)):
         content = changed[name].encode() if name in changed else (ROOT / name).read_bytes()
         to = folder / name
-        if not to.exists() or to.read_bytes() != content:
+        new = not to.exists()
+        if new or to.read_bytes() != content:
             to.parent.mkdir(parents=True, exist_ok=True)
             to.write_bytes(content)
+            if new and name not in changed:
+                shutil.copystat(ROOT / name, to)
     for old in [path for part in ("models", "sim", "src", "analysis", "fmu") for path in (folder / part).rglob("*.rs")]:
         if old.relative_to(folder).as_posix() not in names | set(changed):
             old.unlink()
 
 
-def reuse(target):
-    """Links the artefacts of third parties, which do not depend on where the workspace stands."""
+def reuse(target, crates, workspace):
+    """Takes over the artefacts of third parties, and of our crates that no recipe reaches: neither depends on where the
+    workspace stands. Artefacts are linked. What cargo keeps about ours is copied, for it may be written again in its place."""
     built = ROOT / "target" / "debug"
+    libraries = {name.replace("-", "_"): name for name in workspace}
+
+    def crate(file):
+        """The crate of ours that an artefact belongs to; `None` for those of third parties."""
+        stem = file.rsplit("-", 1)[0].removeprefix("lib")
+        return stem if stem in workspace else libraries.get(stem, stem if "toolroom" in stem else None)
+
+    def ignored(folder, files):
+        top = pathlib.Path(folder).parent == built
+        if not top:
+            return set()
+        named = [(file, crate(file)) for file in files]
+        stale = {file for file, name in named if name is not None and (name in crates or name not in workspace)}
+        # Tests of ours are built anew where they are run.
+        return stale | {file for file in files if file.startswith(("promises", "catalogue"))}
+
+    def take(source, to):
+        path = pathlib.Path(source).relative_to(built)
+        binary = path.suffix in (".rlib", ".rmeta", ".so")
+        (os.link if binary or crate(path.parts[1]) is None else shutil.copy2)(source, to)
+
     for part in ("deps", "build", ".fingerprint"):
-        if not (built / part).is_dir() or (target / "debug" / part).exists():
-            continue
-        ours = shutil.ignore_patterns("*toolroom*", "promises*")
-        shutil.copytree(built / part, target / "debug" / part, copy_function=os.link, ignore=ours)
+        if (built / part).is_dir() and not (target / "debug" / part).exists():
+            shutil.copytree(built / part, target / "debug" / part, copy_function=take, ignore=ignored)
 
 
 def call(program, *words):
@@ -121,11 +164,11 @@ def effect(program, folder):
         call(program, "run", shop, "--seed", "2", "--replications", "1", "--records", records, "--out", folder / "run", "--force")
         answer = json.loads(call(program, "gap", "diagnose", "--model", model, "--data", records / "operations.csv", "--json"))
         sizes.append([(named["id"], named["ci90"]) for named in answer["effects"]])
-        untried = {each["id"] for each in answer["untried"]}
+        untried = {effect["id"] for effect in answer["untried"]}
         assert "coolant_friction" not in untried and "chipping" in untried, untried
     without, named = sizes
     assert without == [], f"named where nothing was hidden: {without}"
-    assert [each[0] for each in named] == ["coolant_friction"], f"named: {named}"
+    assert [name for name, _ in named] == ["coolant_friction"], f"named: {named}"
     low, high = named[0][1]
     assert low <= 0.02 <= high, f"90 % interval of the size {low} … {high}, hidden was 0.02 1/h"
     unit = folder / "turning.fmu"
@@ -239,9 +282,14 @@ def main():
         print(f"{len(patched())} files are touched by the recipes, every place is there")
         return
     folder, target = ROOT / "target" / "recipes" / "workspace", ROOT / "target" / "recipes" / "target"
+    if not folder.exists():
+        shutil.rmtree(target, ignore_errors=True)  # times of a new copy say nothing about artefacts of an older one
+    crates, workspace = reached()
     copy(folder)
-    reuse(target)
+    reuse(target, crates, workspace)
     features = ["--features", arguments.features] if arguments.features else []
+    for crate in sorted(crates - COMPUTING):
+        features += ["--config", f"profile.dev.package.{crate}.opt-level=0", "--config", f"profile.dev.package.{crate}.debug=false"]
     environment = {**os.environ, "CARGO_TARGET_DIR": str(target)}
     begun = time.monotonic()
     # As in the workspace itself, so that the artefacts of third parties fit. The catalogue is the suite of effects.

@@ -15,8 +15,8 @@ use toolroom_wear::{Origin, ParameterSet, Spread, TURNING_SETS};
 pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Failure> {
     let scenario = toolroom_scenario_file::read(path, &[])?.scenario;
     let place = path.display();
-    let named = scenario.tools.iter().find(|own| own.name == tool).ok_or_else(|| {
-        let known: Vec<&str> = scenario.tools.iter().map(|own| own.name.as_str()).collect();
+    let named = scenario.tools.iter().find(|tool_type| tool_type.name == tool).ok_or_else(|| {
+        let known: Vec<&str> = scenario.tools.iter().map(|tool_type| tool_type.name.as_str()).collect();
         Failure::argument(format_args!("{place}: no tool `{tool}`"), format!("there are {}", known.join(", ")))
     })?;
     let catalogue = match named.process {

@@ -49,7 +49,7 @@ fn changed(args: &ApplyArgs, path: &Path, nominal: &NominalModel, diagnosis: &Va
 /// Channels from which the applied model of a process is farther than the model that was read.
 fn grew(diagnosis: &Value, process: &str) -> Vec<Value> {
     let list = diagnosis["applied"]["grew"].as_array().into_iter().flatten();
-    list.filter(|own| own["process"] == process).cloned().collect()
+    list.filter(|entry| entry["process"] == process).cloned().collect()
 }
 
 fn refused(error: &ApplyError) -> Failure {
@@ -66,7 +66,7 @@ fn one(args: &ApplyArgs, model: &Path, files: &Files, diagnosis: &Value, voice: 
     }
     put(files, out, &changes.text)?;
     let grew = grew(diagnosis, nominal.kind().name());
-    for note in grew.iter().filter_map(|own| own["words"].as_str()) {
+    for note in grew.iter().filter_map(|entry| entry["words"].as_str()) {
         voice.say(format_args!("warning: {note}"));
     }
     for note in &changes.notes {

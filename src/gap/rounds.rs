@@ -31,9 +31,9 @@ pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
         let text = std::fs::read_to_string(&path)
             .map_err(|error| Failure::argument(format!("{}: {error}", path.display()), "check the path"))?;
         let diagnosis: Value = serde_json::from_str(&text).map_err(Failure::Json)?;
-        let words = |own: &Value| format!("{} {} {}", own["id"], own["shape"], own["scope"]);
+        let words = |effect: &Value| format!("{} {} {}", effect["id"], effect["shape"], effect["scope"]);
         let named: Vec<String> = diagnosis["effects"].as_array().into_iter().flatten().map(words).collect();
-        let new = named.iter().any(|own| !named_before.contains(own));
+        let new = named.iter().any(|effect| !named_before.contains(effect));
         if round > 1 && !new {
             voice.data(format_args!("round {round} names nothing new: {} holds what was found", model.display()))?;
             return compared(args, &model, voice);

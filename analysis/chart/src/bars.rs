@@ -2,8 +2,9 @@
 
 use super::axis::{Axis, alike};
 use super::frame::{self, Entry, Sample};
+use super::px::Px;
 use super::style::{Colour, GRID, INK, MUTED, Style};
-use super::svg::{Anchor, Area, Canvas, FONT, Px, WIDTH, fit, text_width, wrap};
+use super::svg::{Anchor, Area, Canvas, FONT, WIDTH, fit, text_width, wrap};
 use super::table::{Cell, Table};
 use super::{Chart, describe};
 use std::fmt::Write;

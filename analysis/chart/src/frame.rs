@@ -1,8 +1,9 @@
 //! What all charts share: title, legend, plot area, axes and the words "no data".
 
 use super::axis::{Axis, Scale};
+use super::px::Px;
 use super::style::{MUTED, Style};
-use super::svg::{Anchor, Area, Canvas, FONT, Px, WIDTH, fit, text_width};
+use super::svg::{Anchor, Area, Canvas, FONT, WIDTH, fit, text_width};
 use std::fmt::Write;
 
 /// Where titles and legends start.

@@ -2,8 +2,9 @@
 
 use super::axis::Axis;
 use super::frame::{Entry, Frame, MARKER, Sample, fill_markers, markers};
+use super::px::Px;
 use super::style::{Colour, INK, PAPER, Style};
-use super::svg::{Anchor, Area, Canvas, FONT, Px, fit, text_width};
+use super::svg::{Anchor, Area, Canvas, FONT, fit, text_width};
 use super::table::{Cell, Table};
 use std::fmt::Write;
 

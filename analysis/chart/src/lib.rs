@@ -24,6 +24,7 @@ mod layer;
 mod lobes;
 pub mod page;
 mod plot;
+mod px;
 mod ranges;
 mod raster;
 mod rows;

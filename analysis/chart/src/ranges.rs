@@ -3,9 +3,10 @@
 use super::axis::{Axis, alike};
 use super::bars::Estimate;
 use super::frame::{self, Entry, Sample, points};
+use super::px::Px;
 use super::rows::Rows;
 use super::style::{INK, Style};
-use super::svg::{Anchor, Canvas, FONT, Px, fit};
+use super::svg::{Anchor, Canvas, FONT, fit};
 use super::table::Table;
 use super::{Chart, describe};
 

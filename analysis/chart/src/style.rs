@@ -143,7 +143,7 @@ impl Marker {
 
     /// Appends the shape at (`x`, `y`) to a path, `r` pixels from its centre to its rim.
     pub(crate) fn append(self, d: &mut String, x: f64, y: f64, r: f64) {
-        use super::svg::Px;
+        use super::px::Px;
         let [x, y, side, tip] = [x, y, 1.8 * r, 1.3 * r].map(Px);
         let [half, wide, r2, low] = [0.9 * r, 2.4 * r, 2.0 * r, 2.1 * r].map(Px);
         let (base, cross, long) = (Px(1.2 * r), Px(1.94 * r), Px(2.4 * r));

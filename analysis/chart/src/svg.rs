@@ -1,7 +1,8 @@
 //! The strings of an SVG document: escaping, coordinates, text and shapes.
 
+use super::px::Px;
 use super::style::{Colour, GRID, Hatch, INK, MUTED, PAPER, Paint};
-use std::fmt::{self, Display, Write};
+use std::fmt::Write;
 
 /// Width of every chart in its own coordinates, in pixels at 100 %.
 pub(crate) const WIDTH: f64 = 800.0;
@@ -38,20 +39,6 @@ pub fn escape(text: &str) -> String {
         }
     }
     out
-}
-
-/// A coordinate with at most two decimals; what is not finite is written as 0.
-pub(crate) struct Px(pub f64);
-
-impl Display for Px {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if !self.0.is_finite() {
-            return f.write_str("0");
-        }
-        let text = format!("{:.2}", self.0.clamp(-1e6, 1e6));
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        f.write_str(if text == "-0" { "0" } else { text })
-    }
 }
 
 /// Width of a text in a generous sans serif (the widths of DejaVu Sans, wider than most), in pixels.

@@ -3,9 +3,10 @@
 use super::axis::{Axis, alike};
 use super::bars::Estimate;
 use super::frame::{self, Entry, Sample};
+use super::px::Px;
 use super::rows::Rows;
 use super::style::{Colour, Hatch, INK, MUTED, Style};
-use super::svg::{Anchor, Area, Canvas, FONT, Px, fit};
+use super::svg::{Anchor, Area, Canvas, FONT, fit};
 use super::table::Table;
 use super::{Chart, describe};
 

@@ -7,6 +7,9 @@ use toolroom_process::unit;
 use toolroom_scenario::Scenario;
 use toolroom_shop::runlog::MachineState;
 
+/// Unit of amounts of money: what they are in, the scenario says.
+pub const CURRENCY: &str = "currency";
+
 /// Which way a figure should go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Better {
@@ -48,7 +51,7 @@ impl Kpi {
     /// Key in JSON: the id, with its unit where it has one: `tool_life [min]`.
     pub fn key(&self) -> String {
         match self.definition.file_unit() {
-            "1" | "currency" => self.definition.id.to_owned(),
+            "1" | CURRENCY => self.definition.id.to_owned(),
             unit => format!("{} [{unit}]", self.definition.id),
         }
     }
@@ -58,6 +61,20 @@ impl Definition {
     /// Unit in files.
     pub fn file_unit(&self) -> &'static str {
         if self.display == "%" { "1" } else { self.display }
+    }
+
+    /// Unit in files, with the currency of the scenario for amounts of money.
+    pub fn file_unit_in<'a>(&self, scenario: &'a Scenario) -> &'a str {
+        if self.unit == CURRENCY { &scenario.currency } else { self.file_unit() }
+    }
+
+    /// Unit in tables for people: empty for plain numbers, the currency of the scenario for amounts of money.
+    pub fn shown_unit_in<'a>(&self, scenario: &'a Scenario) -> &'a str {
+        match self.display {
+            "1" => "",
+            CURRENCY => &scenario.currency,
+            unit => unit,
+        }
     }
 
     /// Factor from the SI value to the unit of files.
@@ -111,8 +128,8 @@ pub(super) const SHOP: &[ShopFigure] = &[
         define(
             "cost_per_part",
             "cost / part",
-            "currency",
-            "currency",
+            CURRENCY,
+            CURRENCY,
             Less,
             "Paid machine time at its rate, edges, dressings and the blanks of scrapped parts, per good part.",
         ),
@@ -122,8 +139,8 @@ pub(super) const SHOP: &[ShopFigure] = &[
         define(
             "machine_cost_per_part",
             "machine cost / part",
-            "currency",
-            "currency",
+            CURRENCY,
+            CURRENCY,
             Less,
             "Time in shift at the machine's rate, per good part.",
         ),
@@ -133,8 +150,8 @@ pub(super) const SHOP: &[ShopFigure] = &[
         define(
             "edge_cost_per_part",
             "edge cost / part",
-            "currency",
-            "currency",
+            CURRENCY,
+            CURRENCY,
             Less,
             "Cutting edges and dressings, counted as they wear, per good part.",
         ),
@@ -144,8 +161,8 @@ pub(super) const SHOP: &[ShopFigure] = &[
         define(
             "scrap_cost_per_part",
             "scrap cost / part",
-            "currency",
-            "currency",
+            CURRENCY,
+            CURRENCY,
             Less,
             "Blanks of scrapped parts, per good part.",
         ),

@@ -44,7 +44,7 @@ mod machine;
 mod tally;
 
 pub use counting::Counting;
-pub use definition::{Better, Definition, Kpi, definitions, kpis};
+pub use definition::{Better, CURRENCY, Definition, Kpi, definitions, kpis};
 
 use toolroom_scenario::{Scenario, ToolType};
 use toolroom_shop::runlog::RunLog;

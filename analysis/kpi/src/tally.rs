@@ -4,7 +4,8 @@ use super::cell;
 use toolroom_scenario::{ArrivalPattern, Operation, ProcessModel, Scenario, ShiftCalendar};
 use toolroom_shop::programmed_cutting_times;
 use toolroom_shop::runlog::{
-    ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, MachineState, OperationResult, OperationRow, PassRow, StateRow,
+    ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, LogEvent, MachineState, OperationResult, OperationRow,
+    PassRow, StateRow,
 };
 
 /// Sums of one machine, s unless said otherwise.
@@ -212,10 +213,10 @@ impl Tally {
         }
         // What is not of a machine, arrivals for example, is not looked at further.
         let Some(machine) = row.machine else { return };
-        if row.event == "failure" {
+        if row.event == LogEvent::Failure {
             self.machines[machine as usize].failures += 1.0;
         }
-        self.chatter_onsets += u32::from(row.event == "chatter_onset");
+        self.chatter_onsets += u32::from(row.event == LogEvent::ChatterOnset);
     }
 
     /// Shifts worked: working time of the machine longest in shift over the length of a shift.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use toolroom_cutting::Milling;
 use toolroom_scenario::{ArrivalPattern, ProcessModel, Work};
 use toolroom_shop::programmed_cutting_times;
-use toolroom_shop::runlog::{ChangeReason, EventRow, JobOutcome, OperationResult, OperationRow};
+use toolroom_shop::runlog::{ChangeReason, EventRow, JobOutcome, LogEvent, OperationResult, OperationRow};
 
 /// Value of a figure of the shop, or of a machine, in `values` of [`evaluate`].
 fn value(scenario: &Scenario, values: &[f64], id: &str, machine: Option<usize>) -> f64 {
@@ -206,7 +206,7 @@ fn chatter_counts_where_stability_is_judged_and_after_the_warm_up() {
         (row.stability_margin, row.chatter_time) = (-0.1, chatter_time);
     }
     for time in [10.0, 100.0, 250.0] {
-        let onset = EventRow { time, event: "chatter_onset", machine: Some(0), job: Some(0), edge: Some(0) };
+        let onset = EventRow { time, event: LogEvent::ChatterOnset, machine: Some(0), job: Some(0), edge: Some(0) };
         log.events.push(onset);
     }
     log.jobs[1].outcome = JobOutcome::Chatter;

@@ -205,7 +205,8 @@ pub fn analyse(sample: &Sample, request: &Request) -> Result<Analysis, SampleErr
     let ages: Vec<f64> = (1..=POINTS).map(|i| end * i as f64 / POINTS as f64).collect();
     type Curve<'a> = &'a (dyn Fn(&Law, &[f64]) -> Vec<f64> + Sync);
     let band = |of: Curve<'_>| bootstrap::band(&law, &resampled, &ages, request.confidence, of);
-    let each = |of: fn(&Law, f64) -> f64| move |law: &Law, ages: &[f64]| ages.iter().map(|age| of(law, *age)).collect();
+    let by_age =
+        |of: fn(&Law, f64) -> f64| move |law: &Law, ages: &[f64]| ages.iter().map(|age| of(law, *age)).collect();
     let costs = request.costs;
     let best_of: Vec<Replacement> = resampled.par_iter().map(|law| costs.best_age(law)).collect();
     let empirical = if sample.inspected() { turnbull(sample) } else { kaplan_meier(sample, request.confidence) };
@@ -215,8 +216,8 @@ pub fn analyse(sample: &Sample, request: &Request) -> Result<Analysis, SampleErr
         refused,
         seen: Seen::of(sample, &empirical),
         empirical,
-        reliability: band(&each(Law::survival)),
-        hazard: band(&each(Law::hazard)),
+        reliability: band(&by_age(Law::survival)),
+        hazard: band(&by_age(Law::hazard)),
         residual_life: band(&Law::residual_lives),
         b10: interval(&|law| law.quantile(0.1)),
         mean: interval(&Law::mean),

@@ -73,8 +73,8 @@ fn resampled(sample: &Sample, mut uniform: impl FnMut() -> f64) -> Option<Sample
 /// let (low, high) = interval(&laws, 0.9, |law| law.mean());
 /// assert!((low - 5.0).abs() < 1e-9 && (high - 95.0).abs() < 1e-9);
 /// ```
-pub fn interval(laws: &[Law], confidence: f64, of: impl Fn(&Law) -> f64) -> (f64, f64) {
-    quantiles(laws.iter().map(of).collect(), confidence)
+pub fn interval(laws: &[Law], confidence: f64, quantity: impl Fn(&Law) -> f64) -> (f64, f64) {
+    quantiles(laws.iter().map(quantity).collect(), confidence)
 }
 
 /// The middle `confidence` of some values; NaN without any.
@@ -86,7 +86,7 @@ pub(super) fn quantiles(mut values: Vec<f64>, confidence: f64) -> (f64, f64) {
     values.sort_by(f64::total_cmp);
     let tail = 0.5 * (1.0 - confidence);
     // Value number k of n estimates the quantile k/(n + 1).
-    let at = |share: f64| {
+    let quantile = |share: f64| {
         let position = share * (values.len() + 1) as f64;
         let below = (position.floor() as usize).clamp(1, values.len());
         let above = (below + 1).min(values.len());
@@ -94,24 +94,24 @@ pub(super) fn quantiles(mut values: Vec<f64>, confidence: f64) -> (f64, f64) {
         let (low, high) = (values[below - 1], values[above - 1]);
         if part < 1e-9 || low == high { low } else { low + part * (high - low) }
     };
-    (at(tail), at(1.0 - tail))
+    (quantile(tail), quantile(1.0 - tail))
 }
 
-/// A curve over ascending ages with the band of the refitted laws; `of` works it out for a law.
+/// A curve over ascending ages with the band of the refitted laws; `curve_of` works it out for a law.
 pub fn band(
     fitted: &Law,
     laws: &[Law],
     ages: &[f64],
     confidence: f64,
-    of: impl Fn(&Law, &[f64]) -> Vec<f64> + Sync,
+    curve_of: impl Fn(&Law, &[f64]) -> Vec<f64> + Sync,
 ) -> Vec<Banded> {
-    let curves: Vec<Vec<f64>> = laws.par_iter().map(|law| of(law, ages)).collect();
-    let curve = of(fitted, ages);
-    let at = |(i, age): (usize, &f64)| {
+    let curves: Vec<Vec<f64>> = laws.par_iter().map(|law| curve_of(law, ages)).collect();
+    let curve = curve_of(fitted, ages);
+    let banded = |(i, age): (usize, &f64)| {
         let (low, high) = quantiles(curves.iter().map(|curve| curve[i]).collect(), confidence);
         Banded { age: *age, value: curve[i], low, high }
     };
-    ages.iter().enumerate().map(at).collect()
+    ages.iter().enumerate().map(banded).collect()
 }
 
 #[cfg(test)]

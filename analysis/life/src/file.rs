@@ -390,10 +390,10 @@ fn spread(
     field: &'static toolroom_process::Field,
     directory: &Path,
 ) -> Option<Spread> {
-    let at = |walk: &mut Walk, key: &str| value(walk, section, key, field.unit);
+    let given = |walk: &mut Walk, key: &str| value(walk, section, key, field.unit);
     let spread = match section.chosen("distribution", FamilyWord::from_word)? {
         FamilyWord::Normal => {
-            Spread::Normal { mean: at(walk, "mean")?, deviation: positive(walk, section, "deviation", field.unit)? }
+            Spread::Normal { mean: given(walk, "mean")?, deviation: positive(walk, section, "deviation", field.unit)? }
         }
         FamilyWord::Lognormal => {
             Spread::Lognormal { median: positive(walk, section, "median", field.unit)?, sigma: section.si("sigma")? }
@@ -406,9 +406,9 @@ fn spread(
         }
         FamilyWord::Empirical => return empirical(walk, section, field, directory),
         family @ (FamilyWord::Triangular | FamilyWord::Uniform | FamilyWord::Beta) => {
-            let (low, high) = (at(walk, "low"), at(walk, "high"));
+            let (low, high) = (given(walk, "low"), given(walk, "high"));
             let (low, high) = (low?, high?);
-            let mode = if family == FamilyWord::Triangular { at(walk, "mode")? } else { 0.5 * (low + high) };
+            let mode = if family == FamilyWord::Triangular { given(walk, "mode")? } else { 0.5 * (low + high) };
             if !(low < high && (low..=high).contains(&mode)) {
                 let shown = |value: f64| significant(unit::convert(value, field.unit, field.display));
                 let fault = Fault::Contradiction {
@@ -431,8 +431,8 @@ fn spread(
         }
     };
     // What a field cannot hold is cut off, whether the file says so or not.
-    let least = if section.given("least") { at(walk, "least")? } else { f64::NEG_INFINITY };
-    let most = if section.given("most") { at(walk, "most")? } else { f64::INFINITY };
+    let least = if section.given("least") { given(walk, "least")? } else { f64::NEG_INFINITY };
+    let most = if section.given("most") { given(walk, "most")? } else { f64::INFINITY };
     let (low, high) = (least.max(field.min), most.min(field.max));
     if spread.quantile(0.0) >= low && spread.quantile(1.0) <= high {
         return Some(spread);

@@ -252,10 +252,9 @@ fn text(groups: &[Group], regression: Option<&Regression>, words: &Words, reques
         let _ = writeln!(text, "{name}: {} lives, {} ended; {moments}", n(sample.size()), n(sample.ended()));
         let _ = writeln!(text, "  {:24} {:>10} {:>8} {:>8}  parameters", "law", "AICc", "A²", "p");
         for fitted in &analysis.fits {
-            let parameters = fitted
-                .parameters
-                .iter()
-                .map(|(name, at, _)| format!("{name} {} ({} … {})", n(at.value), n(at.low), n(at.high)));
+            let parameters = fitted.parameters.iter().map(|(name, estimate, _)| {
+                format!("{name} {} ({} … {})", n(estimate.value), n(estimate.low), n(estimate.high))
+            });
             let p = fitted.goodness.map_or("–".to_owned(), |test| format!("{:.3}", test.p));
             let _ = writeln!(
                 text,
@@ -273,8 +272,8 @@ fn text(groups: &[Group], regression: Option<&Regression>, words: &Words, reques
             let _ = writeln!(text, "  * not regular: it follows single lives and predicts little");
         }
         let unseen = || format!("not reached by t = {}", n(seen.last));
-        let banded = |at: &Interval, reached: bool| match reached {
-            true => format!("{} ({} … {})", n(at.value), n(at.low), n(at.high)),
+        let banded = |estimate: &Interval, reached: bool| match reached {
+            true => format!("{} ({} … {})", n(estimate.value), n(estimate.low), n(estimate.high)),
             false => unseen(),
         };
         let _ = writeln!(

@@ -91,9 +91,9 @@ pub fn json(sample: &Sample, analysis: &Analysis, words: &Words) -> Map<String, 
         replacement.insert(words.key("age"), Value::Null);
         replacement.insert(words.key("not_reached_by"), json!(analysis.seen.last));
     }
-    let banded = |at: &Interval, reached: bool| {
-        let value = if reached { finite(at.value) } else { Value::Null };
-        json!({ "value": value, "interval": if reached { pair(at.low, at.high) } else { Value::Null } })
+    let banded = |estimate: &Interval, reached: bool| {
+        let value = if reached { finite(estimate.value) } else { Value::Null };
+        json!({ "value": value, "interval": if reached { pair(estimate.low, estimate.high) } else { Value::Null } })
     };
     let steps =
         analysis.empirical.iter().map(|step| json!([step.age, step.survival, finite(step.low), finite(step.high)]));
@@ -145,14 +145,14 @@ pub fn tiles(sample: &Sample, analysis: &Analysis, words: &Words, confidence: f6
     let unit = if words.unit.is_empty() { String::new() } else { format!(" {}", words.unit) };
     let percent = 100.0 * confidence;
     let unseen = || format!("not reached by {}{unit}", n(analysis.seen.last));
-    let banded = |label: &str, at: &Interval| {
-        if !analysis.seen.reaches(at.value) {
+    let banded = |label: &str, estimate: &Interval| {
+        if !analysis.seen.reaches(estimate.value) {
             return Tile::new(label, "not reached", unseen());
         }
         Tile::new(
             label,
-            format!("{}{unit}", n(at.value)),
-            format!("{percent} % interval {} … {}", n(at.low), n(at.high)),
+            format!("{}{unit}", n(estimate.value)),
+            format!("{percent} % interval {} … {}", n(estimate.low), n(estimate.high)),
         )
     };
     let mean = if analysis.seen.reaches_mean() {

@@ -21,7 +21,7 @@ pub fn histogram(sample: &Sample, analysis: &Analysis, unit: &str) -> impl Chart
     let scaled = columns.into_iter().map(|(from, to, density)| (from, to, density * share));
     let mut plot = Plot::new("Lives and fitted laws", Axis::linear("Life", unit), Axis::linear("Density", per(unit)))
         .columns("lives that ended", scaled, Style::nth(0).colour(Colour::Grey));
-    let end = analysis.reliability.last().map_or(1.0, |at| at.age);
+    let end = analysis.reliability.last().map_or(1.0, |point| point.age);
     for (i, fitted) in analysis.fits.iter().take(3).enumerate() {
         let law = fitted.fit.law;
         let curve = (1..=200).map(|k| end * f64::from(k) / 200.0).map(move |age| (age, law.ln_density(age).exp()));
@@ -70,8 +70,8 @@ pub fn probability(analysis: &Analysis, unit: &str) -> impl Chart + use<> {
         points.map(|point| (point.age, height(1.0 - point.value))).collect()
     };
     let reliability = &analysis.reliability;
-    let band = reliability.iter().filter(|at| inside(1.0 - at.high) && inside(1.0 - at.low));
-    let band = band.map(|at| (at.age, height(1.0 - at.high), height(1.0 - at.low)));
+    let band = reliability.iter().filter(|point| inside(1.0 - point.high) && inside(1.0 - point.low));
+    let band = band.map(|point| (point.age, height(1.0 - point.high), height(1.0 - point.low)));
     // A point lies in the middle of its step: the ends of an empirical law are 0 and 1.
     let mut before = 1.0;
     let points = analysis.empirical.iter().map(|step| {
@@ -95,8 +95,8 @@ pub fn probability(analysis: &Analysis, unit: &str) -> impl Chart + use<> {
 /// Reliability with band, beside the estimate without a law.
 pub fn reliability(analysis: &Analysis, unit: &str) -> impl Chart + use<> {
     let best = label(analysis.fits[0].fit.law.family());
-    let band = analysis.reliability.iter().map(|at| (at.age, at.low, at.high));
-    let line = analysis.reliability.iter().map(|at| (at.age, at.value));
+    let band = analysis.reliability.iter().map(|point| (point.age, point.low, point.high));
+    let line = analysis.reliability.iter().map(|point| (point.age, point.value));
     let start = std::iter::once((0.0, 1.0));
     let steps = start.chain(analysis.empirical.iter().map(|step: &Step| (step.age, step.survival)));
     Plot::new(
@@ -114,8 +114,8 @@ pub fn reliability(analysis: &Analysis, unit: &str) -> impl Chart + use<> {
 /// Hazard and mean residual life share no axis: one plot each.
 pub fn banded(title: &str, axis: Axis, curve: &[Banded], unit: &str, description: &str) -> impl Chart + use<> {
     Plot::new(title, Axis::linear("Age", unit), axis)
-        .band("band", curve.iter().map(|at| (at.age, at.low, at.high)), Style::nth(0))
-        .line("best law", curve.iter().map(|at| (at.age, at.value)), Style::nth(0))
+        .band("band", curve.iter().map(|point| (point.age, point.low, point.high)), Style::nth(0))
+        .line("best law", curve.iter().map(|point| (point.age, point.value)), Style::nth(0))
         .describe(description)
 }
 
@@ -123,14 +123,14 @@ pub fn banded(title: &str, axis: Axis, curve: &[Banded], unit: &str, description
 pub fn cost(analysis: &Analysis, unit: &str, money: &str) -> impl Chart + use<> {
     let run = analysis.by_age.run_to_failure;
     let seen = |value: &f64| *value < 3.0 * run;
-    let curve: Vec<&Banded> = analysis.cost.iter().filter(|at| seen(&at.value) && seen(&at.high)).collect();
+    let curve: Vec<&Banded> = analysis.cost.iter().filter(|point| seen(&point.value) && seen(&point.high)).collect();
     let plot = Plot::new(
         "Cost against the age of replacement",
         Axis::linear("Age of replacement", unit),
         Axis::linear("Cost per time", format!("{money}/{}", if unit.is_empty() { "1" } else { unit })).include(0.0),
     )
-    .band("band", curve.iter().map(|at| (at.age, at.low, at.high)).collect::<Vec<_>>(), Style::nth(0))
-    .line("best law", curve.iter().map(|at| (at.age, at.value)).collect::<Vec<_>>(), Style::nth(0))
+    .band("band", curve.iter().map(|point| (point.age, point.low, point.high)).collect::<Vec<_>>(), Style::nth(0))
+    .line("best law", curve.iter().map(|point| (point.age, point.value)).collect::<Vec<_>>(), Style::nth(0))
     .horizontal(run, "run to failure")
     .describe("Cost per time in cut when edges are replaced at an age or when they fail.");
     if analysis.by_age.age.is_finite() { plot.vertical(analysis.by_age.age, "best") } else { plot }

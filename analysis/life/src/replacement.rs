@@ -159,11 +159,11 @@ pub fn renewals(law: &Law, time: f64) -> f64 {
     const PARTS: usize = 200;
     let step = time / PARTS as f64;
     let failed: Vec<f64> = (0..=2 * PARTS).map(|i| law.failed(0.5 * step * i as f64)).collect();
-    let (at, half) = (|i: usize| failed[2 * i], |i: usize| failed[2 * i + 1]);
+    let (whole, half) = (|i: usize| failed[2 * i], |i: usize| failed[2 * i + 1]);
     let mut renewals = vec![0.0; PARTS + 1];
     for i in 1..=PARTS {
         let earlier: f64 = (1..i).map(|j| half(i - j) * (renewals[j] - renewals[j - 1])).sum();
-        renewals[i] = (at(i) + earlier - half(0) * renewals[i - 1]) / (1.0 - half(0));
+        renewals[i] = (whole(i) + earlier - half(0) * renewals[i - 1]) / (1.0 - half(0));
     }
     renewals[PARTS]
 }

@@ -7,7 +7,7 @@ use toolroom_kernel::{Entity, Purpose};
 use toolroom_process::{Field, MachineProcess};
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::{Cut, Work, lot_name};
-use toolroom_shop::runlog::{ChangeReason, PassRow};
+use toolroom_shop::runlog::{ChangeReason, LogEvent, PassRow};
 
 /// The start of a cut that means leave out, s.
 const LEFT_OUT: f64 = 20.0;
@@ -65,7 +65,7 @@ fn chatter(run: &Run<'_>, passes: &[&PassRow], records: &mut Records) {
         .log
         .events
         .iter()
-        .filter(|event| event.event == "chatter_onset")
+        .filter(|event| event.event == LogEvent::ChatterOnset)
         .filter_map(|event| Some((event.machine?, event.time)))
         .collect();
     let set_in = |pass: &PassRow| {

@@ -5,7 +5,7 @@ use crate::{Run, edge_name};
 use std::collections::BTreeMap;
 use toolroom_records::{RecordKind, Records};
 use toolroom_shop::RunLog;
-use toolroom_shop::runlog::{MachineState, StateRow};
+use toolroom_shop::runlog::{LogEvent, MachineState, StateRow};
 
 /// State after which nothing is known.
 const END: &str = "unavailable";
@@ -56,10 +56,10 @@ fn states(log: &RunLog) -> Vec<(StateRow, &'static str)> {
     for event in &log.events {
         let Some(machine) = event.machine else { continue };
         let stops = holds.entry(machine).or_default();
-        match event.event {
-            "feed_hold" => stops.push((event.time, log.horizon)),
-            "feed_release" => stops.iter_mut().last().into_iter().for_each(|hold| hold.1 = event.time),
-            _ => {}
+        if event.event == LogEvent::FeedHold {
+            stops.push((event.time, log.horizon));
+        } else if let (LogEvent::FeedRelease, Some(hold)) = (event.event, stops.last_mut()) {
+            hold.1 = event.time;
         }
     }
     let mut states: Vec<(StateRow, &'static str)> = Vec::with_capacity(log.states.len());

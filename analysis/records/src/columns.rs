@@ -1,6 +1,7 @@
 //! The columns of measured records, each listed once.
 
-use super::RecordKind;
+use super::import::Combine;
+use super::{RecordKind, Sensor};
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,18 +29,33 @@ pub struct RecordColumn {
     pub required: bool,
     /// Greatest magnitude that occurs in practice, in the display unit: larger ones are slips.
     pub greatest: f64,
+    /// The sensor that it usually has (assumption).
+    pub sensor: Sensor,
+    /// How the samples of an operation become its number, where a mapping does not say it.
+    pub combine: Combine,
+}
+
+const fn column(
+    name: &'static str,
+    unit: &'static str,
+    display: &'static str,
+    kind: ColumnKind,
+    greatest: f64,
+) -> RecordColumn {
+    let (sensor, combine) = (Sensor::ORDINARY, Combine::Mean);
+    RecordColumn { name, unit, display, kind, required: false, greatest, sensor, combine }
 }
 
 const fn text(name: &'static str) -> RecordColumn {
-    RecordColumn { name, unit: "1", display: "1", kind: ColumnKind::Text, required: false, greatest: f64::INFINITY }
+    column(name, "1", "1", ColumnKind::Text, f64::INFINITY)
 }
 
 const fn condition(name: &'static str, unit: &'static str, display: &'static str, greatest: f64) -> RecordColumn {
-    RecordColumn { name, unit, display, kind: ColumnKind::Condition, required: false, greatest }
+    column(name, unit, display, ColumnKind::Condition, greatest)
 }
 
 const fn channel(name: &'static str, unit: &'static str, display: &'static str, greatest: f64) -> RecordColumn {
-    RecordColumn { name, unit, display, kind: ColumnKind::Channel, required: false, greatest }
+    column(name, unit, display, ColumnKind::Channel, greatest)
 }
 
 const fn required(mut column: RecordColumn) -> RecordColumn {
@@ -47,30 +63,47 @@ const fn required(mut column: RecordColumn) -> RecordColumn {
     column
 }
 
+impl RecordColumn {
+    /// The same column of a sensor with these errors, SI: absolute, relative, least step.
+    const fn of_sensor(mut self, absolute: f64, relative: f64, resolution: f64) -> Self {
+        self.sensor = Sensor { absolute, relative, resolution };
+        self
+    }
+
+    /// The same column, of which an operation has the first, the last or the sum of its samples.
+    const fn taken(mut self, combine: Combine) -> Self {
+        self.combine = combine;
+        self
+    }
+}
+
 // Columns of several kinds of records: unit and range stand here once.
-const SEQUENCE: RecordColumn = condition("sequence", "1", "1", 1e7);
-const START_TIME: RecordColumn = condition("start_time", "s", "s", 1e10);
-const COOLANT_AGE: RecordColumn = condition("coolant_age", "s", "h", 1e5);
+const SEQUENCE: RecordColumn = condition("sequence", "1", "1", 1e7).taken(Combine::First);
+const START_TIME: RecordColumn = condition("start_time", "s", "s", 1e10).taken(Combine::First);
+const COOLANT_AGE: RecordColumn = condition("coolant_age", "s", "h", 1e5).taken(Combine::Last);
 const CUTTING_SPEED: RecordColumn = condition("cutting_speed", "m/s", "m/min", 3000.0);
 const FEED_PER_REV: RecordColumn = condition("feed_per_rev", "m", "mm", 5.0);
 const DEPTH_OF_CUT: RecordColumn = condition("depth_of_cut", "m", "mm", 200.0);
-const CUTTING_TIME: RecordColumn = condition("cutting_time", "s", "min", 1e4);
+const CUTTING_TIME: RecordColumn = condition("cutting_time", "s", "min", 1e4).taken(Combine::Sum);
 const SPINDLE_SPEED: RecordColumn = condition("spindle_speed", "rad/s", "rpm", 2e5);
 const FEED_OVERRIDE: RecordColumn = condition("feed_override", "1", "%", 300.0);
 const CHATTER: RecordColumn = condition("chatter", "1", "1", 1.0);
-const CHATTER_FREQUENCY: RecordColumn = condition("chatter_frequency", "1/s", "Hz", 1e6);
-const FLANK_WEAR: RecordColumn = channel("flank_wear", "m", "mm", 5.0);
-const CUTTING_FORCE: RecordColumn = channel("cutting_force", "N", "N", 1e5);
-const FEED_FORCE: RecordColumn = channel("feed_force", "N", "N", 1e5);
-const SPINDLE_POWER: RecordColumn = channel("spindle_power", "W", "kW", 500.0);
-const TEMPERATURE: RecordColumn = channel("temperature", "K", "K", 3000.0);
-const THERMO_EMF: RecordColumn = channel("thermo_emf", "V", "mV", 200.0);
+// Lines of the spectrum of a second of sound.
+const CHATTER_FREQUENCY: RecordColumn = condition("chatter_frequency", "1/s", "Hz", 1e6).of_sensor(1.0, 0.0, 1.0);
+// Scatter of the rate within a life shows as a few per cent of the land.
+const FLANK_WEAR: RecordColumn =
+    channel("flank_wear", "m", "mm", 5.0).of_sensor(5e-6, 0.02, 10e-6).taken(Combine::Last);
+const CUTTING_FORCE: RecordColumn = channel("cutting_force", "N", "N", 1e5).of_sensor(0.0, 0.02, 0.0);
+const FEED_FORCE: RecordColumn = channel("feed_force", "N", "N", 1e5).of_sensor(0.0, 0.03, 0.0);
+const SPINDLE_POWER: RecordColumn = channel("spindle_power", "W", "kW", 500.0).of_sensor(0.0, 0.02, 0.0);
+const TEMPERATURE: RecordColumn = channel("temperature", "K", "K", 3000.0).of_sensor(3.0, 0.015, 0.0);
+const THERMO_EMF: RecordColumn = channel("thermo_emf", "V", "mV", 200.0).of_sensor(0.0, 0.015, 0.0);
 const VIBRATION_RMS: RecordColumn = channel("vibration_rms", "m", "um", 1e4);
 const DOMINANT_FREQUENCY: RecordColumn = channel("dominant_frequency", "1/s", "Hz", 1e6);
 const ROUGHNESS_RA: RecordColumn = channel("roughness_ra", "m", "um", 1e3);
-const CYCLE_TIME: RecordColumn = channel("cycle_time", "s", "s", 1e6);
-const STOP_COUNT: RecordColumn = channel("stop_count", "1", "1", 1e4);
-const STOP_TIME: RecordColumn = channel("stop_time", "s", "s", 1e6);
+const CYCLE_TIME: RecordColumn = channel("cycle_time", "s", "s", 1e6).of_sensor(0.5, 0.0, 0.0).taken(Combine::Sum);
+const STOP_COUNT: RecordColumn = channel("stop_count", "1", "1", 1e4).taken(Combine::Sum);
+const STOP_TIME: RecordColumn = channel("stop_time", "s", "s", 1e6).taken(Combine::Sum);
 const FEED_PER_TOOTH: RecordColumn = condition("feed_per_tooth", "m", "mm", 5.0);
 const WIDTH_OF_CUT: RecordColumn = condition("width_of_cut", "m", "mm", 500.0);
 
@@ -132,7 +165,7 @@ const MILLING: &[RecordColumn] = &[
     required(WIDTH_OF_CUT),
     required(CUTTING_TIME),
     SPINDLE_SPEED,
-    condition("path_length", "m", "mm", 1e7),
+    condition("path_length", "m", "mm", 1e7).taken(Combine::Sum),
     condition("path_curvature", "1/m", "1/m", 1e5),
     condition("helical_deviation", "m", "um", 1e4),
     FEED_OVERRIDE,
@@ -147,7 +180,7 @@ const MILLING: &[RecordColumn] = &[
     VIBRATION_RMS,
     DOMINANT_FREQUENCY,
     ROUGHNESS_RA,
-    channel("form_error", "m", "um", 1e4),
+    channel("form_error", "m", "um", 1e4).of_sensor(0.5e-6, 0.0, 0.0),
     CYCLE_TIME,
     STOP_COUNT,
     STOP_TIME,
@@ -159,7 +192,7 @@ const GRINDING: &[RecordColumn] = &[
     required(text("machine")),
     text("wheel_id"),
     text("dressing_cycle"),
-    condition("part_in_cycle", "1", "1", 1e6),
+    condition("part_in_cycle", "1", "1", 1e6).taken(Combine::First),
     required(condition("infeed_per_rev", "m", "um", 1e3)),
     required(condition("revolutions", "1", "1", 1e6)),
     condition("spark_out_revolutions", "1", "1", 1e6),
@@ -171,16 +204,16 @@ const GRINDING: &[RecordColumn] = &[
     COOLANT_AGE,
     condition("wait_time", "s", "s", 1e6),
     START_TIME,
-    channel("stock_removed", "m", "um", 1e4),
-    channel("normal_force", "N", "N", 1e5),
-    channel("tangential_force", "N", "N", 1e5),
-    channel("rise_revolutions", "1", "1", 1e4),
-    channel("force_after_spark_out", "N", "N", 1e5),
+    channel("stock_removed", "m", "um", 1e4).of_sensor(0.5e-6, 0.0, 0.0),
+    channel("normal_force", "N", "N", 1e5).of_sensor(0.0, 0.02, 0.0),
+    channel("tangential_force", "N", "N", 1e5).of_sensor(0.0, 0.02, 0.0),
+    channel("rise_revolutions", "1", "1", 1e4).of_sensor(0.1, 0.0, 0.0),
+    channel("force_after_spark_out", "N", "N", 1e5).of_sensor(1.0, 0.02, 0.0),
 ];
 
 /// Columns of shop events.
 const SHOP: &[RecordColumn] = &[
-    required(condition("time", "s", "s", 1e11)),
+    required(condition("time", "s", "s", 1e11).taken(Combine::First)),
     required(text("machine")),
     text("state"),
     text("program"),
@@ -233,7 +266,7 @@ const ANY: &[RecordColumn] = &[
     WIDTH_OF_CUT,
     SPINDLE_SPEED,
     CUTTING_TIME,
-    condition("path_length", "m", "m", 1e6),
+    condition("path_length", "m", "m", 1e6).taken(Combine::Sum),
     condition("life", "s", "min", 1e5),
     condition("censored", "1", "1", 1.0),
     condition("inspected", "s", "min", 1e5),
@@ -242,9 +275,9 @@ const ANY: &[RecordColumn] = &[
     FLANK_WEAR,
     CUTTING_FORCE,
     FEED_FORCE,
-    channel("passive_force", "N", "N", 1e5),
+    channel("passive_force", "N", "N", 1e5).of_sensor(0.0, 0.03, 0.0),
     SPINDLE_POWER,
-    channel("spindle_torque", "N m", "N m", 1e5),
+    channel("spindle_torque", "N m", "N m", 1e5).of_sensor(0.0, 0.02, 0.0),
     TEMPERATURE,
     THERMO_EMF,
     VIBRATION_RMS,
@@ -256,6 +289,10 @@ const ANY: &[RecordColumn] = &[
 ];
 
 impl RecordKind {
+    /// Every kind.
+    pub const ALL: [Self; 6] =
+        [Self::Turning, Self::Milling, Self::Grinding, Self::Shop, Self::Program, Self::Empirical];
+
     /// Its columns.
     pub fn columns(self) -> &'static [RecordColumn] {
         match self {

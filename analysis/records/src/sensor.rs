@@ -1,4 +1,6 @@
-//! Errors of sensors, with those that the records contract takes for granted.
+//! Errors of sensors.
+
+use super::RecordKind;
 
 /// Errors of one sensor, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,26 +25,28 @@ impl Sensor {
             .sqrt()
     }
 
-    /// The sensor that a channel of the records usually has. The values are assumptions.
-    pub fn usual(channel: &str) -> Self {
-        let sensor = |absolute, relative, resolution| Self { absolute, relative, resolution };
-        match channel {
-            "cutting_force" | "normal_force" | "tangential_force" => sensor(0.0, 0.02, 0.0),
-            "feed_force" | "passive_force" => sensor(0.0, 0.03, 0.0),
-            "spindle_power" | "spindle_torque" => sensor(0.0, 0.02, 0.0),
-            "force_after_spark_out" => sensor(1.0, 0.02, 0.0),
-            "temperature" => sensor(3.0, 0.015, 0.0),
-            "thermo_emf" => sensor(0.0, 0.015, 0.0),
-            // Scatter of the rate within a life shows as a few per cent of the land.
-            "flank_wear" => sensor(5e-6, 0.02, 10e-6),
-            "stock_removed" => sensor(0.5e-6, 0.0, 0.0),
-            "rise_revolutions" => sensor(0.1, 0.0, 0.0),
-            "cycle_time" => sensor(0.5, 0.0, 0.0),
-            "form_error" => sensor(0.5e-6, 0.0, 0.0),
-            "roughness_ra" => sensor(0.0, 0.05, 0.0),
-            // Assumption: lines of the spectrum of a second of sound.
-            "chatter_frequency" => sensor(1.0, 0.0, 1.0),
-            _ => sensor(0.0, 0.05, 0.0),
+    /// The sensor of a channel of which nothing else is known (assumption).
+    pub const ORDINARY: Self = Self { absolute: 0.0, relative: 0.05, resolution: 0.0 };
+
+    /// The sensor that a column of the records usually has, by its name; the table of columns says it.
+    pub fn usual(column: &str) -> Self {
+        RecordKind::ALL.iter().find_map(|kind| kind.column(column)).map_or(Self::ORDINARY, |column| column.sensor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::RecordKind;
+
+    #[test]
+    fn a_column_has_one_sensor_in_every_kind_of_records() {
+        for kind in RecordKind::ALL {
+            for column in kind.columns() {
+                assert_eq!(Sensor::usual(column.name), column.sensor, "{}", column.name);
+            }
         }
+        assert_eq!(Sensor::usual("temperature").deviation(0.0), 3.0);
+        assert_eq!(Sensor::usual("no such column"), Sensor::ORDINARY);
     }
 }

@@ -3,6 +3,8 @@
 //! It is a page of its own: the report needs no script. Bars are 14 bytes each: start and length in tenths of a second,
 //! machine and state, and whose work it is. Without script the page shows the share of each week in which machines are busy.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 use serde_json::json;
 use std::fmt::Write as _;
 use std::io;

@@ -17,6 +17,8 @@
 //! # What is not modelled
 //! The state of the shop in the file, by which a long run up to the instant need not be repeated.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

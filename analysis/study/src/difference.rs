@@ -81,11 +81,11 @@ impl Replications {
         let mut samples: BTreeMap<(String, String), Sample> = BTreeMap::new();
         for row in reader.records() {
             let row = row.map_err(unreadable)?;
-            let no_number = |column, at: usize| DifferenceError::NoNumber {
+            let no_number = |column, cell: usize| DifferenceError::NoNumber {
                 path: path.clone(),
                 line: row.position().map_or(0, csv::Position::line),
                 column,
-                text: row[at].to_owned(),
+                text: row[cell].to_owned(),
             };
             if !row[machine].is_empty() {
                 continue;
@@ -205,14 +205,14 @@ mod tests {
         assert_eq!(unpaired(&run(1, &scenario), &run(2, &scenario)).as_deref(), Some("their seeds are 1 and 2"));
         let mut other = scenario.clone();
         other.machines[1].name = "L9".to_owned();
-        let told = unpaired(&run(1, &scenario), &run(1, &other));
-        assert_eq!(told.as_deref(), Some("machine `L2` of the first is not in the second"));
+        let message = unpaired(&run(1, &scenario), &run(1, &other));
+        assert_eq!(message.as_deref(), Some("machine `L2` of the first is not in the second"));
         let mut more = scenario.clone();
         more.arrivals.push(more.arrivals[0].clone());
-        let told = unpaired(&run(1, &scenario), &run(1, &more));
-        assert_eq!(told.as_deref(), Some("their sources differ in number or order"));
+        let message = unpaired(&run(1, &scenario), &run(1, &more));
+        assert_eq!(message.as_deref(), Some("their sources differ in number or order"));
         let earlier = json!({ "version": "1", "seed": 1 });
-        assert!(unpaired(&run(1, &scenario), &earlier).is_some_and(|told| told.contains("of the second")));
+        assert!(unpaired(&run(1, &scenario), &earlier).is_some_and(|message| message.contains("of the second")));
     }
 
     #[test]

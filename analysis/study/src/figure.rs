@@ -58,9 +58,8 @@ pub(crate) fn factor(value: f64) -> String {
 
 /// Title of a figure with the unit that its numbers are shown in.
 pub(crate) fn label(scenario: &Scenario, kpi: &Kpi) -> String {
-    match kpi.definition.display {
-        "1" => kpi.definition.title.to_owned(),
-        "currency" => format!("{}, {}", kpi.definition.title, scenario.currency),
+    match kpi.definition.shown_unit_in(scenario) {
+        "" => kpi.definition.title.to_owned(),
         unit => format!("{}, {unit}", kpi.definition.title),
     }
 }

@@ -5,8 +5,8 @@ use toolroom_cutting::Turning;
 use toolroom_infeed::Infeed;
 use toolroom_scenario::*;
 use toolroom_shop::runlog::{
-    ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, MachineState, OperationResult, OperationRow, PassRow, RunLog,
-    StateRow,
+    ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, LogEvent, MachineState, OperationResult, OperationRow,
+    PassRow, RunLog, StateRow,
 };
 
 fn machine(name: &str, process: &str, rate: f64, handling: f64) -> MachineType {
@@ -97,13 +97,9 @@ pub(crate) fn scenario() -> Scenario {
     Scenario {
         name: "fixture".to_owned(),
         title: "Two lathes <and> a grinder".to_owned(),
-        start: None,
-        defined: Vec::new(),
         seed: 42,
         replications: 20,
         horizon: 3600.0,
-        warm_up: 0.0,
-        seeks_warm_up: false,
         shift_length: 3600.0,
         machines: vec![
             machine("L1", "turning", 0.01, 60.0),
@@ -134,28 +130,8 @@ pub(crate) fn scenario() -> Scenario {
             due: Default::default(),
             pattern: ArrivalPattern::Schedule(vec![(0.0, 2)]),
         }],
-        orders: Vec::new(),
-        skills: Vec::new(),
-        operators: Vec::new(),
-        crews: Vec::new(),
-        transports: Vec::new(),
-        shared: Shared::default(),
-        setup_matrices: Vec::new(),
-        machine_choice: MachineChoice::LeastSetup,
-        buffers: Vec::new(),
-        blocking: Blocking::AfterService,
-        deadlock: Deadlock::Stop,
-        dispatch: vec![DispatchRule::Fifo],
-        control: Default::default(),
-        preemption: Preemption::None,
-        calendars: Vec::new(),
-        failures: Vec::new(),
-        maintenance: Vec::new(),
         policies: vec![policy("constant", SpeedRule::BestCost), policy("adaptive", SpeedRule::MinimumWear)],
-        deviations: Vec::new(),
-        calibrations: Vec::new(),
-        currency: "EUR".to_owned(),
-        branch: None,
+        ..Scenario::empty()
     }
 }
 
@@ -322,9 +298,9 @@ pub(crate) fn log() -> RunLog {
         ],
         states: rows,
         events: vec![
-            EventRow { time: 0.0, event: "arrival", machine: None, job: Some(0), edge: None },
-            EventRow { time: 420.0, event: "tool_change", machine: Some(0), job: None, edge: Some(0) },
-            EventRow { time: 690.0, event: "scrap", machine: None, job: Some(1), edge: Some(1) },
+            EventRow { time: 0.0, event: LogEvent::Arrival, machine: None, job: Some(0), edge: None },
+            EventRow { time: 420.0, event: LogEvent::ToolChange, machine: Some(0), job: None, edge: Some(0) },
+            EventRow { time: 690.0, event: LogEvent::Scrap, machine: None, job: Some(1), edge: Some(1) },
         ],
         horizon: 3600.0,
         warm_up: 0.0,

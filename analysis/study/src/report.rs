@@ -152,11 +152,7 @@ fn tiles(source: &Source<'_>) -> Vec<Tile> {
             }
             None => format!("{}, {}", source.name(0), replications(source.study.replications)),
         };
-        let unit = match kpi.definition.display {
-            "1" => "",
-            "currency" => source.scenario.currency.as_str(),
-            unit => unit,
-        };
+        let unit = kpi.definition.shown_unit_in(source.scenario);
         let number = plain(value.mean, decimals(value.mean, value.half_width));
         Some(Tile::new(kpi.definition.title, format!("{number} {unit}").trim_end(), note))
     };

@@ -272,10 +272,7 @@ fn write_kpis(scenario: &Scenario, study: &Study, out: impl Write) -> io::Result
     for (position, &policy) in study.policies.iter().enumerate() {
         for (replication, values) in (0..study.replications).zip(study.replications(position)) {
             for (kpi, value) in study.kpis.iter().zip(values) {
-                let unit = match kpi.definition.file_unit() {
-                    "currency" => scenario.currency.as_str(),
-                    unit => unit,
-                };
+                let unit = kpi.definition.file_unit_in(scenario);
                 csv.row([
                     (&scenario.policies[policy].name).into(),
                     replication.into(),

@@ -301,9 +301,10 @@ fn many(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
         let mean = |policy: &PolicyResult| policy.kpis[index].mean;
         comparison.policies.iter().map(mean).any(|mean| mean.is_finite() && mean != 0.0)
     };
-    let told: Vec<_> = COLUMNS.iter().filter(|(id, _)| study.index(id).is_some_and(says)).take(MOST_COLUMNS).collect();
-    let columns = figures(study, &told.iter().map(|(id, _)| *id).collect::<Vec<_>>());
-    let head = told.iter().map(|(id, title)| match *id {
+    let titled: Vec<_> =
+        COLUMNS.iter().filter(|(id, _)| study.index(id).is_some_and(says)).take(MOST_COLUMNS).collect();
+    let columns = figures(study, &titled.iter().map(|(id, _)| *id).collect::<Vec<_>>());
+    let head = titled.iter().map(|(id, title)| match *id {
         "cost_per_part" => format!("{title}, {}", scenario.currency).into(),
         _ => (*title).to_owned().into(),
     });

@@ -7,21 +7,22 @@ use crate::logs::Names;
 use crate::study::Study;
 use serde_json::{Value, json};
 use std::io::{self, Write};
+use toolroom_process::ProcessEvent;
 use toolroom_scenario::Scenario;
-use toolroom_shop::runlog::{EventRow, MachineState, RunLog};
+use toolroom_shop::runlog::{EventRow, LogEvent, MachineState, RunLog};
 
 /// Events that are worth an instant.
-const INSTANTS: [&str; 10] = [
-    "chatter_onset",
-    "tool_change",
-    "dressing",
-    "failure",
-    "scrap",
-    "wear_limit",
-    "chipping",
-    "thermal_collapse",
-    "dressing_due",
-    "burn",
+const INSTANTS: [LogEvent; 10] = [
+    LogEvent::ChatterOnset,
+    LogEvent::ToolChange,
+    LogEvent::Dressing,
+    LogEvent::Failure,
+    LogEvent::Scrap,
+    LogEvent::Cut(ProcessEvent::WearLimit),
+    LogEvent::Cut(ProcessEvent::Chipping),
+    LogEvent::Cut(ProcessEvent::ThermalCollapse),
+    LogEvent::Cut(ProcessEvent::DressingDue),
+    LogEvent::Cut(ProcessEvent::Burn),
 ];
 
 /// Writes the first replication of every policy.
@@ -96,7 +97,7 @@ fn add_log(names: &Names, process: usize, log: &RunLog, events: &mut Vec<Value>)
             events.push(json!({
                 "ph": "i",
                 "s": "t",
-                "name": row.event,
+                "name": row.event.name(),
                 "cat": "event",
                 "ts": micro(row.time),
                 "pid": process,
@@ -104,10 +105,12 @@ fn add_log(names: &Names, process: usize, log: &RunLog, events: &mut Vec<Value>)
                 "args": { "job": row.job, "edge": row.edge },
             }));
         }
-        let step = match row.event {
-            "arrival" => 1,
-            "finish" | "scrap" => -1,
-            _ => continue,
+        let step = if row.event == LogEvent::Arrival {
+            1
+        } else if [LogEvent::Finish, LogEvent::Scrap].contains(&row.event) {
+            -1
+        } else {
+            continue;
         };
         jobs += step;
         let count = json!({ "jobs": jobs });

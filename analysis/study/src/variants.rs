@@ -77,7 +77,7 @@ pub fn shops(path: &Path, changes: &[String], variants: &[ShopVariant]) -> Resul
         let all: Vec<String> = changes.iter().chain(&variant.set).cloned().collect();
         let scenario = read(&all)?;
         match variant.from {
-            Some(at) => Ok(branched(&read(changes)?, &scenario, at, &variant.set)?),
+            Some(time) => Ok(branched(&read(changes)?, &scenario, time, &variant.set)?),
             None => Ok(scenario),
         }
     };
@@ -154,8 +154,8 @@ pub(crate) fn run(
             logged: 0,
             ..StudyOptions::of(&variant.scenario)
         };
-        let at = |at: Progress| progress(Progress { done: runs_each.saturating_mul(place) + at.done, total });
-        let done = run_study(&variant.scenario, &variant_options, None, &at, stop)
+        let report = |run: Progress| progress(Progress { done: runs_each.saturating_mul(place) + run.done, total });
+        let done = run_study(&variant.scenario, &variant_options, None, &report, stop)
             .map_err(|source| StudyError::Variant { name: variant.name.clone(), source: Box::new(source) })?;
         if !done.complete {
             study.complete = false;
@@ -307,10 +307,7 @@ pub(crate) fn write(scenario: &Scenario, study: &Study, out: impl io::Write) -> 
             for (replication, values) in (0u32..).zip(replications) {
                 for (figure, value) in values.iter().enumerate() {
                     let kpi = shop_figures(study).get(figure).map(|kpi| &kpi.definition);
-                    let unit = match kpi.map_or("1", |kpi| kpi.file_unit()) {
-                        "currency" => scenario.currency.as_str(),
-                        unit => unit,
-                    };
+                    let unit = kpi.map_or("1", |kpi| kpi.file_unit_in(scenario));
                     let value = value.unwrap_or(f64::NAN) * kpi.map_or(1.0, |kpi| kpi.file_scale());
                     csv.row([
                         runs.name.as_str().into(),

@@ -264,7 +264,7 @@ fn draw(walk: &mut Walk, text: &str, root: &Section<'_>) -> Option<(Placed, f64)
             trace.turn(turn);
         }
         match step?.draw(&mut trace) {
-            Ok(own) => residual = own.max(residual),
+            Ok(gap) => residual = gap.max(residual),
             Err(error) => {
                 refuse(walk, start..section.span.end, error);
                 return None;

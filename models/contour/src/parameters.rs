@@ -2,6 +2,7 @@
 
 use crate::{EdgeForce, MillLife};
 use std::f64::consts::{PI, TAU};
+use toolroom_form::{UnknownSet, shipped_set};
 use toolroom_process::parameters::{ParameterError, ParameterFile};
 use toolroom_process::{AnyRecord, record};
 
@@ -195,13 +196,8 @@ impl Default for Parameters {
 #[non_exhaustive]
 pub enum SetError {
     /// No shipped set has this name.
-    #[error("no contour parameter set `{name}`; did you mean `{nearest}`?")]
-    Unknown {
-        /// What was requested.
-        name: String,
-        /// The most similar name.
-        nearest: &'static str,
-    },
+    #[error(transparent)]
+    Unknown(#[from] UnknownSet),
     /// A group that contour milling does not have.
     #[error("unknown group [parameters.{group}]; there are machine, cutter, force, life, economics")]
     UnknownGroup {
@@ -225,13 +221,7 @@ impl Parameters {
     /// assert_eq!(Parameters::named("mill_t15k6_d32").unwrap().cutter.teeth, 4.0);
     /// ```
     pub fn named(name: &str) -> Result<Self, SetError> {
-        if let Some((_, text)) = PARAMETER_SETS.iter().find(|(known, _)| *known == name) {
-            return Self::read(text);
-        }
-        let likeness = |known: &str| strsim::jaro_winkler(known, name);
-        let names = PARAMETER_SETS.iter().map(|(known, _)| *known);
-        let nearest = names.max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-        Err(SetError::Unknown { name: name.to_owned(), nearest: nearest.unwrap_or_default() })
+        Self::read(shipped_set("contour milling", PARAMETER_SETS, name)?)
     }
 
     /// Reads a parameter file.

@@ -66,25 +66,25 @@ impl Spline {
     }
 }
 
-/// Tangent arcs within 1 µm along a smooth curve between two parameters; `at` gives point and direction.
-pub(crate) fn fit_arcs(at: &impl Fn(f64) -> (Point, f64), u: f64, w: f64, sections: &mut Vec<Section>) {
-    fit(at, u, w, DEEPEST, sections);
+/// Tangent arcs within 1 µm along a smooth curve between two parameters; `curve` gives point and direction.
+pub(crate) fn fit_arcs(curve: &impl Fn(f64) -> (Point, f64), u: f64, w: f64, sections: &mut Vec<Section>) {
+    fit(curve, u, w, DEEPEST, sections);
 }
 
 /// Two tangent arcs from `u` to `w` where they keep within the tolerance, else halves.
-fn fit(at: &impl Fn(f64) -> (Point, f64), u: f64, w: f64, depth: u32, sections: &mut Vec<Section>) {
-    let (start, end) = (at(u), at(w));
+fn fit(curve: &impl Fn(f64) -> (Point, f64), u: f64, w: f64, depth: u32, sections: &mut Vec<Section>) {
+    let (start, end) = (curve(u), curve(w));
     let pair = biarc(start, end);
     let strays = |share: f64| {
-        let (point, _) = at(u + share * (w - u));
+        let (point, _) = curve(u + share * (w - u));
         let arc = if pair[0].start.distance(point) < pair[0].start.distance(pair[1].start) { pair[0] } else { pair[1] };
         distance(&arc, point) > FIT_TOLERANCE
     };
     let too_bent = pair.iter().any(|arc| arc.sweep().abs() > 1.0);
     if depth > 0 && (too_bent || (1..8).any(|i| strays(f64::from(i) / 8.0))) {
         let middle = 0.5 * (u + w);
-        fit(at, u, middle, depth - 1, sections);
-        fit(at, middle, w, depth - 1, sections);
+        fit(curve, u, middle, depth - 1, sections);
+        fit(curve, middle, w, depth - 1, sections);
     } else {
         sections.extend(pair.into_iter().filter(|arc| arc.length > 1e-9));
     }

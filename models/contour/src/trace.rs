@@ -34,7 +34,7 @@ const GREATEST_TURN: f64 = PI - 2.0 * CORNER_ANGLE;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Trace {
-    at: Point,
+    pen: Point,
     heading: f64,
     sections: Vec<Section>,
 }
@@ -42,7 +42,7 @@ pub struct Trace {
 impl Trace {
     /// A pen at `start` that heads in direction `heading`, rad from the X axis.
     pub fn new(start: Point, heading: f64) -> Self {
-        Self { at: start, heading, sections: Vec::new() }
+        Self { pen: start, heading, sections: Vec::new() }
     }
 
     /// Number of sections drawn so far.
@@ -52,7 +52,7 @@ impl Trace {
 
     /// Where the pen stands.
     pub fn position(&self) -> Point {
-        self.at
+        self.pen
     }
 
     /// Turns the pen on the spot, left where positive: a corner.
@@ -65,8 +65,8 @@ impl Trace {
     /// # Errors
     /// [`ContourError::NoLength`] unless `length` is positive and finite.
     pub fn line(&mut self, length: f64) -> Result<(), ContourError> {
-        let end = self.at.ahead(self.heading, length);
-        self.push(Section { start: self.at, heading: self.heading, length, curvature: 0.0, arc_angle: 0.0 }, end)
+        let end = self.pen.ahead(self.heading, length);
+        self.push(Section { start: self.pen, heading: self.heading, length, curvature: 0.0, arc_angle: 0.0 }, end)
     }
 
     /// A line to a point.
@@ -74,8 +74,8 @@ impl Trace {
     /// # Errors
     /// [`ContourError::NoLength`] where the pen is there already.
     pub fn line_to(&mut self, end: Point) -> Result<(), ContourError> {
-        let heading = self.at.heading_to(end);
-        self.push(Section::tangent(self.at, heading, end), end)
+        let heading = self.pen.heading_to(end);
+        self.push(Section::tangent(self.pen, heading, end), end)
     }
 
     /// An arc that goes on tangentially, left where `angle` is positive.
@@ -84,7 +84,7 @@ impl Trace {
     /// [`ContourError::NoLength`] unless radius and angle span a length.
     pub fn arc(&mut self, radius: f64, angle: f64) -> Result<(), ContourError> {
         let section = Section {
-            start: self.at,
+            start: self.pen,
             heading: self.heading,
             length: radius * angle.abs(),
             curvature: angle.signum() / radius,
@@ -99,18 +99,18 @@ impl Trace {
     /// # Errors
     /// [`ContourError::ArcMissesEnd`] where `end` does not lie on the circle.
     pub fn arc_to(&mut self, end: Point, center: Point, left: bool) -> Result<(), ContourError> {
-        let radius = center.distance(self.at);
+        let radius = center.distance(self.pen);
         let gap = (center.distance(end) - radius).abs();
         if misses(gap) {
             return Err(ContourError::ArcMissesEnd { section: self.sections.len(), gap });
         }
         let side = if left { 1.0 } else { -1.0 };
-        let heading = center.heading_to(self.at) + side * 0.5 * PI;
-        let turned = side * (center.heading_to(end) - center.heading_to(self.at));
-        let full = self.at.distance(end) <= 1e-9;
+        let heading = center.heading_to(self.pen) + side * 0.5 * PI;
+        let turned = side * (center.heading_to(end) - center.heading_to(self.pen));
+        let full = self.pen.distance(end) <= 1e-9;
         let angle = if full { 2.0 * PI } else { turned.rem_euclid(2.0 * PI) };
         let section =
-            Section { start: self.at, heading, length: radius * angle, curvature: side / radius, arc_angle: angle };
+            Section { start: self.pen, heading, length: radius * angle, curvature: side / radius, arc_angle: angle };
         self.push(section, end)
     }
 
@@ -120,15 +120,15 @@ impl Trace {
     /// # Errors
     /// [`ContourError::ArcMissesEnd`] where the end lies farther than the diameter.
     pub fn arc_by_radius(&mut self, end: Point, radius: f64, left: bool) -> Result<(), ContourError> {
-        let half = 0.5 * self.at.distance(end);
+        let half = 0.5 * self.pen.distance(end);
         let gap = 2.0 * (half - radius.abs());
         if misses(gap) {
             return Err(ContourError::ArcMissesEnd { section: self.sections.len(), gap });
         }
         let height = (radius * radius - half * half).max(0.0).sqrt();
         let side = if left == (radius > 0.0) { 1.0 } else { -1.0 };
-        let middle = Point { x: 0.5 * (self.at.x + end.x), y: 0.5 * (self.at.y + end.y) };
-        let center = middle.ahead(self.at.heading_to(end) + 0.5 * PI, side * height);
+        let middle = Point { x: 0.5 * (self.pen.x + end.x), y: 0.5 * (self.pen.y + end.y) };
+        let center = middle.ahead(self.pen.heading_to(end) + 0.5 * PI, side * height);
         self.arc_to(end, center, left)
     }
 
@@ -139,9 +139,9 @@ impl Trace {
     /// # Errors
     /// [`ContourError::NoLength`] where two successive points coincide.
     pub fn spline_to(&mut self, points: &[Point]) -> Result<(), ContourError> {
-        let mut through = vec![self.at];
+        let mut through = vec![self.pen];
         through.extend_from_slice(points);
-        let periodic = self.sections.is_empty() && points.last().is_some_and(|last| last.distance(self.at) <= 1e-9);
+        let periodic = self.sections.is_empty() && points.last().is_some_and(|last| last.distance(self.pen) <= 1e-9);
         if through.len() < 2 || through.windows(2).any(|pair| !is_length(pair[0].distance(pair[1]))) {
             return Err(ContourError::NoLength { section: self.sections.len() });
         }
@@ -152,7 +152,7 @@ impl Trace {
             self.push(section, end)?;
         }
         if let Some(last) = through.last() {
-            self.at = *last;
+            self.pen = *last;
         }
         Ok(())
     }
@@ -205,7 +205,7 @@ impl Trace {
             return Err(ContourError::NoLength { section: self.sections.len() });
         }
         self.heading = section.end_heading();
-        self.at = end;
+        self.pen = end;
         self.sections.push(section);
         Ok(())
     }
@@ -220,7 +220,7 @@ impl Trace {
         let (Some(first), Some(last)) = (self.sections.first(), self.sections.last()) else {
             return Err(ContourError::Empty);
         };
-        let gap = self.at.distance(first.start);
+        let gap = self.pen.distance(first.start);
         if closed && misses(gap) {
             return Err(ContourError::Open { gap });
         }

@@ -27,11 +27,11 @@ pub(crate) struct Wall {
 
 impl Wall {
     /// The greatest of what the forces of its engagement angles do.
-    fn greatest(&self, feed_per_tooth: f64, of: impl Fn(&Forces) -> f64) -> f64 {
+    fn greatest(&self, feed_per_tooth: f64, quantity: impl Fn(&Forces) -> f64) -> f64 {
         self.lesser
             .iter()
-            .map(|forces| of(&forces.at(feed_per_tooth)))
-            .fold(of(&self.forces.at(feed_per_tooth)), f64::max)
+            .map(|forces| quantity(&forces.at(feed_per_tooth)))
+            .fold(quantity(&self.forces.at(feed_per_tooth)), f64::max)
     }
 }
 
@@ -217,8 +217,8 @@ impl Planner<'_> {
         let heights: Vec<Vec<(f64, f64)>> =
             self.walls.iter().map(|wall| helical_heights(&self.helical(wall.engagement.angle, &force))).collect();
         let excess = settings.iter().zip(&self.sections).map(|(setting, (wall, _))| {
-            let at = |(edge, slope): &(f64, f64)| (edge + slope * setting.feed_per_tooth).abs();
-            let worst = heights[*wall].iter().map(at).fold(0.0, f64::max);
+            let height = |(edge, slope): &(f64, f64)| (edge + slope * setting.feed_per_tooth).abs();
+            let worst = heights[*wall].iter().map(height).fold(0.0, f64::max);
             let mean = self.walls[*wall].forces.at(setting.feed_per_tooth).normal.abs();
             left * (worst - mean) / self.stiffness
         });

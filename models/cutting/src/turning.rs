@@ -148,10 +148,10 @@ impl Turning {
         let stage =
             |slope: &[f64; STATES]| STAGE * self.pair.limits.wear_limit / TurningState::from_slice(slope).flank_wear;
         let mut seen = 0;
-        let mut look = |until: f64, at: &dyn Fn(f64) -> [f64; STATES]| {
+        let mut look = |until: f64, state_at: &dyn Fn(f64) -> [f64; STATES]| {
             while seen < times.len() && times[seen] <= until {
                 let time = times[seen];
-                let x = TurningState::from_slice(&at(time));
+                let x = TurningState::from_slice(&state_at(time));
                 let u = self.input_after(u, time);
                 see(seen, &u, &self.observe_in(&engagement(time, &x), &x, &u));
                 seen += 1;
@@ -180,8 +180,8 @@ fn position_after(u: &TurningInput, path: f64) -> f64 {
 
 /// The event that keeps an edge in this state from cutting at all. A worn edge may go on past
 /// its wear limit; a collapsed or chipped one may not.
-fn lost_at_once(at: &Engagement<'_>, x: &TurningState, u: &TurningInput) -> Option<ProcessEvent> {
-    lost_at(&at.event_indicators(x, u.chipping_resistance), u)
+fn lost_at_once(engagement: &Engagement<'_>, x: &TurningState, u: &TurningInput) -> Option<ProcessEvent> {
+    lost_at(&engagement.event_indicators(x, u.chipping_resistance), u)
 }
 
 /// The same by the event functions.
@@ -190,7 +190,7 @@ fn lost_at(indicators: &[f64; WEAR_EVENTS.len()], u: &TurningInput) -> Option<Pr
     WEAR_EVENTS
         .into_iter()
         .zip(indicators)
-        .find(|(event, at)| u.engaged > 0.0 && event.ends_cut() && **at >= 0.0)
+        .find(|(event, indicator)| u.engaged > 0.0 && event.ends_cut() && **indicator >= 0.0)
         .map(|(event, _)| event)
 }
 

@@ -1,7 +1,7 @@
 //! Cuts of the shop that chattered or did not.
 
 use crate::error::DynamicsError;
-use crate::table::{Table, read_table, split_title};
+use crate::table::read_table;
 use crate::unit::{self, Motion};
 use std::f64::consts::TAU;
 
@@ -79,13 +79,11 @@ pub struct ShopCut {
 /// assert!(cuts.len() == 2 && cuts[0].chatter && (cuts[1].depth - 0.45e-3).abs() < 1e-12);
 /// ```
 pub fn read_shop_cuts(file: &str, text: &str) -> Result<Vec<ShopCut>, ShopCutError> {
-    let Table { line, titles, columns, .. } = read_table(file, text)?;
+    let table = read_table(file, text)?;
+    let line = table.line;
     const NAMES: [&str; 5] = ["spindle_speed", "depth_of_cut", "immersion", "chatter", "chatter_frequency"];
-    let mut found: [Option<Vec<f64>>; 5] = Default::default();
-    for (title, values) in titles.iter().zip(columns) {
-        let refused = || ShopCutError::Column { file: file.to_owned(), line, column: title.clone() };
-        let (name, unit) = split_title(title);
-        let place = NAMES.iter().position(|known| *known == name).ok_or_else(refused)?;
+    let sorted = table.sorted(|name, unit| {
+        let place = NAMES.iter().position(|known| *known == name)?;
         let factor = match (place, unit) {
             (0, Some("rpm")) => Some(TAU / 60.0),
             (0, Some("rad/s")) => Some(1.0),
@@ -96,13 +94,11 @@ pub fn read_shop_cuts(file: &str, text: &str) -> Result<Vec<ShopCut>, ShopCutErr
             (4, Some(unit)) => unit::frequency(unit),
             (_, _) => None,
         };
-        let factor = factor.ok_or_else(refused)?;
-        if found[place].replace(values.into_iter().map(|value| value * factor).collect()).is_some() {
-            return Err(refused());
-        }
-    }
+        Some((place, factor?))
+    });
+    let refused = |column| ShopCutError::Column { file: file.to_owned(), line, column };
     let missing = |column| ShopCutError::Missing { file: file.to_owned(), line, column };
-    let [speeds, depths, immersions, chatter, frequencies] = found;
+    let [speeds, depths, immersions, chatter, frequencies] = sorted.map_err(refused)?;
     let speeds = speeds.ok_or_else(|| missing("spindle_speed [rpm]"))?;
     let depths = depths.ok_or_else(|| missing("depth_of_cut [mm]"))?;
     let chatter = chatter.ok_or_else(|| missing("chatter"))?;

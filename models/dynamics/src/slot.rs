@@ -17,7 +17,7 @@
 //! Altintas, Manufacturing Automation (2012), mechanistic identification; the equations follow from the force above.
 
 use crate::error::DynamicsError;
-use crate::table::{Table, read_table, split_title};
+use crate::table::read_table;
 use crate::unit::{self, Motion};
 use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::PI;
@@ -169,28 +169,22 @@ pub struct Coefficients {
 /// # Errors
 /// [`ForceTestError`] with the place of the fault.
 pub fn read_forces(file: &str, text: &str) -> Result<ForceTest, ForceTestError> {
-    let Table { line, titles, columns, .. } = read_table(file, text)?;
-    let mut feeds = None;
-    let mut forces: [Option<Vec<f64>>; 3] = [None, None, None];
-    for (title, values) in titles.iter().zip(columns) {
-        let refused = || ForceTestError::Column { file: file.to_owned(), line, column: title.clone() };
-        let (name, unit) = split_title(title);
-        let unit = unit.ok_or_else(refused)?;
-        let (place, factor) = match name.as_str() {
-            "feed_per_tooth" => {
-                let length = unit::motion(unit.strip_suffix("/tooth").unwrap_or(unit));
-                (&mut feeds, length.filter(|(_, motion)| *motion == Motion::Displacement).map(|(factor, _)| factor))
-            }
-            "mean_force_x" => (&mut forces[0], unit::force(unit)),
-            "mean_force_y" => (&mut forces[1], unit::force(unit)),
-            "mean_force_z" => (&mut forces[2], unit::force(unit)),
-            _ => return Err(refused()),
+    let table = read_table(file, text)?;
+    let line = table.line;
+    const NAMES: [&str; 4] = ["feed_per_tooth", "mean_force_x", "mean_force_y", "mean_force_z"];
+    let sorted = table.sorted(|name, unit| {
+        let (place, unit) = (NAMES.iter().position(|known| *known == name)?, unit?);
+        let factor = if place == 0 {
+            let length = unit::motion(unit.strip_suffix("/tooth").unwrap_or(unit));
+            length.filter(|(_, motion)| *motion == Motion::Displacement).map(|(factor, _)| factor)
+        } else {
+            unit::force(unit)
         };
-        let factor = factor.ok_or_else(refused)?;
-        if place.replace(values.into_iter().map(|value| value * factor).collect()).is_some() {
-            return Err(refused());
-        }
-    }
+        Some((place, factor?))
+    });
+    let refused = |column| ForceTestError::Column { file: file.to_owned(), line, column };
+    let [feeds, x, y, z] = sorted.map_err(refused)?;
+    let forces = [x, y, z];
     let missing = |column| ForceTestError::Missing { file: file.to_owned(), line, column };
     let feeds: Vec<f64> = feeds.ok_or_else(|| missing("feed_per_tooth [mm]"))?;
     for (force, column) in forces.iter().zip(["mean_force_x [N]", "mean_force_y [N]"]) {

@@ -52,6 +52,25 @@ pub(crate) fn read_table(file: &str, text: &str) -> Result<Table, DynamicsError>
     Ok(Table { line, titles, columns, decimals })
 }
 
+impl Table {
+    /// The columns that `place` knows by their name and unit, each at its place and multiplied by its factor; the title of a
+    /// column that it does not know, or that is there twice.
+    pub fn sorted<const N: usize>(
+        self,
+        place: impl Fn(&str, Option<&str>) -> Option<(usize, f64)>,
+    ) -> Result<[Option<Vec<f64>>; N], String> {
+        let mut found = [const { None }; N];
+        for (title, values) in self.titles.into_iter().zip(self.columns) {
+            let (name, unit) = split_title(&title);
+            let Some((index, factor)) = place(&name, unit) else { return Err(title) };
+            if found[index].replace(values.into_iter().map(|value| value * factor).collect()).is_some() {
+                return Err(title);
+            }
+        }
+        Ok(found)
+    }
+}
+
 /// Name and unit of a title such as `force [N]`.
 pub(crate) fn split_title(title: &str) -> (String, Option<&str>) {
     match title.split_once('[') {

@@ -20,6 +20,7 @@
 //! | `reference` | the keys of a form as a page for people |
 //! | `refusal` | what a model refuses of a file whose form is right |
 //! | `shipped` | files that the program holds, `builtin:NAME` |
+//! | `sets` | parameter sets that a crate ships, by their names |
 //! | `overrides` | single values replaced before the file is read |
 //! | `vocabulary` | lists of words, each with the variant that it becomes |
 //!
@@ -39,6 +40,7 @@ mod reference;
 mod refusal;
 mod schema;
 mod section;
+mod sets;
 mod shipped;
 mod text;
 mod vocabulary;
@@ -55,6 +57,7 @@ pub use reference::reference;
 pub use refusal::{Refusal, key_place};
 pub use schema::{field, schema};
 pub use section::{Got, RuleTable, Section, Span, Value};
+pub use sets::{UnknownSet, shipped_set};
 pub use shipped::{SHIPPED, bytes, is_shipped, place_of, shipped_names};
 pub use walk::{Echo, Problem, Walk};
 pub use words::{display, example, significant};

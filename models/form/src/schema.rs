@@ -13,8 +13,8 @@ use toolroom_process::{Field, unit};
 /// let schema = schema(&FILE, "toolroom modes");
 /// assert_eq!(schema["properties"]["mode"]["items"]["additionalProperties"], false);
 /// ```
-pub fn schema(of: &'static Form, title: &str) -> Value {
-    let Value::Object(body) = form(of) else { return Value::Null };
+pub fn schema(described: &'static Form, title: &str) -> Value {
+    let Value::Object(body) = form(described) else { return Value::Null };
     let mut root = Map::new();
     root.insert("$schema".to_owned(), json!("https://json-schema.org/draft/2020-12/schema"));
     root.insert("title".to_owned(), json!(title));

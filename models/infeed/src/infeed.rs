@@ -323,7 +323,8 @@ impl Process for Infeed {
             return Ok(whole);
         }
         if self.terms(x, u).system_stiffness <= 0.0 {
-            let drift = self.effects.iter().filter(|effect| effect.entry().id == "stiffness_drift").map(Effect::size);
+            let drifts = self.effects.iter().filter(|effect| matches!(effect, Effect::StiffnessDrift(_)));
+            let drift = drifts.map(Effect::size);
             return Err(ModelError::Contradiction {
                 first: "size of stiffness_drift",
                 first_value: drift.sum(),

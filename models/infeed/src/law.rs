@@ -64,10 +64,10 @@ mod tests {
     #[test]
     fn derivatives_pass_through_the_root() {
         use toolroom_process::num_dual::Dual64;
-        let at = |engagement: f64| share_out(engagement, 1.3, 0.1, 0.8, REFERENCE_DEPTH).0;
+        let share = |engagement: f64| share_out(engagement, 1.3, 0.1, 0.8, REFERENCE_DEPTH).0;
         let dual =
             share_out(Dual64::new(4e-6, 1.0), Dual64::from(1.3), Dual64::from(0.1), Dual64::from(0.8), REFERENCE_DEPTH);
-        let difference = (at(4.0001e-6) - at(3.9999e-6)) / 2e-10;
+        let difference = (share(4.0001e-6) - share(3.9999e-6)) / 2e-10;
         assert!((dual.0.eps / difference - 1.0).abs() < 1e-8);
     }
 }

@@ -1,5 +1,6 @@
 //! Constants of the machine, the wheel and the work.
 
+use toolroom_form::{UnknownSet, shipped_set};
 use toolroom_process::parameters::{ParameterError, ParameterFile};
 use toolroom_process::{Number, record};
 
@@ -83,13 +84,8 @@ record! {
 #[non_exhaustive]
 pub enum SetError {
     /// No shipped set has this name.
-    #[error("no infeed parameter set `{name}`; did you mean `{nearest}`?")]
-    Unknown {
-        /// What was requested.
-        name: String,
-        /// The most similar name.
-        nearest: &'static str,
-    },
+    #[error(transparent)]
+    Unknown(#[from] UnknownSet),
     /// A group that plunge grinding does not have.
     #[error("unknown group [parameters.{group}]; plunge grinding has [parameters.infeed]")]
     UnknownGroup {
@@ -127,13 +123,7 @@ impl Parameters {
     /// assert_eq!(Parameters::named("zb153u_40kh").unwrap().width, 0.02);
     /// ```
     pub fn named(name: &str) -> Result<Self, SetError> {
-        if let Some((_, text)) = PARAMETER_SETS.iter().find(|(known, _)| *known == name) {
-            return Self::read(text);
-        }
-        let likeness = |known: &str| strsim::jaro_winkler(known, name);
-        let names = PARAMETER_SETS.iter().map(|(known, _)| *known);
-        let nearest = names.max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-        Err(SetError::Unknown { name: name.to_owned(), nearest: nearest.unwrap_or_default() })
+        Self::read(shipped_set("plunge grinding", PARAMETER_SETS, name)?)
     }
 
     /// Reads a parameter file with the group `[parameters.infeed]`.

@@ -61,14 +61,14 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
     let name = root.text("name")?.to_owned();
     let title = root.text("title").filter(|title| !title.is_empty()).unwrap_or(&name).to_owned();
     let limits = limits(walk, root, case);
-    let told = scatter(walk, root);
+    let stated = scatter(walk, root);
     let of_structure = structure.and_then(|structure| {
         let known = structure.scatter?;
         // What was identified stands in place of what is usual for a coefficient of a table.
         let coefficients = deviation.map(|deviation: f64| deviation.hypot(structure.stiffness_deviation).min(1.0));
         Some(Scatter { coefficients: coefficients.unwrap_or(known.coefficients), ..known })
     });
-    let scatter = told.or(of_structure);
+    let scatter = stated.or(of_structure);
     let cut = cut?;
     if let LobesCut::Milling(cut) = &cut {
         feed = Some(cut.feed_per_tooth).filter(|feed| *feed > 0.0);

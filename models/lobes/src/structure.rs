@@ -284,7 +284,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
 /// The modes stand in one of the places where they can, of which each has a number of tables; a fault where they do not.
 fn one_place(walk: &mut Walk, root: &Section<'_>, places: [(&'static str, usize); 3]) -> Option<()> {
     let given: Vec<(&'static str, usize)> = places.into_iter().filter(|(_, count)| *count > 0).collect();
-    let (fault, at) = match given[..] {
+    let (fault, place) = match given[..] {
         [_] => return Some(()),
         [(first, some), (second, others), ..] => {
             let shown = |key: &str, count: usize| format!("{count} {key}s");
@@ -302,7 +302,7 @@ fn one_place(walk: &mut Walk, root: &Section<'_>, places: [(&'static str, usize)
             (Fault::Nothing { what, example: "[[mode]] with natural_frequency, damping_ratio and stiffness" }, "")
         }
     };
-    walk.fault(root.span_of(at), fault);
+    walk.fault(root.span_of(place), fault);
     None
 }
 

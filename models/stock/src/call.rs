@@ -204,11 +204,11 @@ fn spent(program: &Program, drives: &Drives) -> Vec<(f64, f64)> {
         timer.block(index, block, &mut done);
     }
     timer.finish(program.blocks.len().saturating_sub(1), &mut done);
-    for each in done {
-        match each.part {
-            Part::Feed => spent[each.key].0 += each.seconds,
+    for piece in done {
+        match piece.part {
+            Part::Feed => spent[piece.key].0 += piece.seconds,
             Part::Rapid | Part::Settling | Part::Dwell | Part::Auxiliary | Part::Change | Part::Spindle => {
-                spent[each.key].1 += each.seconds;
+                spent[piece.key].1 += piece.seconds;
             }
         }
     }

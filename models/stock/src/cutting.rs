@@ -313,7 +313,7 @@ fn pieces(motion: &Motion, stock: &Stock) -> Vec<Piece> {
             let radius = 1e-3 * arc.radius;
             let parts = (arc.angle / PI).ceil().max(1.0);
             let turn = sign * arc.angle / parts;
-            let at = |share: f64| from + (to - from) * share;
+            let level = |share: f64| from + (to - from) * share;
             (0..parts as u32)
                 .map(|i| {
                     let angle = centre.heading_to(start) + turn * f64::from(i);
@@ -324,7 +324,7 @@ fn pieces(motion: &Motion, stock: &Stock) -> Vec<Piece> {
                         curvature: sign / radius,
                         arc_angle: turn.abs(),
                     };
-                    (section, at(f64::from(i) / parts), at(f64::from(i + 1) / parts))
+                    (section, level(f64::from(i) / parts), level(f64::from(i + 1) / parts))
                 })
                 .collect()
         }

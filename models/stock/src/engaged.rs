@@ -99,9 +99,9 @@ impl Stock {
         }
         let reaches = |swath: &&Swath| swath.floor < self.top && swath.track.reaches(centre, swath.radius + radius);
         let mut swaths: Vec<&Swath> = around.iter().copied().filter(reaches).collect();
-        if let Some(own) = swath.filter(|own| own.floor < self.top) {
-            let place = swaths.partition_point(|swath| swath.floor < own.floor);
-            swaths.insert(place, own);
+        if let Some(latest) = swath.filter(|latest| latest.floor < self.top) {
+            let place = swaths.partition_point(|swath| swath.floor < latest.floor);
+            swaths.insert(place, latest);
         }
         let mut floors: Vec<f64> =
             swaths.iter().map(|swath| swath.floor).filter(|floor| *floor > low + LEVEL).chain([self.top]).collect();

@@ -36,7 +36,7 @@ record! {
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<'a, N: Copy = f64> {
     pub(crate) pair: &'a Pair<N>,
-    pub(crate) at: Coefficients<N>,
+    pub(crate) coefficients: Coefficients<N>,
 }
 
 /// The numbers of a [`Contact`] without its pair, for whoever keeps them: they hold as long as
@@ -74,7 +74,7 @@ impl<N: Number> Pair<N> {
     pub fn contact(&self, cut: &Cut<N>) -> Contact<'_, N> {
         Contact {
             pair: self,
-            at: Coefficients {
+            coefficients: Coefficients {
                 cut: *cut,
                 heating: self.temperature.heating(cut),
                 level: self.law.level(cut),
@@ -94,7 +94,7 @@ impl<N: Number> Pair<N> {
     /// ```
     #[inline]
     pub fn contact_of(&self, coefficients: Coefficients<N>) -> Contact<'_, N> {
-        Contact { pair: self, at: coefficients }
+        Contact { pair: self, coefficients }
     }
 
     /// Quasi-steady point: the tool body is as warm as this cut makes it, no thermal damage.
@@ -126,7 +126,7 @@ impl<'a, N: Number> Contact<'a, N> {
     #[inline]
     pub fn at_speed(&self, cutting_speed: N) -> Self {
         let mut contact = *self;
-        contact.at.change_speed(self.pair, cutting_speed);
+        contact.coefficients.change_speed(self.pair, cutting_speed);
         contact
     }
 
@@ -142,18 +142,18 @@ impl<'a, N: Number> Contact<'a, N> {
     /// ```
     #[inline]
     pub fn near_speed(&self, cutting_speed: N) -> Self {
-        let change = cutting_speed / self.at.cut.cutting_speed - 1.0;
+        let change = cutting_speed / self.coefficients.cut.cutting_speed - 1.0;
         if change.re().abs() > 0.03 || change.re().is_nan() {
             return self.at_speed(cutting_speed);
         }
-        let cut = Cut { cutting_speed, ..self.at.cut };
+        let cut = Cut { cutting_speed, ..self.coefficients.cut };
         let coefficients = Coefficients {
-            heating: self.pair.temperature.near_speed(&self.at.heating, change),
-            level: self.pair.law.level_at_speed(self.at.level, &cut),
+            heating: self.pair.temperature.near_speed(&self.coefficients.heating, change),
+            level: self.pair.law.level_at_speed(self.coefficients.level, &cut),
             cut,
-            ..self.at
+            ..self.coefficients
         };
-        Contact { at: coefficients, ..*self }
+        Contact { coefficients, ..*self }
     }
 
     /// The contact under `cut`, which differs from that of this contact in nothing but factors of
@@ -170,20 +170,22 @@ impl<'a, N: Number> Contact<'a, N> {
     /// ```
     #[inline]
     pub fn with_factors(&self, cut: &Cut<N>) -> Self {
-        let before = &self.at.cut;
+        let before = &self.coefficients.cut;
         let wear = cut.wear_factor / before.wear_factor;
         let coefficients = Coefficients {
             cut: *cut,
-            heating: self.at.heating.times(cut.temperature_factor / before.temperature_factor),
+            heating: self.coefficients.heating.times(cut.temperature_factor / before.temperature_factor),
             level: Wear {
-                mechanical_per_path: self.at.level.mechanical_per_path
+                mechanical_per_path: self.coefficients.level.mechanical_per_path
                     * wear
                     * (cut.mechanical_factor / before.mechanical_factor),
-                thermal_rate: self.at.level.thermal_rate * wear * (cut.thermal_factor / before.thermal_factor),
+                thermal_rate: self.coefficients.level.thermal_rate
+                    * wear
+                    * (cut.thermal_factor / before.thermal_factor),
             },
             damage_gain: self.pair.damage_terms(cut).1,
         };
-        Contact { at: coefficients, ..*self }
+        Contact { coefficients, ..*self }
     }
 
     /// The contact of an edge that wears by `factor` faster.
@@ -199,16 +201,16 @@ impl<'a, N: Number> Contact<'a, N> {
     #[inline]
     pub fn wearing(&self, factor: N) -> Self {
         let mut contact = *self;
-        contact.at.cut.wear_factor *= factor;
-        contact.at.level.mechanical_per_path *= factor;
-        contact.at.level.thermal_rate *= factor;
+        contact.coefficients.cut.wear_factor *= factor;
+        contact.coefficients.level.mechanical_per_path *= factor;
+        contact.coefficients.level.thermal_rate *= factor;
         contact
     }
 
     /// The cut of this contact.
     #[inline]
     pub fn cut(&self) -> &Cut<N> {
-        &self.at.cut
+        &self.coefficients.cut
     }
 
     /// Ambient temperature, K.
@@ -220,13 +222,13 @@ impl<'a, N: Number> Contact<'a, N> {
     /// What is to be kept of it for [`Pair::contact_of`].
     #[inline]
     pub fn coefficients(&self) -> Coefficients<N> {
-        self.at
+        self.coefficients
     }
 
     /// Temperature rise by chip and flank in cut, K.
     #[inline]
     pub fn rise(&self, flank_wear: N) -> N {
-        self.at.heating.chip + self.at.heating.flank(flank_wear)
+        self.coefficients.heating.chip + self.coefficients.heating.flank(flank_wear)
     }
 
     /// Quasi-steady contact temperature, K.
@@ -240,13 +242,15 @@ impl<'a, N: Number> Contact<'a, N> {
     #[inline]
     pub fn temperature(&self, rise: N, body: N) -> N {
         let share = self.pair.temperature.body_share;
-        self.pair.temperature.ambient_temperature + (-share + 1.0) * (rise * self.at.cut.engaged) + share * body
+        self.pair.temperature.ambient_temperature
+            + (-share + 1.0) * (rise * self.coefficients.cut.engaged)
+            + share * body
     }
 
     /// Wear at a contact temperature.
     #[inline]
     pub fn wear(&self, flank_wear: N, temperature: N, damage: N) -> Wear<N> {
-        self.pair.law.wear(self.at.level, flank_wear, temperature, damage, self.at.damage_gain)
+        self.pair.law.wear(self.coefficients.level, flank_wear, temperature, damage, self.coefficients.damage_gain)
     }
 
     /// Quasi-steady wear without damage.
@@ -257,21 +261,21 @@ impl<'a, N: Number> Contact<'a, N> {
 
     /// `∂ ln theta / ∂ ln v` at a quasi-steady contact temperature, χ.
     pub fn speed_sensitivity(&self, flank_wear: N, temperature: N) -> N {
-        let flank = self.at.heating.flank(flank_wear);
-        (self.pair.temperature.speed_exponent * self.at.heating.chip + flank * 0.5) / temperature
+        let flank = self.coefficients.heating.flank(flank_wear);
+        (self.pair.temperature.speed_exponent * self.coefficients.heating.chip + flank * 0.5) / temperature
     }
 
     /// `w_M·A` and `w_T·B/v`, whose difference is `-∂J/∂ln v`, quasi-steady.
     pub(crate) fn balance(&self, flank_wear: N, temperature: N, wear: Wear<N>) -> (N, N) {
         let chi = self.speed_sensitivity(flank_wear, temperature);
         let (mechanical, thermal) = self.pair.law.weights(temperature, chi);
-        (mechanical * wear.mechanical_per_path, thermal * wear.thermal_rate / self.at.cut.cutting_speed)
+        (mechanical * wear.mechanical_per_path, thermal * wear.thermal_rate / self.coefficients.cut.cutting_speed)
     }
 
     /// Everything at a state of the edge under the forces of the same cut; `body` is the tool
     /// body's temperature rise.
     pub fn point(&self, load: &Load<N>, flank_wear: N, body: N, damage: N) -> Point<N> {
-        self.point_of_chip(load, flank_wear, body, damage, self.pair.force.chip_thickness(&self.at.cut))
+        self.point_of_chip(load, flank_wear, body, damage, self.pair.force.chip_thickness(&self.coefficients.cut))
     }
 
     /// The same with the chip thickness (m) of this cut, [`Force::chip_thickness`](crate::Force::chip_thickness), for whoever
@@ -289,7 +293,7 @@ impl<'a, N: Number> Contact<'a, N> {
     /// );
     /// ```
     pub fn point_of_chip(&self, load: &Load<N>, flank_wear: N, body: N, damage: N, chip_thickness: N) -> Point<N> {
-        let cut = &self.at.cut;
+        let cut = &self.coefficients.cut;
         let temperature = self.temperature(self.rise(flank_wear), body);
         let wear = self.wear(flank_wear, temperature, damage);
         let moving = cut.cutting_speed.re() > 0.0;
@@ -329,19 +333,19 @@ impl<'a, N: Number> Contact<'a, N> {
 
     /// Thermo-EMF at a contact temperature, V.
     pub(crate) fn thermo_emf(&self, flank_wear: N, temperature: N) -> N {
-        self.thermo_emf_of_chip(flank_wear, temperature, self.pair.force.chip_thickness(&self.at.cut))
+        self.thermo_emf_of_chip(flank_wear, temperature, self.pair.force.chip_thickness(&self.coefficients.cut))
     }
 
     fn thermo_emf_of_chip(&self, flank_wear: N, temperature: N, chip_thickness: N) -> N {
         let pair = self.pair;
         let junction = Junction {
             ambient: pair.temperature.ambient_temperature,
-            chip: self.at.heating.chip,
+            chip: self.coefficients.heating.chip,
             temperature,
             chip_thickness,
             land: flank_wear + pair.temperature.land_offset,
         };
-        pair.emf.value(junction) * self.at.cut.engaged
+        pair.emf.value(junction) * self.coefficients.cut.engaged
     }
 }
 
@@ -349,13 +353,13 @@ impl<'a> Contact<'a> {
     /// The same contact of a pair lifted to another number type, for derivatives by the state.
     pub(crate) fn lift<N: Number>(&self, pair: &'a Pair<N>) -> Contact<'a, N> {
         let coefficients = Coefficients {
-            cut: self.at.cut.map(N::from),
-            heating: self.at.heating.map(N::from),
+            cut: self.coefficients.cut.map(N::from),
+            heating: self.coefficients.heating.map(N::from),
             level: Wear {
-                mechanical_per_path: N::from(self.at.level.mechanical_per_path),
-                thermal_rate: N::from(self.at.level.thermal_rate),
+                mechanical_per_path: N::from(self.coefficients.level.mechanical_per_path),
+                thermal_rate: N::from(self.coefficients.level.thermal_rate),
             },
-            damage_gain: N::from(self.at.damage_gain),
+            damage_gain: N::from(self.coefficients.damage_gain),
         };
         pair.contact_of(coefficients)
     }

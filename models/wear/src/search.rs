@@ -6,16 +6,16 @@
 /// `f` gives the value and something with the sign of its slope. Where the best point is an
 /// end of the range, that end is the answer.
 pub(crate) fn greatest(low: f64, high: f64, points: u32, f: impl Fn(f64) -> (f64, f64)) -> f64 {
-    let at = |i: u32| grid(low, high, points, i);
+    let argument = |i: u32| grid(low, high, points, i);
     let mut best = (0, f64::NEG_INFINITY);
     for i in 0..points {
-        let value = f(at(i)).0;
+        let value = f(argument(i)).0;
         if value > best.1 {
             best = (i, value);
         }
     }
     let i = best.0;
-    let (left, right) = (at(i.saturating_sub(1)), at((i + 1).min(points - 1)));
+    let (left, right) = (argument(i.saturating_sub(1)), argument((i + 1).min(points - 1)));
     // At an end of the range the optimum may still lie inside the first or last interval.
     if i == 0 && f(low).1 <= 0.0 {
         return low;

@@ -38,12 +38,13 @@ impl SpeedTable {
         let interval = (position as usize).min(INTERVALS - 1);
         let t = position - interval as f64;
         // Points outside the table continue its first and last interval in a straight line.
-        let at = |i: usize, shift: isize| match i.checked_add_signed(shift) {
+        let speed = |i: usize, shift: isize| match i.checked_add_signed(shift) {
             None => 2.0 * self.speeds[0] - self.speeds[1],
             Some(i) if i > INTERVALS => 2.0 * self.speeds[INTERVALS] - self.speeds[INTERVALS - 1],
             Some(i) => self.speeds[i],
         };
-        let (before, left, right, after) = (at(interval, -1), at(interval, 0), at(interval, 1), at(interval, 2));
+        let (before, left, right, after) =
+            (speed(interval, -1), speed(interval, 0), speed(interval, 1), speed(interval, 2));
         let (slope_left, slope_right) = (0.5 * (right - before), 0.5 * (after - left));
         let rise = right - left;
         left + t

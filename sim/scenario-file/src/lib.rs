@@ -11,6 +11,8 @@
 //! meaning. The room [`toolroom_form`] makes reader, JSON schema, the echo of `toolroom check` and
 //! the error texts from them.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod calendars;
 mod choices;
 mod codes;

@@ -15,7 +15,7 @@ struct Column {
     name: String,
     from: String,
     format: Option<String>,
-    at: Option<String>,
+    clock: Option<String>,
     span: Span,
 }
 
@@ -69,7 +69,7 @@ impl Columns {
                 name: name.to_owned(),
                 from: from.to_owned(),
                 format: section.text("format").map(str::to_owned),
-                at: section.text("at").map(str::to_owned),
+                clock: section.text("at").map(str::to_owned),
                 span: section.span_of("from"),
             });
         }
@@ -122,7 +122,7 @@ impl Columns {
                 None => return Cow::Borrowed(cell),
             },
         };
-        let clock = column.at.as_deref().and_then(date::clock).filter(|_| !has_time).unwrap_or(0.0);
+        let clock = column.clock.as_deref().and_then(date::clock).filter(|_| !has_time).unwrap_or(0.0);
         Cow::Owned(date::show(date + clock))
     }
 }

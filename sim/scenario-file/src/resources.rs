@@ -152,13 +152,13 @@ pub(super) fn check_pairs(
     let place = root.span_of("setup_matrix");
     for (index, machine) in machines.iter().enumerate() {
         let Some(matrix) = machine.setup_matrix.and_then(|matrix| matrices.get(matrix)) else { continue };
-        let mut told: Vec<&str> = Vec::new();
+        let mut missing: Vec<&str> = Vec::new();
         let here = parts.iter().flat_map(|part| &part.operations).filter(|own| own.machines.contains(&index));
         let groups = here.map(|operation| operation.setup_group.as_str());
         let at_start = machine.setup_at_start.as_deref().filter(|group| !group.is_empty());
         for group in groups.chain(at_start) {
-            if matrix.group(group).is_none() && !told.contains(&group) {
-                told.push(group);
+            if matrix.group(group).is_none() && !missing.contains(&group) {
+                missing.push(group);
                 let fault = ScenarioFault::MissingPair {
                     matrix: matrix.name.clone(),
                     machine: machine.name.clone(),

@@ -38,8 +38,8 @@ pub(super) fn schedule(
     {
         given = true;
         place = tables.span_of("schedule");
-        let own = &Columns::own();
-        let table = Table { file, text: &text, place: place.clone(), kind: "schedule", mapping: own };
+        let columns = &Columns::own();
+        let table = Table { file, text: &text, place: place.clone(), kind: "schedule", mapping: columns };
         table.rows(walk, |walk, section, _| row(walk, section, around, orders, &mut rows, &mut seen));
     }
     if !given {
@@ -61,9 +61,9 @@ pub(super) fn schedule(
     if walk.problems.len() == noted {
         let circle = schedule.circle();
         if !circle.is_empty() {
-            let named = |(machine, own): &(usize, PlannedOperation)| {
-                let order = &orders[own.order];
-                let operation = &around.parts[order.part].operations[own.operation].name;
+            let named = |(machine, planned): &(usize, PlannedOperation)| {
+                let order = &orders[planned.order];
+                let operation = &around.parts[order.part].operations[planned.operation].name;
                 format!("{operation} of {} on {}", order.id, around.machines[*machine].name)
             };
             let words: Vec<String> = circle.iter().map(named).collect();
@@ -91,14 +91,15 @@ fn row(
     let mut refuse = |key: &str, reason: String, fix: String| {
         walk.fault(section.span_of(key), ScenarioFault::Arrangement { reason, fix });
     };
-    let (id, own) = (&orders[order].id, &part.operations[operation]);
-    if !own.machines.contains(&machine) {
-        let may: Vec<&str> = own.machines.iter().map(|each| around.machines[*each].name.as_str()).collect();
-        let reason = format!("machine \"{}\" does not do operation \"{}\"", around.machines[machine].name, own.name);
+    let (id, planned) = (&orders[order].id, &part.operations[operation]);
+    if !planned.machines.contains(&machine) {
+        let may: Vec<&str> = planned.machines.iter().map(|each| around.machines[*each].name.as_str()).collect();
+        let reason =
+            format!("machine \"{}\" does not do operation \"{}\"", around.machines[machine].name, planned.name);
         refuse("machine", reason, format!("its machines: {}", may.join(", ")));
     }
     if seen.insert((order, operation), ()).is_some() {
-        let reason = format!("operation \"{}\" of order \"{id}\" is planned twice", own.name);
+        let reason = format!("operation \"{}\" of order \"{id}\" is planned twice", planned.name);
         refuse("order", reason, "take out one of the rows".to_owned());
         return;
     }
@@ -146,12 +147,12 @@ fn check(
         }
         let from =
             order.in_process.as_ref().map_or(0, |inside| inside.operation + usize::from(inside.machine.is_some()));
-        for (operation, own) in part.operations.iter().enumerate().skip(from) {
+        for (operation, step) in part.operations.iter().enumerate().skip(from) {
             if !seen.contains_key(&(index, operation)) {
-                missing.push(format!("{} of {}", own.name, order.id));
+                missing.push(format!("{} of {}", step.name, order.id));
             }
             if let Some(machine) =
-                own.machines.iter().map(|&each| &around.machines[each]).find(|each| each.batch.is_some())
+                step.machines.iter().map(|&each| &around.machines[each]).find(|each| each.batch.is_some())
             {
                 refuse(
                     format!("machine \"{}\" makes batches, which a schedule does not say", machine.name),
@@ -159,9 +160,9 @@ fn check(
                 );
             }
             let back = |outcome: &toolroom_scenario::InspectionOutcome| matches!(outcome.to, InspectedTo::Operation(_));
-            if own.inspection.outcomes.iter().any(back) {
+            if step.inspection.outcomes.iter().any(back) {
                 refuse(
-                    format!("operation \"{}\" sends parts back, which a schedule does not foresee", own.name),
+                    format!("operation \"{}\" sends parts back, which a schedule does not foresee", step.name),
                     "take out `go` of its outcomes, or the schedule",
                 );
             }

@@ -96,8 +96,8 @@ impl Table<'_> {
             row(walk, &section, line);
             walk.echo.truncate(echoed); // what a table says is read there
             for problem in &mut walk.problems[noted..] {
-                let told = fault(line, problem.fault.to_string(), problem.fault.fix());
-                problem.fault = told.into();
+                let placed = fault(line, problem.fault.to_string(), problem.fault.fix());
+                problem.fault = placed.into();
                 problem.span = place.clone();
             }
         }

@@ -28,6 +28,7 @@ mod crib;
 mod deviation;
 mod dispatch;
 pub mod effects;
+mod empty;
 mod flow;
 mod gap;
 mod grinding;

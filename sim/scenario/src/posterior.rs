@@ -56,8 +56,8 @@ fn read_draws(path: &Path) -> Result<DrawTable, String> {
 pub fn read_posterior(path: &Path, section: &Section<'_>, process: &ProcessModel) -> Result<Posterior, String> {
     let posterior = Posterior::of(&read_draws(path)?, process, section.given("scatter"))?;
     let stated = |name: &&String| {
-        let own = name.split_once('.').zip(section.got("parameters"));
-        own.is_some_and(|((group, field), got)| {
+        let parameter = name.split_once('.').zip(section.got("parameters"));
+        parameter.is_some_and(|((group, field), got)| {
             let Value::Raw(raw) = &got.value else { return false };
             raw.get(group).is_some_and(|group| group.get_ref().get(field).is_some())
         })
@@ -208,7 +208,7 @@ impl Posterior {
     pub fn pairs(&self, seed: u64, tool: &str, pair: &Pair, scatter: &Scatter) -> Vec<(Pair, Scatter)> {
         let turning = Turning { pair: pair.clone(), ..Turning::default() };
         let process = ProcessModel::Turning(Arc::new(turning));
-        let of = |place: usize| {
+        let pair_of = |place: usize| {
             let (mut process, mut scatter) = (process.clone(), *scatter);
             self.put(&self.draws[place], &mut process, &mut scatter);
             match process {
@@ -216,7 +216,7 @@ impl Posterior {
                 ProcessModel::Milling(_) | ProcessModel::Infeed(_) | ProcessModel::Other(_) => None,
             }
         };
-        self.order(seed, tool).into_iter().filter_map(of).collect()
+        self.order(seed, tool).into_iter().filter_map(pair_of).collect()
     }
 
     /// Places of the draws in the order in which a study takes them for a tool.

@@ -25,7 +25,9 @@ impl Schedule {
     /// All operations, each with its machine and its place there, from 0.
     pub fn operations(&self) -> impl Iterator<Item = (usize, usize, &PlannedOperation)> {
         let machines = self.machines.iter().enumerate();
-        machines.flat_map(|(machine, all)| all.iter().enumerate().map(move |(place, own)| (machine, place, own)))
+        machines.flat_map(|(machine, all)| {
+            all.iter().enumerate().map(move |(place, operation)| (machine, place, operation))
+        })
     }
 
     /// Operations that wait for each other in a circle, by the order of machines and of routings; empty where there is none.
@@ -37,10 +39,10 @@ impl Schedule {
             firsts[machine] = firsts[machine - 1] + self.machines[machine - 1].len();
         }
         let mut of_order: Vec<usize> = (0..all.len()).collect();
-        of_order.sort_by_key(|&own| (all[own].2.order, all[own].2.operation));
+        of_order.sort_by_key(|&index| (all[index].2.order, all[index].2.operation));
         let mut before: Vec<Vec<usize>> = vec![Vec::new(); all.len()];
-        for (own, (machine, place, _)) in all.iter().enumerate().filter(|(_, (_, place, _))| *place > 0) {
-            before[own].push(firsts[*machine] + place - 1);
+        for (index, (machine, place, _)) in all.iter().enumerate().filter(|(_, (_, place, _))| *place > 0) {
+            before[index].push(firsts[*machine] + place - 1);
         }
         for pair in of_order.windows(2) {
             if all[pair[0]].2.order == all[pair[1]].2.order {
@@ -49,12 +51,12 @@ impl Schedule {
         }
         let mut after: Vec<Vec<usize>> = vec![Vec::new(); all.len()];
         let mut left: Vec<usize> = before.iter().map(Vec::len).collect();
-        for (own, all_before) in before.iter().enumerate() {
-            all_before.iter().for_each(|&earlier| after[earlier].push(own));
+        for (index, all_before) in before.iter().enumerate() {
+            all_before.iter().for_each(|&earlier| after[earlier].push(index));
         }
-        let mut ready: Vec<usize> = (0..all.len()).filter(|&own| left[own] == 0).collect();
-        while let Some(own) = ready.pop() {
-            for &later in &after[own] {
+        let mut ready: Vec<usize> = (0..all.len()).filter(|&index| left[index] == 0).collect();
+        while let Some(index) = ready.pop() {
+            for &later in &after[index] {
                 left[later] -= 1;
                 if left[later] == 0 {
                     ready.push(later);
@@ -66,11 +68,11 @@ impl Schedule {
         let mut walk = vec![start];
         loop {
             let last = walk[walk.len() - 1];
-            let earlier = before[last].iter().copied().find(|&own| left[own] > 0);
+            let earlier = before[last].iter().copied().find(|&index| left[index] > 0);
             let earlier = earlier.expect("what is left waits for something that is left");
-            if let Some(first) = walk.iter().position(|&own| own == earlier) {
+            if let Some(first) = walk.iter().position(|&index| index == earlier) {
                 let circle = walk.split_off(first);
-                return circle.iter().rev().map(|&own| (all[own].0, *all[own].2)).collect();
+                return circle.iter().rev().map(|&index| (all[index].0, *all[index].2)).collect();
             }
             walk.push(earlier);
         }

@@ -22,7 +22,7 @@ impl Spreads {
     /// Those of draws for the parameters of `process`.
     pub fn of_draws(posterior: &Posterior, process: &ProcessModel) -> Self {
         let logarithms = |values: Vec<f64>| deviation(values.into_iter().map(f64::ln));
-        let of = |name: &String| Some((name.clone(), logarithms(posterior.values(name)?)?));
+        let spread_of = |name: &String| Some((name.clone(), logarithms(posterior.values(name)?)?));
         let step = posterior.count().div_ceil(LOOKED);
         let lives = posterior.each().step_by(step).filter_map(|draw| {
             let mut drawn = process.clone();
@@ -30,7 +30,7 @@ impl Spreads {
             reference_life(&drawn)
         });
         Self {
-            parameters: posterior.names().iter().filter_map(of).collect(),
+            parameters: posterior.names().iter().filter_map(spread_of).collect(),
             wear_level: logarithms(lives.collect()).filter(|level| *level > 0.0),
         }
     }
@@ -57,8 +57,8 @@ impl Spreads {
             ProcessModel::Infeed(_) | ProcessModel::Other(_) => None,
         };
         let moved = |(key, deviation): (&String, &f64)| {
-            let (of, name) = key.split_once('.')?;
-            let value = value_of(key).filter(|_| group == Some(of))?;
+            let (group_name, name) = key.split_once('.')?;
+            let value = value_of(key).filter(|_| group == Some(group_name))?;
             let life = |sign: f64| {
                 let mut process = process.clone();
                 with_group(&mut process, value.group, |record| {

@@ -10,6 +10,7 @@ use super::lot::KeptMachine;
 use super::machine::{Content, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
+use crate::runlog::LogEvent;
 use toolroom_kernel::Entity;
 use toolroom_scenario::ShopConstant;
 
@@ -86,7 +87,7 @@ impl<R: Recorder> Shop<'_, R> {
             riders: Vec::new(),
             tending: None,
         });
-        self.log_event("setup", Some(machine), Some(number), None);
+        self.log_event(LogEvent::Setup, Some(machine), Some(number), None);
         self.start_clocks(machine)?;
         self.drive(machine, true)
     }

@@ -6,7 +6,7 @@ use super::job::{Job, Origin};
 use super::lot::Lot;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::{JobOutcome, JobRow};
+use crate::runlog::{JobOutcome, JobRow, LogEvent};
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose, SimTime};
 use toolroom_scenario::{ArrivalPattern, DueRule, InProcess, Work};
@@ -123,7 +123,7 @@ impl<R: Recorder> Shop<'_, R> {
             self.enroll(slot, None);
         }
         self.recorder.arrival(number, row);
-        self.log_event("arrival", None, Some(number), None);
+        self.log_event(LogEvent::Arrival, None, Some(number), None);
         self.let_in(slot)
     }
 
@@ -215,7 +215,7 @@ impl<R: Recorder> Shop<'_, R> {
                 }
             }
             self.recorder.arrival(number, row);
-            self.log_event("arrival", None, Some(number), None);
+            self.log_event(LogEvent::Arrival, None, Some(number), None);
             match &ordered.in_process {
                 Some(inside) => {
                     let machine = inside.machine.filter(|_| index == passed);
@@ -288,7 +288,7 @@ impl<R: Recorder> Shop<'_, R> {
         job.row.finish = self.now().seconds();
         job.row.outcome = outcome;
         self.recorder.job(job.number, job.row);
-        let event = if outcome == JobOutcome::Good { "finish" } else { "scrap" };
+        let event = if outcome == JobOutcome::Good { LogEvent::Finish } else { LogEvent::Scrap };
         self.log_event(event, None, Some(job.number), None);
         if let Origin::Order(order) = job.origin {
             self.left_lot(order, job.operation);

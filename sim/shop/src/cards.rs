@@ -12,6 +12,7 @@ use super::queue::{Queue, Waiting};
 use super::recorder::Recorder;
 use super::world::World;
 use super::{Shop, ShopError};
+use crate::runlog::LogEvent;
 use toolroom_scenario::{CardLoop, DispatchRule, Scenario};
 
 /// Cards of all loops.
@@ -214,7 +215,7 @@ impl<R: Recorder> Shop<'_, R> {
             job.queued = now;
         }
         self.world.cards.loops.iter_mut().for_each(|own| own.queue.leave(slot));
-        self.log_event("card", None, Some(number), None);
+        self.log_event(LogEvent::Card, None, Some(number), None);
         if !is_held {
             self.proceed(slot, None); // else it moves as soon as there is a place
         }
@@ -239,7 +240,7 @@ impl<R: Recorder> Shop<'_, R> {
                 self.world.cards.changed = true;
                 let member = self.world.cards.tickets[ticket as usize].members.first();
                 let number = member.map(|slot| self.world.jobs.at(*slot).number);
-                self.log_event("card_return", None, number, None);
+                self.log_event(LogEvent::CardReturn, None, number, None);
             }
         }
     }

@@ -7,7 +7,7 @@ use super::pass::Place;
 use super::ports::{Ports, read};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::{EventRow, PassRow};
+use crate::runlog::{EventRow, LogEvent, PassRow};
 use rand_distr::{Distribution as _, StandardNormal};
 use toolroom_kernel::{Purpose, Stream};
 use toolroom_process::MachineProcess;
@@ -127,7 +127,7 @@ impl<R: Recorder> Shop<'_, R> {
         if onset < segment.elapsed {
             let (machine, job) = (Some(machine as u32), Some(place.job));
             let time = now - segment.elapsed + onset;
-            self.recorder.event(EventRow { time, event: "chatter_onset", machine, job, edge: Some(edge) });
+            self.recorder.event(EventRow { time, event: LogEvent::ChatterOnset, machine, job, edge: Some(edge) });
         }
     }
 

@@ -3,6 +3,7 @@
 use super::event::Event;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
+use crate::runlog::LogEvent;
 use std::collections::VecDeque;
 use toolroom_kernel::SimTime;
 use toolroom_scenario::Crew;
@@ -39,7 +40,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     fn begin_repair(&mut self, mode: usize) -> Result<(), ShopError> {
         if self.scenario.failures[mode].crew.is_some() {
-            self.log_event("repair_start", Some(self.scenario.failures[mode].machine), None, None);
+            self.log_event(LogEvent::RepairStart, Some(self.scenario.failures[mode].machine), None, None);
         }
         let time = self.now().after(self.world.modes[mode].repair)?;
         self.schedule(time, Event::Repair { mode: mode as u32 })?;

@@ -10,7 +10,7 @@ use super::job::{Job, Origin};
 use super::machine::{IN_WORK, Step};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::{JobOutcome, JobRow};
+use crate::runlog::{JobOutcome, JobRow, LogEvent};
 use std::collections::{BTreeMap, VecDeque};
 use toolroom_kernel::{Entity, Purpose};
 use toolroom_scenario::Crib;
@@ -120,7 +120,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// Edges come to the crib: machines that wait for them are changed.
     fn edges_come(&mut self, crib: usize, edges: Vec<u32>) -> Result<(), ShopError> {
-        self.log_event("edges_to_crib", None, None, None);
+        self.log_event(LogEvent::EdgesToCrib, None, None, None);
         for edge in edges {
             let state = &mut self.world.cribs[crib];
             let Some(machine) = state.waiting.pop_front() else {
@@ -167,7 +167,7 @@ impl<R: Recorder> Shop<'_, R> {
                 return Ok(());
             }
             state.on_order += buy.lot;
-            self.log_event("edges_ordered", None, None, None);
+            self.log_event(LogEvent::EdgesOrdered, None, None, None);
             self.consign(crib, vec![0; buy.lot as usize], buy.lead, true)?;
         }
     }
@@ -183,7 +183,7 @@ impl<R: Recorder> Shop<'_, R> {
         let number = u64::from(state.sent);
         let mut stream = self.streams.at(self.crib_entity(crib), Purpose::Processing, number);
         let time = regrind.time.sample(&mut stream);
-        self.log_event("edges_to_regrind", None, None, None);
+        self.log_event(LogEvent::EdgesToRegrind, None, None, None);
         let Some(part) = regrind.part else { return self.consign(crib, edges, time, false) };
         self.world.cribs[crib].sent += 1;
         let (now, job, entity) = (self.now(), self.world.jobs.released, self.crib_entity(crib).part(number));
@@ -208,7 +208,7 @@ impl<R: Recorder> Shop<'_, R> {
         }
         self.world.cribs[crib].ground.insert(job, edges);
         self.recorder.arrival(job, row);
-        self.log_event("arrival", None, Some(job), None);
+        self.log_event(LogEvent::Arrival, None, Some(job), None);
         self.let_in(slot)
     }
 

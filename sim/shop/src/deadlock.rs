@@ -9,6 +9,7 @@
 use super::cards::loops_in;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
+use crate::runlog::LogEvent;
 use std::collections::BTreeSet;
 use toolroom_scenario::Blocking;
 
@@ -118,7 +119,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn swap(&mut self, circle: &[(usize, u32)]) {
         self.world.flow.swaps += 1;
         for &(machine, slot) in circle {
-            self.log_event("swap", Some(machine), Some(self.world.jobs.at(slot).number), None);
+            self.log_event(LogEvent::Swap, Some(machine), Some(self.world.jobs.at(slot).number), None);
         }
         let of_circle = |slot: u32| circle.iter().any(|(_, own)| *own == slot);
         let (moving, rest): (Vec<_>, Vec<_>) =

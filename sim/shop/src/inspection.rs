@@ -8,7 +8,7 @@ use super::Shop;
 use super::flow::Place;
 use super::job::{Job, Origin};
 use super::recorder::Recorder;
-use crate::runlog::{JobOutcome, OperationResult};
+use crate::runlog::{JobOutcome, LogEvent, OperationResult};
 use rand::RngExt;
 use toolroom_kernel::Purpose;
 use toolroom_scenario::{InspectedTo, InspectedUnit, Work};
@@ -136,6 +136,6 @@ impl<R: Recorder> Shop<'_, R> {
             }
         }
         debug_assert!(!matches!(self.world.jobs.at(slot).reserved, Some(Place::Buffer(_))));
-        self.log_event("rework", None, Some(self.world.jobs.at(slot).number), None);
+        self.log_event(LogEvent::Rework, None, Some(self.world.jobs.at(slot).number), None);
     }
 }

@@ -4,7 +4,7 @@ use super::event::Event;
 use super::machine::{Content, Piece, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::{JobOutcome, OperationResult, OperationRow};
+use crate::runlog::{JobOutcome, LogEvent, OperationResult, OperationRow};
 use toolroom_kernel::Purpose;
 use toolroom_scenario::{Distribution, FailureClock, Interruption, ShopConstant, ShopEffect};
 
@@ -101,7 +101,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn fail(&mut self, mode: usize) -> Result<(), ShopError> {
         let failure = &self.scenario.failures[mode];
         let machine = failure.machine;
-        self.log_event("failure", Some(machine), self.job_in(machine), None);
+        self.log_event(LogEvent::Failure, Some(machine), self.job_in(machine), None);
         let clock = &mut self.world.modes[mode];
         clock.failed = true;
         clock.due = None;
@@ -121,7 +121,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     pub(super) fn repair(&mut self, mode: usize) -> Result<(), ShopError> {
         let machine = self.scenario.failures[mode].machine;
-        self.log_event("repair", Some(machine), None, None);
+        self.log_event(LogEvent::Repair, Some(machine), None, None);
         self.release_crew(mode)?;
         let clock = &mut self.world.modes[mode];
         clock.failed = false;

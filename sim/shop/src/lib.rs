@@ -65,6 +65,7 @@ mod job;
 mod keys;
 mod kinetic;
 mod layout;
+mod log_event;
 mod lot;
 mod machine;
 mod maintenance;
@@ -115,7 +116,7 @@ pub use sequence::Followed;
 pub use transport::{Call, TransportState, VehicleState};
 pub use world::{FailureState, SourceState, World};
 
-use crate::runlog::{EventRow, StateRow};
+use crate::runlog::{EventRow, LogEvent, StateRow};
 use layout::Layout;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -505,7 +506,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
         }
     }
 
-    fn log_event(&mut self, event: &'static str, machine: Option<usize>, job: Option<u32>, edge: Option<u32>) {
+    fn log_event(&mut self, event: LogEvent, machine: Option<usize>, job: Option<u32>, edge: Option<u32>) {
         let machine = machine.map(|index| index as u32);
         self.recorder.event(EventRow { time: self.now().seconds(), event, machine, job, edge });
     }

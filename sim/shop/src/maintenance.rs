@@ -8,6 +8,7 @@
 use super::event::Event;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
+use crate::runlog::LogEvent;
 use toolroom_kernel::{EventKey, Purpose, SimTime};
 use toolroom_scenario::FailureClock;
 
@@ -98,7 +99,7 @@ impl<R: Recorder> Shop<'_, R> {
         (state.due, state.waiting) = (None, true);
         self.world.upkeep_waiting += 1;
         let machine = self.scenario.maintenance[index].machine;
-        self.log_event("maintenance_due", Some(machine), None, None);
+        self.log_event(LogEvent::MaintenanceDue, Some(machine), None, None);
         self.window_opens(index)
     }
 
@@ -172,7 +173,7 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         state.failures += 1;
         state.maintained = true;
-        self.log_event("maintenance", Some(machine), None, None);
+        self.log_event(LogEvent::Maintenance, Some(machine), None, None);
         let end = self.now().after(time)?;
         self.schedule(end, Event::Maintained { plan: index as u32 })?;
         self.show_state(machine);
@@ -182,7 +183,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// Maintenance is over.
     pub(super) fn maintained(&mut self, index: usize) -> Result<(), ShopError> {
         let machine = self.scenario.maintenance[index].machine;
-        self.log_event("maintenance_end", Some(machine), None, None);
+        self.log_event(LogEvent::MaintenanceEnd, Some(machine), None, None);
         self.world.upkeep[index].count += 1;
         let state = &mut self.world.machines[machine];
         state.failures -= 1;

@@ -6,7 +6,7 @@ use super::layout::ContentPlan;
 use super::machine::{Content, IN_WORK, Machining, Piece, Readiness, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::{ChangeReason, JobOutcome, OperationResult, OperationRow};
+use crate::runlog::{ChangeReason, JobOutcome, LogEvent, OperationResult, OperationRow};
 use toolroom_kernel::Purpose;
 use toolroom_scenario::{Operation, ShopConstant, WorkPer};
 
@@ -79,7 +79,7 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         state.task = Some(Task { left: if needed.is_some() { setup } else { 0.0 }, ..task });
         if needed.is_some() {
-            self.log_event("setup", Some(machine), Some(number), None);
+            self.log_event(LogEvent::Setup, Some(machine), Some(number), None);
         }
         self.look_ahead(slot);
         self.start_clocks(machine)?;
@@ -324,7 +324,7 @@ impl<R: Recorder> Shop<'_, R> {
                 Ok(())
             }
             Step::Hold => {
-                self.log_event("feed_release", Some(machine), self.job_in(machine), None);
+                self.log_event(LogEvent::FeedRelease, Some(machine), self.job_in(machine), None);
                 self.finish_cutting(machine);
                 Ok(())
             }
@@ -372,7 +372,7 @@ impl<R: Recorder> Shop<'_, R> {
         if hold > 0.0 {
             task.step = Step::Hold;
             task.left = hold;
-            self.log_event("feed_hold", Some(machine), self.job_in(machine), None);
+            self.log_event(LogEvent::FeedHold, Some(machine), self.job_in(machine), None);
             return;
         }
         let tool = task.machining().tool as usize;

@@ -8,7 +8,7 @@ use super::machine::{IN_WORK, InCut, MOUNTED, Machining, Pass, Step, Task, in_cu
 use super::ports::{read, write};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::{ChangeReason, EventRow, PassRow};
+use crate::runlog::{ChangeReason, EventRow, LogEvent, PassRow};
 use rand::RngExt;
 use toolroom_kernel::Purpose;
 use toolroom_process::ProcessEvent;
@@ -449,7 +449,7 @@ impl<R: Recorder> Shop<'_, R> {
             }
             self.recorder.event(EventRow {
                 time: now - (segment.elapsed - after) * moved.pace,
-                event: event.name(),
+                event: LogEvent::Cut(event),
                 machine: Some(machine as u32),
                 job: Some(place.job),
                 edge: Some(edge.number),
@@ -489,7 +489,7 @@ impl<R: Recorder> Shop<'_, R> {
         machining.lost_edges += 1;
         machining.piece.spoiled |= chance < risk;
         let number = edge.number;
-        self.log_event(event.name(), Some(machine), Some(place.job), Some(number));
+        self.log_event(LogEvent::Cut(event), Some(machine), Some(place.job), Some(number));
     }
 
     /// The wear limit rule reads the edge after a pass, and tells the observer what it has read. The time that it takes, s.

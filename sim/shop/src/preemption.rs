@@ -9,7 +9,7 @@ use super::dispatch::Weighing;
 use super::machine::{Content, Step};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::JobOutcome;
+use crate::runlog::{JobOutcome, LogEvent};
 use toolroom_scenario::Preemption;
 
 impl<R: Recorder> Shop<'_, R> {
@@ -88,7 +88,7 @@ impl<R: Recorder> Shop<'_, R> {
         let Some(task) = self.world.machines[machine].task.take() else { return Ok(()) };
         let slot = task.slot;
         let number = self.world.jobs.at(slot).number;
-        self.log_event("preempt", Some(machine), Some(number), None);
+        self.log_event(LogEvent::Preempt, Some(machine), Some(number), None);
         let in_machine = !matches!(task.step, Step::Setup);
         let Content::Plain(whole) = task.content else { return Ok(()) };
         match self.scenario.preemption {

@@ -9,6 +9,7 @@ use super::job::Origin;
 use super::queue::{Keys, Ranked, Waiting};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
+use crate::runlog::LogEvent;
 use toolroom_kernel::SimTime;
 use toolroom_scenario::{DispatchRule, ReleaseRule};
 
@@ -110,7 +111,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     fn release_entry(&mut self, entry: Entry) -> Result<(), ShopError> {
         for slot in entry.slots {
-            self.log_event("release", None, Some(self.world.jobs.at(slot).number), None);
+            self.log_event(LogEvent::Release, None, Some(self.world.jobs.at(slot).number), None);
             self.enqueue(slot, None)?;
         }
         Ok(())

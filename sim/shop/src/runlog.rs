@@ -1,5 +1,6 @@
 //! What a run leaves behind: tidy tables, one row a fact, in SI.
 
+pub use crate::log_event::LogEvent;
 use toolroom_scenario::Scenario;
 
 /// State of a machine (ISO 22400-2 time elements).
@@ -378,11 +379,8 @@ pub struct StateRow {
 pub struct EventRow {
     /// When, s.
     pub time: f64,
-    /// What: a name of [`ProcessEvent`](toolroom_process::ProcessEvent), or `arrival`,
-    /// `finish`, `scrap`, `tool_change`, `dressing`, `failure`, `repair`, `shift_start`,
-    /// `shift_end`, `setup`, `feed_hold`, `feed_release`, `chatter_onset`, `swap`, `rework`, `preempt`, `repair_start`,
-    /// `move`, `delivery`.
-    pub event: &'static str,
+    /// What.
+    pub event: LogEvent,
     /// Machine.
     pub machine: Option<u32>,
     /// Job.

@@ -4,7 +4,7 @@ use super::event::Event;
 use super::machine::Step;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::JobOutcome;
+use crate::runlog::{JobOutcome, LogEvent};
 use toolroom_kernel::SimTime;
 use toolroom_scenario::{Interruption, ShiftCalendar};
 
@@ -62,7 +62,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     pub(super) fn shift_starts(&mut self, machine: usize) -> Result<(), ShopError> {
-        self.log_event("shift_start", Some(machine), None, None);
+        self.log_event(LogEvent::ShiftStart, Some(machine), None, None);
         self.schedule_boundary(machine)?;
         let state = &mut self.world.machines[machine];
         state.leaving = false;
@@ -71,7 +71,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     pub(super) fn shift_ends(&mut self, machine: usize) -> Result<(), ShopError> {
-        self.log_event("shift_end", Some(machine), None, None);
+        self.log_event(LogEvent::ShiftEnd, Some(machine), None, None);
         self.schedule_boundary(machine)?;
         let (at_end, within) = self
             .calendar_of(machine)

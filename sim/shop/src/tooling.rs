@@ -6,7 +6,7 @@ use super::machine::{IN_WORK, Step};
 use super::ports::write;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::{ChangeReason, EdgeRow};
+use crate::runlog::{ChangeReason, EdgeRow, LogEvent};
 use toolroom_kernel::Purpose;
 use toolroom_process::Record;
 use toolroom_scenario::ProcessModel;
@@ -110,7 +110,7 @@ impl<R: Recorder> Shop<'_, R> {
             }
             edge.number
         });
-        self.log_event("tool_change", Some(machine), job, number);
+        self.log_event(LogEvent::ToolChange, Some(machine), job, number);
     }
 
     /// The change is done.
@@ -137,7 +137,7 @@ impl<R: Recorder> Shop<'_, R> {
             edge.row.removed = now;
             edge.number
         });
-        self.log_event("dressing", Some(machine), job, number);
+        self.log_event(LogEvent::Dressing, Some(machine), job, number);
     }
 
     /// The wheel is sharp again; it counts as a new edge and keeps what it has lost.

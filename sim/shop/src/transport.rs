@@ -7,6 +7,7 @@
 use super::event::Event;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
+use crate::runlog::LogEvent;
 use std::collections::VecDeque;
 use toolroom_scenario::{Parking, Transport, TransportRule};
 
@@ -74,7 +75,7 @@ impl<R: Recorder> Shop<'_, R> {
                 let Some(call) = state.calls.remove(call) else { break };
                 let time = resource.times[state.vehicles[vehicle].at][call.from] + resource.times[call.from][call.to];
                 state.vehicles[vehicle] = VehicleState { at: call.to, busy: true, job: Some(call.slot) };
-                self.log_event("move", None, Some(self.world.jobs.at(call.slot).number), None);
+                self.log_event(LogEvent::Move, None, Some(self.world.jobs.at(call.slot).number), None);
                 self.drives(transport, vehicle, time)?;
             }
         }
@@ -115,7 +116,7 @@ impl<R: Recorder> Shop<'_, R> {
             self.drives(transport, vehicle, resource.times[position][0])?;
         }
         let Some(slot) = job else { return Ok(()) };
-        self.log_event("delivery", None, Some(self.world.jobs.at(slot).number), None);
+        self.log_event(LogEvent::Delivery, None, Some(self.world.jobs.at(slot).number), None);
         self.come(slot, None);
         Ok(())
     }

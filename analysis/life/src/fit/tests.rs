@@ -212,13 +212,13 @@ fn full_coverage() {
         for censored in [0.0, 0.4] {
             let shares = coverage(&truth, 100, censored, 2000);
             let names = truth.parameters();
-            let told: Vec<String> =
+            let warnings: Vec<String> =
                 names.iter().zip(&shares).map(|(name, share)| format!("{} {share}", name.0)).collect();
             assert!(
                 shares.iter().all(|share| (0.88..=0.92).contains(share)),
                 "{}, {censored} censored: {}",
                 truth.family().name(),
-                told.join(", ")
+                warnings.join(", ")
             );
         }
     }

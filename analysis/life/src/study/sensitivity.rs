@@ -97,9 +97,9 @@ pub fn sobol(
             indices(&|i| drawn[i])
         })
         .collect();
-    let index = |j: usize, of: fn(&(f64, f64)) -> f64| {
-        let (low, high) = quantiles(refits.iter().map(|refit| of(&refit[j])).collect(), confidence);
-        Index { value: of(&values[j]), low, high }
+    let index = |j: usize, part: fn(&(f64, f64)) -> f64| {
+        let (low, high) = quantiles(refits.iter().map(|refit| part(&refit[j])).collect(), confidence);
+        Index { value: part(&values[j]), low, high }
     };
     (0..dimensions).map(|j| SobolIndex { first: index(j, |pair| pair.0), total: index(j, |pair| pair.1) }).collect()
 }

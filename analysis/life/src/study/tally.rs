@@ -233,9 +233,9 @@ mod tests {
         #[test]
         fn parts_merge_to_the_same_bits_in_any_order(
             values in prop::collection::vec((1e-2..1e5f64, 0.0..3.0f64), 1..200),
-            at in 0..200_usize,
+            split in 0..200_usize,
         ) {
-            let at = at.min(values.len());
+            let split = split.min(values.len());
             let tally = |values: &[(f64, f64)]| {
                 let (mut sums, mut sketch) = (Sums::default(), Sketch::default());
                 for (value, weight) in values {
@@ -245,7 +245,7 @@ mod tests {
                 (sums, sketch)
             };
             let whole = tally(&values);
-            let (first, second) = (tally(&values[..at]), tally(&values[at..]));
+            let (first, second) = (tally(&values[..split]), tally(&values[split..]));
             let mut merged = second;
             merged.0.merge(&first.0);
             merged.1.merge(&first.1);

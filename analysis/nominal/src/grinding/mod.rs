@@ -209,7 +209,7 @@ impl Grinding {
         for row in &self.rows[group] {
             let scoped = self.process_on(&process, at, *row);
             let process = scoped.as_ref().unwrap_or(&process);
-            let worn = process.effects.iter().filter(|effect| effect.entry().id == "wheel_wear").map(Effect::size);
+            let worn = process.effects.iter().filter(|effect| matches!(effect, Effect::WheelWear(_))).map(Effect::size);
             let wear = (p.wheel_wear_ratio + worn.sum::<f64>()) * p.work_diameter / p.wheel_diameter;
             // Parts that were ground between recorded ones took an ordinary stock.
             let stock = c.between[*row] * c.ordinary_stock;

@@ -36,16 +36,6 @@ impl Combine {
         let all = [Self::Mean, Self::Median, Self::First, Self::Last, Self::Min, Self::Max, Self::Sum];
         COMBINES.iter().position(|known| *known == name).map(|i| all[i])
     }
-
-    /// What suits a column: wear is read at the end, times add up, everything else is a mean.
-    fn usual(column: &str) -> Self {
-        match column {
-            "flank_wear" | "coolant_age" => Self::Last,
-            "cutting_time" | "cycle_time" | "stop_count" | "stop_time" | "path_length" => Self::Sum,
-            "sequence" | "start_time" | "time" | "part_in_cycle" => Self::First,
-            _ => Self::Mean,
-        }
-    }
 }
 
 /// Where a column of the records comes from.
@@ -251,7 +241,7 @@ fn column(walk: &mut Walk, section: &Section<'_>, kind: RecordKind) -> Option<Ma
     for (key, fault) in wrong.iter().filter(|key| section.given(key)).map(|key| unfit(key)) {
         walk.fault(section.span_of(key), fault);
     }
-    let combine = section.text("combine").and_then(Combine::named).unwrap_or_else(|| Combine::usual(name));
+    let combine = section.text("combine").and_then(Combine::named).unwrap_or(column.combine);
     let origin = match (section.text("from"), section.text("constant")) {
         (Some(_), Some(_)) => {
             let rule = "a column is either read or constant";

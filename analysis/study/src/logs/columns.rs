@@ -21,7 +21,7 @@ pub struct Row<'a, R> {
 }
 
 enum Source<R> {
-    Real { of: fn(&R) -> f64, per_display: f64 },
+    Real { value: fn(&R) -> f64, per_display: f64 },
     Count(fn(&Row<'_, R>) -> Option<u32>),
     Text(for<'a> fn(&Row<'a, R>) -> &'a str),
 }
@@ -51,26 +51,26 @@ impl<R> Column<R> {
     /// Cell of a row.
     pub fn value<'a>(&self, row: &Row<'a, R>) -> Value<'a> {
         match self.source {
-            Source::Real { of, per_display } => {
-                Value::Real(Some(of(row.row) / per_display).filter(|value| value.is_finite()))
+            Source::Real { value, per_display } => {
+                Value::Real(Some(value(row.row) / per_display).filter(|value| value.is_finite()))
             }
-            Source::Count(of) => Value::Count(of(row)),
-            Source::Text(of) => Value::Text(of(row)),
+            Source::Count(value) => Value::Count(value(row)),
+            Source::Text(value) => Value::Text(value(row)),
         }
     }
 }
 
 /// A number kept in `si` and shown in `display`.
-fn real<R>(name: &'static str, si: &str, display: &'static str, of: fn(&R) -> f64) -> Column<R> {
-    Column { name, unit: display, source: Source::Real { of, per_display: unit::convert(1.0, display, si) } }
+fn real<R>(name: &'static str, si: &str, display: &'static str, value: fn(&R) -> f64) -> Column<R> {
+    Column { name, unit: display, source: Source::Real { value, per_display: unit::convert(1.0, display, si) } }
 }
 
-fn count<R>(name: &'static str, of: fn(&Row<'_, R>) -> Option<u32>) -> Column<R> {
-    Column { name, unit: "1", source: Source::Count(of) }
+fn count<R>(name: &'static str, value: fn(&Row<'_, R>) -> Option<u32>) -> Column<R> {
+    Column { name, unit: "1", source: Source::Count(value) }
 }
 
-fn text<R>(name: &'static str, of: for<'a> fn(&Row<'a, R>) -> &'a str) -> Column<R> {
-    Column { name, unit: "1", source: Source::Text(of) }
+fn text<R>(name: &'static str, value: for<'a> fn(&Row<'a, R>) -> &'a str) -> Column<R> {
+    Column { name, unit: "1", source: Source::Text(value) }
 }
 
 /// The columns that every table starts with.
@@ -169,7 +169,7 @@ pub fn states() -> Vec<Column<StateRow>> {
 pub fn events() -> Vec<Column<EventRow>> {
     let columns = [
         real("time", "s", "min", |row: &EventRow| row.time),
-        text("event", |r| r.row.event),
+        text("event", |r| r.row.event.name()),
         text("machine", |r| r.row.machine.map_or("", |machine| r.names.machine(machine))),
         count("job", |r| r.row.job),
         count("edge", |r| r.row.edge),

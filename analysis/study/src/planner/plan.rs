@@ -22,13 +22,13 @@ pub const PLAN: &str = "plan.csv";
 pub fn write_sequences(scenario: &Scenario, log: &RunLog, out: impl io::Write) -> io::Result<()> {
     let mut csv = CsvWriter::new(out, ["order", "operation", "machine", "position", "start", "end"])?;
     for (index, machine) in scenario.machines.iter().enumerate() {
-        let own = |row: &&toolroom_shop::runlog::OperationRow| row.machine as usize == index;
-        let mut rows: Vec<_> = log.operations.iter().filter(own).collect();
+        let of_machine = |row: &&toolroom_shop::runlog::OperationRow| row.machine as usize == index;
+        let mut rows: Vec<_> = log.operations.iter().filter(of_machine).collect();
         rows.sort_by(|a, b| a.start.total_cmp(&b.start));
         let mut sequence: Vec<(u32, u32, u32, f64, f64)> = Vec::new();
         for row in rows {
             let Some(order) = log.jobs[row.job as usize].order else { continue };
-            match sequence.iter_mut().find(|(own, operation, ..)| (*own, *operation) == (order, row.operation)) {
+            match sequence.iter_mut().find(|(known, operation, ..)| (*known, *operation) == (order, row.operation)) {
                 Some((.., end)) => *end = row.end,
                 None => sequence.push((order, row.operation, row.part, row.start, row.end)),
             }
@@ -68,13 +68,13 @@ fn begun<'a>(scenario: &'a Scenario, study: &Study, position: usize) -> Vec<Begu
     let Some(schedule) = &scenario.control.schedule else { return Vec::new() };
     let figures = Figures::of(scenario);
     let runs: Vec<Vec<f64>> = study.planner_figures(position).collect();
-    let of = |(number, (machine, position, planned)): (usize, (usize, usize, &'a PlannedOperation))| {
+    let planned_row = |(number, (machine, position, planned)): (usize, (usize, usize, &'a PlannedOperation))| {
         let mut starts: Vec<f64> =
             runs.iter().map(|run| run[figures.start(number)]).filter(|own| !own.is_nan()).collect();
         starts.sort_by(f64::total_cmp);
         Begun { machine, position: position + 1, planned, starts }
     };
-    schedule.operations().enumerate().map(of).collect()
+    schedule.operations().enumerate().map(planned_row).collect()
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -106,16 +106,16 @@ pub fn write_plan(scenario: &Scenario, study: &Study, out: impl io::Write) -> io
     ];
     let mut csv = CsvWriter::new(out, header)?;
     for (place, &policy) in study.policies.iter().enumerate() {
-        for own in begun(scenario, study, place) {
-            let (order, starts) = (&scenario.orders[own.planned.order], &own.starts);
-            let deviations = own.deviations();
-            let planned = own.planned.start.unwrap_or(own.planned.not_before);
+        for running in begun(scenario, study, place) {
+            let (order, starts) = (&scenario.orders[running.planned.order], &running.starts);
+            let deviations = running.deviations();
+            let planned = running.planned.start.unwrap_or(running.planned.not_before);
             csv.row([
                 (&scenario.policies[policy].name).into(),
                 (&order.id).into(),
-                (&scenario.parts[order.part].operations[own.planned.operation].name).into(),
-                (&scenario.machines[own.machine].name).into(),
-                own.position.into(),
+                (&scenario.parts[order.part].operations[running.planned.operation].name).into(),
+                (&scenario.machines[running.machine].name).into(),
+                running.position.into(),
                 if deviations.is_empty() { Cell::Empty } else { shown(scenario, planned).into() },
                 shown(scenario, mean(starts)).into(),
                 shown(scenario, order_quantile(starts, 0.1)).into(),

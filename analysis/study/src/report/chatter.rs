@@ -9,7 +9,7 @@ use toolroom_chart::{Axis, Plot, StabilityLobes, Standing, Table};
 use toolroom_process::unit::convert;
 use toolroom_scenario::policies::nominal_limit;
 use toolroom_scenario::{Cut, Operation, ProcessModel, Scenario, Work};
-use toolroom_shop::runlog::{PassRow, RunLog};
+use toolroom_shop::runlog::{LogEvent, PassRow, RunLog};
 
 /// Speeds at which the nominal boundary is drawn.
 const SPEEDS: usize = 241;
@@ -211,7 +211,7 @@ fn table(source: &Source<'_>, pairs: &[Pair<'_>]) -> Table {
             let least = passes.iter().map(|(row, _)| row.stability_margin).fold(f64::INFINITY, f64::min);
             let edges: Vec<u32> = passes.iter().map(|(row, _)| row.edge).collect();
             let onsets = log.events.iter().filter(|event| {
-                event.event == "chatter_onset"
+                event.event == LogEvent::ChatterOnset
                     && event.time > log.warm_up
                     && event.machine == Some(pair.machine as u32)
                     && event.edge.is_some_and(|edge| edges.contains(&edge))

@@ -73,11 +73,7 @@ fn by_policy(source: &Source<'_>, id: &str) -> Option<Figure> {
     let index = source.study.index(id)?;
     let kpi = &source.study.kpis[index];
     let baseline = source.name(0);
-    let unit = match kpi.definition.display {
-        "currency" => source.scenario.currency.as_str(),
-        "1" => "",
-        unit => unit,
-    };
+    let unit = kpi.definition.shown_unit_in(source.scenario);
     let axis = Axis::linear(format!("Difference of {}", kpi.definition.title), unit);
     let mut chart = Intervals::new(
         format!("{} against {baseline}", super::sentence(kpi.definition.title).trim_end_matches('.')),

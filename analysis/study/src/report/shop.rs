@@ -6,8 +6,9 @@ use crate::planner::ticks;
 use crate::trace::{last_machines, machine_of};
 use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Colour, Gantt, Hatch, Marker, StackedBars, Style, Table};
+use toolroom_process::ProcessEvent;
 use toolroom_process::unit::convert;
-use toolroom_shop::runlog::MachineState;
+use toolroom_shop::runlog::{LogEvent, MachineState};
 
 /// Words and style of each state, in the order of [`MachineState::ALL`]. What fills most of a shift
 /// is plain, so that the rest stands out.
@@ -34,11 +35,15 @@ fn style(state: MachineState) -> (&'static str, Style) {
 }
 
 /// Marks and the events that they stand for.
-const MARKS: [(&str, &[&str], Marker); 4] = [
-    ("chatter sets in", &["chatter_onset"], Marker::Plus),
-    ("tool change", &["tool_change", "dressing"], Marker::Triangle),
-    ("edge lost", &["chipping", "thermal_collapse"], Marker::Cross),
-    ("part scrapped", &["scrap"], Marker::Diamond),
+const MARKS: [(&str, &[LogEvent], Marker); 4] = [
+    ("chatter sets in", &[LogEvent::ChatterOnset], Marker::Plus),
+    ("tool change", &[LogEvent::ToolChange, LogEvent::Dressing], Marker::Triangle),
+    (
+        "edge lost",
+        &[LogEvent::Cut(ProcessEvent::Chipping), LogEvent::Cut(ProcessEvent::ThermalCollapse)],
+        Marker::Cross,
+    ),
+    ("part scrapped", &[LogEvent::Scrap], Marker::Diamond),
 ];
 
 /// Longest stretch of dates that a Gantt chart of orders shows, s: a week.

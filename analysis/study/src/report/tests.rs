@@ -64,7 +64,7 @@ fn an_empty_shop_and_a_single_policy_have_reports() {
 
 #[test]
 fn lobes_carry_the_passes_of_the_policies_by_their_margin() {
-    use toolroom_shop::runlog::{EventRow, PassRow};
+    use toolroom_shop::runlog::{EventRow, LogEvent, PassRow};
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/chatter-policies.toml");
     let scenario = toolroom_scenario_file::read(std::path::Path::new(path), &[]).expect("shipped").scenario;
     let pass = |start: f64, stability_margin: f64| PassRow {
@@ -76,7 +76,8 @@ fn lobes_carry_the_passes_of_the_policies_by_their_margin() {
         ..fixture::pass(0, 0, 0, 0, 0, start, start + 120.0)
     };
     let log = || {
-        let onset = EventRow { time: 4000.0, event: "chatter_onset", machine: Some(0), job: Some(0), edge: Some(0) };
+        let onset =
+            EventRow { time: 4000.0, event: LogEvent::ChatterOnset, machine: Some(0), job: Some(0), edge: Some(0) };
         RunLog {
             passes: vec![pass(3700.0, 0.5), pass(3900.0, 0.05), pass(4100.0, -0.1)],
             events: vec![onset],

@@ -1,6 +1,6 @@
 //! How well figures have to be known before a study stops.
 
-use crate::kpi::{Better, definitions};
+use crate::kpi::{Better, CURRENCY, definitions};
 use std::fmt;
 use std::str::FromStr;
 use toolroom_process::unit;
@@ -91,7 +91,7 @@ impl FromStr for Precision {
             (None, Some((id, si))) => {
                 let read = match si {
                     // Of money and numbers there is no other unit.
-                    "currency" | "1" => width.parse().ok(),
+                    CURRENCY | "1" => width.parse().ok(),
                     si => unit::quantity(width, si).ok(),
                 };
                 let read = read.filter(|width: &f64| *width > 0.0 && width.is_finite());
@@ -111,7 +111,7 @@ impl fmt::Display for Precision {
             Width::Relative(share) => write!(f, "half-width {}%", 100.0 * share),
             Width::Absolute(width) => {
                 let si = self.figure.and_then(|id| figure(id).ok()).map_or("1", |(_, unit)| unit);
-                let si = if si == "1" || si == "currency" { String::new() } else { format!(" {si}") };
+                let si = if si == "1" || si == CURRENCY { String::new() } else { format!(" {si}") };
                 write!(f, "half-width {width}{si}")
             }
         }

@@ -57,7 +57,7 @@ pub(super) fn ellipse(entity: &Entity<'_>, unit: f64, list: &mut Vec<Element>) -
     }
     // The minor axis is a left turn from the major one, seen against the direction of extrusion.
     let minor = [-up * ratio * major[1], up * ratio * major[0]];
-    let at = |parameter: f64| {
+    let on_ellipse = |parameter: f64| {
         let (sin, cos) = parameter.sin_cos();
         let point =
             Point { x: centre[0] + cos * major[0] + sin * minor[0], y: centre[1] + cos * major[1] + sin * minor[1] };
@@ -68,7 +68,7 @@ pub(super) fn ellipse(entity: &Entity<'_>, unit: f64, list: &mut Vec<Element>) -
     let parts = (whole / FRAC_PI_2 - 1e-9).ceil().max(1.0);
     for part in 0..parts as u32 {
         let begin = from + whole * f64::from(part) / parts;
-        fit_arcs(&at, begin, begin + whole / parts, &mut sections);
+        fit_arcs(&on_ellipse, begin, begin + whole / parts, &mut sections);
     }
     if whole == TAU {
         // Rounding of the last end does not leave the contour open.

@@ -118,7 +118,7 @@ pub(super) fn elements(entities: &[Entity<'_>], layer: Option<&str>, unit: f64) 
                 if radius <= 0.0 {
                     return Err(fault(entity.line, format!("{} has no radius", entity.name)));
                 }
-                let at = |degrees: f64| {
+                let point = |degrees: f64| {
                     let (sin, cos) = degrees.to_radians().sin_cos();
                     Point { x: centre.x + mirror * radius * cos, y: centre.y + radius * sin }
                 };
@@ -126,10 +126,10 @@ pub(super) fn elements(entities: &[Entity<'_>], layer: Option<&str>, unit: f64) 
                 let arc = Some((centre, mirror > 0.0));
                 if entity.name == "ARC" {
                     let (from, to) = (entity.due(50)?, entity.due(51)?);
-                    list.push(Element { start: at(from), end: at(to), arc, line, curve: false });
+                    list.push(Element { start: point(from), end: point(to), arc, line, curve: false });
                 } else {
-                    list.push(Element { start: at(0.0), end: at(180.0), arc, line, curve: false });
-                    list.push(Element { start: at(180.0), end: at(0.0), arc, line, curve: false });
+                    list.push(Element { start: point(0.0), end: point(180.0), arc, line, curve: false });
+                    list.push(Element { start: point(180.0), end: point(0.0), arc, line, curve: false });
                 }
             }
             "LWPOLYLINE" => {

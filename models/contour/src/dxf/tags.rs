@@ -33,8 +33,8 @@ impl Entity<'_> {
 
     /// All values of a group code, in the order of the file.
     pub fn all(&self, code: i32) -> Result<Vec<f64>, FileError> {
-        let own = self.pairs.iter().filter(|(own, ..)| *own == code);
-        own.map(|(_, value, line)| number(value, *line)).collect()
+        let found = self.pairs.iter().filter(|(found, ..)| *found == code);
+        found.map(|(_, value, line)| number(value, *line)).collect()
     }
 
     /// 1, or −1 where the extrusion direction mirrors X.

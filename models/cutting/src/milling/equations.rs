@@ -173,10 +173,10 @@ impl<N: Number> Milling<N> {
     ///
     /// The integrals run over the contact of all teeth: `z ψ`, `z (1 − cos ψ)` and `z sin ψ`
     /// without runout, less where runout lifts teeth out of the cut.
-    fn mean_force(&self, flank_wear: N, at: &Engagement<N>) -> MeanForce<N> {
-        let Engagement { input: u, terms, arc, .. } = at;
+    fn mean_force(&self, flank_wear: N, engagement: &Engagement<N>) -> MeanForce<N> {
+        let Engagement { input: u, terms, arc, .. } = engagement;
         let Arc { contact, one_minus_cos, square, area, .. } = *arc;
-        let k = self.worn(&at.sharp, flank_wear);
+        let k = self.worn(&engagement.sharp, flank_wear);
         let feed = u.feed_per_tooth * self.cutter.teeth;
         let (kt, kr) = (k.tangential_cutting * feed, k.radial_cutting * feed);
         let (et, er) = (k.tangential_edge, k.radial_edge);
@@ -225,22 +225,25 @@ impl<N: Number> Milling<N> {
     }
 
     /// Right-hand side in a cut that is known already.
-    pub(super) fn rates_in(&self, at: &Engagement<N>, x: &MillingState<N>) -> MillingState<N> {
-        let u = &at.input;
+    pub(super) fn rates_in(&self, engagement: &Engagement<N>, x: &MillingState<N>) -> MillingState<N> {
+        let u = &engagement.input;
         let worn = x.flank_wear / self.life.wear_limit;
         let stage = toolroom_wear::wear_stage(worn, self.life.stage_contrast, self.life.stage_tilt);
-        let flank_wear = self.life.wear_limit * at.damage_rate * at.terms.wear_rate / stage;
-        let in_material = at.arc.angle / TAU;
+        let flank_wear = self.life.wear_limit * engagement.damage_rate * engagement.terms.wear_rate / stage;
+        let in_material = engagement.arc.angle / TAU;
         let path = u.cutting_speed * in_material * u.engaged;
-        let hazard =
-            self.chipping.hazard_per_path(u.chipping_rate + at.terms.chipping_rate, x.cutting_path, x.flank_wear);
+        let hazard = self.chipping.hazard_per_path(
+            u.chipping_rate + engagement.terms.chipping_rate,
+            x.cutting_path,
+            x.flank_wear,
+        );
         MillingState {
             flank_wear: flank_wear * u.engaged,
             cutting_path: path,
             cutting_time: u.engaged,
             chipping_hazard: hazard * path,
-            energy: self.mean_force(x.flank_wear, at).tangential * u.cutting_speed,
-            chatter_time: if at.chatters { u.engaged } else { N::from(0.0) },
+            energy: self.mean_force(x.flank_wear, engagement).tangential * u.cutting_speed,
+            chatter_time: if engagement.chatters { u.engaged } else { N::from(0.0) },
         }
     }
 
@@ -257,9 +260,9 @@ impl<N: Number> Milling<N> {
 
     /// What sensors and gauges read.
     #[inline]
-    pub(super) fn sensed(&self, at: &Engagement<N>, x: &MillingState<N>) -> Sensed<N> {
-        let (u, terms, c) = (&at.input, &at.terms, &self.cutter);
-        let force = self.mean_force(x.flank_wear, at);
+    pub(super) fn sensed(&self, engagement: &Engagement<N>, x: &MillingState<N>) -> Sensed<N> {
+        let (u, terms, c) = (&engagement.input, &engagement.terms, &self.cutter);
+        let force = self.mean_force(x.flank_wear, engagement);
         let scallop = |feed: N| feed * feed / c.diameter * 0.25;
         let marks = scallop(u.feed_per_tooth) + terms.runout * 2.0;
         Sensed {
@@ -291,22 +294,22 @@ impl<N: Number> Milling<N> {
     /// The same in a cut that is known already, and that of the cutter without wear.
     pub(super) fn observe_in(
         &self,
-        at: &Engagement<N>,
+        engagement: &Engagement<N>,
         unworn: &Engagement<N>,
         x: &MillingState<N>,
     ) -> MillingOutput<N> {
-        let (u, terms, psi) = (&at.input, at.terms, at.arc.angle);
+        let (u, terms, psi) = (&engagement.input, engagement.terms, engagement.arc.angle);
         let c = &self.cutter;
-        let sensed = self.sensed(at, x);
+        let sensed = self.sensed(engagement, x);
         let new = self.mean_force(N::from(0.0), unworn);
-        let width = at.width;
-        let chip = at.chip * u.engaged;
-        let k = self.worn(&at.sharp, x.flank_wear);
+        let width = engagement.width;
+        let chip = engagement.chip * u.engaged;
+        let k = self.worn(&engagement.sharp, x.flank_wear);
         let tangential = (k.tangential_cutting * chip + k.tangential_edge) * terms.cutting_force;
         let radial = (k.radial_cutting * chip + k.radial_edge) * terms.feed_force;
         let rotation = u.cutting_speed / c.diameter * 2.0;
         let feed_rate = self.feed_rate(u);
-        let damage = at.damage_rate;
+        let damage = engagement.damage_rate;
         let endless = damage.re() * LONGEST_LIFE <= 1.0;
         let ideal = sensed.roughness_ra;
         let shaken = self.judged(x, u, &terms);

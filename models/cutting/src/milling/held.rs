@@ -98,10 +98,10 @@ mod tests {
     use toolroom_effects::{Effect, Effects};
     use toolroom_process::Record;
 
-    fn assert_close<R: Record>(held: &R, anew: &R, of: &str) {
+    fn assert_close<R: Record>(held: &R, anew: &R, what: &str) {
         for i in 0..R::LEN {
             let (a, b) = (held.get(i).unwrap(), anew.get(i).unwrap());
-            assert!((a - b).abs() <= 1e-12 * b.abs() + 1e-300, "{of}: element {i} is {a} instead of {b}");
+            assert!((a - b).abs() <= 1e-12 * b.abs() + 1e-300, "{what}: element {i} is {a} instead of {b}");
         }
     }
 

@@ -70,11 +70,11 @@ impl<N: Number> Milling<N> {
 
     /// Mean of `of` the cutting speed where the speed varies: over its two Chebyshev nodes, exact
     /// up to cubes of the variation.
-    pub(super) fn mean_over_variation(u: &MillingInput<N>, of: impl Fn(N) -> N) -> N {
+    pub(super) fn mean_over_variation(u: &MillingInput<N>, quantity: impl Fn(N) -> N) -> N {
         if u.speed_variation.re() <= 0.0 {
-            return of(u.cutting_speed);
+            return quantity(u.cutting_speed);
         }
-        let at = |sign: f64| of(u.cutting_speed * (u.speed_variation * (sign * FRAC_1_SQRT_2) + 1.0));
-        (at(-1.0) + at(1.0)) * 0.5
+        let extreme = |sign: f64| quantity(u.cutting_speed * (u.speed_variation * (sign * FRAC_1_SQRT_2) + 1.0));
+        (extreme(-1.0) + extreme(1.0)) * 0.5
     }
 }

@@ -244,17 +244,17 @@ impl<N: Number> Turning<N> {
     /// The same in an engagement that is known already.
     pub(crate) fn observe_in(
         &self,
-        at: &Engagement<'_, N>,
+        engagement: &Engagement<'_, N>,
         x: &TurningState<N>,
         u: &TurningInput<N>,
     ) -> TurningOutput<N> {
-        self.observe_at(at, &self.angles(at), x, u)
+        self.observe_at(engagement, &self.angles(engagement), x, u)
     }
 
     /// The angles of an engagement.
-    pub(super) fn angles(&self, at: &Engagement<'_, N>) -> Angles<N> {
+    pub(super) fn angles(&self, engagement: &Engagement<'_, N>) -> Angles<N> {
         Angles {
-            chip_thickness: self.pair.force.chip_thickness(at.contact.cut()),
+            chip_thickness: self.pair.force.chip_thickness(engagement.contact.cut()),
             cutting_edge: self.pair.force.cutting_edge_angle.tan(),
             clearance: self.finish.clearance_angle.tan(),
         }
@@ -263,18 +263,18 @@ impl<N: Number> Turning<N> {
     /// The same with its angles, which are known as well.
     pub(super) fn observe_at(
         &self,
-        at: &Engagement<'_, N>,
+        engagement: &Engagement<'_, N>,
         angles: &Angles<N>,
         x: &TurningState<N>,
         u: &TurningInput<N>,
     ) -> TurningOutput<N> {
-        let Engagement { contact, load, terms, .. } = at;
+        let Engagement { contact, load, terms, .. } = engagement;
         let cut = contact.cut();
         let (wear, body, damage) = (x.flank_wear, x.tool_body_temperature_rise, x.thermal_damage);
         let point = contact.point_of_chip(load, wear, body, damage, angles.chip_thickness);
-        let warm = at.softened(point.temperature);
-        let forces = at.forces(x.flank_wear, warm);
-        let sensed = at.readings(point.temperature, forces, u.cutting_speed);
+        let warm = engagement.softened(point.temperature);
+        let forces = engagement.forces(x.flank_wear, warm);
+        let sensed = engagement.readings(point.temperature, forces, u.cutting_speed);
         let [_, feed_force] = forces;
         let new_feed_force = load.feed(N::from(0.0)) * cut.engaged;
         let deflection = (feed_force - new_feed_force) / angles.cutting_edge / self.finish.static_stiffness;

@@ -113,16 +113,16 @@ impl<N: Number> Turning<N> {
     #[inline]
     pub(super) fn mean_rates(
         &self,
-        at: &Engagement<'_, N>,
+        engagement: &Engagement<'_, N>,
         x: &TurningState<N>,
         u: &TurningInput<N>,
     ) -> TurningState<N> {
         if u.speed_variation.re() <= 0.0 {
-            return at.rates(x);
+            return engagement.rates(x);
         }
         let node = |sign: f64| {
-            let speed = at.cutting_speed() * (u.speed_variation * (sign * FRAC_1_SQRT_2) + 1.0);
-            at.at_speed(&self.pair, speed).rates(x)
+            let speed = engagement.cutting_speed() * (u.speed_variation * (sign * FRAC_1_SQRT_2) + 1.0);
+            engagement.at_speed(&self.pair, speed).rates(x)
         };
         let (slow, fast) = (node(-1.0), node(1.0));
         let mean = |of: fn(&TurningState<N>) -> N| (of(&slow) + of(&fast)) * 0.5;

@@ -150,86 +150,86 @@ impl MillingStructure {
     }
 
     /// Tangential coefficient of the worn edge (Pa) and process damping over it (m).
-    fn worn(&self, at: &Tooth) -> (f64, f64) {
-        let tangential = at.tangential * self.regeneration.coefficient_factor(at.wear_ratio);
-        let land = self.regeneration.land_damping(at.flank_wear);
-        (tangential, (self.process_damping + at.process_damping + land) / tangential)
+    fn worn(&self, tooth: &Tooth) -> (f64, f64) {
+        let tangential = tooth.tangential * self.regeneration.coefficient_factor(tooth.wear_ratio);
+        let land = self.regeneration.land_damping(tooth.flank_wear);
+        (tangential, (self.process_damping + tooth.process_damping + land) / tangential)
     }
 
     /// Process damping in the grades at which it is judged: coarse ones at varying speed.
-    fn graded(&self, damping: f64, at: &Tooth) -> f64 {
-        if at.variation.is_some() { coarse_damping(damping) } else { damping }
+    fn graded(&self, damping: f64, tooth: &Tooth) -> f64 {
+        if tooth.variation.is_some() { coarse_damping(damping) } else { damping }
     }
 
-    fn key(&self, at: &Tooth) -> Key {
-        let (tangential, damping) = self.worn(at);
+    fn key(&self, tooth: &Tooth) -> Key {
+        let (tangential, damping) = self.worn(tooth);
         let helical = self.depth_counts();
-        let damping = self.graded(damping, at);
+        let damping = self.graded(damping, tooth);
         Key {
-            speed: rounded(at.spindle_speed, SPEED_STEP).0,
+            speed: rounded(tooth.spindle_speed, SPEED_STEP).0,
             damping: rounded_damping(damping).0,
             coefficient: if helical { rounded(tangential, STIFFNESS_STEP).0 } else { 0 },
-            radial: radial_ratio(at).0,
-            immersion: (at.width / at.diameter).min(1.0).to_bits(),
-            down: at.down,
-            runout: if at.runout > 0.0 { (at.runout / at.feed_per_tooth).to_bits() } else { 0 },
-            teeth: at.teeth as usize,
-            diameter: at.diameter.to_bits(),
-            searched: (SEARCHED * at.depth * if helical { 1.0 } else { tangential / NOMINAL }).log2().ceil() as i32,
-            frequency_factor: at.frequency_factor.to_bits(),
-            damping_factor: at.damping_factor.to_bits(),
-            variation: at.variation.map_or((0, 0), |v| (v.amplitude.to_bits(), v.revolutions)),
+            radial: radial_ratio(tooth).0,
+            immersion: (tooth.width / tooth.diameter).min(1.0).to_bits(),
+            down: tooth.down,
+            runout: if tooth.runout > 0.0 { (tooth.runout / tooth.feed_per_tooth).to_bits() } else { 0 },
+            teeth: tooth.teeth as usize,
+            diameter: tooth.diameter.to_bits(),
+            searched: (SEARCHED * tooth.depth * if helical { 1.0 } else { tangential / NOMINAL }).log2().ceil() as i32,
+            frequency_factor: tooth.frequency_factor.to_bits(),
+            damping_factor: tooth.damping_factor.to_bits(),
+            variation: tooth.variation.map_or((0, 0), |v| (v.amplitude.to_bits(), v.revolutions)),
         }
     }
 
     /// The cut as it is judged, its speed, and the factor from its depth to the real one.
-    fn judged(&self, at: &Tooth, key: &Key) -> Result<(Milling, f64, f64), ChatterError> {
-        let (tangential, damping) = self.worn(at);
+    fn judged(&self, tooth: &Tooth, key: &Key) -> Result<(Milling, f64, f64), ChatterError> {
+        let (tangential, damping) = self.worn(tooth);
         let helical = self.depth_counts();
         let judged = if helical { rounded(tangential, STIFFNESS_STEP).1 } else { NOMINAL };
-        let corner_radius = self.corner.0.min(0.5 * at.diameter);
+        let corner_radius = self.corner.0.min(0.5 * tooth.diameter);
         // With a corner the teeth count as true: runout is not calculated there.
-        let runout = if corner_radius > 0.0 { 0.0 } else { at.runout };
-        let straight = Cutter::straight(key.teeth, at.diameter);
+        let runout = if corner_radius > 0.0 { 0.0 } else { tooth.runout };
+        let straight = Cutter::straight(key.teeth, tooth.diameter);
         let cutter = Cutter { helix_angle: self.helix_angle, runout, corner_radius, ..straight };
-        let direction = if at.down { Direction::Down } else { Direction::Up };
+        let direction = if tooth.down { Direction::Down } else { Direction::Up };
         let force = MillingForce {
-            process_damping: rounded_damping(self.graded(damping, at)).1 * judged,
+            process_damping: rounded_damping(self.graded(damping, tooth)).1 * judged,
             axial: judged * self.corner.1,
-            ..MillingForce::new(judged, judged * radial_ratio(at).1)
+            ..MillingForce::new(judged, judged * radial_ratio(tooth).1)
         };
-        let speed = rounded(at.spindle_speed, SPEED_STEP).1;
+        let speed = rounded(tooth.spindle_speed, SPEED_STEP).1;
         let modes = match &self.by_speed {
             Some(table) => Cow::Owned(table.at(speed)?),
             None => Cow::Borrowed(&self.modes),
         };
         let cut = Milling {
-            modes: scattered(&modes, at.frequency_factor, at.damping_factor),
+            modes: scattered(&modes, tooth.frequency_factor, tooth.damping_factor),
             cutter,
-            engagement: Engagement::new((at.width / at.diameter).min(1.0), direction)?,
+            engagement: Engagement::new((tooth.width / tooth.diameter).min(1.0), direction)?,
             force,
-            feed_per_tooth: at.feed_per_tooth,
+            feed_per_tooth: tooth.feed_per_tooth,
             by_speed: None,
-            along_path: self.path(at),
+            along_path: self.path(tooth),
         };
         Ok((cut, speed, if helical { 1.0 } else { judged / tangential }))
     }
 
     /// The modes along the path with the factors of the machine.
-    fn path(&self, at: &Tooth) -> Option<PathModes> {
-        let scatter = |_, mode: &Mode| other(mode, at.frequency_factor, at.damping_factor);
+    fn path(&self, tooth: &Tooth) -> Option<PathModes> {
+        let scatter = |_, mode: &Mode| other(mode, tooth.frequency_factor, tooth.damping_factor);
         self.along_path.as_ref().map(|path| path.map(scatter))
     }
 
     /// Boundary in depths of the judged cut. A cut that the model refuses, as one without a tooth in
     /// cut, counts as unstable, and so does one whose eigenvalue does not converge and that is too large
     /// for dense ones.
-    fn boundary(&self, at: &Tooth, key: &Key) -> Boundary {
+    fn boundary(&self, tooth: &Tooth, key: &Key) -> Boundary {
         let judge = || -> Result<Boundary, ChatterError> {
-            let (cut, speed, _) = self.judged(at, key)?;
-            let period = TAU / (speed * at.teeth as f64);
+            let (cut, speed, _) = self.judged(tooth, key)?;
+            let period = TAU / (speed * tooth.teeth as f64);
             let searched = 2f64.powi(key.searched);
-            let found = match at.variation {
+            let found = match tooth.variation {
                 None => cut.at_speed(speed)?.rough_limit(searched, STEPS),
                 Some(variation) => {
                     cut.at_varying_speed(speed, entering(variation, &cut))?.rough_limit(searched, VARYING_STEPS)
@@ -243,22 +243,23 @@ impl MillingStructure {
                 Err(error) => Err(error),
             }
         };
-        let refused = |_| Boundary::at(0.0, ChatterKind::Hopf, 0.0, &self.modes, TAU / at.spindle_speed);
+        let refused = |_| Boundary::at(0.0, ChatterKind::Hopf, 0.0, &self.modes, TAU / tooth.spindle_speed);
         self.boundaries.of(*key, || judge().unwrap_or_else(refused))
     }
 
     /// Amplitude that the teeth force in a stable cut, for each metre of judged depth and of feed;
     /// process damping does not change what repeats from tooth to tooth.
-    fn forced(&self, at: &Tooth, key: &Key) -> f64 {
+    fn forced(&self, tooth: &Tooth, key: &Key) -> f64 {
         // The response goes with depth and feed; with a helix nearly so.
         const DEPTH: f64 = 1e-3;
         let key = Key { damping: 0, searched: 0, variation: (0, 0), ..*key };
         // A corner meets the work at other angles at every depth.
-        let (step, depth) = if self.corner.0 > 0.0 { rounded(at.depth, SPEED_STEP * CYCLE_SPEED) } else { (0, DEPTH) };
+        let (step, depth) =
+            if self.corner.0 > 0.0 { rounded(tooth.depth, SPEED_STEP * CYCLE_SPEED) } else { (0, DEPTH) };
         self.forced.of((key, step), || {
             let respond = || -> Result<f64, ChatterError> {
-                let (cut, speed, _) = self.judged(at, &key)?;
-                Ok(0.5 * cut.forced(speed, depth)?.peak_to_peak[1] / (depth * at.feed_per_tooth))
+                let (cut, speed, _) = self.judged(tooth, &key)?;
+                Ok(0.5 * cut.forced(speed, depth)?.peak_to_peak[1] / (depth * tooth.feed_per_tooth))
             };
             // Teeth whose surfaces overlap by runout have no forced response without simulation.
             respond().unwrap_or(0.0)
@@ -267,33 +268,33 @@ impl MillingStructure {
 
     /// Depth (m) and frequency (Hz) of the least limit; where none lies below the depths that are searched, the last of these
     /// and no frequency.
-    pub(crate) fn limit(&self, at: &Tooth) -> (f64, f64) {
-        let boundary = self.boundary(at, &self.key(at));
-        let (tangential, _) = self.worn(at);
+    pub(crate) fn limit(&self, tooth: &Tooth) -> (f64, f64) {
+        let boundary = self.boundary(tooth, &self.key(tooth));
+        let (tangential, _) = self.worn(tooth);
         let scale = if self.depth_counts() { 1.0 } else { NOMINAL / tangential };
         (boundary.limit * scale, boundary.frequency)
     }
 
     /// How the cut vibrates.
-    pub(crate) fn vibration(&self, at: &Tooth) -> Vibration {
-        let key = self.key(at);
-        let judged = self.boundary(at, &key);
-        let (tangential, _) = self.worn(at);
+    pub(crate) fn vibration(&self, tooth: &Tooth) -> Vibration {
+        let key = self.key(tooth);
+        let judged = self.boundary(tooth, &key);
+        let (tangential, _) = self.worn(tooth);
         let scale = if self.depth_counts() { 1.0 } else { NOMINAL / tangential };
         let boundary = Boundary { limit: judged.limit * scale, ..judged };
         // Nearer to the limit the verdict on a rounded depth could lie on its other side.
-        let beyond = at.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
-        let stable_again = || beyond && at.variation.is_none() && self.growth_rate(at) < 0.0;
+        let beyond = tooth.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
+        let stable_again = || beyond && tooth.variation.is_none() && self.growth_rate(tooth) < 0.0;
         let quiet = Vibration {
-            forced: self.forced(at, &key) * at.depth / scale * at.feed_per_tooth,
-            ..Vibration::quiet(&boundary, at.depth)
+            forced: self.forced(tooth, &key) * tooth.depth / scale * tooth.feed_per_tooth,
+            ..Vibration::quiet(&boundary, tooth.depth)
         };
         if quiet.margin >= 0.0 || stable_again() {
             return quiet;
         }
-        let ratio = at.depth / boundary.limit;
-        let cycle = self.cycle(at, ratio).unwrap_or_else(|| boundary.tabulated(ratio));
-        let vibration = quiet.chattering(boundary.kind, &cycle, at.feed_per_tooth, &self.regeneration);
+        let ratio = tooth.depth / boundary.limit;
+        let cycle = self.cycle(tooth, ratio).unwrap_or_else(|| boundary.tabulated(ratio));
+        let vibration = quiet.chattering(boundary.kind, &cycle, tooth.feed_per_tooth, &self.regeneration);
         // The cycle holds what the teeth force. Beyond the limit the response of a stable cut is none any more: what they
         // force stays that of the limit, and all else is chatter.
         let forced = quiet.forced / ratio;
@@ -302,8 +303,8 @@ impl MillingStructure {
 
     /// The limit cycle at a `ratio` of depth to limit, between those of two ratios at a rounded speed and process damping; none
     /// where the cut cannot be simulated. At varying speed it is that of the constant one.
-    fn cycle(&self, at: &Tooth, ratio: f64) -> Option<LimitCycle> {
-        let calm = self.graded_for_cycles(at);
+    fn cycle(&self, tooth: &Tooth, ratio: f64) -> Option<LimitCycle> {
+        let calm = self.graded_for_cycles(tooth);
         let key = self.key(&calm);
         let place = ((ratio.ln() - LEAST_CYCLE) / CYCLE_STEP).clamp(0.0, CYCLES);
         let node = |step: f64| {
@@ -318,42 +319,42 @@ impl MillingStructure {
     }
 
     /// The operating point at constant speed, with speed and process damping in the steps at which cycles are simulated.
-    fn graded_for_cycles(&self, at: &Tooth) -> Tooth {
-        let (tangential, damping) = self.worn(at);
+    fn graded_for_cycles(&self, tooth: &Tooth) -> Tooth {
+        let (tangential, damping) = self.worn(tooth);
         let step = DAMPING_STEP * CYCLE_DAMPING;
         let graded = LITTLE_DAMPING * (((damping / LITTLE_DAMPING).asinh() / step).round() * step).sinh();
         Tooth {
-            spindle_speed: rounded(at.spindle_speed, SPEED_STEP * CYCLE_SPEED).1,
-            process_damping: at.process_damping + (graded - damping) * tangential,
+            spindle_speed: rounded(tooth.spindle_speed, SPEED_STEP * CYCLE_SPEED).1,
+            process_damping: tooth.process_damping + (graded - damping) * tangential,
             variation: None,
-            ..*at
+            ..*tooth
         }
     }
 
     /// The cut of an operating point as the stability model sees it, nothing rounded.
-    pub(crate) fn regenerative(&self, at: &Tooth) -> Result<Milling, ChatterError> {
-        let (cut, _, _) = self.judged(at, &self.key(at))?;
-        let (tangential, damping) = self.worn(at);
-        let radial = tangential * at.radial / at.tangential;
+    pub(crate) fn regenerative(&self, tooth: &Tooth) -> Result<Milling, ChatterError> {
+        let (cut, _, _) = self.judged(tooth, &self.key(tooth))?;
+        let (tangential, damping) = self.worn(tooth);
+        let radial = tangential * tooth.radial / tooth.tangential;
         let axial = tangential * self.corner.1;
         let force =
             MillingForce { process_damping: damping * tangential, axial, ..MillingForce::new(tangential, radial) };
         let by_speed = self
             .by_speed
             .as_ref()
-            .map(|table| table.map(|_, mode| other(mode, at.frequency_factor, at.damping_factor)));
+            .map(|table| table.map(|_, mode| other(mode, tooth.frequency_factor, tooth.damping_factor)));
         Ok(Milling { force, by_speed, ..cut })
     }
 
     /// Rate at which a disturbance grows (1/s): negative in a stable cut.
-    pub(crate) fn growth_rate(&self, at: &Tooth) -> f64 {
-        let key = self.key(at);
-        let (tangential, _) = self.worn(at);
+    pub(crate) fn growth_rate(&self, tooth: &Tooth) -> f64 {
+        let key = self.key(tooth);
+        let (tangential, _) = self.worn(tooth);
         let scale = if self.depth_counts() { 1.0 } else { NOMINAL / tangential };
-        let (step, depth) = rounded(at.depth / scale, STIFFNESS_STEP);
+        let (step, depth) = rounded(tooth.depth / scale, STIFFNESS_STEP);
         let judge = || -> Result<f64, ChatterError> {
-            let (cut, speed, _) = self.judged(at, &key)?;
-            let mut at_speed: AtSpeed<'_> = match at.variation {
+            let (cut, speed, _) = self.judged(tooth, &key)?;
+            let mut at_speed: AtSpeed<'_> = match tooth.variation {
                 None => cut.at_speed(speed)?,
                 Some(variation) => cut.at_varying_speed(speed, entering(variation, &cut))?,
             };
@@ -381,8 +382,8 @@ const CYCLE_DAMPING: f64 = 2.0;
 const RATIO_STEP: f64 = 1e-9;
 
 /// The radial over the tangential coefficient in steps of [`RATIO_STEP`].
-fn radial_ratio(at: &Tooth) -> (i64, f64) {
-    let steps = (at.radial / at.tangential / RATIO_STEP).round();
+fn radial_ratio(tooth: &Tooth) -> (i64, f64) {
+    let steps = (tooth.radial / tooth.tangential / RATIO_STEP).round();
     (steps as i64, steps * RATIO_STEP)
 }
 

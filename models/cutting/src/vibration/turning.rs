@@ -143,36 +143,36 @@ impl TurningStructure {
     }
 
     /// Process damping of a worn edge (N/m).
-    fn process_damping(&self, at: &Edge) -> f64 {
-        self.cut.process_damping + at.process_damping + self.regeneration.land_damping(at.flank_wear)
+    fn process_damping(&self, edge: &Edge) -> f64 {
+        self.cut.process_damping + edge.process_damping + self.regeneration.land_damping(edge.flank_wear)
     }
 
     /// Factor of wear, hardness and effects on the cutting coefficient.
-    fn coefficient(&self, at: &Edge) -> f64 {
-        at.coefficient * self.regeneration.coefficient_factor(at.wear_ratio)
+    fn coefficient(&self, edge: &Edge) -> f64 {
+        edge.coefficient * self.regeneration.coefficient_factor(edge.wear_ratio)
     }
 
     /// Process damping over the coefficient (m), in the grades at which it is judged: coarse
     /// ones at varying speed.
-    fn damping_ratio(&self, at: &Edge) -> f64 {
-        let ratio = self.process_damping(at) / (self.coefficient(at) * self.cut.cutting_coefficient);
-        if at.variation.is_some() { coarse_damping(ratio) } else { ratio }
+    fn damping_ratio(&self, edge: &Edge) -> f64 {
+        let ratio = self.process_damping(edge) / (self.coefficient(edge) * self.cut.cutting_coefficient);
+        if edge.variation.is_some() { coarse_damping(ratio) } else { ratio }
     }
 
-    fn key(&self, at: &Edge) -> Key {
-        let ratio = self.damping_ratio(at);
+    fn key(&self, edge: &Edge) -> Key {
+        let ratio = self.damping_ratio(edge);
         let place = self.bar.map_or(0, |(bar, place)| {
-            let place = if at.position > 0.0 { at.position } else { place };
-            place_on(bar.length, place, at.variation.is_some())
+            let place = if edge.position > 0.0 { edge.position } else { place };
+            place_on(bar.length, place, edge.variation.is_some())
         });
         Key {
-            speed: rounded(at.spindle_speed, SPEED_STEP).0,
+            speed: rounded(edge.spindle_speed, SPEED_STEP).0,
             damping: rounded_damping(ratio).0,
             place,
-            frequency_factor: at.frequency_factor.to_bits(),
-            damping_factor: at.damping_factor.to_bits(),
-            diameter: at.diameter.to_bits(),
-            variation: at.variation.map_or((0, 0), |v| (v.amplitude.to_bits(), v.revolutions)),
+            frequency_factor: edge.frequency_factor.to_bits(),
+            damping_factor: edge.damping_factor.to_bits(),
+            diameter: edge.diameter.to_bits(),
+            variation: edge.variation.map_or((0, 0), |v| (v.amplitude.to_bits(), v.revolutions)),
         }
     }
 
@@ -183,23 +183,23 @@ impl TurningStructure {
 
     /// The nominal cut of a key: only the ratio of damping to coefficient matters, the limit goes
     /// with the inverse of the coefficient.
-    fn nominal(&self, at: &Edge, key: &Key) -> Result<(Turning, f64), ChatterError> {
+    fn nominal(&self, edge: &Edge, key: &Key) -> Result<(Turning, f64), ChatterError> {
         let cut = self.at_place(self.place(key))?;
-        let damping = rounded_damping(self.damping_ratio(at)).1 * cut.cutting_coefficient;
-        let speed = rounded(at.spindle_speed, SPEED_STEP).1;
+        let damping = rounded_damping(self.damping_ratio(edge)).1 * cut.cutting_coefficient;
+        let speed = rounded(edge.spindle_speed, SPEED_STEP).1;
         let nominal = cut.at_spindle_speed(speed)?.into_owned();
-        let modes = scattered(&nominal.modes, at.frequency_factor, at.damping_factor);
+        let modes = scattered(&nominal.modes, edge.frequency_factor, edge.damping_factor);
         let along_path = nominal
             .along_path
             .as_ref()
-            .map(|path| path.map(|_, mode| other(mode, at.frequency_factor, at.damping_factor)));
-        Ok((Turning { modes, process_damping: damping, diameter: at.diameter, along_path, ..nominal }, speed))
+            .map(|path| path.map(|_, mode| other(mode, edge.frequency_factor, edge.damping_factor)));
+        Ok((Turning { modes, process_damping: damping, diameter: edge.diameter, along_path, ..nominal }, speed))
     }
 
     /// The boundary at nominal coefficient. What cannot be judged counts as unstable.
-    fn boundary(&self, at: &Edge, key: &Key) -> Boundary {
+    fn boundary(&self, edge: &Edge, key: &Key) -> Boundary {
         let judge = || -> Result<Boundary, ChatterError> {
-            let (cut, speed) = self.nominal(at, key)?;
+            let (cut, speed) = self.nominal(edge, key)?;
             let period = TAU / speed;
             let still = match cut.limit(speed) {
                 Ok(limit) => Boundary::at(limit.depth, limit.kind, limit.chatter_frequency, &cut.modes, period),
@@ -209,7 +209,7 @@ impl TurningStructure {
                 }
                 Err(error) => return Err(error),
             };
-            let Some(variation) = at.variation else { return Ok(still) };
+            let Some(variation) = edge.variation else { return Ok(still) };
             let searched = SEARCHED * still.limit;
             let limit = match cut.limit_width_at_varying_speed(speed, variation, searched, VARYING_STEPS) {
                 Ok(width) => width,
@@ -219,82 +219,82 @@ impl TurningStructure {
             };
             Ok(Boundary { limit, ..still })
         };
-        let refused = |_| Boundary::at(0.0, ChatterKind::Hopf, 0.0, &self.cut.modes, TAU / at.spindle_speed);
+        let refused = |_| Boundary::at(0.0, ChatterKind::Hopf, 0.0, &self.cut.modes, TAU / edge.spindle_speed);
         self.boundaries.of(*key, || judge().unwrap_or_else(refused))
     }
 
     /// Depth (m) and frequency (Hz) of the least limit.
-    pub(crate) fn limit(&self, at: &Edge) -> (f64, f64) {
-        let boundary = self.boundary(at, &self.key(at));
-        (boundary.limit / self.coefficient(at), boundary.frequency)
+    pub(crate) fn limit(&self, edge: &Edge) -> (f64, f64) {
+        let boundary = self.boundary(edge, &self.key(edge));
+        (boundary.limit / self.coefficient(edge), boundary.frequency)
     }
 
     /// How the cut vibrates.
-    pub(crate) fn vibration(&self, at: &Edge) -> Vibration {
-        let key = self.key(at);
-        let nominal = self.boundary(at, &key);
-        let boundary = Boundary { limit: nominal.limit / self.coefficient(at), ..nominal };
+    pub(crate) fn vibration(&self, edge: &Edge) -> Vibration {
+        let key = self.key(edge);
+        let nominal = self.boundary(edge, &key);
+        let boundary = Boundary { limit: nominal.limit / self.coefficient(edge), ..nominal };
         // Nearer to the limit the verdict on a rounded depth could lie on its other side.
-        let beyond = at.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
-        let stable_again = || beyond && at.variation.is_none() && self.growth_rate(at) < 0.0;
-        let quiet = Vibration::quiet(&boundary, at.depth);
+        let beyond = edge.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
+        let stable_again = || beyond && edge.variation.is_none() && self.growth_rate(edge) < 0.0;
+        let quiet = Vibration::quiet(&boundary, edge.depth);
         let vibration = if quiet.margin >= 0.0 || stable_again() {
             quiet
         } else {
-            let cycle = boundary.tabulated(at.depth / boundary.limit);
-            quiet.chattering(boundary.kind, &cycle, at.feed, &self.regeneration)
+            let cycle = boundary.tabulated(edge.depth / boundary.limit);
+            quiet.chattering(boundary.kind, &cycle, edge.feed, &self.regeneration)
         };
-        if at.modulation <= 0.0 || !vibration.stable() {
+        if edge.modulation <= 0.0 || !vibration.stable() {
             return vibration;
         }
-        let critical = self.critical_modulation(at, &key);
-        let modulated = 1.0 - at.modulation / critical;
+        let critical = self.critical_modulation(edge, &key);
+        let modulated = 1.0 - edge.modulation / critical;
         let judged = Vibration { margin: vibration.margin.min(modulated), ..vibration };
         if modulated >= 0.0 {
             return judged;
         }
         let cycle = boundary.tabulated(PARAMETRIC_RATIO);
-        judged.chattering(ChatterKind::Parametric, &cycle, at.feed, &self.regeneration)
+        judged.chattering(ChatterKind::Parametric, &cycle, edge.feed, &self.regeneration)
     }
 
     /// Modulation of the chuck's stiffness at which the softest mode becomes unstable; twice the
     /// present one where it is not below that.
-    fn critical_modulation(&self, at: &Edge, key: &Key) -> f64 {
-        let stiffness = at.depth * self.cut.cutting_coefficient * self.coefficient(at);
+    fn critical_modulation(&self, edge: &Edge, key: &Key) -> f64 {
+        let stiffness = edge.depth * self.cut.cutting_coefficient * self.coefficient(edge);
         let (stiffness, rounded_stiffness) = rounded(stiffness, STIFFNESS_STEP);
-        let key = ChuckKey { cut: *key, stiffness, modulation: at.modulation.to_bits() };
+        let key = ChuckKey { cut: *key, stiffness, modulation: edge.modulation.to_bits() };
         self.chucks.of(key, || {
-            let searched = 2.0 * at.modulation;
+            let searched = 2.0 * edge.modulation;
             let judge = || -> Result<f64, ChatterError> {
-                let (cut, speed) = self.nominal(at, &key.cut)?;
+                let (cut, speed) = self.nominal(edge, &key.cut)?;
                 let softest = cut.modes.iter().min_by(|a, b| a.stiffness.total_cmp(&b.stiffness));
                 let Some(mode) = softest else { return Err(ChatterError::NoModes) };
                 let chuck = modulated(mode, rounded_stiffness);
                 Ok(chuck.critical_modulation(3.0 * speed / chuck.natural_frequency(), searched)?.unwrap_or(searched))
             };
-            judge().unwrap_or(0.5 * at.modulation)
+            judge().unwrap_or(0.5 * edge.modulation)
         })
     }
 
     /// The cut of an operating point as the stability model sees it, nothing rounded but the place.
-    pub(crate) fn regenerative(&self, at: &Edge) -> Result<Turning, ChatterError> {
-        let key = self.key(at);
-        let (cut, _) = self.nominal(at, &key)?;
+    pub(crate) fn regenerative(&self, edge: &Edge) -> Result<Turning, ChatterError> {
+        let key = self.key(edge);
+        let (cut, _) = self.nominal(edge, &key)?;
         let by_speed = self
             .at_place(self.place(&key))?
             .by_speed
-            .map(|table| table.map(|_, mode| other(mode, at.frequency_factor, at.damping_factor)));
-        let cutting_coefficient = cut.cutting_coefficient * self.coefficient(at);
-        Ok(Turning { cutting_coefficient, process_damping: self.process_damping(at), by_speed, ..cut })
+            .map(|table| table.map(|_, mode| other(mode, edge.frequency_factor, edge.damping_factor)));
+        let cutting_coefficient = cut.cutting_coefficient * self.coefficient(edge);
+        Ok(Turning { cutting_coefficient, process_damping: self.process_damping(edge), by_speed, ..cut })
     }
 
     /// Rate at which a disturbance grows (1/s): negative in a stable cut.
-    pub(crate) fn growth_rate(&self, at: &Edge) -> f64 {
-        let key = self.key(at);
-        let (step, depth) = rounded(at.depth * self.coefficient(at), STIFFNESS_STEP);
+    pub(crate) fn growth_rate(&self, edge: &Edge) -> f64 {
+        let key = self.key(edge);
+        let (step, depth) = rounded(edge.depth * self.coefficient(edge), STIFFNESS_STEP);
         let judge = || -> Result<f64, ChatterError> {
-            let (cut, speed) = self.nominal(at, &key)?;
-            let verdict = match at.variation {
+            let (cut, speed) = self.nominal(edge, &key)?;
+            let verdict = match edge.variation {
                 Some(variation) => cut.verdict_at_varying_speed(speed, variation, depth)?,
                 None => cut.verdict_without_margin(speed, depth)?,
             };

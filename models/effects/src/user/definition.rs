@@ -310,8 +310,8 @@ fn entry(draft: &Draft, changes: &[Change], size: &'static Field) -> CatalogueEn
 fn tried(shape: &Shape) -> Vec<f64> {
     let mut values = vec![shape.value.si];
     if let Some([low, high]) = shape.range.as_ref().map(|range| [range[0].si, range[1].si]) {
-        let at = |share: &f64| if low > 0.0 { low * (high / low).powf(*share) } else { low + share * (high - low) };
-        values.extend(TRIED.iter().map(at));
+        let value = |share: &f64| if low > 0.0 { low * (high / low).powf(*share) } else { low + share * (high - low) };
+        values.extend(TRIED.iter().map(value));
     }
     values
 }

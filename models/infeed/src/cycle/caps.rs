@@ -63,11 +63,11 @@ pub(super) fn depth_at_loads(
     input: &Input,
     limits: &CycleLimits,
 ) -> Result<f64, CycleError> {
-    let at = |depth_of_cut: f64| grinding.load(&State { depth_of_cut, ..*wheel }, input);
+    let load = |depth_of_cut: f64| grinding.load(&State { depth_of_cut, ..*wheel }, input);
     let greatest = limits.greatest_infeed;
-    let capped = |limit: &'static str, value: fn(&Load) -> f64, allowed: f64, told: fn(f64) -> String| {
-        deepest(|depth| value(&at(depth)), allowed, greatest)
-            .map_err(|least| CycleError::NoDepth { limit, least: told(least) })
+    let capped = |limit: &'static str, value: fn(&Load) -> f64, allowed: f64, words: fn(f64) -> String| {
+        deepest(|depth| value(&load(depth)), allowed, greatest)
+            .map_err(|least| CycleError::NoDepth { limit, least: words(least) })
     };
     let work_speed = 0.5 * input.work_rotation_speed * grinding.parameters.work_diameter;
     let caps = [

@@ -154,7 +154,7 @@ pub static CYCLE: Form = Form {
 impl ContentFault for SetError {
     fn code(&self) -> &'static str {
         match self {
-            Self::Unknown { .. } => "unknown-name",
+            Self::Unknown(_) => "unknown-name",
             Self::UnknownGroup { .. } | Self::Parameter(_) => "parameter-set",
         }
     }

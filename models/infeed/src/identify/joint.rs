@@ -188,8 +188,9 @@ impl Fit {
             (0..free.len()).map(|k| solved(normal.clone(), unit(k)).map(|column| column[k])).collect();
         let readings = residuals(numbers, trials, errors).0.len();
         let variances = variances?;
-        let told = readings > free.len() && variances.iter().all(|variance| *variance > 0.0 && variance.is_finite());
-        told.then(|| Self { numbers, free: free.to_vec(), squares: best, variances, readings })
+        let determined =
+            readings > free.len() && variances.iter().all(|variance| *variance > 0.0 && variance.is_finite());
+        determined.then(|| Self { numbers, free: free.to_vec(), squares: best, variances, readings })
     }
 
     /// Sum of squares a degree of freedom.

@@ -57,10 +57,10 @@ fn bad_orders_and_dates_are_told_in_their_place() {
         ("2026-03-31", "soon", "quantity", line + 6, "due"),
     ];
     for (from, to, code, place, words) in cases {
-        let told = read_with(&ORDER.replace(from, to));
+        let message = read_with(&ORDER.replace(from, to));
         assert!(
-            told.iter().any(|(own, at, text)| *own == code && *at == place && text.contains(words)),
-            "{to}: {told:#?}"
+            message.iter().any(|(own, at, text)| *own == code && *at == place && text.contains(words)),
+            "{to}: {message:#?}"
         );
     }
     let twice = only(read_with(&format!("{ORDER}{ORDER}")));
@@ -104,10 +104,10 @@ fn impossible_work_at_the_start_is_told_in_its_place() {
         ("-2 h", "2 h", "arrangement", 6, "after the start"),
     ];
     for (from, to, code, place, words) in cases {
-        let told = faults_of(&format!("{SHOP}{early}{}", WIP.replace(from, to)), &[]);
+        let message = faults_of(&format!("{SHOP}{early}{}", WIP.replace(from, to)), &[]);
         assert!(
-            told.iter().any(|(own, at, text)| *own == code && *at == line + place && text.contains(words)),
-            "{to}: {told:#?}"
+            message.iter().any(|(own, at, text)| *own == code && *at == line + place && text.contains(words)),
+            "{to}: {message:#?}"
         );
     }
     let twice = only(faults_of(&format!("{SHOP}{early}{WIP}{WIP}"), &[]).into_iter().take(1).collect());
@@ -128,8 +128,8 @@ fn impossible_calendars_are_told() {
         ("holidays", "period = \"1 week\"\nholidays", "not-applicable", "week"),
     ];
     for (from, to, code, words) in cases {
-        let told = faults_of(&format!("{SHOP}{ORDER}").replacen(from, to, 1), &[]);
-        assert!(told.iter().any(|(own, _, text)| *own == code && text.contains(words)), "{to}: {told:#?}");
+        let message = faults_of(&format!("{SHOP}{ORDER}").replacen(from, to, 1), &[]);
+        assert!(message.iter().any(|(own, _, text)| *own == code && text.contains(words)), "{to}: {message:#?}");
     }
 }
 
@@ -170,17 +170,27 @@ fn a_table_is_read_like_sections() {
 
 #[test]
 fn faults_of_a_table_name_file_line_and_column() {
-    let told = of_table("id,part,quantity\nA,bar,4\nB,bra,0\nA,bar,x\n").expect_err("three bad cells and a name twice");
-    assert_eq!(told.len(), 4, "{told:#?}");
-    assert!(told.iter().any(|text| text.starts_with("orders.csv, line 3:") && text.contains("bra")), "{told:#?}");
-    assert!(told.iter().any(|text| text.starts_with("orders.csv, line 3:") && text.contains("quantity")), "{told:#?}");
-    assert!(told.iter().any(|text| text.starts_with("orders.csv, line 4:") && text.contains("quantity")), "{told:#?}");
-    assert!(told.iter().any(|text| text.starts_with("orders.csv, line 4:") && text.contains("\"A\"")), "{told:#?}");
-    let told = of_table("id,prat\nA,bar\n").expect_err("a column that is none, and one that is missing");
-    assert!(told.iter().any(|text| text.contains("no column \"prat\"")), "{told:#?}");
-    assert!(told.iter().any(|text| text.contains("`part` is missing")), "{told:#?}");
-    let told = of_table("id,part\nA,bar,4\n").expect_err("a cell too many");
-    assert!(told[0].starts_with("orders.csv, line 2:"), "{told:#?}");
+    let message =
+        of_table("id,part,quantity\nA,bar,4\nB,bra,0\nA,bar,x\n").expect_err("three bad cells and a name twice");
+    assert_eq!(message.len(), 4, "{message:#?}");
+    assert!(message.iter().any(|text| text.starts_with("orders.csv, line 3:") && text.contains("bra")), "{message:#?}");
+    assert!(
+        message.iter().any(|text| text.starts_with("orders.csv, line 3:") && text.contains("quantity")),
+        "{message:#?}"
+    );
+    assert!(
+        message.iter().any(|text| text.starts_with("orders.csv, line 4:") && text.contains("quantity")),
+        "{message:#?}"
+    );
+    assert!(
+        message.iter().any(|text| text.starts_with("orders.csv, line 4:") && text.contains("\"A\"")),
+        "{message:#?}"
+    );
+    let message = of_table("id,prat\nA,bar\n").expect_err("a column that is none, and one that is missing");
+    assert!(message.iter().any(|text| text.contains("no column \"prat\"")), "{message:#?}");
+    assert!(message.iter().any(|text| text.contains("`part` is missing")), "{message:#?}");
+    let message = of_table("id,part\nA,bar,4\n").expect_err("a cell too many");
+    assert!(message[0].starts_with("orders.csv, line 2:"), "{message:#?}");
 }
 
 /// What the table of an order system says, read by a mapping.
@@ -211,8 +221,8 @@ fn a_mapping_says_what_the_columns_of_an_order_system_are() {
         (table.to_owned(), columns.replace("\"Menge\"", "\"Menge\", at = \"14:00\""), "", "column `quantity`"),
     ];
     for (table, columns, place, words) in cases {
-        let told = of_mapped(&table, &columns).expect_err(words);
-        assert!(told.iter().any(|each| each.starts_with(place) && each.contains(words)), "{words}: {told:#?}");
+        let message = of_mapped(&table, &columns).expect_err(words);
+        assert!(message.iter().any(|each| each.starts_with(place) && each.contains(words)), "{words}: {message:#?}");
     }
 }
 
@@ -262,11 +272,11 @@ fn people_and_setup_matrices_are_read_and_their_faults_told() {
     ];
     for (from, to, code, words) in cases {
         assert!(text.contains(from), "{from}");
-        let told = faults_of(&text.replacen(from, to, 1), &[]);
+        let message = faults_of(&text.replacen(from, to, 1), &[]);
         if code.is_empty() {
-            assert!(told.is_empty(), "a matrix without the row in front: {told:#?}");
+            assert!(message.is_empty(), "a matrix without the row in front: {message:#?}");
         } else {
-            assert!(told.iter().any(|(own, _, text)| *own == code && text.contains(words)), "{to}: {told:#?}");
+            assert!(message.iter().any(|(own, _, text)| *own == code && text.contains(words)), "{to}: {message:#?}");
         }
     }
 }

@@ -83,7 +83,7 @@ pub struct Observer {
     /// Nominal cut of the pass.
     cut: Cut,
     /// Time within the segment to which the filter has come, s.
-    at: f64,
+    filtered_until: f64,
     /// Speed then, m/s.
     speed: Option<f64>,
 }
@@ -99,13 +99,13 @@ impl Observer {
             let flank_wear = reading.max(0.0);
             filter = filter.with_estimate(Estimate { flank_wear, ln_force_factor: 0.0, ln_wear_factor: 0.0 });
         }
-        Self { filter, cut: believed.cut, at: 0.0, speed: None }
+        Self { filter, cut: believed.cut, filtered_until: 0.0, speed: None }
     }
 
     /// For the next edge of the same kind, which is new.
     pub(super) fn next_edge(&self, believed: &Believed, sensors: &SensorSheet) -> Self {
         let initial_wear = sensors.observer_noise(believed.allowance).initial_wear;
-        Self { filter: self.filter.next_edge(initial_wear), cut: believed.cut, at: 0.0, speed: None }
+        Self { filter: self.filter.next_edge(initial_wear), cut: believed.cut, filtered_until: 0.0, speed: None }
     }
 
     /// The flank wear, m, was read.
@@ -145,15 +145,15 @@ impl Observer {
         // Commanded speeds are known; over the time since the last sample their mean counts.
         let before = self.speed.unwrap_or(sample.cutting_speed);
         let mean = 0.5 * (before + sample.cutting_speed);
-        self.filter.predict(&self.cut.at_speed(mean), sample.elapsed - self.at);
+        self.filter.predict(&self.cut.at_speed(mean), sample.elapsed - self.filtered_until);
         self.filter.update(&self.cut.at_speed(sample.cutting_speed), &measured);
-        self.at = sample.elapsed;
+        self.filtered_until = sample.elapsed;
         self.speed = Some(sample.cutting_speed);
     }
 
     /// The stretch of cutting is over; the next one counts its time from zero.
     pub fn segment_ends(&mut self) {
-        self.at = 0.0;
+        self.filtered_until = 0.0;
         self.speed = None;
     }
 }

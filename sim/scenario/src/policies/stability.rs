@@ -86,29 +86,29 @@ impl Stability {
     }
 
     /// The command with the rule applied, within the `range` of the machine.
-    pub(super) fn applied(&self, asked: Conditions, seen: &Observation<'_>, range: (f64, f64)) -> Conditions {
+    pub(super) fn applied(&self, requested: Conditions, seen: &Observation<'_>, range: (f64, f64)) -> Conditions {
         match self.plan {
             Plan::Fixed(speed) => Conditions::constant(speed),
-            Plan::Reactive { .. } => seen.reaction.map_or(asked, Conditions::constant),
+            Plan::Reactive { .. } => seen.reaction.map_or(requested, Conditions::constant),
             Plan::Variation(variation) => {
                 // The greatest speed of the variation is the machine's to give as well.
                 let most = range.1 / (1.0 + variation.amplitude);
                 let held = |speed: f64| speed.min(most).max(range.0);
-                let (start_speed, end_speed) = (held(asked.start_speed), held(asked.end_speed));
-                Conditions { start_speed, end_speed, variation: Some(variation), ..asked }
+                let (start_speed, end_speed) = (held(requested.start_speed), held(requested.end_speed));
+                Conditions { start_speed, end_speed, variation: Some(variation), ..requested }
             }
             Plan::Layers { share } => {
-                let limit = self.cut.limit(asked.start_speed, seen.flank_wear().unwrap_or(0.0));
+                let limit = self.cut.limit(requested.start_speed, seen.flank_wear().unwrap_or(0.0));
                 let layers = (self.cut.depth() / (share * limit)).ceil().clamp(1.0, MOST_LAYERS);
-                Conditions { layers: layers as u32, ..asked }
+                Conditions { layers: layers as u32, ..requested }
             }
             Plan::Constraint { margin } => {
-                let wanted = 0.5 * (asked.start_speed + asked.end_speed);
+                let wanted = 0.5 * (requested.start_speed + requested.end_speed);
                 let flank_wear = seen.flank_wear().unwrap_or(0.0);
                 let deep_enough = self.cut.depth() / (1.0 - margin);
                 let fits = |speed: f64| self.cut.limit(speed, flank_wear) >= deep_enough;
                 match nearest(&self.cut.speeds(range), wanted, fits) {
-                    Some(speed) if speed == wanted => asked,
+                    Some(speed) if speed == wanted => requested,
                     Some(speed) => Conditions::constant(speed),
                     // Nowhere stable: where it is the least unstable.
                     None => Conditions::constant(self.cut.steadiest(&self.cut.speeds(range), flank_wear)),

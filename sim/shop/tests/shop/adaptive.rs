@@ -4,10 +4,11 @@ use crate::scenarios::{self, jobs_at, machine, operation, policy};
 use std::sync::Arc;
 use toolroom_cutting::Turning;
 use toolroom_kernel::SimTime;
+use toolroom_process::ProcessEvent;
 use toolroom_scenario::*;
 use toolroom_shop::Shop;
 use toolroom_shop::run;
-use toolroom_shop::runlog::{ChangeReason, RunLog};
+use toolroom_shop::runlog::{ChangeReason, LogEvent, RunLog};
 use toolroom_wear::{Pair, Scatter};
 
 const RULES: [SpeedRule; 11] = [
@@ -57,7 +58,7 @@ fn turning(scatter: Scatter, jobs: u32) -> Scenario {
 
 /// Time in cut and path of every edge when it reached the wear limit, inside its last pass.
 fn lives(log: &RunLog) -> Vec<(f64, f64)> {
-    let crossings = log.events.iter().filter(|row| row.event == "wear_limit");
+    let crossings = log.events.iter().filter(|row| row.event == LogEvent::Cut(ProcessEvent::WearLimit));
     crossings
         .map(|event| {
             let edge = &log.edges[event.edge.unwrap() as usize];

@@ -5,7 +5,7 @@ use crate::statistics::Estimate;
 use toolroom_scenario::{
     Arrival, ArrivalPattern, Distribution, FailureClock, FailureMode, Interruption, Scenario, Work,
 };
-use toolroom_shop::runlog::{MachineState, RunLog};
+use toolroom_shop::runlog::{LogEvent, MachineState, RunLog};
 
 /// Poisson arrivals at rate 0.6, exponential work of mean 1, failures at rate 0.05 while busy,
 /// repairs at rate 0.5.
@@ -92,7 +92,7 @@ fn failures_do_not_depend_on_what_else_the_shop_does() {
     }];
     let times = |shop: &Scenario| -> Vec<f64> {
         let log = run(shop);
-        log.events.iter().filter(|row| row.event == "failure").map(|row| row.time).collect()
+        log.events.iter().filter(|row| row.event == LogEvent::Failure).map(|row| row.time).collect()
     };
     let alone = times(&shop);
     assert!(alone.len() > 3);

@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 use toolroom_scenario_file::parse;
+use toolroom_shop::runlog::LogEvent;
 use toolroom_shop::{RunLog, ShopError};
 
 const STATIONS: [&str; 4] = ["A", "B", "C", "D"];
@@ -62,9 +63,9 @@ impl Draw {
 
 /// Most cards that jobs had at a time.
 fn most_cards(log: &RunLog) -> i64 {
-    let change = |event: &str| match event {
-        "card" => 1,
-        "card_return" => -1,
+    let change = |event: LogEvent| match event {
+        LogEvent::Card => 1,
+        LogEvent::CardReturn => -1,
         _ => 0,
     };
     let counts = log.events.iter().scan(0, |count, row| {
@@ -87,8 +88,8 @@ proptest! {
                 if let [(_, _, cards)] = draw.loops[..] {
                     prop_assert!(most_cards(&log) <= i64::from(cards));
                 }
-                let count = |event: &str| log.events.iter().filter(|row| row.event == event).count();
-                prop_assert!(count("card_return") >= count("card"), "every card comes back");
+                let count = |event: LogEvent| log.events.iter().filter(|row| row.event == event).count();
+                prop_assert!(count(LogEvent::CardReturn) >= count(LogEvent::Card), "every card comes back");
             }
             Err(ShopError::Deadlock { .. }) => prop_assert!(draw.buffers.iter().any(Option::is_some)),
             // Cards of one loop alone lock only with places.

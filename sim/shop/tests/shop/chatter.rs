@@ -4,7 +4,7 @@ use toolroom_form::ReadError;
 use toolroom_scenario::Scenario;
 use toolroom_scenario_file::read;
 use toolroom_shop::run;
-use toolroom_shop::runlog::{JobOutcome, RunLog};
+use toolroom_shop::runlog::{JobOutcome, LogEvent, RunLog};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/chatter-policies.toml");
 
@@ -35,7 +35,8 @@ fn chatter_is_logged_where_it_sets_in_and_scraps_rough_parts() {
     let scenario = scenario(&[]);
     let log = log(&scenario, "constant");
     assert!(chatter_share(&log, 0) > 0.02, "{}", chatter_share(&log, 0));
-    let onsets: Vec<f64> = log.events.iter().filter(|row| row.event == "chatter_onset").map(|row| row.time).collect();
+    let onsets: Vec<f64> =
+        log.events.iter().filter(|row| row.event == LogEvent::ChatterOnset).map(|row| row.time).collect();
     assert!(!onsets.is_empty());
     for onset in &onsets {
         // It grows within a pass in which some time chatters.

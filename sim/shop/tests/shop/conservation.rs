@@ -4,7 +4,7 @@ use crate::scenarios::{Rubbing, jobs_at, machine, operation, part, scenario, too
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use toolroom_scenario::*;
-use toolroom_shop::runlog::{ChangeReason, JobOutcome, OperationResult, RunLog};
+use toolroom_shop::runlog::{ChangeReason, JobOutcome, LogEvent, OperationResult, RunLog};
 
 /// A busy small shop with every kind of trouble.
 fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: Interruption) -> Scenario {
@@ -155,11 +155,11 @@ fn check(shop: &Scenario, log: &RunLog) {
             assert!(cut >= planned - 1e-9 * planned, "job {number}: {cut} m of {planned} m");
         }
     }
-    let count = |name: &str| log.events.iter().filter(|row| row.event == name).count();
-    assert_eq!(count("arrival"), log.jobs.len());
-    assert_eq!(count("finish"), outcomes.get(&JobOutcome::Good).copied().unwrap_or(0));
+    let count = |event: LogEvent| log.events.iter().filter(|row| row.event == event).count();
+    assert_eq!(count(LogEvent::Arrival), log.jobs.len());
+    assert_eq!(count(LogEvent::Finish), outcomes.get(&JobOutcome::Good).copied().unwrap_or(0));
     let scrap = log.jobs.iter().filter(|job| !matches!(job.outcome, JobOutcome::Good | JobOutcome::InProcess));
-    assert_eq!(count("scrap"), scrap.count());
+    assert_eq!(count(LogEvent::Scrap), scrap.count());
     assert!(log.events.windows(2).all(|pair| pair[0].time <= pair[1].time));
 }
 

@@ -9,7 +9,7 @@ use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_scenario::policies::{ContourPlan, PlanError, PolicyError};
 use toolroom_scenario::*;
-use toolroom_shop::runlog::{ChangeReason, JobOutcome, RunLog};
+use toolroom_shop::runlog::{ChangeReason, JobOutcome, LogEvent, RunLog};
 
 const RK3: &str = include_str!("../../../../scenarios/contour/rk3.toml");
 const MC1: &str = include_str!("../../../../scenarios/contour/mc1.toml");
@@ -191,7 +191,7 @@ fn a_pass_that_is_interrupted_is_the_same_pass() {
         part: Interruption::Resume,
     }];
     let (whole, broken) = (run(&whole), run(&broken));
-    assert!(broken.events.iter().filter(|row| row.event == "failure").count() > 20);
+    assert!(broken.events.iter().filter(|row| row.event == LogEvent::Failure).count() > 20);
     let rows = |log: &RunLog| -> Vec<[f64; 5]> {
         let row = |row: &toolroom_shop::runlog::PassRow| {
             [row.cutting_time, row.path, row.flank_wear_end * 1e3, row.size_error * 1e6, row.energy * 1e-3]

@@ -5,6 +5,7 @@ use crate::scenarios::run;
 use std::collections::BTreeMap;
 use toolroom_scenario::Scenario;
 use toolroom_scenario_file::parse;
+use toolroom_shop::runlog::LogEvent;
 use toolroom_shop::{RunLog, ShopError};
 
 fn parsed(text: &str) -> Scenario {
@@ -75,7 +76,7 @@ fn conwip(jobs: u32, rest: &str) -> String {
 fn a_loop_over_a_line_has_the_rate_and_the_lead_time_of_the_closed_network() {
     let log = run(&parsed(&conwip(9, "[[loop]]\nname = \"line\"\nfrom = \"A\"\nto = \"D\"\ncards = 6\n")));
     let mut taken = BTreeMap::new();
-    for row in log.events.iter().filter(|row| row.event == "card") {
+    for row in log.events.iter().filter(|row| row.event == LogEvent::Card) {
         taken.insert(row.job.expect("a job takes a card"), row.time);
     }
     let (mut count, mut total) = (0.0_f64, 0.0_f64);
@@ -194,8 +195,8 @@ fn all_of_an_order_has_one_card_and_rework_comes_back_for_it() {
     let log = run(&parsed(&shop(&["\"A\"", "\"B\""], &rework, &format!("{orders}{card}{}", at_start("p", 50)))));
     let pieces: u32 = log.jobs.iter().filter(|job| job.finish.is_finite()).map(|job| job.quantity).sum();
     assert_eq!(pieces, 9 + 30 + 50);
-    let count = |event: &str| log.events.iter().filter(|row| row.event == event).count();
-    assert!(count("card_return") > 52, "{}", count("card_return"));
+    let returns = log.events.iter().filter(|row| row.event == LogEvent::CardReturn).count();
+    assert!(returns > 52, "{returns}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use toolroom_scenario::Scenario;
 use toolroom_scenario_file::parse;
 use toolroom_shop::run;
-use toolroom_shop::runlog::{MachineState, RunLog};
+use toolroom_shop::runlog::{LogEvent, MachineState, RunLog};
 
 fn parsed(text: &str) -> Scenario {
     parse("shop.toml", text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).scenario
@@ -19,8 +19,8 @@ fn wait_for_crew(log: &RunLog) -> f64 {
     for row in &log.events {
         let Some(machine) = row.machine.map(|index| index as usize) else { continue };
         match row.event {
-            "failure" => failed[machine] = row.time,
-            "repair_start" => waits.push(row.time - failed[machine]),
+            LogEvent::Failure => failed[machine] = row.time,
+            LogEvent::RepairStart => waits.push(row.time - failed[machine]),
             _ => {}
         }
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use toolroom_infeed::{CycleLimits, Infeed, Input, State, grind_cycle};
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_scenario::*;
-use toolroom_shop::runlog::{ChangeReason, JobOutcome, RunLog};
+use toolroom_shop::runlog::{ChangeReason, JobOutcome, LogEvent, RunLog};
 
 const TURN: f64 = 60.0 / 292.0;
 
@@ -128,7 +128,7 @@ fn a_cycle_that_is_interrupted_is_the_same_cycle() {
             part: Interruption::Resume,
         }];
         let (whole, broken) = (run(&whole), run(&broken));
-        assert!(broken.events.iter().filter(|row| row.event == "failure").count() > 20);
+        assert!(broken.events.iter().filter(|row| row.event == LogEvent::Failure).count() > 20);
         for (a, b) in whole.passes.iter().zip(&broken.passes) {
             assert!((a.size_error - b.size_error).abs() < 1e-12, "{rule:?}");
             assert!((a.cutting_time - b.cutting_time).abs() < 1e-9);

@@ -3,9 +3,9 @@
 use crate::scenarios::{self, jobs_at, operation, run, time_in, tool};
 use std::sync::Arc;
 use toolroom_infeed::{Infeed, Input};
-use toolroom_process::Process;
+use toolroom_process::{Process, ProcessEvent};
 use toolroom_scenario::*;
-use toolroom_shop::runlog::{ChangeReason, JobOutcome, MachineState};
+use toolroom_shop::runlog::{ChangeReason, JobOutcome, LogEvent, MachineState};
 
 const TURN: f64 = 60.0 / 292.0;
 
@@ -61,7 +61,7 @@ fn a_dull_wheel_is_dressed_after_the_part() {
     use ChangeReason::{Dressing, EndOfRun};
     assert_eq!(reasons, [(3, Dressing), (3, Dressing), (3, Dressing), (0, EndOfRun)]);
     assert_eq!(time_in(&log, 0, MachineState::Dressing), 3.0 * 90.0);
-    assert_eq!(log.events.iter().filter(|row| row.event == "dressing").count(), 3);
+    assert_eq!(log.events.iter().filter(|row| row.event == LogEvent::Dressing).count(), 3);
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn a_burnt_part_is_scrapped() {
     infeed.parameters.burn_temperature_rise = 300.0; // the rough phase heats by 585 K
     let log = run(&grinder(infeed, 3));
     assert!(log.jobs.iter().all(|job| job.outcome == JobOutcome::Burnt));
-    assert!(log.events.iter().any(|row| row.event == "burn"));
+    assert!(log.events.iter().any(|row| row.event == LogEvent::Cut(ProcessEvent::Burn)));
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn an_interrupted_phase_gives_the_same_part() {
         part: Interruption::Resume,
     }];
     let parts = run(&shop);
-    assert!(parts.events.iter().filter(|row| row.event == "failure").count() >= 3);
+    assert!(parts.events.iter().filter(|row| row.event == LogEvent::Failure).count() >= 3);
     for (a, b) in whole.passes.iter().zip(&parts.passes) {
         assert!((a.size_error - b.size_error).abs() < 1e-12 && (a.cutting_time - b.cutting_time).abs() < 1e-9);
     }

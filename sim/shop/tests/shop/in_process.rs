@@ -3,7 +3,7 @@
 use toolroom_scenario::Scenario;
 use toolroom_scenario_file::{parse, read};
 use toolroom_shop::run;
-use toolroom_shop::runlog::{MachineState, RunLog};
+use toolroom_shop::runlog::{LogEvent, MachineState, RunLog};
 
 /// Two stations: setup 20 and 3 min a piece, then setup 15 and 2 min a piece; orders of ten pieces.
 const LINE: &str = r#"
@@ -76,7 +76,7 @@ operation = "drill"
     let log = run(&scenario, 0, 0).unwrap();
     // A is ready for plates: 1 to 18 min, 3 to 48, 2 to 78, 5 to 108. B is set up for 4 until 15 and has it until 35.
     assert_eq!(finishes(&scenario, &log), [55.0, 98.0, 75.0, 35.0, 128.0]);
-    let setups = log.events.iter().filter(|event| event.event == "setup").count();
+    let setups = log.events.iter().filter(|event| event.event == LogEvent::Setup).count();
     assert_eq!(setups, 1, "A stands ready for what is in it");
 }
 

@@ -2,7 +2,7 @@
 
 use crate::scenarios::{self, Rubbing, jobs_at, operation, run, time_in, tool};
 use toolroom_scenario::{Distribution, FailureClock, FailureMode, Interruption, Scenario};
-use toolroom_shop::runlog::{JobOutcome, MachineState};
+use toolroom_shop::runlog::{JobOutcome, LogEvent, MachineState};
 
 /// One job of load 5, passes 10 and 20, unload 5; one failure at 22, in the second pass, of 100 s.
 fn shop(part: Interruption) -> Scenario {
@@ -61,7 +61,8 @@ fn a_busy_clock_stands_while_the_machine_waits() {
     shop.arrivals[0] = jobs_at(&[(1000.0, 1)]);
     shop.horizon = 2000.0;
     let log = run(&shop);
-    let failures: Vec<f64> = log.events.iter().filter(|row| row.event == "failure").map(|row| row.time).collect();
+    let failures: Vec<f64> =
+        log.events.iter().filter(|row| row.event == LogEvent::Failure).map(|row| row.time).collect();
     assert_eq!(failures, [1022.0]); // 22 s busy; the 18 s left after repair are too short for another
     assert_eq!(log.jobs[0].finish, 1140.0);
 }

@@ -3,7 +3,7 @@
 use toolroom_scenario::{Scenario, date};
 use toolroom_scenario_file::{parse, read};
 use toolroom_shop::run;
-use toolroom_shop::runlog::{MachineState, OperationRow, RunLog};
+use toolroom_shop::runlog::{LogEvent, MachineState, OperationRow, RunLog};
 
 fn shipped(changes: &[&str]) -> Scenario {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/shop/orders.toml");
@@ -22,7 +22,7 @@ fn finishes(scenario: &Scenario, log: &RunLog) -> Vec<String> {
 }
 
 fn setups(log: &RunLog) -> usize {
-    log.events.iter().filter(|event| event.event == "setup").count()
+    log.events.iter().filter(|event| event.event == LogEvent::Setup).count()
 }
 
 #[test]

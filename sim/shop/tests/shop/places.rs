@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use toolroom_kernel::SimTime;
 use toolroom_scenario::Scenario;
 use toolroom_scenario_file::{parse, read};
-use toolroom_shop::runlog::{JobOutcome, MachineState, RunLog};
+use toolroom_shop::runlog::{JobOutcome, LogEvent, MachineState, RunLog};
 use toolroom_shop::{Shop, ShopError, World, run};
 
 /// The shipped line with changes.
@@ -135,7 +135,7 @@ fn parts_that_want_each_others_machines_are_named() {
     assert_eq!(shop.world().flow.swaps, 1);
     let log = shop.run().unwrap();
     assert_eq!(finishes(&log), [10.0, 10.0, 10.0]);
-    assert_eq!(log.events.iter().filter(|event| event.event == "swap").count(), 3);
+    assert_eq!(log.events.iter().filter(|event| event.event == LogEvent::Swap).count(), 3);
 }
 
 #[test]

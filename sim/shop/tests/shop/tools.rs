@@ -3,9 +3,9 @@
 use crate::scenarios::{self, Rubbing, jobs_at, operation, run, time_in, tool};
 use std::sync::Arc;
 use toolroom_cutting::{Milling, MillingInput};
-use toolroom_process::Process;
+use toolroom_process::{Process, ProcessEvent};
 use toolroom_scenario::{Cut, ProcessModel, Scenario, ToolChangeRule, Work};
-use toolroom_shop::runlog::{ChangeReason, JobOutcome, MachineState, RunLog};
+use toolroom_shop::runlog::{ChangeReason, JobOutcome, LogEvent, MachineState, RunLog};
 
 /// Twelve parts of two passes of 10 m at 1 mm wear per metre.
 fn shop(rule: ToolChangeRule) -> Scenario {
@@ -30,7 +30,12 @@ fn an_edge_past_its_wear_limit_finishes_the_pass_and_goes() {
     let expected = [(6, WearLimit), (6, WearLimit), (6, WearLimit), (6, WearLimit), (0, EndOfRun)];
     assert_eq!(passes_and_reasons(&log), expected);
     assert!(log.edges[..4].iter().all(|edge| (edge.flank_wear - 0.06).abs() < 1e-12 && edge.parts == 3));
-    let crossings: Vec<f64> = log.events.iter().filter(|row| row.event == "wear_limit").map(|row| row.time).collect();
+    let crossings: Vec<f64> = log
+        .events
+        .iter()
+        .filter(|row| row.event == LogEvent::Cut(ProcessEvent::WearLimit))
+        .map(|row| row.time)
+        .collect();
     assert!((crossings[0] - 55.0).abs() < 1e-9);
     // Changes count as tool change time, between passes.
     assert!((time_in(&log, 0, MachineState::ToolChange) - 4.0 * 7.0).abs() < 1e-9);
@@ -45,7 +50,12 @@ fn an_edge_that_is_mounted_past_its_wear_limit_is_found_after_its_first_pass() {
     let log = run(&shop);
     // Twelve parts of two passes, an edge a pass.
     assert_eq!(passes_and_reasons(&log)[..24], [(1, ChangeReason::WearLimit); 24]);
-    let crossings: Vec<f64> = log.events.iter().filter(|row| row.event == "wear_limit").map(|row| row.time).collect();
+    let crossings: Vec<f64> = log
+        .events
+        .iter()
+        .filter(|row| row.event == LogEvent::Cut(ProcessEvent::WearLimit))
+        .map(|row| row.time)
+        .collect();
     assert_eq!((crossings.len(), crossings[0]), (24, 0.0));
 }
 

@@ -301,9 +301,9 @@ impl<'a> Machining<'a> {
         if !self.chips.happen() {
             return (0.0, 0.0);
         }
-        let at =
+        let gathered_to =
             |share: f64| (self.chips.power(step.path_at(share)), self.chips.aged(self.land(step.square.at(share))));
-        let (halfway, end) = (at(0.5 * share), at(share));
+        let (halfway, end) = (gathered_to(0.5 * share), gathered_to(share));
         (end.0, self.chips.over([(self.power, self.chips.aged(self.wear)), halfway, end]))
     }
 

@@ -118,18 +118,18 @@ impl Course<'_> {
                 };
                 // Within a part wear advances evenly, but for its own effect on itself.
                 let (before, now) = (last, (advanced, time));
-                let at = |share: f64| {
+                let reached = |share: f64| {
                     let between = |start: f64, end: f64| start + share * (end - start);
                     (chips.power(speed * between(before.1, now.1)), aged(between(before.0, now.0)))
                 };
                 let first = (power, aged(before.0));
-                let gathered = |share: f64| chips.over([first, at(0.5 * share), at(share)]);
+                let gathered = |share: f64| chips.over([first, reached(0.5 * share), reached(share)]);
                 let whole = gathered(1.0);
                 if hazard < edge.resistance && hazard + whole >= edge.resistance {
                     let share = share_at(edge.resistance - hazard, gathered);
                     (stop, kind) = (before.1 + share * (now.1 - before.1), End::Chipping);
                 }
-                (hazard, power, last) = (hazard + whole, at(1.0).0, now);
+                (hazard, power, last) = (hazard + whole, reached(1.0).0, now);
             });
             if end.min(stop) > longest {
                 stop = longest;
@@ -171,8 +171,8 @@ impl Nodes {
     fn between(from: f64, to: f64) -> Self {
         let (a, b) = (from.ln(), to.ln());
         let (centre, half) = (0.5 * (a + b), 0.5 * (b - a));
-        let at = |node: f64| (centre + half * node).exp();
-        Self { half, stretches: [at(-NODE), at(NODE), to], middle: at(0.0) }
+        let time_at = |node: f64| (centre + half * node).exp();
+        Self { half, stretches: [time_at(-NODE), time_at(NODE), to], middle: time_at(0.0) }
     }
 }
 

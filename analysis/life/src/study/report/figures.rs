@@ -51,7 +51,7 @@ pub(super) fn taylor(study: &Study, regression: &Regression, points: &[(f64, f64
     let (low, high) =
         points.iter().fold((f64::INFINITY, 0.0f64), |(low, high), point| (low.min(point.0), high.max(point.0)));
     let reference = &study.cells[0].cut;
-    let at = |speed: f64| {
+    let predicted = |speed: f64| {
         let covariates = regression.names.iter().map(|name| match name.as_str() {
             "ln(cutting_speed)" => speed.ln(),
             "ln(feed_per_rev)" => (reference.feed_per_rev * 1e3).ln(),
@@ -62,16 +62,16 @@ pub(super) fn taylor(study: &Study, regression: &Regression, points: &[(f64, f64
     let speeds: Vec<f64> = (0..=40).map(|i| low * (high / low).powf(f64::from(i) / 40.0)).collect();
     let band = |of: fn(&Prediction) -> (f64, f64)| {
         speeds.iter().map(move |speed| {
-            let (low, high) = of(&at(*speed));
+            let (low, high) = of(&predicted(*speed));
             (*speed, low, high)
         })
     };
     let plot = Plot::new("Tool life over speed", Axis::log("Cutting speed", "m/min"), Axis::log("Life", "min"))
-        .band("one more edge", band(|at| at.prediction).collect::<Vec<_>>(), Style::nth(1))
-        .band("median", band(|at| at.confidence).collect::<Vec<_>>(), Style::nth(0))
+        .band("one more edge", band(|predicted| predicted.prediction).collect::<Vec<_>>(), Style::nth(1))
+        .band("median", band(|predicted| predicted.confidence).collect::<Vec<_>>(), Style::nth(0))
         .line(
             "extended Taylor law",
-            speeds.iter().map(|speed| (*speed, at(*speed).median)).collect::<Vec<_>>(),
+            speeds.iter().map(|speed| (*speed, predicted(*speed).median)).collect::<Vec<_>>(),
             Style::nth(0),
         )
         .scatter("lives", points.iter().copied(), Style::nth(2))

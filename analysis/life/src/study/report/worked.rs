@@ -151,11 +151,11 @@ pub(super) fn sensitivity(study: &Study, samples: u64, paths: u64) -> Sensitivit
     let cell = &study.cells[0];
     let life = |point: &[f64], row: u64| study.live(cell, row, point, &mut Draws::of(study.seed, row)).life / 60.0;
     let dimensions = study.dimensions();
-    let at = |input: Option<(usize, f64)>| quiet_life(&study, cell, input);
+    let life_with = |input: Option<(usize, f64)>| quiet_life(&study, cell, input);
     Sensitivity {
         indices: sobol(life, dimensions, samples, 0.9, study.seed),
         effects: morris(life, dimensions, paths, study.seed),
-        middle: at(None),
-        swings: (0..dimensions).map(|j| (at(Some((j, 0.1))), at(Some((j, 0.9))))).collect(),
+        middle: life_with(None),
+        swings: (0..dimensions).map(|j| (life_with(Some((j, 0.1))), life_with(Some((j, 0.9))))).collect(),
     }
 }
