@@ -53,6 +53,7 @@ pub use toolroom_life as life;
 pub use toolroom_lobes as lobes;
 pub use toolroom_parquet as parquet;
 pub use toolroom_planning as planning;
+pub use toolroom_post as post;
 pub use toolroom_process as process;
 pub use toolroom_program as program;
 pub use toolroom_recording as recording;

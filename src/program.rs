@@ -8,8 +8,10 @@ use std::path::Path;
 use toolroom_drives::Machine;
 use toolroom_output::Files;
 use toolroom_planning::engagement::Engagement;
+use toolroom_planning::explain::Explanation;
 use toolroom_planning::program::{CycleTime, set_drive};
-use toolroom_program::{Dialect, Units, post};
+use toolroom_post::post;
+use toolroom_program::{Dialect, ProgramError, Source, Units};
 use toolroom_stock::Setup;
 
 /// What a refused program is about.
@@ -17,7 +19,7 @@ pub const REFUSED: &str = "a word that is not followed could move an axis or tak
 
 pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let name = args.file.display().to_string();
-    let text = read(&args.file)?;
+    let text = open(&args.file)?;
     let files = Files::new([args.file.as_path()], voice.force);
     for path in args.blocks.iter().chain(&args.out).chain(&args.motions) {
         files.check(path)?;
@@ -47,10 +49,15 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         set_drive(&mut drives, &mut control, text)
             .map_err(|error| Failure::argument(format!("--set {text}: {error}"), error.fix()))?;
     }
-    let cycle = CycleTime::new(&text, &control, &drives, args.blocks.is_some())
-        .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
+    let cycle = CycleTime::new(text.clone(), &control, &drives, args.blocks.is_some())
+        .map_err(|error| refused(&name, &error))?;
+    let explanation = args
+        .explain
+        .map(|line| Explanation::new(&text, &control, &drives, line as usize))
+        .transpose()
+        .map_err(|error| refused(&name, &error))?;
     let engagement = setup
-        .map(|setup| Engagement::new(&text, &control, &setup, args.motions.is_some()))
+        .map(|setup| Engagement::new(text.clone(), &control, &setup, args.motions.is_some()))
         .transpose()
         .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
     if let (Some(path), Some(engagement)) = (&args.motions, &engagement) {
@@ -62,8 +69,7 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         voice.say(format_args!("wrote {}", path.display()));
     }
     if let (Some(target), Some(path)) = (args.post.as_deref().and_then(Dialect::named), &args.out) {
-        let written =
-            post(&text, &control, target).map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
+        let written = post(text, &control, target).map_err(|error| refused(&name, &error))?;
         files.put(path, written.text.as_bytes())?;
         voice.say(format_args!("wrote {}", path.display()));
         if let [first, ..] = written.left_out[..] {
@@ -89,15 +95,27 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         if let Some(engagement) = &engagement {
             result["engagement"] = engagement.json();
         }
+        if let Some(explanation) = &explanation {
+            result["explained"] = explanation.json();
+        }
         voice.json(&result)?;
     } else {
         voice.data(cycle.text())?;
         if let Some(engagement) = &engagement {
             voice.data(engagement.text())?;
         }
+        if let Some(explanation) = &explanation {
+            voice.data(explanation.text())?;
+        }
     }
     let crash = engagement.as_ref().and_then(|engagement| engagement.crashes().first()).filter(|_| args.strict);
     crash.map_or(Ok(()), |line| Err(Failure::Work { message: format!("{name}:{line}: a rapid motion meets material") }))
+}
+
+/// A refused program, with all words of it that are refused.
+fn refused(name: &str, error: &ProgramError) -> Failure {
+    let list: Vec<String> = error.all().map(|one| format!("{name}:{one}")).collect();
+    Failure::argument(list.join("\n"), REFUSED)
 }
 
 /// How a change of a machine file begins.
@@ -111,6 +129,11 @@ fn machine(path: Option<&Path>, set: &[String]) -> Result<Machine, Failure> {
         None => Machine::of("--set", "", &set),
     };
     Ok(file?.content)
+}
+
+/// A part program, which stays in its file: it may have millions of lines.
+fn open(file: &Path) -> Result<Source, Failure> {
+    Source::open(file).map_err(|error| Failure::argument(format!("{}: {error}", file.display()), "check the path"))
 }
 
 /// The text of a part program; controls write other encodings than UTF-8 in comments.

@@ -207,6 +207,46 @@ fn programs_of_six_controls_are_timed_as_on_paper() {
 }
 
 #[test]
+fn a_line_is_explained_with_the_time_of_all_its_runs() {
+    let shipped = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join(name).display().to_string();
+    let nc = shipped("scenarios/programs/plate.nc");
+    let drives = shipped("scenarios/machines/vmc.toml");
+    let explained = |line: &str| json(&toolroom(&["program", &nc, "--drives", &drives, "--explain", line, "--json"]));
+    // A block of the subprogram that is called four times: a circle of 4 mm down by 3 mm at 700 mm/min.
+    let circle = explained("43");
+    let told = &circle["explained"];
+    assert_eq!((told["runs"].as_u64(), told["first_runs"].as_array().map(Vec::len)), (Some(4), Some(4)), "{told}");
+    let motion = &told["first_runs"][1]["motions"][0];
+    let way = (8.0 * std::f64::consts::PI).hypot(3.0);
+    assert!((motion["length [mm]"].as_f64().expect("a length") - way).abs() < 1e-9, "{motion}");
+    assert!((motion["programmed_time [s]"].as_f64().expect("a time") - 60.0 * way / 700.0).abs() < 1e-9);
+    assert_eq!(told["first_runs"][1]["position"][2], -6.0);
+    assert!(told["first_runs"][0]["modes"].as_str().expect("modes").contains("spindle 6000 rpm"));
+    let seconds = |value: &Value| value.as_object().expect("parts").values().filter_map(Value::as_f64).sum::<f64>();
+    assert!(seconds(&told["spent"]) > 4.0 * 60.0 * way / 700.0);
+    // Where the time of all goes adds up to the cycle time.
+    assert!((seconds(&circle["spent"]) - circle["cycle_time [s]"].as_f64().expect("a time")).abs() < 1e-9);
+    let change = explained("5");
+    assert!(change["explained"]["spent"]["change [s]"].as_f64().expect("a time") > 4.9, "{}", change["explained"]);
+    assert_eq!(explained("3")["explained"]["runs"], 0);
+    let text = toolroom(&["program", &nc, "--drives", &drives, "--explain", "43"]);
+    let text = String::from_utf8_lossy(&text.stdout).into_owned();
+    assert!(text.contains("on this machine: feed") && text.contains("line 43: runs 4 times"), "{text}");
+}
+
+#[test]
+fn every_word_that_is_refused_is_told_in_one_go() {
+    let nc = directory("programs", "refusals").join("part.nc");
+    fs::write(&nc, "G21 G90 G0 X0 Y0 Z0\nG411 X5.\nG1 X10. F100\nG12.1\nG43.4 H1\nM30\n").expect("writable");
+    let output = toolroom(&["program", &nc.display().to_string()]);
+    assert_eq!(output.status.code(), Some(2));
+    let text = stderr(&output);
+    for place in ["part.nc:2:", "part.nc:4:", "part.nc:5:"] {
+        assert!(text.contains(place), "{text}");
+    }
+}
+
+#[test]
 fn a_machine_file_or_preset_times_spindle_and_changer() {
     let nc = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/programs/plate.nc").display().to_string();
     let plain = json(&toolroom(&["program", &nc, "--json"]));

@@ -18,8 +18,10 @@ TOLERANCE = 2.5e-4  # mm: canonical motions and posts are written with four deci
 TOLD = ["--start", "0,0,0 mm", "--tool", "D1=10 mm", "--tool", "D2=6 mm"]
 
 
-def canonical(rs274, path, folder):
-    """Motions of a program: (kind, end, length mm, time s), and the sum of dwells."""
+def canonical(rs274, path, folder, splines=()):
+    """Motions of a program: (kind, end, length mm, time s), and the sum of dwells. Of a spline the interpreter tells that it accepted
+    it; `splines` holds end and length of each, in units of the program, in order."""
+    splines = iter(splines)
     # Lengths of the table are inches where no machine says otherwise. The interpreter keeps it in the home folder.
     tools = [(number, 6 if number == 2 else 10) for number in range(1, 100)]
     (folder / "tool.tbl").write_text("".join(f"T{number} P{number} D{diameter / 25.4} Z0\n" for number, diameter in tools))
@@ -71,6 +73,11 @@ def canonical(rs274, path, folder):
             rapid = name == "STRAIGHT_TRAVERSE"
             motions.append(("rapid" if rapid else "line", end, length, 0.0 if rapid or not length else took(length, rotary)))
             at = end
+        elif name == "NURBS_FEED":
+            x, y, span = next(splines)
+            end, span = [x * scale, y * scale] + at[2:], span * scale
+            motions.append(("spline", end, span, took(span, False)))
+            at = end
         elif name == "ARC_FEED":
             first, second, middle, other, turns, across = numbers[:6]
             axes = [(0, 1, 2), (1, 2, 0), (2, 0, 1)][plane]
@@ -97,7 +104,7 @@ class Writer:
     """A random program whose motions stay within a few hundred millimetres."""
 
     def __init__(self, seed):
-        self.pick, self.lines, self.labels = random.Random(seed), [], 0
+        self.pick, self.lines, self.labels, self.splines = random.Random(seed), [], 0, []
 
     def number(self, low, high):
         return f"{self.pick.uniform(low, high):.3f}"
@@ -194,10 +201,43 @@ class Writer:
     def rotary(self):
         self.say(f"G1 A{self.number(-90, 90)} F{self.number(300, 2000)}\nG1 X{self.number(-9, 9)} A0 F400")
 
+    def bezier(self, points):
+        """End and length of a spline by its control points: the speed along it, by Simpson's rule."""
+        degree, count = len(points) - 1, 2000
+        steps = [(b[0] - a[0], b[1] - a[1]) for a, b in zip(points, points[1:])]
+
+        def speed(u):
+            level = steps
+            while len(level) > 1:
+                level = [((1 - u) * a[0] + u * b[0], (1 - u) * a[1] + u * b[1]) for a, b in zip(level, level[1:])]
+            return degree * math.hypot(*level[0])
+
+        weights = [1 if k in (0, count) else 4 if k % 2 else 2 for k in range(count + 1)]
+        span = sum(weight * speed(k / count) for k, weight in enumerate(weights)) / (3 * count)
+        self.splines.append((*points[-1], span))
+
+    def spline(self):
+        """Cubic splines in a row, the later ones with or without a first control point of their own, and a quadratic one."""
+        draw = lambda low, high: round(self.pick.uniform(low, high), 3)
+        at, back = (draw(-20, 20), draw(-20, 20)), None
+        self.say(f"G17 G0 X{at[0]} Y{at[1]}")
+        for _ in range(self.pick.randint(1, 3)):
+            end, first, last = (at[0] + draw(20, 40), at[1] + draw(-20, 20)), (draw(2, 15), draw(-15, 15)), (draw(-15, -2), draw(-15, 15))
+            end = tuple(round(value, 3) for value in end)
+            words = f"I{first[0]} J{first[1]} "
+            if back and self.pick.random() < 0.6:
+                first, words = back, ""
+            self.say(f"G5 {words}P{last[0]} Q{last[1]} X{end[0]} Y{end[1]} F{self.number(100, 900)}")
+            self.bezier([at, (at[0] + first[0], at[1] + first[1]), (end[0] + last[0], end[1] + last[1]), end])
+            at, back = end, (-last[0], -last[1])
+        end, first = (round(at[0] + draw(-40, -20), 3), round(at[1] + draw(10, 20), 3)), (draw(-15, 15), draw(-9, 9))
+        self.say(f"G5.1 I{first[0]} J{first[1]} X{end[0]} Y{end[1]} F{self.number(100, 900)}")
+        self.bezier([at, (at[0] + first[0], at[1] + first[1]), end])
+
     def program(self):
         self.say(self.pick.choice(["G21", "G21", "G20"]) + " G17 G90 G94 G40 G64\nT1 M6\nG43 H1\nS1000 M3\nG0 X0 Y0 Z10")
         self.inch = "G20" in self.lines[-1]
-        parts = [self.cut, self.arc, self.arc, self.holes, self.loop, self.call, self.feeds, self.offset, self.rotary]
+        parts = [self.cut, self.arc, self.arc, self.holes, self.loop, self.call, self.feeds, self.offset, self.rotary, self.spline]
         if not self.inch:
             parts.append(self.compensated)
         for _ in range(self.pick.randint(3, 9)):
@@ -228,6 +268,21 @@ def told(toolroom, path, *more):
 def compare(one, other, tolerance):
     """What differs between two lists of motions."""
     one, other = moved(one, tolerance), moved(other, tolerance)
+    # A spline is written as short lines: those up to its end are one motion again.
+    whole, rest = [], list(other)
+    for motion in one:
+        if motion[0] == "spline" and rest:
+            way, count = 0.0, 0
+            while count < len(rest) and rest[count][0] == "line":
+                way, count = way + rest[count][2], count + 1
+                if math.dist(rest[count - 1][1], motion[1]) < 4 * tolerance:
+                    break
+            whole.append(("spline", rest[count - 1][1], way, 0.0))
+            rest = rest[count:]
+        else:
+            whole += rest[:1]
+            rest = rest[1:]
+    other = whole + rest
     if len(one) != len(other):
         return [f"{len(one)} motions and {len(other)}"]
     wrong = []
@@ -238,10 +293,10 @@ def compare(one, other, tolerance):
     return wrong[:3]
 
 
-def check(rs274, toolroom, path, folder, tolerance=TOLERANCE, source=None):
+def check(rs274, toolroom, path, folder, tolerance=TOLERANCE, source=None, splines=()):
     """A program in LinuxCNC's words against what is read of it; `source` is what a post was written from."""
     wrong = []
-    motions, dwell, end = canonical(rs274, path, folder)
+    motions, dwell, end = canonical(rs274, path, folder, splines)
     written = folder / "written.ngc"
     known = told(toolroom, path, "--dialect", "linuxcnc", "--post", "linuxcnc", "--out", str(written))
     wrong += compare(motions, canonical(rs274, written, folder)[0], tolerance)
@@ -280,7 +335,7 @@ def main():
         else:
             cases = range(given.count)
         for case in cases:
-            path, tolerance, source = folder / "program.ngc", TOLERANCE, None
+            path, tolerance, source, splines = folder / "program.ngc", TOLERANCE, None, ()
             try:
                 if given.posts:
                     done = subprocess.run([toolroom, "--quiet", "program", str(case), *TOLD, "--post", "linuxcnc", "--out", str(path)], capture_output=True, text=True, timeout=120)
@@ -291,8 +346,9 @@ def main():
                 else:
                     writer = Writer(1000 * given.seed + case)
                     path.write_text(writer.program())
+                    splines = writer.splines
                     tolerance *= 25.4 if writer.inch else 1.0
-                wrong = check(given.rs274, toolroom, path, folder, tolerance, source)
+                wrong = check(given.rs274, toolroom, path, folder, tolerance, source, splines)
             except (ValueError, subprocess.TimeoutExpired) as error:
                 wrong = [str(error)]
             tried += 1

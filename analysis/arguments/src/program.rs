@@ -62,4 +62,7 @@ pub struct ProgramArgs {
     /// Table of every block (CSV)
     #[arg(long, value_name = "CSV")]
     pub blocks: Option<PathBuf>,
+    /// Tell what this line of the file did: its motions, modes, variables and time
+    #[arg(long, value_name = "LINE", value_parser = clap::value_parser!(u64).range(1..))]
+    pub explain: Option<u64>,
 }

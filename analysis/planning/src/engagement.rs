@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use toolroom_process::table::Cell;
-use toolroom_program::{Control, EventKind, ProgramError, Run};
+use toolroom_program::{Control, EventKind, ProgramError, Run, Source};
 use toolroom_stock::{Cut, Follower, Load, NoTool, Setup};
 
 /// Why a program was not followed through its stock.
@@ -80,7 +80,12 @@ impl Engagement {
     ///
     /// # Errors
     /// [`EngagementError`]: the program is refused, or cuts with a tool that the setup does not have.
-    pub fn new(text: &str, control: &Control, setup: &Setup, motions: bool) -> Result<Self, EngagementError> {
+    pub fn new(
+        text: impl Into<Source>,
+        control: &Control,
+        setup: &Setup,
+        motions: bool,
+    ) -> Result<Self, EngagementError> {
         let mut follower = Follower::new(setup);
         let mut study = Self {
             tools: BTreeMap::new(),

@@ -24,6 +24,7 @@ pub mod coefficients;
 pub mod contour;
 pub mod cycle;
 pub mod engagement;
+pub mod explain;
 pub mod identification;
 pub mod listen;
 pub mod lobes;

@@ -2,12 +2,12 @@
 
 use crate::change::{ChangeError, assign, parts};
 use crate::tables::table;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use toolroom_drives::{Drives, Part, Spent, Timer};
 use toolroom_process::Record;
 use toolroom_process::table::Cell;
-use toolroom_program::{AXES, Block, Blocks, Control, ProgramError};
+use toolroom_program::{AXES, Block, Blocks, Control, ProgramError, Source};
 
 /// Why a change of drives or control was refused.
 #[derive(Debug, thiserror::Error)]
@@ -89,6 +89,8 @@ struct Share {
     length: f64,
     changes: u32,
     holes: u32,
+    /// Where the time goes, in the order of [`Part::ALL`].
+    spent: [f64; 7],
     total: f64,
 }
 
@@ -109,11 +111,17 @@ struct Row {
 const UNKNOWN: usize = 1000;
 
 impl CycleTime {
-    /// Follows a program and times it on a machine with `drives`; `blocks` keeps the time of every block.
+    /// Follows a program and times it on a machine with `drives`; `blocks` keeps the time of every block. A text that stays in its
+    /// file ([`Source::open`]) is followed in memory that does not grow with its lines.
     ///
     /// # Errors
     /// [`ProgramError`]: the first word that is not understood, or a program that moves nothing.
-    pub fn new(text: &str, control: &Control, drives: &Drives, blocks: bool) -> Result<Self, ProgramError> {
+    pub fn new(
+        text: impl Into<Source>,
+        control: &Control,
+        drives: &Drives,
+        blocks: bool,
+    ) -> Result<Self, ProgramError> {
         let mut list = Blocks::new(text, control)?;
         let mut shares: Vec<Share> = Vec::new();
         let mut rows: Option<Vec<Row>> = blocks.then(Vec::new);
@@ -191,8 +199,13 @@ impl CycleTime {
         self.shares.iter().map(of).sum()
     }
 
+    /// Time that goes into a part with all that the machine adds to it, s.
+    fn spent(&self, part: Part) -> f64 {
+        self.sum(|share| share.spent[part as usize])
+    }
+
     /// Times for programs: of the whole and by tool. Every key names its unit; `rotary_end` is in degrees. The parts add up to
-    /// the cycle time.
+    /// the cycle time, and so do those of `spent`, which hold what the machine adds to the programmed times.
     pub fn json(&self) -> Value {
         let rows: Vec<Value> = self.shares.iter().map(Share::json).collect();
         let notes: Vec<Value> = self.notes.iter().map(|(line, text)| json!({ "line": line, "text": text })).collect();
@@ -200,6 +213,8 @@ impl CycleTime {
         let axes: String =
             AXES.iter().zip(self.end).filter(|(_, place)| place.is_some()).map(|(letter, _)| *letter).collect();
         let parts = self.sum(Share::parts);
+        let spent: Map<String, Value> =
+            Part::ALL.iter().map(|part| (format!("{} [s]", part.word()), json!(self.spent(*part)))).collect();
         json!({
             "schema": 1,
             "dialect": self.dialect.0,
@@ -213,6 +228,7 @@ impl CycleTime {
             "spindle_wait [s]": self.sum(|share| share.spindle),
             "auxiliary_time [s]": self.sum(|share| share.auxiliary),
             "acceleration_time [s]": self.sum(|share| share.total) - parts,
+            "spent": spent,
             "feed_length [mm]": self.sum(|share| share.length),
             "end [mm]": self.end[..3],
             "rotary_end": rotary,
@@ -250,7 +266,14 @@ impl CycleTime {
             );
         }
         let blocks: usize = self.shares.iter().map(|share| share.blocks).sum();
-        let _ = write!(text, "\n{:>6} {:>8} {:>72.1}", "all", blocks, self.sum(|share| share.total));
+        let total = self.sum(|share| share.total);
+        let _ = write!(text, "\n{:>6} {:>8} {:>72.1}", "all", blocks, total);
+        let goes: Vec<String> = (Part::ALL.iter())
+            .map(|part| (part.word(), self.spent(*part)))
+            .filter(|(_, seconds)| *seconds > 0.0)
+            .map(|(word, seconds)| format!("{word} {seconds:.1} s ({:.1} %)", 100.0 * seconds / total))
+            .collect();
+        let _ = write!(text, "\non this machine: {}", goes.join(", "));
         text
     }
 
@@ -308,6 +331,7 @@ impl Share {
     /// What the machine spends beside the programmed times of motions.
     fn spend(&mut self, spent: &Spent) {
         self.total += spent.seconds;
+        self.spent[spent.part as usize] += spent.seconds;
         match spent.part {
             Part::Dwell => self.dwell += spent.seconds,
             Part::Auxiliary => self.auxiliary += spent.seconds,

@@ -60,5 +60,10 @@ pub fn stretches(run: &Run<'_>) -> Records {
     numbers("hold_time", &|_| 0.0);
     let times: Vec<f64> = rows.iter().map(|row| row.time).collect();
     run.channel(&mut records, "cycle_time", &times);
+    // However coarse a log is, a stretch ends no sooner than it begins.
+    let read = records.numbers("cycle_time").map(|times| times.iter().map(|time| time.max(0.0)).collect());
+    if let Some(times) = read {
+        records.set_numbers("cycle_time", times);
+    }
     records
 }

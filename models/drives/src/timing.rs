@@ -16,7 +16,7 @@ pub struct Spent {
 }
 
 /// What a machine spends time on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
     /// Motions at feed.
     Feed,
@@ -32,6 +32,25 @@ pub enum Part {
     Change,
     /// Waiting for the spindle.
     Spindle,
+}
+
+impl Part {
+    /// All of them, in order.
+    pub const ALL: [Self; 7] =
+        [Self::Feed, Self::Rapid, Self::Settling, Self::Dwell, Self::Auxiliary, Self::Change, Self::Spindle];
+
+    /// A word for tables and for programs.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Feed => "feed",
+            Self::Rapid => "rapid",
+            Self::Settling => "settling",
+            Self::Dwell => "dwell",
+            Self::Auxiliary => "auxiliary",
+            Self::Change => "change",
+            Self::Spindle => "spindle",
+        }
+    }
 }
 
 /// A motion at feed whose speed at its ends is not settled.

@@ -4,6 +4,7 @@ use crate::control::Control;
 use crate::error::ProgramError;
 use crate::motion::{Event, EventKind, Motion, Sense};
 use crate::run::Run;
+use toolroom_pages::Source;
 
 /// What a block does beside its motions, where it can take time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +28,8 @@ pub enum Action {
 pub struct Block {
     /// Line of the file, from 1; of the call in the main program, for blocks of a subprogram.
     pub line: usize,
+    /// Line of the file that runs, from 1: of the subprogram, for its blocks.
+    pub own_line: usize,
     /// Tool in the spindle behind the block, where one was called.
     pub tool: Option<u32>,
     /// Motions in order.
@@ -107,7 +110,7 @@ impl Blocks {
     ///
     /// # Errors
     /// As [`Run::new`].
-    pub fn new(text: &str, control: &Control) -> Result<Self, ProgramError> {
+    pub fn new(text: impl Into<Source>, control: &Control) -> Result<Self, ProgramError> {
         Ok(Self { run: Run::new(text, control)?, tool: None, next: None, ended: false })
     }
 
@@ -174,7 +177,8 @@ impl Iterator for Blocks {
                     // A long canned pattern or spline is handed on in parts.
                     let full = self.next.as_ref().is_some_and(|block| block.motions.len() >= PART);
                     let before = if begins || full {
-                        let fresh = Block { line: event.main_line, tool: self.tool, ..Block::default() };
+                        let (line, own_line) = (event.main_line, event.line);
+                        let fresh = Block { line, own_line, tool: self.tool, ..Block::default() };
                         self.next.replace(fresh)
                     } else {
                         None
@@ -201,7 +205,7 @@ impl Program {
     ///
     /// # Errors
     /// [`ProgramError`] with the first place that is not understood, or where nothing moves.
-    pub fn read(text: &str, control: &Control) -> Result<Self, ProgramError> {
+    pub fn read(text: impl Into<Source>, control: &Control) -> Result<Self, ProgramError> {
         let blocks = Blocks::new(text, control)?;
         let (dialect, _) = blocks.run().dialect();
         let mut program = Self::default();

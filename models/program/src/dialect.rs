@@ -1,5 +1,8 @@
 //! Which control a program is written for.
 
+use std::ops::ControlFlow;
+use toolroom_pages::{ReadError, Source};
+
 /// Controls whose words differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialect {
@@ -53,46 +56,75 @@ impl Dialect {
     /// assert!(Dialect::detect("o<a> sub\no<a> endsub\nG3 X1 Y1 CR=5\n", None).is_err());
     /// ```
     pub fn detect(text: &str, extension: Option<&str>) -> Result<(Self, String), Conflict> {
-        let mut found: Option<(Self, usize, &'static str)> = None;
-        let mut signs = Signs::default();
+        let mut detector = Detector::default();
         for (index, line) in text.lines().enumerate() {
-            let upper = line.trim_start_matches(['\u{feff}', '\0']).to_ascii_uppercase();
-            let Some((dialect, sign)) = strong(upper.trim(), &mut signs) else { continue };
-            match found {
-                None => found = Some((dialect, index + 1, sign)),
-                Some((first, line, before)) if first != dialect => {
-                    return Err(Conflict { first: (first, line, before), second: (dialect, index + 1, sign) });
-                }
-                Some(_) => {}
-            }
-            if dialect == Self::Heidenhain {
+            if detector.line(index + 1, line)?.is_break() {
                 break;
             }
         }
+        Ok(detector.decide(extension))
+    }
+}
+
+/// Finds the language of a program line by line.
+#[derive(Default)]
+pub(crate) struct Detector {
+    found: Option<(Dialect, usize, &'static str)>,
+    signs: Signs,
+}
+
+impl Detector {
+    /// As [`Dialect::detect`], of a text that may stay in its file.
+    pub fn detect(text: &Source, extension: Option<&str>) -> Result<Result<(Dialect, String), Conflict>, ReadError> {
+        let (mut detector, mut lines) = (Self::default(), text.lines());
+        while let Some((number, line)) = lines.next()? {
+            match detector.line(number, &line) {
+                Ok(ControlFlow::Continue(())) => {}
+                Ok(ControlFlow::Break(())) => break,
+                Err(conflict) => return Ok(Err(conflict)),
+            }
+        }
+        Ok(Ok(detector.decide(extension)))
+    }
+
+    /// Takes a line; `Break` where no more are needed.
+    fn line(&mut self, number: usize, line: &str) -> Result<ControlFlow<()>, Conflict> {
+        let upper = line.trim_start_matches(['\u{feff}', '\0']).to_ascii_uppercase();
+        let Some((dialect, sign)) = strong(upper.trim(), &mut self.signs) else { return Ok(ControlFlow::Continue(())) };
+        match self.found {
+            None => self.found = Some((dialect, number, sign)),
+            Some(first) if first.0 != dialect => return Err(Conflict { first, second: (dialect, number, sign) }),
+            Some(_) => {}
+        }
+        Ok(if dialect == Dialect::Heidenhain { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    }
+
+    fn decide(self, extension: Option<&str>) -> (Dialect, String) {
+        let Self { found, signs } = self;
         if let Some((dialect, line, sign)) = found {
-            return Ok((dialect, format!("{sign} in line {line}")));
+            return (dialect, format!("{sign} in line {line}"));
         }
         if let Some(line) = signs.lathe.filter(|_| signs.g17.is_none()) {
-            return Ok((Self::FanucLathe, format!("words of a lathe in line {line}, and no G17")));
+            return (Dialect::FanucLathe, format!("words of a lathe in line {line}, and no G17"));
         }
         if let Some(line) =
             signs.turret.filter(|_| !signs.mill && signs.g17.is_none() && extension.is_none_or(is_plain))
         {
-            return Ok((Self::FanucLathe, format!("a tool with its offset in line {line}, and no word of a mill")));
+            return (Dialect::FanucLathe, format!("a tool with its offset in line {line}, and no word of a mill"));
         }
         let ending = match extension.map(str::to_ascii_lowercase).as_deref() {
-            Some("h") => Some(Self::Heidenhain),
-            Some("mpf" | "spf") => Some(Self::Siemens),
-            Some("ngc") => Some(Self::LinuxCnc),
+            Some("h") => Some(Dialect::Heidenhain),
+            Some("mpf" | "spf") => Some(Dialect::Siemens),
+            Some("ngc") => Some(Dialect::LinuxCnc),
             _ => None,
         };
         if let Some(dialect) = ending {
-            return Ok((dialect, "the ending of the file, since no word tells".to_owned()));
+            return (dialect, "the ending of the file, since no word tells".to_owned());
         }
         if let Some(line) = signs.five {
-            return Ok((Self::Haas, format!("a program number of five digits in line {line}, which is a weak sign")));
+            return (Dialect::Haas, format!("a program number of five digits in line {line}, which is a weak sign"));
         }
-        Ok((Self::Fanuc, "no word of another control".to_owned()))
+        (Dialect::Fanuc, "no word of another control".to_owned())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::Dialect;
 use std::fmt;
+use toolroom_pages::ReadError;
 
 /// A fault of one block, before it is known where it stands.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,15 +11,23 @@ pub(crate) struct Fault {
     pub column: usize,
     /// What is wrong and what to do.
     pub message: String,
+    /// Whether the words of the block are refused whatever went before: this fault does not follow from another.
+    pub refuses: bool,
 }
 
 impl Fault {
     pub fn new(message: impl Into<String>) -> Self {
-        Self { column: 0, message: message.into() }
+        Self::at(0, message)
     }
 
     pub fn at(column: usize, message: impl Into<String>) -> Self {
-        Self { column, message: message.into() }
+        Self { column, message: message.into(), refuses: false }
+    }
+
+    /// Words that are refused whatever went before.
+    pub fn refusing(mut self) -> Self {
+        self.refuses = true;
+        self
     }
 
     /// Names a column where the fault has none.
@@ -27,6 +36,12 @@ impl Fault {
             self.column = column;
         }
         self
+    }
+}
+
+impl From<ReadError> for Fault {
+    fn from(error: ReadError) -> Self {
+        Self::new(error.to_string())
     }
 }
 
@@ -45,17 +60,28 @@ pub struct ProgramError {
     pub message: String,
     /// Calls of subprograms that led there, the innermost first: line of the call and how often it has run.
     pub calls: Vec<(usize, usize)>,
+    /// Words in later lines that are refused whatever went before, at most [`MOST`](Self::MOST) with this one.
+    pub others: Vec<ProgramError>,
 }
 
 impl ProgramError {
+    /// Greatest number of refusals that are told at once.
+    pub const MOST: usize = 20;
+
+    /// This refusal and the others, in the order in which the program comes to them.
+    pub fn all(&self) -> impl Iterator<Item = &Self> {
+        std::iter::once(self).chain(&self.others)
+    }
+
     /// The error of a program for `dialect` in which nothing moves.
     pub fn still(dialect: Dialect) -> Self {
         Self::of_line(1, dialect, "the program moves no axis; check that it is the right file")
     }
 
-    /// A fault of a line of the program itself.
-    pub(crate) fn of_line(line: usize, dialect: Dialect, message: impl Into<String>) -> Self {
-        Self { file: None, line: line.max(1), column: 1, dialect, message: message.into(), calls: Vec::new() }
+    /// A fault of a line, from 1, of the program itself.
+    pub fn of_line(line: usize, dialect: Dialect, message: impl Into<String>) -> Self {
+        let (calls, others) = (Vec::new(), Vec::new());
+        Self { file: None, line: line.max(1), column: 1, dialect, message: message.into(), calls, others }
     }
 }
 

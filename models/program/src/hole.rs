@@ -282,7 +282,7 @@ impl Kernel {
             step
         };
         self.purpose = Some(Purpose::Cycle);
-        let done = (|| {
+        let done: Result<(), Fault> = (|| {
             self.spindle(Sense::Still);
             self.straight(&aside(1.0), true)?;
             self.across(below, true)?;

@@ -113,7 +113,7 @@ impl Kernel {
             return Err(Fault::new("the size of a chamfer or rounding must be above 0"));
         }
         if self.feed_mode == FeedMode::Inverse {
-            return Err(Fault::new("a chamfer or rounding with feeds in inverse time (G93) is not followed"));
+            return Err(Fault::new("a chamfer or rounding with feeds in inverse time (G93) is not followed").refusing());
         }
         self.joint = Some(joint);
         Ok(())

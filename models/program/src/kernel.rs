@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 
 /// What F counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum FeedMode {
+pub enum FeedMode {
     /// mm or degrees a minute.
     Minute,
     /// mm a revolution.

@@ -9,10 +9,10 @@
 //! |---|---|
 //! | [`Dialect`] | the language of a control, found from the text |
 //! | [`Control`], [`Units`] | what a control adds to the words: units, block skip, times of M codes, tools |
-//! | [`Run`] | a program that runs: events in order, in bounded memory |
+//! | [`Source`] | the text of a program, in memory or in its file |
+//! | [`Run`], [`ModalState`], [`FeedMode`] | a program that runs: events in order, in bounded memory, and what holds in it |
 //! | [`Event`], [`EventKind`], [`Motion`], [`Path`], [`Arc`], [`Offset`] | what happens |
 //! | [`Blocks`], [`Block`], [`Program`], [`Stretch`] | the blocks of a program, one after the other or all |
-//! | [`post()`], [`Post`] | a program in the words of another control |
 //! | [`ProgramError`] | line, column, language, word and fix of what is not understood |
 //!
 //! A word that is not understood could move an axis or take time. So every word of a block has to be understood, or
@@ -20,7 +20,8 @@
 //!
 //! # Units
 //! Lengths and positions are mm and degrees, as in programs; angles of arcs are rad, times s, speeds of the spindle rpm.
-//! What a machine adds to the times is `toolroom-drives`; a `rapid_speed` is SI.
+//! What a machine adds to the times is `toolroom-drives`; a `rapid_speed` is SI. `toolroom-post` writes the motions for another
+//! control.
 //!
 //! # What is not modelled
 //! Motions of five axes with control of the tool's tip, tilted planes, probing, contour cycles of the controls, mill-turn.
@@ -44,7 +45,6 @@ mod lathe;
 mod library;
 mod motion;
 mod offset;
-mod post;
 mod run;
 mod siemens;
 mod stretch;
@@ -53,7 +53,8 @@ pub use block::{Action, Block, Blocks, Program};
 pub use control::{Control, Units};
 pub use dialect::{Conflict, Dialect};
 pub use error::ProgramError;
-pub use motion::{AXES, Arc, Axes, Event, EventKind, Motion, Offset, Path, Purpose, Sense};
-pub use post::{Post, post};
-pub use run::Run;
+pub use kernel::FeedMode;
+pub use motion::{AXES, Arc, Axes, Event, EventKind, Motion, Offset, PLANES, Path, Purpose, Sense, plane_code};
+pub use run::{ModalState, Run};
 pub use stretch::{Stretch, StretchKind};
+pub use toolroom_pages::Source;

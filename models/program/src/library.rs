@@ -1,6 +1,7 @@
 //! Subprograms in files of their own.
 
 use std::path::PathBuf;
+use toolroom_pages::Source;
 
 /// Greatest size of a file of a subprogram, bytes (assumption).
 const LARGEST: u64 = 50_000_000;
@@ -19,8 +20,8 @@ impl Library {
         Self { folder, read: 0 }
     }
 
-    /// The first file of the names with one of the endings, with its text.
-    pub fn find(&mut self, names: &[String], endings: &[&str]) -> Option<(String, String)> {
+    /// The first file of the names with one of the endings, as a text.
+    pub fn find(&mut self, names: &[String], endings: &[&str]) -> Option<(String, Source)> {
         let folder = self.folder.as_ref()?;
         if self.read >= FILES {
             return None;
@@ -34,9 +35,9 @@ impl Library {
                 let file = format!("{name}{ending}");
                 let path = folder.join(&file);
                 let fits = std::fs::metadata(&path).is_ok_and(|data| data.is_file() && data.len() <= LARGEST);
-                if let Some(bytes) = fits.then(|| std::fs::read(&path).ok()).flatten() {
+                if let Some(text) = fits.then(|| Source::open(&path).ok()).flatten() {
                     self.read += 1;
-                    return Some((file, String::from_utf8_lossy(&bytes).into_owned()));
+                    return Some((file, text));
                 }
             }
         }

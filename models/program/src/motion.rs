@@ -9,10 +9,10 @@ pub type Axes = [f64; 9];
 pub const AXES: [char; 9] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'];
 
 /// Planes of G17, G18 and G19: indices of the first axis, the second and the one across.
-pub(crate) const PLANES: [[usize; 3]; 3] = [[0, 1, 2], [2, 0, 1], [1, 2, 0]];
+pub const PLANES: [[usize; 3]; 3] = [[0, 1, 2], [2, 0, 1], [1, 2, 0]];
 
-/// Number of the G code that chooses a plane of [`PLANES`].
-pub(crate) fn plane_code(plane: [usize; 3]) -> usize {
+/// Number of the G code that chooses a plane of [`PLANES`]: 17, 18 or 19.
+pub fn plane_code(plane: [usize; 3]) -> usize {
     17 + PLANES.iter().position(|known| *known == plane).unwrap_or(0)
 }
 

@@ -1,15 +1,16 @@
 //! Runs a program: its blocks one by one, as a stream of events in bounded memory.
 
 use crate::control::Control;
-use crate::dialect::Dialect;
+use crate::dialect::{Detector, Dialect};
 use crate::error::{Fault, ProgramError};
 use crate::iso::Iso;
-use crate::kernel::Kernel;
+use crate::kernel::{FeedMode, Kernel};
 use crate::klartext::Klartext;
 use crate::library::Library;
-use crate::motion::Event;
+use crate::motion::{Event, Sense, plane_code};
 use crate::siemens::Siemens;
 use std::ops::Range;
+use toolroom_pages::Source;
 
 /// Whether a program goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,11 +34,11 @@ impl Place {
     }
 }
 
-/// Indices around `at` up to the next item at which `ends` holds, on both sides.
-pub(crate) fn between<T>(list: &[T], at: usize, ends: impl Fn(&T) -> bool) -> Range<usize> {
-    let start = (0..at).rev().find(|i| ends(&list[*i])).map_or(0, |i| i + 1);
-    let end = (at + 1..list.len()).find(|i| ends(&list[*i]));
-    start..end.unwrap_or(list.len())
+/// Statements of a `text` around `at`, between the nearest of `heads`, which are sorted.
+pub(crate) fn between(heads: &[usize], at: usize, text: Range<usize>) -> Range<usize> {
+    let before = heads.partition_point(|head| *head < at).checked_sub(1).map(|last| heads[last] + 1);
+    let behind = heads.get(heads.partition_point(|head| *head <= at)).copied();
+    before.unwrap_or(0).max(text.start)..behind.unwrap_or(usize::MAX).min(text.end)
 }
 
 /// What follows the statements of a language.
@@ -45,6 +46,8 @@ pub(crate) trait Interpreter {
     /// Runs one statement.
     fn step(&mut self, kernel: &mut Kernel) -> Result<Flow, Fault>;
     fn place(&self) -> Place;
+    /// Variables that have a value, as the program writes them.
+    fn variables(&self) -> Vec<(String, f64)>;
 }
 
 /// A program that runs: an iterator over its events.
@@ -70,27 +73,32 @@ pub struct Run {
 }
 
 impl Run {
-    /// Begins a program.
+    /// Begins a program. A text in a file ([`Source::open`]) stays there: memory does not grow with its lines.
     ///
     /// # Errors
-    /// [`ProgramError`] where the language is not clear.
-    pub fn new(text: &str, control: &Control) -> Result<Self, ProgramError> {
+    /// [`ProgramError`] where the language is not clear, or the file cannot be read.
+    pub fn new(text: impl Into<Source>, control: &Control) -> Result<Self, ProgramError> {
+        let text = &text.into();
+        let unreadable = |dialect: Dialect, fault: Fault| ProgramError::of_line(1, dialect, fault.message);
         let (dialect, reason) = match control.dialect {
             Some(dialect) => (dialect, "as given".to_owned()),
-            None => Dialect::detect(text, control.extension.as_deref()).map_err(|conflict| {
-                let (dialect, line, _) = conflict.second;
-                ProgramError::of_line(line, dialect, conflict.to_string())
-            })?,
+            None => Detector::detect(text, control.extension.as_deref())
+                .map_err(|error| unreadable(Dialect::Fanuc, error.into()))?
+                .map_err(|conflict| {
+                    let (dialect, line, _) = conflict.second;
+                    ProgramError::of_line(line, dialect, conflict.to_string())
+                })?,
         };
         let library = Library::new(control.library.clone());
         let kernel = Kernel::new(control.clone(), dialect == Dialect::FanucLathe);
-        let interpreter: Box<dyn Interpreter + Send> = match dialect {
+        let interpreter: Result<Box<dyn Interpreter + Send>, Fault> = match dialect {
             Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas | Dialect::LinuxCnc => {
-                Box::new(Iso::new(text, dialect, library))
+                Iso::new(text, dialect, library).map(|iso| Box::new(iso) as _)
             }
-            Dialect::Siemens => Box::new(Siemens::new(text, library)),
-            Dialect::Heidenhain => Box::new(Klartext::new(text, library)),
+            Dialect::Siemens => Siemens::new(text, library).map(|siemens| Box::new(siemens) as _),
+            Dialect::Heidenhain => Klartext::new(text, library).map(|klartext| Box::new(klartext) as _),
         };
+        let interpreter = interpreter.map_err(|fault| unreadable(dialect, fault))?;
         Ok(Self { interpreter, kernel, dialect, reason, steps: 0, ended: false })
     }
 
@@ -126,6 +134,29 @@ impl Run {
         self.kernel.blind_step
     }
 
+    /// Variables that have a value up to now, as the program writes them, sorted.
+    pub fn variables(&self) -> Vec<(String, f64)> {
+        self.interpreter.variables()
+    }
+
+    /// What holds until it is changed, up to now.
+    pub fn modes(&self) -> ModalState {
+        let kernel = &self.kernel;
+        let plane = plane_code(kernel.plane);
+        let Kernel { absolute, feed, feed_mode, speed, sense, tool, .. } = *kernel;
+        ModalState {
+            absolute,
+            plane,
+            feed,
+            feed_mode,
+            speed,
+            sense,
+            tool,
+            surface: kernel.surface,
+            exact_stop: kernel.exact,
+        }
+    }
+
     fn error(&self, fault: Fault) -> ProgramError {
         let place = self.interpreter.place();
         ProgramError {
@@ -135,9 +166,62 @@ impl Run {
             dialect: self.dialect,
             message: fault.message,
             calls: place.calls,
+            others: Vec::new(),
         }
     }
+
+    /// Words behind a fault that are refused whatever it left undone, so that all of them can be mended at once. Faults that
+    /// may follow from the first one, such as an arc that misses its end, are not told.
+    fn further(&mut self, first: &ProgramError) -> Vec<ProgramError> {
+        let mut list: Vec<ProgramError> = Vec::new();
+        let last = self.steps.saturating_add(FURTHER).min(self.kernel.control.steps);
+        while self.steps < last && list.len() + 1 < ProgramError::MOST {
+            self.steps += 1;
+            self.kernel.out.clear();
+            match self.interpreter.step(&mut self.kernel) {
+                Ok(Flow::Going) => {}
+                Ok(Flow::Ended) => break,
+                Err(fault) => {
+                    if fault.refuses {
+                        let error = self.error(fault);
+                        let here = (&error.file, error.line);
+                        if std::iter::once(first).chain(&list).all(|known| (&known.file, known.line) != here) {
+                            list.push(error);
+                        }
+                    }
+                }
+            }
+        }
+        self.kernel.out.clear();
+        list
+    }
 }
+
+/// What holds in a program until it is changed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModalState {
+    /// Whether positions are absolute (G90) instead of steps (G91).
+    pub absolute: bool,
+    /// Number of the G code of the plane: 17, 18 or 19.
+    pub plane: usize,
+    /// F as it counts, in mm or degrees; `None` before the first.
+    pub feed: Option<f64>,
+    /// What F counts.
+    pub feed_mode: FeedMode,
+    /// Speed of the spindle, rpm.
+    pub speed: f64,
+    /// How the spindle turns.
+    pub sense: Sense,
+    /// Tool that was called last.
+    pub tool: Option<u32>,
+    /// Constant surface speed, mm/min.
+    pub surface: Option<f64>,
+    /// Whether every motion ends at rest.
+    pub exact_stop: bool,
+}
+
+/// Blocks that are run behind a fault to find others: a bound against loops that have lost their end (assumption).
+const FURTHER: u64 = 100_000;
 
 impl Iterator for Run {
     type Item = Result<Event, ProgramError>;
@@ -167,8 +251,9 @@ impl Iterator for Run {
                 Ok(Flow::Ended) => self.ended = true,
                 Err(fault) => {
                     self.ended = true;
-                    self.kernel.out.clear();
-                    return Some(Err(self.error(fault)));
+                    let mut error = self.error(fault);
+                    error.others = self.further(&error);
+                    return Some(Err(error));
                 }
             }
         }

@@ -4,6 +4,8 @@
 mod cam_posts;
 #[path = "controls/lathes.rs"]
 mod lathes;
+#[path = "controls/long_programs.rs"]
+mod long_programs;
 #[path = "controls/shop_floor.rs"]
 mod shop_floor;
 #[path = "controls/whole_programs.rs"]
@@ -76,6 +78,51 @@ fn refused(dialect: Dialect, text: &str) -> ProgramError {
     }
 }
 
+/// Lines and words of all refusals.
+fn refusals(dialect: Dialect, text: &str) -> Vec<(usize, String)> {
+    let error = refused(dialect, text);
+    error.all().map(|one| (one.line, one.message.split_whitespace().next().unwrap_or_default().to_owned())).collect()
+}
+
+#[test]
+fn all_words_that_are_refused_are_told_at_once() {
+    let fanuc = "G21 G90 G0 X0 Y0 Z0\nG411 X5.\nG1 X10. F100\nG2 X30. Y0 R10.\nG7.1 C5.\n(open\nM98 P5 L2\nG412\nM30\nO5\nG413\nM99";
+    let lines: Vec<usize> = refusals(Dialect::Fanuc, fanuc).iter().map(|(line, _)| *line).collect();
+    // A word in a subprogram is told once, whatever the number of its calls.
+    assert_eq!(lines, [2, 5, 6, 11, 8]);
+    let error = refused(Dialect::Fanuc, fanuc);
+    assert_eq!(error.others[2].calls, [(7, 1)]);
+    // Words that follow from a fault are no faults of their own: the centre of this arc is missed because of line 2.
+    assert_eq!(refusals(Dialect::Fanuc, "G21 G90 G0 X0 Y0\nG411 X5. Y5.\nG3 X5. Y-5. I0 J-5. F100\nM30").len(), 1);
+    assert_eq!(
+        refusals(Dialect::Siemens, "G71 G90 G0 X0 Y0\nPOCKET3(1)\nCASE R1 OF\nG1 X5 F100\nG477\nM30"),
+        [(2, "POCKET3".to_owned()), (3, "CASE".to_owned()), (5, "G477".to_owned())]
+    );
+    let klartext = "0 BEGIN PGM A MM\n1 L X+0 Y+0 R0 FMAX\n2 PLANE SPATIAL SPA+5\n3 CYCL DEF 251 Q1=1\n4 L X+5 F100 M128\n5 END PGM A MM";
+    assert_eq!(refusals(Dialect::Heidenhain, klartext).iter().map(|(line, _)| *line).collect::<Vec<_>>(), [3, 4, 5]);
+    // A loop whose end was refused comes to an end, and no more than twenty are told.
+    assert_eq!(refusals(Dialect::Fanuc, "G21 G90\nN1 G411\nGOTO 1").len(), 1);
+    let many: String = (0..50).map(|code| format!("G{}\n", 400 + code)).collect();
+    assert_eq!(refusals(Dialect::Fanuc, &many).len(), ProgramError::MOST);
+}
+
+#[test]
+fn names_of_a_program_go_before_cycles_of_the_control() {
+    let text = "%_N_A_MPF\nG71 G90 G94\nG0 X0 Y0 Z0\nSLOT(20)\nSLOT2(5)\nM30\n%_N_SLOT_SPF\nPROC SLOT(REAL LEN)\nG1 X=LEN F600\nM17\n\
+                %_N_SLOT2_SPF\nPROC SLOT2(REAL LEN)\nG1 Y=LEN F600\nM17\n";
+    does(Dialect::Siemens, text, (2.5, 0.2, 0.0, [20.0, 5.0, 0.0]));
+    assert!(refused(Dialect::Siemens, "G71 G90\nG0 X0\nSLOT2(5)\nM30").message.contains("cycle of the control"));
+}
+
+#[test]
+fn q_parameters_of_one_cycle_are_none_of_another() {
+    let text = "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S500\n2 L X+0 Y+0 Z+5 R0 FMAX M3\n\
+                3 CYCL DEF 200 Q200=+5 Q201=-10 Q206=+300 Q202=+10 Q210=+0 Q203=+0 Q204=+5 Q211=+0.5\n4 CYCL CALL\n\
+                5 CYCL DEF 207 Q200=+5 Q201=-10 Q239=+1 Q203=+0 Q204=+5\n6 CYCL CALL\n7 END PGM A MM\n";
+    // A hole of 15 mm at 300 with a dwell, a thread of 15 mm down and up at 500 without.
+    does(Dialect::Heidenhain, text, (3.0 + 3.6, 0.19 + 0.03, 0.5, [0.0, 0.0, 5.0]));
+}
+
 #[test]
 fn fanuc_programs_do_what_their_words_say() {
     use Dialect::Fanuc;
@@ -144,6 +191,15 @@ fn haas_siemens_and_linuxcnc_programs_do_what_their_words_say() {
     does(LinuxCnc, text, (3.0, 0.2, 0.0, [3.0, 0.0, 0.0]));
     // A parabola y = x² from (-1, 1) to (1, 1): length √5 + asinh(2)/2.
     let length = 5.0_f64.sqrt() + 0.5 * 2.0_f64.asinh();
+    // Behind a cubic spline the next goes on in its direction where it names no first control point.
+    let series = |second: &str| {
+        let text = format!("G21 G90 G17 G0 X0 Y0 Z0\nG5 I0 J10 P-10 Q5 X30 Y0 F600\nG5 {second}P-5 Q5 X60 Y0\nM2");
+        sums(&text, &control(LinuxCnc)).expect("splines").feed
+    };
+    close("series", series(""), series("I10 J-5 "));
+    assert!(refused(LinuxCnc, "G21 G90 G17 G0 X0 Y0\nG5 P-5 Q5 X60 Y0 F600\nM2").message.contains("first of a series"));
+    let again = "G21 G90 G17 G0 X0 Y0\nG5 I0 J10 P-10 Q5 X30 Y0 F600\nG1 X40\nG5 P-5 Q5 X60 Y0\nM2";
+    assert_eq!(refused(LinuxCnc, again).line, 4);
     let found = sums("G21 G90 G17 G0 X-1 Y1 Z0\nG5.1 X1 Y1 I1 J-2 F60\nM2", &control(LinuxCnc)).expect("a spline");
     assert!((found.length - length).abs() < 1e-6, "{}", found.length);
 }

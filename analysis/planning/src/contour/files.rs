@@ -9,8 +9,9 @@ use serde_json::{Value, json};
 use toolroom_chart::ResultFiles;
 use toolroom_chart::page::Provenance;
 use toolroom_contour::{Constraint, ContourError, ContourFile, Piece, Plan, PlannedSection, Sensitivity};
+use toolroom_post::post;
 use toolroom_process::table::Cell;
-use toolroom_program::{Control, Dialect, post};
+use toolroom_program::{Control, Dialect};
 
 const MM: f64 = 1e3;
 const UM: f64 = 1e6;

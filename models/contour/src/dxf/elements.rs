@@ -1,7 +1,7 @@
 //! Lines and arcs of the entities of a layer.
 
-use super::tags::{Entity, fault, number};
-use super::{JOIN, curve};
+use super::tags::{Drawing, Entity, fault, number};
+use super::{JOIN, curve, insert};
 use crate::{FileError, Point};
 
 /// Greatest number of elements of a layer: a bound against drawings that are no contour (assumption).
@@ -82,8 +82,30 @@ fn polyline(corners: &[Corner], closed: bool, list: &mut Vec<Element>) {
 type Corner = (Point, f64, usize);
 
 /// Elements of a layer.
-pub(super) fn elements(entities: &[Entity<'_>], layer: Option<&str>, unit: f64) -> Result<Vec<Element>, FileError> {
+pub(super) fn elements(drawing: &Drawing<'_>, layer: Option<&str>, unit: f64) -> Result<Vec<Element>, FileError> {
     let mut list = Vec::new();
+    collect(drawing, &drawing.entities, &Wanted { layer, from: None, depth: 0 }, unit, &mut list)?;
+    Ok(list)
+}
+
+/// Which entities are wanted.
+pub(super) struct Wanted<'a> {
+    /// The layer that is read; `None` for all.
+    pub layer: Option<&'a str>,
+    /// The layer of the insertion, which layer 0 of a block stands for.
+    pub from: Option<&'a str>,
+    /// Insertions within insertions.
+    pub depth: usize,
+}
+
+/// Adds the elements of entities.
+pub(super) fn collect(
+    drawing: &Drawing<'_>,
+    entities: &[Entity<'_>],
+    wanted: &Wanted<'_>,
+    unit: f64,
+    list: &mut Vec<Element>,
+) -> Result<(), FileError> {
     // Corners of a polyline of the old kind, which are entities of their own.
     let mut old: Option<(bool, f64, Vec<Corner>)> = None;
     for entity in entities {
@@ -94,12 +116,18 @@ pub(super) fn elements(entities: &[Entity<'_>], layer: Option<&str>, unit: f64) 
             continue;
         }
         if let Some((closed, _, corners)) = old.take() {
-            polyline(&corners, closed, &mut list);
+            polyline(&corners, closed, list);
             if entity.name == "SEQEND" {
                 continue;
             }
         }
-        if layer.is_some_and(|layer| layer != entity.layer()) {
+        let drawn = wanted.from.filter(|_| entity.layer() == "0").unwrap_or(entity.layer());
+        if entity.name == "INSERT" {
+            // Its entities may be on other layers than itself.
+            insert::insert(drawing, entity, &Wanted { from: Some(drawn), ..*wanted }, unit, list)?;
+            continue;
+        }
+        if wanted.layer.is_some_and(|layer| layer != drawn) {
             continue;
         }
         let flags = entity.number(70)?.unwrap_or(0.0) as i64;
@@ -144,7 +172,7 @@ pub(super) fn elements(entities: &[Entity<'_>], layer: Option<&str>, unit: f64) 
                         _ => {}
                     }
                 }
-                polyline(&corners, flags & 1 == 1, &mut list);
+                polyline(&corners, flags & 1 == 1, list);
             }
             "POLYLINE" => {
                 if flags & !0b1000_0001 != 0 {
@@ -155,14 +183,14 @@ pub(super) fn elements(entities: &[Entity<'_>], layer: Option<&str>, unit: f64) 
                 }
                 old = Some((flags & 1 == 1, entity.mirror()?, Vec::new()));
             }
-            "ELLIPSE" => curve::ellipse(entity, unit, &mut list)?,
-            "SPLINE" => curve::spline(entity, unit, &mut list)?,
-            "SEQEND" | "VERTEX" => {}
+            "ELLIPSE" => curve::ellipse(entity, unit, list)?,
+            "SPLINE" => curve::spline(entity, unit, list)?,
+            "SEQEND" | "VERTEX" | "ENDBLK" => {}
             name if PASSED_OVER.contains(&name) => {}
             name => {
                 let message = format!(
                     "{name} on layer {} is not followed, and without it the contour is another: draw it in lines and arcs",
-                    entity.layer()
+                    drawn
                 );
                 return Err(fault(entity.line, message));
             }
@@ -171,5 +199,5 @@ pub(super) fn elements(entities: &[Entity<'_>], layer: Option<&str>, unit: f64) 
             return Err(fault(entity.line, format!("more than {ELEMENTS} elements are no contour; name a layer")));
         }
     }
-    Ok(list)
+    Ok(())
 }

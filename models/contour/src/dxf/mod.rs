@@ -1,7 +1,8 @@
 //! Contours drawn in DXF files: lines, arcs, circles, polylines, ellipses and splines of one layer, joined end to end.
 //!
 //! The tagged pairs of an ASCII file are read: a group code on a line, its value on the next. Ellipses and splines become tangent
-//! arcs within 1 µm. What is none of these (blocks, splines that only name points) is refused on the layer that is read, since leaving them out would change the contour; texts,
+//! arcs within 1 µm, and blocks are drawn where they are inserted. What is none of these (splines that only name points, blocks scaled
+//! differently along X and Y) is refused on the layer that is read, since leaving them out would change the contour; texts,
 //! dimensions, hatches and points are passed over.
 //!
 //! # Source
@@ -10,6 +11,7 @@
 
 mod curve;
 mod elements;
+mod insert;
 mod tags;
 #[cfg(test)]
 mod tests;
@@ -19,7 +21,7 @@ use crate::geometry::wrapped;
 use crate::trace::CORNER_ANGLE;
 use crate::{CutterSide, FileError, Section, Trace};
 use elements::{Element, elements};
-use tags::{Entity, entities, fault};
+use tags::{Entity, drawing, fault};
 
 /// Greatest distance of ends that are one point, m.
 const JOIN: f64 = 1e-6;
@@ -96,18 +98,22 @@ pub(crate) fn read_placed(
     side: Option<CutterSide>,
     closed: bool,
 ) -> Result<Placed, FileError> {
-    let (entities, named) = entities(text)?;
+    let drawing = drawing(text)?;
+    let entities = &drawing.entities;
     let first = entities.first().map_or(1, |entity| entity.line);
-    let unit = named
+    let unit = drawing
+        .unit
         .or(unit)
         .ok_or_else(|| fault(1, "nothing says the unit of the drawing ($INSUNITS): give --units mm or --units inch"))?;
-    if let Some(layer) = layer.filter(|layer| entities.iter().all(|entity| entity.layer() != *layer)) {
-        let mut known: Vec<&str> = entities.iter().map(Entity::layer).collect();
+    let inserted = drawing.blocks.iter().flat_map(|block| &block.entities);
+    let drawn = || entities.iter().chain(inserted.clone());
+    if let Some(layer) = layer.filter(|layer| drawn().all(|entity| entity.layer() != *layer)) {
+        let mut known: Vec<&str> = drawn().map(Entity::layer).collect();
         known.sort_unstable();
         known.dedup();
         return Err(fault(first, format!("nothing is drawn on layer {layer}; there are {}", known.join(", "))));
     }
-    let list = chains(elements(&entities, layer, unit)?)?;
+    let list = chains(elements(&drawing, layer, unit)?)?;
     let [(chain, is_closed)] = &list[..] else {
         if list.is_empty() {
             return Err(fault(first, "the drawing has no lines, arcs or other curves on this layer"));

@@ -18,6 +18,11 @@ impl Entity<'_> {
         self.pairs.iter().find(|(own, ..)| *own == code).map(|(_, value, _)| *value)
     }
 
+    /// Name of the block that an INSERT draws.
+    pub fn name_of_block(&self) -> Option<&str> {
+        self.text(2)
+    }
+
     pub fn layer(&self) -> &str {
         self.text(8).unwrap_or("0")
     }
@@ -77,9 +82,27 @@ fn pairs(text: &str) -> Result<Vec<(i32, &str, usize)>, FileError> {
     Ok(list)
 }
 
-/// Entities of the drawing and the unit of its header, m; `None` where it names none.
-pub(super) fn entities(text: &str) -> Result<(Vec<Entity<'_>>, Option<f64>), FileError> {
-    let (mut list, mut unit): (Vec<Entity<'_>>, _) = (Vec::new(), None);
+/// What a file draws.
+#[derive(Default)]
+pub(super) struct Drawing<'a> {
+    pub entities: Vec<Entity<'a>>,
+    pub blocks: Vec<Block<'a>>,
+    /// Unit of its header, m; `None` where it names none.
+    pub unit: Option<f64>,
+}
+
+/// Entities under a name, which are drawn wherever they are inserted.
+#[derive(Default)]
+pub(super) struct Block<'a> {
+    pub name: &'a str,
+    /// Its point that comes to the place of insertion, in units of the drawing.
+    pub base: [f64; 2],
+    pub entities: Vec<Entity<'a>>,
+}
+
+/// Reads a file.
+pub(super) fn drawing(text: &str) -> Result<Drawing<'_>, FileError> {
+    let mut drawing = Drawing::default();
     let (mut section, mut variable) = ("", "");
     for (code, value, line) in pairs(text)? {
         match (code, value) {
@@ -87,7 +110,7 @@ pub(super) fn entities(text: &str) -> Result<(Vec<Entity<'_>>, Option<f64>), Fil
             (2, name) if section.is_empty() => section = name,
             (9, name) if section == "HEADER" => variable = name,
             (70, number) if section == "HEADER" && variable == "$INSUNITS" => {
-                unit = match number {
+                drawing.unit = match number {
                     "0" => None,
                     "1" => Some(25.4e-3),
                     "2" => Some(304.8e-3),
@@ -102,14 +125,26 @@ pub(super) fn entities(text: &str) -> Result<(Vec<Entity<'_>>, Option<f64>), Fil
                     }
                 };
             }
-            (0, name) if section == "ENTITIES" => list.push(Entity { name, line, pairs: Vec::new() }),
+            (0, name) if section == "ENTITIES" => drawing.entities.push(Entity { name, line, pairs: Vec::new() }),
             (code, value) if section == "ENTITIES" => {
-                if let Some(entity) = list.last_mut() {
+                if let Some(entity) = drawing.entities.last_mut() {
                     entity.pairs.push((code, value, line));
+                }
+            }
+            (0, "BLOCK") if section == "BLOCKS" => drawing.blocks.push(Block::default()),
+            (code, value) if section == "BLOCKS" => {
+                let Some(block) = drawing.blocks.last_mut() else { continue };
+                match (code, block.entities.last_mut()) {
+                    (0, _) => block.entities.push(Entity { name: value, line, pairs: Vec::new() }),
+                    (code, Some(entity)) => entity.pairs.push((code, value, line)),
+                    (2, None) => block.name = value,
+                    (10, None) => block.base[0] = number(value, line)?,
+                    (20, None) => block.base[1] = number(value, line)?,
+                    _ => {}
                 }
             }
             _ => {}
         }
     }
-    Ok((list, unit))
+    Ok(drawing)
 }

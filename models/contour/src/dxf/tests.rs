@@ -217,3 +217,40 @@ fn splines_follow_their_control_points_within_a_micrometre() {
         assert!(error.fault.to_string().contains(what), "{}", error.fault);
     }
 }
+
+#[test]
+fn blocks_are_drawn_where_they_are_inserted() {
+    // A slot of two lines and two arcs on layer 0 of a block whose base is its left centre, inserted through another block.
+    let block = |name: &str, base: f64, inside: &str| {
+        format!("0\nBLOCK\n8\n0\n2\n{name}\n10\n{base}\n20\n0\n{inside}0\nENDBLK\n8\n0\n")
+    };
+    let slot = "0\nLINE\n8\n0\n10\n0\n20\n-10\n11\n40\n21\n-10\n0\nARC\n8\n0\n10\n40\n20\n0\n40\n10\n50\n270\n51\n90\n\
+                0\nLINE\n8\n0\n10\n40\n20\n10\n11\n0\n21\n10\n0\nARC\n8\n0\n10\n0\n20\n0\n40\n10\n50\n90\n51\n270\n0\nCIRCLE\n8\nHOLE\n10\n0\n20\n0\n40\n3\n";
+    let nested = "0\nINSERT\n8\n0\n2\nSLOT\n10\n5\n20\n0\n41\n-2\n42\n2\n50\n30\n";
+    let text = |insert: &str| {
+        let blocks = block("SLOT", 0.0, slot) + &block("OUTER", 5.0, nested);
+        format!("{MM}0\nSECTION\n2\nBLOCKS\n{blocks}0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{insert}0\nENDSEC\n0\nEOF\n")
+    };
+    let insert = "0\nINSERT\n8\nPART\n2\nOUTER\n10\n100\n20\n50\n50\n90\n";
+    let read = |text: &str, layer: &str| read(text, Some(layer), None, CutterSide::Left, true);
+    let part = read(&text(insert), "PART").expect("a contour");
+    assert!((part.length() - 2.0 * (0.08 + 0.02 * PI)).abs() < 1e-9, "{}", part.length());
+    let hole = read(&text(insert), "HOLE").expect("a contour on the layer of its own");
+    assert!((hole.length() - 0.012 * PI).abs() < 1e-9);
+    // Its two halves begin on opposite sides of the place to which base and insertions bring its centre.
+    let middle = |of: fn(&Section) -> f64| hole.sections.iter().map(of).sum::<f64>() / hole.sections.len() as f64;
+    let (x, y) = (middle(|section| section.start.x), middle(|section| section.start.y));
+    assert!((x - 0.1).abs() < 1e-9 && (y - 0.05).abs() < 1e-9, "{x} {y}");
+    let stretched = insert.replace("50\n90\n", "41\n2\n42\n1\n");
+    assert!(read(&text(&stretched), "PART").expect_err("ellipses").to_string().contains("ellipses of arcs"));
+    let twice = insert.replace("50\n90\n", "70\n2\n44\n300\n");
+    assert!(read(&text(&twice), "PART").expect_err("two").to_string().contains("2 contours"));
+    assert!(
+        read(&text(&insert.replace("OUTER", "INNER")), "PART")
+            .expect_err("none")
+            .to_string()
+            .contains("not in the file")
+    );
+    let itself = text(insert).replace("2\nSLOT\n10\n5", "2\nOUTER\n10\n5");
+    assert!(read(&itself, "PART").expect_err("endless").to_string().contains("deep"));
+}

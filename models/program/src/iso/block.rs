@@ -302,7 +302,8 @@ impl Iso {
                     return Err(Fault::at(
                         words.column(b'Q'),
                         "a call that begins at block Q is not followed; call a program of its own",
-                    ));
+                    )
+                    .refusing());
                 }
                 let (mut number, mut count) = (number as u32, words.whole(b'L', 0.0, 99_999_999.0)?);
                 // Four digits of the number behind those of the count, where no L stands.
@@ -325,7 +326,7 @@ impl Iso {
             99 => {
                 let to = words.whole(b'P', 0.0, 99_999_999.0)?;
                 if words.has(b'L') {
-                    return Err(Fault::at(words.column(b'L'), "L of M99 is not followed; leave it out"));
+                    return Err(Fault::at(words.column(b'L'), "L of M99 is not followed; leave it out").refusing());
                 }
                 if !self.back(to)? {
                     if self.calls.is_empty() && to.is_some() {

@@ -84,7 +84,7 @@ impl Iso {
         let macros = self.macros();
         let calls = words.m.iter().any(|(code, _)| matches!(code, 97 | 98));
         let additional = |number: f64| (1.0..=300.0).contains(&number) && number.fract() == 0.0;
-        let refuse = |reason: &str| Err(Fault::new(format!("G{}: {reason}", written(code))));
+        let refuse = |reason: &str| Err(Fault::new(format!("G{}: {reason}", written(code))).refusing());
         Ok(match code {
             0 => Found::Motion(Move::Rapid),
             10 => Found::Motion(Move::Line),
@@ -318,7 +318,7 @@ impl Iso {
                 if let Some(time) = kernel.control.g.get(&code) {
                     return Ok(Found::Once(Once::TimeOnly(*time)));
                 }
-                return Err(Fault::new(unknown(&format!("G{}", written(code)), "g", &written(code))));
+                return Err(Fault::new(unknown(&format!("G{}", written(code)), "g", &written(code))).refusing());
             }
         })
     }

@@ -41,7 +41,7 @@ impl Iso {
     pub(super) fn begin_cycle(&mut self, code: u32, kernel: &Kernel) -> Result<(), Fault> {
         if self.dialect == Dialect::LinuxCnc && matches!(code, 76 | 87) {
             let what = if code == 76 { "a threading cycle of lathes" } else { "not implemented by the control" };
-            return Err(Fault::new(format!("G{code} is {what} on LinuxCNC, and is not followed")));
+            return Err(Fault::new(format!("G{code} is {what} on LinuxCNC, and is not followed")).refusing());
         }
         let initial = self.cycle.map_or(kernel.program_at()[kernel.plane[2]], |cycle| cycle.initial);
         let before = self.cycle;

@@ -173,7 +173,8 @@ impl Iso {
         if self.modes.turn() != 0.0 {
             return Err(Fault::new(
                 "G92 within a turned work offset (G10 L2 R) is not followed; write the offset itself",
-            ));
+            )
+            .refusing());
         }
         let target = self.target(words, kernel)?;
         let position = kernel.program_at();
@@ -231,7 +232,7 @@ impl Iso {
             }
         }
         if kind == Some(20) && self.modes.turn() != 0.0 {
-            return Err(Fault::new("G10 L20 within a turned work offset is not followed; write L2"));
+            return Err(Fault::new("G10 L20 within a turned work offset is not followed; write L2").refusing());
         }
         let position = kernel.program_at();
         for axis in 0..9 {

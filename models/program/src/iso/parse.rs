@@ -4,6 +4,8 @@ use super::words::{ANGLE, CHAMFER, DISTANCE, ROUNDING};
 use crate::Dialect;
 use crate::error::Fault;
 use crate::expression::{Expression, Parser};
+use std::ops::ControlFlow;
+use toolroom_pages::{Kept, Reader};
 
 /// A letter with its value.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,49 +75,67 @@ pub(super) struct Statement {
     pub end: usize,
 }
 
-/// Statements of a text, with the jumps of its loops from `offset`.
-pub(super) fn statements(text: &str, dialect: Dialect, file: usize, offset: usize) -> Vec<Statement> {
-    // Programs of CAM systems have millions of lines: what is kept of each takes no more than it needs.
-    let mut list: Vec<Statement> = Vec::with_capacity(text.bytes().filter(|byte| *byte == b'\n').count() + 1);
-    let mut open: Vec<(String, usize)> = Vec::new();
-    let mut tape = 0;
-    for (index, line) in text.lines().enumerate() {
+/// Makes statements of lines.
+#[derive(Clone)]
+pub(super) struct LineReader {
+    dialect: Dialect,
+    file: usize,
+    /// Lines with `%` up to now.
+    tape: u32,
+    begun: bool,
+}
+
+impl LineReader {
+    pub fn new(dialect: Dialect, file: usize) -> Self {
+        Self { dialect, file, tape: 0, begun: false }
+    }
+}
+
+impl Reader for LineReader {
+    type Item = Statement;
+
+    fn line(&mut self, number: usize, line: &str, list: &mut Vec<Statement>) -> ControlFlow<()> {
         let line = line.trim_start_matches('\u{feff}').replace('\0', " ").to_ascii_uppercase();
         let trimmed = line.trim();
         if trimmed.starts_with('%') {
-            tape += 1;
-            if tape > 1 || !list.is_empty() {
-                break;
-            }
-            continue;
+            self.tape += 1;
+            return if self.tape > 1 || self.begun { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         }
         if trimmed.is_empty() {
-            continue;
+            return ControlFlow::Continue(());
         }
         let mut statement =
-            Statement { line: index + 1, file, skip: 0, number: None, code: Code::Print, jump: 0, end: 0 };
+            Statement { line: number, file: self.file, skip: 0, number: None, code: Code::Print, jump: 0, end: 0 };
         let code = match clean(&line) {
             Ok(line) => {
-                let mut parser = Parser::new(&line, 0, dialect);
+                let mut parser = Parser::new(&line, 0, self.dialect);
                 read(&mut parser, &mut statement).unwrap_or_else(Code::Fault)
             }
             Err(fault) => Code::Fault(fault),
         };
-        if matches!(&code, Code::Block(block) if block.words.is_empty() && block.assignments.is_empty())
-            && statement.number.is_none()
-        {
-            continue;
+        let says_nothing =
+            matches!(&code, Code::Block(block) if block.words.is_empty() && block.assignments.is_empty());
+        if !says_nothing || statement.number.is_some() {
+            statement.code = code;
+            list.push(statement);
+            self.begun = true;
         }
-        statement.code = code;
-        list.push(statement);
-        let index = list.len() - 1;
-        link(&mut list, index, offset, &mut open);
+        ControlFlow::Continue(())
     }
-    for (name, index) in open {
-        let message = format!("{name} is not closed: its end is missing");
-        list[index].code = Code::Fault(Fault::at(1, message));
+
+    fn stays(statement: &Statement) -> bool {
+        statement.code.flows() || statement.jump > 0 || statement.end > 0
     }
-    list
+}
+
+impl Code {
+    /// Whether it is the part of a loop or condition, which are joined.
+    fn flows(&self) -> bool {
+        match self {
+            Self::While(_) | Self::End | Self::Order(..) => true,
+            Self::Program(_) | Self::Block(_) | Self::If(..) | Self::Goto(_) | Self::Print | Self::Fault(_) => false,
+        }
+    }
 }
 
 /// A line with blanks in place of its comments.
@@ -342,92 +362,118 @@ fn order(parser: &mut Parser<'_>) -> Result<Code, Fault> {
     Ok(Code::Order(name, order))
 }
 
-/// Joins the parts of loops and conditions; `own` is the newest statement.
-fn link(list: &mut [Statement], index: usize, offset: usize, open: &mut Vec<(String, usize)>) {
-    let place = index + offset;
-    let unmatched = |list: &mut [Statement], what: &str| {
-        list[index].code = Code::Fault(Fault::at(1, format!("{what} without its beginning")));
-    };
-    match list[index].code.clone() {
-        Code::While(_) => open.push((format!("DO{}", list[index].end), index)),
-        Code::End => {
-            let wanted = format!("DO{}", list[index].end);
-            match open.pop() {
-                Some((name, begin)) if name == wanted => {
-                    list[begin].jump = place + 1;
-                    list[index].jump = begin + offset;
-                }
-                other => {
-                    open.extend(other);
-                    unmatched(list, "END");
-                }
-            }
+/// A part of a loop or condition that is not closed yet.
+pub(super) struct Open {
+    name: String,
+    index: usize,
+    kind: Opened,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Opened {
+    /// DO of Fanuc.
+    Loop,
+    Sub,
+    Do,
+    Branch,
+    While,
+    Repeat,
+}
+
+impl Open {
+    pub fn index(&self) -> usize {
+        self.index
+    }
+
+    /// The fault of what is never closed.
+    pub fn fault(&self) -> Fault {
+        Fault::at(1, format!("{} is not closed: its end is missing", self.name))
+    }
+}
+
+/// Joins the parts of loops and conditions; `index` is the newest statement.
+pub(super) fn link(list: &mut Kept<'_, Statement>, index: usize, open: &mut Vec<Open>) {
+    let Some(statement) = list.item(index).filter(|statement| statement.code.flows()) else { return };
+    let (code, number) = (statement.code.clone(), statement.end);
+    let change = |list: &mut Kept<'_, Statement>, at: usize, to: &dyn Fn(&mut Statement)| {
+        if let Some(statement) = list.item(at) {
+            to(statement);
         }
+    };
+    let join = |list: &mut Kept<'_, Statement>, from: usize, to: usize| change(list, from, &|s| s.jump = to);
+    let unmatched = |list: &mut Kept<'_, Statement>, what: &str| {
+        change(list, index, &|statement| {
+            statement.code = Code::Fault(Fault::at(1, format!("{what} without its beginning")));
+            // Nothing leads there; what is not 0 stays.
+            statement.end = usize::MAX;
+        });
+    };
+    match code {
+        Code::While(_) => open.push(Open { name: format!("DO{number}"), index, kind: Opened::Loop }),
+        Code::End => match open.pop_if(|last| last.kind == Opened::Loop && last.name == format!("DO{number}")) {
+            Some(begin) => {
+                join(list, begin.index, index + 1);
+                join(list, index, begin.index);
+            }
+            None => unmatched(list, "END"),
+        },
         Code::Order(name, order) => {
-            let top = open.last().filter(|(known, _)| *known == format!("O{name}")).map(|(_, index)| *index);
-            let kind = top.map(|index| list[index].code.clone());
-            let top_order =
-                kind.as_ref().and_then(|code| if let Code::Order(_, order) = code { Some(order) } else { None });
+            let label = format!("O{name}");
+            let top = open.last().filter(|last| last.name == label).map(|last| (last.index, last.kind));
             match order {
-                Order::Sub | Order::Do | Order::If(_) | Order::Repeat(_) => open.push((format!("O{name}"), index)),
+                Order::Sub => open.push(Open { name: label, index, kind: Opened::Sub }),
+                Order::Do => open.push(Open { name: label, index, kind: Opened::Do }),
+                Order::If(_) => open.push(Open { name: label, index, kind: Opened::Branch }),
+                Order::Repeat(_) => open.push(Open { name: label, index, kind: Opened::Repeat }),
                 Order::While(condition) => {
-                    if let (Some(begin), Some(Order::Do)) = (top, top_order) {
+                    if let Some((begin, Opened::Do)) = top {
                         open.pop();
-                        list[index].code = Code::Order(name, Order::DoWhile(condition));
-                        list[index].jump = begin + offset;
-                        list[begin].jump = place;
+                        let code = Code::Order(name, Order::DoWhile(condition));
+                        change(list, index, &|statement| statement.code = code.clone());
+                        join(list, index, begin);
+                        join(list, begin, index);
                     } else {
-                        open.push((format!("O{name}"), index));
+                        open.push(Open { name: label, index, kind: Opened::While });
                     }
                 }
                 Order::EndSub(_) | Order::EndWhile | Order::EndRepeat => {
                     let fits = matches!(
-                        (top_order, &order),
-                        (Some(Order::Sub), Order::EndSub(_))
-                            | (Some(Order::While(_)), Order::EndWhile)
-                            | (Some(Order::Repeat(_)), Order::EndRepeat)
+                        (top, &order),
+                        (Some((_, Opened::Sub)), Order::EndSub(_))
+                            | (Some((_, Opened::While)), Order::EndWhile)
+                            | (Some((_, Opened::Repeat)), Order::EndRepeat)
                     );
                     match top.filter(|_| fits) {
-                        Some(begin) => {
+                        Some((begin, _)) => {
                             open.pop();
-                            list[begin].jump = place + 1;
-                            list[index].jump = begin + offset;
+                            join(list, begin, index + 1);
+                            join(list, index, begin);
                         }
-                        None => unmatched(list, &format!("the end of O{name}")),
+                        None => unmatched(list, &format!("the end of {label}")),
                     }
                 }
-                Order::ElseIf(_) | Order::Else | Order::EndIf => {
-                    let fits = matches!(top_order, Some(Order::If(_) | Order::ElseIf(_) | Order::Else));
-                    match top.filter(|_| fits) {
-                        Some(begin) => {
-                            open.pop();
-                            list[begin].jump = place;
-                            // The branches of an `if` are chained by `end` until it is closed.
-                            if order == Order::EndIf {
-                                let mut branch = begin;
-                                loop {
-                                    let before = list[branch].end;
-                                    list[branch].end = place;
-                                    if before == 0 {
-                                        break;
-                                    }
-                                    branch = before - 1;
-                                }
-                            } else {
-                                list[index].end = begin + 1;
-                                open.push((format!("O{name}"), index));
+                Order::ElseIf(_) | Order::Else | Order::EndIf => match top {
+                    Some((begin, Opened::Branch)) => {
+                        open.pop();
+                        join(list, begin, index);
+                        // The branches of an `if` are chained by `end` until it is closed.
+                        if order == Order::EndIf {
+                            let mut branch = Some(begin);
+                            while let Some(statement) = branch.and_then(|branch| list.item(branch)) {
+                                branch = statement.end.checked_sub(1);
+                                statement.end = index;
                             }
+                        } else {
+                            change(list, index, &|statement| statement.end = begin + 1);
+                            open.push(Open { name: label, index, kind: Opened::Branch });
                         }
-                        None => unmatched(list, &format!("O{name}")),
                     }
-                }
-                Order::Break | Order::Continue => {
-                    let wanted = format!("O{name}");
-                    match open.iter().rev().find(|(known, _)| *known == wanted) {
-                        Some((_, begin)) => list[index].jump = *begin + offset,
-                        None => unmatched(list, &format!("O{name} break or continue")),
-                    }
-                }
+                    _ => unmatched(list, &label),
+                },
+                Order::Break | Order::Continue => match open.iter().rev().find(|known| known.name == label) {
+                    Some(known) => join(list, index, known.index),
+                    None => unmatched(list, &format!("{label} break or continue")),
+                },
                 Order::Return(_) | Order::Call(_) | Order::DoWhile(_) => {}
             }
         }

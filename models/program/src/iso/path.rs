@@ -10,7 +10,7 @@ use crate::motion::{PLANES, Purpose, Sense};
 impl Iso {
     pub(super) fn arc(&mut self, left: bool, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
         if self.modes.polar.is_some() {
-            return Err(Fault::new("an arc in polar coordinates (G16) is not followed; write G15 before it"));
+            return Err(Fault::new("an arc in polar coordinates (G16) is not followed; write G15 before it").refusing());
         }
         let target = self.target(words, kernel)?;
         let [u, v, w] = kernel.plane;
@@ -76,9 +76,14 @@ impl Iso {
         };
         let (i, j, p, q) = (offset(b'I')?, offset(b'J')?, offset(b'P')?, offset(b'Q')?);
         let points = if cubic {
-            let (Some(i), Some(j), Some(p), Some(q)) = (i, j, p, q) else {
-                return Err(Fault::new("a cubic spline needs I, J, P and Q"));
+            // Behind another it goes on in its direction where it does not say where to.
+            let here = [from[0], from[1]];
+            let goes_on = self.spline_end.filter(|(end, _)| *end == here).map(|(_, [p, q])| [-p, -q]);
+            let first = i.zip(j).map(|(i, j)| [i, j]).or(goes_on.filter(|_| i.is_none() && j.is_none()));
+            let (Some([i, j]), Some(p), Some(q)) = (first, p, q) else {
+                return Err(Fault::new("a cubic spline needs P and Q, and the first of a series I and J"));
             };
+            self.spline_end = Some(([to[0], to[1]], [p, q]));
             vec![[from[0], from[1]], [from[0] + i, from[1] + j], [to[0] + p, to[1] + q], [to[0], to[1]]]
         } else {
             if i.is_none() && j.is_none() {

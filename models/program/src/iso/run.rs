@@ -2,7 +2,7 @@
 
 use super::cycles::Cycle;
 use super::modes::Modes;
-use super::parse::{BlockCode, Code, Order, Statement, statements};
+use super::parse::{BlockCode, Code, LineReader, Order, link};
 use super::turn::{Drilling, Turned, TwoBlocks};
 use super::variables::{Locals, Store};
 use super::words::Words;
@@ -15,6 +15,7 @@ use crate::motion::EventKind;
 use crate::run::{Flow, Interpreter, Place, between};
 use std::collections::HashMap;
 use std::ops::Range;
+use toolroom_pages::{Pages, Source};
 
 /// A call that has not returned.
 #[derive(Clone, Debug)]
@@ -39,11 +40,16 @@ pub(super) struct Call {
 /// The interpreter.
 pub(crate) struct Iso {
     pub(super) dialect: Dialect,
-    pub(super) statements: Vec<Statement>,
+    pub(super) statements: Pages<LineReader>,
     files: Vec<String>,
     programs: HashMap<u32, usize>,
+    /// Statements with the number of a program, in order.
+    heads: Vec<usize>,
     subs: HashMap<String, usize>,
-    numbers: HashMap<u32, Vec<usize>>,
+    /// Block numbers with their statements, sorted; filled by the first jump to one.
+    numbers: Vec<(u32, u32)>,
+    /// Statements whose numbers are there.
+    numbered: usize,
     pub(super) pc: usize,
     pub(super) calls: Vec<Call>,
     loops: Vec<(usize, u64)>,
@@ -60,6 +66,8 @@ pub(crate) struct Iso {
     /// Macro that every motion calls (G66): its first statement and its values.
     pub(super) modal_macro: Option<(usize, Locals)>,
     words: Words,
+    /// End of the last cubic spline, and its last control point from there, mm.
+    pub(super) spline_end: Option<([f64; 2], [f64; 2])>,
 }
 
 /// Depth of calls and of levels of macro variables (assumption: 10 levels as on newer Fanuc controls; older ones allow 4,
@@ -67,14 +75,16 @@ pub(crate) struct Iso {
 const DEPTH: usize = 10;
 
 impl Iso {
-    pub fn new(text: &str, dialect: Dialect, library: Library) -> Self {
+    pub fn new(text: &Source, dialect: Dialect, library: Library) -> Result<Self, Fault> {
         let mut interpreter = Self {
             dialect,
-            statements: Vec::new(),
+            statements: Pages::new(),
             files: Vec::new(),
             programs: HashMap::new(),
+            heads: Vec::new(),
             subs: HashMap::new(),
-            numbers: HashMap::new(),
+            numbers: Vec::new(),
+            numbered: 0,
             pc: 0,
             calls: Vec::new(),
             loops: Vec::new(),
@@ -87,30 +97,36 @@ impl Iso {
             library,
             modal_macro: None,
             words: Words::default(),
+            spline_end: None,
         };
-        interpreter.add(text, String::new());
-        interpreter
+        interpreter.add(text, String::new())?;
+        Ok(interpreter)
     }
 
-    fn add(&mut self, text: &str, name: String) {
-        let offset = self.statements.len();
-        let mut read = statements(text, self.dialect, self.files.len(), offset);
-        if self.statements.is_empty() {
-            self.statements = read;
-        } else {
-            self.statements.append(&mut read);
-        }
+    fn add(&mut self, text: &Source, name: String) -> Result<(), Fault> {
+        let reader = LineReader::new(self.dialect, self.files.len());
         self.files.push(name);
-        for (index, statement) in self.statements.iter().enumerate().skip(offset) {
-            if let Some(number) = statement.number {
-                self.numbers.entry(number).or_default().push(index);
+        let mut open = Vec::new();
+        let Self { statements, programs, subs, heads, .. } = self;
+        statements.add(text, reader, |index, list| {
+            link(list, index, &mut open);
+            match list.item(index).map(|statement| &statement.code) {
+                Some(Code::Program(number)) => {
+                    programs.entry(*number).or_insert(index);
+                    heads.push(index);
+                }
+                Some(Code::Order(name, Order::Sub)) => {
+                    subs.entry(name.clone()).or_insert(index);
+                }
+                _ => {}
             }
-            if let Code::Program(number) = &statement.code {
-                self.programs.entry(*number).or_insert(index);
-            } else if let Code::Order(name, Order::Sub) = &statement.code {
-                self.subs.entry(name.clone()).or_insert(index);
+        })?;
+        for open in open {
+            if let Some(statement) = statements.item(open.index()) {
+                statement.code = Code::Fault(open.fault());
             }
         }
+        Ok(())
     }
 
     fn value(&self, expression: &Expression) -> Result<Option<f64>, Fault> {
@@ -123,23 +139,32 @@ impl Iso {
 
     /// Statements of the program in which `pc` stands.
     fn unit(&self, pc: usize) -> Range<usize> {
-        let file = self.statements.get(pc).map_or(0, |statement| statement.file);
-        let ends = |statement: &Statement| statement.file != file || matches!(statement.code, Code::Program(_));
-        between(&self.statements, pc, ends)
+        between(&self.heads, pc, self.statements.items(self.statements.text(pc).unwrap_or(0)))
     }
 
     /// Statement of block `number`: forward from here, then from the top of the program.
-    pub(super) fn block_number(&self, number: u32, from: usize) -> Result<usize, Fault> {
-        let missing = || Fault::new(format!("there is no block N{number} in this program; check the number"));
-        let list = self.numbers.get(&number).ok_or_else(missing)?;
+    pub(super) fn block_number(&mut self, number: u32, from: usize) -> Result<usize, Fault> {
+        let count = self.statements.len();
+        if self.numbered < count {
+            let mut index = self.numbered;
+            let numbers = &mut self.numbers;
+            self.statements.find(index..count, |statement| {
+                numbers.extend(statement.number.map(|number| (number, index as u32)));
+                index += 1;
+                false
+            })?;
+            self.numbers.sort_unstable();
+            self.numbered = count;
+        }
         let unit = self.unit(from);
-        let inside = |index: &&usize| unit.contains(*index);
-        list.iter()
-            .filter(inside)
-            .find(|index| **index > from)
-            .or_else(|| list.iter().find(inside))
-            .copied()
-            .ok_or_else(missing)
+        let first = |least: usize| {
+            let at = self.numbers.partition_point(|entry| *entry < (number, least as u32));
+            let (known, index) = *self.numbers.get(at)?;
+            Some(index as usize).filter(|index| known == number && *index < unit.end)
+        };
+        first(unit.start.max(from + 1))
+            .or_else(|| first(unit.start))
+            .ok_or_else(|| Fault::new(format!("there is no block N{number} in this program; check the number")))
     }
 
     /// First statement of a program by its number, here or in a file beside this one.
@@ -153,7 +178,7 @@ impl Iso {
         ));
         let (name, text) = self.library.find(&names, &["", ".nc", ".NC", ".cnc", ".tap", ".txt"]).ok_or(missing)?;
         let start = self.statements.len();
-        self.add(&text, name);
+        self.add(&text, name)?;
         Ok(self.programs.get(&number).map_or(start, |index| index + 1))
     }
 
@@ -270,8 +295,13 @@ impl Iso {
         }
     }
 
+    /// Where a statement leads: see [`Statement::jump`] and [`Statement::end`].
+    fn links(&mut self, index: usize) -> Result<(usize, usize), Fault> {
+        Ok(self.statements.at(index)?.map_or((0, 0), |statement| (statement.jump, statement.end)))
+    }
+
     fn order(&mut self, name: &str, order: &Order, index: usize) -> Result<(), Fault> {
-        let (jump, end) = (self.statements[index].jump, self.statements[index].end);
+        let (jump, end) = self.links(index)?;
         match order {
             // A definition is passed over.
             Order::Sub => self.pc = jump,
@@ -289,7 +319,7 @@ impl Iso {
                     *slot = self.value(argument)?;
                 }
                 let start = self.sub(name)?;
-                let line = self.statements[index].line;
+                let line = self.statements.at(index)?.map_or(0, |statement| statement.line);
                 self.call(start, 1, Some(locals), line, false)?;
             }
             Order::While(condition) => {
@@ -308,12 +338,14 @@ impl Iso {
                 let mut holds = self.truth(condition)?;
                 let mut branch = index;
                 while !holds {
-                    branch = self.statements[branch].jump;
+                    (branch, _) = self.links(branch)?;
                     // An `else` holds whenever it is reached.
-                    holds = if let Code::Order(_, Order::ElseIf(condition)) = &self.statements[branch].code {
-                        self.truth(condition)?
-                    } else {
-                        true
+                    holds = match self.statements.at(branch)? {
+                        Some(statement) => match &statement.code {
+                            Code::Order(_, Order::ElseIf(condition)) => self.truth(condition)?,
+                            _ => true,
+                        },
+                        None => true,
                     };
                 }
                 self.pc = branch + 1;
@@ -338,7 +370,7 @@ impl Iso {
                 }
             },
             Order::Break | Order::Continue => {
-                let begin = &self.statements[jump];
+                let Some(begin) = self.statements.at(jump)? else { return Ok(()) };
                 let repeats = matches!(begin.code, Code::Order(_, Order::Repeat(_)));
                 let ends = *order == Order::Break;
                 self.pc = if matches!(begin.code, Code::Order(_, Order::Do)) {
@@ -369,7 +401,7 @@ impl Iso {
         ));
         let (file, text) =
             self.library.find(&[lower, name.to_owned()], &[".ngc", ".NGC"]).ok_or_else(|| missing.clone())?;
-        self.add(&text, file);
+        self.add(&text, file)?;
         self.subs.get(name).map(|index| index + 1).ok_or(missing)
     }
 
@@ -394,7 +426,7 @@ impl Iso {
 
 impl Interpreter for Iso {
     fn step(&mut self, kernel: &mut Kernel) -> Result<Flow, Fault> {
-        let Some(statement) = self.statements.get(self.pc) else {
+        let Some(statement) = self.statements.at(self.pc)? else {
             // The end of the file ends the program, as the tape does.
             kernel.end()?;
             return Ok(Flow::Ended);
@@ -412,15 +444,15 @@ impl Interpreter for Iso {
         if statement.skip > 0 && kernel.control.skip[usize::from(statement.skip)] {
             return Ok(Flow::Going);
         }
-        // The statement leaves its place while it runs, so that nothing has to be copied.
-        let code = std::mem::replace(&mut self.statements[index].code, Code::Print);
-        let flow = self.run(&code, index, kernel);
-        self.statements[index].code = code;
-        flow
+        self.run(&statement.code, index, kernel)
+    }
+
+    fn variables(&self) -> Vec<(String, f64)> {
+        self.store.known()
     }
 
     fn place(&self) -> Place {
-        let file = self.statements.get(self.pc.saturating_sub(1)).map(|statement| statement.file);
+        let file = self.statements.text(self.pc.saturating_sub(1));
         Place::new(file, &self.files, self.calls.iter().rev().map(|call| (call.line, call.count)))
     }
 }
@@ -428,14 +460,12 @@ impl Interpreter for Iso {
 impl Iso {
     pub(super) fn run(&mut self, code: &Code, index: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
         match code {
-            Code::Fault(fault) => return Err(fault.clone()),
+            Code::Fault(fault) => return Err(fault.clone().refusing()),
             Code::Print => {}
             Code::Program(_) => {
                 // A second program begins where the first has no end.
-                if index > 0
-                    && self.calls.is_empty()
-                    && self.statements[..index].iter().any(|s| !matches!(s.code, Code::Program(_)))
-                {
+                let heads = self.heads.partition_point(|head| *head < index);
+                if self.calls.is_empty() && heads < index {
                     kernel.end()?;
                     return Ok(Flow::Ended);
                 }
@@ -470,12 +500,12 @@ impl Iso {
                 if let Some(condition) = condition {
                     self.refresh(kernel);
                     if !self.truth(condition)? {
-                        self.pc = self.statements[index].jump;
+                        (self.pc, _) = self.links(index)?;
                     }
                 }
             }
             Code::End => {
-                self.pc = self.statements[index].jump;
+                (self.pc, _) = self.links(index)?;
                 kernel.loop_line = kernel.line;
             }
             Code::Order(name, order) => {

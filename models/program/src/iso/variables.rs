@@ -73,6 +73,17 @@ impl Store {
         Ok(())
     }
 
+    /// Variables that have a value, as programs write them: numbers, then names.
+    pub fn known(&self) -> Vec<(String, f64)> {
+        let locals = self.locals();
+        let numbered = (1..).zip(&locals.numbered[1..]).filter_map(|(index, value)| Some((index, (*value)?)));
+        let common = self.common.iter().map(|(index, value)| (*index, *value));
+        let mut named: Vec<(String, f64)> =
+            locals.named.iter().chain(&self.global).map(|(name, value)| (format!("#<{name}>"), *value)).collect();
+        named.sort_by(|a, b| a.0.cmp(&b.0));
+        numbered.chain(common).map(|(index, value)| (format!("#{index}"), value)).chain(named).collect()
+    }
+
     pub fn name(&mut self, name: &str, value: f64) {
         if name.starts_with('_') {
             self.global.insert(name.to_owned(), value);

@@ -62,7 +62,9 @@ impl Klartext {
             "CYCL" if word(1) == "CALL" => {
                 self.flush(kernel)?;
                 if matches!(word(2), "PAT") {
-                    return Err(Fault::at(column(2), "CYCL CALL PAT needs a table of points, which is not followed"));
+                    return Err(
+                        Fault::at(column(2), "CYCL CALL PAT needs a table of points, which is not followed").refusing()
+                    );
                 }
                 let rest = if word(2) == "POS" { &words[3..] } else { &words[2..] };
                 let given = self.words(rest, kernel)?;
@@ -107,7 +109,9 @@ impl Klartext {
             }
             "L" | "LP" | "C" | "CP" | "CR" | "CT" | "CTP" | "LN" => {
                 if word(0) == "LN" {
-                    return Err(Fault::at(column(0), "LN moves by vectors in five axes, which is not followed"));
+                    return Err(
+                        Fault::at(column(0), "LN moves by vectors in five axes, which is not followed").refusing()
+                    );
                 }
                 repositioned = true;
                 self.position(word(0), &words[1..], kernel)?
@@ -137,7 +141,9 @@ impl Klartext {
             "PLANE" if word(1) == "RESET" => Flow::Going,
             "FUNCTION" if matches!((word(1), word(2)), ("RESET", "TCPM") | ("MODE", "MILL")) => Flow::Going,
             "PLANE" => {
-                return Err(Fault::at(column(0), "tilted planes are not followed; post the motions in machine axes"));
+                return Err(
+                    Fault::at(column(0), "tilted planes are not followed; post the motions in machine axes").refusing()
+                );
             }
             first if first.starts_with('M') && first[1..].bytes().all(|b| b.is_ascii_digit()) && first.len() > 1 => {
                 self.flush(kernel)?;
@@ -152,7 +158,8 @@ impl Klartext {
                     format!(
                         "{other} is not understood for heidenhain; it might move axes or take time: mend the block"
                     ),
-                ));
+                )
+                .refusing());
             }
         };
         if repositioned && self.modal_call && flow == Flow::Going {
@@ -211,7 +218,8 @@ impl Klartext {
                             format!(
                                 "{word} is a feed by time, tooth or turn, which is not followed; write F in mm/min"
                             ),
-                        ));
+                        )
+                        .refusing());
                     }
                     parsed.feed = Some(self.value(rest, column)?);
                 } else if let Some(rest) =
@@ -232,7 +240,7 @@ impl Klartext {
                             format!(
                                 "{word} is not understood for heidenhain; it might move axes or take time: mend the block"
                             ),
-                        ));
+                        ).refusing());
                     };
                     let value =
                         if (3..6).contains(&axis) { self.value(&rest[1..], column)? } else { length(&rest[1..])? };
@@ -284,7 +292,7 @@ impl Klartext {
                         oversize = kernel.length(self.value(rest, *column)?)?;
                     }
                 }
-                _ => return Err(Fault::at(*column, format!("{word} is not understood behind TOOL CALL"))),
+                _ => return Err(Fault::at(*column, format!("{word} is not understood behind TOOL CALL")).refusing()),
             }
         }
         if changes {
@@ -367,7 +375,8 @@ impl Klartext {
                     return Err(Fault::at(
                         *column,
                         format!("M{code} changes how the path is followed, and is not followed here"),
-                    ));
+                    )
+                    .refusing());
                 }
                 _ => kernel.auxiliary(*code),
             }
@@ -492,10 +501,10 @@ impl Klartext {
             }
         };
         if given.fmax && element != Element::Line {
-            return Err(Fault::new("an arc at FMAX is not followed; write a feed"));
+            return Err(Fault::new("an arc at FMAX is not followed; write a feed").refusing());
         }
         if !given.target.is_empty() {
-            let next = self.statements.get(self.pc);
+            let next = self.statements.at(self.pc)?;
             let joins = next
                 .is_some_and(|next| matches!(next.words.first().map(|(word, _)| word.as_str()), Some("RND" | "CHF")));
             let corner = Corner { target: given.target, element, rapid: given.fmax, joint: None };

@@ -92,7 +92,8 @@ impl Klartext {
         if before.element != Element::Line || after.element != Element::Line || after.rapid {
             return Err(Fault::new(
                 "a rounding or chamfer beside an arc or FMAX is not followed; write its arc or line",
-            ));
+            )
+            .refusing());
         }
         let [u, v, _] = kernel.plane;
         let start = kernel.program_at();

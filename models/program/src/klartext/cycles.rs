@@ -53,7 +53,7 @@ impl Klartext {
                     let (step, word) = word.strip_prefix('I').map_or((false, word.as_str()), |rest| (true, rest));
                     let axis = word.chars().next().and_then(|letter| AXES.iter().position(|known| *known == letter));
                     let axis = axis.ok_or_else(|| {
-                        Fault::at(*column, "a datum shift names axes; tables of datums are not followed")
+                        Fault::at(*column, "a datum shift names axes; tables of datums are not followed").refusing()
                     })?;
                     let value = self.value(&word[1..], *column)?;
                     let value = if (3..6).contains(&axis) { value } else { kernel.length(value)? };
@@ -91,7 +91,7 @@ impl Klartext {
             // Tolerance of the path: no motion, and no other time at programmed feeds.
             (32, _) => {}
             _ => {
-                return Err(Fault::at(column, format!("cycle {name} is not followed; post its motions")));
+                return Err(Fault::at(column, format!("cycle {name} is not followed; post its motions")).refusing());
             }
         }
         if matches!(number, 7 | 8 | 10 | 11) {
@@ -139,7 +139,7 @@ impl Klartext {
             return self.datum(statement, column, kernel);
         }
         if !matches!(number, 200..=203 | 205..=209 | 220 | 221 | 240) {
-            return Err(Fault::at(column, format!("cycle {number} is not followed; post its motions")));
+            return Err(Fault::at(column, format!("cycle {number} is not followed; post its motions")).refusing());
         }
         let mut words = statement.words[3..].iter();
         while let Some((word, column)) = words.next() {
@@ -204,7 +204,8 @@ impl Klartext {
             let value = q(index).ok_or_else(|| Fault::new(format!("cycle {number} needs Q{index}")))?;
             kernel.length(value)
         };
-        let seconds = |index: u32| q(index).unwrap_or(0.0).max(0.0);
+        // Q parameters stay from cycle to cycle, and cycles without a dwell at the bottom do not look at it.
+        let seconds = |index: u32| if matches!(number, 207..=209) { 0.0 } else { q(index).unwrap_or(0.0).max(0.0) };
         let (setup, depth, surface) = (needed(200)?.abs(), needed(201)?, length(203, 0.0)?);
         if depth == 0.0 {
             return Ok(());
@@ -270,11 +271,14 @@ impl Klartext {
                 if q(257).unwrap_or(0.0) != 0.0 && q(257) < q(202) || q(379).unwrap_or(0.0) != 0.0 {
                     return Err(Fault::new(
                         "cycle 205 with chip breaking (Q257) or a deeper start (Q379) is not followed",
-                    ));
+                    )
+                    .refusing());
                 }
                 let (upper, lower) = (length(258, 0.2)?, length(259, length(258, 0.2)?)?);
                 if (upper - lower).abs() > 1e-9 {
-                    return Err(Fault::new("cycle 205 with different advanced stops (Q258, Q259) is not followed"));
+                    return Err(
+                        Fault::new("cycle 205 with different advanced stops (Q258, Q259) is not followed").refusing()
+                    );
                 }
                 let list = from_surface(length(202, 0.0)?.abs(), length(212, 0.0)?.abs(), length(205, 0.0)?.abs())?;
                 hole.pecks = list.map(|stops| Pecks::new(stops, None, Clearance::Fixed(upper)));

@@ -4,6 +4,7 @@ mod approach;
 mod block;
 mod contour;
 mod cycles;
+mod line;
 mod pattern;
 
 use crate::error::Fault;
@@ -17,7 +18,9 @@ use crate::{Dialect, Units};
 use approach::Approach;
 use contour::Corner;
 use cycles::Cycle;
+use line::{LineReader, Statement};
 use std::collections::{BTreeMap, HashMap};
+use toolroom_pages::{Pages, Source};
 
 #[derive(Clone, Debug, Default)]
 struct Store(BTreeMap<u32, f64>);
@@ -34,18 +37,6 @@ impl Variables for Store {
     fn named(&self, _: &str) -> Result<Option<f64>, String> {
         Ok(None)
     }
-}
-
-/// A block in words.
-#[derive(Clone, Debug, PartialEq)]
-struct Statement {
-    line: usize,
-    file: usize,
-    skip: bool,
-    /// The block in capitals, without number, comment and continuation.
-    text: String,
-    /// Words with the column of the first line of the block.
-    words: Vec<(String, usize)>,
 }
 
 #[derive(Clone, Debug)]
@@ -70,7 +61,7 @@ struct Transform {
 }
 
 pub(crate) struct Klartext {
-    statements: Vec<Statement>,
+    statements: Pages<LineReader>,
     files: Vec<String>,
     labels: HashMap<(usize, String), usize>,
     pc: usize,
@@ -101,9 +92,9 @@ pub(crate) struct Klartext {
 const DEPTH: usize = 10;
 
 impl Klartext {
-    pub fn new(text: &str, library: Library) -> Self {
+    pub fn new(text: &Source, library: Library) -> Result<Self, Fault> {
         let mut interpreter = Self {
-            statements: Vec::new(),
+            statements: Pages::new(),
             files: Vec::new(),
             labels: HashMap::new(),
             pc: 0,
@@ -125,57 +116,20 @@ impl Klartext {
             approach: None,
             datum: None,
         };
-        interpreter.add(text, String::new());
-        interpreter
+        interpreter.add(text, String::new())?;
+        Ok(interpreter)
     }
 
-    fn add(&mut self, text: &str, name: String) -> usize {
-        let (offset, file) = (self.statements.len(), self.files.len());
+    fn add(&mut self, text: &Source, name: String) -> Result<usize, Fault> {
+        let file = self.files.len();
         self.files.push(name);
-        let mut continued = false;
-        for (index, line) in text.lines().enumerate() {
-            let line = line.trim_start_matches('\u{feff}').replace('\0', " ").to_ascii_uppercase();
-            let uncommented = comment(&line);
-            let mut body = uncommented.trim_end();
-            let goes_on = body.ends_with('~') || line.trim_end().ends_with('~');
-            body = body.trim_end_matches('~');
-            let mut start = body.len() - body.trim_start().len();
-            let mut skip = false;
-            if !continued {
-                let digits = body[start..].bytes().take_while(u8::is_ascii_digit).count();
-                start += digits;
-                start += body[start..].len() - body[start..].trim_start().len();
-                if body[start..].starts_with('/') {
-                    skip = true;
-                    start += 1;
-                }
-                // A line of structure holds words for people.
-                if body[start..].trim_start().starts_with('*') {
-                    continue;
-                }
+        let Self { statements, labels, .. } = self;
+        let items = statements.add(text, LineReader::new(file), |index, list| {
+            if let Some(label) = list.item(index).and_then(|statement| statement.label()) {
+                labels.entry((file, label.to_owned())).or_insert(index);
             }
-            let words = split(body, start);
-            match self.statements.last_mut().filter(|_| continued) {
-                Some(last) => {
-                    last.text.push(' ');
-                    last.text.push_str(body[start..].trim());
-                    last.words.extend(words);
-                }
-                None if words.is_empty() => {}
-                None => {
-                    let text = body[start..].trim().to_owned();
-                    if let Some(rest) = text.strip_prefix("LBL ") {
-                        let label = rest.split_whitespace().next().unwrap_or_default().trim_matches('"').to_owned();
-                        if label != "0" {
-                            self.labels.entry((file, label)).or_insert(self.statements.len());
-                        }
-                    }
-                    self.statements.push(Statement { line: index + 1, file, skip, text, words });
-                }
-            }
-            continued = goes_on;
-        }
-        offset
+        })?;
+        Ok(items.start)
     }
 
     fn value(&self, text: &str, column: usize) -> Result<f64, Fault> {
@@ -225,7 +179,9 @@ impl Klartext {
         let line = kernel.line;
         match word(1) {
             "LBL" => {
-                let start = self.label(word(2), self.statements[index].file).map_err(|fault| fault.or_at(column))?;
+                let start = self
+                    .label(word(2), self.statements.text(index).unwrap_or(0))
+                    .map_err(|fault| fault.or_at(column))?;
                 let repeats = word(3).strip_prefix("REP").map(|rest| if rest.is_empty() { word(4) } else { rest });
                 match repeats {
                     // A part program repeat runs from the label to here, so many times more.
@@ -268,14 +224,14 @@ impl Klartext {
                     || Fault::at(column, format!("CALL PGM {stem}: no such program; put {stem}.H beside this one"));
                 let (file, text) = self.library.find(&names, &[".H", ".h", ""]).ok_or_else(missing)?;
                 let start = match self.files.iter().position(|known| *known == file) {
-                    Some(known) => self.statements.iter().position(|s| s.file == known).unwrap_or(0),
-                    None => self.add(&text, file),
+                    Some(known) => self.statements.items(known).start,
+                    None => self.add(&text, file)?,
                 };
                 let back = self.pc;
                 self.push(Call { start, back, left: 0, line, count: 1, label: false, end: None })?;
                 self.pc = start;
             }
-            _ => return Err(Fault::at(column, "CALL takes LBL or PGM; other calls are not followed")),
+            _ => return Err(Fault::at(column, "CALL takes LBL or PGM; other calls are not followed").refusing()),
         }
         Ok(())
     }
@@ -320,7 +276,7 @@ impl Klartext {
                 _ => return Err(Fault::new(format!("{relation} is no relation; EQU, NE, GT and LT are"))),
             };
             if holds {
-                self.pc = self.label(label.trim(), self.statements[index].file)?;
+                self.pc = self.label(label.trim(), self.statements.text(index).unwrap_or(0))?;
                 if self.pc <= index {
                     kernel.loop_line = kernel.line;
                 }
@@ -348,7 +304,8 @@ impl Klartext {
             _ => {
                 return Err(Fault::new(format!(
                     "FN {number} reads or writes values of the control, and is not followed"
-                )));
+                ))
+                .refusing());
             }
         };
         if !result.is_finite() {
@@ -365,42 +322,6 @@ impl Klartext {
     }
 }
 
-/// A line without its comment.
-fn comment(line: &str) -> String {
-    let mut quoted = false;
-    for (start, letter) in line.char_indices() {
-        match letter {
-            '"' => quoted = !quoted,
-            ';' if !quoted => return line[..start].to_owned(),
-            _ => {}
-        }
-    }
-    line.to_owned()
-}
-
-/// Words of a line from `start`, with their columns; a text in quotes is one.
-fn split(line: &str, start: usize) -> Vec<(String, usize)> {
-    let mut words: Vec<(String, usize)> = Vec::new();
-    let (mut word, mut column, mut quoted) = (String::new(), 0, false);
-    for (index, letter) in line.char_indices().skip_while(|(index, _)| *index < start) {
-        if letter.is_whitespace() && !quoted {
-            if !word.is_empty() {
-                words.push((std::mem::take(&mut word), column));
-            }
-            continue;
-        }
-        if word.is_empty() {
-            column = index + 1;
-        }
-        quoted ^= letter == '"';
-        word.push(letter);
-    }
-    if !word.is_empty() {
-        words.push((word, column));
-    }
-    words
-}
-
 impl Interpreter for Klartext {
     fn step(&mut self, kernel: &mut Kernel) -> Result<Flow, Fault> {
         let index = self.pc;
@@ -409,8 +330,8 @@ impl Interpreter for Klartext {
             .iter()
             .rev()
             .find(|call| !call.label && call.end.is_none())
-            .map_or(0, |call| self.statements.get(call.start).map_or(0, |statement| statement.file));
-        let Some(statement) = self.statements.get(index).filter(|statement| statement.file == file) else {
+            .map_or(0, |call| self.statements.text(call.start).unwrap_or(0));
+        let Some(statement) = self.statements.at(index)?.filter(|statement| statement.file == file) else {
             if self.back(false) {
                 return Ok(Flow::Going);
             }
@@ -441,18 +362,15 @@ impl Interpreter for Klartext {
             }
             return Ok(Flow::Going);
         }
-        let statement = std::mem::replace(
-            &mut self.statements[index],
-            Statement { line: 0, file, skip: false, text: String::new(), words: Vec::new() },
-        );
-        self.statements[index].line = statement.line;
-        let flow = self.run(&statement, index, kernel);
-        self.statements[index] = statement;
-        flow
+        self.run(&statement, index, kernel)
+    }
+
+    fn variables(&self) -> Vec<(String, f64)> {
+        self.store.0.iter().map(|(number, value)| (format!("Q{number}"), *value)).collect()
     }
 
     fn place(&self) -> Place {
-        let file = self.statements.get(self.pc.saturating_sub(1)).map(|statement| statement.file);
+        let file = self.statements.text(self.pc.saturating_sub(1));
         // Repeats of a part are no calls.
         let calls = self.calls.iter().rev().filter(|call| call.end.is_none());
         Place::new(file, &self.files, calls.map(|call| (call.line, call.count)))

@@ -58,7 +58,7 @@ impl Klartext {
             })
         };
         if given(365).unwrap_or(0.0) != 0.0 {
-            return Err(Fault::new("motions along the circle (Q365 = 1) are not followed; write 0"));
+            return Err(Fault::new("motions along the circle (Q365 = 1) are not followed; write 0").refusing());
         }
         let low = given(301).unwrap_or(0.0) == 0.0;
         let mut places: Vec<[f64; 2]> = Vec::new();

@@ -65,7 +65,8 @@ impl Siemens {
                         return Err(Fault::at(
                             *column,
                             format!("{address}=\"{text}\" is not understood; only T takes a name"),
-                        ));
+                        )
+                        .refusing());
                     }
                     named_tool = true;
                 }

@@ -55,6 +55,14 @@ const PITCHES: [f64; 22] =
 /// Greatest number of holes of a pattern: a bound against programs without end (assumption).
 const HOLES: f64 = 1e5;
 
+/// Whether a name is that of a cycle of the control.
+fn is_cycle(name: &str) -> bool {
+    let numbered = |kind: &str| {
+        name.strip_prefix(kind).is_some_and(|rest| !rest.is_empty() && rest.bytes().all(|b| b.is_ascii_digit()))
+    };
+    numbered("CYCLE") || numbered("POCKET") || numbered("SLOT") || name == "LONGHOLE"
+}
+
 impl Siemens {
     /// A cycle of the block, or, `modal`, one that following motions call.
     pub(super) fn cycle(
@@ -77,12 +85,10 @@ impl Siemens {
             "CYCLE832" => Ok(()),
             "CYCLE800" if list.is_empty() => Ok(()),
             "HOLES1" | "HOLES2" => self.pattern(name, list, kernel),
-            _ if name.starts_with("CYCLE")
-                || name.starts_with("POCKET")
-                || name.starts_with("SLOT")
-                || name == "LONGHOLE" =>
-            {
-                Err(Fault::new(format!("{name} is a cycle of the control that is not followed; post its motions")))
+            // What the program defines by itself goes before a cycle of the control.
+            _ if is_cycle(name) && !self.sections.contains_key(name) => {
+                Err(Fault::new(format!("{name} is a cycle of the control that is not followed; post its motions"))
+                    .refusing())
             }
             _ if modal => {
                 self.modal = Some(Modal::Subprogram(name.to_owned(), list.to_vec()));

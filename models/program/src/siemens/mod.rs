@@ -17,9 +17,10 @@ use crate::motion::EventKind;
 use crate::run::{Flow, Interpreter, Place, between};
 use cycles::Modal;
 use modes::Modes;
-use parse::{Code, Direction, Item, Statement, statements};
+use parse::{Code, Direction, Item, LineReader, Statement, link};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
+use toolroom_pages::{Pages, Source};
 
 /// Variables: R parameters and names.
 #[derive(Clone, Debug, Default)]
@@ -97,9 +98,11 @@ impl Call {
 }
 
 pub(crate) struct Siemens {
-    statements: Vec<Statement>,
+    statements: Pages<LineReader>,
     files: Vec<String>,
     sections: HashMap<String, usize>,
+    /// Statements that begin sections, in order.
+    heads: Vec<usize>,
     pc: usize,
     calls: Vec<Call>,
     store: Store,
@@ -114,36 +117,48 @@ pub(crate) struct Siemens {
 const DEPTH: usize = 10;
 
 impl Siemens {
-    pub fn new(text: &str, library: Library) -> Self {
+    pub fn new(text: &Source, library: Library) -> Result<Self, Fault> {
         let mut interpreter = Self {
-            statements: Vec::new(),
+            statements: Pages::new(),
             files: Vec::new(),
             sections: HashMap::new(),
+            heads: Vec::new(),
             pc: 0,
             calls: Vec::new(),
             store: Store::default(),
             modes: Modes::default(),
             modal: None,
             library,
-            turret: false,
+            turret: true,
         };
-        interpreter.add(text, String::new());
-        let is_m6 = |item: &Item| matches!(item, Item::Word { address, value, .. } if address == "M" && value.literal() == Some(6.0));
-        let changes = |code: &Code| matches!(code, Code::Block(items) if items.iter().any(is_m6));
-        interpreter.turret = !interpreter.statements.iter().any(|statement| changes(&statement.code));
-        interpreter
+        interpreter.add(text, String::new())?;
+        Ok(interpreter)
     }
 
-    fn add(&mut self, text: &str, file: String) -> usize {
-        let offset = self.statements.len();
-        self.statements.extend(statements(text, self.files.len(), offset));
+    fn add(&mut self, text: &Source, file: String) -> Result<usize, Fault> {
+        let reader = LineReader { file: self.files.len() };
+        let is_program = self.files.is_empty();
         self.files.push(file);
-        for (index, statement) in self.statements.iter().enumerate().skip(offset) {
-            if let Code::Section(name) = &statement.code {
-                self.sections.entry(name.clone()).or_insert(index + 1);
+        let mut open = Vec::new();
+        let Self { statements, sections, heads, turret, .. } = self;
+        let is_m6 = |item: &Item| matches!(item, Item::Word { address, value, .. } if address == "M" && value.literal() == Some(6.0));
+        let items = statements.add(text, reader, |index, list| {
+            link(list, index, &mut open);
+            match list.item(index).map(|statement| &statement.code) {
+                Some(Code::Section(name)) => {
+                    sections.entry(name.clone()).or_insert(index + 1);
+                    heads.push(index);
+                }
+                Some(Code::Block(items)) if is_program && items.iter().any(is_m6) => *turret = false,
+                _ => {}
+            }
+        })?;
+        for index in open {
+            if let Some(statement) = statements.item(index) {
+                statement.code = Code::Fault(Fault::at(1, "the end of this loop or condition is missing"));
             }
         }
-        offset
+        Ok(items.start)
     }
 
     fn value(&self, expression: &Expression) -> Result<f64, Fault> {
@@ -153,11 +168,11 @@ impl Siemens {
     fn assign(&mut self, target: &Expression, value: f64) -> Result<(), Fault> {
         match target {
             Expression::Named(name) if name.starts_with('$') => {
-                Err(Fault::new(format!("{name} belongs to the control, and what is written there is not followed")))
+                Err(Fault::new(format!("{name} belongs to the control, and what is written there is not followed")).refusing())
             }
             Expression::Named(name) if !self.store.named.contains_key(name) => Err(Fault::new(format!(
                 "{name}= is not understood; it might move axes or take time: mend it, or define {name} with DEF where it is a variable"
-            ))),
+            )).refusing()),
             Expression::Named(name) => {
                 self.store.named.insert(name.clone(), value);
                 Ok(())
@@ -178,26 +193,25 @@ impl Siemens {
 
     /// Statements of the section in which `pc` stands.
     fn unit(&self, pc: usize) -> Range<usize> {
-        let file = self.statements.get(pc).map_or(0, |statement| statement.file);
-        let ends = |statement: &Statement| statement.file != file || matches!(statement.code, Code::Section(_));
-        between(&self.statements, pc, ends)
+        between(&self.heads, pc, self.statements.items(self.statements.text(pc).unwrap_or(0)))
     }
 
-    fn label(&self, name: &str, from: usize, direction: Direction) -> Result<usize, Fault> {
+    fn label(&mut self, name: &str, from: usize, direction: Direction) -> Result<usize, Fault> {
         let Range { start, end } = self.unit(from);
         let number: Option<u32> = name.strip_prefix('N').and_then(|rest| rest.parse().ok());
-        let fits = |index: &usize| {
-            let statement = &self.statements[*index];
+        let fits = |statement: &Statement| {
             statement.label.as_deref() == Some(name) || (number.is_some() && statement.number == number)
         };
-        let forward = (from + 1..end).find(fits);
-        let backward = || (start..from.min(end)).rev().find(fits);
-        match direction {
-            Direction::Forward => forward,
-            Direction::Backward => backward(),
-            Direction::Either => forward.or_else(backward),
+        let mut found = None;
+        if direction != Direction::Backward {
+            found = self.statements.find(from + 1..end, fits)?;
         }
-        .ok_or_else(|| Fault::new(format!("there is no label {name} in this direction; check name and GOTOF or GOTOB")))
+        if direction != Direction::Forward && found.is_none() {
+            found = self.statements.find_back(start..from.min(end), fits)?;
+        }
+        found.ok_or_else(|| {
+            Fault::new(format!("there is no label {name} in this direction; check name and GOTOF or GOTOB"))
+        })
     }
 
     /// Defines a variable where the program stands: that of the same name outside is hidden until the subprogram ends.
@@ -253,7 +267,7 @@ impl Siemens {
                      {name}.SPF beside the program"
                 ));
                 let (file, text) = self.library.find(&names, &[".SPF", ".spf", ".MPF", ".mpf", ""]).ok_or(missing)?;
-                let offset = self.add(&text, file);
+                let offset = self.add(&text, file)?;
                 self.sections.insert(name.to_owned(), offset);
                 offset
             }
@@ -261,14 +275,20 @@ impl Siemens {
         if count == 0 {
             return Ok(());
         }
-        let takes = self.statements[start.min(self.statements.len())..].iter().map(|statement| &statement.code);
-        let takes = takes.take_while(|code| matches!(code, Code::Nothing | Code::Procedure(..)));
-        if !arguments.is_empty() && !takes.into_iter().any(|code| matches!(code, Code::Procedure(..))) {
+        if !arguments.is_empty() && !self.takes_values(start)? {
             return Err(Fault::new(format!("{name} takes no values: PROC {name}( ) with its parameters is missing")));
         }
         self.push(Call { modal, arguments, ..Call::new(start, None, self.pc, count, line) })?;
         self.pc = start;
         Ok(())
+    }
+
+    /// Whether a subprogram begins with PROC.
+    fn takes_values(&mut self, start: usize) -> Result<bool, Fault> {
+        let end = self.statements.len();
+        let first = self.statements.find(start..end, |statement| !matches!(statement.code, Code::Nothing))?;
+        let Some(first) = first else { return Ok(false) };
+        Ok(self.statements.at(first)?.is_some_and(|statement| matches!(statement.code, Code::Procedure(..))))
     }
 
     fn push(&mut self, call: Call) -> Result<(), Fault> {
@@ -311,9 +331,9 @@ impl Siemens {
     }
 
     fn run(&mut self, code: &Code, index: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
-        let jump = self.statements[index].jump;
+        let jump = self.statements.at(index)?.map_or(0, |statement| statement.jump);
         match code {
-            Code::Fault(fault) => return Err(fault.clone()),
+            Code::Fault(fault) => return Err(fault.clone().refusing()),
             Code::Nothing | Code::EndIf | Code::Loop | Code::Repeat => {}
             Code::Procedure(parameters, saves) => self.procedure(parameters, *saves, kernel)?,
             Code::Section(_) => {
@@ -351,12 +371,13 @@ impl Siemens {
                 }
             }
             Code::EndFor => {
-                let Code::For(variable, _, to) = self.statements[jump].code.clone() else {
+                let head = self.statements.at(jump)?;
+                let Some(Code::For(variable, _, to)) = head.as_ref().map(|head| &head.code) else {
                     return Err(Fault::new("ENDFOR without FOR"));
                 };
-                let next = self.value(&variable)? + 1.0;
-                self.assign(&variable, next)?;
-                if next <= self.value(&to)? {
+                let next = self.value(variable)? + 1.0;
+                self.assign(variable, next)?;
+                if next <= self.value(to)? {
                     self.pc = jump + 1;
                 }
             }
@@ -386,8 +407,9 @@ impl Siemens {
                     _ if *only => start + 1,
                     Some(second) => self.label(second, start - usize::from(start > 0), Direction::Forward)? + 1,
                     None => {
-                        let found = (start..self.unit(index).end)
-                            .find(|i| self.statements[*i].label.as_deref() == Some("ENDLABEL"));
+                        let end = self.unit(index).end;
+                        let ends = |statement: &Statement| statement.label.as_deref() == Some("ENDLABEL");
+                        let found = self.statements.find(start..end, ends)?;
                         match found {
                             Some(index) => index + 1,
                             None if start < index => index,
@@ -443,8 +465,8 @@ impl Interpreter for Siemens {
             .iter()
             .rev()
             .find(|call| call.end.is_none())
-            .map_or(0, |call| self.statements[call.start.min(self.statements.len() - 1)].file);
-        let Some(statement) = self.statements.get_mut(index).filter(|statement| statement.file == file) else {
+            .map_or(0, |call| self.statements.text(call.start.min(self.statements.len() - 1)).unwrap_or(0));
+        let Some(statement) = self.statements.at(index)?.filter(|statement| statement.file == file) else {
             return self.section_end(kernel);
         };
         kernel.line = statement.line;
@@ -457,19 +479,18 @@ impl Interpreter for Siemens {
         if statement.skip.is_some_and(|level| kernel.control.skip[usize::from(level.min(9))]) {
             return Ok(Flow::Going);
         }
-        if let Code::For(..) = statement.code {
-            // The end of the loop reads it.
-            let code = statement.code.clone();
-            return self.run(&code, index, kernel);
-        }
-        let code = std::mem::replace(&mut statement.code, Code::Nothing);
-        let flow = self.run(&code, index, kernel);
-        self.statements[index].code = code;
-        flow
+        self.run(&statement.code, index, kernel)
+    }
+
+    fn variables(&self) -> Vec<(String, f64)> {
+        let mut named: Vec<(String, f64)> =
+            self.store.named.iter().map(|(name, value)| (name.clone(), *value)).collect();
+        named.sort_by(|a, b| a.0.cmp(&b.0));
+        self.store.numbered.iter().map(|(number, value)| (format!("R{number}"), *value)).chain(named).collect()
     }
 
     fn place(&self) -> Place {
-        let file = self.statements.get(self.pc.saturating_sub(1)).map(|statement| statement.file);
+        let file = self.statements.text(self.pc.saturating_sub(1));
         // Repeats of a part are no calls.
         let calls = self.calls.iter().rev().filter(|call| call.end.is_none());
         Place::new(file, &self.files, calls.map(|call| (call.line, call.count)))

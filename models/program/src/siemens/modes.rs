@@ -133,7 +133,7 @@ impl Siemens {
             }
             _ => {
                 let Some(time) = kernel.control.g.get(&(10 * code)).copied() else {
-                    return Err(Fault::new(unknown(&format!("G{code}"), "g", &code.to_string())));
+                    return Err(Fault::new(unknown(&format!("G{code}"), "g", &code.to_string())).refusing());
                 };
                 kernel.dwell(time)?;
             }
@@ -254,7 +254,8 @@ impl Siemens {
                         if (0..3).any(|axis| axis != w && parts[axis].is_some_and(|angle| angle != 0.0)) {
                             return Err(Fault::new(
                                 "a rotation out of the plane is not followed; post the motions in machine axes",
-                            ));
+                            )
+                            .refusing());
                         }
                         parts[w].unwrap_or(0.0)
                     }

@@ -3,6 +3,8 @@
 use crate::Dialect;
 use crate::error::Fault;
 use crate::expression::{Expression, Parser};
+use std::ops::ControlFlow;
+use toolroom_pages::{Kept, Reader};
 
 /// How a value of an axis counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,37 +83,39 @@ pub(super) struct Statement {
     pub jump: usize,
 }
 
-pub(super) fn statements(text: &str, file: usize, offset: usize) -> Vec<Statement> {
-    let mut list: Vec<Statement> = Vec::new();
-    let mut open: Vec<usize> = Vec::new();
-    for (index, line) in text.lines().enumerate() {
+/// Makes statements of lines.
+#[derive(Clone)]
+pub(super) struct LineReader {
+    pub file: usize,
+}
+
+impl Reader for LineReader {
+    type Item = Statement;
+
+    fn line(&mut self, number: usize, line: &str, list: &mut Vec<Statement>) -> ControlFlow<()> {
         let line = line.trim_start_matches('\u{feff}').replace('\0', " ").to_ascii_uppercase();
+        let (file, jump) = (self.file, 0);
         let mut statement =
-            Statement { line: index + 1, file, skip: None, number: None, label: None, code: Code::Nothing, jump: 0 };
+            Statement { line: number, file, skip: None, number: None, label: None, code: Code::Nothing, jump };
         let trimmed = line.trim();
         if let Some(header) = trimmed.strip_prefix("%_N_") {
             let name = header.trim_end_matches("_MPF").trim_end_matches("_SPF");
             statement.code = Code::Section(name.to_owned());
             list.push(statement);
-            continue;
+        } else if !trimmed.starts_with('%') && !trimmed.is_empty() {
+            let line = comment(&line);
+            let mut parser = Parser::new(line, 0, Dialect::Siemens);
+            if parser.peek() != 0 {
+                statement.code = read(&mut parser, &mut statement).unwrap_or_else(Code::Fault);
+                list.push(statement);
+            }
         }
-        if trimmed.starts_with('%') || trimmed.is_empty() {
-            continue;
-        }
-        let line = comment(&line);
-        let mut parser = Parser::new(line, 0, Dialect::Siemens);
-        if parser.peek() == 0 {
-            continue;
-        }
-        statement.code = read(&mut parser, &mut statement).unwrap_or_else(Code::Fault);
-        list.push(statement);
-        let index = list.len() - 1;
-        link(&mut list, index, offset, &mut open);
+        ControlFlow::Continue(())
     }
-    for index in open {
-        list[index].code = Code::Fault(Fault::at(1, "the end of this loop or condition is missing"));
+
+    fn stays(statement: &Statement) -> bool {
+        statement.code.flows() || statement.jump > 0
     }
-    list
 }
 
 /// A line without its comment; a semicolon in a text is none.
@@ -241,7 +245,9 @@ fn read_code(parser: &mut Parser<'_>) -> Result<Code, Fault> {
             Code::Nothing
         }
         "CASE" | "GOTOC" | "GOTOS" => {
-            return Err(Fault::at(start + 1, format!("{word} is not followed; write jumps with IF and GOTOF")));
+            return Err(
+                Fault::at(start + 1, format!("{word} is not followed; write jumps with IF and GOTOF")).refusing()
+            );
         }
         _ => {
             parser.at = start;
@@ -254,7 +260,9 @@ fn read_code(parser: &mut Parser<'_>) -> Result<Code, Fault> {
 fn definition(parser: &mut Parser<'_>) -> Result<Code, Fault> {
     let kind = parser.identifier().to_owned();
     if !matches!(kind.as_str(), "REAL" | "INT" | "BOOL") {
-        return Err(parser.fault(format!("variables of the kind {kind} are not followed; REAL, INT and BOOL are")));
+        return Err(parser
+            .fault(format!("variables of the kind {kind} are not followed; REAL, INT and BOOL are"))
+            .refusing());
     }
     let mut items = Vec::new();
     loop {
@@ -279,9 +287,9 @@ fn procedure(parser: &mut Parser<'_>) -> Result<Code, Fault> {
         loop {
             let kind = parser.identifier().to_owned();
             if !matches!(kind.as_str(), "REAL" | "INT" | "BOOL") {
-                return Err(parser.fault(format!(
-                    "a parameter of the kind {kind} is not followed; REAL, INT and BOOL are, by value"
-                )));
+                return Err(parser
+                    .fault(format!("a parameter of the kind {kind} is not followed; REAL, INT and BOOL are, by value"))
+                    .refusing());
             }
             let name = parser.identifier().to_owned();
             if name.is_empty() || parser.peek() == b'[' {
@@ -344,7 +352,7 @@ fn block(parser: &mut Parser<'_>) -> Result<Vec<Item>, Fault> {
         let bytes = word.as_bytes();
         if word.is_empty() {
             let other = char::from(parser.peek()).escape_default();
-            return Err(parser.fault(format!("`{other}` is not understood here")));
+            return Err(parser.fault(format!("`{other}` is not understood here")).refusing());
         }
         let single = bytes[0].is_ascii_alphabetic() && (bytes.len() == 1 || bytes[1].is_ascii_digit());
         if single {
@@ -438,11 +446,37 @@ fn block(parser: &mut Parser<'_>) -> Result<Vec<Item>, Fault> {
     Ok(items)
 }
 
-fn link(list: &mut [Statement], index: usize, offset: usize, open: &mut Vec<usize>) {
-    let place = index + offset;
-    let code = list[index].code.clone();
-    let top = open.last().map(|index| list[*index].code.clone());
-    let fits = match (&code, &top) {
+impl Code {
+    /// Whether it is the part of a loop or condition, which are joined.
+    fn flows(&self) -> bool {
+        match self {
+            Self::If(_)
+            | Self::Else
+            | Self::EndIf
+            | Self::While(_)
+            | Self::EndWhile
+            | Self::For(..)
+            | Self::EndFor
+            | Self::Loop
+            | Self::EndLoop
+            | Self::Repeat
+            | Self::Until(_) => true,
+            Self::Block(_)
+            | Self::Section(_)
+            | Self::Goto(..)
+            | Self::Again(..)
+            | Self::Procedure(..)
+            | Self::Nothing
+            | Self::Fault(_) => false,
+        }
+    }
+}
+
+/// Joins the parts of loops and conditions; `index` is the newest statement, `open` are those without end.
+pub(super) fn link(list: &mut Kept<'_, Statement>, index: usize, open: &mut Vec<usize>) {
+    let Some(code) = list.item(index).filter(|item| item.code.flows()).map(|item| item.code.clone()) else { return };
+    let top = open.last().and_then(|last| list.item(*last)).map(|item| &item.code);
+    let fits = match (&code, top) {
         (Code::If(_) | Code::While(_) | Code::For(..) | Code::Loop | Code::Repeat, _) => {
             open.push(index);
             return;
@@ -453,28 +487,26 @@ fn link(list: &mut [Statement], index: usize, offset: usize, open: &mut Vec<usiz
         | (Code::EndFor, Some(Code::For(..)))
         | (Code::EndLoop, Some(Code::Loop))
         | (Code::Until(_), Some(Code::Repeat)) => true,
-        (Code::Else | Code::EndIf | Code::EndWhile | Code::EndFor | Code::EndLoop | Code::Until(_), _) => false,
-        (
-            Code::Block(_)
-            | Code::Section(_)
-            | Code::Goto(..)
-            | Code::Again(..)
-            | Code::Procedure(..)
-            | Code::Nothing
-            | Code::Fault(_),
-            _,
-        ) => {
-            return;
-        }
+        _ => false,
     };
     match open.pop().filter(|_| fits) {
         Some(begin) => {
-            list[begin].jump = place + 1;
-            list[index].jump = begin + offset;
+            if let Some(beginning) = list.item(begin) {
+                beginning.jump = index + 1;
+            }
+            if let Some(ending) = list.item(index) {
+                ending.jump = begin;
+            }
             if code == Code::Else {
                 open.push(index);
             }
         }
-        None => list[index].code = Code::Fault(Fault::at(1, "this end has no beginning of its kind before it")),
+        None => {
+            if let Some(ending) = list.item(index) {
+                ending.code = Code::Fault(Fault::at(1, "this end has no beginning of its kind before it"));
+                // Nothing leads there; what is not 0 stays.
+                ending.jump = usize::MAX;
+            }
+        }
     }
 }

@@ -128,7 +128,9 @@ impl Siemens {
         }
         let end = |axis: usize| target.end(axis, &from);
         if (end(w) - from[w]).abs() > 1e-9 || (middle[w] - from[w]).abs() > 1e-9 {
-            return Err(Fault::new("an arc through a point out of the plane is not followed; write it in the plane"));
+            return Err(
+                Fault::new("an arc through a point out of the plane is not followed; write it in the plane").refusing()
+            );
         }
         let (a, b, c) = ([from[u], from[v]], [middle[u], middle[v]], [end(u), end(v)]);
         let (centre, left) = circle(a, b, c).ok_or_else(|| Fault::new("the three points of the arc lie on a line"))?;
@@ -138,7 +140,7 @@ impl Siemens {
     /// An arc that begins in the direction of the last motion.
     fn tangent(&mut self, target: &Target, kernel: &mut Kernel) -> Result<(), Fault> {
         if kernel.frame != Frame::IDENTITY && kernel.frame.matrix != Frame::IDENTITY.matrix {
-            return Err(Fault::new("CT within a rotation or scale is not followed; write the arc with CR="));
+            return Err(Fault::new("CT within a rotation or scale is not followed; write the arc with CR=").refusing());
         }
         let [u, v, _] = kernel.plane;
         let from = kernel.program_at();

@@ -76,7 +76,8 @@ impl Siemens {
             return Err(Fault::at(
                 column,
                 "roundings of every corner (RNDM) are not followed; write RND in each block",
-            ));
+            )
+            .refusing());
         }
         for word in ["RND", "CHF", "CHR"] {
             let Some((value, _, column)) = values.take(word) else { continue };

@@ -7,7 +7,6 @@
 //! older controls and those of Haas have it.
 
 use crate::error::Fault;
-use crate::iso::parse::Code;
 use crate::iso::run::Iso;
 use crate::iso::words::Words;
 use crate::kernel::{FeedMode, Kernel, Target};
@@ -125,12 +124,13 @@ impl Iso {
             }
             _ => Err(Fault::new(format!(
                 "G{code} is a cycle of turning that is not followed; post it as motions, or as G71, G90, G92 and G94"
-            ))),
+            ))
+            .refusing()),
         }
     }
 
     /// First and last statement of the contour between blocks P and Q.
-    fn profile_blocks(&self, words: &mut Words) -> Result<(usize, usize), Fault> {
+    fn profile_blocks(&mut self, words: &mut Words) -> Result<(usize, usize), Fault> {
         let mut number = |letter: u8| {
             let due = || Fault::new(format!("{} is missing: the number of a block of the contour", char::from(letter)));
             words.whole(letter, 0.0, 99_999_999.0)?.ok_or_else(due)
@@ -158,10 +158,9 @@ impl Iso {
     fn follow(&mut self, first: usize, last: usize, kernel: &mut Kernel) -> Result<(), Fault> {
         let (pc, line, motion) = (self.pc, kernel.line, self.modes.motion);
         for index in first..=last {
-            kernel.line = self.statements[index].line;
-            let code = std::mem::replace(&mut self.statements[index].code, Code::Print);
-            let flow = self.run(&code, index, kernel);
-            self.statements[index].code = code;
+            let Some(statement) = self.statements.at(index)? else { break };
+            kernel.line = statement.line;
+            let flow = self.run(&statement.code, index, kernel);
             if flow? != Flow::Going || self.pc != pc {
                 return Err(Fault::new("the contour of a cycle holds no calls, jumps or ends"));
             }

@@ -200,10 +200,11 @@ impl Iso {
     }
 
     /// Whether a block names both X and Z, as the first of a contour of type II does.
-    fn names_both(&self, statement: usize) -> bool {
-        let Code::Block(block) = &self.statements[statement].code else { return false };
+    fn names_both(&mut self, statement: usize) -> Result<bool, Fault> {
+        let statement = self.statements.at(statement)?;
+        let Some(Code::Block(block)) = statement.as_ref().map(|statement| &statement.code) else { return Ok(false) };
         let names = |letters: [u8; 2]| block.words.iter().any(|word| letters.contains(&word.letter));
-        names([b'X', b'U']) && names([b'Z', b'W'])
+        Ok(names([b'X', b'U']) && names([b'Z', b'W']))
     }
 
     /// G71: passes along Z down to the contour with its allowances in X and Z, mm; G72: passes along X.
@@ -221,7 +222,7 @@ impl Iso {
         if depth <= 0.0 {
             return Err(Fault::new(format!("G{code} needs {word} above zero in its first block, the depth of a pass")));
         }
-        let pockets = self.names_both(first);
+        let pockets = self.names_both(first)?;
         let contour = self.motions(first, last, kernel)?;
         let (Some((entry, rest)), start) = (contour.split_first(), kernel.program_at()) else {
             return Err(Fault::new(format!("the contour of G{code} moves nothing")));

@@ -1,7 +1,8 @@
 //! What a post writes reads back to the same motions.
 
 use proptest::prelude::*;
-use toolroom_program::{Control, Dialect, EventKind, Motion, Run, Units, post};
+use toolroom_post::post;
+use toolroom_program::{Control, Dialect, EventKind, Motion, Run, Units};
 
 const TARGETS: [Dialect; 5] = [Dialect::Fanuc, Dialect::Haas, Dialect::Siemens, Dialect::Heidenhain, Dialect::LinuxCnc];
 

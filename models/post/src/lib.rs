@@ -1,12 +1,24 @@
 //! Programs written for another control, from the motions of one that runs.
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`post()`] | follows a program and writes its motions in the words of another control |
+//! | [`Post`] | what was written, and the lines of what has no place in it |
+//!
+//! # Units
+//! As in `toolroom-program`: mm, degrees and s; the programs that are written are metric.
+//!
+//! # What is not modelled
+//! Canned cycles, subprograms and compensation of the target control: they are worked out. Programs of lathes.
 
-use crate::control::Control;
-use crate::dialect::Dialect;
-use crate::error::ProgramError;
-use crate::motion::{AXES, Arc, Axes, Event, EventKind, Motion, Offset, PLANES, Path, Sense, plane_code};
-use crate::run::Run;
+#![deny(clippy::wildcard_enum_match_arm)] // a kind of event that comes has to be thought of here too
+
 use std::f64::consts::TAU;
 use std::fmt::Write;
+use toolroom_program::{
+    AXES, Arc, Axes, Control, Dialect, Event, EventKind, Motion, Offset, PLANES, Path, ProgramError, Run, Sense,
+    Source, plane_code,
+};
 
 /// A program in the words of another control.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,12 +42,13 @@ const DECIMALS: usize = 4;
 /// an arc that the language does not have.
 ///
 /// ```
-/// use toolroom_program::{Control, Dialect, post};
+/// use toolroom_post::post;
+/// use toolroom_program::{Control, Dialect};
 /// let text = "G21 G90 G0 X0 Y0 Z5.\nG1 Z-1. F60\nG3 X10. Y10. J10.\nM30";
 /// let klartext = post(text, &Control::default(), Dialect::Heidenhain).unwrap().text;
 /// assert!(klartext.contains("CC X+0 Y+10\nC X+10 Y+10 DR+"), "{klartext}");
 /// ```
-pub fn post(text: &str, control: &Control, dialect: Dialect) -> Result<Post, ProgramError> {
+pub fn post(text: impl Into<Source>, control: &Control, dialect: Dialect) -> Result<Post, ProgramError> {
     let mut run = Run::new(text, control)?;
     let (source, _) = run.dialect();
     let mut writer = Writer::new(dialect);

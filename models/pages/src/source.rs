@@ -1,0 +1,195 @@
+//! Texts in memory and in files.
+
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A text: in memory, or in a file that is read line by line. Bytes that are no UTF-8 become the sign of replacement.
+#[derive(Clone, Debug)]
+pub struct Source(Kind);
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Memory(Arc<str>),
+    File(Arc<File>),
+}
+
+impl Source {
+    /// A file. What is no regular file, such as a pipe, is read into memory, since there is no way back in it.
+    ///
+    /// # Errors
+    /// The file cannot be opened.
+    pub fn open(path: &Path) -> io::Result<Self> {
+        let mut file = File::open(path)?;
+        if file.metadata()?.is_file() {
+            return Ok(Self(Kind::File(Arc::new(file))));
+        }
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)?;
+        Ok(Self::from(&*String::from_utf8_lossy(&bytes)))
+    }
+
+    /// The lines from the beginning.
+    pub fn lines(&self) -> Lines {
+        let text = match &self.0 {
+            Kind::Memory(text) => Reading::Memory(Arc::clone(text)),
+            Kind::File(file) => {
+                Reading::File(BufReader::with_capacity(BUFFER, Shared { file: Arc::clone(file), at: 0 }))
+            }
+        };
+        Lines { text, next: Mark { byte: 0, line: 1 }, bytes: Vec::new() }
+    }
+}
+
+impl From<&str> for Source {
+    fn from(text: &str) -> Self {
+        Self(Kind::Memory(Arc::from(text)))
+    }
+}
+
+impl From<&String> for Source {
+    fn from(text: &String) -> Self {
+        Self::from(text.as_str())
+    }
+}
+
+/// Bytes that are read from a file at once.
+const BUFFER: usize = 1 << 16;
+
+/// A file whose place belongs to one reader, though the file belongs to several.
+#[derive(Debug)]
+struct Shared {
+    file: Arc<File>,
+    at: u64,
+}
+
+impl Read for Shared {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut file = &*self.file;
+        file.seek(SeekFrom::Start(self.at))?;
+        let count = file.read(buffer)?;
+        self.at += count as u64;
+        Ok(count)
+    }
+}
+
+impl Seek for Shared {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let mut file = &*self.file;
+        // A step from here begins where this reader stands.
+        file.seek(SeekFrom::Start(self.at))?;
+        self.at = file.seek(to)?;
+        Ok(self.at)
+    }
+}
+
+/// A place at the beginning of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mark {
+    byte: u64,
+    /// The line, from 1.
+    pub line: usize,
+}
+
+/// Why a text could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The system refused.
+    #[error("the text cannot be read: {0}")]
+    Io(#[from] io::Error),
+    /// A page has other items than when it was read first.
+    #[error("the file has changed while it was read; read it again")]
+    Changed,
+}
+
+#[derive(Debug)]
+enum Reading {
+    Memory(Arc<str>),
+    File(BufReader<Shared>),
+}
+
+/// Lines of a text, one after the other.
+///
+/// ```
+/// use toolroom_pages::Source;
+/// let mut lines = Source::from("G21\r\nX1").lines();
+/// let second = {
+///     assert_eq!(lines.next().unwrap().unwrap().1, "G21");
+///     lines.mark()
+/// };
+/// assert_eq!(lines.next().unwrap().unwrap(), (2, "X1".into()));
+/// assert!(lines.next().unwrap().is_none());
+/// lines.go(second).unwrap();
+/// assert_eq!(lines.next().unwrap().unwrap().0, 2);
+/// ```
+#[derive(Debug)]
+pub struct Lines {
+    text: Reading,
+    next: Mark,
+    bytes: Vec<u8>,
+}
+
+impl Lines {
+    /// Where the next line begins.
+    pub fn mark(&self) -> Mark {
+        self.next
+    }
+
+    /// Goes on from a place of this text.
+    ///
+    /// # Errors
+    /// The system refused.
+    pub fn go(&mut self, to: Mark) -> Result<(), ReadError> {
+        if let Reading::File(file) = &mut self.text
+            && self.next.byte != to.byte
+        {
+            file.seek(SeekFrom::Start(to.byte))?;
+        }
+        self.next = to;
+        Ok(())
+    }
+
+    /// The next line with its number, from 1, without its end; `None` at the end of the text.
+    ///
+    /// # Errors
+    /// The system refused.
+    // A line borrows the buffer of the file, so that this is no `Iterator`.
+    #[allow(clippy::should_implement_trait)]
+    pub fn next(&mut self) -> Result<Option<(usize, Cow<'_, str>)>, ReadError> {
+        let number = self.next.line;
+        match &mut self.text {
+            Reading::Memory(text) => {
+                let start = self.next.byte as usize;
+                let rest = text.get(start..).unwrap_or_default();
+                if rest.is_empty() {
+                    return Ok(None);
+                }
+                let length = rest.find('\n').map_or(rest.len(), |end| end + 1);
+                self.next = Mark { byte: (start + length) as u64, line: number + 1 };
+                Ok(Some((number, Cow::Borrowed(ended(&rest[..length])))))
+            }
+            Reading::File(file) => {
+                self.bytes.clear();
+                let length = file.read_until(b'\n', &mut self.bytes)?;
+                if length == 0 {
+                    return Ok(None);
+                }
+                self.next = Mark { byte: self.next.byte + length as u64, line: number + 1 };
+                let line = match String::from_utf8_lossy(&self.bytes) {
+                    Cow::Borrowed(line) => Cow::Borrowed(ended(line)),
+                    Cow::Owned(line) => Cow::Owned(ended(&line).to_owned()),
+                };
+                Ok(Some((number, line)))
+            }
+        }
+    }
+}
+
+/// A line without what ends it, as [`str::lines`] does.
+fn ended(line: &str) -> &str {
+    let line = line.strip_suffix('\n').unwrap_or(line);
+    line.strip_suffix('\r').unwrap_or(line)
+}
