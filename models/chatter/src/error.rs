@@ -71,11 +71,11 @@ pub enum ChatterError {
     /// The spindle is too slow for the period map and too fast for the envelope of the lobes.
     #[error(
         "the spindle is too slow for the period map and too fast for the envelope of the lobes: the fastest mode swings \
-         {waves:.0} times in a pass of a tooth, and the least damped one hardly decays in it; ask above {least_rpm:.3} rpm or \
+         {waves:.0} times while teeth cut in one repetition of the cut, and the least damped one hardly decays in a pass; ask above {least_rpm:.3} rpm or \
          below {greatest_rpm:.3} rpm, or leave out modes of little compliance that are the fastest or the least damped"
     )]
     TooSlow {
-        /// Oscillations of the fastest mode in one pass of a tooth.
+        /// Oscillations of the fastest mode while teeth cut, in one repetition of the cut.
         waves: f64,
         /// Spindle speed (rpm) from which on the period map answers.
         least_rpm: f64,
@@ -85,7 +85,8 @@ pub enum ChatterError {
     /// A varying speed that is so low that a period of its variation holds too many oscillations.
     #[error(
         "a period of the speed variation holds {waves:.0} oscillations of the fastest mode, and a period map of more than \
-         {greatest:.0} takes minutes; ask above {least_rpm:.1} rpm, or for fewer revolutions in a period"
+         {greatest:.0} takes too long; ask above {least_rpm:.1} rpm, for fewer revolutions in a period, or in milling for one \
+         `phase`, which is answered at lower speeds"
     )]
     TooManyOscillations {
         /// Oscillations of the fastest mode in a period of the variation.

@@ -126,6 +126,8 @@ pub(crate) struct Resolution {
     pub extra: usize,
     /// Factor by which the cut quickens the oscillations.
     pub stiffening: f64,
+    /// Cycles in a part of a stretch that is split, at most.
+    pub most_cycles: f64,
 }
 
 /// Builds the period that the stretches describe; they follow each other without gaps and the
@@ -153,7 +155,7 @@ pub(crate) fn assemble<C: Cut>(
         // An earlier surface must lie in an earlier stretch.
         let shortest = stretch.terms.iter().map(|t| t.delay).fold(f64::INFINITY, f64::min);
         let delays = (end - start) * motion.greatest() / shortest;
-        let parts = parts_for(cycles).max((delays - 1e-9).ceil() as usize);
+        let parts = parts_for(cycles, resolution.most_cycles).max((delays - 1e-9).ceil() as usize);
         let length = (end - start) / parts as f64;
         for part in 0..parts {
             let start = start + length * part as f64;

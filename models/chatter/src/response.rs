@@ -78,9 +78,16 @@ pub(crate) fn nodes_for(cycles: f64, extra: usize) -> usize {
     (2.6 + 5.3 * cycles).ceil() as usize + extra
 }
 
-/// Into how many parts a stretch with `cycles` of the fastest mode is split.
-pub(crate) fn parts_for(cycles: f64) -> usize {
-    (cycles / ((MAX_NODES - 20) as f64 / 5.3)).ceil().max(1.0) as usize
+/// Cycles of the fastest mode in a part, at most: as many as a part has nodes for.
+pub(crate) const LONG_PARTS: f64 = (MAX_NODES - 20) as f64 / 5.3;
+/// The same of a stretch that has to be split. The work of a part goes with the square of its nodes, that of its factors with
+/// the cube, and a part needs some nodes more than its oscillations: parts of two to four cycles cost least. All eigenvalues
+/// at once cost least with the fewest nodes, and so with long parts.
+pub(crate) const SHORT_PARTS: f64 = 3.5;
+
+/// Into how many parts a stretch with `cycles` of the fastest mode is split, each with `most` at most where one is not enough.
+pub(crate) fn parts_for(cycles: f64, most: f64) -> usize {
+    if cycles <= LONG_PARTS { 1 } else { (cycles / most).ceil() as usize }
 }
 
 impl Response {

@@ -2,38 +2,40 @@
 
 use crate::error::ChatterError;
 
-/// Even steps in which a range is sampled at first (assumption: the humps of a spectral radius are wider).
+/// Even steps in which a range is sampled at first, where an evaluation costs little (assumption: the humps of a spectral radius
+/// are wider).
 pub(crate) const STEPS: usize = 48;
 /// How often a step is halved where the function may reach zero within it.
 const HALVINGS: u32 = 7;
 
 /// Brackets of the sign changes of `f` on `0 … greatest`, by ascending argument; `first` is the value at zero.
 ///
-/// The range is sampled in [`STEPS`] even steps. A step whose ends have one sign is halved where the chords beside it,
+/// The range is sampled in even steps. A step whose ends have one sign is halved where the chords beside it,
 /// continued into it, meet beyond zero: there a hump that is narrower than the step can hide.
 pub(crate) struct SignChanges<F> {
     f: F,
     greatest: f64,
+    steps: usize,
     /// Samples that are known, ascending, and the step to which they reach.
     samples: Vec<(f64, f64)>,
     step: usize,
 }
 
 impl<F: FnMut(f64) -> Result<f64, ChatterError>> SignChanges<F> {
-    pub fn new(f: F, first: f64, greatest: f64) -> Self {
-        Self { f, greatest, samples: vec![(0.0, first)], step: 0 }
+    pub fn new(f: F, first: f64, greatest: f64, steps: usize) -> Self {
+        Self { f, greatest, steps, samples: vec![(0.0, first)], step: 0 }
     }
 
     /// The sample after `step` steps.
     fn sample(&mut self, step: usize) -> Result<(f64, f64), ChatterError> {
-        let x = self.greatest * step as f64 / STEPS as f64;
+        let x = self.greatest * step as f64 / self.steps as f64;
         Ok((x, (self.f)(x)?))
     }
 
     fn advance(&mut self) -> Result<Vec<[(f64, f64); 2]>, ChatterError> {
         let step = self.step;
         self.step += 1;
-        while self.samples.len() < (step + 3).min(STEPS + 1) {
+        while self.samples.len() < (step + 3).min(self.steps + 1) {
             let sample = self.sample(self.samples.len())?;
             self.samples.push(sample);
         }
@@ -72,7 +74,7 @@ impl<F: FnMut(f64) -> Result<f64, ChatterError>> Iterator for SignChanges<F> {
     type Item = Result<Vec<[(f64, f64); 2]>, ChatterError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        (self.step < STEPS).then(|| self.advance())
+        (self.step < self.steps).then(|| self.advance())
     }
 }
 
@@ -99,7 +101,7 @@ mod tests {
 
     fn changes(f: impl Fn(f64) -> f64) -> Vec<f64> {
         let first = f(0.0);
-        let scan = SignChanges::new(|x| Ok(f(x)), first, 1.0);
+        let scan = SignChanges::new(|x| Ok(f(x)), first, 1.0, STEPS);
         scan.flat_map(Result::unwrap).map(|[a, b]| 0.5 * (a.0 + b.0)).collect()
     }
 

@@ -29,14 +29,23 @@ pub struct SpeedVariation {
 /// Greatest number of oscillations of the fastest mode in a period of the variation (assumption: a search for a limit with as
 /// many takes ten seconds or so).
 const GREATEST_OSCILLATIONS: f64 = 1000.0;
+/// The same where the worst phase is searched, which asks for some hundred multipliers more (assumption: as long in all).
+const GREATEST_WITH_PHASES: f64 = 500.0;
 
 impl SpeedVariation {
-    /// Refuses a variation about `spindle_speed` (rad/s) in whose period the fastest of `modes` swings too often.
-    pub(crate) fn check_oscillations(&self, modes: &[crate::Mode], spindle_speed: f64) -> Result<(), ChatterError> {
+    /// Refuses a variation about `spindle_speed` (rad/s) in whose period the fastest of `modes` swings too often; where the
+    /// phase `counts` and is not given, all have to be tried.
+    pub(crate) fn check_oscillations(
+        &self,
+        modes: &[crate::Mode],
+        spindle_speed: f64,
+        counts: bool,
+    ) -> Result<(), ChatterError> {
         let fastest = modes.iter().map(|mode| mode.natural_frequency).fold(0.0, f64::max);
         let at_one_rpm = fastest * 60.0 * f64::from(self.revolutions);
         let rpm = spindle_speed / TAU * 60.0;
-        let (waves, greatest) = (at_one_rpm / rpm, GREATEST_OSCILLATIONS);
+        let waves = at_one_rpm / rpm;
+        let greatest = if counts && self.phase.is_none() { GREATEST_WITH_PHASES } else { GREATEST_OSCILLATIONS };
         if waves > greatest {
             return Err(ChatterError::TooManyOscillations { waves, greatest, least_rpm: at_one_rpm / greatest });
         }

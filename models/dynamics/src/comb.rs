@@ -12,6 +12,8 @@ const TOOTH_HARMONICS: u32 = 12;
 const BAND: f64 = 0.9;
 /// Amplitude over the floor of a harmonic that counts (assumption: 20 dB, noise does not reach it).
 const CLEAR: f64 = 10.0;
+/// Share of the power beside a harmonic that a line of its own holds: one of a pair holds half (assumption).
+const OWN: f64 = 0.7;
 /// First harmonics of the teeth of which at least half are clear in a comb (assumption).
 const FIRST_TEETH: f64 = 6.0;
 /// Greatest weight of a line in the mean of the speed, in amplitudes of the floor: beyond, wander and not noise limits it
@@ -45,6 +47,37 @@ impl WholeSpectrum {
     /// The place of the greatest amplitude within `reach` of a frequency, between the bins (Hz).
     pub(crate) fn refined(&self, frequency: f64, reach: f64) -> f64 {
         self.greatest(frequency, reach).0
+    }
+
+    /// A line of its own within `reach` of a frequency but not within `of_harmonic` of it (Hz): its frequency (Hz) and amplitude.
+    /// It holds most of the power there, which neither the skirts of a line at the frequency itself do, whose speed wanders, nor
+    /// the pairs of lines that beside a line modulation makes.
+    pub(crate) fn beside(&self, frequency: f64, reach: f64, of_harmonic: f64) -> Option<(f64, f64)> {
+        let last = self.amplitudes.len() - 2;
+        let bin = |frequency: f64| ((frequency / self.step).round().max(1.0) as usize).clamp(1, last);
+        let outside = |i: &usize| (self.step * *i as f64 - frequency).abs() > of_harmonic + self.width;
+        let near = || (bin(frequency - reach)..=bin(frequency + reach)).filter(outside);
+        let top = near().max_by(|a, b| self.amplitudes[*a].total_cmp(&self.amplitudes[*b]))?;
+        let power = |i: usize| self.amplitudes[i].powi(2);
+        let place = self.step * vertex(&self.amplitudes, top);
+        let own = |i: &usize| (self.step * *i as f64 - place).abs() <= self.width + self.step;
+        let (line, all) = (near().filter(own).map(power).sum::<f64>(), near().map(power).sum::<f64>());
+        let mut around: Vec<f64> = near().map(|i| self.amplitudes[i]).collect();
+        around.sort_by(f64::total_cmp);
+        let floor = around[around.len() / 2];
+        (line > OWN * all && self.amplitudes[top] > CLEAR * floor).then(|| (place, self.amplitudes[top]))
+    }
+
+    /// Greatest amplitude within `reach` of a frequency but not within `of_harmonic` of it (Hz), over the one at it.
+    pub(crate) fn skirt(&self, frequency: f64, reach: f64, of_harmonic: f64) -> f64 {
+        let side = 0.5 * (reach - of_harmonic - self.width).max(0.0);
+        let beside = [-1.0, 1.0].map(|sign| self.greatest(frequency + sign * (reach - side), side).1);
+        beside[0].max(beside[1]) / self.at(frequency, of_harmonic).max(f64::MIN_POSITIVE)
+    }
+
+    /// Greatest amplitude within `of_harmonic` and the width of a line from a frequency (Hz).
+    pub(crate) fn at(&self, frequency: f64, of_harmonic: f64) -> f64 {
+        self.greatest(frequency, of_harmonic + self.width).1
     }
 
     /// Frequency and amplitude of the greatest bin within `reach` (Hz) of a frequency.

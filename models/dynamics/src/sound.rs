@@ -43,6 +43,9 @@ const MAINS_DEVIATION: f64 = 0.05;
 const VERTEX: f64 = 0.05;
 /// Lowest frequency that is looked at (Hz).
 const LOWEST: f64 = 20.0;
+/// Amplitude of a line beside a harmonic of the spindle, over the most that a wandering speed makes of such a harmonic there, from
+/// which the line is one of its own (assumption).
+const BEYOND_WANDER: f64 = 4.0;
 /// Share of the greatest amplitude at which chatter has set in (assumption).
 const SET_IN: f64 = 0.5;
 /// Share of the strongest chatter line from which another may be the one near a mode (assumption).
@@ -155,6 +158,7 @@ pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsE
             Line { frequency, amplitude, level: level(amplitude / floor), origin }
         })
         .collect();
+    apart(&mut lines, &whole, &comb, &frames);
     let strongest = |wanted: &dyn Fn(&Origin) -> bool| {
         let of_kind = lines.iter().filter(|line| wanted(&line.origin));
         of_kind.copied().max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
@@ -189,6 +193,42 @@ pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsE
         }
     }
     Ok(Heard { spindle_speed: TAU * comb.spindle_frequency, chatter, chatter_frequency, onset, lines })
+}
+
+/// Tells lines that frames do not resolve from a harmonic of the spindle, where the whole record does. What stands beside a
+/// harmonic must be more than a speed that wanders makes of it: that smears the lines of the teeth as well, the more the higher
+/// they are.
+fn apart(lines: &mut Vec<Line>, whole: &WholeSpectrum, comb: &Comb, frames: &Frames<'_>) {
+    let spindle = comb.spindle_frequency;
+    let reach = |harmonic: f64| (LOBE * frames.step() + WANDER * harmonic).min(0.25 * spindle);
+    let skirt = |harmonic: f64| whole.skirt(harmonic, reach(harmonic), WANDER * harmonic);
+    let of_teeth: Vec<(f64, f64)> = lines
+        .iter()
+        .filter_map(|line| match line.origin {
+            Origin::Tooth(order) => Some(f64::from(order * comb.teeth) * spindle),
+            Origin::Spindle(_) | Origin::Mains | Origin::Machine | Origin::Chatter(_) | Origin::Unknown => None,
+        })
+        .map(|harmonic| (harmonic, skirt(harmonic)))
+        .collect();
+    for i in 0..lines.len() {
+        let line = lines[i];
+        let (Origin::Tooth(_) | Origin::Spindle(_)) = line.origin else { continue };
+        let harmonic = (line.frequency / spindle).round() * spindle;
+        let others = of_teeth.iter().filter(|(other, _)| (other - harmonic).abs() > 0.5 * spindle);
+        let wander = others.map(|(other, skirt)| skirt * (harmonic / other).max(1.0)).fold(0.0, f64::max);
+        let Some((frequency, amplitude)) = whole.beside(harmonic, reach(harmonic), WANDER * harmonic) else { continue };
+        if amplitude < BEYOND_WANDER * wander * whole.at(harmonic, WANDER * harmonic) {
+            continue;
+        }
+        let level = line.level + level(amplitude / line.amplitude);
+        let own = Line { frequency, amplitude, level, origin: Origin::Unknown };
+        if (line.frequency - frequency).abs() < (line.frequency - harmonic).abs() {
+            lines[i] = own;
+        } else {
+            lines.push(own);
+        }
+    }
+    lines.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
 }
 
 /// What explains a line, but for chatter.

@@ -113,6 +113,45 @@ fn cuts_that_chatter_are_told_from_cuts_with_runout() {
 }
 
 #[test]
+fn chatter_beside_a_harmonic_of_the_spindle_is_heard_and_a_wandering_speed_is_none() {
+    let mut wrong = Vec::new();
+    for i in 0..40u32 {
+        let (teeth, speed) = (2 + i % 4, 4611.0 + 153.7 * f64::from(i));
+        let cut = Cut { teeth, speed, chatter: None, seed: u64::from(i), ..CUT };
+        // Frames tell lines apart that lie ten hertz from each other, the record lines three hertz apart.
+        // Beside a harmonic of the teeth stand, beside others of theirs, further lines of the chatter, as of a wandering speed.
+        let order = (5 + i % 9..).find(|order| order % teeth != 0).unwrap();
+        let harmonic = speed / 60.0 * f64::from(order);
+        let frequency = harmonic + (3.5 + 0.1 * f64::from(i)) * if i % 2 == 0 { 1.0 } else { -1.0 };
+        let heard = Cut { chatter: Some((frequency, 0.1, 0.0)), ..cut }.heard(speed);
+        let found = heard.chatter_frequency.filter(|found| (found - frequency).abs() < 0.5);
+        if heard.chatter != Chatter::Yes || found.is_none() {
+            wrong
+                .push(format!("{i}: {frequency} beside {harmonic}: {:?} {:?}", heard.chatter, heard.chatter_frequency));
+        }
+        // The same cut at a speed that rises by some tenths of a percent, and at one that swings to and fro.
+        for (drift, swing) in [(1e-3, 0.0), (3e-3, 0.0), (0.0, 2e-3)] {
+            let mut record = cut.record();
+            let rate = record.rate;
+            let still = record.channels[0].values.clone();
+            for (n, value) in record.channels[0].values.iter_mut().enumerate() {
+                let time = n as f64 / rate;
+                let moved = time + drift * 0.5 * time * time + swing / (TAU * 1.5) * (TAU * 1.5 * time).sin();
+                let place = (moved * rate).min((still.len() - 2) as f64);
+                let share = place.fract();
+                *value = still[place as usize] * (1.0 - share) + still[place as usize + 1] * share;
+            }
+            let spindle_speed = speed * TAU / 60.0;
+            let cutting = Cutting { teeth, spindle_speed, air: None, natural_frequencies: &[] };
+            if listen(&record, &cutting).unwrap().chatter == Chatter::Yes {
+                wrong.push(format!("{i}: chatter of a speed that drifts by {drift} and swings by {swing}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
 fn period_doubling_of_even_teeth_is_left_open_and_that_of_odd_teeth_is_heard() {
     let doubled = |teeth: u32| {
         let tooth = 6120.0 / 60.0 * f64::from(teeth);

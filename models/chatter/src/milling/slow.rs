@@ -32,6 +32,7 @@ use super::Milling;
 use super::engagement::Geometry;
 use crate::error::ChatterError;
 use crate::krylov::Dominant;
+use crate::scan::STEPS;
 use crate::structure::Mode;
 use nalgebra::{Complex, Matrix2};
 use std::f64::consts::TAU;
@@ -39,9 +40,14 @@ use std::f64::consts::TAU;
 /// Decay of a free vibration in a tooth period, as a logarithm, from which on the envelope answers: `−ln` of the rounding
 /// of numbers, 36.04. In the cuts above the multiplier of the period map was never lost below 37, and mostly above.
 const ROUNDING: f64 = 36.0;
-/// Oscillations of the fastest mode in one pass of a tooth up to which the period map answers (assumption: a limit takes
-/// some seconds there).
+/// Oscillations of the fastest mode while teeth cut, over one repetition of the cut, up to which the period map answers
+/// (assumption: all stable intervals of a cut of two directions take about two seconds of one processor there).
 const MOST_WAVES: f64 = 400.0;
+/// Such oscillations up to which depths are sampled in the usual steps; with more, the steps are fewer in proportion, so that
+/// the search takes no longer (assumption).
+const SAMPLED_WAVES: f64 = 40.0;
+/// Fewest steps in which depths are sampled (assumption: the lobes of a slow cut have merged, and its limit is one).
+const FEWEST_STEPS: f64 = 12.0;
 /// Least decay of a free vibration in a pass of a tooth, as a logarithm, with which the envelope was found to lie under the
 /// limit.
 const LEAST_DECAY: f64 = 4.0;
@@ -54,9 +60,17 @@ fn pass(cut: &Milling) -> f64 {
     (cut.engagement.exit - cut.engagement.entry).min(TAU / cut.cutter.teeth as f64)
 }
 
-/// Oscillations of the fastest mode in one pass of a tooth at `speed` (rad/s).
+/// Greatest angle over which teeth cut in one repetition of the cut (rad): a pass, with a helix or a corner radius, which
+/// lengthen it with the depth, the whole pitch, and of unequal teeth all passes of a revolution.
+fn cutting_angle(cut: &Milling) -> f64 {
+    let pitch = TAU / cut.cutter.teeth as f64;
+    let of_tooth = if cut.cutter.is_straight() { pass(cut) } else { pitch };
+    if cut.cutter.is_regular() { of_tooth } else { cut.cutter.teeth as f64 * of_tooth }
+}
+
+/// Oscillations of the fastest mode that the period map has to resolve at `speed` (rad/s).
 fn waves(cut: &Milling, speed: f64) -> f64 {
-    cut.modes.iter().map(|mode| mode.natural_frequency).fold(0.0, f64::max) * pass(cut) / speed
+    cut.modes.iter().map(|mode| mode.natural_frequency).fold(0.0, f64::max) * cutting_angle(cut) / speed
 }
 
 /// Logarithm by which the vibration that lasts longest decays while the teeth turn by `angle` (rad) at `speed` (rad/s).
@@ -77,6 +91,14 @@ pub(super) fn is_slow(cut: &Milling, speed: f64) -> Result<bool, ChatterError> {
         return Err(ChatterError::TooSlow { waves, least_rpm, greatest_rpm });
     }
     Ok(waves > MOST_WAVES || decay(cut, speed, TAU / cut.cutter.teeth as f64) >= ROUNDING)
+}
+
+/// Even steps in which depths are sampled for stable intervals at `speed` (rad/s): all where the envelope answers, which costs
+/// little, and where the period map is small.
+pub(super) fn steps(cut: &Milling, speed: f64) -> Result<usize, ChatterError> {
+    let most = STEPS as f64;
+    let fewer = most * SAMPLED_WAVES / waves(cut, speed);
+    Ok(if is_slow(cut, speed)? { STEPS } else { fewer.clamp(FEWEST_STEPS, most) as usize })
 }
 
 /// A cut whose teeth are at an angle, in the radial and tangential direction of tooth 0.
@@ -285,6 +307,40 @@ mod tests {
             let verdict = at_speed.verdict(0.5 * limit.depth).unwrap();
             assert!(verdict.stable && verdict.spectral_radius < 1.0 && limit.kind == crate::ChatterKind::Hopf);
         }
+    }
+
+    #[test]
+    fn slow_cuts_are_sampled_in_fewer_steps_with_the_same_limit_and_say_so() {
+        let slot = cut(1.0, 2, 0.01);
+        let greatest = 0.4e-3;
+        for (count, due) in [(20.0, STEPS), (80.0, 24), (300.0, 12)] {
+            let speed = speed(&slot, count);
+            assert_eq!(steps(&slot, speed), Ok(due));
+            let mut at_speed = slot.at_speed(speed).unwrap();
+            let found = at_speed.stable_intervals(greatest).unwrap();
+            let Certificate::Resolution(step) = found.certificate else { panic!("{:?}", found.certificate) };
+            assert!((step * due as f64 / greatest - 1.0).abs() < 1e-12, "{step}");
+            let depth = found.limit().unwrap().depth;
+            if count < 50.0 {
+                // Against all multipliers at once; those of the longer passes are too many for a test.
+                let radius = |depth: f64| at_speed.multipliers(depth, 0).unwrap()[0].norm();
+                assert!(radius(depth * (1.0 - 1e-6)) < 1.0 && radius(depth * (1.0 + 1e-6)) > 1.0, "{depth}");
+            }
+            let finer = slot.at_speed(speed).unwrap().stable_intervals(1.2 * depth).unwrap();
+            assert!((finer.limit().unwrap().depth / depth - 1.0).abs() < 1e-7, "{count} {depth}");
+        }
+    }
+
+    #[test]
+    fn a_helix_and_unequal_teeth_lengthen_what_a_map_has_to_hold() {
+        let straight = cut(0.05, 1, 0.01);
+        let mut helical = straight.clone();
+        helical.cutter.helix_angle = 0.5;
+        let mut unequal = straight.clone();
+        unequal.cutter.pitch = vec![3.0, TAU - 3.0];
+        let pass = pass(&straight);
+        assert!((waves(&helical, 1.0) / waves(&straight, 1.0) - 0.5 * TAU / pass).abs() < 1e-9);
+        assert!((waves(&unequal, 1.0) / waves(&straight, 1.0) - 2.0).abs() < 1e-12);
     }
 
     #[test]

@@ -13,6 +13,7 @@ use crate::error::{ChatterError, positive, within};
 use crate::krylov::{Dominant, Krylov, LinearMap, dense_dominant, dense_eigenvalues};
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
+use crate::response::{LONG_PARTS, SHORT_PARTS};
 use crate::speed_variation::{SpeedVariation, Started};
 use crate::structure::{Mode, last_to_decay};
 use crate::verdict::StabilityVerdict;
@@ -136,7 +137,7 @@ impl Milling {
         variation.check()?;
         let cut = self.at_spindle_speed(spindle_speed)?;
         for (_, place) in cut.places() {
-            variation.check_oscillations(&place.modes, spindle_speed)?;
+            variation.check_oscillations(&place.modes, spindle_speed, true)?;
         }
         let mut at_speed = AtSpeed::new(cut, Motion::Varying(spindle_speed, Started::new(variation, 0.0)))?;
         at_speed.turn_to(variation.phase.unwrap_or(at_speed.geometry.origin));
@@ -258,8 +259,8 @@ impl<'a> AtSpeed<'a> {
         (stiffening, (stiffening * stiffening - 1.0) * softest / gain)
     }
 
-    /// The period at `depth`.
-    fn assemble(&self, depth: f64, extra: usize) -> Result<Prepared, ChatterError> {
+    /// The period at `depth`, with `extra` nodes in each part and `most_cycles` in one of a stretch that is split.
+    fn assemble(&self, depth: f64, extra: usize, most_cycles: f64) -> Result<Prepared, ChatterError> {
         let geometry = self.geometry(depth)?;
         let (repeats, speed) = match self.motion {
             Motion::Constant(speed) => (1, speed),
@@ -272,7 +273,7 @@ impl<'a> AtSpeed<'a> {
             &self.frame,
             self.motion,
             &stretches(&geometry, repeats),
-            Resolution { extra, stiffening },
+            Resolution { extra, stiffening, most_cycles },
         );
         Ok(Prepared { period, length: f64::from(repeats) * geometry.span / speed, greatest })
     }
@@ -303,7 +304,7 @@ impl<'a> AtSpeed<'a> {
         let level = effort as usize;
         let fits = |prepared: &Prepared| self.cut.cutter.is_straight() && depth <= prepared.greatest;
         if !self.prepared[level].as_ref().is_some_and(fits) {
-            self.prepared[level] = Some(self.assemble(depth, extra)?);
+            self.prepared[level] = Some(self.assemble(depth, extra, SHORT_PARTS)?);
         }
         let Some(Prepared { period, length, .. }) = &self.prepared[level] else {
             return Err(ChatterError::NoTeethInCut);
@@ -314,7 +315,7 @@ impl<'a> AtSpeed<'a> {
             return Ok((found?, *length));
         }
         // Slow but sure.
-        let refined = self.assemble(depth, Effort::Boundary.settings().0)?;
+        let refined = self.assemble(depth, Effort::Boundary.settings().0, LONG_PARTS)?;
         let mut map = PeriodMap::new(&refined.period, depth, &mut self.storage);
         if map.size() > LARGEST_DENSE {
             return Ok((found?, refined.length));
@@ -442,7 +443,7 @@ impl<'a> AtSpeed<'a> {
     }
 
     fn multipliers_here(&self, depth: f64, extra: usize) -> Result<Vec<Complex<f64>>, ChatterError> {
-        let period = self.assemble(depth, Effort::Boundary.settings().0 + extra)?.period;
+        let period = self.assemble(depth, Effort::Boundary.settings().0 + extra, LONG_PARTS)?.period;
         let mut storage = MapStorage::default();
         let matrix = PeriodMap::new(&period, depth, &mut storage).dense();
         dense_eigenvalues(matrix)
@@ -452,7 +453,11 @@ impl<'a> AtSpeed<'a> {
     #[cfg(test)]
     pub(super) fn radius_in(&mut self, geometry: &Geometry, depth: f64) -> Result<f64, ChatterError> {
         let teeth = Teeth { cut: &self.cut, geometry };
-        let resolution = Resolution { extra: Effort::Boundary.settings().0, stiffening: self.stiffening(depth).0 };
+        let resolution = Resolution {
+            extra: Effort::Boundary.settings().0,
+            stiffening: self.stiffening(depth).0,
+            most_cycles: LONG_PARTS,
+        };
         let period = assemble(&teeth, &self.frame, self.motion, &stretches(geometry, 1), resolution);
         let mut storage = MapStorage::default();
         Ok(Krylov::default().dominant(&mut PeriodMap::new(&period, depth, &mut storage), 1e-10)?.value.norm())
@@ -463,7 +468,7 @@ impl<'a> AtSpeed<'a> {
     pub(crate) fn collocated(&self, depth: f64, nodes: usize) -> Result<f64, ChatterError> {
         let geometry = Geometry::new(&self.cut, depth, false)?;
         // Without oscillations to resolve the rule gives LEAST nodes, and `extra` the rest.
-        let resolution = Resolution { extra: nodes - LEAST, stiffening: 0.0 };
+        let resolution = Resolution { extra: nodes - LEAST, stiffening: 0.0, most_cycles: LONG_PARTS };
         let teeth = Teeth { cut: &self.cut, geometry: &geometry };
         let period = assemble(&teeth, &self.frame, self.motion, &stretches(&geometry, 1), resolution);
         let mut storage = MapStorage::default();

@@ -9,11 +9,15 @@ use crate::error::{ChatterError, positive, within};
 use crate::krylov::{Dominant, Krylov};
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
-use crate::response::{Modal, Modes};
+use crate::response::{Modal, Modes, SHORT_PARTS};
 use crate::speed_variation::Started;
 use crate::verdict::{ChatterKind, StabilityLimit, StabilityVerdict};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
+
+/// Nodes added to each part of a period for a verdict, and for a limit, which is found to three parts in a thousand.
+const FINE: usize = 6;
+const COARSE: usize = 1;
 
 impl Cut for Turning {
     type Tooth = ();
@@ -64,12 +68,13 @@ impl Turning {
         self.modes.iter().map(|mode| mode.stiffness).fold(f64::INFINITY, f64::min)
     }
 
-    /// One period of the speed's variation, fine enough for oscillations that the cut quickens by `stiffening`.
-    fn period(&self, motion: Motion, revolutions: u32, stiffening: f64) -> Period {
+    /// One period of the speed's variation, fine enough for oscillations that the cut quickens by `stiffening`, with `extra`
+    /// nodes in each part.
+    fn period(&self, motion: Motion, revolutions: u32, (stiffening, extra): (f64, usize)) -> Period {
         let frame = Frame::resolved(Modes { modal: self.oriented().collect(), channels: 1 });
         let terms = vec![PlannedTerm { delay: TAU, teeth: vec![()] }];
         let stretch = PlannedStretch { from: 0.0, to: TAU * f64::from(revolutions), terms };
-        assemble(self, &frame, motion, &[stretch], Resolution { extra: 6, stiffening })
+        assemble(self, &frame, motion, &[stretch], Resolution { extra, stiffening, most_cycles: SHORT_PARTS })
     }
 
     /// Verdict at `spindle_speed` (rad/s) and `width` of cut (m), with its margin; the spectral
@@ -150,7 +155,7 @@ impl Turning {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         variation.check()?;
-        variation.check_oscillations(&self.modes, spindle_speed)?;
+        variation.check_oscillations(&self.modes, spindle_speed, false)?;
         within("width", width, 0.0, f64::MAX)?;
         let revolutions = variation.revolutions;
         let length = TAU * f64::from(revolutions) / spindle_speed;
@@ -160,7 +165,7 @@ impl Turning {
             Dominant { value: (root.rate * length).exp(), residual: root.residual }
         } else {
             let motion = Motion::Varying(spindle_speed, Started::new(variation, 0.0));
-            let period = self.period(motion, revolutions, self.stiffening(width));
+            let period = self.period(motion, revolutions, (self.stiffening(width), FINE));
             let mut storage = MapStorage::default();
             Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), RESIDUAL)?
         };
@@ -240,7 +245,7 @@ impl Turning {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         variation.check()?;
-        variation.check_oscillations(&self.modes, spindle_speed)?;
+        variation.check_oscillations(&self.modes, spindle_speed, false)?;
         let motion = Motion::Varying(spindle_speed, Started::new(variation, 0.0));
         // A period serves all widths up to the one that quickens the oscillations by the next step.
         let mut prepared: Option<(f64, Period)> = None;
@@ -252,7 +257,7 @@ impl Turning {
                     const STEP: f64 = 1.2;
                     let stiffening = STEP.powf((self.stiffening(width).ln() / STEP.ln()).floor() + 1.0);
                     let most = (stiffening * stiffening - 1.0) * self.softest() / self.force_slope();
-                    prepared.insert((most.max(width), self.period(motion, variation.revolutions, stiffening)))
+                    prepared.insert((most.max(width), self.period(motion, variation.revolutions, (stiffening, COARSE))))
                 }
             };
             krylov.dominant(&mut PeriodMap::new(period, width, &mut storage), 1e-3)

@@ -137,4 +137,9 @@ fn a_varying_speed_with_too_many_oscillations_is_refused() {
         assert!(error.is_failed_search() && least_rpm > 100.0 && least_rpm < 1000.0, "{error}");
     }
     assert!(turning.verdict_at_varying_speed(rpm(170.0), variation, 1e-4).unwrap().stable);
+    // One phase is answered at half the speed down to which the worst of all is looked for.
+    let fastest = milling.modes.iter().map(|mode| mode.natural_frequency).fold(0.0, f64::max);
+    let between = rpm(fastest * 60.0 * 5.0 / 700.0);
+    assert!(milling.at_varying_speed(between, variation).is_err());
+    assert!(milling.at_varying_speed(between, SpeedVariation { phase: Some(0.0), ..variation }).is_ok());
 }

@@ -1,12 +1,18 @@
 //! Limits and stable intervals at one speed.
 
+use super::super::slow;
 use super::{AtSpeed, Effort, LEAST_EXCESS};
 use crate::boundary::Crossing;
 use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive};
 use crate::intervals::{Certificate, StableIntervals};
+use crate::plan::Motion;
 use crate::scan::{STEPS, SignChanges};
 use crate::verdict::{StabilityLimit, StabilityVerdict};
+
+/// Even steps in which depths are sampled at varying speed, where a verdict costs some milliseconds and the islands of lobes are
+/// blurred (assumption).
+pub(super) const VARYING_STEPS: usize = 16;
 
 /// Logarithm of the spectral radius that an end of a stable interval may have.
 const NEUTRAL: f64 = 1e-6;
@@ -34,7 +40,7 @@ impl AtSpeed<'_> {
     pub fn stable_intervals(&mut self, greatest: f64) -> Result<StableIntervals, ChatterError> {
         self.turn_to_worst_limit(greatest)?;
         let ends = self.ends(greatest, Effort::Boundary, false)?;
-        let mut certificate = Certificate::Resolution(greatest / STEPS as f64);
+        let mut certificate = Certificate::Resolution(greatest / self.steps()? as f64);
         for place in std::iter::once(&*self).chain(&self.others) {
             if place.slow()?.is_some() {
                 certificate = Certificate::Envelope;
@@ -57,8 +63,14 @@ impl AtSpeed<'_> {
     ) -> Result<Vec<Crossing>, ChatterError> {
         positive("greatest depth", greatest)?;
         let uncut = self.uncut().0.value.norm().ln().max(LEAST_EXCESS);
+        let steps = self.steps()?;
+        // On which side of one a radius lies is as sure as for a verdict; where it is one is worth more.
+        let sampling = match effort {
+            Effort::Screening => Effort::Screening,
+            Effort::Verdict | Effort::Boundary => Effort::Verdict,
+        };
         let mut brackets = Vec::new();
-        for found in SignChanges::new(|depth| self.excess(depth, effort), uncut, greatest) {
+        for found in SignChanges::new(|depth| self.excess(depth, sampling), uncut, greatest, steps) {
             brackets.extend(found?);
             if first_only && !brackets.is_empty() {
                 brackets.truncate(1);
@@ -66,6 +78,14 @@ impl AtSpeed<'_> {
             }
         }
         brackets.into_iter().map(|bracket| self.end(bracket, effort)).collect()
+    }
+
+    /// Even steps in which depths are sampled.
+    fn steps(&self) -> Result<usize, ChatterError> {
+        match self.motion {
+            Motion::Constant(speed) => slow::steps(&self.cut, speed),
+            Motion::Varying(..) => Ok(VARYING_STEPS),
+        }
     }
 
     /// The end of a stable interval between two depths on different sides of the boundary.
@@ -142,10 +162,7 @@ impl AtSpeed<'_> {
 
     /// Logarithm of the spectral radius at `depth` (m): for screening to some three digits, of the right sign.
     pub(super) fn excess(&mut self, depth: f64, effort: Effort) -> Result<f64, ChatterError> {
-        let (dominant, _) = match effort {
-            Effort::Screening => self.refined(depth, effort)?,
-            Effort::Verdict | Effort::Boundary => self.dominant(depth, effort)?,
-        };
+        let (dominant, _) = self.refined(depth, effort)?;
         Ok(dominant.value.norm().ln().max(LEAST_EXCESS))
     }
 

@@ -1,9 +1,9 @@
 //! The phase of a varying speed at which a disturbance grows most.
 
+use super::limits::VARYING_STEPS;
 use super::{AtSpeed, Effort};
 use crate::error::{ChatterError, positive};
 use crate::plan::Motion;
-use crate::scan::STEPS;
 use crate::speed_variation::{SpeedVariation, Started};
 use std::f64::consts::TAU;
 
@@ -97,7 +97,7 @@ impl AtSpeed<'_> {
         }
         let mut depth = greatest;
         for _ in 0..ROUNDS {
-            depth = match self.fixed_rough_limit(depth, STEPS) {
+            depth = match self.fixed_rough_limit(depth, VARYING_STEPS) {
                 Ok(limit) => limit.depth,
                 Err(ChatterError::NoLimit { searched }) => searched,
                 Err(error) => return Err(error),
