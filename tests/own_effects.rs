@@ -232,3 +232,47 @@ fn what_is_applied_of_an_effect_under_which_wear_runs_away_was_fitted() {
     assert!((0.12..0.18).contains(&size), "{size}");
     assert!(found["applied"]["calibration"].as_array().is_some_and(|list| list.len() > 5), "{}", found["applied"]);
 }
+
+/// A gap that no effect of the catalogue has: heat grows in the course of a day. What is proposed describes it, is called no
+/// cause, and can be taken into the model.
+#[test]
+fn a_gap_without_a_cause_is_described_by_terms_that_can_be_applied_and_predict() {
+    let folder = Folder::new();
+    // Small batches of long cuts: every edge cuts every part, and many edges are used up in few operations.
+    let plain = varied(12)
+        .replace("interval = \"8 h\"\nsize = 60", "interval = \"1 h\"\nsize = 7")
+        .replace("length = \"120 mm\"", "length = \"500 mm\"")
+        .replace("length = \"180 mm\"", "length = \"500 mm\"")
+        .replace("length = \"220 mm\"", "length = \"700 mm\"")
+        .replace("limit = \"0.4 mm\"", "limit = \"0.25 mm\"")
+        .replace("\"220 m/min\"", "\"260 m/min\"")
+        .replace("\"250 m/min\"", "\"290 m/min\"")
+        .replace("\"150 m/min\"", "\"200 m/min\"");
+    let model = folder.put("model.toml", &plain);
+    let hidden = "\n[[effect]]\nid = \"hidden.heat\"\nprocess = [\"turning\"]\nsize = { ordinary = 0.1, range = [0, 2] }\n\
+                  changes = [{ term = \"temperature_rise\", factor = \"1 + size * min(sensor_time, 12 h) / 12 h\" }]\n";
+    let truth = with(&plain, "id = \"hidden.heat\", size = 0.08") + hidden;
+    let data = records(&folder, &truth, 3);
+    let (file, document) = (folder.at("proposed.toml"), folder.at("d/diagnosis.json"));
+    let said =
+        done(&["gap", "diagnose", "--model", &model, "--data", &data, "--propose", &file, "--out", &folder.at("d")]);
+    assert!(said.contains("empirical, not a cause"), "{said}");
+    let diagnosis = json(&fs::read_to_string(&document).expect("a diagnosis"));
+    let term = &diagnosis["proposals"][0]["terms"][0];
+    assert!(term["id"].as_str().is_some_and(|id| id.starts_with("proposed.temperature")), "{term}");
+    let text = fs::read_to_string(&file).expect("a file of terms");
+    assert!(text.contains("kind = \"empirical\"") && text.contains("empirical, not a cause"), "{text}");
+    done(&["check", &file]);
+    done(&["check", &document]);
+    let better = folder.at("better.toml");
+    done(&["gap", "apply", "--model", &model, "--diagnosis", &document, "--out", &better, "--accept-empirical"]);
+    assert!(fs::read_to_string(&better).expect("a model").contains("proposed.temperature"));
+    let off = |model: &str| {
+        let predicted = json(&done(&["gap", "predict", "--model", model, "--data", &data, "--json"]));
+        let rows = predicted["predictions"].as_array().expect("predictions");
+        let heat = rows.iter().filter(|row| row["channel"] == "temperature");
+        heat.map(|row| (row["measured"].as_f64().unwrap() - row["predicted"].as_f64().unwrap()).powi(2)).sum::<f64>()
+    };
+    let [before, after] = [&model, &better].map(|model| off(model));
+    assert!(after < 0.5 * before, "{before} {after}");
+}

@@ -330,6 +330,7 @@ pub fn diagnose(
             holdout,
             holdout_data: holdout_data.as_deref(),
             seed,
+            propose: None,
             pages: true,
         };
         let study = GapStudy::new(&request, &reading)?;

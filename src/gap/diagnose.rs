@@ -8,13 +8,20 @@ use crate::speak::Voice;
 use serde_json::json;
 use toolroom_chart::page::Provenance;
 use toolroom_gap_study::{GapRequest, GapStudy, NAMES};
-use toolroom_output::OutputDir;
+use toolroom_output::{Files, OutputDir};
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let inputs =
         args.models.iter().chain([&args.data]).chain(&args.holdout_data).chain(&args.effects).map(AsRef::as_ref);
     let out = args.out.as_deref().map(|target| OutputDir::create(target, NAMES, inputs, voice.force)).transpose()?;
+    let inputs =
+        args.models.iter().chain([&args.data]).chain(&args.holdout_data).chain(&args.effects).map(AsRef::as_ref);
+    let files = Files::new(inputs, voice.force);
+    if let Some(path) = &args.propose {
+        files.check(path)?;
+    }
+    let file = args.propose.as_ref().map(|path| path.display().to_string());
     let defined = defined(&args.effects)?;
     let request = GapRequest {
         models: &args.models,
@@ -25,11 +32,16 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
         holdout: args.holdout.unwrap_or(0.0),
         holdout_data: args.holdout_data.as_deref(),
         seed: args.seed,
+        propose: file.as_deref(),
         pages: out.is_some(),
     };
     let study = reading(voice, |reading| GapStudy::new(&request, reading))?;
     if let Some(out) = out {
         write(args, out, &study, voice)?;
+    }
+    if let (Some(path), Some(text)) = (&args.propose, &study.proposed) {
+        files.put(path, text.as_bytes())?;
+        voice.say(format_args!("wrote {}: empirical, not a cause", path.display()));
     }
     if voice.json {
         voice.json(&study.document)?
@@ -44,7 +56,8 @@ fn write(args: &DiagnoseArgs, out: OutputDir, study: &GapStudy, voice: &Voice) -
     let models: Vec<String> = args.models.iter().map(|model| model.display().to_string()).collect();
     let data = args.data.display().to_string();
     let effects: String = args.effects.iter().map(|path| format!(" --effects {}", path.display())).collect();
-    let command = format!("toolroom gap diagnose --model {} --data {data}{effects}", models.join(" --model "));
+    let propose = args.propose.iter().map(|path| format!(" --propose {}", path.display())).collect::<String>();
+    let command = format!("toolroom gap diagnose --model {} --data {data}{effects}{propose}", models.join(" --model "));
     let hash =
         |name: &String| (name.clone(), std::fs::read(name).map_or_else(|_| String::new(), |bytes| fingerprint(&bytes)));
     let inputs = models.iter().chain([&data]).map(hash).collect();

@@ -7,19 +7,21 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::collections::BTreeMap;
 use toolroom_apply::{Prediction, predictions};
-use toolroom_gap_study::tables;
+use toolroom_gap_study::{GapStudyError, tables};
 use toolroom_output::Files;
 use toolroom_process::table::{Cell, csv_text};
 use toolroom_process::unit;
+use toolroom_records::RecordError;
 
 pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     let mut rows: Vec<(String, Prediction)> = Vec::new();
     let model = std::slice::from_ref(&args.model);
-    for table in reading(voice, |reading| tables(model, &args.set, &[], &args.data, reading))? {
+    let read = reading(voice, |reading| Ok(tables(model, &args.set, &[], &args.data, reading)))?;
+    for table in read.map_err(lacking)? {
         let records = table.records.map_err(|why| Failure::argument(why, "add rows"))?;
         let asked = table.model.asked(&records, args.group.as_deref(), |_, _| false);
         if asked.parts.iter().all(|part| part.frame().measured.observations.is_empty()) {
-            return Err(super::nothing_measured(&asked.notes));
+            return Err(lacking(GapStudyError::NothingMeasured { notes: asked.notes }));
         }
         for note in &asked.notes {
             voice.say(note);
@@ -55,6 +57,18 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
         return voice.json(&json!({ "schema": 1, "predictions": list }));
     }
     voice.raw(text.trim_end())
+}
+
+/// Records that lack what a prediction needs have a code of their own.
+fn lacking(error: GapStudyError) -> Failure {
+    let lacks = matches!(
+        error,
+        GapStudyError::Records(RecordError::MissingColumn { .. }) | GapStudyError::NothingMeasured { .. }
+    );
+    match error.fix().filter(|_| lacks) {
+        Some(fix) => Failure::argument(format_args!("predict-column: {error}"), fix),
+        None => error.into(),
+    }
 }
 
 /// How far the model is from each channel, in the unit for people.

@@ -56,12 +56,17 @@ fn shape_json(written: &WrittenEffect) -> Value {
     Value::Object(written.shape.iter().map(one).collect())
 }
 
+/// Whether an effect is a cause, or describes and is none.
+fn kind(found: &Found) -> &'static str {
+    if found.written.definition.is_some_and(Definition::is_empirical) { "empirical" } else { "cause" }
+}
+
 fn found_json(found: &Found, target: &str, process: &str) -> Value {
     let (si, display) = size_unit(found.id, found.written.definition);
     let (size, unit) = exact(found.size, si, display);
     let ratio = if unit == si { 1.0 } else { unit::convert(1.0, si, display) };
     let mut value = json!({
-        "kind": "cause", "id": found.id, "process": process, "target": target,
+        "kind": kind(found), "id": found.id, "process": process, "target": target,
         "shape": shape_json(&found.written), "scope": scope_json(&found.written.scope),
         "size": { "value": number(size), "unit": unit, "se": number(found.standard_error * ratio) },
     });
@@ -69,7 +74,6 @@ fn found_json(found: &Found, target: &str, process: &str) -> Value {
         value["recorded"] = number(recorded);
     }
     if let Some(definition) = found.written.definition {
-        value["kind"] = json!(if definition.is_empirical() { "empirical" } else { "cause" });
         value["definition"] = json!(definition.text());
     }
     value
@@ -87,6 +91,16 @@ fn constant_json(constant: &Constant, process: &str) -> Value {
         value["unit"] = json!(Calibration::WORDS.iter().find(word).map_or("1", |(_, unit)| *unit));
     } else {
         value["factor"] = number(constant.value);
+    }
+    value
+}
+
+/// Calibration and effects of a point of one process that an application may write: [`document`] has those of what was
+/// named, an entry of `proposals` those with its terms.
+pub fn point_json(part: &Applied, process: &Process<'_>) -> Value {
+    let mut value = applied_json(std::slice::from_ref(part), &process.target, process.name);
+    if let Some(map) = value.as_object_mut() {
+        map.retain(|key, _| key == "calibration" || key == "effects");
     }
     value
 }
@@ -135,7 +149,7 @@ pub fn document(mut document: Value, processes: &[Process<'_>], data: (String, u
             let place = left.iter().position(named).filter(|_| mine);
             let found = place.map(|place| left.remove(place));
             if let (Some(found), true, true) = (found, mine, effect["size"].is_number()) {
-                effect["kind"] = json!("cause");
+                effect["kind"] = json!(kind(found));
                 effect["words"] = effect["shape"].take();
                 effect["shape"] = shape_json(&found.written);
                 effect["scope"] = scope_json(&found.written.scope);

@@ -63,7 +63,11 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
         return Err(ApplyError::Model { diagnosed, found });
     }
     let mut document = parsed(request.text)?;
-    let list = |key: &str| diagnosis["applied"][key].as_array().into_iter().flatten().filter(mine).collect::<Vec<_>>();
+    // With its terms a model has another calibration, too.
+    let mut proposals = diagnosis["proposals"].as_array().into_iter().flatten();
+    let proposed = proposals.find(|own| request.empirical && mine(own)).map(|own| &own["applied"]);
+    let applied = proposed.unwrap_or(&diagnosis["applied"]);
+    let list = |key: &str| applied[key].as_array().into_iter().flatten().filter(mine).collect::<Vec<_>>();
     let wanted = |own: &&&Value| {
         let id = own["id"].as_str().unwrap_or_default();
         request.only.is_empty() || request.only.iter().any(|only| only == id)

@@ -46,7 +46,7 @@ mod values;
 
 pub use applied::{Applied, Constant, Found, applied_to};
 pub use difference::changed_lines;
-pub use document::{PredictionRow, Process, SCHEMA, document, predictions_of, scope_json};
+pub use document::{PredictionRow, Process, SCHEMA, document, point_json, predictions_of, scope_json};
 pub use edit::{Changes, Request, apply};
 pub use error::ApplyError;
 pub use grew::{Grew, grew};

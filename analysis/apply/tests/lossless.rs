@@ -3,7 +3,7 @@
 
 use serde_json::{Value, json};
 use std::path::Path;
-use toolroom_apply::{Applied, Process, Request, applied_to, apply, document, model_hash, predictions};
+use toolroom_apply::{Applied, Process, Request, applied_to, apply, document, model_hash, point_json, predictions};
 use toolroom_gap::{Basis, Forward, Method, NominalModel};
 use toolroom_records::{Records, parse_csv};
 use toolroom_truth::Case;
@@ -239,4 +239,43 @@ fn an_effect_of_a_user_beside_the_model_is_written_into_it_with_its_definition()
     // A model that defines it otherwise is refused beside the file.
     let other = format!("{TURNING}{}", CRATER.replace("4 min", "5 min"));
     assert!(model(&other).with_effects(Path::new("model.toml"), &defined).is_err());
+}
+
+#[test]
+fn proposed_terms_are_written_where_they_are_accepted_and_with_the_calibration_beside_them() {
+    const TERM: &str = "
+[[effect]]
+id = \"proposed.temperature.speed\"
+kind = \"empirical\"
+process = [\"turning\"]
+size = { ordinary = 0.1, range = [-2, 2] }
+changes = [{ term = \"temperature_rise\", factor = \"exp(size * (min(cutting_speed, 400 m/min) / 200 m/min - 1))\" }]
+";
+    let records = records("turning", TURNING);
+    let (mut diagnosis, plain) = diagnosed(TURNING, &records, &[]);
+    let defined = toolroom_effects::parse_definitions("proposed.toml", TERM).expect("a definition");
+    let nominal = model(TURNING).with_effects(Path::new("model.toml"), &defined).expect("one of its id");
+    let forward = nominal.over(&records, None, |_, _| false).0;
+    let candidates = &forward.frame().candidates;
+    let term = candidates.iter().position(|own| own.id == defined[0].entry().id).expect("a candidate");
+    let basis = Basis::of_sheet(forward.as_ref(), Method::default());
+    let described = applied_to(forward.as_ref(), forward.as_ref(), &[], &basis, &[term], None);
+    let hash = model_hash(TURNING, &[]).expect("TOML");
+    let (target, path) = (nominal.target(), Path::new("m"));
+    let point = point_json(&described, &Process { name: "turning", path, hash, target, parts: &[] });
+    assert_eq!(point["effects"][0]["kind"], "empirical");
+    diagnosis["proposals"] = json!([{ "kind": "empirical", "process": "turning", "applied": point }]);
+    let without = written(TURNING, &diagnosis);
+    assert!(!without.contains("proposed.") && difference(&without, &records, &plain) <= 1e-9, "{without}");
+    let request = Request {
+        text: TURNING,
+        overrides: &[],
+        diagnosis: &diagnosis,
+        process: "turning",
+        only: &[],
+        calibration: true,
+        empirical: true,
+    };
+    let with = apply(request).expect("applicable").text;
+    assert!(with.contains("kind = \"empirical\"") && difference(&with, &records, &described) <= 1e-9, "{with}");
 }

@@ -98,6 +98,9 @@ pub struct DiagnoseArgs {
     /// File of effects of your own, beside those of the catalogue, repeatable
     #[arg(long, value_name = "EFFECTS.toml")]
     pub effects: Vec<PathBuf>,
+    /// Where no cause is known, write terms that describe the gap (empirical, not a cause) into this file
+    #[arg(long, value_name = "PROPOSED.toml")]
+    pub propose: Option<PathBuf>,
     /// Share of the groups that is kept out of the fit and only predicted
     #[arg(long, value_name = "FRACTION", conflicts_with = "holdout_data")]
     pub holdout: Option<f64>,

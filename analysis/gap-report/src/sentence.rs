@@ -63,8 +63,9 @@ fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>
         let cost = minutes.and_then(|minutes| minutes.cost(effect.id));
         let cost = cost.map_or_else(String::new, |cost| format!(" It costs {cost}."));
         format!(
-            "{}Cause: {} ({}{shape}; {} {}, 90 %: {} … {}; probability {:.2}).{others}{cost}",
+            "{}{}: {} ({}{shape}; {} {}, 90 %: {} … {}; probability {:.2}).{others}{cost}",
             moved(readings, index),
+            if effect.empirical { "No cause, but what describes it (empirical)" } else { "Cause" },
             effect.title,
             effect.id,
             number(effect.size, 3),
@@ -175,6 +176,7 @@ mod tests {
                 example.effects.push(NamedEffect {
                     id: "wear_force",
                     title: "forces grow with flank wear",
+                    empirical: false,
                     shape: String::new(),
                     size: 0.2,
                     unit: "1",

@@ -294,6 +294,7 @@ fn diagnosed(request: &RecoveryRequest<'_>, model: &Path, data: &Path) -> Result
         holdout: 0.0,
         holdout_data: None,
         seed: 1,
+        propose: None,
         pages: false,
     };
     GapStudy::new(&asked, &reading)

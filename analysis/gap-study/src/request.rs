@@ -57,6 +57,8 @@ pub struct GapRequest<'a> {
     pub holdout_data: Option<&'a Path>,
     /// Seed of the null distributions and of the intervals.
     pub seed: u64,
+    /// Name of the file of terms that are proposed where no cause is known; none are sought without it.
+    pub propose: Option<&'a str>,
     /// Whether pages with pictures are wanted, which cost a moment.
     pub pages: bool,
 }

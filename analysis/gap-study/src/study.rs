@@ -5,15 +5,17 @@ use crate::known::{self, Known};
 use crate::{GapRequest, GapStudyError, Reading, Table, tables};
 use serde_json::Value;
 use std::path::Path;
-use toolroom_apply::{Applied, Grew, PredictionRow, Process, document, grew, predictions_of};
+use toolroom_apply::{Applied, Grew, PredictionRow, Process, document, grew, point_json, predictions_of};
 use toolroom_chart::ResultFiles;
 use toolroom_chart::page::Provenance;
+use toolroom_effects::Definition;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{
     Answers, Asked, Diagnosed, Diagnosis, GapVerdict, NextExperiment, NominalModel, NominalProcess, add_dynamics,
     diagnosed_processes, joined,
 };
+use toolroom_gap_proposals::{Asking, NOTHING, Proposed, is_open, proposed};
 use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
 use toolroom_records::{ColumnKind, Records};
 
@@ -30,6 +32,8 @@ pub struct GapStudy {
     pub predictions: Vec<PredictionRow>,
     /// The report, process by process; without pictures where none were wanted.
     pub pages: Vec<Page>,
+    /// The file of terms that describe a gap of which no cause is known, where they were wanted and there are some.
+    pub proposed: Option<String>,
 }
 
 /// A process before it is diagnosed.
@@ -68,6 +72,7 @@ impl GapStudy {
         for ((_, diagnosis), own) in answers.processes.iter_mut().zip(&points) {
             diagnosis.notes.extend(grew(own).iter().map(Grew::words));
         }
+        let proposals = proposals(request, &mut answers, (&rest, &stated, &asked))?;
         let with_records = stated.iter().zip(&points).filter_map(|(known, own)| Some((known.records.as_ref()?, own)));
         let predictions = with_records.flat_map(|(records, points)| predictions_of(records, points)).collect();
         let pages = completed(request, &mut answers, rest, &asked);
@@ -76,7 +81,14 @@ impl GapStudy {
         if let Some(list) = document["applied"]["calibration"].as_array_mut() {
             list.extend(answers.processes.iter().flat_map(|(process, own)| constants_of_facts(process, own)));
         }
-        Ok(Self { answers, document, predictions, pages })
+        let entry = |(place, own): &(usize, Proposed)| {
+            let mut entry = own.entry.clone();
+            entry["applied"] = point_json(&own.applied, &processes[*place]);
+            entry
+        };
+        document["proposals"] = proposals.iter().map(entry).collect();
+        let proposed = proposals.first().map(|(_, own)| own.text.clone());
+        Ok(Self { answers, document, predictions, pages, proposed })
     }
 
     /// Processes of which too little was measured for an answer, each with what is too little.
@@ -138,6 +150,37 @@ fn prepared(
     Ok(Prepared { asked, known, table: Some((model, records)) })
 }
 
+/// What describes the gap of each process of which no cause is known, with the place of the process; notes say so.
+fn proposals(
+    request: &GapRequest<'_>,
+    answers: &mut Answers,
+    (tables, stated, asked): (&[Option<(NominalModel, Records)>], &[Known], &[Asked]),
+) -> Result<Vec<(usize, Proposed)>, GapStudyError> {
+    let Some(file) = request.propose else { return Ok(Vec::new()) };
+    let mut all = Vec::new();
+    for (place, (process, diagnosis)) in answers.processes.iter_mut().enumerate() {
+        let Some((model, records)) = &tables[place] else { continue };
+        if !is_open(process, diagnosis) {
+            continue;
+        }
+        if stated[place].is_set_aside() {
+            diagnosis.notes.push("nothing is proposed from records that the model has seen".to_owned());
+            continue;
+        }
+        let held = |name: &str| !fitted(&asked[place], name);
+        let (path, group, seed) = (&request.models[place], request.group, request.seed);
+        let asking = Asking { process, diagnosis, model, path, records, group, held: &held, file, seed };
+        match proposed(&asking)? {
+            Some(own) => {
+                diagnosis.notes.insert(0, own.note.clone());
+                all.push((place, own));
+            }
+            None => diagnosis.notes.push(NOTHING.to_owned()),
+        }
+    }
+    Ok(all)
+}
+
 /// The models of turning, milling and grinding in which what was found, or what the data ask for where nothing was named, is
 /// tried on parts of the records as well; nothing where there is no such effect.
 fn split(
@@ -157,8 +200,10 @@ fn split(
             continue;
         };
         // Records that the model has seen are held against what it was before them, which has no parts.
-        let effects = if stated[i].is_set_aside() { Vec::new() } else { asked_for(process, diagnosis) };
-        let places = if stated[i].is_set_aside() { Vec::new() } else { places(process, diagnosis) };
+        let aside = stated[i].is_set_aside();
+        let mut effects = if aside { Vec::new() } else { asked_for(process, diagnosis) };
+        effects.extend(described(process, request, &effects).into_iter().filter(|_| !aside));
+        let places = if aside { Vec::new() } else { places(process, diagnosis) };
         any |= !effects.is_empty() || !places.is_empty();
         let held = |_: usize, name: &str| !fitted(own, name);
         all.push(model.clone().splitting(effects, places).asked(records, request.group, held));
@@ -184,6 +229,14 @@ fn asked_for(process: &str, diagnosis: &Diagnosis) -> Vec<(String, String)> {
         asked.map(|own| (own.id.to_owned(), own.shape.clone())).take(MOST_SPLIT)
     };
     if diagnosis.effects.is_empty() { likely().collect() } else { named().take(MOST_SPLIT).collect() }
+}
+
+/// Effects of the request that describe and are no cause, by id and shape, but for those in `known`: a term that was proposed
+/// may say nothing but where it acts.
+fn described(process: &str, request: &GapRequest<'_>, known: &[(String, String)]) -> Vec<(String, String)> {
+    let acts = |own: &&&'static Definition| own.is_empirical() && own.entry().search(process).is_some();
+    let all = request.defined.iter().filter(acts).map(|own| (own.entry().id.to_owned(), String::new()));
+    all.filter(|own| SPLIT.contains(&process) && !known.contains(own)).collect()
 }
 
 /// Levels of columns that the strongest structure follows, where it has no cause: every effect is tried there.

@@ -8,7 +8,7 @@ use super::evidence::{Evidence, gain};
 use super::rules::{Judged, Refusal, Rule, agreed, stands};
 use super::stepwise;
 use super::trial::{Remainder, Trial};
-use super::{Closure, Found, GapVerdict, NotNamed};
+use super::{Closure, Forward, Found, GapVerdict, NINETY, NotNamed, Transform};
 
 /// A single effect with its gain over the nominal model.
 #[derive(Clone, Debug)]
@@ -23,6 +23,15 @@ pub struct Single {
     pub evidence: Evidence,
     /// Index among the refitted trials, where it was.
     pub trial: Option<usize>,
+}
+
+/// Structure in the map that its null does not have.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Mapped {
+    /// Where, and how strongly.
+    pub words: String,
+    /// Upper 90 % end of its root mean square over the level of the channel in which that is greatest.
+    pub share: f64,
 }
 
 /// Everything on which a verdict rests.
@@ -61,6 +70,35 @@ impl Decision {
     pub(super) fn generic_gain(&self) -> f64 {
         let choice = (self.before.dictionary.len().max(1) as f64).ln();
         gain(&self.before.evidence, &self.base.evidence) - choice - self.share
+    }
+
+    /// What the map of channels and covariates shows beside the nominal model beyond its null.
+    pub(super) fn structure(&self, model: &dyn Forward) -> Option<Mapped> {
+        let Remainder { scores, strongest, threshold, dictionary, .. } = &self.before;
+        let (score, signature) = (scores.score.get(*strongest)?.abs(), dictionary.get(*strongest)?);
+        if score <= *threshold || self.generic_gain() <= GATE {
+            return None;
+        }
+        let words = format!(
+            "structure is left: {} follows {} (score {score:.1}; one of a hundred data sets without a gap exceeds {threshold:.1})",
+            signature.channel, signature.covariate
+        );
+        let measured = &model.frame().measured;
+        let size = scores.estimate[*strongest].abs() * (1.0 + NINETY / score);
+        // Relative to the level of each channel: of a comparison of logarithms the column is that already.
+        let share = |channel: usize| {
+            let (mut squares, mut levels, mut count) = (0.0, 0.0, 0.0_f64);
+            let own = measured.observations.iter().enumerate().filter(|(_, own)| own.channel == channel);
+            for (i, _) in own {
+                squares += (size * signature.column[i]).powi(2);
+                levels += self.base.fit.linear.raw[i].abs();
+                count += 1.0;
+            }
+            let rms = (squares / count.max(1.0)).sqrt();
+            if measured.channels[channel].transform == Transform::Log { rms } else { rms * count / levels }
+        };
+        let shares = (0..measured.channels.len()).map(share).filter(|share| !share.is_nan());
+        Some(Mapped { words, share: shares.fold(0.0, f64::max) })
     }
 
     /// Gain of a trial over the nominal model, the choice among many paid for.
@@ -272,9 +310,6 @@ fn kept(context: Diagnosing<'_>, decision: &mut Decision, chosen: usize, effects
 }
 
 fn choose(context: Diagnosing<'_>, decision: &mut Decision) {
-    let strongest = decision.before.strongest;
-    let structure = decision.before.scores.score.get(strongest).map_or(0.0, |score| score.abs());
-    let structured = structure > decision.before.threshold && decision.generic_gain() > GATE;
     if let Some(index) = best_model(context, decision) {
         let judged = Judged::against_nominal(context, decision, &decision.trials[index]);
         let rules = judged.refusals();
@@ -296,7 +331,7 @@ fn choose(context: Diagnosing<'_>, decision: &mut Decision) {
         }
         not_named(decision, context, index, rules);
     }
-    if structured && context.basis.method.abstention {
+    if decision.structure(context.model).is_some() && context.basis.method.abstention {
         decision.reasons.push("structure is left that no effect of the catalogue explains".to_owned());
         decision.verdict = GapVerdict::Unknown;
     }

@@ -23,6 +23,7 @@ use super::{
     Transform, Tried,
 };
 use rayon::prelude::*;
+use toolroom_effects::Definition;
 
 /// Cells of the map that are reported.
 pub(super) const CELLS: usize = 12;
@@ -170,7 +171,7 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
             if decision.verdict == GapVerdict::Effect {
                 diagnosis.fit_with_effects = Some(test(&decision.model().fit));
             }
-            doubted(&mut diagnosis);
+            doubted(&mut diagnosis, decision.structure(model), pushed, || decision.asked_for(context));
         }
     }
     diagnosis.next = next(model.frame(), &diagnosis);
@@ -239,6 +240,7 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
         NamedEffect {
             id: candidate.id,
             title: entry(model.frame(), candidate.id).map_or(candidate.id, |entry| entry.title),
+            empirical: model.written(*index).definition.is_some_and(Definition::is_empirical),
             shape: candidate.shape.clone(),
             size: size * factor,
             unit,

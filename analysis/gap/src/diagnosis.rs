@@ -56,6 +56,8 @@ pub struct NamedEffect {
     pub id: &'static str,
     /// What it is, in words.
     pub title: &'static str,
+    /// Whether it describes the records without saying why, as its author says: **empirical, not a cause**.
+    pub empirical: bool,
     /// Which lot, window or time constant; may be empty.
     pub shape: String,
     /// Size.

@@ -19,6 +19,11 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
+    /// Residuals that were put together from several fits, of which no other fits are known.
+    pub fn alone(residual: Vec<f64>) -> Self {
+        Self { residual, moves: Vec::new() }
+    }
+
     /// The fit that predicts a group has not seen it. Of the group's own factors, those that are mere
     /// scatter follow its readings, with or without an effect: no model of means predicts them, and
     /// beside them a gap of the means would drown. The others are unknown. The form allowance protects

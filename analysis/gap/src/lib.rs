@@ -20,6 +20,7 @@
 //! | [`diagnose_processes()`] | the same for every process of a data set, with one answer |
 //! | [`identifiability()`] | what records of a design can show, before anything is measured |
 //! | [`Forward`] | what a nominal model must offer; [`cutting::Cutting`] offers it for turning and milling, [`program::Stretches`] for part programs |
+//! | [`propose()`] | terms that describe a gap of which no cause is known |
 //! | [`Diagnosis`] | what is said, and its JSON form |
 //! | [`Basis`], [`Noise`] | by what all models are judged |
 //!
@@ -62,6 +63,7 @@ mod noise;
 pub mod plan;
 mod pooled;
 mod processes;
+mod propose;
 mod queue;
 mod reframed;
 mod rules;
@@ -98,6 +100,7 @@ pub use measures::{Left, Measures, apart};
 pub use method::{Bare, Method};
 pub use noise::Noise;
 pub use processes::{Answers, diagnose_processes, diagnosed_processes};
+pub use propose::{Library, Proposal, ProposedTerm, propose};
 pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
 pub use toolroom_evidence::{EFFECT_PRIOR, Evidence, Gram};

@@ -11,7 +11,7 @@
 use super::channels::{diagnose_among, mean_budget};
 use super::diagnose::Diagnosed;
 use super::pooled::pooled;
-use super::summary::{named, percent, rounded, verdict, with_unit};
+use super::summary::{named, named_effect, percent, rounded, verdict, with_unit};
 use super::{Asked, Closure, Diagnosis, Forward, GapVerdict, Untried};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -196,7 +196,7 @@ impl Answers {
                 let _ = writeln!(
                     text,
                     "  {}  {} (90 %: {} … {}), probability {:.2}{}",
-                    named(effect.id, &effect.shape),
+                    named_effect(effect),
                     with_unit(effect.size, effect.unit),
                     rounded(effect.ci90[0]),
                     rounded(effect.ci90[1]),

@@ -1,6 +1,6 @@
 //! A diagnosis in ten lines for the terminal, and as a report.
 
-use super::{Diagnosis, GapVerdict};
+use super::{Diagnosis, GapVerdict, NamedEffect};
 use std::fmt::Write;
 use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Estimate, Intervals, Table, Waterfall};
@@ -22,6 +22,12 @@ pub(super) fn named(id: &str, shape: &str) -> String {
     if shape.is_empty() { id.to_owned() } else { format!("{id} ({shape})") }
 }
 
+/// A named effect in words, with the warning that a description is no cause.
+pub(super) fn named_effect(effect: &NamedEffect) -> String {
+    let words = named(effect.id, &effect.shape);
+    if effect.empirical { format!("{words}, empirical, not a cause") } else { words }
+}
+
 pub(super) fn with_unit(value: f64, unit: &str) -> String {
     if unit == "1" { rounded(value) } else { format!("{} {unit}", rounded(value)) }
 }
@@ -30,7 +36,7 @@ pub(super) fn with_unit(value: f64, unit: &str) -> String {
 pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
     match diagnosis.verdict {
         GapVerdict::Effect => {
-            let names: Vec<String> = diagnosis.effects.iter().map(|effect| named(effect.id, &effect.shape)).collect();
+            let names: Vec<String> = diagnosis.effects.iter().map(named_effect).collect();
             format!("missing effect: {}", names.join(" and "))
         }
         GapVerdict::Small => "the model does not fit exactly, but what it leaves matters nowhere".to_owned(),
@@ -61,7 +67,7 @@ impl Diagnosis {
             let _ = writeln!(
                 text,
                 "  {}  {} (90 %: {} … {}), probability {:.2}, score {:.1}",
-                named(effect.id, &effect.shape),
+                named_effect(effect),
                 with_unit(effect.size, effect.unit),
                 rounded(effect.ci90[0]),
                 rounded(effect.ci90[1]),

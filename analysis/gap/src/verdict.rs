@@ -9,8 +9,13 @@
 //! | rejects | an effect | `effect`; what is left beside it is said |
 //! | rejects | a constant beyond belief that closes like a cause | `constant`; what is left beside it is said |
 //! | rejects | nothing | `small` where nothing that is left matters, else `unknown` |
+//!
+//! Where the noise is read off the records there are two tests: what is left has to be exchangeable, and the map of channels
+//! and covariates may show no structure beyond its null. Each of them rejects; a rule that keeps an effect from being named
+//! rejects nothing.
 
 use super::constants::{FAR_CONSTANT, LEAST_CLOSED};
+use super::decide::Mapped;
 use super::{Closure, Diagnosis, Fitness, GapVerdict, Structure};
 
 /// Share of a channel's value below which structure does not matter (1). Assumption:
@@ -44,18 +49,7 @@ pub(super) fn backed(
             diagnosis.fit_with_effects = None;
         }
         unrejected(diagnosis, &pushed);
-        if diagnosis.verdict == GapVerdict::NoGap
-            && let Some((ids, gain)) = asked()
-        {
-            diagnosis.verdict = GapVerdict::Masked;
-            let why = format!(
-                "{ids} would explain the records better (gain {gain:.1}), but constants within what is believed of \
-                 them explain them as well (p = {:.3}): the next experiment tells",
-                fit.p
-            );
-            diagnosis.suspected = Some(why.clone());
-            diagnosis.notes.insert(0, why);
-        }
+        suspected(diagnosis, fit.p, asked);
         return;
     }
     if diagnosis.verdict == GapVerdict::Effect {
@@ -94,19 +88,48 @@ pub(super) fn unrejected(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<
     }
 }
 
-/// Takes back a `no_gap` that the test of a model contradicts whose noise was read off the records. Names are no question
-/// of it: there calibration may follow what an effect does, and evidence tells them apart.
-pub(super) fn doubted(diagnosis: &mut Diagnosis) {
+/// Sets the verdict where the noise was read off the records. Names are no question of its tests: there calibration may
+/// follow what an effect does, and evidence tells them apart. `structure` says what the map shows beyond its null; the others
+/// are as in [`backed`].
+pub(super) fn doubted(
+    diagnosis: &mut Diagnosis,
+    structure: Option<Mapped>,
+    pushed: impl Fn() -> Option<String>,
+    asked: impl Fn() -> Option<(String, f64)>,
+) {
     if let Some(with) = diagnosis.fit_with_effects.as_ref().filter(|fit| !fit.passed()) {
         let words = rejected(Some(with));
         diagnosis.notes.push(format!("beside it: {words}"));
     }
-    let Some(fit) = diagnosis.fit.as_ref().filter(|fit| !fit.passed()) else { return };
-    if diagnosis.verdict == GapVerdict::NoGap {
-        let small = !fit.structure.iter().any(Structure::may_matter);
-        let words = rejected(Some(fit));
-        diagnosis.verdict = if small { GapVerdict::Small } else { GapVerdict::Unknown };
-        diagnosis.notes.insert(0, words);
+    let Some(fit) = diagnosis.fit.clone() else { return };
+    let abstained = diagnosis.verdict == GapVerdict::Unknown;
+    if fit.passed() && structure.is_none() {
+        if abstained {
+            // An effect was kept from being named, and no test asks for one.
+            unrejected(diagnosis, pushed);
+            suspected(diagnosis, fit.p, asked);
+        }
+    } else if abstained || (diagnosis.verdict == GapVerdict::NoGap && !fit.passed()) {
+        let matters = structure.as_ref().is_some_and(|own| own.share > SHARE)
+            || (!fit.passed() && fit.structure.iter().any(Structure::may_matter));
+        diagnosis.verdict = if matters { GapVerdict::Unknown } else { GapVerdict::Small };
+        let by_map = structure.map(|own| own.words).filter(|_| fit.passed());
+        diagnosis.notes.insert(0, by_map.unwrap_or_else(|| rejected(Some(&fit))));
+    }
+}
+
+/// Where no test stands against the calibrated model, says which effects the evidence asks for all the same.
+fn suspected(diagnosis: &mut Diagnosis, p: f64, asked: impl Fn() -> Option<(String, f64)>) {
+    if diagnosis.verdict == GapVerdict::NoGap
+        && let Some((ids, gain)) = asked()
+    {
+        diagnosis.verdict = GapVerdict::Masked;
+        let why = format!(
+            "{ids} would explain the records better (gain {gain:.1}), but constants within what is believed of \
+             them explain them as well (p = {p:.3}): the next experiment tells"
+        );
+        diagnosis.suspected = Some(why.clone());
+        diagnosis.notes.insert(0, why);
     }
 }
 
@@ -146,5 +169,57 @@ impl Diagnosis {
         let constant = self.fit.as_ref().filter(|_| self.verdict == GapVerdict::Constant);
         let named = self.fit_with_effects.as_ref().or(constant);
         named.filter(|fit| !fit.passed()).map(|_| GapVerdict::Unknown.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Part;
+
+    /// A diagnosis whose rules kept an effect from being named, with a test of this probability.
+    fn abstained(p: f64, upper: f64) -> Diagnosis {
+        let part = Part { what: "cutting_time", test: "groups", follows: String::new(), p, statistic: 2.0 };
+        let structure = Structure { channel: "cutting_time", upper, level: 1.0, sensor: 0.01 };
+        let fit = Fitness { p, level: 0.01, parts: vec![part], least_seen: Vec::new(), structure: vec![structure] };
+        Diagnosis {
+            verdict: GapVerdict::Unknown,
+            fit: Some(fit),
+            notes: Vec::new(),
+            ..Diagnosis::cannot_tell(String::new())
+        }
+    }
+
+    fn told(mut diagnosis: Diagnosis, structure: Option<f64>, gain: Option<f64>) -> Diagnosis {
+        let asked = || gain.map(|gain| ("micro_stops".to_owned(), gain));
+        let structure = structure.map(|share| Mapped { words: "structure is left".to_owned(), share });
+        doubted(&mut diagnosis, structure, || None, asked);
+        diagnosis
+    }
+
+    #[test]
+    fn nothing_is_unknown_where_no_test_rejects() {
+        assert_eq!(told(abstained(0.3, 0.1), None, None).verdict, GapVerdict::NoGap);
+        let suspected = told(abstained(0.3, 0.1), None, Some(6.0));
+        assert_eq!(suspected.verdict, GapVerdict::Masked);
+        assert!(suspected.suspected.is_some_and(|words| words.contains("micro_stops") && words.contains("p = 0.300")));
+    }
+
+    #[test]
+    fn unknown_says_which_test_rejects_and_small_that_nothing_matters() {
+        let by_test = told(abstained(0.002, 0.1), None, Some(6.0));
+        assert_eq!(by_test.verdict, GapVerdict::Unknown);
+        assert!(by_test.notes[0].starts_with("the fit is rejected (p = 0.002)"), "{:?}", by_test.notes);
+        let by_map = told(abstained(0.3, 0.1), Some(0.02), None);
+        assert_eq!((by_map.verdict, by_map.notes[0].as_str()), (GapVerdict::Unknown, "structure is left"));
+        assert_eq!(told(abstained(0.3, 0.1), Some(0.002), None).verdict, GapVerdict::Small);
+    }
+
+    #[test]
+    fn a_rejected_test_takes_back_that_there_is_no_gap_and_names_nothing() {
+        let found = Diagnosis { verdict: GapVerdict::NoGap, ..abstained(0.002, 0.1) };
+        assert_eq!(told(found, None, Some(6.0)).verdict, GapVerdict::Unknown);
+        let found = Diagnosis { verdict: GapVerdict::NoGap, ..abstained(0.3, 0.1) };
+        assert_eq!(told(found, None, Some(6.0)).verdict, GapVerdict::NoGap);
     }
 }

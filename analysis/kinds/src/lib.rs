@@ -21,6 +21,7 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod diagnosis;
+mod empirical;
 mod error;
 mod load_table;
 mod places;
@@ -75,6 +76,10 @@ pub const CODES: &[(&str, &str)] = &[
     (
         "true-mean",
         "A warning of check: a normal time is drawn between its `low` (0) and its `high` only, not clipped there, so that its mean is not the `mean` of the whole distribution. The line says what it truly is. Nothing is changed; where the mean matters, take a family that has no negative values, such as lognormal or gamma.",
+    ),
+    (
+        "empirical",
+        "A warning of check: an effect of the file has kind = \"empirical\". It describes what records showed without saying why, such as a term that gap diagnose --propose has written. It holds where it was seen; its formula keeps the value of the end of that range beyond it. Look for the cause before a plan rests on it.",
     ),
     (
         "unusual",

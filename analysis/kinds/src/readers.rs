@@ -1,6 +1,7 @@
 //! The reader of each kind: what its verb would refuse before it begins is refused here.
 
 use crate::KindError;
+use crate::empirical::empirical;
 use crate::places::{header, nominal as nominal_place, parameter, refused};
 use crate::warning::{Warning, unusual};
 use crate::workload::workload;
@@ -92,7 +93,7 @@ pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
         scenario.horizon / 3600.0,
     ) + &workload.text();
     let strange = unusual(&echo);
-    let warnings: Vec<Warning> = workload.warnings.into_iter().chain(strange).collect();
+    let warnings: Vec<Warning> = workload.warnings.into_iter().chain(empirical(&scenario)).chain(strange).collect();
     Ok(Checked { echo, result, summary }.warned(&warnings))
 }
 
