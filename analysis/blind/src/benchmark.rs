@@ -2,6 +2,7 @@
 
 use crate::judged::judged;
 use crate::method::{ALL, PARTS, WHOLE, in_ablation};
+use crate::power;
 use crate::reliability;
 use crate::row::{self, Row};
 use crate::{Ablation, BlindError, Tally, markdown, tally};
@@ -98,6 +99,7 @@ impl Benchmark {
         let [probabilities, nulls] = reliability::json(&self.rows);
         summary["printed_probabilities"] = probabilities;
         summary["hiding_nothing"] = nulls;
+        summary["single_effects"] = power::json(&self.rows);
         summary
     }
 

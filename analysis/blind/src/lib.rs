@@ -17,6 +17,7 @@ mod error;
 mod judged;
 mod markdown;
 mod method;
+mod power;
 mod reliability;
 mod row;
 mod selection;
@@ -25,6 +26,7 @@ mod tally;
 
 pub use benchmark::{Benchmark, NAMES, diagnose, gather};
 pub use error::BlindError;
+pub use power::{Power, power};
 pub use reliability::{Bin, Blamed, blamed, calibration_error, reliability};
 pub use row::{Mark, Row};
 pub use selection::Selection;

@@ -1,6 +1,7 @@
 //! The tables of the gap benchmark, as Markdown.
 
 use crate::method::WHOLE;
+use crate::power;
 use crate::reliability;
 use crate::row::{Mark, Row};
 use crate::tally::{Ablation, Closed, Tally};
@@ -27,6 +28,7 @@ pub(crate) fn tables(tallies: &[Tally], ablations: &[Ablation], rows: &[Row]) ->
         }
         rules(&mut text, rows.iter().filter(|row| row.process == tally.process && row.method == WHOLE));
     }
+    power::tables(&mut text, rows);
     reliability::tables(&mut text, rows);
     text
 }

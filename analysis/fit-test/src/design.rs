@@ -115,15 +115,18 @@ impl Design {
         scores
     }
 
-    /// Adds what `x` of the shared and `own` of each group's numbers do to `column`; draws of the model need it.
+    /// Adds to each of `columns` what the numbers of its draw do: what all groups share, then what each has of its own.
+    /// Draws of the model need it. Group by group, so that the derivatives of a group are fetched once for all draws.
     ///
     /// # Panics
-    /// Where there are fewer numbers than columns.
-    pub fn add(&self, shared: &DVector<f64>, locals: &[DVector<f64>], column: &mut DVector<f64>) {
-        for (part, locals) in self.parts.iter().zip(locals) {
-            let moved = &part.group.shared * shared + &part.group.own * locals;
-            let mut rows = column.rows_range_mut(part.rows.clone());
-            rows += moved;
+    /// Where there are fewer numbers than columns of derivatives.
+    pub fn add(&self, numbers: &[(DVector<f64>, Vec<DVector<f64>>)], columns: &mut [DVector<f64>]) {
+        for (index, part) in self.parts.iter().enumerate() {
+            for ((shared, locals), column) in numbers.iter().zip(columns.iter_mut()) {
+                let moved = &part.group.shared * shared + &part.group.own * &locals[index];
+                let mut rows = column.rows_range_mut(part.rows.clone());
+                rows += moved;
+            }
         }
     }
 

@@ -44,6 +44,28 @@ impl Statistic {
             Self::Scale | Self::Memory | Self::Shape => false,
         }
     }
+
+    /// Its value for the `scores` of a channel; zero without scores.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_fit_test::{Channel, Statistic};
+    /// let channel = Channel::new(vec![0..2, 2..4], Vec::new());
+    /// assert_eq!(Statistic::Level.of(&[1.0, 1.0, -1.0, 3.0], &channel), 2.0);
+    /// ```
+    pub fn of(self, scores: &[f64], channel: &Channel) -> f64 {
+        if scores.is_empty() {
+            return 0.0;
+        }
+        match self {
+            Self::Level => level(scores),
+            Self::Scale => scale(scores),
+            Self::Groups => groups(scores, &channel.groups),
+            Self::Memory => memory(scores, &channel.groups),
+            Self::Shape => shape(scores),
+            Self::Covariate => strongest(scores, channel).map_or(0.0, |(_, score)| score),
+        }
+    }
 }
 
 /// How the scores of a channel lie.
@@ -86,28 +108,32 @@ impl Statistics {
     /// assert_eq!(statistics.get(Statistic::Level), 2.0);
     /// ```
     pub fn of(scores: &[f64], channel: &Channel) -> Self {
-        if scores.is_empty() {
-            return Self { values: [0.0; 6], strongest: None };
-        }
-        let follows = |covariate: &Vec<f64>| scores.iter().zip(covariate).map(|(z, x)| z * x).sum::<f64>().abs();
-        let strongest = channel.covariates.iter().map(follows).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-        Self {
-            values: [
-                level(scores),
-                scale(scores),
-                groups(scores, &channel.groups),
-                memory(scores, &channel.groups),
-                shape(scores),
-                strongest.map_or(0.0, |(_, score)| score),
-            ],
-            strongest: strongest.map(|(index, _)| index),
-        }
+        Self::where_asked(scores, channel, |_| true)
+    }
+
+    /// The same with zero for every kind that `asks` leaves out, which then costs nothing: the shape of a distribution
+    /// takes as long as all others together.
+    pub fn where_asked(scores: &[f64], channel: &Channel, asks: impl Fn(Statistic) -> bool) -> Self {
+        let strongest = if scores.is_empty() { None } else { strongest(scores, channel) };
+        let value = |statistic: Statistic| match (asks(statistic), statistic, strongest) {
+            (false, ..) => 0.0,
+            // What has been found already.
+            (true, Statistic::Covariate, Some((_, score))) => score,
+            (true, ..) => statistic.of(scores, channel),
+        };
+        Self { values: Statistic::ALL.map(value), strongest: strongest.map(|(index, _)| index) }
     }
 
     /// One of them.
     pub fn get(&self, statistic: Statistic) -> f64 {
         self.values[statistic as usize]
     }
+}
+
+/// The covariate that the scores follow most, and how strongly.
+fn strongest(scores: &[f64], channel: &Channel) -> Option<(usize, f64)> {
+    let follows = |covariate: &Vec<f64>| scores.iter().zip(covariate).map(|(z, x)| z * x).sum::<f64>().abs();
+    channel.covariates.iter().map(follows).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// `√m |z̄|`.
@@ -175,6 +201,20 @@ mod tests {
         for (value, golden) in statistics.values.iter().zip(golden) {
             assert!((value / golden - 1.0).abs() < 4e-6, "{value} instead of {golden}");
         }
+    }
+
+    #[test]
+    fn what_is_not_asked_is_zero_and_all_else_as_it_was() {
+        let ramp: Vec<f64> = (0..24).map(|i| f64::from(i) - 11.5).collect();
+        let channel = Channel::new(channel().groups, vec![vec![1.0; 24], ramp]);
+        let all = Statistics::of(&SCORES, &channel);
+        let some = Statistics::where_asked(&SCORES, &channel, |statistic| statistic != Statistic::Shape);
+        for statistic in Statistic::ALL {
+            let value = if statistic == Statistic::Shape { 0.0 } else { all.get(statistic) };
+            assert_eq!((some.get(statistic), statistic.of(&SCORES, &channel)), (value, all.get(statistic)));
+        }
+        assert_eq!(some.strongest, all.strongest);
+        assert_eq!(Statistics::of(&[], &channel).values, Statistic::ALL.map(|statistic| statistic.of(&[], &channel)));
     }
 
     #[test]

@@ -66,6 +66,10 @@ fn judged(test: &Test<'_>, basis: &Basis, seed: u64) -> Fitness {
     Fitness { p: judged.p, level, parts, least_seen, structure: test.structure(&observed.scores) }
 }
 
+/// Statistics in the order in which they are asked whether any of them sees a drift: one that does saves the others, and
+/// the shape of the distribution takes as long as all others together.
+const LIKELIEST: [Statistic; Statistic::ALL.len()] =
+    [Statistic::Covariate, Statistic::Groups, Statistic::Level, Statistic::Scale, Statistic::Memory, Statistic::Shape];
 /// Parts that are reported.
 const PARTS: usize = 60;
 
@@ -205,16 +209,15 @@ impl<'a> Test<'a> {
         column
     }
 
-    /// The statistics of a channel that the test asks for: those of the noise are at zero where that was read off the
-    /// records, and so is the mean, which no exchange changes.
-    fn asked(&self, statistics: &Statistics) -> [f64; Statistic::ALL.len()] {
-        let mut values = statistics.values;
-        if self.innovations.is_some() {
-            values[Statistic::Level as usize] = 0.0;
-            values[Statistic::Scale as usize] = 0.0;
-            values[Statistic::Shape as usize] = 0.0;
-        }
-        values
+    /// Whether the test asks for a statistic: not for those of the noise where that was read off the records, nor for the
+    /// mean, which no exchange changes.
+    fn asks(&self, statistic: Statistic) -> bool {
+        self.innovations.is_none() || ![Statistic::Level, Statistic::Scale, Statistic::Shape].contains(&statistic)
+    }
+
+    /// The statistics of a channel that the test asks for; the others are at zero.
+    fn asked(&self, scores: &[f64], layout: &Channel) -> Statistics {
+        Statistics::where_asked(scores, layout, |statistic| self.asks(statistic))
     }
 
     fn observed(&self) -> Observed {
@@ -224,12 +227,12 @@ impl<'a> Test<'a> {
         let (mut values, mut names) = (Vec::new(), Vec::new());
         for (channel, places, layout) in &self.channels {
             let of_channel: Vec<f64> = places.iter().map(|place| scores[*place]).collect();
-            let statistics = Statistics::of(&of_channel, layout);
+            let statistics = self.asked(&of_channel, layout);
             for statistic in Statistic::ALL {
                 let follows = statistics.strongest.filter(|_| statistic == Statistic::Covariate);
                 let follows = follows.map_or_else(String::new, |index| frame.covariates[index].name.clone());
                 names.push((frame.measured.channels[*channel].name, statistic.name(), follows));
-                values.push(self.asked(&statistics)[statistic as usize]);
+                values.push(statistics.get(statistic));
             }
         }
         let effects = self.catalogue.tr_mul(&self.residual);
@@ -248,7 +251,7 @@ impl<'a> Test<'a> {
     fn drawn(&self, numbers: Range<usize>, seed: u64) -> Vec<Draw> {
         let numbers: Vec<usize> = numbers.collect();
         let chunk = |numbers: &[usize]| -> Vec<Draw> {
-            let sets: Vec<DVector<f64>> = numbers.iter().map(|number| self.data_set(*number, seed)).collect();
+            let sets = self.data_sets(numbers, seed);
             let residuals = DMatrix::from_columns(&sets);
             let effects = self.catalogue.tr_mul(&residuals);
             let scores = self.scores(residuals);
@@ -266,25 +269,29 @@ impl<'a> Test<'a> {
     fn statistics(&self, scores: &DVector<f64>) -> Vec<f64> {
         let statistics_of = |(_, places, layout): &(usize, Vec<usize>, Channel)| {
             let of_channel: Vec<f64> = places.iter().map(|place| scores[*place]).collect();
-            self.asked(&Statistics::of(&of_channel, layout))
+            self.asked(&of_channel, layout).values
         };
         self.channels.iter().flat_map(statistics_of).collect()
     }
 
-    /// The whitened residual of data set `number`.
-    fn data_set(&self, number: usize, seed: u64) -> DVector<f64> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(1 + number as u64);
+    /// The whitened residuals of the data sets `numbers`.
+    fn data_sets(&self, numbers: &[usize], seed: u64) -> Vec<DVector<f64>> {
         let [shared, own] = self.design.columns();
-        let mut normal = |count: usize| DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
-        let (calibration, locals) =
-            (normal(shared), (0..self.design.rows().count()).map(|_| normal(own)).collect::<Vec<_>>());
-        let mut column = match &self.innovations {
-            Some(innovations) => self.exchanged(innovations, &mut random),
-            None => self.readings(&mut random),
+        let set = |number: &usize| {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            random.set_stream(1 + *number as u64);
+            let mut normal = |count: usize| DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
+            let calibration = normal(shared);
+            let locals: Vec<DVector<f64>> = (0..self.design.rows().count()).map(|_| normal(own)).collect();
+            let column = match &self.innovations {
+                Some(innovations) => self.exchanged(innovations, &mut random),
+                None => self.readings(&mut random),
+            };
+            ((calibration, locals), column)
         };
-        self.design.add(&calibration, &locals, &mut column);
-        column
+        let (moves, mut columns): (Vec<_>, Vec<_>) = numbers.iter().map(set).unzip();
+        self.design.add(&moves, &mut columns);
+        columns
     }
 
     /// Whitened readings of a run with the scatter of the scenario, by sensors with their steps.
@@ -361,12 +368,11 @@ impl<'a> Test<'a> {
             for scores in draws.iter().filter_map(|(_, scores)| scores.as_ref()) {
                 let moved: Vec<f64> =
                     places.iter().zip(&drift).map(|(place, drift)| scores[*place] + size * drift).collect();
-                let values = self.asked(&Statistics::of(&moved, layout));
-                let beyond = |(i, value): (usize, &f64)| {
-                    let [middle, high] = judged.scales[first + i];
-                    high > middle && (value - middle) / (high - middle) > critical
+                let beyond = |statistic: &Statistic| {
+                    let [middle, high] = judged.scales[first + *statistic as usize];
+                    high > middle && (statistic.of(&moved, layout) - middle) / (high - middle) > critical
                 };
-                found += f64::from(u8::from(values.iter().enumerate().any(beyond)));
+                found += f64::from(u8::from(LIKELIEST.iter().filter(|own| self.asks(**own)).any(beyond)));
                 count += 1.0;
             }
             found / count.max(1.0)

@@ -17,8 +17,8 @@ const SMALL: f64 = 1e-6;
 /// What the land, the body and the damage count as beside themselves in such a difference.
 const SCALES: [f64; 3] = [0.03e-3, 100.0, 0.1];
 
-/// What a run of its own needs in a row: conditions, factor on the wear rate, and that along the land.
-type Own<'a, P> = (<P as Nominal>::Held<'a>, f64, OfLand);
+/// What a run of its own needs in a row beside what all have in common: conditions and factor on the wear rate.
+type Own<'a, P> = (<P as Nominal>::Held<'a>, f64);
 
 /// How a direction acts.
 enum Way<'a, P> {
@@ -117,7 +117,7 @@ impl<P: Nominal> Cutting<P> {
                 .map(|way| match way {
                     Way::Seen(setting, _) | Way::Run(setting, _) => {
                         let (u, factor) = self.conditions(setting, group, *row);
-                        Some((setting.process(*row).held(&u), factor, setting.of_land(*row)))
+                        Some((setting.process(*row).held(&u), factor))
                     }
                     Way::Rate(..) | Way::RateOfLand(..) | Way::Reading(..) => None,
                 })
@@ -152,8 +152,9 @@ impl<P: Nominal> Cutting<P> {
                         (Way::Seen(..), Some((held, ..))) if step.seen => {
                             self.add(values, weight, &written(&self.observe(held, &local.middle)));
                         }
-                        (Way::Run(..), Some((held, factor, of_land))) => {
-                            let middle = taken::<P>(&parts, held, &mut each.x, step, [*factor; 2], of_land);
+                        (Way::Run(..), Some((held, factor))) => {
+                            // What the rate is along the land is carried along by `RateOfLand` alone.
+                            let middle = taken::<P>(&parts, held, &mut each.x, step, [*factor; 2], &of_land);
                             if step.seen {
                                 self.add(values, weight, &written(&self.observe(held, &middle)));
                             }
