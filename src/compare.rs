@@ -21,7 +21,7 @@ use toolroom_snapshot::Snapshot;
 use toolroom_study::planned::{self, PlannedError};
 use toolroom_study::request::{StudyRequest, policies_named};
 use toolroom_study::study::StudyOptions;
-use toolroom_study::tune::{TriedRun, TuneError, Tuning, tune_from, tuning_head};
+use toolroom_study::tune::{GuardlessVerdict, TriedRun, TuneError, Tuning, guardless, tune_from, tuning_head};
 use toolroom_study::variants::{self, Wanted};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
@@ -181,9 +181,30 @@ pub fn tuned(
     let bar = Bar::new(voice);
     let found = tune_from(&file.scenario, policies, wanted, args.study.threads, &|at| bar.at(at), interrupted, journal);
     bar.finish();
-    let found = found?;
+    let mut found = found?;
+    let freed = found.freed_of_guard();
+    let verdict = freed.map(|freed| without_guard(args, &changes, freed, policies, voice, interrupted));
+    found.without_guard = verdict.transpose()?;
     changes.extend(found.changes());
     Ok((read(args.scenario.path(), &changes)?, Some(Arc::new(found))))
+}
+
+/// The verdict where the settings that the guard excludes are rivals, too, on the random numbers that judge the others.
+fn without_guard(
+    args: &CompareArgs,
+    changes: &[String],
+    freed: Tuning,
+    policies: &[usize],
+    voice: &Voice,
+    interrupted: &AtomicBool,
+) -> Result<GuardlessVerdict, Failure> {
+    let changes: Vec<String> = changes.iter().cloned().chain(freed.changes()).collect();
+    let file = read(args.scenario.path(), &changes)?;
+    let bar = Bar::new(voice);
+    let verdict = guardless(&file.scenario, freed, policies, args.study.threads, &|at| bar.at(at), interrupted);
+    bar.finish();
+    let verdict = verdict.map_err(|error| Failure::Work { message: error.to_string() })?;
+    verdict.ok_or_else(|| TuneError::Stopped.into())
 }
 
 impl From<TuneError> for Failure {

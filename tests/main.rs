@@ -15,6 +15,7 @@ mod gap_data;
 mod gap_processes;
 mod import;
 mod life;
+mod lives_in_shops;
 mod lobes;
 mod own_effects;
 mod parameter_sets;

@@ -89,3 +89,86 @@ fn what_cannot_be_tuned_is_refused_with_the_way_out() {
     let message = refused(&[demo, "--plan", "plan.json"]);
     assert!(message.contains("--plan"), "{message}");
 }
+
+#[test]
+fn where_the_rule_of_tool_change_is_free_the_best_of_all_rules_is_taken() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |name: &str, changes: &[&str]| -> Value {
+        let out = folder.path().join(name).display().to_string();
+        let mut args = vec!["compare", "scenarios/demo.toml", "--json", "--out", &out];
+        args.extend(["--policy", "best cost", "--policy", "productivity"]);
+        args.extend(["--set", "shop.horizon=3 h", "--set", "shop.replications=4"]);
+        args.extend(changes);
+        let output = toolroom(&args);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("a summary")
+    };
+    let free = "policy.\"productivity\".tune={ change = true }";
+    let other = "policy.\"best cost\".tune={ change = true }";
+    let summary = run("free", &["--tune", "--set", "tune.budget=400", "--set", free, "--set", other]);
+    for rule in summary["tuning"].as_array().expect("a list") {
+        assert_eq!(rule["evaluations"], 400, "{rule}");
+        let tried = rule["tool_change"].as_array().expect("rules");
+        let mut words: Vec<&str> = tried.iter().filter_map(|tried| tried["rule"].as_str()).collect();
+        let costs: Vec<f64> = tried.iter().filter_map(|tried| tried["objective"].as_f64()).collect();
+        assert!(costs.iter().all(|cost| *cost >= costs[0]), "{rule}");
+        // The settings are those of the rule that was chosen, and give it to the policy.
+        let chosen = format!("rule = \"{}\"", words[0]);
+        assert!(
+            rule["set"]
+                .as_array()
+                .expect("changes")
+                .iter()
+                .any(|set| set.to_string().contains(&chosen.replace('"', "\\\""))),
+            "{rule}"
+        );
+        words.sort_unstable();
+        assert_eq!(words, ["cutting_time", "predicted", "wear_limit"]);
+    }
+    assert_eq!(summary["verdict"]["between"], serde_json::json!(["productivity", "best cost"]));
+    let mut again = Vec::new();
+    for rule in summary["tuning"].as_array().expect("a list") {
+        for change in rule["set"].as_array().expect("changes") {
+            again.extend(["--set", change.as_str().expect("a change")]);
+        }
+    }
+    assert_eq!(run("again", &again)["digest"], summary["digest"]);
+
+    // A rule that may choose has no rival in one that may not.
+    let mixed = run("mixed", &["--tune", "--set", "tune.budget=400", "--set", free]);
+    assert_eq!(mixed["decision"]["outcome"], "undecided", "{}", mixed["decision"]);
+    // Four searches need the budget of four.
+    let out = folder.path().join("small").display().to_string();
+    let small = toolroom(&[
+        "compare",
+        "scenarios/demo.toml",
+        "--tune",
+        "--set",
+        "tune.budget=300",
+        "--set",
+        free,
+        "--out",
+        &out,
+    ]);
+    let said = String::from_utf8_lossy(&small.stderr).into_owned();
+    assert!(small.status.code() == Some(2) && said.contains("a budget of 400 or more"), "{said}");
+}
+
+#[test]
+fn a_guard_that_excludes_cheaper_settings_is_told_with_the_verdict_without_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let guard = ["--set", "tune.guard={ collapse = \"2 %\", failure = \"3 %\" }"];
+    let summary = compared(&folder.path().join("guarded"), &guard);
+    let tuning = summary["tuning"].as_array().expect("a list");
+    let excluded = tuning.iter().filter(|rule| !rule["excluded"].is_null());
+    assert!(excluded.clone().count() > 0, "{}", summary["tuning"]);
+    for rule in excluded {
+        assert!(rule["excluded"]["set"].as_array().is_some_and(|set| !set.is_empty()), "{rule}");
+    }
+    let freed = &summary["verdict"]["without_guard"];
+    assert!(freed["wording"].is_string() && freed["between"][0] == "productivity", "{}", summary["verdict"]);
+    // A guard that nothing breaks has one verdict.
+    let loose = ["--set", "tune.guard={ collapse = \"100 %\" }"];
+    let summary = compared(&folder.path().join("loose"), &loose);
+    assert!(summary["verdict"]["without_guard"].is_null(), "{}", summary["verdict"]);
+}

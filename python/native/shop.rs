@@ -13,7 +13,7 @@ use toolroom::study::results::record;
 use toolroom::study::study::{Precision, StudyOptions};
 use toolroom::study::summary::summary;
 use toolroom::study::terminal::{Style, table};
-use toolroom::study::tune::tune;
+use toolroom::study::tune::{guardless, tune};
 
 /// What a study is to do, by the names of the command line.
 #[derive(FromPyObject)]
@@ -57,8 +57,14 @@ pub fn study(py: Python<'_>, options: Options, progress: Option<Py<PyAny>>) -> R
         let mut tuning = None;
         let wanted = if options.tune { Some(file.tune.clone().unwrap_or_default()) } else { file.tune.clone() };
         if let Some(wanted) = wanted.filter(|_| compares) {
-            let found = tune(&file.scenario, &policies, &wanted, options.threads, &|at| pace.at(at), &pace.stop)
+            let mut found = tune(&file.scenario, &policies, &wanted, options.threads, &|at| pace.at(at), &pace.stop)
                 .map_err(|error| Failure::argument(&error, error.fix()))?;
+            if let Some(freed) = found.freed_of_guard() {
+                let changes: Vec<String> = changes.iter().cloned().chain(freed.changes()).collect();
+                let scenario = read(&options.file, &changes)?.scenario;
+                let verdict = guardless(&scenario, freed, &policies, options.threads, &|at| pace.at(at), &pace.stop);
+                found.without_guard = verdict.map_err(|error| Failure::argument(&error, String::new()))?;
+            }
             changes.extend(found.changes());
             file = read(&options.file, &changes)?;
             tuning = Some(Arc::new(found));

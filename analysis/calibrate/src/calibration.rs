@@ -4,7 +4,7 @@ use crate::base::{Base, Condition};
 use crate::chipping::{ChippingFit, Exposure};
 use crate::choice::{Choice, Verdict};
 use crate::fit::Maximum;
-use crate::force::{ForceModel, ForceReading};
+use crate::force::{Channel, ForceModel, ForceReading};
 use crate::identify::Identifiability;
 use crate::left_out::{Coverage, LeftOut, leave_edges_out, left_out};
 use crate::model::Model;
@@ -114,7 +114,7 @@ pub struct LawFit {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Cutting force against wear, fitted.
+/// A force or the power of the spindle against wear, fitted.
 #[derive(Clone, Debug)]
 pub struct ForceFit {
     /// The model.
@@ -160,8 +160,9 @@ pub struct Calibration {
     pub identifiability: Identifiability,
     /// How often its predictions of edges left out hold.
     pub coverage: Coverage,
-    /// Cutting force against wear, where forces were measured.
-    pub force: Option<ForceFit>,
+    /// Forces and power against wear, for each channel that was measured and told something: cutting force, or else spindle
+    /// power, then feed force.
+    pub forces: Vec<ForceFit>,
     /// The rate of chipping, where it is reported how edges ended.
     pub chipping: Option<ChippingFit>,
     /// Edges that took no part.
@@ -223,9 +224,9 @@ impl Calibration {
         let identifiability = Identifiability::of(&carried.model, &posterior);
         let coverage = Coverage::of(&carried.left_out);
         let lives = lives(&carried.model, &posterior, &measured, request.seed);
-        let force = match &base {
-            Base::Turning(pair) => force(&carried.model, &posterior, &measured, &pair.force, &request),
-            Base::Milling { .. } => None,
+        let forces = match &base {
+            Base::Turning(pair) => forces(&carried.model, &posterior, &measured, &pair.force, &request),
+            Base::Milling { .. } => Vec::new(),
         };
         let best_known = best_known(&carried.model, &posterior, &measured);
         let chipping = chipping(&carried.model, &posterior, &measured, &base);
@@ -240,7 +241,7 @@ impl Calibration {
             posterior,
             identifiability,
             coverage,
-            force,
+            forces,
             chipping,
             held_out,
             profiles,
@@ -352,30 +353,56 @@ fn held_out(model: &WearModel, maximum: &Maximum, whole: &Measured, request: &Re
     HeldOut { names: group.iter().map(|index| whole.edges[*index].name.clone()).collect(), left_out, coverage }
 }
 
-/// The forces of all edges against their fitted wear; `None` with fewer readings than the model has parameters.
-fn force(
+/// Every channel that was measured, each around what those before it have told of the force group. Power is left out where
+/// the cutting force was measured.
+fn forces(
     model: &WearModel,
     posterior: &Posterior,
     measured: &Measured,
     base: &Force,
     request: &Request,
+) -> Vec<ForceFit> {
+    let mut found: Vec<ForceFit> = Vec::new();
+    let mut base = *base;
+    for channel in Channel::ALL {
+        let told = found.iter().any(|fit| fit.model.channel() == Channel::CuttingForce);
+        if channel == Channel::SpindlePower && told {
+            continue;
+        }
+        if let Some(fit) = force(channel, (model, posterior), measured, &base, request) {
+            base = fit.model.force(fit.posterior.map.u.as_slice());
+            found.push(fit);
+        }
+    }
+    found
+}
+
+/// One channel of all edges against their fitted wear; `None` with fewer readings than the model has parameters.
+fn force(
+    channel: Channel,
+    (model, posterior): (&WearModel, &Posterior),
+    measured: &Measured,
+    base: &Force,
+    request: &Request,
 ) -> Option<ForceFit> {
     let u = posterior.map.u.as_slice();
+    let place = Channel::ALL.iter().position(|known| *known == channel)?;
     let mut edges = Vec::new();
-    for (edge, forces) in measured.edges.iter().zip(&measured.forces).filter(|(edge, _)| edge.readings() > 0) {
+    for (edge, loads) in measured.edges.iter().zip(&measured.loads).filter(|(edge, _)| edge.readings() > 0) {
+        let loads = &loads[place];
         let mut read = edge.clone();
-        for (stretch, force) in read.stretches.iter_mut().zip(forces) {
-            stretch.wear = force.map(|_| 0.0);
+        for (stretch, load) in read.stretches.iter_mut().zip(loads) {
+            stretch.wear = load.map(|_| 0.0);
         }
         let wear = model.course(u, &read, model.level(u, edge));
         let reading =
             |((cut, force), wear): (&(Cut, f64), &f64)| ForceReading { cut: *cut, wear: *wear, force: *force };
-        let readings: Vec<ForceReading> = forces.iter().flatten().zip(&wear).map(reading).collect();
+        let readings: Vec<ForceReading> = loads.iter().flatten().zip(&wear).map(reading).collect();
         if !readings.is_empty() {
             edges.push(readings);
         }
     }
-    let mut model = ForceModel::new(base, edges, None);
+    let mut model = ForceModel::of(channel, base, edges, None);
     request.priors.iter().for_each(|(name, prior)| model.set_prior(name, *prior));
     let all: Vec<usize> = (0..model.edges()).collect();
     if all.iter().map(|edge| model.readings(*edge).len()).sum::<usize>() <= model.parameters().len() {

@@ -1,4 +1,4 @@
-//! Cutting force against wear: level, exponents and shear stress on the land.
+//! Forces and spindle power against wear: level, exponents, and stresses on the land.
 
 use crate::level::{Joint, Nodes, Start, ln_integral, mode};
 use crate::model::Model;
@@ -20,29 +20,75 @@ const SCATTER: (f64, f64) = (0.02, 0.5);
 /// logarithm (assumption).
 const NOISE: (f64, f64) = (0.02, 0.5);
 
-/// Name of the scatter of the force from edge to edge among the parameters.
-pub const FORCE_SCATTER: &str = "force_scatter";
-/// Name of the relative error of a force reading among the parameters.
-pub const FORCE_NOISE: &str = "force_noise";
+/// Median idle power of a spindle in kW, and the standard deviation of its logarithm (assumption: lathes idle with 0.2 to 2 kW).
+const IDLE: (f64, f64) = (0.6, 0.7);
 
-/// A reading of the cutting force.
+/// Name of the idle power of a spindle among the parameters.
+pub const IDLE_POWER: &str = "spindle_idle_power";
+
+/// What is measured of the load of an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// Cutting force, N.
+    CuttingForce,
+    /// Power of the spindle, kW: cutting force times speed, above an idle power.
+    SpindlePower,
+    /// Feed force, N.
+    FeedForce,
+}
+
+impl Channel {
+    /// All of them; each is fitted with what those before it have told.
+    pub const ALL: [Self; 3] = [Self::CuttingForce, Self::SpindlePower, Self::FeedForce];
+
+    /// Its column in records.
+    pub const fn column(self) -> &'static str {
+        match self {
+            Self::CuttingForce => "cutting_force",
+            Self::SpindlePower => "spindle_power",
+            Self::FeedForce => "feed_force",
+        }
+    }
+
+    /// What a value of records in SI units is in the unit of this channel.
+    pub(crate) const fn scale(self) -> f64 {
+        match self {
+            Self::CuttingForce | Self::FeedForce => 1.0,
+            Self::SpindlePower => 1e-3,
+        }
+    }
+
+    /// Names of the scatter from edge to edge and of the relative error of a reading among the parameters.
+    pub const fn spread_names(self) -> [&'static str; 2] {
+        match self {
+            Self::CuttingForce => ["force_scatter", "force_noise"],
+            Self::SpindlePower => ["power_scatter", "power_noise"],
+            Self::FeedForce => ["feed_force_scatter", "feed_force_noise"],
+        }
+    }
+}
+
+/// A reading of a force or a power.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceReading {
     /// The cut.
     pub cut: Cut,
     /// Flank wear of that moment, mm.
     pub wear: f64,
-    /// Cutting force, N.
+    /// What was read, in the unit of its [`Channel`].
     pub force: f64,
 }
 
 /// Forces of edges, `F = C·a^x·f^y·v^n·k + τ_f·b·h + ε`, with `ln k ~ N(0, σ_k²)` of each edge integrated out and an error
-/// ε that is a share of the force.
+/// ε that is a share of the force. The feed force has the same form, with its ratio to the cutting force in place of C and the
+/// pressure on the land in place of τ_f; C, x, y and n are then those of the set. Spindle power is cutting force times speed, above
+/// an idle power.
 ///
 /// The wear h is that of the fitted curve and not the reading: a reading has an error, which would make the shear stress
 /// look smaller than it is.
 #[derive(Clone, Debug)]
 pub struct ForceModel {
+    channel: Channel,
     base: Force,
     parameters: Vec<Parameter>,
     /// Scatter and noise where they are known.
@@ -53,31 +99,62 @@ pub struct ForceModel {
 }
 
 impl ForceModel {
-    /// Forces of edges around the force group of a set. `known` are the scatter from edge to edge and the relative error of
-    /// a reading where they are not to be estimated.
+    /// Cutting forces of edges around the force group of a set. `known` are the scatter from edge to edge and the relative error
+    /// of a reading where they are not to be estimated.
     pub fn new(base: &Force, edges: Vec<Vec<ForceReading>>, known: Option<(f64, f64)>) -> Self {
+        Self::of(Channel::CuttingForce, base, edges, known)
+    }
+
+    /// The same of any channel.
+    pub fn of(channel: Channel, base: &Force, edges: Vec<Vec<ForceReading>>, known: Option<(f64, f64)>) -> Self {
         let ln = |name: &str, unit, value: f64, deviation, lift| {
             Parameter::new(name, unit, Scale::Logarithm, Prior::new(value.ln(), deviation), lift)
         };
         let exponent =
             |name: &str, value, lift| Parameter::new(name, "1", Scale::Plain, Prior::new(value, EXPONENT), lift);
-        let mut parameters = vec![
-            ln("force.specific_force", "N", base.specific_force, LEVEL, "measure the force of any edge"),
-            exponent("force.feed_exponent", base.feed_exponent, "vary feed_per_rev"),
-            exponent("force.speed_exponent", base.speed_exponent, "vary cutting_speed by a factor of 1.2 or more"),
-            ln(
-                "force.flank_shear_stress",
-                "MPa",
-                base.flank_shear_stress * 1e-6,
-                STRESS,
-                "measure the force of new and of worn edges",
-            ),
-        ];
+        let cutting = || {
+            vec![
+                ln("force.specific_force", "N", base.specific_force, LEVEL, "measure the force of any edge"),
+                exponent("force.feed_exponent", base.feed_exponent, "vary feed_per_rev"),
+                exponent("force.speed_exponent", base.speed_exponent, "vary cutting_speed by a factor of 1.2 or more"),
+                ln(
+                    "force.flank_shear_stress",
+                    "MPa",
+                    base.flank_shear_stress * 1e-6,
+                    STRESS,
+                    "measure the force of new and of worn edges",
+                ),
+            ]
+        };
+        let mut parameters = match channel {
+            Channel::CuttingForce => cutting(),
+            Channel::SpindlePower => {
+                let idle =
+                    ln(IDLE_POWER, "kW", IDLE.0, IDLE.1, "measure the power at several feeds, or of the idle spindle");
+                cutting().into_iter().chain([idle]).collect()
+            }
+            Channel::FeedForce => vec![
+                ln("force.feed_force_ratio", "1", base.feed_force_ratio, LEVEL, "measure the feed force of any edge"),
+                ln(
+                    "force.flank_pressure",
+                    "MPa",
+                    base.flank_pressure * 1e-6,
+                    STRESS,
+                    "measure the feed force of new and of worn edges",
+                ),
+            ],
+        };
         if known.is_none() {
-            parameters.push(ln(FORCE_SCATTER, "1", SCATTER.0, SCATTER.1, "measure the force of more edges"));
-            parameters.push(ln(FORCE_NOISE, "1", NOISE.0, NOISE.1, "measure the force more than once on an edge"));
+            let [scatter, noise] = channel.spread_names();
+            parameters.push(ln(scatter, "1", SCATTER.0, SCATTER.1, "measure the force of more edges"));
+            parameters.push(ln(noise, "1", NOISE.0, NOISE.1, "measure the force more than once on an edge"));
         }
-        Self { base: *base, parameters, known, land: true, edges }
+        Self { channel, base: *base, parameters, known, land: true, edges }
+    }
+
+    /// What was measured.
+    pub fn channel(&self) -> Channel {
+        self.channel
     }
 
     /// Sets the prior of a parameter; a mean of NaN keeps the present one. Other names are none of this model's.
@@ -95,27 +172,39 @@ impl ForceModel {
 
     /// The force group at some working coordinates.
     pub fn force(&self, u: &[f64]) -> Force {
-        Force {
-            specific_force: u[0].exp(),
-            feed_exponent: u[1],
-            speed_exponent: u[2],
-            flank_shear_stress: u[3].exp() * 1e6,
-            ..self.base
+        match self.channel {
+            Channel::CuttingForce | Channel::SpindlePower => Force {
+                specific_force: u[0].exp(),
+                feed_exponent: u[1],
+                speed_exponent: u[2],
+                flank_shear_stress: u[3].exp() * 1e6,
+                ..self.base
+            },
+            Channel::FeedForce => Force { feed_force_ratio: u[0].exp(), flank_pressure: u[1].exp() * 1e6, ..self.base },
         }
     }
 
     /// Scatter from edge to edge and relative error of a reading.
     fn spread(&self, u: &[f64]) -> (f64, f64) {
-        self.known.unwrap_or_else(|| (u[4].exp(), u[5].exp()))
+        let last = self.parameters.len() - 1;
+        self.known.unwrap_or_else(|| (u[last - 1].exp(), u[last].exp()))
     }
 
-    /// Force of the sharp edge and of the land at each reading of an edge, N.
+    /// What the sharp edge and what all else has to each reading of an edge; the level of the edge acts on the former.
     fn parts(&self, u: &[f64], edge: usize) -> Vec<(f64, f64)> {
         let force = self.force(u);
         let land = if self.land { 1e-3 } else { 0.0 };
         let part = |reading: &ForceReading| {
             let load = force.load(&reading.cut);
-            (load.sharp, load.shear_per_wear * reading.wear * land)
+            let worn = reading.wear * land;
+            match self.channel {
+                Channel::CuttingForce => (load.sharp, load.shear_per_wear * worn),
+                Channel::FeedForce => (load.feed_force_ratio * load.sharp, load.pressure_per_wear * worn),
+                Channel::SpindlePower => {
+                    let speed = reading.cut.cutting_speed * Channel::SpindlePower.scale();
+                    (speed * load.sharp, speed * load.shear_per_wear * worn + u[4].exp())
+                }
+            }
         };
         self.edges[edge].iter().map(part).collect()
     }

@@ -17,7 +17,7 @@
 //! | [`Parameter`], [`Prior`], [`Scale`] | a quantity that the data are to tell, in its working coordinate |
 //! | [`Curve`] | flank wear over time at one condition |
 //! | [`WearModel`] | readings and lives under a law |
-//! | [`ForceModel`] | cutting force against wear |
+//! | [`ForceModel`] | cutting force, feed force and spindle power against wear |
 //! | [`ChippingFit`], [`Exposure`] | the rate at which edges chip |
 //! | [`Model`] | what the inference needs of any model |
 //! | [`maximise`], [`sample`], [`Posterior`] | the maximum, draws, and how well they can be relied on |
@@ -79,7 +79,7 @@ pub use curve::Curve;
 pub use drawn::DrawnTable;
 pub use edge::{Block, Common, Edge, Life, Stretch};
 pub use fit::{Maximum, maximise};
-pub use force::{FORCE_NOISE, FORCE_SCATTER, ForceModel, ForceReading};
+pub use force::{Channel, ForceModel, ForceReading, IDLE_POWER};
 pub use identify::{Identifiability, Product, Undetermined};
 pub use in_life::InLife;
 pub use law::Law;

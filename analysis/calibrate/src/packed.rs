@@ -32,8 +32,9 @@ impl Measured {
 
     fn pack_edge(&mut self, place: usize, size: usize) {
         let old = std::mem::take(&mut self.edges[place].stretches);
-        let forces = std::mem::take(&mut self.forces[place]);
-        let (mut stretches, mut means) = (Vec::new(), Vec::new());
+        let loads = std::mem::take(&mut self.loads[place]);
+        let mut stretches = Vec::new();
+        let mut means: [Vec<_>; 3] = Default::default();
         let mut from = 0;
         let mut read = 0;
         for end in 0..old.len() {
@@ -46,23 +47,26 @@ impl Measured {
             }
             let condition = self.mean_condition(&old[from..=end]);
             let whole: f64 = old[from..=end].iter().map(|stretch| stretch.time).sum();
-            let force = mean_force(forces.get(from..=end).unwrap_or(&[]));
+            let load = loads.each_ref().map(|loads| mean_force(loads.get(from..=end).unwrap_or(&[])));
+            let mut push = |load: [Option<(Cut, f64)>; 3]| {
+                means.iter_mut().zip(load).for_each(|(means, load)| means.push(load));
+            };
             match block(&old[from..=end]) {
                 Some((time, wear, block)) => {
                     stretches.push(Stretch { condition, time, wear: Some(wear), block: Some(block) });
-                    means.push(force);
+                    push(load);
                     stretches.push(Stretch::unread(condition, (whole - time).max(0.0)));
-                    means.push(None);
+                    push([None; 3]);
                 }
                 None => {
                     stretches.push(Stretch::unread(condition, whole));
-                    means.push(force);
+                    push(load);
                 }
             }
             (from, read) = (end + 1, 0);
         }
         self.edges[place] = Edge { stretches, ..self.edges[place].clone() };
-        self.forces[place] = means;
+        self.loads[place] = means;
     }
 
     /// Index of the mean condition of some stretches over their time.

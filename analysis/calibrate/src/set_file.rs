@@ -73,10 +73,14 @@ impl Calibration {
             // The group `life` holds it.
             Process::Milling => {}
         }
-        if let Some(force) = &self.force {
+        if !self.forces.is_empty() {
             let _ = writeln!(text, "\n[parameters.force]");
+        }
+        for force in &self.forces {
             let readings: usize = (0..force.model.edges()).map(|edge| force.model.readings(edge).len()).sum();
-            let source = quoted(&format!("calibrated: {} edges, {readings} readings of force", force.model.edges()));
+            let channel = force.model.channel().column();
+            let source =
+                quoted(&format!("calibrated: {} edges, {readings} readings of {channel}", force.model.edges()));
             let forces = force.model.parameters().iter().zip(force.posterior.map.u.iter());
             for (name, parameter, u) in
                 forces.filter_map(|(parameter, u)| Some((parameter.name.strip_prefix("force.")?, parameter, *u)))
@@ -103,7 +107,7 @@ impl Calibration {
         }
         let _ = writeln!(text, "\n[prior]");
         priors(&mut text, model.parameters(), &self.posterior);
-        if let Some(force) = &self.force {
+        for force in &self.forces {
             priors(&mut text, force.model.parameters(), &force.posterior);
         }
         if let Some(index) = model.parameters().iter().position(|parameter| parameter.name == EDGE_SCATTER) {

@@ -1,9 +1,10 @@
 //! A calibration as JSON and as text.
 
 use crate::base::Process;
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, ForceFit};
 use crate::chipping::ChippingFit;
 use crate::choice::Verdict;
+use crate::force::Channel;
 use crate::identify::Identifiability;
 use crate::model::Model;
 use crate::parameter::{Parameter, Scale};
@@ -132,12 +133,18 @@ impl Calibration {
                 value
             })
             .collect();
-        let force = self.force.as_ref().map(|force| {
+        let of_force = |force: &ForceFit| {
             json!({
+                "channel": force.model.channel().column(),
                 "parameters": listed(force.model.parameters(), &force.posterior, &force.identifiability), "edges": force.model.edges(),
                 "gain_of_wear": { "elpd": force.gain.0, "se": force.gain.1 },
             })
-        });
+        };
+        let of_channel = |feed: bool| {
+            let mut fits = self.forces.iter();
+            fits.find(|fit| (fit.model.channel() == Channel::FeedForce) == feed).map(of_force)
+        };
+        let (force, feed_force) = (of_channel(false), of_channel(true));
         let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
         let notes: Vec<&String> = self.measured.notes.iter().collect();
         let worst = self.coverage.worst.map(|edge| self.measured.edges[edge].name.clone());
@@ -164,6 +171,7 @@ impl Calibration {
                 "histogram": self.coverage.histogram, "worst_edge": worst,
             },
             "scatter": { "common_wear": scatter, "chipping_rate [1/km]": self.chipping_json() }, "force": force,
+            "feed_force": feed_force,
             "held_out": self.held_out_json(), "profiles": self.profiles_json(),
             "life": life, "refusals": self.measured.refusals, "warnings": self.warnings(), "notes": notes,
         })
@@ -195,7 +203,9 @@ impl Calibration {
     pub fn text(&self) -> String {
         let mut text = String::new();
         let measured = &self.measured;
-        let _ = writeln!(text, "{} edges, {} readings of wear", measured.edges.len(), measured.readings());
+        let edges = measured.edges.len();
+        let plural = if edges == 1 { "" } else { "s" };
+        let _ = writeln!(text, "{edges} edge{plural}, {} readings of wear", measured.readings());
         for warning in self.warnings() {
             let _ = writeln!(text, "warning: {warning}");
         }
@@ -252,11 +262,12 @@ impl Calibration {
             100.0 * deviation
         );
         self.life_table(&mut text);
-        if let Some(force) = &self.force {
+        for force in &self.forces {
             table(&mut text, force.model.parameters(), &force.posterior, &force.identifiability);
             let (gain, error) = force.gain;
+            let channel = force.model.channel().column();
             let _ =
-                writeln!(text, "wear in the force predicts edges left out better by {gain:.1} ± {error:.1} logarithms");
+                writeln!(text, "wear in {channel} predicts edges left out better by {gain:.1} ± {error:.1} logarithms");
         }
         self.further_text(&mut text);
         if self.coverage.readings > 0 {
@@ -397,7 +408,7 @@ impl Calibration {
 
     /// Header of the table of draws: one column a parameter in its unit, the law, and the weight.
     pub fn draw_columns(&self) -> Vec<String> {
-        let of_force = self.force.iter().flat_map(|force| shared_columns(force.model.parameters()));
+        let of_force = self.forces.iter().flat_map(|force| shared_columns(force.model.parameters()));
         let fitted = self.carried().model.parameters().iter().chain(of_force).map(with_unit);
         fitted.chain(self.chips().map(|_| "chipping.rate [1/km]".to_owned())).collect()
     }
@@ -414,7 +425,7 @@ impl Calibration {
         self.posterior.draws.iter().enumerate().map(|(number, draw)| {
             let value = |(parameter, u): (&Parameter, &f64)| parameter.scale.value(*u);
             let mut values: Vec<f64> = model.parameters().iter().zip(draw.iter()).map(value).collect();
-            if let Some(force) = &self.force {
+            for force in &self.forces {
                 let parameters: Vec<&Parameter> = shared_columns(force.model.parameters()).collect();
                 let draw = &force.posterior.draws[number % force.posterior.draws.len()];
                 values.extend(parameters.into_iter().zip(draw.iter()).map(value));

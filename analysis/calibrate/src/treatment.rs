@@ -2,7 +2,9 @@
 
 use crate::base::{Base, Condition, Process};
 use crate::edge::{Edge, Life, Stretch};
+use crate::force::Channel;
 use std::collections::BTreeMap;
+use toolroom_form::significant;
 use toolroom_records::Records;
 use toolroom_wear::Cut;
 
@@ -14,7 +16,7 @@ const MOST: f64 = 5.0;
 /// Flank wear in mm below which no reading of an edge lies: five times the usual error of a reading below zero.
 const BELOW: f64 = -0.055;
 /// Channels of records that speak of wear and are not used here.
-const UNUSED: [&str; 4] = ["feed_force", "spindle_power", "temperature", "thermo_emf"];
+const UNUSED: [&str; 2] = ["temperature", "thermo_emf"];
 
 /// Digits of a cutting speed and of feeds and depths that make two conditions different (assumption: machines hold a speed to
 /// 0.1 % and lengths to 1 %; an exponent of 5 makes 0.3 % of a life of them). Each condition costs a wear curve.
@@ -159,8 +161,9 @@ pub enum DataError {
     },
     /// Readings of flank wear that no edge has.
     #[error(
-        "the greatest reading of flank_wear is {greatest} mm, and flank wear lies between {LEAST} and {MOST} mm: check its \
+        "the greatest reading of flank_wear is {} mm, and flank wear lies between {LEAST} and {MOST} mm: check its \
          unit{}",
+        significant(*greatest),
         meant(*greatest)
     )]
     Unit {
@@ -255,8 +258,9 @@ pub struct Measured {
     pub conditions: Vec<Condition>,
     /// Edges in the order of the records.
     pub edges: Vec<Edge>,
-    /// Cutting force in N at the end of each stretch of each edge, with the cut as it was recorded.
-    pub forces: Vec<Vec<Option<(Cut, f64)>>>,
+    /// What was read of each [`Channel`] at the end of each stretch of each edge, with the cut as it was recorded, in the order
+    /// of [`Channel::ALL`].
+    pub loads: Vec<[Vec<Option<(Cut, f64)>>; 3]>,
     /// How each ended.
     pub ends: Vec<End>,
     /// Whether the records tell how edges ended.
@@ -313,7 +317,7 @@ impl Measured {
             groups: groups.as_ref().map(|(words, _)| words.clone()).unwrap_or_default(),
             conditions: Vec::new(),
             edges: Vec::new(),
-            forces: Vec::new(),
+            loads: Vec::new(),
             ends: Vec::new(),
             ends_told: false,
             notes,
@@ -367,12 +371,13 @@ impl Measured {
                 None => return Err(DataError::End { edge: name.to_owned(), read: word.to_owned() }),
             };
             let at = |column: &str, row: usize| records.numbers(column).map_or(f64::NAN, |values| values[row]);
-            let force = |row: &usize| {
-                let force = Some(at("cutting_force", *row)).filter(|force| force.is_finite() && *force > 0.0);
+            let load = |channel: Channel, row: usize| {
+                let load =
+                    Some(channel.scale() * at(channel.column(), row)).filter(|load| load.is_finite() && *load > 0.0);
                 let (Some(speed), Some(feed), Some(depth)) = (speed, feed, depth) else { return None };
-                force.map(|force| (Cut::nominal(speed[*row], feed[*row], depth[*row]), force))
+                load.map(|load| (Cut::nominal(speed[row], feed[row], depth[row]), load))
             };
-            let mut forces = Vec::new();
+            let mut loads: [Vec<_>; 3] = Default::default();
             let edge = if at("life", last).is_finite() {
                 let minutes = at("life", last) / 60.0;
                 let inspected = at("inspected", last) / 60.0;
@@ -395,14 +400,15 @@ impl Measured {
                 Edge { name: name.to_owned(), stretches: Vec::new(), life: Some((condition(last), life)), begun: None }
             } else {
                 let times = times(records, rows, name)?;
-                forces = rows.iter().map(force).collect();
+                loads = Channel::ALL.map(|channel| rows.iter().map(|row| load(channel, *row)).collect());
                 let mut stretches = Vec::new();
                 for (row, time) in rows.iter().zip(times) {
                     let wear = Some(at("flank_wear", *row) * 1e3).filter(|wear| wear.is_finite());
                     if let Some(wear) = wear.filter(|wear| *wear < BELOW) {
                         let what = format!(
-                            "row {}: a flank_wear of {wear} mm cannot be; leave the cell empty where wear was not read",
-                            row + 1
+                            "row {}: a flank_wear of {} mm cannot be; leave the cell empty where wear was not read",
+                            row + 1,
+                            significant(wear)
                         );
                         return Err(DataError::Value { edge: name.to_owned(), what });
                     }
@@ -415,7 +421,7 @@ impl Measured {
                 {
                     begun = stretches[first].wear;
                     stretches.drain(..=first);
-                    forces.drain(..=first);
+                    loads.iter_mut().for_each(|loads| drop(loads.drain(..=first)));
                     if stretches.is_empty() {
                         return Err(DataError::Value {
                             edge: name.to_owned(),
@@ -434,7 +440,7 @@ impl Measured {
                 edge
             };
             measured.edges.push(edge);
-            measured.forces.push(forces);
+            measured.loads.push(loads);
         }
         if unsaid > 0 {
             measured.notes.push(format!("{unsaid} edges without edge_end: taken as stopped while still good"));
@@ -450,6 +456,11 @@ impl Measured {
             .into_iter()
             .filter(|name| records.numbers(name).is_some_and(|values| values.iter().any(|value| value.is_finite())))
             .collect();
+        let doubled = there(Channel::CuttingForce.column()).and(there(Channel::SpindlePower.column())).is_some();
+        if doubled {
+            let note = "spindle_power is not used: cutting_force tells the same without the losses of the drive";
+            measured.notes.push(note.to_owned());
+        }
         if !unused.is_empty() {
             measured.notes.push(format!("not used: {}", unused.join(", ")));
         }
@@ -482,7 +493,7 @@ impl Measured {
         }
         Ok(Self {
             edges: kept.iter().map(|index| self.edges[*index].clone()).collect(),
-            forces: kept.iter().map(|index| self.forces[*index].clone()).collect(),
+            loads: kept.iter().map(|index| self.loads[*index].clone()).collect(),
             ends: kept.iter().map(|index| self.ends[*index]).collect(),
             ..self.clone()
         })

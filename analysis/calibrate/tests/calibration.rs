@@ -5,8 +5,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write as _;
 use toolroom_calibrate::{
-    Calibration, CalibrationError, DataError, Edge, Law, Life, Measured, Method, Model, Parameter, Prior, Request,
-    Scale, Stretch, Verdict, WearModel, sample,
+    Calibration, CalibrationError, Channel, DataError, Edge, IDLE_POWER, Law, Life, Measured, Method, Model, Parameter,
+    Prior, Request, Scale, Stretch, Verdict, WearModel, sample,
 };
 use toolroom_records::{RecordKind, Records, parse_csv};
 use toolroom_wear::{Cut, Pair};
@@ -133,7 +133,7 @@ fn forces_are_fitted_against_the_wear_that_was_fitted() {
     let records = parse_csv("wear.csv", rows.as_bytes(), RecordKind::Turning).expect("records").0;
     let measured = Measured::of(&records, 0.3).expect("edges");
     let found = Calibration::new(measured, &base, request(&[Law::ExtendedTaylor])).expect("a calibration");
-    let force = found.force.as_ref().expect("forces");
+    let force = found.forces.first().expect("forces");
     let stress = 1.2 * base.force.flank_shear_stress * 1e-6;
     let place = force.model.parameters().iter().position(|parameter| parameter.name == "force.flank_shear_stress");
     let place = place.expect("named");
@@ -146,6 +146,68 @@ fn forces_are_fitted_against_the_wear_that_was_fitted() {
         columns.contains(&"force.flank_shear_stress [MPa]".to_owned()) && !columns.contains(&"force_noise".to_owned())
     );
     assert!(found.draws().all(|draw| draw.len() == columns.len()));
+}
+
+/// Edges with a feed force and a spindle power: the ratio of the feed force is a tenth above that of the set, the pressure on the
+/// land three tenths, the stress on it a fifth; the spindle idles with 0.8 kW.
+fn loaded(base: &Pair, with_force: bool) -> Records {
+    let mut rows = String::from(HEADER.trim_end());
+    rows.push_str(",feed_force [N],spindle_power [kW]");
+    rows.push_str(if with_force { ",cutting_force [N]\n" } else { "\n" });
+    for (index, row) in made(&[180.0, 180.0, 220.0, 220.0, 300.0, 300.0]).lines().enumerate() {
+        let cells: Vec<&str> = row.split(',').collect();
+        let number = |place: usize| cells[place].parse::<f64>().expect("a number");
+        let speed = number(4) / 60.0;
+        let (load, wear) = (base.force.load(&Cut::nominal(speed, 0.3e-3, 1.5e-3)), number(8) * 1e-3);
+        let error = |shift: usize| 1.0 + [0.02, -0.01, 0.0, 0.01, -0.02][(index + shift) % 5];
+        let feed = (1.1 * load.feed_force_ratio * load.sharp + 1.3 * load.pressure_per_wear * wear) * error(0);
+        let cutting = load.sharp + 1.2 * load.shear_per_wear * wear;
+        let power = (cutting * speed * 1e-3 + 0.8) * error(2);
+        let _ = write!(rows, "{row},{feed:.1},{power:.4}");
+        let _ = if with_force { writeln!(rows, ",{:.1}", cutting * error(3)) } else { writeln!(rows) };
+    }
+    parse_csv("wear.csv", rows.as_bytes(), RecordKind::Turning).expect("records").0
+}
+
+#[test]
+fn feed_force_and_power_tell_of_the_land_as_the_cutting_force_does() {
+    let base = base();
+    let found = |with_force: bool| {
+        let measured = Measured::of(&loaded(&base, with_force), 0.3).expect("edges");
+        Calibration::new(measured, &base, request(&[Law::ExtendedTaylor])).expect("a calibration")
+    };
+    let held = |found: &Calibration, name: &str, truth: f64| {
+        let mut places = found.forces.iter().flat_map(|fit| {
+            let names = fit.model.parameters().iter().enumerate();
+            names.filter(|(_, parameter)| parameter.name == name).map(move |(place, _)| (fit, place))
+        });
+        let (fit, place) = places.next().unwrap_or_else(|| panic!("{name}"));
+        let [low, high] = [0.05, 0.95].map(|share| fit.posterior.quantile(place, share).exp());
+        assert!(low < truth && truth < high, "{name}: {low} … {high} against {truth}");
+        assert!(fit.gain.0 > 2.0 * fit.gain.1, "{name}: {:?}", fit.gain);
+    };
+    let channels = |found: &Calibration| found.forces.iter().map(|fit| fit.model.channel()).collect::<Vec<_>>();
+    let without = found(false);
+    assert_eq!(channels(&without), [Channel::SpindlePower, Channel::FeedForce]);
+    held(&without, "force.flank_shear_stress", 1.2 * base.force.flank_shear_stress * 1e-6);
+    held(&without, IDLE_POWER, 0.8);
+    held(&without, "force.feed_force_ratio", 1.1 * base.force.feed_force_ratio);
+    held(&without, "force.flank_pressure", 1.3 * base.force.flank_pressure * 1e-6);
+    // The set and the draws hold what a set has a name for; the idle power is one of the machine.
+    let set = without.set_file("ours", "c45_t15k6");
+    assert_eq!(set.matches("[parameters.force]").count(), 1);
+    assert!(set.contains("feed_force_ratio") && set.contains("flank_pressure") && !set.contains(IDLE_POWER), "{set}");
+    let columns = without.draw_columns();
+    assert!(columns.contains(&"force.flank_pressure [MPa]".to_owned()), "{columns:?}");
+    assert!(without.draws().all(|draw| draw.len() == columns.len()));
+    // Where the cutting force was read, power says nothing more of it.
+    let with = found(true);
+    assert_eq!(channels(&with), [Channel::CuttingForce, Channel::FeedForce]);
+    assert!(
+        with.measured.notes.iter().any(|note| note.contains("spindle_power is not used")),
+        "{:?}",
+        with.measured.notes
+    );
 }
 
 /// A density with two narrow maxima beside a wide prior.

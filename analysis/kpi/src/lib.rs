@@ -41,10 +41,12 @@
 mod counting;
 mod definition;
 mod machine;
+mod runs;
 mod tally;
 
 pub use counting::Counting;
 pub use definition::{Better, CURRENCY, Definition, Kpi, definitions, kpis};
+pub use runs::{Progress, unless_stopped};
 
 use toolroom_scenario::{Scenario, ToolType};
 use toolroom_shop::runlog::RunLog;

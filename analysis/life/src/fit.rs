@@ -70,14 +70,44 @@ pub struct Estimated {
 pub fn fit(sample: &Sample, family: Family) -> Result<Fit, SampleError> {
     sample.suffices(family.parameters())?;
     let (unit, starts) = starts(sample, family);
-    let best = starts
-        .iter()
-        .filter_map(|start| maximise(&|x| log_likelihood(sample, &law(family, x, unit)), start))
-        .max_by(|a, b| a.value.total_cmp(&b.value));
+    let climb = |sample: &Sample, start: &[f64]| maximise(&|x| log_likelihood(sample, &law(family, x, unit)), start);
+    let best_of = |tops: Vec<Maximum>| tops.into_iter().max_by(|a, b| a.value.total_cmp(&b.value));
+    // Which of several tops is the highest is seen on fewer classes already, and only the highest are climbed on all of them.
+    let coarse = if starts.len() > 1 { sample.coarser(JOINED) } else { None };
+    let best = match &coarse {
+        None => best_of(starts.iter().filter_map(|start| climb(sample, start)).collect()),
+        Some(coarse) => {
+            let tops = highest(starts.iter().filter_map(|start| climb(coarse, start)).collect());
+            best_of(tops.iter().filter_map(|top| climb(sample, &top.at)).collect())
+        }
+    };
     match best {
         Some(peak) => Ok(Fit::new(sample, family, unit, peak)),
         None => Err(SampleError::NoMaximum),
     }
+}
+
+/// Classes that are one while the highest of several tops is sought (assumption: with forty classes over the range of the lives
+/// a top moves by less than its standard error).
+const JOINED: usize = 4;
+/// Log-likelihood below that of the highest top within which another one is climbed on all classes (assumption: joining classes
+/// moves tops against each other by less).
+const NEARLY: f64 = 3.0;
+/// Distance of parameters below which two searches have ended at the same top: they are logarithms.
+const SAME: f64 = 0.01;
+
+/// The tops that may be the highest on all classes, each of them once.
+fn highest(mut tops: Vec<Maximum>) -> Vec<Maximum> {
+    tops.sort_by(|a, b| b.value.total_cmp(&a.value));
+    let bound = tops.first().map_or(f64::NAN, |top| top.value - NEARLY);
+    let mut kept: Vec<Maximum> = Vec::new();
+    for top in tops.into_iter().filter(|top| top.value >= bound) {
+        let same = |known: &Maximum| known.at.iter().zip(&top.at).all(|(a, b)| (a - b).abs() < SAME);
+        if !kept.iter().any(same) {
+            kept.push(top);
+        }
+    }
+    kept
 }
 
 /// The same from a law that is near already: a refit to resampled lives.

@@ -160,6 +160,27 @@ impl Sample {
         self.lives.iter().any(|(life, _)| matches!(life, Observation::Between(..)))
     }
 
+    /// The same lives with up to `joined` neighbouring classes as one, where that leaves less than half of them; a class is an end
+    /// between two inspections of which the second is the first one of the next class.
+    pub(super) fn coarser(&self, joined: usize) -> Option<Self> {
+        let mut lives: Vec<(Observation, f64)> = Vec::new();
+        let mut count = 0;
+        for (life, weight) in &self.lives {
+            match (lives.last_mut(), *life) {
+                (Some((Observation::Between(_, end), sum)), Observation::Between(low, high))
+                    if *end == low && count < joined =>
+                {
+                    (*end, *sum, count) = (high, *sum + weight, count + 1);
+                }
+                _ => {
+                    lives.push((*life, *weight));
+                    count = 1;
+                }
+            }
+        }
+        (2 * lives.len() < self.lives.len()).then_some(Self { lives })
+    }
+
     /// Refuses what does not determine `parameters` parameters.
     pub(super) fn suffices(&self, parameters: usize) -> Result<(), SampleError> {
         let mut ages: Vec<f64> =
@@ -177,6 +198,20 @@ impl Sample {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn neighbouring_classes_are_joined_and_nothing_else() {
+        use Observation::{Between, Censored};
+        let class = |i: u32| (Between(f64::from(i), f64::from(i + 1)), 2.0);
+        let classes = (0..9).chain(20..24).map(class).chain([(Censored(30.0), 1.0)]);
+        let sample = Sample::weighted(classes).unwrap();
+        let joined = sample.coarser(4).unwrap();
+        let expected = [(0.0, 4.0, 8.0), (4.0, 8.0, 8.0), (8.0, 9.0, 2.0), (20.0, 24.0, 8.0)];
+        let expected: Vec<_> = expected.map(|(low, high, weight)| (Between(low, high), weight)).to_vec();
+        assert_eq!(joined.lives()[..4], expected);
+        assert_eq!((joined.size(), joined.lives().len()), (sample.size(), 5));
+        assert_eq!(sample.coarser(1), None);
+    }
 
     #[test]
     fn what_is_no_life_is_named_with_its_place() {

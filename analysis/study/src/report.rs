@@ -6,6 +6,7 @@ mod figures;
 mod orders;
 mod quality;
 mod shop;
+mod tuned;
 mod wear;
 
 use crate::compare::{Comparison, Difference};
@@ -13,7 +14,6 @@ use crate::figure::{decimals, factor, label, plain, shown, signed};
 use crate::results::RunInfo;
 use crate::study::Study;
 use crate::terminal::{gains, steady_text};
-use crate::tune::{TunedSetting, Tuning};
 use crate::variants;
 use toolroom_chart::page::{Provenance, Report, Section, Tile};
 use toolroom_chart::{Cell, Table};
@@ -98,7 +98,7 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
         report = report.section(orders);
     }
     if let Some(tuning) = study.tuning.as_deref() {
-        report = report.section(tuned_section(tuning, &source));
+        report = report.section(tuned::section(tuning, &source));
     }
     if let Some(quality) = quality::section(&source) {
         report = report.section(quality);
@@ -186,45 +186,6 @@ fn variants_section(source: &Source<'_>) -> Option<Section> {
         }
     }
     Some(section)
-}
-
-/// Settings of the policies, and how they were found.
-fn tuned_section(tuning: &Tuning, source: &Source<'_>) -> Section {
-    let intro = format!(
-        "Before the comparison every policy was tuned for {} with {} simulated replications on seed {}; the comparison \
-         judges it on seed {}. What a policy costs more when it is judged than it did while it was tuned is optimism.",
-        tuning.objective, tuning.budget, tuning.seed, source.scenario.seed
-    );
-    let mut table = Table::new(["policy", "settings", "nearly as good", "tuned", "judged", "edges lost in cut, %"]);
-    let index = source.study.index(&tuning.objective);
-    for (position, policy) in source.comparison.policies.iter().enumerate() {
-        let Some(tuned) = tuning.of(&policy.name) else { continue };
-        let list =
-            |text: &dyn Fn(&TunedSetting) -> String| tuned.settings.iter().map(text).collect::<Vec<_>>().join(", ");
-        let settings = match &tuned.given {
-            Some(reason) => format!("as given: {reason}"),
-            None => list(&|setting| format!("{} {}", setting.key, setting.value)),
-        };
-        let judged = index.map(|index| {
-            let kpi = &source.study.kpis[index];
-            source.comparison.policies[position].kpis[index].scaled(kpi.definition.file_scale())
-        });
-        let digits = decimals(tuned.objective.unwrap_or(0.0), tuned.standard_error.unwrap_or(f64::NAN));
-        let shown = |value: Option<f64>, digits: usize| value.map_or_else(String::new, |value| plain(value, digits));
-        table.push([
-            policy.name.as_str().into(),
-            Cell::Text(settings),
-            Cell::Text(list(&|setting| format!("{} … {}", setting.flat.0, setting.flat.1))),
-            Cell::Text(shown(tuned.objective, digits)),
-            Cell::Text(shown(judged.filter(|_| tuned.is_tuned()).map(|judged| judged.mean), digits)),
-            Cell::Text(shown(tuned.failed.map(|share| 100.0 * share), 1)),
-        ]);
-    }
-    let mut section = Section::new("Settings that were compared").paragraph(intro).table("Tuned settings", table);
-    for price in source.comparison.turning_prices() {
-        section = section.note(sentence(&price.describe()));
-    }
-    section
 }
 
 fn notes(source: &Source<'_>) -> Section {

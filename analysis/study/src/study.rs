@@ -16,11 +16,12 @@ mod precision;
 mod rows;
 mod stored;
 
+pub use crate::kpi::Progress;
 pub use precision::{NoPrecision, Precision, Width};
 use rows::Rows;
 pub use stored::{KnownRuns, StoredRun, known_of, stored_digest, stored_runs};
 
-use crate::kpi::{self, Counting, Kpi};
+use crate::kpi::{self, Counting, Kpi, unless_stopped};
 use crate::logs::{LogError, LogWriter};
 use crate::planner::Figures;
 use crate::tune::Tuning;
@@ -29,12 +30,11 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use toolroom_kernel::SimTime;
 use toolroom_scenario::Scenario;
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_shards::{FNV_OFFSET, Journal, fnv};
 use toolroom_shop::runlog::{ChangeReason, EdgeRow};
-use toolroom_shop::{Recorder, RunLog, Shop, ShopError};
+use toolroom_shop::{RunLog, Shop, ShopError};
 use toolroom_statistics::{CONFIDENCE, t_interval};
 use toolroom_steady::{LeadTimes, OneRun, WarmUp};
 
@@ -94,15 +94,6 @@ impl StudyOptions {
             warm_up: None,
         }
     }
-}
-
-/// How far a study is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
-    /// Runs (a policy in a replication) that are done.
-    pub done: u32,
-    /// Runs in all.
-    pub total: u32,
 }
 
 /// Life of one cutting edge of a lathe that left the machine.
@@ -314,25 +305,6 @@ pub fn run_study_as_far(
 /// planner asks.
 fn keeps_log(scenario: &Scenario, options: &StudyOptions, replication: u32) -> bool {
     replication < options.logged || !scenario.orders.is_empty()
-}
-
-/// Pieces of a run between which it looks whether it is still wanted.
-const LOOKS: u32 = 256;
-
-/// Runs a shop to its horizon; `None` where `stop` is set on the way. Stopping between events at any time changes
-/// nothing of a run that goes on.
-pub(crate) fn unless_stopped<R: Recorder>(
-    mut shop: Shop<'_, R>,
-    horizon: f64,
-    stop: &AtomicBool,
-) -> Result<Option<R>, ShopError> {
-    for look in 1..LOOKS {
-        if stop.load(Ordering::Relaxed) {
-            return Ok(None);
-        }
-        shop.run_until(SimTime::from_seconds(horizon * f64::from(look) / f64::from(LOOKS))?)?;
-    }
-    shop.run().map(Some)
 }
 
 /// A run whose shop stopped before its horizon.

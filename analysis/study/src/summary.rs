@@ -100,6 +100,12 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
             "difference": decision.difference.as_ref().map(|difference| difference.mean),
             "ci95": decision.difference.as_ref().map(|difference| [difference.low(), difference.high()]),
             "wording": decision.line,
+            "without_guard": tuning.without_guard.as_ref().map(|verdict| json!({
+                "between": verdict.between,
+                "difference": verdict.difference.map(|[mean, ..]| mean),
+                "ci95": verdict.difference.map(|[_, low, high]| [low, high]),
+                "wording": verdict.line,
+            })),
         });
     }
     summary

@@ -87,6 +87,8 @@ vocabulary! {
         DiscreteUniform = "discrete_uniform",
         /// Given times with their weights.
         Empirical = "empirical",
+        /// A law of lives that `toolroom life` has fitted, from its summary.
+        Fitted = "fitted",
     }
 }
 

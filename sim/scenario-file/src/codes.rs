@@ -92,6 +92,10 @@ pub const CODES: &[(&str, &str)] = &[
         "`parameters_from` names draws of a posterior, a Parquet table that `toolroom calibrate --data` writes beside the set: a column `group.parameter [unit]` for each parameter of the process, `edge_scatter`, `law` and `weight`. The parameter set of the tool has the same wear law, `parameters` states none of the same values, and all draws have the same weight. Each replication takes one draw, the same under every policy; policies believe the set. docs/calibration.md shows the way.",
     ),
     (
+        "fitted-law",
+        "`distribution = \"fitted\"` takes a law of lives from the `summary.json` that `toolroom life` writes: `from` is its path from this file, `law` one of the laws under `fits`, `group` one of its groups. Lives are in a unit of time there, such as `life [min]`: cuts and parts are no time.",
+    ),
+    (
         "buffer-loop",
         "With blocking before service a machine begins only when a place for its part is reserved further on. Where two operations in a row share their only place, none is ever free: the part itself stands in it. A buffer with a place more, or blocking after service, lets it move.",
     ),

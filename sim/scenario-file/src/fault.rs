@@ -205,6 +205,14 @@ pub enum ScenarioFault {
         /// What is wrong.
         reason: String,
     },
+    /// A fitted law of lives that no time can be drawn from.
+    #[error("fitted law of \"{file}\": {reason}")]
+    FittedLaw {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// A skill that no operator has.
     #[error("nobody has the skill \"{skill}\"")]
     SkillNobody {
@@ -288,6 +296,7 @@ impl ContentFault for ScenarioFault {
             Self::OrderOutside { .. } => "order-beyond-horizon",
             Self::TableCell { .. } => "table-cell",
             Self::Draws { .. } => "draws",
+            Self::FittedLaw { .. } => "fitted-law",
             Self::SkillNobody { .. } => "skill-nobody",
             Self::MissingPair { .. } => "missing-pair",
             Self::BufferLoop { .. } => "buffer-loop",
@@ -326,6 +335,10 @@ impl ContentFault for ScenarioFault {
             }
             Self::TableCell { fix, .. } => return fix.clone(),
             Self::Draws { .. } => "`toolroom calibrate --data` writes such a table beside the set".to_owned(),
+            Self::FittedLaw { .. } => {
+                "`toolroom life --fit LIVES.csv --out DIR` writes DIR/summary.json with lives in a unit of time"
+                    .to_owned()
+            }
             Self::SkillNobody { nearest: Some(nearest), known, .. } => {
                 format!("did you mean `{nearest}`? known: {known}")
             }

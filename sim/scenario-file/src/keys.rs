@@ -25,6 +25,7 @@ use toolroom_effects::{Effect, USER_EFFECT};
 use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
 
 use super::choices::{FamilyWord, FormatWord, IsolationWord, PatternWord, ProcessKind};
+use super::fitted;
 use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
 use super::tune::TUNE;
 use policy::POLICY;
@@ -82,6 +83,16 @@ pub(super) static DISTRIBUTION: Form = Form {
         Key::required("values", Kind::List(&TIME), "Times").when("distribution", &["empirical"]),
         Key::optional("weights", Kind::List(&WEIGHT), "How often each of them occurs; left out: all alike")
             .when("distribution", &["empirical"]),
+        Key::required("from", Kind::Text, "summary.json of `toolroom life`; its path from this file")
+            .when("distribution", &["fitted"]),
+        Key::optional(
+            "law",
+            Kind::Choice(fitted::LAWS),
+            "Law of the summary; left out: the first one, which is the most credible",
+        )
+        .when("distribution", &["fitted"]),
+        Key::optional("group", Kind::Name, "Group of the summary; left out: all lives")
+            .when("distribution", &["fitted"]),
     ],
 };
 

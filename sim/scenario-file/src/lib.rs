@@ -19,6 +19,7 @@ mod codes;
 mod control;
 mod cribs;
 mod fault;
+mod fitted;
 mod flow;
 mod imported;
 mod jobs;

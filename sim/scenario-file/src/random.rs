@@ -1,6 +1,7 @@
 //! Random times.
 
 use super::choices::FamilyWord;
+use super::fitted;
 use std::sync::Arc;
 use toolroom_form::{Fault, Section, Value, Walk};
 use toolroom_scenario::{Distribution, Empirical};
@@ -46,6 +47,7 @@ pub(super) fn distribution(walk: &mut Walk, section: &Section<'_>, key: &str) ->
             steps(walk, &table, low, high)
         }
         FamilyWord::Empirical => empirical(walk, &table),
+        FamilyWord::Fitted => fitted::law(walk, &table),
     }
 }
 

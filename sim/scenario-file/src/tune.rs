@@ -4,6 +4,9 @@ use super::keys::{DURATION, FACTOR, PATH, SHARE, SPEED, WEAR};
 use toolroom_form::{Fault, Form, Key, Kind, Section, Value, Walk, example};
 use toolroom_scenario::{PRICE, PolicyRule, Setting, SettingRange, Tunable, TuneRequest};
 
+/// Whether the rule of tool change is tuned.
+const CHANGE: &str = "change";
+
 /// Least and greatest value of a setting.
 const fn range(setting: Setting, kind: &'static Kind) -> Key {
     Key::optional(setting.key(), Kind::List(kind), "Least and greatest value that may be tried")
@@ -21,6 +24,12 @@ pub(super) static RANGES: Form = Form {
         range(Setting::WearLimit, &WEAR),
         range(Setting::CuttingTime, &DURATION),
         range(Setting::Parts, &Kind::positive("1", "1", 1e6, "12")),
+        Key::default(
+            CHANGE,
+            Kind::Flag,
+            "false",
+            "Whether edges may be changed by another rule as well: wear_limit, predicted and cutting_time are tried",
+        ),
     ],
 };
 
@@ -61,7 +70,8 @@ pub(super) fn tunable(walk: &mut Walk, section: &Section<'_>, rule: &PolicyRule)
     let Some(table) = walk.table(section, "tune") else {
         return if section.flag("tune") == Some(false) { Tunable::Given } else { Tunable::default() };
     };
-    let settings = rule.settings();
+    let change = table.flag(CHANGE) == Some(true);
+    let settings = PolicyRule { tune: Tunable::Free { ranges: Vec::new(), change }, ..rule.clone() }.all_settings();
     let mut ranges = Vec::new();
     for setting in Setting::ALL.into_iter().filter(|setting| table.given(setting.key())) {
         if !settings.contains(&setting) {
@@ -72,7 +82,7 @@ pub(super) fn tunable(walk: &mut Walk, section: &Section<'_>, rule: &PolicyRule)
             ranges.push(range);
         }
     }
-    Tunable::Free(ranges)
+    Tunable::Free { ranges, change }
 }
 
 fn ends(walk: &mut Walk, table: &Section<'_>, setting: Setting) -> Option<SettingRange> {

@@ -103,6 +103,18 @@ pub enum ToolChangeRule {
     },
 }
 
+impl ToolChangeRule {
+    /// Its word in files.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::WearLimit { .. } => "wear_limit",
+            Self::PartCount { .. } => "part_count",
+            Self::CuttingTime { .. } => "cutting_time",
+            Self::Predicted { .. } => "predicted",
+        }
+    }
+}
+
 /// What an adaptive controller measures, and how well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorSheet {

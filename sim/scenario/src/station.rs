@@ -1,12 +1,13 @@
 //! Machines, tools, working time, breakdowns.
 
 use super::{
-    Batch, Calibration, DispatchRule, Distribution, LifeOnly, Posterior, Spreads, StructureScatter, Target, Variants,
+    Batch, Calibration, Cut, DispatchRule, Distribution, LifeOnly, Posterior, Spreads, StructureScatter, Target,
+    Variants,
 };
 use std::fmt;
 use std::sync::Arc;
 use toolroom_calendar::Interruption;
-use toolroom_cutting::{Milling, Turning};
+use toolroom_cutting::{Milling, MillingInput, Turning};
 use toolroom_form::vocabulary;
 use toolroom_infeed::Infeed;
 use toolroom_process::{MachineProcess, Process};
@@ -155,6 +156,29 @@ impl ProcessModel {
             Self::Milling(process) => process.life.wear_limit,
             Self::Infeed(_) | Self::Other(_) => f64::INFINITY,
         }
+    }
+
+    /// How long a new edge without scatter is in cut at the programmed cut until it is spent, s; `None` where the process has
+    /// no such life or the edge does not wear out.
+    pub fn nominal_life(&self, cut: &Cut) -> Option<f64> {
+        let time = match self {
+            Self::Turning(process) => {
+                let nominal = toolroom_wear::Cut::nominal(cut.cutting_speed, cut.feed, cut.depth_of_cut);
+                process.pair.life(&nominal).cutting_time
+            }
+            Self::Milling(process) => {
+                let nominal = MillingInput {
+                    cutting_speed: cut.cutting_speed,
+                    feed_per_tooth: cut.feed,
+                    depth_of_cut: cut.depth_of_cut,
+                    width_of_cut: cut.width_of_cut,
+                    ..MillingInput::default()
+                };
+                process.life(&nominal).ok()?.0.cutting_time
+            }
+            Self::Infeed(_) | Self::Other(_) => return None,
+        };
+        Some(time).filter(|time| time.is_finite() && *time > 0.0)
     }
 
     /// Whether it judges the stability of its cuts.

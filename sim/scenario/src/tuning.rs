@@ -1,9 +1,11 @@
 //! What tuning may change about a policy, and what it is tuned for.
 //!
 //! Rules can only be compared fairly where each of them runs at its best settings. A policy has at most two settings: one
-//! that decides the speed, and one that decides when an edge is changed.
+//! that decides the speed, and one that decides when an edge is changed. Where the policy says so, the rule by which edges
+//! are changed is chosen, too.
 
 use crate::{PolicyRule, SpeedRule, ToolChangeRule};
+use std::mem::discriminant;
 use toolroom_form::significant;
 use toolroom_process::unit::convert;
 
@@ -111,17 +113,63 @@ pub type SettingRange = (Setting, (f64, f64));
 pub enum Tunable {
     /// It stands as it is given.
     Given,
-    /// Its settings are tuned; those that are listed only within their range.
-    Free(Vec<SettingRange>),
+    /// Its settings are tuned.
+    Free {
+        /// Settings that are tuned within a range only.
+        ranges: Vec<SettingRange>,
+        /// Whether the rule by which edges are changed is tuned, too.
+        change: bool,
+    },
 }
 
 impl Default for Tunable {
     fn default() -> Self {
-        Self::Free(Vec::new())
+        Self::Free { ranges: Vec::new(), change: false }
     }
 }
 
 impl PolicyRule {
+    /// Whether tuning may choose the rule by which edges are changed.
+    pub fn chooses_change(&self) -> bool {
+        match &self.tune {
+            Tunable::Free { change, .. } => *change,
+            Tunable::Given => false,
+        }
+    }
+
+    /// Rules of tool change that tuning may choose among, the policy's own one first: that one alone, or where
+    /// [`chooses_change`](Self::chooses_change) by reading wear, by predicting it and by the time in cut as well. Those that
+    /// are not its own start at the tool's wear limit, and at `time` (s in cut), without which that rule is left out.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_scenario::{PolicyRule, ToolChangeRule, Tunable};
+    /// let fixed = PolicyRule::default();
+    /// assert_eq!(fixed.change_rules(None), [ToolChangeRule::WearLimit { limit: None }]);
+    /// let free = PolicyRule { tune: Tunable::Free { ranges: Vec::new(), change: true }, ..fixed };
+    /// assert_eq!(free.change_rules(Some(900.0))[2], ToolChangeRule::CuttingTime { time: 900.0 });
+    /// ```
+    pub fn change_rules(&self, time: Option<f64>) -> Vec<ToolChangeRule> {
+        let all = [
+            Some(ToolChangeRule::WearLimit { limit: None }),
+            Some(ToolChangeRule::Predicted { limit: None }),
+            time.map(|time| ToolChangeRule::CuttingTime { time }),
+        ];
+        let own = discriminant(&self.tool_change);
+        let others = all.into_iter().flatten().filter(|rule| self.chooses_change() && discriminant(rule) != own);
+        std::iter::once(self.tool_change).chain(others).collect()
+    }
+
+    /// Settings that tuning may move with any of the rules of tool change that it may choose.
+    pub fn all_settings(&self) -> Vec<Setting> {
+        let mut settings: Vec<Setting> = Vec::new();
+        for tool_change in self.change_rules(Some(1.0)) {
+            let of_rule = Self { tool_change, ..self.clone() }.settings();
+            settings.extend(of_rule.into_iter().filter(|setting| !settings.contains(setting)).collect::<Vec<_>>());
+        }
+        settings
+    }
+
     /// Settings that tuning may move: that of the speed, where the rule has one, and that of the tool change.
     pub fn settings(&self) -> Vec<Setting> {
         let change = match self.tool_change {
@@ -163,15 +211,14 @@ impl PolicyRule {
     pub fn override_of(&self, setting: Setting, value: f64) -> String {
         let value = setting.shown(value);
         let path = format!("policy.{:?}", self.name);
-        let change = |rule: &str, value: &str| {
+        let change = |value: &str| {
+            let rule = self.tool_change.word();
             format!("{path}.tool_change={{ rule = \"{rule}\", {} = {value} }}", setting.key())
         };
-        match (setting, self.tool_change) {
-            (Setting::WearLimit, ToolChangeRule::Predicted { .. }) => change("predicted", &format!("\"{value}\"")),
-            (Setting::WearLimit, _) => change("wear_limit", &format!("\"{value}\"")),
-            (Setting::CuttingTime, _) => change("cutting_time", &format!("\"{value}\"")),
-            (Setting::Parts, _) => change("part_count", &value),
-            (Setting::CuttingSpeed | Setting::SpeedFactor | Setting::Price | Setting::PathPerEdge, _) => {
+        match setting {
+            Setting::WearLimit | Setting::CuttingTime => change(&format!("\"{value}\"")),
+            Setting::Parts => change(&value),
+            Setting::CuttingSpeed | Setting::SpeedFactor | Setting::Price | Setting::PathPerEdge => {
                 format!("{path}.{}={value}", setting.key())
             }
         }

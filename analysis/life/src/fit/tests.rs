@@ -223,3 +223,25 @@ fn full_coverage() {
         }
     }
 }
+
+#[test]
+fn the_highest_of_several_tops_is_found_on_fewer_classes() {
+    // Lives of a study: classes over the range, a fifth of the edges chipped early.
+    let law = Law::CompetingRisks { wear_median: 30.0, wear_sigma: 0.25, chipping_shape: 1.2, chipping_scale: 120.0 };
+    let bound = |i: i32| 0.4 * f64::from(i);
+    let classes = (0..180).map(|i| {
+        let share = law.failed(bound(i + 1)) - law.failed(bound(i));
+        (Between(bound(i), bound(i + 1)), (2000.0 * share).round())
+    });
+    let sample = Sample::weighted(classes).expect("lives");
+    for family in [Family::CompetingRisks, Family::Weibull3] {
+        assert!(sample.coarser(JOINED).is_some(), "the sample has classes to join");
+        let found = fit(&sample, family).expect("a fit");
+        let (unit, starts) = starts(&sample, family);
+        let climbed = starts
+            .iter()
+            .filter_map(|start| maximise(&|x: &[f64]| log_likelihood(&sample, &super::law(family, x, unit)), start));
+        let highest = climbed.map(|top| top.value).fold(f64::NEG_INFINITY, f64::max);
+        assert!(found.log_likelihood > highest - 1e-6, "{family:?}: {} against {highest}", found.log_likelihood);
+    }
+}

@@ -171,7 +171,11 @@ impl Decision {
             let name = policies[position].name.as_str();
             tuning.is_none_or(|tuning| tuning.of(name).is_some_and(TunedPolicy::is_tuned))
         };
-        let change = |position: usize| discriminant(&scenario.policies[policies[position].policy].tool_change);
+        // Rules that tuning may give a policy for changing edges: one, or all that there are.
+        let change = |position: usize| {
+            let rule = &scenario.policies[policies[position].policy];
+            (!rule.chooses_change()).then(|| discriminant(&rule.tool_change))
+        };
         let best_of = |of: &dyn Fn(usize, &Role) -> bool| {
             let candidates = policies.iter().enumerate();
             candidates
@@ -181,7 +185,7 @@ impl Decision {
                 .map(|(position, _)| position)
         };
         let adaptive = best_of(&|_, role| role.is_candidate());
-        // Tuned rules are compared where they change edges by the same rule, whose setting was tuned for all of them.
+        // Tuned rules are compared where they may change edges by the same rules, whose settings were tuned for all of them.
         let rival = best_of(&|position, role| {
             role.is_rival()
                 && (tuning.is_none() || adaptive.is_none_or(|adaptive| change(adaptive) == change(position)))

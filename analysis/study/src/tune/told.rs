@@ -1,6 +1,6 @@
 //! What tuning found, for people and programs.
 
-use super::{TunedPolicy, Tuning};
+use super::{Excluded, ToolChangeTried, TunedPolicy, Tuning};
 use crate::compare::Comparison;
 use crate::figure::{decimals, plain, signed};
 use crate::study::Study;
@@ -38,12 +38,18 @@ pub fn tuning_text(tuning: &Tuning, study: &Study, comparison: &Comparison) -> S
     for Judged { policy, judged, .. } in judged(tuning, study, comparison) {
         let _ = writeln!(text, "  {}: {}", policy.name, line(policy, judged, &tuning.unit));
     }
+    if let Some(verdict) = &tuning.without_guard {
+        let _ = writeln!(text, "  without the guard: {}", verdict.line);
+    }
     text
 }
 
 fn line(policy: &TunedPolicy, judged: Option<f64>, unit: &str) -> String {
     let (Some(tuned), Some(error)) = (policy.objective, policy.standard_error) else {
-        return format!("as given ({})", policy.given.as_deref().unwrap_or_default());
+        let excluded = policy.excluded.as_ref().map(|Excluded { settings, objective, .. }| {
+            format!("; without it {settings} at {}", plain(*objective, decimals(*objective, f64::NAN)))
+        });
+        return format!("as given ({}){}", policy.given.as_deref().unwrap_or_default(), excluded.unwrap_or_default());
     };
     let settings = policy.settings.iter().map(|setting| {
         let end = if setting.border { " at the end of its range" } else { "" };
@@ -64,10 +70,25 @@ fn line(policy: &TunedPolicy, judged: Option<f64>, unit: &str) -> String {
             plain(100.0 * collapsed, 1)
         );
     }
-    if let Some((settings, objective)) = &policy.excluded {
+    if let Some(Excluded { settings, objective, .. }) = &policy.excluded {
         let _ = write!(text, "; the guard excludes {settings} at {}", plain(*objective, digits));
     }
+    text.push_str(&changes_tried(policy, digits));
     text
+}
+
+/// The rule of tool change that was chosen, and what the others would cost.
+fn changes_tried(policy: &TunedPolicy, digits: usize) -> String {
+    let told = |tried: &ToolChangeTried| match tried.objective {
+        Some(objective) => format!("{} ({}) {}", tried.rule, tried.settings, plain(objective, digits)),
+        None => format!("{} has no setting that the guard lets stand", tried.rule),
+    };
+    match policy.tool_changes.as_slice() {
+        [chosen, others @ ..] => {
+            format!("; changed by {}: {}", chosen.rule, others.iter().map(told).collect::<Vec<_>>().join(", "))
+        }
+        [] => String::new(),
+    }
 }
 
 /// The same for programs: the key `tuning` of `summary.json`.
@@ -89,7 +110,11 @@ pub fn tuning_json(tuning: &Tuning, study: &Study, comparison: &Comparison) -> V
             "collapsed": policy.collapsed,
             "failed": policy.failed,
             "border": policy.settings.iter().any(|setting| setting.border),
-            "excluded": policy.excluded.as_ref().map(|(settings, objective)| json!({ "settings": settings, "tuned": objective })),
+            "excluded": policy.excluded.as_ref().map(|Excluded { settings, objective, changes }| {
+                json!({ "settings": settings, "tuned": objective, "set": changes })
+            }),
+            "tool_change": policy.tool_changes,
+            "map": policy.map,
             "set": policy.changes,
         })
     });

@@ -160,7 +160,8 @@ fn every_word_of_a_rule_reads_as_its_rule() {
 #[test]
 fn every_family_and_pattern_reads_as_itself() {
     let (failure, arrivals) = (form_of(&SCENARIO, "failure"), form_of(&SCENARIO, "arrivals"));
-    for word in FamilyWord::WORDS {
+    // A law that was fitted is one of the others, and needs its file.
+    for word in FamilyWord::WORDS.iter().filter(|word| **word != FamilyWord::Fitted.word()) {
         let times = body(form_of(failure, "time_between"), "distribution", word);
         // The example of a triangle ascends.
         let times =

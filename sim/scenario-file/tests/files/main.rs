@@ -349,8 +349,18 @@ fn a_section_that_says_nothing_tunes_as_no_section_does() {
 fn a_policy_says_whether_and_within_what_it_is_tuned() {
     let ranges = "tune = { time = [\"8 min\", \"16 min\"] }";
     let file = parse("shop.toml", &GOOD.replace("sensors = {", &format!("{ranges}\nsensors = {{")), &[]).unwrap();
-    let expected = Tunable::Free(vec![(Setting::CuttingTime, (480.0, 960.0))]);
+    let expected = Tunable::Free { ranges: vec![(Setting::CuttingTime, (480.0, 960.0))], change: false };
     assert_eq!((&file.scenario.policies[0].tune, &file.scenario.policies[1].tune), (&Tunable::default(), &expected));
+    // Where the rule of tool change is free, so are the settings of all rules that may take its place.
+    let free = "tune = { change = true, limit = [\"0.2 mm\", \"0.4 mm\"] }";
+    let file = parse("shop.toml", &GOOD.replace("sensors = {", &format!("{free}\nsensors = {{")), &[]).unwrap();
+    let rules = file.scenario.policies[1].change_rules(Some(600.0));
+    let expected = [
+        ToolChangeRule::CuttingTime { time: 720.0 },
+        ToolChangeRule::WearLimit { limit: None },
+        ToolChangeRule::Predicted { limit: None },
+    ];
+    assert_eq!(rules, expected);
     let given = GOOD.replace("sensors = {", "tune = false\nsensors = {");
     let file = parse("shop.toml", &given, &[]).unwrap();
     assert_eq!(file.scenario.policies[1].tune, Tunable::Given);

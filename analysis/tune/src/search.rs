@@ -1,19 +1,17 @@
 //! The search for the best settings of one rule.
 
 use super::axis::{Axis, Reference};
-use super::{Objective, TriedRun, TuneError, TunedPolicy, TunedSetting, given};
-use crate::kpi::Counting;
-use crate::study::unless_stopped;
+use super::{Objective, TriedRun, TuneError, TunedPolicy, given};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use toolroom_kpi::{Counting, unless_stopped};
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_scenario::{PolicyRule, Scenario, TuneRequest};
 use toolroom_shards::Journal;
 use toolroom_shop::Shop;
 use toolroom_shop::runlog::ChangeReason;
-use toolroom_statistics::Moments;
 use toolroom_surface::{Estimates, Trial as Tried};
 
 /// Replications of every setting of the first grid, as a share of the budget: 8 of 600. With 24 settings the grid takes a
@@ -25,6 +23,11 @@ const EXTENDED: f64 = 0.5;
 const KEPT: usize = 3;
 /// Settings that get half of what is left at the end, and those of them that get the rest.
 const FINALISTS: [usize; 2] = [6, 3];
+
+/// Rules of tool change that get what is left of the budget: the best one half of it, the next one the rest.
+const LEFT: [u32; 2] = [2, 1];
+/// Settings of a rule that share it.
+const SHARING: usize = 3;
 
 /// What all rules have in common.
 pub(super) struct Search<'a> {
@@ -44,52 +47,61 @@ pub(super) struct Search<'a> {
     pub journal: Option<&'a Journal<TriedRun>>,
 }
 
-/// What a replication is of: name of the policy, bits of its settings, number of the replication.
-type Trial = (String, Vec<u64>, u32);
+/// What a replication is of: name of the policy, word of its rule of tool change, bits of its settings, number of the
+/// replication.
+type Trial = (String, String, Vec<u64>, u32);
 
 /// One replication.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     /// Less is better; infinite where it is not defined.
-    objective: f64,
+    pub objective: f64,
     edges: u32,
-    collapsed: u32,
-    failed: u32,
+    pub collapsed: u32,
+    pub failed: u32,
 }
 
 /// Settings that are tried.
-struct Point {
+pub(super) struct Point {
     /// One value an axis, SI.
-    values: Vec<f64>,
+    pub values: Vec<f64>,
     policy: Arc<ResolvedPolicy>,
-    runs: Vec<Run>,
+    pub runs: Vec<Run>,
 }
 
-/// All settings of one rule that are tried.
-struct Field<'a> {
-    search: &'a Search<'a>,
-    rule: PolicyRule,
-    axes: Vec<Axis>,
-    points: Vec<Point>,
-    spent: u32,
+/// All settings of one rule that are tried, with one rule of tool change.
+pub(super) struct Field<'a> {
+    pub search: &'a Search<'a>,
+    pub rule: PolicyRule,
+    pub axes: Vec<Axis>,
+    pub points: Vec<Point>,
+    /// Replications that it may take.
+    budget: u32,
+    pub spent: u32,
 }
 
 impl TriedRun {
     pub(super) fn known(self) -> (Trial, Run) {
-        let Self { policy, settings, replication, objective, edges, collapsed, failed } = self;
-        ((policy, settings, replication), Run { objective: f64::from_bits(objective), edges, collapsed, failed })
+        let Self { policy, change, settings, replication, objective, edges, collapsed, failed } = self;
+        (
+            (policy, change, settings, replication),
+            Run { objective: f64::from_bits(objective), edges, collapsed, failed },
+        )
     }
 
-    fn of((policy, settings, replication): Trial, run: Run) -> Self {
+    fn of((policy, change, settings, replication): Trial, run: Run) -> Self {
         let Run { objective, edges, collapsed, failed } = run;
-        Self { policy, settings, replication, objective: objective.to_bits(), edges, collapsed, failed }
+        Self { policy, change, settings, replication, objective: objective.to_bits(), edges, collapsed, failed }
     }
 }
 
 impl Search<'_> {
-    /// Replications of every setting of the first grid.
-    fn first(&self) -> usize {
-        (self.request.budget / FIRST).max(2) as usize
+    /// Equal shares of the budget of a policy: one where it keeps its rule of tool change, else one for each rule that it may
+    /// have and one for the better ones.
+    pub fn shares(rule: &PolicyRule) -> u32 {
+        // A rule by time in cut may fall away where no life is known; the budget is reckoned with it all the same.
+        let rules = rule.change_rules(Some(1.0)).len() as u32;
+        if rules == 1 { 1 } else { rules + 1 }
     }
 
     /// The best settings of policy number `policy`.
@@ -98,16 +110,39 @@ impl Search<'_> {
         let Some(reference) = Reference::of(&self.scenario) else {
             return Ok(given(&rule.name, "no turning operation follows a commanded speed".to_owned()));
         };
-        let axes = Axis::all(&rule, reference);
-        let mut field = Field { search: self, rule, axes, points: Vec::new(), spent: 0 };
-        field.tune()?;
-        Ok(field.told())
+        let budget = self.request.budget / Self::shares(&rule);
+        let field = |tool_change| {
+            let rule = PolicyRule { tool_change, ..rule.clone() };
+            let axes = Axis::all(&rule, reference);
+            Field { search: self, rule, axes, points: Vec::new(), budget, spent: 0 }
+        };
+        let mut fields: Vec<Field<'_>> = rule.change_rules(reference.life).into_iter().map(field).collect();
+        if let [only] = fields.as_mut_slice() {
+            only.budget = self.request.budget;
+            only.tune()?;
+            return Ok(only.told());
+        }
+        for field in &mut fields {
+            field.tune()?;
+        }
+        let left = |fields: &[Field<'_>]| self.request.budget - fields.iter().map(|field| field.spent).sum::<u32>();
+        let ranked = |fields: &mut [Field<'_>]| fields.sort_by(|a, b| a.least().total_cmp(&b.least()));
+        // The better rules get what is left, the best of them the most.
+        ranked(&mut fields);
+        for (place, share) in LEFT.into_iter().enumerate() {
+            let more = if place + 1 < LEFT.len() { left(&fields) / share } else { left(&fields) };
+            fields[place].go_on(more)?;
+        }
+        ranked(&mut fields);
+        let evaluations = fields.iter().map(|field| field.spent).sum();
+        let tool_changes = fields.iter().map(Field::tried).collect();
+        Ok(TunedPolicy { evaluations, tool_changes, ..fields[0].told() })
     }
 }
 
 impl Point {
     /// Share of edges lost in a way, and its standard deviation.
-    fn share(&self, lost: fn(&Run) -> u32) -> (f64, f64) {
+    pub fn share(&self, lost: fn(&Run) -> u32) -> (f64, f64) {
         let sum = |of: fn(&Run) -> u32| self.runs.iter().map(|run| f64::from(of(run))).sum::<f64>();
         let edges = sum(|run| run.edges);
         if edges == 0.0 {
@@ -118,7 +153,7 @@ impl Point {
     }
 
     /// Whether the guard lets these settings stand, one standard deviation on the safe side.
-    fn is_admissible(&self, request: &TuneRequest) -> bool {
+    pub fn is_admissible(&self, request: &TuneRequest) -> bool {
         let within = |lost: fn(&Run) -> u32, limit: f64| {
             let (share, deviation) = self.share(lost);
             share + deviation <= limit
@@ -129,9 +164,42 @@ impl Point {
 }
 
 impl Field<'_> {
+    /// Replications of every setting of the first grid.
+    pub fn first(&self) -> usize {
+        (self.budget / FIRST).max(2) as usize
+    }
+
+    /// Estimated objective of the best settings; infinite where the guard lets none stand.
+    fn least(&self) -> f64 {
+        let best = self.known().first().copied();
+        best.map_or(f64::INFINITY, |best| self.estimates().means[best])
+    }
+
+    /// Admissible points that are known well enough to be chosen, the best first.
+    pub fn known(&self) -> Vec<usize> {
+        // Those of the first grid that were not kept are known too little.
+        let by_count = [2 * self.first(), 1].into_iter().map(|count| self.best(count));
+        by_count.into_iter().find(|best| !best.is_empty()).unwrap_or_default()
+    }
+
+    /// More replications of the best settings after [`tune`](Self::tune).
+    fn go_on(&mut self, more: u32) -> Result<(), TuneError> {
+        let best: Vec<usize> = self.known().into_iter().take(SHARING).collect();
+        let Some(&first) = best.first() else { return Ok(()) };
+        // The replications of the first grid stay those of the share that it was laid with.
+        let total = self.spent + more;
+        let each = more as usize / best.len();
+        for point in best {
+            let count = self.points[point].runs.len() + each;
+            self.run_within(&[point], count, total)?;
+        }
+        let count = self.points[first].runs.len() + (total - self.spent) as usize;
+        self.run_within(&[first], count, total)
+    }
+
     fn tune(&mut self) -> Result<(), TuneError> {
-        let budget = self.search.request.budget;
-        let first = self.search.first();
+        let budget = self.budget;
+        let first = self.first();
         self.add(&self.grid())?;
         self.run_to(&(0..self.points.len()).collect::<Vec<_>>(), first)?;
         self.extend(first)?;
@@ -185,7 +253,12 @@ impl Field<'_> {
 
     /// Simulates the first `count` replications of the points called by index, as far as the budget goes.
     fn run_to(&mut self, points: &[usize], count: usize) -> Result<(), TuneError> {
-        let left = self.search.request.budget.saturating_sub(self.spent) as usize;
+        self.run_within(points, count, self.budget)
+    }
+
+    /// The same until the field has spent `total` replications.
+    fn run_within(&mut self, points: &[usize], count: usize, total: u32) -> Result<(), TuneError> {
+        let left = total.saturating_sub(self.spent) as usize;
         let missing =
             points.iter().flat_map(|&point| (self.points[point].runs.len()..count).map(move |run| (point, run)));
         // One replication of all points after the other, so that a budget that runs short leaves them alike.
@@ -207,7 +280,7 @@ impl Field<'_> {
     /// One replication of a point, simulated where no earlier search did.
     fn run(&self, point: usize, replication: u32) -> Result<Run, TuneError> {
         let settings = self.points[point].values.iter().map(|value| value.to_bits()).collect();
-        let trial = (self.rule.name.clone(), settings, replication);
+        let trial = (self.rule.name.clone(), self.rule.tool_change.word().to_owned(), settings, replication);
         let run = match self.search.known.get(&trial) {
             Some(known) => *known,
             None => {
@@ -250,7 +323,7 @@ impl Field<'_> {
     }
 
     /// What all points that were tried say together.
-    fn estimates(&self) -> Estimates {
+    pub fn estimates(&self) -> Estimates {
         let tried = |point: &Point| Tried {
             at: self.axes.iter().zip(&point.values).map(|(axis, value)| axis.position(*value)).collect(),
             values: point.runs.iter().map(|run| run.objective).collect(),
@@ -259,7 +332,7 @@ impl Field<'_> {
     }
 
     /// Admissible points with so many replications, the best first.
-    fn best(&self, count: usize) -> Vec<usize> {
+    pub fn best(&self, count: usize) -> Vec<usize> {
         let estimated = self.estimates().means;
         let known = |point: &Point| point.runs.len() >= count && point.is_admissible(self.search.request);
         let mut points: Vec<usize> = (0..self.points.len()).filter(|&point| known(&self.points[point])).collect();
@@ -281,7 +354,7 @@ impl Field<'_> {
             let others: usize =
                 self.axes.iter().map(|axis| axis.values.len()).product::<usize>() / self.axes[number].values.len();
             let cost = self.spent as usize + others * count;
-            if cost as f64 > EXTENDED * f64::from(self.search.request.budget) {
+            if cost as f64 > EXTENDED * f64::from(self.budget) {
                 return Ok(());
             }
             let list = &mut self.axes[number].values;
@@ -313,73 +386,12 @@ impl Field<'_> {
         })
     }
 
-    fn shown(&self, values: &[f64]) -> String {
+    pub fn shown(&self, values: &[f64]) -> String {
         let steps = self
             .axes
             .iter()
             .zip(values)
             .map(|(axis, value)| format!("{} {}", axis.setting.key(), axis.setting.shown(*value)));
         steps.collect::<Vec<_>>().join(", ")
-    }
-
-    /// What was found.
-    fn told(&self) -> TunedPolicy {
-        let request = self.search.request;
-        let in_file = |objective: f64| self.search.objective.sign * self.search.scale * objective;
-        // Those of the first grid that were not kept are known too little.
-        let known =
-            [2 * self.search.first(), 1].into_iter().map(|count| self.best(count)).find(|best| !best.is_empty());
-        let Some(best) = known.map(|best| &self.points[best[0]]) else {
-            let reason = format!(
-                "at every setting that was tried the guard is broken: more than {} % of edges collapse",
-                100.0 * request.collapse
-            );
-            return TunedPolicy { evaluations: self.spent, ..given(&self.rule.name, reason) };
-        };
-        let estimated = self.estimates().means;
-        let place = |point: &Point| self.points.iter().position(|other| std::ptr::eq(other, point));
-        let estimate = |point: &Point| place(point).map_or(f64::INFINITY, |place| estimated[place]);
-        let excess = |point: &Point| estimate(point) - estimate(best);
-        let flat = |point: &&Point| {
-            point.runs.len() >= 2 * self.search.first()
-                && point.is_admissible(request)
-                && excess(point) <= request.indifference * estimate(best).abs()
-        };
-        let flat: Vec<&Point> = self.points.iter().filter(flat).collect();
-        let settings = self.axes.iter().enumerate().map(|(number, axis)| {
-            let value = best.values[number];
-            let spread_of = |points: &mut dyn Iterator<Item = &Point>| {
-                let values: Vec<f64> = points.map(|point| point.values[number]).collect();
-                (values.iter().copied().fold(value, f64::min), values.iter().copied().fold(value, f64::max))
-            };
-            let (least, greatest) = spread_of(&mut self.points.iter());
-            let (low, high) = spread_of(&mut flat.iter().copied());
-            TunedSetting {
-                key: axis.setting.key().to_owned(),
-                value: axis.setting.shown(value),
-                flat: (axis.setting.shown(low), axis.setting.shown(high)),
-                border: value <= least || value >= greatest,
-            }
-        });
-        let excluded = self.points.iter().filter(|point| !point.is_admissible(request) && excess(point) < 0.0);
-        let excluded = excluded.min_by(|a, b| excess(a).total_cmp(&excess(b)));
-        let moments: Moments = best.runs.iter().map(|run| run.objective).collect();
-        TunedPolicy {
-            name: self.rule.name.clone(),
-            settings: settings.collect(),
-            given: None,
-            changes: self
-                .axes
-                .iter()
-                .zip(&best.values)
-                .map(|(axis, value)| self.rule.override_of(axis.setting, *value))
-                .collect(),
-            evaluations: self.spent,
-            objective: Some(in_file(moments.mean())),
-            standard_error: Some(self.search.scale * moments.standard_error()),
-            collapsed: Some(best.share(|run| run.collapsed).0),
-            failed: Some(best.share(|run| run.failed).0),
-            excluded: excluded.map(|point| (self.shown(&point.values), in_file(moments.mean() + excess(point)))),
-        }
     }
 }

@@ -27,6 +27,8 @@ pub(super) struct Reference {
     speed: f64,
     /// Flank wear at which the tool itself is worn, m.
     wear_limit: f64,
+    /// Time in cut of an edge without scatter at the programmed cut, s; `None` where it has no such life.
+    pub life: Option<f64>,
 }
 
 impl Reference {
@@ -36,7 +38,8 @@ impl Reference {
             let tool = &scenario.tools[operation.tool?];
             let Work::Cutting(cuts) = &operation.work else { return None };
             let cut = cuts.first().filter(|_| scenario.commands_speed_of(tool))?;
-            Some(Self { speed: cut.cutting_speed, wear_limit: tool.process.wear_limit() })
+            let life = tool.process.nominal_life(cut);
+            Some(Self { speed: cut.cutting_speed, wear_limit: tool.process.wear_limit(), life })
         })
     }
 }
@@ -84,7 +87,7 @@ impl Axis {
                 (0.2 * span.0, 5.0 * span.1)
             }
         };
-        let given = if let Tunable::Free(ranges) = &rule.tune {
+        let given = if let Tunable::Free { ranges, .. } = &rule.tune {
             ranges.iter().find(|(other, _)| *other == setting).map(|(_, range)| *range)
         } else {
             None
@@ -144,7 +147,7 @@ mod tests {
 
     fn axis() -> Axis {
         let rule = PolicyRule::default();
-        let reference = Reference { speed: 40.0 / 60.0, wear_limit: 0.6e-3 };
+        let reference = Reference { speed: 40.0 / 60.0, wear_limit: 0.6e-3, life: None };
         Axis::all(&rule, reference).remove(1)
     }
 
@@ -164,8 +167,9 @@ mod tests {
     #[test]
     fn a_given_range_is_not_left() {
         let range = (0.3e-3, 0.5e-3);
-        let rule = PolicyRule { tune: Tunable::Free(vec![(Setting::WearLimit, range)]), ..PolicyRule::default() };
-        let axis = Axis::all(&rule, Reference { speed: 1.0, wear_limit: 0.6e-3 }).remove(1);
+        let tune = Tunable::Free { ranges: vec![(Setting::WearLimit, range)], change: false };
+        let rule = PolicyRule { tune, ..PolicyRule::default() };
+        let axis = Axis::all(&rule, Reference { speed: 1.0, wear_limit: 0.6e-3, life: None }).remove(1);
         assert!((axis.values[0] - range.0).abs() < 1e-12 && (axis.values[3] - range.1).abs() < 1e-12);
         assert_eq!((axis.beyond(true), axis.beyond(false)), (None, None));
         assert!(axis.value(9.0) <= range.1 * (1.0 + 1e-12));

@@ -1,0 +1,88 @@
+//! Settings that were found for the policies.
+
+use super::Source;
+use crate::figure::{decimals, plain};
+use crate::tune::{TunedPolicy, TunedSetting, Tuning};
+use toolroom_chart::page::{Figure, Section};
+use toolroom_chart::{Axis, Cell, HeatMap, Style, Table};
+
+/// Settings of the policies, and how they were found.
+pub(super) fn section(tuning: &Tuning, source: &Source<'_>) -> Section {
+    let intro = format!(
+        "Before the comparison every policy was tuned for {} with {} simulated replications on seed {}; the comparison \
+         judges it on seed {}. What a policy costs more when it is judged than it did while it was tuned is optimism.",
+        tuning.objective, tuning.budget, tuning.seed, source.scenario.seed
+    );
+    let mut table = Table::new(["policy", "settings", "nearly as good", "tuned", "judged", "edges lost in cut, %"]);
+    let index = source.study.index(&tuning.objective);
+    for (position, policy) in source.comparison.policies.iter().enumerate() {
+        let Some(tuned) = tuning.of(&policy.name) else { continue };
+        let list =
+            |text: &dyn Fn(&TunedSetting) -> String| tuned.settings.iter().map(text).collect::<Vec<_>>().join(", ");
+        let settings = match &tuned.given {
+            Some(reason) => format!("as given: {reason}"),
+            None => list(&|setting| format!("{} {}", setting.key, setting.value)),
+        };
+        let judged = index.map(|index| {
+            let kpi = &source.study.kpis[index];
+            source.comparison.policies[position].kpis[index].scaled(kpi.definition.file_scale())
+        });
+        let digits = decimals(tuned.objective.unwrap_or(0.0), tuned.standard_error.unwrap_or(f64::NAN));
+        let shown = |value: Option<f64>, digits: usize| value.map_or_else(String::new, |value| plain(value, digits));
+        table.push([
+            policy.name.as_str().into(),
+            Cell::Text(settings),
+            Cell::Text(list(&|setting| format!("{} … {}", setting.flat.0, setting.flat.1))),
+            Cell::Text(shown(tuned.objective, digits)),
+            Cell::Text(shown(judged.filter(|_| tuned.is_tuned()).map(|judged| judged.mean), digits)),
+            Cell::Text(shown(tuned.failed.map(|share| 100.0 * share), 1)),
+        ]);
+    }
+    let mut section = Section::new("Settings that were compared").paragraph(intro).table("Tuned settings", table);
+    if let Some(verdict) = &tuning.without_guard {
+        section = section.note(format!(
+            "The guard excludes settings that would cost less. Without it the verdict is: {}.",
+            verdict.line.trim_end_matches('.')
+        ));
+    }
+    let maps = tuning.policies.iter().filter_map(|policy| Some((policy.name.clone(), settings_map(tuning, policy)?)));
+    section = section.choice(maps);
+    for price in source.comparison.turning_prices() {
+        section = section.note(super::sentence(&price.describe()));
+    }
+    section
+}
+
+/// The objective of one policy over its two settings, in per cent above the best on the first grid.
+fn settings_map(tuning: &Tuning, policy: &TunedPolicy) -> Option<Figure> {
+    let map = policy.map.as_ref()?;
+    let known = || map.objective.iter().flatten().copied();
+    let least = policy.objective.into_iter().chain(known()).fold(f64::INFINITY, |a, b| a.min(b.abs()));
+    let axis = |(key, unit): &(String, String)| Axis::linear(key.as_str(), if unit == "1" { "" } else { unit });
+    let axes = [axis(&map.settings[0]), axis(&map.settings[1]), Axis::linear("Above the best", "%")];
+    let best = known().fold(f64::INFINITY, f64::min);
+    let worse = |value: &Option<f64>| value.map_or(f64::NAN, |value| 100.0 * (value - best).abs() / least);
+    let [columns, rows] = map.values.clone();
+    let barred = columns.len();
+    let excluded: Vec<(f64, f64)> = (0..map.excluded.len())
+        .filter(|place| map.excluded[*place])
+        .map(|place| (map.values[0][place % barred], map.values[1][place / barred]))
+        .collect();
+    let mut chart = HeatMap::new(
+        format!("{} of {} over its settings", tuning.objective, policy.name),
+        axes,
+        columns,
+        rows,
+        map.objective.iter().map(worse),
+    )
+    .scatter("chosen", [(map.chosen[0], map.chosen[1])], Style::nth(1));
+    if !excluded.is_empty() {
+        chart = chart.scatter("excluded by the guard", excluded, Style::IDLE);
+    }
+    let caption = format!(
+        "Estimates from the replications of the tuning: what each setting of the grid costs more than the best of them. The \
+         settings that were chosen for {} lie on a finer grid around the least of the surface through all of them.",
+        policy.name
+    );
+    Some(Figure::new(&chart, caption).data_in("summary.json"))
+}
