@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use toolroom_form::Echo;
 use toolroom_kinds::FileKind;
+use toolroom_study::StatisticsWanted;
 
 pub fn run(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
     let path = &args.file;
@@ -24,6 +25,12 @@ pub fn run(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
         return Err(Failure::argument(message, "change values of this file with --set"));
     }
     let checked = read(path, &changes.overrides())?;
+    if kind.word == "scenario" {
+        // Its figures are known where they are computed.
+        let file = toolroom_scenario_file::read(path, &changes.overrides())?;
+        StatisticsWanted::of(&file.scenario, &file.statistics)
+            .map_err(|error| Failure::argument(&error, error.fix()))?;
+    }
     if voice.json {
         let mut result = json!({ "schema": 1, "file": path.display().to_string(), "valid": true });
         if let Value::Object(result) = &mut result {

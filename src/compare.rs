@@ -6,7 +6,7 @@ use crate::progress::Bar;
 use crate::shard::{leave, refused};
 use crate::snapshot::{from_snapshot, origin};
 use crate::speak::Voice;
-use crate::study::{Place, RESUME, Request, default_out, perform, request_in};
+use crate::study::{Place, RESUME, Request, default_out, perform, request_in, statistics};
 use crate::sweep;
 use crate::warm_up::settle;
 use std::path::Path;
@@ -80,8 +80,12 @@ fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> R
         // The shop as it was; who comes in the very instant of a branch is no part of it.
         snapshot.verify(&file.scenario, &policies)?;
     }
+    let statistics = statistics(&file, &args.study)?;
     let select = args.select.as_deref().map(|text| Wanted::parse(&file.scenario, text)).transpose();
     let select = select.map_err(|error| Failure::argument(error, "see `toolroom compare --help`"))?;
+    let typed_select = select.is_some();
+    // What the file asks for needs variants; without them there is only one shop.
+    let select = select.or(statistics.select.filter(|_| !variants.is_empty()));
     if select.is_some() && variants.is_empty() {
         let help = "add a [[variant]] to the scenario";
         return Err(Failure::argument("there is only one shop, nothing to select", help));
@@ -95,7 +99,10 @@ fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> R
         None => ((file, None), None),
     };
     let axis = args.axis.map_or("", Axis::typed);
-    let chosen = select.as_ref().map_or_else(String::new, |select| format!(" --select \"{}\"", select.text()));
+    let chosen = select
+        .as_ref()
+        .filter(|_| typed_select)
+        .map_or_else(String::new, |select| format!(" --select \"{}\"", select.text()));
     let (start, typed) = match &args.scenario.from {
         Some(from) => (origin(from, args.scenario.horizon.as_deref()), Vec::new()),
         None => (input.clone(), args.scenario.changes.overrides()),
@@ -114,6 +121,8 @@ fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> R
         tuning,
         variants,
         select,
+        until: statistics.until,
+        primary: statistics.primary,
         warm_up,
     };
     perform(&request, place, voice)
@@ -230,7 +239,7 @@ fn plan(
     target: &Path,
     voice: &Voice,
 ) -> Result<(), Failure> {
-    if !args.study.until.is_empty() {
+    if !args.study.until.is_empty() || !file.statistics.until.is_empty() {
         let help = "give the number with --replications; a precision needs all replications at hand";
         return Err(Failure::argument("--until cannot be planned in shards", help));
     }
@@ -262,6 +271,7 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
     let known = planned::known_runs(plan, parts, &file, &policies).map_err(refused)?;
     let changes = Changes { set: plan.overrides.clone(), ..Changes::default() };
     let args = StudyArgs { policy: plan.policies.clone(), out: out.map(Path::to_owned), ..StudyArgs::default() };
+    let primary = statistics(&file, &args)?.primary;
     let request = Request {
         command: format!("compare {}", plan.file),
         input: plan.file.clone(),
@@ -276,6 +286,8 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
         tuning: None,
         variants: Vec::new(),
         select: None,
+        until: Vec::new(),
+        primary,
         warm_up: None,
     };
     perform(&request, None, voice)

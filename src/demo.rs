@@ -27,6 +27,8 @@ pub fn run(args: &DemoArgs, voice: &Voice) -> Result<(), Failure> {
         tuning: None,
         variants: Vec::new(),
         select: None,
+        until: args.study.until.clone(),
+        primary: None,
         warm_up: None,
     };
     perform(&request, None, voice)?;

@@ -4,7 +4,7 @@ use crate::args::{Changes, RunArgs};
 use crate::failure::Failure;
 use crate::snapshot;
 use crate::speak::Voice;
-use crate::study::{Request, default_out, perform};
+use crate::study::{Request, default_out, perform, statistics};
 use crate::warm_up::settle;
 use toolroom_scenario_file::{ScenarioFile, read};
 use toolroom_study::request::policies_named;
@@ -33,6 +33,7 @@ pub fn perform_run(
     let policies = policies_named(&file.scenario, &args.study.policy)?;
     let out = default_out(&file.scenario.name);
     let target = args.study.out.as_deref().unwrap_or(&out);
+    let wanted = statistics(&file, &args.study)?;
     let warm_up = settle(&mut file, &mut [], &policies, &args.study, target, voice)?;
     let request = Request {
         command: format!("run {start}"),
@@ -48,6 +49,8 @@ pub fn perform_run(
         tuning: None,
         variants: Vec::new(),
         select: None,
+        until: wanted.until,
+        primary: wanted.primary,
         warm_up,
     };
     perform(&request, None, voice)

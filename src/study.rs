@@ -17,10 +17,11 @@ use toolroom_scenario_file::ScenarioFile;
 use toolroom_shards::Journal;
 use toolroom_shop::RunLog;
 use toolroom_steady::WarmUp;
+use toolroom_study::StatisticsWanted;
 use toolroom_study::logs::{Format, LogWriter};
 use toolroom_study::request::StudyRequest;
 use toolroom_study::results::{self, FinishedRun, STOPPED, record};
-use toolroom_study::study::{KnownRuns, StoppedShop, StudyOptions, known_of};
+use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions, known_of};
 use toolroom_study::summary::summary;
 use toolroom_study::terminal::{Style, table};
 use toolroom_study::tune::Tuning;
@@ -51,6 +52,10 @@ pub struct Request<'a> {
     pub variants: Vec<VariantShop>,
     /// By what the best of them is selected.
     pub select: Option<Wanted>,
+    /// When the study stops.
+    pub until: Vec<Precision>,
+    /// The figure that matters most.
+    pub primary: Option<String>,
     /// How the warm-up of `file` was found.
     pub warm_up: Option<Arc<WarmUp>>,
 }
@@ -78,6 +83,14 @@ impl Place {
     }
 }
 
+/// What `[statistics]` of a scenario wants, with what the command line says in its place.
+pub fn statistics(file: &ScenarioFile, args: &StudyArgs) -> Result<StatisticsWanted, Failure> {
+    let wanted = StatisticsWanted::of(&file.scenario, &file.statistics)
+        .map_err(|error| Failure::argument(&error, error.fix()))?;
+    let until = if args.until.is_empty() { wanted.until } else { args.until.clone() };
+    Ok(StatisticsWanted { until, ..wanted })
+}
+
 /// The files that are read.
 fn inputs<'a>(input: &'a str, file: &'a ScenarioFile) -> impl Iterator<Item = &'a Path> {
     file.files.iter().map(AsRef::as_ref).chain([Path::new(input)])
@@ -90,7 +103,8 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
     let mut options = StudyOptions {
         policies: request.policies.clone(),
         threads: args.threads,
-        until: args.until.clone(),
+        until: request.until.clone(),
+        primary: request.primary.clone(),
         // Records are those of the first replication.
         logged: args.logged.unwrap_or(request.logged).max(u32::from(args.records.is_some())),
         known: Arc::clone(&request.known),

@@ -5,6 +5,7 @@ use crate::compare::{tuned, tuning_wanted};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::speak::Voice;
+use crate::study::statistics;
 use crate::warm_up::settle;
 use serde_json::Value;
 use std::path::Path;
@@ -49,7 +50,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
             tuning,
             warm_up,
             threads: args.study.threads,
-            until: args.study.until.clone(),
+            until: statistics(&file, &args.study)?.until,
             logged: 0,
             ..StudyOptions::of(scenario)
         };

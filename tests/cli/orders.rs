@@ -58,3 +58,34 @@ fn a_bad_row_is_told_with_its_line() {
         "{message}"
     );
 }
+
+#[test]
+fn a_scenario_says_what_is_to_be_known() {
+    let folder = directory("cli", "statistics");
+    let scenario = folder.join("queue.toml");
+    let text = fs::read_to_string(shipped("shop/queue")).expect("the scenario");
+    let section = "[statistics]\nprimary = \"lead_time\"\nuntil = { lead_time = \"half-width 40 %\" }\n";
+    let write = |section: &str| fs::write(&scenario, format!("{text}\n{section}")).expect("written");
+    write(section);
+    let out = folder.join("out").display().to_string();
+    let name = scenario.display().to_string();
+    let small =
+        ["--set", "shop.horizon=\"200 h\"", "--set", "shop.replications=60", "--force", "--out", &out, "--json"];
+    let run = |more: &[&str]| {
+        let ran = toolroom(&[&["run", &name][..], &small, more].concat());
+        assert!(ran.status.success(), "{}", stderr(&ran));
+        let summary = json(&ran);
+        summary["replications"].as_u64().expect("a number")
+    };
+    let stopped = run(&[]);
+    assert!((8..60).contains(&stopped), "{stopped}");
+    let page = fs::read_to_string(folder.join("out/schedule.html")).expect("a page");
+    assert!(page.contains(&format!("of {stopped}, the median by lead_time under programmed")), "which run it is");
+    // The command line goes before the file.
+    assert_eq!(run(&["--until", "lead_time half-width 0.001 %"]), 60);
+    write(&section.replace("lead_time\"\nuntil", "lead_tine\"\nuntil"));
+    let checked = toolroom(&["check", &name]);
+    assert_eq!(checked.status.code(), Some(2), "{}", stdout(&checked));
+    let message = stderr(&checked);
+    assert!(message.contains("[statistics] primary") && message.contains("did you mean `lead_time`"), "{message}");
+}

@@ -8,6 +8,7 @@
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
 mod dynamics;
+mod shop;
 mod statistics;
 
 use serde_json::{Value, json};
@@ -49,7 +50,7 @@ impl Claims {
         all.extend(named("infeed", toolroom_infeed::claims())?);
         all.extend(named("contour", toolroom_contour::claims())?);
         all.extend(named("life", toolroom_life::claims())?);
-        all.extend(named("shop", toolroom_shop::claims())?);
+        all.extend(named("shop", shop::claims())?);
         all.extend(statistics::claims().into_iter().map(|claim| ("statistics", claim)));
         Ok(Self(all))
     }

@@ -30,7 +30,7 @@ pub(crate) fn truncated(scenario: &Scenario) -> Vec<Warning> {
     }
     for arrival in &scenario.arrivals {
         if let ArrivalPattern::Renewal(between) = &arrival.pattern {
-            times.push((format!("the time between arrivals of \"{}\"", scenario.parts[arrival.part].name), between));
+            times.push((format!("the time between arrivals of \"{}\"", arrival.parts_named(&scenario.parts)), between));
         }
     }
     let told = |(what, time): (String, &Distribution)| {

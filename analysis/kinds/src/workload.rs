@@ -179,24 +179,55 @@ impl Shop<'_> {
             load.members.sort_unstable();
         }
         for order in &scenario.orders {
-            self.add(&mut stations, &mut skills, order.part, f64::from(order.quantity), 1.0, Some(order.due));
+            self.add(&mut stations, &mut skills, order.part, f64::from(order.pieces()), 1.0, Some(order.due));
         }
         for arrival in &scenario.arrivals {
-            let Some(jobs) = self.jobs(arrival) else {
-                self.mark_endless(&mut stations, &mut skills, arrival.part);
-                continue;
-            };
-            self.add(&mut stations, &mut skills, arrival.part, jobs, jobs, None);
+            for &(part, share) in &arrival.parts {
+                let Some(jobs) = self.jobs(arrival).map(|jobs| share * jobs) else {
+                    self.mark_endless(&mut stations, &mut skills, part);
+                    continue;
+                };
+                self.add(&mut stations, &mut skills, part, jobs * arrival.quantity.mean(), jobs, None);
+            }
+        }
+        for (part, pieces, lots) in self.reordered() {
+            self.add(&mut stations, &mut skills, part, pieces, lots, None);
         }
         stations.append(&mut skills);
         stations
+    }
+
+    /// Components that the shop makes for a stock until the horizon: part, pieces and lots. What is needed of them beyond the
+    /// stock at the start is made, in whole lots.
+    fn reordered(&self) -> Vec<(usize, f64, f64)> {
+        let scenario = self.scenario;
+        let mut made = vec![0.0; scenario.parts.len()];
+        scenario.orders.iter().for_each(|order| made[order.part] += f64::from(order.pieces()));
+        for arrival in &scenario.arrivals {
+            let jobs = self.jobs(arrival).unwrap_or(0.0) * arrival.quantity.mean();
+            arrival.parts.iter().for_each(|(part, share)| made[*part] += share * jobs);
+        }
+        let mut lots_of = Vec::new();
+        for stock in &scenario.shared.stocks {
+            let Some(reorder) = stock.reorder.filter(|reorder| reorder.lead.is_none()) else { continue };
+            let goes_into = scenario.parts.iter().zip(&made).flat_map(|(part, made)| {
+                let own = part.components.iter().filter(|component| component.part == stock.part);
+                own.map(move |component| f64::from(component.quantity) * made)
+            });
+            let missing = goes_into.sum::<f64>() - f64::from(stock.quantity);
+            let lots = (missing / f64::from(reorder.lot)).ceil().max(0.0);
+            lots_of.push((stock.part, lots * f64::from(reorder.lot), lots));
+        }
+        lots_of
     }
 
     /// Part and operation of everything that is ordered or arrives, each once.
     fn lots(&self) -> Vec<(usize, usize)> {
         let scenario = self.scenario;
         let ordered = scenario.orders.iter().map(|order| order.part);
-        let mut parts: Vec<usize> = ordered.chain(scenario.arrivals.iter().map(|arrival| arrival.part)).collect();
+        let come = scenario.arrivals.iter().flat_map(|arrival| &arrival.parts).map(|(part, _)| *part);
+        let stocked = scenario.shared.stocks.iter().map(|stock| stock.part);
+        let mut parts: Vec<usize> = ordered.chain(come).chain(stocked).collect();
         parts.sort_unstable();
         parts.dedup();
         parts
@@ -228,8 +259,8 @@ impl Shop<'_> {
     fn waiting(&self, loads: &[Load]) -> f64 {
         let of_source = |arrival: &Arrival| {
             let jobs = self.jobs(arrival)?;
-            let operations = &self.scenario.parts[arrival.part].operations;
-            let shares = operations.iter().flat_map(|operation| {
+            let parts = arrival.parts.iter().map(|(part, _)| &self.scenario.parts[*part]);
+            let shares = parts.flat_map(|part| &part.operations).flat_map(|operation| {
                 let within = |load: &&Load| operation.machines.iter().all(|each| load.members.contains(each));
                 loads.iter().filter(|load| !load.name.starts_with(SKILL)).filter(within).map(Load::share)
             });
@@ -260,7 +291,7 @@ impl Shop<'_> {
         for (number, operation) in routed.operations.iter().enumerate() {
             let need = self.need(part, number);
             let visits = self.visits(part)[number];
-            let (pieces, lots) = (visits * pieces, visits * lots);
+            let (pieces, lots) = (visits * sampled(operation, pieces), visits * lots);
             let alone = self.together(part, number, pieces, lots);
             let (handling, setup) = (pieces * need.handling, lots * need.setup);
             let work = handling + alone;
@@ -365,7 +396,7 @@ impl Shop<'_> {
     fn capacity(&self, calendars: impl Iterator<Item = Option<usize>>, from: f64, to: Option<f64>) -> f64 {
         let to = to.unwrap_or(self.scenario.horizon);
         let time = |calendar: Option<usize>| {
-            calendar.map_or((to - from).max(0.0), |index| self.scenario.calendars[index].working_time(from, to))
+            calendar.map_or((to - from).max(0.0), |index| self.scenario.calendars[index].work_done(from, to))
         };
         calendars.map(time).sum()
     }
@@ -434,8 +465,8 @@ impl Shop<'_> {
     /// When an order is finished if nothing else is in the shop, s.
     fn earliest(&self, order: &Order) -> f64 {
         let part: &Part = &self.scenario.parts[order.part];
-        let pieces = f64::from(order.quantity);
-        let batch = f64::from(order.transfer.unwrap_or(order.quantity).min(order.quantity));
+        let pieces = f64::from(order.pieces());
+        let batch = f64::from(order.transfer.unwrap_or(order.pieces()).min(order.pieces()));
         let last = pieces - batch * ((pieces / batch).ceil() - 1.0);
         // Pieces of a routing that cuts are worked on one by one, on several machines at once.
         let one_by_one = part.operations.iter().any(|own| !matches!(own.work, Work::Plain(_)));
@@ -449,12 +480,12 @@ impl Shop<'_> {
             let able = operation.machines.len() as f64;
             let together = if one_by_one { able } else { f64::from(order.split.unwrap_or(1)).min(able) };
             let after = |time: f64, pieces: f64| {
-                let pieces = (pieces / together).ceil();
+                let pieces = (sampled(operation, pieces) / together).ceil();
                 let ends = operation.machines.iter().map(|&machine| {
                     let calendar = self.scenario.machines[machine].calendar;
                     worked(
                         calendar.map(|index| &self.scenario.calendars[index]),
-                        time,
+                        (time, matches!(operation.work, Work::Plain(_))),
                         pieces * handling + if once { 1.0 } else { pieces } * alone,
                     )
                 });
@@ -488,20 +519,30 @@ impl Load {
     }
 }
 
-/// When work of `need`, s, ends that begins at `time` or when the calendar works next, s.
-fn worked(calendar: Option<&ShiftCalendar>, time: f64, need: f64) -> f64 {
+/// Of so many pieces those on which an operation is done.
+fn sampled(operation: &Operation, pieces: f64) -> f64 {
+    let sample = operation.inspection.sample.filter(|_| operation.inspection.passes_by());
+    sample.map_or(pieces, |sample| (pieces / f64::from(sample.every)).ceil())
+}
+
+/// When work of `need`, s, ends that begins at `time` or when the calendar works next, s; whether it goes at the pace of the
+/// shift.
+fn worked(calendar: Option<&ShiftCalendar>, (time, paced): (f64, bool), need: f64) -> f64 {
     let Some(calendar) = calendar else { return time + need };
     let (mut now, mut left) = (time, need);
     loop {
         if calendar.works_at(now) {
             let end = calendar.next_boundary(now).map_or(f64::INFINITY, |boundary| boundary.time);
+            let pace = if paced { calendar.paces.factor_at(now) } else { 1.0 };
+            let change = calendar.paces.next_change(now).filter(|change| paced && *change < end);
             // What is finished at the end of a shift is never later than this.
-            let over = if calendar.at_end == Interruption::Finish { left } else { calendar.finish_within };
-            if left <= end - now + over {
-                return now + left;
+            let over = if calendar.at_end == Interruption::Finish { left / pace } else { calendar.finish_within };
+            let until = change.unwrap_or(end);
+            if left <= pace * (until - now) || change.is_none() && left / pace <= end - now + over {
+                return now + left / pace;
             }
-            left -= end - now;
-            now = end;
+            left -= pace * (until - now);
+            now = until;
         } else {
             match calendar.next_boundary(now) {
                 Some(boundary) => now = boundary.time,

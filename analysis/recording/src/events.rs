@@ -5,7 +5,7 @@ use crate::{Run, edge_name};
 use std::collections::BTreeMap;
 use toolroom_records::{RecordKind, Records};
 use toolroom_shop::RunLog;
-use toolroom_shop::runlog::{LogEvent, MachineState, StateRow};
+use toolroom_shop::runlog::{AttendanceRow, LogEvent, MachineState, StateRow};
 
 /// State after which nothing is known.
 const END: &str = "unavailable";
@@ -36,6 +36,7 @@ pub fn events(run: &Run<'_>) -> Records {
         }
         feed[row] = 1.0;
     }
+    let rows: Vec<StateRow> = states.iter().map(|(state, _)| *state).collect();
     time.extend(vec![run.log.horizon; machines]);
     machine.extend(run.scenario.machines.iter().take(machines).map(|machine| machine.name.clone()));
     name.extend(vec![END.to_owned(); machines]);
@@ -46,7 +47,45 @@ pub fn events(run: &Run<'_>) -> Records {
     records.set_texts("operation_id", operation);
     records.set_texts("tool_id", tool);
     records.set_numbers("feed_override", feed);
+    orders(run, &rows, count, &mut records);
+    if !run.scenario.operators.is_empty() {
+        records.set_texts("operator", operators(run, &rows, count));
+    }
     records
+}
+
+/// The order of the job in the machine and the pieces of it that are there, where there are orders.
+fn orders(run: &Run<'_>, states: &[StateRow], count: usize, records: &mut Records) {
+    if run.scenario.orders.is_empty() {
+        return;
+    }
+    let (mut order, mut quantity) = (vec![String::new(); count], vec![f64::NAN; count]);
+    for (row, state) in states.iter().enumerate() {
+        let Some(job) = state.job.and_then(|job| run.log.jobs.get(job as usize)) else { continue };
+        quantity[row] = f64::from(job.quantity);
+        if let Some(own) = job.order.and_then(|index| run.scenario.orders.get(index as usize)) {
+            order[row].clone_from(&own.id);
+        }
+    }
+    records.set_texts("order", order);
+    records.set_numbers("quantity", quantity);
+}
+
+/// Who attends to the machine when it enters a state, or comes to it first while it is in that state.
+fn operators(run: &Run<'_>, states: &[StateRow], count: usize) -> Vec<String> {
+    let mut by_machine: BTreeMap<u32, Vec<&AttendanceRow>> = BTreeMap::new();
+    for row in &run.log.attendances {
+        by_machine.entry(row.machine).or_default().push(row);
+    }
+    let mut names = vec![String::new(); count];
+    for (row, state) in states.iter().enumerate() {
+        let Some(own) = by_machine.get(&state.machine) else { continue };
+        let first = own.partition_point(|attendance| attendance.end <= state.start);
+        if let Some(attendance) = own.get(first).filter(|attendance| attendance.start < state.end) {
+            names[row].clone_from(&run.scenario.operators[attendance.operator as usize].name);
+        }
+    }
+    names
 }
 
 /// States with their words, in time. The log counts holds as time in cut and has them among its events:

@@ -182,7 +182,7 @@ pub(crate) fn streams(scenario: &Scenario) -> Value {
         scenario.machines.iter().map(|machine| machine.name.clone()).collect(),
         scenario.tools.iter().map(|tool| tool.name.clone()).collect(),
         operations.collect(),
-        scenario.arrivals.iter().map(|arrival| scenario.parts[arrival.part].name.clone()).collect(),
+        scenario.arrivals.iter().map(|arrival| arrival.parts_named(&scenario.parts)).collect(),
         scenario.failures.iter().map(|failure| scenario.machines[failure.machine].name.clone()).collect(),
     ];
     KINDS.into_iter().map(str::to_owned).zip(list.map(Value::from)).collect::<serde_json::Map<_, _>>().into()

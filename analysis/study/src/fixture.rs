@@ -83,6 +83,7 @@ pub(crate) fn scenario() -> Scenario {
         attendance: Attendance::default(),
         work,
         work_per: WorkPer::Part,
+        draw: DrawUnit::Lot,
         inspection: Inspection::default(),
         preemptible: true,
         assembles: false,
@@ -117,19 +118,15 @@ pub(crate) fn scenario() -> Scenario {
             batch_size: 10,
             deviating_lot: None,
             components: Vec::new(),
+            pegging: Default::default(),
+            replenish: Default::default(),
             random_routing: false,
             operations: vec![
                 operation("turn", vec![0, 1], 0, Work::Cutting(vec![cut; 2])),
                 operation("grind", vec![2], 1, grinding),
             ],
         }],
-        arrivals: vec![Arrival {
-            part: 0,
-            priority: 0,
-            weight: 1.0,
-            due: Default::default(),
-            pattern: ArrivalPattern::Schedule(vec![(0.0, 2)]),
-        }],
+        arrivals: vec![Arrival::of(0, ArrivalPattern::Schedule(vec![(0.0, 2)]))],
         policies: vec![policy("constant", SpeedRule::BestCost), policy("adaptive", SpeedRule::MinimumWear)],
         ..Scenario::empty()
     }

@@ -18,6 +18,7 @@
 //! | [`draws`] | draws of a posterior from Parquet files, for scenarios |
 //! | [`logs`] | tables of passes, edges, jobs, states and events as Parquet or CSV |
 //! | [`trace`] | machines as tracks for the Perfetto viewer |
+//! | [`StatisticsWanted`] | the section `[statistics]` of a scenario |
 //! | [`summary`], [`terminal`], [`report`] | the comparison for programs, terminals and browsers |
 //! | [`results`] | all files of a study |
 //! | [`difference`] | two finished runs against each other, paired where they share random numbers |
@@ -61,6 +62,7 @@ pub mod planner;
 pub mod report;
 pub mod request;
 pub mod results;
+mod statistics_section;
 pub mod study;
 pub mod summary;
 pub mod sweep;
@@ -69,4 +71,5 @@ pub mod trace;
 pub mod tune;
 pub mod variants;
 
+pub use statistics_section::{StatisticsError, StatisticsWanted};
 pub use toolroom_kpi as kpi;

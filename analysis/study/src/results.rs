@@ -23,6 +23,7 @@ use crate::compare::Comparison;
 use crate::logs::{Format, LogError, LogWriter};
 use crate::planner;
 use crate::report::report;
+use crate::statistics_section::Pictured;
 use crate::study::{
     Finished, FinishedError, Progress, StoppedShop, Study, StudyError, StudyOptions, run_study, run_study_as_far,
 };
@@ -108,6 +109,12 @@ pub enum ResultError {
     /// The finished part of a study cannot be read.
     #[error(transparent)]
     Finished(#[from] FinishedError),
+    /// The run that is pictured cannot be made again.
+    #[error("the replication that is pictured: {source}")]
+    Again {
+        /// Why it stopped.
+        source: toolroom_shop::ShopError,
+    },
 }
 
 impl ResultError {
@@ -117,7 +124,7 @@ impl ResultError {
             Self::Study(StudyError::Log(LogError::Earlier { .. })) | Self::Log(LogError::Earlier { .. }) => None,
             Self::Study(StudyError::Log(error)) | Self::Log(error) => Some(error.path()),
             Self::Write { path, .. } => Some(path),
-            Self::Study(_) | Self::Finished(_) => None,
+            Self::Study(_) | Self::Finished(_) | Self::Again { .. } => None,
         }
     }
 }
@@ -227,9 +234,10 @@ pub(crate) fn write_files(
         for name in planner::FILES {
             in_file(directory, name, |out| planner::write(name, scenario, study, out))?;
         }
-        if let Some(log) = study.first_logs.first() {
-            in_file(directory, planner::SEQUENCES, |out| planner::write_sequences(scenario, log, out))?;
-        }
+    }
+    let pictured = Pictured::of(scenario, study).map_err(|source| ResultError::Again { source })?;
+    if let Some(pictured) = pictured.as_ref().filter(|_| !scenario.orders.is_empty()) {
+        in_file(directory, planner::SEQUENCES, |out| planner::write_sequences(scenario, &pictured.log, out))?;
     }
     if scenario.control.schedule.is_some() {
         in_file(directory, planner::PLAN, |out| planner::write_plan(scenario, study, out))?;
@@ -238,9 +246,11 @@ pub(crate) fn write_files(
         in_file(directory, variants::FILE, |out| variants::write(scenario, study, out))?;
     }
     in_file(directory, "trace.json", |out| trace::write(scenario, study, out))?;
-    if let (Some(log), Some(&policy)) = (study.first_logs.first(), study.policies.first()) {
-        let name = &scenario.policies[policy].name;
-        in_file(directory, toolroom_schedule::FILE, |out| toolroom_schedule::write(scenario, name, log, out))?;
+    if let (Some(pictured), Some(&policy)) = (&pictured, study.policies.first()) {
+        let what = format!("{} under {}", pictured.words(study), scenario.policies[policy].name);
+        in_file(directory, toolroom_schedule::FILE, |out| {
+            toolroom_schedule::write(scenario, &what, &pictured.log, out)
+        })?;
     }
     in_file(directory, "summary.json", |out| pretty(out, &summary(scenario, study, comparison)))?;
     in_file(directory, "report.html", |out| out.write_all(report(scenario, study, comparison, info).html().as_bytes()))

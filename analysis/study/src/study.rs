@@ -73,6 +73,8 @@ pub struct StudyOptions {
     pub select: Option<Wanted>,
     /// How the warm-up of the scenario was found.
     pub warm_up: Option<Arc<WarmUp>>,
+    /// The figure that matters most: the run with its median is shown.
+    pub primary: Option<String>,
 }
 
 impl StudyOptions {
@@ -92,6 +94,7 @@ impl StudyOptions {
             variants: Vec::new(),
             select: None,
             warm_up: None,
+            primary: None,
         }
     }
 }
@@ -149,6 +152,8 @@ pub struct Study {
     pub tuning: Option<Arc<Tuning>>,
     /// How the warm-up of the scenario was found.
     pub warm_up: Option<Arc<WarmUp>>,
+    /// The figure that matters most.
+    pub primary: Option<String>,
     /// The mean lead time by policy, where there is but one run of a shop that goes on.
     pub one_run: Vec<Option<OneRun>>,
     /// Variants of the shop, run as often on the same random numbers.
@@ -454,6 +459,7 @@ where
         variants: Vec::new(),
         selection: None,
         warm_up: options.warm_up.clone(),
+        primary: options.primary.clone(),
         one_run: vec![None; count],
         values: vec![Rows::default(); count],
         edge_lives: vec![Rows::default(); count],

@@ -197,7 +197,7 @@ fn against(study: &Study, base: &VariantRuns, runs: &VariantRuns, policy: usize,
 const COLUMNS: [&str; 6] = ["parts_per_shift", "cost_per_part", "lead_time", "tardiness", "tardy_share", "wip"];
 
 /// Id of the number of late orders.
-const LATE_ORDERS: &str = "late_orders";
+pub(crate) const LATE_ORDERS: &str = "late_orders";
 
 /// Title of the number of late orders.
 const LATE: &str = "late orders";

@@ -160,7 +160,7 @@ fn an_event_of_a_unit_changes_the_edge() {
     let folder = TempDir::new().expect("a folder");
     let shop = with_fixture(folder.path(), &[], ("", ""), true).expect("valid");
     let log = shop::run(&shop, 0, 0).expect("it runs");
-    assert!(log.events.iter().any(|event| event.event == "wear_limit"), "the unit tells of its limit");
+    assert!(log.events.iter().any(|event| event.event.name() == "wear_limit"), "the unit tells of its limit");
     assert!(log.edges.len() > 5, "{} edges", log.edges.len());
 }
 

@@ -4,10 +4,12 @@
 pub mod date;
 mod dated;
 mod joined;
+mod pace;
 mod periodic;
 
-pub use dated::{Dated, WeekPlan};
+pub use dated::{Dated, PacedShift, WeekPlan};
 pub use joined::{Hours, Joined};
+pub use pace::Paces;
 pub use periodic::Periodic;
 
 use toolroom_form::vocabulary;
@@ -40,6 +42,8 @@ pub struct ShiftCalendar {
     pub finish_within: f64,
     /// Whether an operation is begun only where it will be over before the shift is.
     pub start_only_if_fits: bool,
+    /// Shifts in which work goes slower or faster than planned.
+    pub paces: Paces,
 }
 
 /// Shifts.
@@ -75,7 +79,8 @@ impl ShiftCalendar {
     /// Shifts that repeat after `period`, s.
     pub fn periodic(name: &str, period: f64, shifts: Vec<Shift>, at_end: Interruption) -> Self {
         let time = WorkingTime::Periodic(Periodic { period, shifts });
-        Self { name: name.to_owned(), time, at_end, finish_within: 0.0, start_only_if_fits: false }
+        let (name, paces) = (name.to_owned(), Paces::default());
+        Self { name, time, at_end, finish_within: 0.0, start_only_if_fits: false, paces }
     }
 
     /// Whether work goes on at `time`, s.
@@ -94,6 +99,12 @@ impl ShiftCalendar {
     /// ```
     pub fn working_time(&self, start: f64, end: f64) -> f64 {
         (self.time.worked_until(end) - self.time.worked_until(start)).max(0.0)
+    }
+
+    /// Work as planned that is done from `start` to `end`, s: [`working_time`](Self::working_time) at the pace of its shifts.
+    pub fn work_done(&self, start: f64, end: f64) -> f64 {
+        let working = |from: f64, to: f64| self.working_time(from, to);
+        working(start, end) + self.paces.surplus((start, end), working)
     }
 
     /// The next change strictly after `time`; shifts that touch are one. `None` where work never

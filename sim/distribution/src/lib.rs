@@ -106,6 +106,8 @@ pub struct Empirical {
     /// Times in ascending order, s, each with the share of all that are at most as long.
     steps: Vec<(f64, f64)>,
     mean: f64,
+    /// Whether times between two neighbours occur, too.
+    continuous: bool,
 }
 
 impl Empirical {
@@ -128,7 +130,34 @@ impl Empirical {
             below += weight / total;
             (time, below)
         };
-        Self { steps: sorted.into_iter().filter(|(_, weight)| *weight > 0.0).map(cumulated).collect(), mean }
+        let steps = sorted.into_iter().filter(|(_, weight)| *weight > 0.0).map(cumulated).collect();
+        Self { steps, mean, continuous: false }
+    }
+
+    /// Observed times (s, at least one), in any order, between which others occur as well: the distribution is linear between
+    /// neighbouring ones, and nothing is shorter than the shortest or longer than the longest.
+    ///
+    /// # Source
+    /// A. M. Law, Simulation Modeling and Analysis, 5th ed. (2015), section 6.2.4: F(X₍ᵢ₎) = (i − 1)/(n − 1).
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_distribution::{Distribution, Empirical};
+    /// let times = Empirical::observed(&[8.0, 2.0, 4.0]);
+    /// assert_eq!(times.mean(), 4.5); // (2 + 4)/2 and (4 + 8)/2, each in half of all cases
+    /// let times = Distribution::Empirical(times.into());
+    /// assert_eq!([0.0, 0.25, 0.5, 0.75].map(|u| times.quantile(u)), [2.0, 3.0, 4.0, 6.0]);
+    /// ```
+    pub fn observed(times: &[f64]) -> Self {
+        let mut sorted = times.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let intervals = (sorted.len().max(2) - 1) as f64;
+        let steps: Vec<(f64, f64)> = sorted.iter().enumerate().map(|(i, time)| (*time, i as f64 / intervals)).collect();
+        let mean = match sorted.as_slice() {
+            [only] => *only,
+            several => several.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).sum::<f64>() / intervals,
+        };
+        Self { steps, mean, continuous: true }
     }
 
     /// Mean, s.
@@ -137,13 +166,42 @@ impl Empirical {
     }
 
     fn share_below(&self, time: f64) -> f64 {
-        let share = |at: usize| at.checked_sub(1).map_or(0.0, |last| self.steps[last].1);
         let shorter = self.steps.partition_point(|(each, _)| *each < time);
         let equal = self.steps.partition_point(|(each, _)| *each <= time);
+        if self.continuous {
+            return self.share_between(shorter, equal, time);
+        }
+        let share = |at: usize| at.checked_sub(1).map_or(0.0, |last| self.steps[last].1);
         0.5 * (share(shorter) + share(equal))
     }
 
+    /// The same where times between neighbours occur: `shorter` of them are shorter, `equal` are at most as long. Equal
+    /// times are a step of the distribution, of which half counts.
+    fn share_between(&self, shorter: usize, equal: usize, time: f64) -> f64 {
+        let last = self.steps.len() - 1;
+        if equal > shorter {
+            let from = if shorter == 0 { 0.0 } else { self.steps[shorter].1 };
+            let to = if last == 0 { 1.0 } else { self.steps[equal - 1].1 };
+            return 0.5 * (from + to);
+        }
+        match shorter {
+            0 => 0.0,
+            above if above > last => 1.0,
+            above => {
+                let ((low, from), (high, to)) = (self.steps[above - 1], self.steps[above]);
+                from + (to - from) * (time - low) / (high - low)
+            }
+        }
+    }
+
     fn quantile(&self, u: f64) -> f64 {
+        if self.continuous {
+            let last = self.steps.len() - 1;
+            let place = u * last as f64;
+            let below = (place as usize).min(last.saturating_sub(1));
+            let (low, high) = (self.steps[below].0, self.steps[(below + 1).min(last)].0);
+            return low + (place - below as f64) * (high - low);
+        }
         let step = self.steps.partition_point(|(_, below)| *below <= u);
         // Rounding may leave the last share a little below 1.
         self.steps.get(step).or(self.steps.last()).map_or(f64::NAN, |(time, _)| *time)
@@ -196,7 +254,8 @@ impl Distribution {
             }
             Self::Empirical(ref times) => {
                 let steps = times.steps.iter().map(|(time, share)| (factor * time, *share)).collect();
-                Self::Empirical(Arc::new(Empirical { steps, mean: factor * times.mean }))
+                let (mean, continuous) = (factor * times.mean, times.continuous);
+                Self::Empirical(Arc::new(Empirical { steps, mean, continuous }))
             }
         }
     }
@@ -435,6 +494,19 @@ mod tests {
         assert_eq!([4.0, 5.0, 6.0, 30.0, 31.0].map(|time| two.share_below(time)), [0.0, 0.375, 0.75, 0.875, 1.0]);
         let four = Distribution::DiscreteUniform { low: 1.0, step: 1.0, count: 4 };
         assert_eq!([0.5, 1.0, 1.5, 4.0, 4.5].map(|time| four.share_below(time)), [0.0, 0.125, 0.25, 0.875, 1.0]);
+    }
+
+    #[test]
+    fn observed_times_are_joined_by_lines() {
+        let times = |values: &[f64]| Distribution::Empirical(Arc::new(Empirical::observed(values)));
+        let law = times(&[10.0, 2.0, 4.0, 4.0, 20.0]);
+        // Five order statistics are at 0, 1/4, 1/2, 3/4 and 1.
+        assert_eq!([0.0, 0.125, 0.25, 0.4, 0.625, 0.875].map(|u| law.quantile(u)), [2.0, 3.0, 4.0, 4.0, 7.0, 15.0]);
+        assert_eq!(law.mean(), (3.0 + 4.0 + 7.0 + 15.0) / 4.0);
+        assert_eq!([1.0, 3.0, 4.0, 7.0, 21.0].map(|time| law.share_below(time)), [0.0, 0.125, 0.375, 0.625, 1.0]);
+        assert_eq!(law.scaled(2.0).quantile(0.625), 14.0);
+        let one = times(&[5.0]);
+        assert_eq!((one.mean(), one.quantile(0.7), one.share_below(5.0)), (5.0, 5.0, 0.5));
     }
 
     #[test]

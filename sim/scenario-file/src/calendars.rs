@@ -2,9 +2,11 @@
 
 use super::fault::ScenarioFault;
 use super::resolve::{Names, named};
-use toml::de::DeValue;
+use toml::de::{DeTable, DeValue};
 use toolroom_form::{Fault, Section, Span, Value, Walk};
-use toolroom_scenario::{Dated, Interruption, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime, date};
+use toolroom_scenario::{
+    Dated, Interruption, PacedShift, Paces, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime, date,
+};
 
 /// Working time of dates goes on for so long after the horizon, s: somebody may finish a part (assumption).
 const BEYOND: f64 = 14.0 * 86_400.0;
@@ -63,16 +65,18 @@ pub(super) fn calendars(
         names.calendars.push(name.clone());
         let at_end = section.chosen("at_end", Interruption::from_word);
         let finish_within = section.required("finish_within");
-        let (time, usual) = if section.given("week") {
+        let (time, usual, paces) = if section.given("week") {
             superfluous(walk, &section, "week", &["shift", "period"]);
-            (WorkingTime::Dated(dated(walk, &section, &name, start, horizon)), Interruption::Resume)
+            let (dated, paces) = dated(walk, &section, &name, start, horizon);
+            (WorkingTime::Dated(dated), Interruption::Resume, paces)
         } else {
-            superfluous(walk, &section, "shift", &["breaks", "holidays", "overtime"]);
-            (WorkingTime::Periodic(periodic(walk, &section)), Interruption::Finish)
+            superfluous(walk, &section, "shift", &["breaks", "holidays", "overtime", "weeks", "first_week"]);
+            let (periodic, paces) = periodic(walk, &section, horizon);
+            (WorkingTime::Periodic(periodic), Interruption::Finish, paces)
         };
         let start_only_if_fits = section.flag("start_only_if_fits").unwrap_or(false);
         let at_end = at_end.unwrap_or(usual);
-        calendars.push(ShiftCalendar { name, time, at_end, finish_within, start_only_if_fits });
+        calendars.push(ShiftCalendar { name, time, at_end, finish_within, start_only_if_fits, paces });
     }
     calendars
 }
@@ -81,13 +85,13 @@ pub(super) fn calendars(
 fn superfluous(walk: &mut Walk, section: &Section<'_>, key: &str, others: &[&'static str]) {
     for other in others.iter().filter(|other| section.given(other)) {
         let case = format!("a calendar with `{key}`");
-        let applicable = "period and shift, or week, breaks, holidays and overtime".to_owned();
+        let applicable = "period and shift, or week, weeks, first_week, breaks, holidays and overtime".to_owned();
         walk.fault(section.span_of(other), Fault::NotApplicable { key: other, case, applicable });
     }
 }
 
 /// Shifts that repeat.
-fn periodic(walk: &mut Walk, section: &Section<'_>) -> Periodic {
+fn periodic(walk: &mut Walk, section: &Section<'_>, horizon: f64) -> (Periodic, Paces) {
     let period = section.si("period").unwrap_or(86_400.0);
     let sections = walk.sections(section, "shift", None);
     match section.got("shift") {
@@ -103,7 +107,7 @@ fn periodic(walk: &mut Walk, section: &Section<'_>) -> Periodic {
         }
         Some(_) => {}
     }
-    let mut shifts: Vec<Shift> = Vec::new();
+    let (mut shifts, mut paced): (Vec<Shift>, Vec<PacedShift>) = (Vec::new(), Vec::new());
     for (i, stretch) in sections.iter().enumerate() {
         let shift = Shift { start: stretch.required("start"), end: stretch.required("end") };
         let hours = |seconds: f64| format!("{} h", seconds / 3600.0);
@@ -124,15 +128,32 @@ fn periodic(walk: &mut Walk, section: &Section<'_>) -> Periodic {
             walk.fault(stretch.span_of("start"), ScenarioFault::ShiftsOverlap { first: i, second: i + 1 });
         }
         shifts.push(shift);
+        paced.push(PacedShift { shift, factor: stretch.required("factor") });
     }
-    Periodic { period, shifts }
+    (Periodic { period, shifts }, repeated(&paced, period, horizon + BEYOND))
+}
+
+/// The paces of shifts that repeat after `period`, s, until `until`, s.
+fn repeated(shifts: &[PacedShift], period: f64, until: f64) -> Paces {
+    let uneven: Vec<&PacedShift> = shifts.iter().filter(|own| own.factor > 0.0 && own.factor != 1.0).collect();
+    let mut stretches = Vec::new();
+    let mut zero = 0.0;
+    // A calendar that is faulty may have no period.
+    while !uneven.is_empty() && period > 0.0 && zero < until {
+        let moved =
+            |own: &&PacedShift| (Shift { start: zero + own.shift.start, end: zero + own.shift.end }, own.factor);
+        stretches.extend(uneven.iter().map(moved));
+        zero = period * (stretches.len() / uneven.len()) as f64;
+    }
+    Paces::new(stretches)
 }
 
 /// Shifts of dates; nothing but a placeholder after a fault.
-fn dated(walk: &mut Walk, section: &Section<'_>, name: &str, start: Option<f64>, horizon: f64) -> Dated {
+fn dated(walk: &mut Walk, section: &Section<'_>, name: &str, start: Option<f64>, horizon: f64) -> (Dated, Paces) {
     let noted = walk.problems.len();
     let plan = WeekPlan {
-        week: week(walk, section),
+        weeks: weeks(walk, section),
+        first: first_week(walk, section).unwrap_or((start.unwrap_or(0.0) / 86_400.0).floor() as i64),
         breaks: listed(walk, section, "breaks", "break", "\"10:00-10:15\"", |text| {
             interval(text).filter(|own| own.start < own.end)
         }),
@@ -159,11 +180,22 @@ fn dated(walk: &mut Walk, section: &Section<'_>, name: &str, start: Option<f64>,
         let read = "a week of dates".to_owned();
         walk.fault(section.span_of("week"), ScenarioFault::DateWithoutStart { key: "week", read });
     }
+    let paces = plan.paces(start.unwrap_or(0.0), horizon + BEYOND);
     let dated = Dated::new(&plan, start.unwrap_or(0.0), horizon + BEYOND);
     if walk.problems.len() == noted && dated.worked_until(horizon) == 0.0 {
         walk.fault(section.span_of("week"), ScenarioFault::CalendarEmpty { name: name.to_owned() });
     }
-    dated
+    (dated, paces)
+}
+
+/// A day of the first of several weeks, days since 1970-01-01.
+fn first_week(walk: &mut Walk, section: &Section<'_>) -> Option<i64> {
+    let text = section.text("first_week")?;
+    let day = date::day(text.trim());
+    if day.is_none() {
+        no_date(walk, section.span_of("first_week"), "first_week", text, "day", "\"2026-03-30\"");
+    }
+    day
 }
 
 /// What the texts under `key` say; those that say nothing are faults.
@@ -204,15 +236,43 @@ fn days(text: &str) -> Option<std::ops::RangeInclusive<usize>> {
     (days.start() <= days.end()).then_some(days)
 }
 
-/// `week = { mon-fri = ["06:00-14:00"] }`; a later day replaces an earlier one.
-fn week(walk: &mut Walk, section: &Section<'_>) -> [Vec<Shift>; 7] {
-    let mut week: [Vec<Shift>; 7] = Default::default();
-    let Some(Value::Raw(raw)) = section.got("week").map(|got| &got.value) else { return week };
-    let DeValue::Table(table) = raw else {
-        let example = "{ mon-fri = [\"06:00-14:00\"] }".to_owned();
-        walk.wrong_type("week", raw, "a table of weekdays with their shifts", section.span_of("week"), example);
-        return week;
-    };
+/// `week = { mon-fri = ["06:00-14:00"] }`, or a list of such weeks.
+fn weeks(walk: &mut Walk, section: &Section<'_>) -> Vec<[Vec<PacedShift>; 7]> {
+    let example = || "{ mon-fri = [\"06:00-14:00\"] }".to_owned();
+    let expected = "a table of weekdays with their shifts, or a list of such tables";
+    let mut weeks = Vec::new();
+    match section.got("week").map(|got| &got.value) {
+        Some(Value::Raw(DeValue::Table(table))) => weeks.push(week(walk, table)),
+        Some(Value::Raw(DeValue::Array(tables))) if !tables.is_empty() => {
+            for entry in tables {
+                match entry.get_ref().as_table() {
+                    Some(table) => weeks.push(week(walk, table)),
+                    None => walk.wrong_type("week", entry.get_ref(), expected, entry.span(), example()),
+                }
+            }
+        }
+        Some(Value::Raw(raw)) => walk.wrong_type("week", raw, expected, section.span_of("week"), example()),
+        Some(_) | None => {}
+    }
+    if let Some(count) = section.count("weeks")
+        && count as usize != weeks.len()
+        && !weeks.is_empty()
+    {
+        let fault = Fault::Contradiction {
+            first: "weeks",
+            first_value: count.to_string(),
+            second: "week",
+            second_value: format!("{} of them", weeks.len()),
+            rule: "`week` is a list of as many weeks as follow each other: week = [{ mon-fri = [\"06:00-14:00\"] }, { mon-fri = [\"14:00-22:00\"] }]",
+        };
+        walk.fault(section.span_of("weeks"), fault);
+    }
+    weeks
+}
+
+/// Shifts of one week; a later day replaces an earlier one.
+fn week(walk: &mut Walk, table: &DeTable<'_>) -> [Vec<PacedShift>; 7] {
+    let mut week: [Vec<PacedShift>; 7] = Default::default();
     for (name, value) in table {
         let Some(days) = days(name.get_ref()) else {
             no_date(walk, name.span(), "week", name.get_ref(), "weekday", "mon or mon-fri");
@@ -223,14 +283,12 @@ fn week(walk: &mut Walk, section: &Section<'_>) -> [Vec<Shift>; 7] {
             walk.wrong_type(name.get_ref(), value.get_ref(), "a list of shifts", value.span(), example);
             continue;
         };
-        let mut shifts: Vec<Shift> = Vec::new();
+        let mut shifts: Vec<PacedShift> = Vec::new();
         for (i, entry) in entries.iter().enumerate() {
-            let text = entry.get_ref().as_str().unwrap_or_default();
-            let Some(shift) = interval(text) else {
-                no_date(walk, entry.span(), "week", text, "shift", "\"06:00-14:00\" or \"22:00-06:00\"");
-                continue;
-            };
-            if shifts.last().is_some_and(|before| before.end <= before.start || shift.start < before.end) {
+            let Some(shift) = paced(walk, entry.get_ref(), entry.span()) else { continue };
+            let overlaps =
+                |before: &PacedShift| before.shift.end <= before.shift.start || shift.shift.start < before.shift.end;
+            if shifts.last().is_some_and(overlaps) {
                 walk.fault(entry.span(), ScenarioFault::ShiftsOverlap { first: i, second: i + 1 });
             }
             shifts.push(shift);
@@ -239,3 +297,38 @@ fn week(walk: &mut Walk, section: &Section<'_>) -> [Vec<Shift>; 7] {
     }
     week
 }
+
+/// `"06:00-14:00"`, or `{ time = "22:00-06:00", factor = 0.8 }`.
+fn paced(walk: &mut Walk, entry: &DeValue<'_>, span: Span) -> Option<PacedShift> {
+    const SHIFT: &str = "\"06:00-14:00\", \"22:00-06:00\" or { time = \"22:00-06:00\", factor = 0.8 }";
+    let (text, factor) = match entry {
+        DeValue::Table(table) => {
+            if let Some((key, _)) = table.iter().find(|(key, _)| !["time", "factor"].contains(&&**key.get_ref())) {
+                no_date(walk, key.span(), "week", key.get_ref(), "key of a shift", SHIFT);
+            }
+            let factor = match table.get("factor").map(|factor| factor.get_ref()) {
+                None => Some(1.0),
+                Some(DeValue::Float(number)) => number.as_str().parse::<f64>().ok(),
+                Some(DeValue::Integer(number)) => number.as_str().parse::<f64>().ok(),
+                Some(_) => None,
+            };
+            let Some(factor) = factor.filter(|factor| *factor > 0.0 && *factor <= FASTEST) else {
+                let place = table.get("factor").map_or(span, |factor| factor.span());
+                no_date(walk, place, "week", "factor", "factor on the speed of work, above 0 and at most 10", SHIFT);
+                return None;
+            };
+            (table.get("time").and_then(|time| time.get_ref().as_str()).unwrap_or_default(), factor)
+        }
+        other => (other.as_str().unwrap_or_default(), 1.0),
+    };
+    match interval(text) {
+        Some(shift) => Some(PacedShift { shift, factor }),
+        None => {
+            no_date(walk, span, "week", text, "shift", SHIFT);
+            None
+        }
+    }
+}
+
+/// Greatest factor on the speed of work in a shift: more is a slip (assumption).
+const FASTEST: f64 = 10.0;

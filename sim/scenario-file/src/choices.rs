@@ -143,6 +143,8 @@ vocabulary! {
         Slack = "slack",
         /// The flow_allowance of the part after they came.
         Constant = "constant",
+        /// A random time after they came.
+        Random = "random",
     }
 }
 

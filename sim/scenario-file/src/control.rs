@@ -129,6 +129,7 @@ pub(super) fn due(walk: &mut Walk, arrivals: &Section<'_>) -> DueRule {
     match section.chosen("rule", DueWord::from_word) {
         Some(DueWord::TotalWork) => DueRule::TotalWork { k: section.required("k") },
         Some(DueWord::Slack) => DueRule::Slack { slack: section.required("slack") },
+        Some(DueWord::Random) => DueRule::Random(super::random::distribution(walk, &section, "allowance")),
         Some(DueWord::Constant) | None => DueRule::Allowance,
     }
 }

@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use toolroom_form::{Fault, Section, Walk};
 use toolroom_scenario::{
-    Crib, FailureClock, Inspection, LifeOnly, MachineType, Maintenance, Operation, Part, ProcessModel, Purchase,
-    Regrind, ToolType, Variants, Work, WorkPer,
+    Crib, DrawUnit, FailureClock, Inspection, LifeOnly, MachineType, Maintenance, Operation, Part, Pegging,
+    ProcessModel, Purchase, Regrind, Replenish, ToolType, Variants, Work, WorkPer,
 };
 use toolroom_wear::Scatter;
 
@@ -157,6 +157,7 @@ fn regrinding(tool: &str, machines: Vec<usize>, setup_group: String, time: toolr
         setup_spread: None,
         attendance: Default::default(),
         work: Work::Plain(time),
+        draw: DrawUnit::Lot,
         work_per: WorkPer::Part,
         inspection: Inspection::default(),
         preemptible: true,
@@ -172,6 +173,8 @@ fn regrinding(tool: &str, machines: Vec<usize>, setup_group: String, time: toolr
         batch_size: 1,
         deviating_lot: None,
         components: Vec::new(),
+        pegging: Pegging::Stock,
+        replenish: Replenish::Nothing,
         random_routing: false,
         operations: vec![operation],
     }

@@ -4,7 +4,7 @@ use super::fault::ScenarioFault;
 use super::resolve::{Names, machine_indices, named};
 use super::rules::Dispatch;
 use toolroom_form::{Fault, Section, Walk};
-use toolroom_scenario::{Blocking, Buffer, Deadlock, MachineType, Order, Part};
+use toolroom_scenario::{BatchUnit, Blocking, Buffer, Deadlock, MachineType, Operation, Order, Part};
 
 /// Adds the buffers that several machines share to those of single sections.
 pub(super) fn shared(
@@ -29,7 +29,8 @@ pub(super) fn shared(
                 walk.fault(section.span_of("before"), fault);
             }
         }
-        buffers.push(Buffer { name, places: section.count32("places"), machines: members });
+        let unit = section.chosen("unit", BatchUnit::from_word).unwrap_or(BatchUnit::Lots);
+        buffers.push(Buffer { name, places: section.count32("places"), unit, machines: members });
     }
     buffers
 }
@@ -58,6 +59,10 @@ pub(super) fn check(
         let rule = "a machine that begins only when a place is reserved needs none behind it";
         refuse("output_buffer", machine.name.clone(), rule);
     }
+    if before && let Some(buffer) = buffers.iter().find(|buffer| buffer.unit == BatchUnit::Pieces) {
+        let rule = "a place that is reserved is one for a job, not for its pieces";
+        refuse("unit", format!("pieces, of buffer {}", buffer.name), rule);
+    }
     // All places for an operation, where they are limited, one buffer.
     let only = |part: &Part, operation: usize| {
         let mut inputs = part.operations[operation].machines.iter().map(|machine| machines[*machine].input_buffer);
@@ -78,6 +83,22 @@ pub(super) fn check(
                 };
                 walk.fault(place.clone(), fault);
             }
+        }
+    }
+    for order in orders {
+        // What moves together has to fit into every buffer on its way that counts pieces.
+        let Some(part) = parts.get(order.part) else { continue };
+        let (size, machines_of) = (order.job_size(part), |own: &Operation| own.machines.clone());
+        let inputs =
+            part.operations.iter().skip(1).flat_map(machines_of).filter_map(|each| machines[each].input_buffer);
+        let small = |buffer: &usize| buffers[*buffer].unit == BatchUnit::Pieces && buffers[*buffer].places < size;
+        if let Some(buffer) = inputs.map(|buffer| buffer.to_owned()).find(|buffer| small(buffer)) {
+            let reason = format!(
+                "{size} pieces of order \"{}\" move together, and buffer \"{}\" has {} places for pieces",
+                order.id, buffers[buffer].name, buffers[buffer].places
+            );
+            let fix = "give the buffer more places, or the order a smaller quantity".to_owned();
+            walk.fault(root.span_of("order"), ScenarioFault::Arrangement { reason, fix });
         }
     }
     for order in orders {

@@ -4,8 +4,9 @@ use super::fault::ScenarioFault;
 use super::resolve::{Names, reference};
 use toolroom_form::{Fault, Section, Walk, nearest};
 use toolroom_scenario::{
-    Arrival, Batch, BatchFamily, BatchUnit, Blocking, Buffer, Component, DispatchRule, InspectedTo, InspectedUnit,
-    Inspection, InspectionOutcome, MachineType, Operation, Order, Part, Preemption, WorkPer,
+    Arrival, Batch, BatchFamily, BatchUnit, Blocking, Buffer, Component, DispatchRule, DrawUnit, InspectedTo,
+    InspectedUnit, Inspection, InspectionOutcome, MachineType, Operation, Order, OutsideSample, Part, Preemption,
+    Sample, Stock, WorkPer,
 };
 
 /// The key `batch` of a machine.
@@ -49,6 +50,15 @@ pub(super) fn flow(walk: &mut Walk, section: &Section<'_>, operation: &mut Opera
         walk.fault(section.span_of("work_per"), ScenarioFault::Arrangement { reason, fix });
     }
     operation.work_per = per;
+    operation.draw = section.chosen("draw", DrawUnit::from_word).unwrap_or_default();
+    if operation.draw == DrawUnit::Part && per != WorkPer::Part {
+        let reason = format!(
+            "operation \"{}\" takes one time for all of its pieces, which are drawn one by one",
+            operation.name
+        );
+        let fix = "take out `draw = \"part\"`, or `work_per`".to_owned();
+        walk.fault(section.span_of("draw"), ScenarioFault::Arrangement { reason, fix });
+    }
     operation.preemptible = section.flag("preemptible").unwrap_or(true);
     operation.assembles = section.flag("assemble").unwrap_or(false);
 }
@@ -59,23 +69,7 @@ pub(super) fn inspection(walk: &mut Walk, section: &Section<'_>, names: &[&str],
     for outcome in walk.sections(section, "outcomes", None) {
         let (go, scrap) = (outcome.text("go"), outcome.flag("scrap").unwrap_or(false));
         let to = match go {
-            Some(name) => {
-                let found = names.iter().position(|known| *known == name);
-                if found.is_none() {
-                    let fault = Fault::UnknownName {
-                        kind: "operation",
-                        name: name.to_owned(),
-                        nearest: nearest(name, names.iter().copied()).map(str::to_owned),
-                        known: names.join(", "),
-                    };
-                    walk.fault(outcome.span_of("go"), fault);
-                } else if found.is_some_and(|found| found > index) {
-                    let reason = format!("an inspection after \"{}\" cannot send parts on to \"{name}\"", names[index]);
-                    let fix = "name this operation or an earlier one".to_owned();
-                    walk.fault(outcome.span_of("go"), ScenarioFault::Arrangement { reason, fix });
-                }
-                InspectedTo::Operation(found.unwrap_or(0))
-            }
+            Some(_) => InspectedTo::Operation(back_to(walk, &outcome, names, index)),
             None => InspectedTo::Scrap,
         };
         if go.is_some() == scrap {
@@ -91,11 +85,43 @@ pub(super) fn inspection(walk: &mut Walk, section: &Section<'_>, names: &[&str],
         let fix = "what is left of 1 goes on to the next operation".to_owned();
         walk.fault(section.span_of("outcomes"), ScenarioFault::Arrangement { reason, fix });
     }
+    let sample = walk.table(section, "sample").map(|sample| Sample {
+        every: sample.count32("every"),
+        others: sample.chosen("others", OutsideSample::from_word).unwrap_or_default(),
+    });
+    if sample.is_some_and(|sample| sample.others == OutsideSample::Worked) && outcomes.is_empty() {
+        let reason = format!("operation \"{}\" judges a sample of its parts, but has no outcomes", names[index]);
+        let fix = "add `outcomes`, or `others = \"pass\"` where only the sample is worked on".to_owned();
+        walk.fault(section.span_of("sample"), ScenarioFault::Arrangement { reason, fix });
+    }
+    let on_reject = walk.table(section, "on_reject").map(|rejected| back_to(walk, &rejected, names, index));
     Inspection {
         outcomes,
+        sample,
+        on_reject,
         per: section.chosen("outcomes_per", InspectedUnit::from_word).unwrap_or_default(),
         rework_max: section.count("rework_max").and_then(|most| u32::try_from(most).ok()),
     }
+}
+
+/// The operation under the key `go`, to which parts go back after the operation number `index`.
+fn back_to(walk: &mut Walk, section: &Section<'_>, names: &[&str], index: usize) -> usize {
+    let Some(name) = section.text("go") else { return 0 };
+    let found = names.iter().position(|known| *known == name);
+    if found.is_none() {
+        let fault = Fault::UnknownName {
+            kind: "operation",
+            name: name.to_owned(),
+            nearest: nearest(name, names.iter().copied()).map(str::to_owned),
+            known: names.join(", "),
+        };
+        walk.fault(section.span_of("go"), fault);
+    } else if found.is_some_and(|found| found > index) {
+        let reason = format!("an inspection after \"{}\" cannot send parts on to \"{name}\"", names[index]);
+        let fix = "name this operation or an earlier one".to_owned();
+        walk.fault(section.span_of("go"), ScenarioFault::Arrangement { reason, fix });
+    }
+    found.unwrap_or(0)
 }
 
 /// The components of every part, when all parts are known.
@@ -148,6 +174,7 @@ pub(super) struct Around<'a> {
     pub parts: &'a [Part],
     pub arrivals: &'a [Arrival],
     pub orders: &'a [Order],
+    pub stocks: &'a [Stock],
     pub blocking: Blocking,
     pub rules: &'a [DispatchRule],
     pub preemption: Preemption,
@@ -155,7 +182,7 @@ pub(super) struct Around<'a> {
 
 /// Finds what these keys ask for and could never work, or is not modelled together.
 pub(super) fn check(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) {
-    let Around { machines, buffers, parts, arrivals, orders, blocking, rules, preemption } = *around;
+    let Around { machines, buffers, parts, arrivals, orders, stocks, blocking, rules, preemption } = *around;
     let mut refuse = |key: &str, reason: String, fix: &str| {
         walk.fault(root.span_of(key), ScenarioFault::Arrangement { reason, fix: fix.to_owned() });
     };
@@ -174,7 +201,7 @@ pub(super) fn check(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) {
                 );
                 refuse("part", reason, "assemble on a machine without them: together they are not modelled");
             }
-            let back = operation.inspection.outcomes.iter().any(|own| own.to != InspectedTo::Scrap);
+            let back = operation.inspection.sends_back();
             if back && blocking == Blocking::BeforeService {
                 let reason = format!("operation \"{}\" sends parts back with blocking before service", operation.name);
                 refuse(
@@ -185,11 +212,12 @@ pub(super) fn check(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) {
             }
         }
         for component in &part.components {
-            let comes = arrivals.iter().any(|arrival| arrival.part == component.part)
-                || orders.iter().any(|order| order.part == component.part);
+            let comes = arrivals.iter().any(|arrival| arrival.brings(component.part))
+                || orders.iter().any(|order| order.part == component.part)
+                || stocks.iter().any(|stock| stock.part == component.part);
             if !comes && let Some(needed) = parts.get(component.part) {
                 let reason = format!("part \"{}\" needs \"{}\", which nobody makes", part.name, needed.name);
-                refuse("part", reason, "add [[arrivals]] or an order of it");
+                refuse("part", reason, "add [[arrivals]] or an order of it, or a [[stock]] with `reorder`");
             }
         }
     }
@@ -238,7 +266,7 @@ pub(super) fn check(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) {
 
 /// Finds what the lot rules of an order ask for and is not modelled.
 fn lot_rules(order: &Order, part: &Part, refuse: &mut dyn FnMut(&str, String, &str)) {
-    let back = |own: &&Operation| own.inspection.outcomes.iter().any(|outcome| outcome.to != InspectedTo::Scrap);
+    let back = |own: &&Operation| own.inspection.sends_back();
     if order.setup_ahead
         && let Some(operation) = part.operations.iter().find(back)
     {

@@ -29,7 +29,7 @@ use super::fitted;
 use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
 use super::tune::TUNE;
 use policy::POLICY;
-use toolroom_scenario::{FailureClock, Interruption, MachineType};
+use toolroom_scenario::{BatchUnit, FailureClock, Interruption, MachineType};
 pub(super) use toolroom_scenario::{PATH, SPEED, WEAR};
 use toolroom_wear::{Scatter, ScatterWord};
 use transport::{CREW, TRANSPORT};
@@ -40,7 +40,7 @@ const PLAIN: &[&str] = &[MachineType::PLAIN];
 pub(super) const LIFE_ONLY: &str = "life_only";
 
 /// Ten years, s: longer times are slips of the unit.
-const DECADE: f64 = 10.0 * 365.0 * 86400.0;
+pub(super) const DECADE: f64 = 10.0 * 365.0 * 86400.0;
 const TIME: Kind = Kind::quantity("s", "min", 0.0, DECADE, "1.5 min");
 pub(super) const DURATION: Kind = Kind::positive("s", "min", DECADE, "1.5 min");
 const LONG_DURATION: Kind = Kind::positive("s", "h", DECADE, "8 h");
@@ -80,7 +80,8 @@ pub(super) static DISTRIBUTION: Form = Form {
         Key::optional("high", DURATION, "Greatest; left out: as long as it comes").when("distribution", &["normal"]),
         Key::default("step", DURATION, "1 min", "Distance of neighbouring times")
             .when("distribution", &["discrete_uniform"]),
-        Key::required("values", Kind::List(&TIME), "Times").when("distribution", &["empirical"]),
+        Key::optional("values", Kind::List(&TIME), "Times, of which no others occur; due unless `file` is given")
+            .when("distribution", &["empirical"]),
         Key::optional("weights", Kind::List(&WEIGHT), "How often each of them occurs; left out: all alike")
             .when("distribution", &["empirical"]),
         Key::required("from", Kind::Text, "summary.json of `toolroom life`; its path from this file")
@@ -93,6 +94,16 @@ pub(super) static DISTRIBUTION: Form = Form {
         .when("distribution", &["fitted"]),
         Key::optional("group", Kind::Name, "Group of the summary; left out: all lives")
             .when("distribution", &["fitted"]),
+        Key::optional(
+            "file",
+            Kind::Text,
+            "Observed times in a column of a table, a CSV file beside this one; times between neighbouring ones occur, too",
+        )
+        .when("distribution", &["empirical"]),
+        Key::optional("column", Kind::Text, "Its column; left out: the first")
+            .when("distribution", &["empirical"]),
+        Key::optional("unit", Kind::Text, "Unit of its numbers, where neither they nor their header say one: \"min\"")
+            .when("distribution", &["empirical"]),
     ],
 };
 
@@ -205,6 +216,11 @@ static MACHINE: Form = Form {
         ),
         Key::optional("calendar", Kind::Reference("calendar"), "Working time; always, if left out"),
         Key::optional(
+            "buffer_unit",
+            Kind::Choice(BatchUnit::WORDS),
+            "What takes a place of its buffers: all that moves together (lots), or each piece; left out: lots",
+        ),
+        Key::optional(
             "input_buffer",
             PLACES,
             "Places before the machines of this section, together; left out: as many as are needed",
@@ -313,7 +329,18 @@ static ARRIVALS: Form = Form {
     title: "[[arrivals]]",
     doc: "A source of jobs",
     keys: &[
-        Key::required("part", Kind::Reference("part"), "Part"),
+        Key::optional("part", Kind::Reference("part"), "Part; due unless `part_mix` is given"),
+        Key::optional(
+            "part_mix",
+            Kind::Content(&flow::PART_MIX),
+            "Parts with their shares of the jobs, each drawn when it comes: { shaft = 0.3, ring = 0.7 }",
+        ),
+        Key::default(
+            "quantity",
+            Kind::Shorthand { word: &flow::COUNT, form: &flow::QUANTITY },
+            "1",
+            "Pieces of a job, which move together; a table draws them for each job",
+        ),
         Key::required("pattern", Kind::Choice(PatternWord::WORDS), "When jobs come"),
         order::PRIORITY,
         order::WEIGHT,
@@ -371,6 +398,47 @@ static FAILURE: Form = Form {
     ],
 };
 
+static STATISTICS: Form = Form {
+    title: "[statistics]",
+    doc: "What is to be known and how well; the options of the command line go before it",
+    keys: &[
+        Key::optional(
+            "primary",
+            Kind::Name,
+            "Figure that matters most: schedule.html and schedule.csv show the replication with its median; left out: the first",
+        ),
+        Key::optional(
+            "until",
+            Kind::Texts,
+            "Figures and how well they have to be known: { lead_time = \"half-width 2 %\" }; as --until",
+        ),
+        Key::optional(
+            "select",
+            Kind::Table(&SELECT),
+            "By what `toolroom compare` selects the best of the shop and its variants; as --select",
+        ),
+    ],
+};
+
+static SELECT: Form = Form {
+    title: "select",
+    doc: "The best of the shop and its variants by the procedure of Kim and Nelson",
+    keys: &[
+        Key::required("kpi", Kind::Name, "Figure of the shop, or late_orders"),
+        Key::required(
+            "indifference",
+            Kind::Text,
+            "Least difference that matters: with the unit of the figure, or in % of the shop as it is",
+        ),
+        Key::default(
+            "confidence",
+            Kind::quantity("1", "1", 0.5, 0.9999, "95 %"),
+            "95 %",
+            "Probability with which the best is selected, where it is better by that much",
+        ),
+    ],
+};
+
 static OUTPUT: Form = Form {
     title: "[output]",
     doc: "What is written",
@@ -400,6 +468,7 @@ pub static SCENARIO: Form = Form {
         Key::optional("part", Kind::Tables(&PART), "Parts with their routings"),
         Key::optional("arrivals", Kind::Tables(&ARRIVALS), "Where jobs come from"),
         Key::optional("order", Kind::Tables(&ORDER), "Orders: quantities of parts with dates"),
+        Key::optional("stock", Kind::Tables(&flow::STOCK), "Components in stock, and their reorders"),
         Key::optional("wip", Kind::Tables(&WIP), "Orders that are in the shop when the run begins"),
         Key::optional("schedule", Kind::Tables(&SCHEDULE), "Sequences that machines follow in the place of rules"),
         Key::optional("tables", Kind::Table(&TABLES), "Tables in files beside this one"),
@@ -422,6 +491,7 @@ pub static SCENARIO: Form = Form {
         Key::optional("calibration", Kind::Tables(&CALIBRATION), "Constants that measurements have moved"),
         Key::optional("effect", Kind::Tables(&USER_EFFECT), "Effects of your own, beside those of the catalogue"),
         Key::optional("tune", Kind::Table(&TUNE), "Tunes the policies before `toolroom compare` judges them"),
+        Key::optional("statistics", Kind::Table(&STATISTICS), "What is to be known and how well"),
         Key::optional("output", Kind::Table(&OUTPUT), "What is written"),
         Key::optional("gap", Kind::Table(&GAP), "Priors and sensors of a diagnosis against measured records"),
     ],

@@ -38,6 +38,7 @@ mod schedule;
 mod shared;
 mod speed;
 mod stability;
+mod stocks;
 mod table;
 mod transport;
 mod tune;
@@ -68,10 +69,34 @@ pub struct ScenarioFile {
     pub tune: Option<TuneRequest>,
     /// Variants of the shop, in the order of the file.
     pub variants: Vec<ShopVariant>,
+    /// What is to be known and how well.
+    pub statistics: Statistics,
     /// The text, for records of what was run.
     pub text: String,
     /// Other files that it names: cycles, contours, structures, units.
     pub files: Vec<PathBuf>,
+}
+
+/// The section `[statistics]`, as it stands in the file: figures are known where they are computed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// The figure that matters most.
+    pub primary: Option<String>,
+    /// Figures and how well they have to be known, by name.
+    pub until: Vec<(String, String)>,
+    /// By what the best shop is selected.
+    pub select: Option<SelectSection>,
+}
+
+/// The key `select` of `[statistics]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SelectSection {
+    /// Figure of the shop.
+    pub kpi: String,
+    /// Least difference that matters.
+    pub indifference: String,
+    /// Probability of a right selection, 0.5 to below 1.
+    pub confidence: f64,
 }
 
 /// The section `[output]`.
@@ -110,7 +135,8 @@ pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<ScenarioFil
 
 impl ScenarioFile {
     fn new(file: FormFile<resolve::Resolved>) -> Self {
-        let FormFile { content: resolve::Resolved { scenario, output, gap, tune, variants }, echo, text, files } = file;
-        Self { scenario, echo, output, gap, tune, variants, text, files }
+        let FormFile { content, echo, text, files } = file;
+        let resolve::Resolved { scenario, output, gap, tune, variants, statistics } = content;
+        Self { scenario, echo, output, gap, tune, variants, statistics, text, files }
     }
 }

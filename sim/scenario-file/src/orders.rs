@@ -6,8 +6,11 @@ use super::order_columns::Columns;
 use super::resolve::{Names, reference};
 use super::table::{Table, form_of};
 use std::collections::BTreeSet;
-use toolroom_form::{Fault, Section, Span, Walk};
-use toolroom_scenario::{InProcess, MachineType, Order, Part, Work, date};
+use toolroom_form::{Fault, Section, Span, Walk, nearest};
+use toolroom_scenario::{InProcess, MachineType, Order, Part, Replenish, Work, date};
+
+/// Most orders that are named where one is not known.
+const MOST_KNOWN: usize = 20;
 
 /// What the orders of a file are read against.
 pub(super) struct Around<'a> {
@@ -26,6 +29,8 @@ struct Reader<'a> {
     /// Where the release of every order stands.
     places: Vec<Place>,
     seen: BTreeSet<String>,
+    /// The order for which every order is made, as it stands in the file.
+    parents: Vec<Option<(Span, String)>>,
     /// Machines that have work when the run begins, and the order.
     taken: Vec<(usize, usize)>,
 }
@@ -39,7 +44,7 @@ struct Place {
 /// All orders: those of `[[order]]` first, then those of the table.
 pub(super) fn orders(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) -> Vec<Order> {
     let (orders, places, seen) = (Vec::new(), Vec::new(), BTreeSet::new());
-    let mut reader = Reader { around, orders, places, seen, taken: Vec::new() };
+    let mut reader = Reader { around, orders, places, seen, parents: Vec::new(), taken: Vec::new() };
     for section in walk.sections(root, "order", None) {
         reader.order(walk, &section, None);
     }
@@ -52,6 +57,7 @@ pub(super) fn orders(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) -
         let table = Table { file, text: &text, place: tables.span_of("orders"), kind: "order", mapping };
         table.rows(walk, |walk, section, line| reader.order(walk, section, Some((file.to_owned(), line))));
     }
+    reader.find_parents(walk);
     for section in walk.sections(root, "wip", None) {
         reader.in_process(walk, &section);
     }
@@ -92,10 +98,11 @@ impl Reader<'_> {
             walk.fault(section.span_of("due"), fault);
         }
         self.places.push(Place { span: section.span_of("release"), row });
+        let quantity = section.count32("quantity");
         self.orders.push(Order {
             id,
             part,
-            quantity: section.count32("quantity"),
+            quantity,
             release,
             due,
             priority: section.count32("priority"),
@@ -107,8 +114,45 @@ impl Reader<'_> {
                 None => section.count("split").and_then(|machines| u32::try_from(machines).ok()),
             },
             setup_ahead: section.flag("setup_ahead").unwrap_or(false),
+            parent: None,
+            overrun: match parts.get(part).map(|part| part.replenish) {
+                // Rounded up, but not for the sake of rounding.
+                Some(Replenish::Overrun(share)) => (share * f64::from(quantity) - 1e-9).ceil().max(0.0) as u32,
+                Some(Replenish::Nothing | Replenish::NewOrder { .. }) | None => 0,
+            },
             in_process: None,
         });
+        self.parents.push(section.text("parent").map(|parent| (section.span_of("parent"), parent.to_owned())));
+    }
+
+    /// Finds the orders for which others are made, when all of them are known.
+    fn find_parents(&mut self, walk: &mut Walk) {
+        for (index, parent) in self.parents.iter().enumerate() {
+            let Some((span, name)) = parent else { continue };
+            let found = self.orders.iter().position(|order| order.id == *name);
+            if found.is_none() {
+                let known = || self.orders.iter().map(|order| order.id.as_str());
+                let fault = Fault::UnknownName {
+                    kind: "order",
+                    name: name.clone(),
+                    nearest: nearest(name, known()).map(str::to_owned),
+                    known: known().take(MOST_KNOWN).collect::<Vec<_>>().join(", "),
+                };
+                walk.fault(span.clone(), self.in_row(index, fault));
+            }
+            self.orders[index].parent = found;
+        }
+    }
+
+    /// A fault of an order with the row of its table, where it stands in one.
+    fn in_row(&self, order: usize, fault: Fault) -> Fault {
+        match &self.places[order].row {
+            None => fault,
+            Some((file, line)) => {
+                let (reason, fix) = (fault.to_string(), fault.fix());
+                ScenarioFault::TableCell { file: file.clone(), line: *line, reason, fix }.into()
+            }
+        }
     }
 
     /// How far an order has come when the run begins.
@@ -123,7 +167,7 @@ impl Reader<'_> {
         let known = names.each_machine.iter().map(String::as_str);
         let machine = reference(walk, "machine", section.got("machine"), known);
         let order = &self.orders[index];
-        let whole = f64::from(order.quantity);
+        let whole = f64::from(order.pieces());
         let done = match section.count("pieces") {
             Some(pieces) => pieces as f64 / whole,
             None => section.si("done").unwrap_or(0.0),
@@ -193,7 +237,7 @@ impl Reader<'_> {
     /// An order is released in the run, or is in the shop when it begins.
     fn check_releases(&self, walk: &mut Walk) {
         let horizon = self.around.horizon;
-        for (order, Place { span, row }) in self.orders.iter().zip(&self.places) {
+        for (index, (order, Place { span, .. })) in self.orders.iter().zip(&self.places).enumerate() {
             let from = if order.in_process.is_some() { f64::NEG_INFINITY } else { 0.0 };
             let to = if order.in_process.is_some() { 0.0 } else { horizon };
             if (from..=to).contains(&order.release) {
@@ -210,14 +254,7 @@ impl Reader<'_> {
             } else {
                 ScenarioFault::OrderOutside { id, release, run }
             };
-            let fault: Fault = match row {
-                None => fault.into(),
-                Some((file, line)) => {
-                    let fault: Fault = fault.into();
-                    let (reason, fix) = (fault.to_string(), fault.fix());
-                    ScenarioFault::TableCell { file: file.clone(), line: *line, reason, fix }.into()
-                }
-            };
+            let fault = self.in_row(index, fault.into());
             walk.fault(span.clone(), fault);
         }
     }

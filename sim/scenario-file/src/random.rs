@@ -1,9 +1,11 @@
 //! Random times.
 
 use super::choices::FamilyWord;
+use super::fault::ScenarioFault;
 use super::fitted;
 use std::sync::Arc;
-use toolroom_form::{Fault, Section, Value, Walk};
+use toolroom_form::{Fault, Section, Value, Walk, nearest};
+use toolroom_process::unit::quantity;
 use toolroom_scenario::{Distribution, Empirical};
 
 /// A duration, or a table with a family; the placeholder after a fault is a constant.
@@ -128,6 +130,25 @@ fn steps(walk: &mut Walk, table: &Section<'_>, low: f64, high: f64) -> Distribut
 }
 
 fn empirical(walk: &mut Walk, table: &Section<'_>) -> Distribution {
+    if let Some(file) = table.text("file") {
+        for key in ["values", "weights"].into_iter().filter(|key| table.given(key)) {
+            let (case, applicable) = ("observed times from a `file`".to_owned(), "file, column, unit".to_owned());
+            walk.fault(table.span_of(key), Fault::NotApplicable { key, case, applicable });
+        }
+        let text = walk.file(table, "file", file);
+        let times = text.map(|text| observed(walk, table, file, &text)).unwrap_or_default();
+        let times = if times.is_empty() { Empirical::new(&[(f64::NAN, 1.0)]) } else { Empirical::observed(&times) };
+        return Distribution::Empirical(Arc::new(times));
+    }
+    for key in ["column", "unit"].into_iter().filter(|key| table.given(key)) {
+        let (case, applicable) = ("times given by `values`".to_owned(), "values, weights".to_owned());
+        walk.fault(table.span_of(key), Fault::NotApplicable { key, case, applicable });
+    }
+    if table.got("values").is_none() {
+        let example = "[\"5 min\", \"30 min\"]` or `file = \"times.csv\"".to_owned();
+        let fault = Fault::MissingKey { section: table.form.title.to_owned(), key: "values", example };
+        walk.fault(table.span.clone(), fault);
+    }
     let numbers = |key: &str| -> Vec<f64> {
         let number = |value: &Value<'_>| if let Value::Si(number) = value { *number } else { f64::NAN };
         table.list(key).iter().map(|got| number(&got.value)).collect()
@@ -149,4 +170,99 @@ fn empirical(walk: &mut Walk, table: &Section<'_>) -> Distribution {
     }
     let weighted: Vec<(f64, f64)> = values.into_iter().zip(weights).collect();
     Distribution::Empirical(Arc::new(Empirical::new(&weighted)))
+}
+
+/// Longest time of a table, s, as in the keys of times.
+const LONGEST: f64 = super::keys::DECADE;
+
+/// The times in a column of a table, s; none after a fault. Its first line is a header where it is no time.
+fn observed(walk: &mut Walk, table: &Section<'_>, file: &str, text: &str) -> Vec<f64> {
+    let place = table.span_of("file");
+    let fault = |line: u64, reason: String, fix: Option<String>| ScenarioFault::TableCell {
+        file: file.to_owned(),
+        line,
+        reason,
+        fix,
+    };
+    let first_line = text.lines().next().unwrap_or_default();
+    let delimiter = if first_line.contains(';') && !first_line.contains(',') { b';' } else { b',' };
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(delimiter)
+        .has_headers(false)
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes());
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        match record {
+            Ok(record) => rows.push(record),
+            Err(error) => {
+                let line = error.position().map_or(0, csv::Position::line);
+                walk.fault(place, fault(line, error.to_string(), None));
+                return Vec::new();
+            }
+        }
+    }
+    let given = table.text("unit");
+    if let Some(unit) = given.filter(|unit| quantity(&format!("1 {unit}"), "s").is_err()) {
+        let reason = format!("\"{unit}\" is no unit of time");
+        let fix = "write s, min, h or day".to_owned();
+        walk.fault(table.span_of("unit"), ScenarioFault::Arrangement { reason, fix });
+        return Vec::new();
+    }
+    // A header is what has no number at its beginning.
+    let is_header = |cell: &str| !cell.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+'));
+    let header = rows.first().filter(|row| row.iter().any(is_header)).cloned();
+    let column = match (table.text("column"), &header) {
+        (None, _) => 0,
+        (Some(name), header) => {
+            let names: Vec<&str> = header.iter().flatten().map(|cell| bare(cell).0).collect();
+            let Some(found) = names.iter().position(|known| *known == bare(name).0) else {
+                let near = nearest(name, names.iter().copied()).map(|near| format!("did you mean `{near}`? "));
+                let fix = format!("{}columns: {}", near.unwrap_or_default(), names.join(", "));
+                walk.fault(place, fault(1, format!("there is no column \"{name}\""), Some(fix)));
+                return Vec::new();
+            };
+            found
+        }
+    };
+    let unit = given.or(header.as_ref().and_then(|row| row.get(column)).and_then(|cell| bare(cell).1));
+    let noted = walk.problems.len();
+    let mut times = Vec::new();
+    for row in rows.iter().skip(usize::from(header.is_some())) {
+        let line = row.position().map_or(0, csv::Position::line);
+        let cell = row.get(column).unwrap_or_default();
+        if cell.is_empty() {
+            continue; // other columns of the table may be longer
+        }
+        let plain = cell.parse::<f64>().is_ok();
+        let read = match (plain, unit) {
+            (true, Some(unit)) => quantity(&format!("{cell} {unit}"), "s"),
+            (true | false, _) => quantity(cell, "s"),
+        };
+        match read {
+            Ok(time) if (0.0..=LONGEST).contains(&time) => times.push(time),
+            Ok(_) => {
+                let fix = "a time is 0 or longer, and shorter than ten years".to_owned();
+                walk.fault(place.clone(), fault(line, format!("\"{cell}\" is outside 0 to 87600 h"), Some(fix)));
+            }
+            Err(reason) => {
+                let fix = "write 4.2 min, or give the unit: unit = \"min\", or [min] in the header".to_owned();
+                walk.fault(place.clone(), fault(line, reason.to_string(), Some(fix)));
+            }
+        }
+    }
+    if times.is_empty() && walk.problems.len() == noted {
+        let example = "a table with a column of times, such as `time [min]`";
+        walk.fault(place, Fault::Nothing { what: "time", example });
+    }
+    if walk.problems.len() > noted { Vec::new() } else { times }
+}
+
+/// A header without its unit, and the unit in its square brackets.
+fn bare(header: &str) -> (&str, Option<&str>) {
+    match header.strip_suffix(']').and_then(|text| text.rsplit_once('[')) {
+        Some((name, unit)) => (name.trim(), Some(unit.trim())),
+        None => (header.trim(), None),
+    }
 }

@@ -7,8 +7,8 @@ use super::keys::LIFE_ONLY;
 use super::random::distribution;
 use super::variants::{ShopVariant, variants};
 use super::{
-    Output, control, cribs, flow, jobs, measured, orders, planned, processes, resources, routing, rules, schedule,
-    shared, stability, transport, tune,
+    Output, Statistics, control, cribs, flow, jobs, measured, orders, planned, processes, resources, routing, rules,
+    schedule, shared, stability, stocks, transport, tune,
 };
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
@@ -16,8 +16,8 @@ use toolroom_effects::{Definition, read_definitions};
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
 use toolroom_scenario::{
-    Buffer, Calibration, FailureClock, FailureMode, Fixture, GapSection, Interruption, MachineType, Moved, Scenario,
-    Shared, Target, ToolType, TuneRequest, Variants,
+    BatchUnit, Buffer, Calibration, FailureClock, FailureMode, Fixture, GapSection, Interruption, MachineType, Moved,
+    Scenario, Shared, Target, ToolType, TuneRequest, Variants,
 };
 
 /// Machines, tools and calendars under their names, as references see them.
@@ -86,6 +86,7 @@ pub(super) struct Resolved {
     pub gap: Option<GapSection>,
     pub tune: Option<TuneRequest>,
     pub variants: Vec<ShopVariant>,
+    pub statistics: Statistics,
 }
 
 /// Resolves a whole file; `None` only where `[shop]` is no section.
@@ -115,6 +116,8 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let arrivals = rules::arrivals(walk, root, &names);
     let around = orders::Around { names: &names, machines: &machines, parts: &parts, start, horizon };
     let orders = orders::orders(walk, root, &around);
+    let stocks = stocks::stocks(walk, root, &names, &parts);
+    stocks::check_parents(walk, root, &parts, (&orders, &arrivals));
     let dispatch = rules::dispatch(walk, root);
     let mut control = control::control(walk, root, &names, (&parts, &orders));
     let planned = (orders.as_slice(), arrivals.len());
@@ -138,6 +141,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         parts: &parts,
         arrivals: &arrivals,
         orders: &orders,
+        stocks: &stocks,
         blocking: dispatch.blocking,
         rules: &dispatch.rules,
         preemption: dispatch.preemption,
@@ -146,7 +150,9 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     transport::check(walk, root, &transports, &machines, &parts, &buffers);
     shared::check(walk, root, &names.fixtures, &around);
     shared::check_shift_ends(walk, root, (&machines, &parts), &calendars);
-    let shared = Shared { fixtures: std::mem::take(&mut names.fixtures), cribs };
+    stocks::check(walk, root, &around, &control);
+    shared::check_paces(walk, root, (&machines, &parts), (&operators, &calendars));
+    let shared = Shared { fixtures: std::mem::take(&mut names.fixtures), cribs, stocks };
     let variants = variants(walk, root, (start, horizon));
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
@@ -211,7 +217,8 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         walk.fault(shop.span_of("warm_up"), ScenarioFault::Arrangement { reason, fix });
     }
     planned::policies(walk, &scenario, &places);
-    Some(Resolved { scenario, output, gap, tune, variants })
+    let statistics = rules::statistics(walk, root);
+    Some(Resolved { scenario, output, gap, tune, variants, statistics })
 }
 
 /// A tool as operations see it: known by name and process even where its constants are at fault.
@@ -335,7 +342,8 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<Mach
                 let kind = &mut machines[machine];
                 *(if behind { &mut kind.output_buffer } else { &mut kind.input_buffer }) = Some(buffers.len());
             }
-            buffers.push(Buffer { name: name.clone(), places: places as u32, machines: indices.clone() });
+            let unit = section.chosen("buffer_unit", BatchUnit::from_word).unwrap_or(BatchUnit::Lots);
+            buffers.push(Buffer { name: name.clone(), places: places as u32, unit, machines: indices.clone() });
         }
         names.machines.push((name, indices));
     }

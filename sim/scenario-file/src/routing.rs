@@ -9,12 +9,12 @@ use super::planned::{contour, cycle, program};
 use super::random::distribution;
 use super::resolve::{NamedTool, Names, machine_indices, named, reference};
 use super::resources::attendance;
-use super::shared;
+use super::{shared, stocks};
 use std::f64::consts::PI;
 use toolroom_form::{Fault, Kind, Quantity, Section, Value, Walk, display, significant};
 use toolroom_scenario::{
-    Cut, Distribution, GrindingPhase, Inspection, MachineChoice, MachineType, Operation, Part, ProcessModel, ToolType,
-    Work, WorkPer,
+    Cut, Distribution, DrawUnit, GrindingPhase, Inspection, MachineChoice, MachineType, Operation, Part, Pegging,
+    ProcessModel, ToolType, Work, WorkPer,
 };
 
 pub(super) fn parts(
@@ -36,6 +36,8 @@ pub(super) fn parts(
             batch_size: section.count32("batch_size"),
             deviating_lot: section.count("deviating_lot").and_then(|lot| u32::try_from(lot).ok()),
             components: Vec::new(),
+            pegging: section.chosen("pegging", Pegging::from_word).unwrap_or_default(),
+            replenish: stocks::replenish(walk, &section),
             random_routing: section.chosen("routing", RoutingWord::from_word) == Some(RoutingWord::Random),
             operations,
         });
@@ -155,6 +157,7 @@ fn operations(
             attendance: attendance(walk, &section, names),
             work,
             work_per: WorkPer::Part,
+            draw: DrawUnit::Lot,
             inspection: Inspection::default(),
             preemptible: true,
             assembles: false,

@@ -1,14 +1,14 @@
 //! Arrivals, dispatching, policies, output.
 
-use super::Output;
 use super::choices::{FormatWord, GrowthWord, PatternWord, ToolChangeWord};
 use super::keys::SENSORS;
 use super::planned::{dressing_rule, grinding_rule};
 use super::processes;
 use super::random::distribution;
-use super::resolve::{Names, named, reference};
+use super::resolve::{Names, named};
 use super::speed::speed_rule;
-use super::{control, stability, tune};
+use super::{Output, SelectSection, Statistics};
+use super::{control, stability, stocks, tune};
 use toml::de::DeTable;
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk};
 use toolroom_scenario::{
@@ -25,7 +25,8 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
     }
     let mut arrivals = Vec::new();
     for section in sections {
-        let part = reference(walk, "part", section.got("part"), names.parts.iter().map(String::as_str));
+        let parts = stocks::parts_of_source(walk, &section, &names.parts);
+        let quantity = stocks::quantity(walk, &section);
         let pattern = match section.chosen("pattern", PatternWord::from_word) {
             Some(PatternWord::Batch) => {
                 ArrivalPattern::Batch { interval: section.required("interval"), size: section.count32("size") }
@@ -44,7 +45,8 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
         };
         let due = control::due(walk, &section);
         arrivals.push(Arrival {
-            part: part.unwrap_or(0),
+            parts,
+            quantity,
             priority: section.count32("priority"),
             weight: section.required("weight"),
             due,
@@ -217,6 +219,22 @@ pub fn gap(walk: &mut Walk, root: &Section<'_>) -> Option<GapSection> {
         sensors: sensors.collect(),
         seen,
     })
+}
+
+/// The section `[statistics]`.
+pub(super) fn statistics(walk: &mut Walk, root: &Section<'_>) -> Statistics {
+    let Some(section) = walk.table(root, "statistics") else { return Statistics::default() };
+    let select = walk.table(&section, "select").map(|select| SelectSection {
+        kpi: select.text("kpi").unwrap_or_default().to_owned(),
+        indifference: select.text("indifference").unwrap_or_default().to_owned(),
+        // 95 % is 0.95, whatever the hundredth part of it is in binary.
+        confidence: (1e12 * select.required("confidence")).round() / 1e12,
+    });
+    Statistics {
+        primary: section.text("primary").map(str::to_owned),
+        until: walk.texts(&section, "until", "{ lead_time = \"half-width 2 %\" }").into_iter().collect(),
+        select,
+    }
 }
 
 pub(super) fn output(walk: &mut Walk, root: &Section<'_>) -> Output {

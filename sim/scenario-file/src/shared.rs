@@ -4,7 +4,7 @@ use super::fault::ScenarioFault;
 use super::jobs::Around;
 use super::resolve::{named, reference};
 use toolroom_form::{Fault, Section, Walk, nearest};
-use toolroom_scenario::{Distribution, Fixture, Hold, MachineType, Part, ShiftCalendar, Work};
+use toolroom_scenario::{Distribution, Fixture, Hold, MachineType, Operator, Part, Presence, ShiftCalendar, Work};
 
 /// Fixtures; nobody needs them yet.
 pub(super) fn fixtures(walk: &mut Walk, root: &Section<'_>) -> Vec<Fixture> {
@@ -127,6 +127,41 @@ pub(super) fn check_shift_ends(
             format!("machine \"{}\" makes batches, with a calendar that has `start_only_if_fits`", machine.name);
         let fix = "take out either: together they are not modelled".to_owned();
         walk.fault(root.span_of("machine"), ScenarioFault::Arrangement { reason, fix });
+    }
+}
+
+/// Finds shifts with a factor where work is none that goes slower or faster, and where nobody looks at it.
+pub(super) fn check_paces(
+    walk: &mut Walk,
+    root: &Section<'_>,
+    (machines, parts): (&[MachineType], &[Part]),
+    (operators, calendars): (&[Operator], &[ShiftCalendar]),
+) {
+    let uneven = |calendar: Option<usize>| {
+        calendar.and_then(|index| calendars.get(index)).is_some_and(|calendar| !calendar.paces.is_even())
+    };
+    let mut refuse = |reason: String, fix: &str| {
+        walk.fault(root.span_of("calendar"), ScenarioFault::Arrangement { reason, fix: fix.to_owned() });
+    };
+    if let Some(operator) = operators.iter().find(|operator| uneven(operator.calendar)) {
+        let reason = format!(
+            "operator \"{}\" has a calendar with a `factor`, which is one on the speed of machines",
+            operator.name
+        );
+        refuse(reason, "give people a calendar without it, and the machines that are slower one with it");
+    }
+    for (part, operation) in parts.iter().flat_map(|part| part.operations.iter().map(move |own| (part, own))) {
+        let Some(machine) = operation.machines.iter().map(|own| &machines[*own]).find(|own| uneven(own.calendar))
+        else {
+            continue;
+        };
+        if operation.worn_tool.is_some() || matches!(operation.attendance.presence, Presence::First(_)) {
+            let reason = format!(
+                "operation \"{}\" of part \"{}\" wears an edge or is attended to for a while, on \"{}\" with a `factor` on the speed of a shift",
+                operation.name, part.name, machine.name
+            );
+            refuse(reason, "take out the `factor`: together they are not modelled");
+        }
     }
 }
 

@@ -58,6 +58,7 @@ pub(super) fn transports(walk: &mut Walk, root: &Section<'_>, machines: &[Machin
             times,
             park: section.chosen("park", Parking::from_word).unwrap_or(Parking::Stay),
             rule: section.chosen("rule", TransportRule::from_word).unwrap_or(TransportRule::Fifo),
+            capacity: section.count32("capacity"),
         });
     }
     transports

@@ -42,6 +42,18 @@ vocabulary! {
 }
 
 vocabulary! {
+    /// For what a random time of plain work is drawn.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum DrawUnit {
+        /// For all pieces of an order at once: what deviates for one deviates for all.
+        #[default]
+        Lot = "lot",
+        /// For every piece by itself.
+        Part = "part",
+    }
+}
+
+vocabulary! {
     /// What takes the time of plain work once.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum WorkPer {

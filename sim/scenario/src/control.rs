@@ -1,6 +1,6 @@
 //! How work is let into a shop and chosen in it: cards, release, what the keys of dispatching rules are made of.
 
-use super::{DispatchRule, Schedule};
+use super::{DispatchRule, Distribution, Schedule};
 use toolroom_form::vocabulary;
 
 /// What controls the flow of work beside the rules of queues.
@@ -165,7 +165,7 @@ vocabulary! {
 }
 
 /// When jobs of a source are due.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum DueRule {
     /// The part's allowance after they came.
     #[default]
@@ -180,4 +180,6 @@ pub enum DueRule {
         /// The slack, s.
         slack: f64,
     },
+    /// A time after they came that is drawn for each of them.
+    Random(Distribution),
 }

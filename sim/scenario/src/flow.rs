@@ -1,5 +1,6 @@
 //! Where parts stand between machines.
 
+use super::BatchUnit;
 use toolroom_form::vocabulary;
 
 /// Places for jobs before or behind machines. A job is a part, or all that moves together of an order.
@@ -7,8 +8,10 @@ use toolroom_form::vocabulary;
 pub struct Buffer {
     /// Name, for messages.
     pub name: String,
-    /// How many jobs may stand in it, beside those on the machines themselves.
+    /// How many jobs or pieces may stand in it, beside those on the machines themselves.
     pub places: u32,
+    /// What takes a place.
+    pub unit: BatchUnit,
     /// Machines that it stands before (an input buffer) or behind (an output buffer), by index.
     pub machines: Vec<usize>,
 }

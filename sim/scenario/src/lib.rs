@@ -54,8 +54,8 @@ mod tuning;
 mod unit;
 mod variants;
 
-pub use assembly::Component;
-pub use batch::{Batch, BatchFamily, BatchUnit, WorkPer};
+pub use assembly::{Component, Pegging, Reorder, Stock};
+pub use batch::{Batch, BatchFamily, BatchUnit, DrawUnit, WorkPer};
 pub use branch::{Branch, Urgency};
 pub use calibration::{Calibration, Moved, ShopConstant, Target, calibrated, calibrated_channel};
 pub use contour::{ContourRule, ContourWork};
@@ -68,7 +68,7 @@ pub use dispatch::{DispatchRule, MOST_RULES, Preemption};
 pub use flow::{Blocking, Buffer, Deadlock};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
-pub use inspection::{InspectedTo, InspectedUnit, Inspection, InspectionOutcome};
+pub use inspection::{InspectedTo, InspectedUnit, Inspection, InspectionOutcome, OutsideSample, Replenish, Sample};
 pub use life_only::LifeOnly;
 pub use maintenance::Maintenance;
 pub use order::{InProcess, MachineChoice, Order};
@@ -85,7 +85,8 @@ pub use spreads::Spreads;
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{FailureClock, FailureMode, MachineType, ProcessModel, ToolType, station_name};
 pub use toolroom_calendar::{
-    Boundary, Dated, Hours, Interruption, Joined, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime, date,
+    Boundary, Dated, Hours, Interruption, Joined, PacedShift, Paces, Periodic, Shift, ShiftCalendar, WeekPlan,
+    WorkingTime, date,
 };
 pub use toolroom_distribution::{Distribution, Empirical};
 pub use toolroom_stock::{Conditions as CutConditions, Span, TimedStretch};

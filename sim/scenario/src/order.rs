@@ -28,6 +28,10 @@ pub struct Order {
     pub split: Option<u32>,
     /// Whether a machine is set up for its next operation as soon as the one before has begun.
     pub setup_ahead: bool,
+    /// The order, by index, for which its pieces are made; `None`: for none.
+    pub parent: Option<usize>,
+    /// Pieces that are begun beyond the quantity, because some will be lost.
+    pub overrun: u32,
     /// How far it has come when the run begins; `None`: it is released in the run.
     pub in_process: Option<InProcess>,
 }
@@ -53,17 +57,22 @@ impl Order {
         Urgency { priority: self.priority, weight: self.weight, due: self.due }
     }
 
+    /// Pieces that are begun: those that are ordered, and its overrun.
+    pub fn pieces(&self) -> u32 {
+        self.quantity.saturating_add(self.overrun)
+    }
+
     /// Pieces that make one job: all that move on together where all work is plain and no order is divided over several
     /// machines, else one.
     pub fn job_size(&self, part: &Part) -> u32 {
         let plain = self.split.is_none_or(|most| most < 2)
             && part.operations.iter().all(|operation| matches!(operation.work, Work::Plain(_)));
-        if plain { self.transfer.unwrap_or(self.quantity).min(self.quantity) } else { 1 }
+        if plain { self.transfer.unwrap_or(self.pieces()).min(self.pieces()) } else { 1 }
     }
 
     /// Whether it goes through the shop as several jobs.
     pub fn is_divided(&self, part: &Part) -> bool {
-        self.quantity > self.job_size(part)
+        self.pieces() > self.job_size(part)
     }
 
     /// Whether machines are kept for it: it goes through the shop as several jobs, or is awaited by them.
@@ -74,9 +83,9 @@ impl Order {
     /// Of the jobs in which it goes through the shop, those that have passed the operation at which it is when the
     /// run begins. An order that is one job has not.
     pub fn jobs_passed(&self, part: &Part) -> u32 {
-        let jobs = self.quantity.div_ceil(self.job_size(part));
+        let jobs = self.pieces().div_ceil(self.job_size(part));
         // Whole pieces: 0.3 of 10 are 3.
-        let done = |own: &InProcess| (own.done * f64::from(self.quantity) + 1e-9) as u32 / self.job_size(part);
+        let done = |own: &InProcess| (own.done * f64::from(self.pieces()) + 1e-9) as u32 / self.job_size(part);
         self.in_process.as_ref().filter(|_| jobs > 1).map_or(0, |own| done(own).min(jobs - 1))
     }
 
@@ -85,8 +94,8 @@ impl Order {
     pub fn share_done(&self, part: &Part, index: u32) -> f64 {
         let Some(in_process) = &self.in_process else { return 0.0 };
         let size = self.job_size(part);
-        let (before, pieces) = (index * size, size.min(self.quantity - index * size));
-        let share = (in_process.done * f64::from(self.quantity) - f64::from(before)) / f64::from(pieces);
+        let (before, pieces) = (index * size, size.min(self.pieces() - index * size));
+        let share = (in_process.done * f64::from(self.pieces()) - f64::from(before)) / f64::from(pieces);
         if share < 1e-9 { 0.0 } else { share.min(1.0) }
     }
 

@@ -1,8 +1,8 @@
 //! Parts, routings, arrivals.
 
 use super::{
-    Attendance, Component, ContourWork, CycleWork, Distribution, DueRule, Inspection, MachineChoice, ProgramWork,
-    WorkPer,
+    Attendance, Component, ContourWork, CycleWork, Distribution, DrawUnit, DueRule, Inspection, MachineChoice, Pegging,
+    ProgramWork, Replenish, WorkPer,
 };
 use std::sync::Arc;
 
@@ -21,6 +21,10 @@ pub struct Part {
     pub deviating_lot: Option<u32>,
     /// What goes into one of it, from the stock of finished parts.
     pub components: Vec<Component>,
+    /// Which pieces of those it may take.
+    pub pegging: Pegging,
+    /// What is done about pieces of an order that are lost.
+    pub replenish: Replenish,
     /// Whether every job has an order of its own of the operations, drawn when it comes.
     pub random_routing: bool,
     /// Operations in order.
@@ -66,6 +70,8 @@ pub struct Operation {
     pub work: Work,
     /// What takes the time of plain work once.
     pub work_per: WorkPer,
+    /// For what its random time is drawn.
+    pub draw: DrawUnit,
     /// What may happen when it is done.
     pub inspection: Inspection,
     /// Whether a job of better priority may interrupt it.
@@ -173,8 +179,10 @@ pub struct GrindingPhase {
 /// A source of jobs.
 #[derive(Clone, Debug)]
 pub struct Arrival {
-    /// Part, by index.
-    pub part: usize,
+    /// Its parts, by index, each with its share of the jobs; the shares add up to 1.
+    pub parts: Vec<(usize, f64)>,
+    /// Pieces of a job, drawn for each and rounded to a whole number from 1 on.
+    pub quantity: Distribution,
     /// The smaller, the more urgent.
     pub priority: u32,
     /// Weight of their lateness in weighted rules, 1.
@@ -183,6 +191,24 @@ pub struct Arrival {
     pub due: DueRule,
     /// When they come.
     pub pattern: ArrivalPattern,
+}
+
+impl Arrival {
+    /// A source of single pieces of one part, due by its allowance.
+    pub fn of(part: usize, pattern: ArrivalPattern) -> Self {
+        let (quantity, due) = (Distribution::Constant(1.0), DueRule::Allowance);
+        Self { parts: vec![(part, 1.0)], quantity, priority: 0, weight: 1.0, due, pattern }
+    }
+
+    /// Names of its parts, `ring + shaft`.
+    pub fn parts_named(&self, parts: &[Part]) -> String {
+        self.parts.iter().map(|(part, _)| parts[*part].name.as_str()).collect::<Vec<_>>().join(" + ")
+    }
+
+    /// Whether jobs of a part come from it.
+    pub fn brings(&self, part: usize) -> bool {
+        self.parts.iter().any(|(own, _)| *own == part)
+    }
 }
 
 /// When jobs come.

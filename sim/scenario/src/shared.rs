@@ -1,6 +1,6 @@
 //! Counted things that an operation needs beside its machine: fixtures, pallets, edges.
 
-use super::Crib;
+use super::{Crib, Stock};
 
 /// What operations need beside their machines.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,6 +9,8 @@ pub struct Shared {
     pub fixtures: Vec<Fixture>,
     /// Edges of the tools of which there are not as many as are needed.
     pub cribs: Vec<Crib>,
+    /// Components in stock at the start, and their reorders.
+    pub stocks: Vec<Stock>,
 }
 
 impl Shared {

@@ -30,6 +30,8 @@ pub struct Transport {
     pub park: Parking,
     /// Which job goes next.
     pub rule: TransportRule,
+    /// Most jobs that a vehicle carries at once, all of one way.
+    pub capacity: u32,
 }
 
 impl Transport {

@@ -68,6 +68,7 @@ fn operation(machines: &[usize], tool: usize, work: Work) -> Operation {
         attendance: Attendance::default(),
         work,
         work_per: WorkPer::Part,
+        draw: DrawUnit::Lot,
         inspection: Inspection::default(),
         preemptible: true,
         assembles: false,
@@ -136,15 +137,7 @@ fn job_shop(dispatch: DispatchRule) -> Scenario {
                 part(format!("part {i}"), operations.collect())
             })
             .collect(),
-        arrivals: (0..60)
-            .map(|part| Arrival {
-                part,
-                priority: 0,
-                weight: 1.0,
-                due: DueRule::default(),
-                pattern: ArrivalPattern::Poisson { rate: 0.85 / 60.0 },
-            })
-            .collect(),
+        arrivals: (0..60).map(|part| Arrival::of(part, ArrivalPattern::Poisson { rate: 0.85 / 60.0 })).collect(),
         dispatch: vec![dispatch],
         ..scenario()
     }
@@ -178,13 +171,7 @@ fn demo() -> Scenario {
             tool("wheel", ProcessModel::Infeed(Arc::new(Infeed::default()))),
         ],
         parts: vec![part("ring".to_owned(), route)],
-        arrivals: vec![Arrival {
-            part: 0,
-            priority: 0,
-            weight: 1.0,
-            due: DueRule::default(),
-            pattern: ArrivalPattern::ConstantWork { jobs: 12 },
-        }],
+        arrivals: vec![Arrival::of(0, ArrivalPattern::ConstantWork { jobs: 12 })],
         policies: [
             SpeedRule::Programmed,
             SpeedRule::BestRate,

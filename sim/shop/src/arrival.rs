@@ -8,8 +8,8 @@ use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, JobRow, LogEvent};
 use rand::RngExt;
-use toolroom_kernel::{Entity, Purpose, SimTime};
-use toolroom_scenario::{ArrivalPattern, DueRule, InProcess, Work};
+use toolroom_kernel::{Entity, Purpose, SimTime, Stream};
+use toolroom_scenario::{ArrivalPattern, Distribution, DrawUnit, DueRule, InProcess, Work};
 
 impl<R: Recorder> Shop<'_, R> {
     /// Schedules the first release of every source; constant work enters at once.
@@ -76,28 +76,20 @@ impl<R: Recorder> Shop<'_, R> {
     /// One job of a source enters the shop.
     pub(super) fn release(&mut self, source: usize) -> Result<(), ShopError> {
         let now = self.now();
-        let part = self.scenario.arrivals[source].part;
         let index = self.world.sources[source].released;
         self.world.sources[source].released += 1;
         let origin = self.layout.sources[source];
         let entity = origin.part(index);
+        let (part, quantity) = self.drawn_job(source, entity);
+        let first_piece = self.world.sources[source].pieces;
+        self.world.sources[source].pieces += u64::from(quantity);
         let lot = index / u64::from(self.scenario.parts[part].batch_size.max(1));
         // Nobody counts beyond that.
         let named = u32::try_from(lot + 1).unwrap_or(u32::MAX);
         let number = self.world.jobs.released;
         let route = self.route(part, entity);
-        let mut row = JobRow {
-            part: part as u32,
-            order: None,
-            quantity: 1,
-            lot: named,
-            arrival: now.seconds(),
-            start: f64::NAN,
-            finish: f64::NAN,
-            due: now.seconds() + self.scenario.parts[part].flow_allowance,
-            divided_from: None,
-            outcome: JobOutcome::InProcess,
-        };
+        let due = now.seconds() + self.scenario.parts[part].flow_allowance;
+        let mut row = JobRow { lot: named, ..JobRow::new(part as u32, quantity, now.seconds(), due) };
         let handling = self.layout.random_handling.then(|| Box::new(self.streams.open(entity, Purpose::Processing)));
         let job = Job {
             priority: self.scenario.arrivals[source].priority,
@@ -106,15 +98,20 @@ impl<R: Recorder> Shop<'_, R> {
             route,
             lot_owner: origin,
             lot,
+            first_piece,
             handling,
             ..Job::new(number, (entity, Origin::Source(source as u32)), row, now)
         };
         let slot = self.world.jobs.insert(job);
-        for (operation, stream) in &mut self.world.sources[source].ranks {
-            if let Work::Plain(time) = &self.scenario.parts[part].operations[*operation].work {
+        let mut ranks = std::mem::take(&mut self.world.sources[source].ranks);
+        for (_, operation, stream) in ranks.iter_mut().filter(|(own, ..)| *own == part) {
+            if self.layout.operations[part][*operation].apart {
+                self.draw_work(slot, *operation, stream);
+            } else if let Work::Plain(time) = &self.scenario.parts[part].operations[*operation].work {
                 *self.world.jobs.drawn_mut(slot, *operation) = time.sample(stream);
             }
         }
+        self.world.sources[source].ranks = ranks;
         if let Some(due) = self.due(source, slot) {
             row.due = due;
             self.world.jobs.at_mut(slot).row.due = due;
@@ -125,6 +122,29 @@ impl<R: Recorder> Shop<'_, R> {
         self.recorder.arrival(number, row);
         self.log_event(LogEvent::Arrival, None, Some(number), None);
         self.let_in(slot)
+    }
+
+    /// Part and pieces of the job of a source that comes now.
+    fn drawn_job(&self, source: usize, entity: Entity) -> (usize, u32) {
+        let arrival = &self.scenario.arrivals[source];
+        let part = match arrival.parts[..] {
+            [(only, _)] => only,
+            _ => {
+                let rank: f64 = self.streams.open(entity.part(draws::PART), Purpose::Arrival).random();
+                let mut below = 0.0;
+                let found = arrival.parts.iter().find(|(_, share)| {
+                    below += share;
+                    rank < below
+                });
+                // Rounding may leave the sum of all shares a little below 1.
+                found.or(arrival.parts.last()).map_or(0, |(part, _)| *part)
+            }
+        };
+        let quantity = match arrival.quantity {
+            Distribution::Constant(pieces) => pieces,
+            ref drawn => drawn.sample(&mut self.streams.open(entity.part(draws::QUANTITY), Purpose::Arrival)),
+        };
+        (part, (quantity.round() as u32).max(1))
     }
 
     /// Schedules the release of every order; those that are in the shop already come to their places first.
@@ -149,9 +169,9 @@ impl<R: Recorder> Shop<'_, R> {
         let (ordered, now, urgency) = (&scenario.orders[order], self.now(), self.urgency(order));
         let part = &scenario.parts[ordered.part];
         let owner = Entity::named(&format!("order {}", ordered.id));
-        let (size, together) =
-            (ordered.job_size(part), ordered.transfer.unwrap_or(ordered.quantity).min(ordered.quantity));
-        let count = ordered.quantity.div_ceil(size);
+        let pieces = ordered.pieces();
+        let (size, together) = (ordered.job_size(part), ordered.transfer.unwrap_or(pieces).min(pieces));
+        let count = pieces.div_ceil(size);
         if count > 1 || ordered.setup_ahead {
             let moving = together.div_ceil(size);
             self.world.lots[order] = Some(Lot::new(count, moving, ordered.split, part.operations.len()));
@@ -160,15 +180,17 @@ impl<R: Recorder> Shop<'_, R> {
         if let Some(inside) = &ordered.in_process {
             self.set_lot_at_start(order, inside, passed);
         }
-        // One rank of every operation for the whole order.
-        let mut drawn = vec![0.0; part.operations.len()];
-        for (time, operation) in drawn.iter_mut().zip(&part.operations) {
+        // One rank of every operation for the whole order, or one for each of its pieces.
+        let mut ranks: Vec<(usize, Option<f64>, Stream)> = Vec::new();
+        for (index, operation) in part.operations.iter().enumerate() {
             if let Work::Plain(work) = &operation.work {
                 let owner = Entity::named(&format!("order {}/{}", ordered.id, operation.name));
-                *time = work.sample(&mut self.streams.open(owner, Purpose::Processing));
+                let mut stream = self.streams.open(owner, Purpose::Processing);
+                let together = (operation.draw == DrawUnit::Lot).then(|| work.sample(&mut stream));
+                ranks.push((index, together, stream));
             }
         }
-        let (mut left, mut ticket) = (ordered.quantity, None);
+        let (mut left, mut ticket) = (pieces, None);
         for index in 0..count {
             let quantity = size.min(left);
             left -= quantity;
@@ -180,17 +202,11 @@ impl<R: Recorder> Shop<'_, R> {
             let entity = if count > 1 { owner.part(PIECES).part(u64::from(index)) } else { owner };
             let number = self.world.jobs.released;
             let route = self.route(ordered.part, entity);
+            let arrival = if ordered.in_process.is_some() { ordered.release } else { now.seconds() };
             let row = JobRow {
-                part: ordered.part as u32,
                 order: Some(order as u32),
-                quantity,
                 lot: order as u32 + 1,
-                arrival: if ordered.in_process.is_some() { ordered.release } else { now.seconds() },
-                start: f64::NAN,
-                finish: f64::NAN,
-                due: urgency.due,
-                divided_from: None,
-                outcome: JobOutcome::InProcess,
+                ..JobRow::new(ordered.part as u32, quantity, arrival, urgency.due)
             };
             let handling =
                 self.layout.random_handling.then(|| Box::new(self.streams.open(entity, Purpose::Processing)));
@@ -200,12 +216,14 @@ impl<R: Recorder> Shop<'_, R> {
                 operation: route.as_ref().map_or(operation as u32, |route| u32::from(route[0])),
                 route,
                 lot_owner: owner,
+                first_piece: u64::from(index * size),
                 handling,
                 ..Job::new(number, (entity, Origin::Order(order as u32)), row, now)
             });
-            for (operation, time) in drawn.iter().enumerate() {
-                if matches!(part.operations[operation].work, Work::Plain(_)) {
-                    *self.world.jobs.drawn_mut(slot, operation) = *time;
+            for (operation, together, stream) in &mut ranks {
+                match together {
+                    Some(time) => self.set_work(slot, *operation, *time),
+                    None => self.draw_work(slot, *operation, stream),
                 }
             }
             if self.has_cards() {
@@ -231,6 +249,9 @@ impl<R: Recorder> Shop<'_, R> {
     /// A job joins the queues of its next operation, or leaves where there is none; `machine` is the one from which
     /// it comes.
     pub(super) fn enqueue(&mut self, slot: u32, machine: Option<usize>) -> Result<(), ShopError> {
+        if self.layout.samples {
+            self.pass_by(slot);
+        }
         let job = self.world.jobs.at(slot);
         let (part, operation) = (job.row.part as usize, job.operation as usize);
         if operation >= self.layout.operations[part].len() {
@@ -268,10 +289,12 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn proceed(&mut self, slot: u32, machine: Option<usize>) {
         match self.world.jobs.at(slot).origin {
             Origin::Order(order) if self.world.lots[order as usize].is_some() => self.gather(order, slot),
-            Origin::Order(_) | Origin::Source(_) | Origin::Crib(_) if self.world.flow.is_limited() => {
+            Origin::Order(_) | Origin::Source(_) | Origin::Crib(_) | Origin::Stock(_)
+                if self.world.flow.is_limited() =>
+            {
                 self.look_for_place(slot, machine);
             }
-            Origin::Order(_) | Origin::Source(_) | Origin::Crib(_) => self.wait(slot),
+            Origin::Order(_) | Origin::Source(_) | Origin::Crib(_) | Origin::Stock(_) => self.wait(slot),
         }
     }
 
@@ -291,6 +314,9 @@ impl<R: Recorder> Shop<'_, R> {
         let event = if outcome == JobOutcome::Good { LogEvent::Finish } else { LogEvent::Scrap };
         self.log_event(event, None, Some(job.number), None);
         if let Origin::Order(order) = job.origin {
+            if outcome != JobOutcome::Good {
+                self.make_up(order, job.row.quantity)?;
+            }
             self.left_lot(order, job.operation);
         }
         if let Origin::Crib(crib) = job.origin {
@@ -299,11 +325,11 @@ impl<R: Recorder> Shop<'_, R> {
         // A component is in the shop until it has been built in.
         let part = job.row.part as usize;
         if outcome == JobOutcome::Good && self.layout.components[part] {
-            self.stock(part, job.origin, job.row.quantity);
-            return Ok(());
+            self.stock(part, job.origin, job.row.quantity)?;
+            return self.arrived(job.origin, job.row.quantity);
         }
         self.replace(job.origin)?;
-        Ok(())
+        self.arrived(job.origin, job.row.quantity)
     }
 
     /// The order of operations of a job whose part has no fixed routing.
@@ -318,8 +344,12 @@ impl<R: Recorder> Shop<'_, R> {
         let part = row.part as usize;
         let time = |operation: usize| self.layout.drawn_time(&self.world.jobs, slot, part, operation);
         let work = || (0..self.layout.operations[part].len()).map(time).sum::<f64>();
-        match self.scenario.arrivals[source].due {
+        match &self.scenario.arrivals[source].due {
             DueRule::Allowance => None,
+            DueRule::Random(allowance) => {
+                let owner = self.world.jobs.at(slot).entity.part(draws::DUE);
+                Some(row.arrival + allowance.sample(&mut self.streams.open(owner, Purpose::Arrival)))
+            }
             DueRule::TotalWork { k } => Some(row.arrival + k * work()),
             DueRule::Slack { slack } => Some(row.arrival + work() + slack),
         }

@@ -8,7 +8,7 @@ use super::event::Event;
 use super::job::Origin;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use toolroom_scenario::ArrivalPattern;
+use toolroom_scenario::{ArrivalPattern, Pegging};
 
 /// Pieces in stock that came together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,9 +20,23 @@ pub struct Stocked {
 }
 
 impl<R: Recorder> Shop<'_, R> {
-    /// Pieces of a part in stock.
-    fn in_stock(&self, part: usize) -> u64 {
-        self.world.stock[part].iter().map(|own| u64::from(own.pieces)).sum()
+    /// Pieces of a part in stock that a job may take.
+    fn in_stock(&self, part: usize, slot: u32) -> u64 {
+        let all = self.world.stock[part].iter();
+        all.filter(|own| self.is_for(**own, slot)).map(|own| u64::from(own.pieces)).sum()
+    }
+
+    /// Whether a job may take pieces in stock: where they are made for its order, or for none.
+    fn is_for(&self, own: Stocked, slot: u32) -> bool {
+        let made_for = match own.origin {
+            Origin::Order(order) => self.scenario.orders[order as usize].parent,
+            Origin::Source(_) | Origin::Crib(_) | Origin::Stock(_) => None,
+        };
+        let row = self.world.jobs.at(slot).row;
+        match self.scenario.parts[row.part as usize].pegging {
+            Pegging::Stock => made_for.is_none(),
+            Pegging::Order => made_for.is_some() && made_for == row.order.map(|order| order as usize),
+        }
     }
 
     /// Whether a job needs no components for its operation, has taken them, or may take them now.
@@ -33,7 +47,7 @@ impl<R: Recorder> Shop<'_, R> {
         }
         let part = &self.scenario.parts[job.row.part as usize];
         let needed = |quantity: u32| u64::from(quantity) * u64::from(job.row.quantity);
-        part.components.iter().all(|component| self.in_stock(component.part) >= needed(component.quantity))
+        part.components.iter().all(|component| self.in_stock(component.part, slot) >= needed(component.quantity))
     }
 
     /// A job that begins takes its components.
@@ -49,15 +63,20 @@ impl<R: Recorder> Shop<'_, R> {
         for component in &part.components {
             let mut needed = component.quantity.saturating_mul(quantity);
             while needed > 0 {
-                let Some(first) = self.world.stock[component.part].front_mut() else { break };
+                let place = self.world.stock[component.part].iter().position(|own| self.is_for(*own, slot));
+                let Some(place) = place else { break };
+                let first = &mut self.world.stock[component.part][place];
                 let taken = first.pieces.min(needed);
                 first.pieces -= taken;
                 needed -= taken;
                 if first.pieces == 0 {
                     let origin = first.origin;
-                    self.world.stock[component.part].pop_front();
+                    self.world.stock[component.part].remove(place);
                     self.replace(origin)?;
                 }
+            }
+            if let Some(stock) = self.stock_of(component.part) {
+                self.reorder(stock)?;
             }
         }
         Ok(())
@@ -75,10 +94,11 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// Finished pieces of a component come to its stock.
-    pub(super) fn stock(&mut self, part: usize, origin: Origin, pieces: u32) {
+    pub(super) fn stock(&mut self, part: usize, origin: Origin, pieces: u32) -> Result<(), ShopError> {
         self.world.stock[part].push_back(Stocked { origin, pieces });
         for machine in 0..self.layout.takes[part].len() {
             self.may_choose(self.layout.takes[part][machine] as usize);
         }
+        Ok(())
     }
 }

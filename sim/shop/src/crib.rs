@@ -187,18 +187,8 @@ impl<R: Recorder> Shop<'_, R> {
         let Some(part) = regrind.part else { return self.consign(crib, edges, time, false) };
         self.world.cribs[crib].sent += 1;
         let (now, job, entity) = (self.now(), self.world.jobs.released, self.crib_entity(crib).part(number));
-        let row = JobRow {
-            part: part as u32,
-            order: None,
-            quantity: edges.len() as u32,
-            lot: 1,
-            arrival: now.seconds(),
-            start: f64::NAN,
-            finish: f64::NAN,
-            due: now.seconds() + self.scenario.parts[part].flow_allowance,
-            divided_from: None,
-            outcome: JobOutcome::InProcess,
-        };
+        let due = now.seconds() + self.scenario.parts[part].flow_allowance;
+        let row = JobRow::new(part as u32, edges.len() as u32, now.seconds(), due);
         let handling = self.layout.random_handling.then(|| Box::new(self.streams.open(entity, Purpose::Processing)));
         let origin = Origin::Crib(crib as u32);
         let slot = self.world.jobs.insert(Job { handling, ..Job::new(job, (entity, origin), row, now) });

@@ -53,9 +53,7 @@ impl<R: Recorder> Shop<'_, R> {
             return loops_in(self.needs(slot)).all(|index| self.has_card(index) || self.returns(index, stuck));
         }
         let flow = &self.world.flow;
-        let opens = |buffer: usize| {
-            self.has_room(buffer) || flow.buffers[buffer].iter().any(|standing| !stuck.contains(standing))
-        };
+        let opens = |buffer: usize| self.would_fit(buffer, slot, |standing| stuck.contains(&standing));
         let job = self.world.jobs.at(slot);
         let equipped = self.needs_in_vain(slot, stuck).is_none();
         if self.scenario.blocking == Blocking::BeforeService {

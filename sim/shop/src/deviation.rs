@@ -139,7 +139,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
             return time;
         }
         let mut occasion = Occasion::at(self.now().seconds());
-        occasion.set("part", self.scenario.parts[self.scenario.arrivals[source].part].name.clone());
+        // The part of the next job of a mix is not known yet.
+        if let [(part, _)] = self.scenario.arrivals[source].parts[..] {
+            occasion.set("part", self.scenario.parts[part].name.clone());
+        }
         calibrated(&self.scenario.calibrations, ShopConstant::ArrivalInterval, &occasion, time).max(0.0)
     }
 

@@ -32,17 +32,27 @@ pub(super) const PIECES: u64 = 1 << 41;
 /// Streams of the ranks of a source: one for every operation of its part with plain work. They belong to
 /// the names of part and operation and to the place of the source among those of the part, so that other
 /// parts and sources change nothing.
-pub(super) fn ranks(scenario: &Scenario, streams: &Streams, source: usize) -> Vec<(usize, Stream)> {
-    let part = scenario.arrivals[source].part;
-    let place = scenario.arrivals[..source].iter().filter(|other| other.part == part).count() as u64;
+pub(super) fn ranks(scenario: &Scenario, streams: &Streams, source: usize) -> Vec<(usize, usize, Stream)> {
+    let parts = scenario.arrivals[source].parts.iter();
+    parts.flat_map(|(part, _)| ranks_of(scenario, streams, source, *part)).collect()
+}
+
+fn ranks_of(scenario: &Scenario, streams: &Streams, source: usize, part: usize) -> Vec<(usize, usize, Stream)> {
+    let number = part;
+    let place = scenario.arrivals[..source].iter().filter(|other| other.brings(part)).count() as u64;
     let part = &scenario.parts[part];
     let stream = |operation: &Operation| {
         let owner = Entity::named(&format!("{}/{}", part.name, operation.name)).part(place);
         streams.open(owner, Purpose::Processing)
     };
     let plain = part.operations.iter().enumerate().filter(|(_, operation)| matches!(operation.work, Work::Plain(_)));
-    plain.map(|(index, operation)| (index, stream(operation))).collect()
+    plain.map(|(index, operation)| (number, index, stream(operation))).collect()
 }
+
+/// Owners of what is drawn for a job of a source when it comes, parts of its own name: its part, its pieces, its due date.
+pub(super) const PART: u64 = 1 << 44;
+pub(super) const QUANTITY: u64 = PART + 1;
+pub(super) const DUE: u64 = PART + 2;
 
 /// Owner of the order in which a job goes through its operations, part of its own name.
 const ROUTE: u64 = 1 << 43;

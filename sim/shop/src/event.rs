@@ -44,6 +44,28 @@ pub enum Event {
         /// Vehicle among those of its kind.
         vehicle: u16,
     },
+    /// A vehicle comes to where jobs wait for it.
+    PickUp {
+        /// Index into the transports of the scenario.
+        transport: u16,
+        /// Vehicle among those of its kind.
+        vehicle: u16,
+    },
+    /// A lot that was ordered for a stock comes or is let in.
+    Restock {
+        /// Index into the stocks of the scenario.
+        stock: u32,
+    },
+    /// Pieces begin anew for those of an order that were lost.
+    MakeUp {
+        /// Index into the orders of the scenario.
+        order: u32,
+    },
+    /// The pace of work on a machine changes.
+    Pace {
+        /// Machine.
+        machine: u32,
+    },
     /// Edges come to a crib that were bought or ground elsewhere.
     Edges {
         /// Index into the cribs of the scenario.
@@ -129,11 +151,15 @@ impl Event {
             | Self::Regrind { .. }
             | Self::Walked { .. }
             | Self::Planned { .. }
+            | Self::PickUp { .. }
+            | Self::Restock { .. }
+            | Self::MakeUp { .. }
             | Self::Delivery { .. } => Class::Arrive,
             Self::ShiftStart { .. }
             | Self::ShiftEnd { .. }
             | Self::Operator { .. }
             | Self::Window { .. }
+            | Self::Pace { .. }
             | Self::Crew { .. } => Class::Shift,
         }
     }
@@ -160,6 +186,10 @@ impl Event {
             Self::Walked { machine } => (18, machine),
             Self::Planned { machine } => (19, machine),
             Self::Crew { crew } => (20, crew),
+            Self::PickUp { transport, vehicle } => (21, u32::from(transport) << 16 | u32::from(vehicle)),
+            Self::Restock { stock } => (22, stock),
+            Self::MakeUp { order } => (23, order),
+            Self::Pace { machine } => (24, machine),
             Self::Delivery { transport, vehicle } => (10, u32::from(transport) << 16 | u32::from(vehicle)),
             Self::Operator { operator, comes } => (7 + u64::from(comes), operator),
         };

@@ -13,7 +13,7 @@
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use std::collections::VecDeque;
-use toolroom_scenario::{Blocking, Buffer, Scenario};
+use toolroom_scenario::{BatchUnit, Blocking, Buffer, Scenario};
 
 /// Who stands where.
 #[derive(Clone, Debug, Default)]
@@ -99,10 +99,23 @@ pub(super) fn capacity(buffer: &Buffer, blocking: Blocking) -> usize {
 }
 
 impl<R: Recorder> Shop<'_, R> {
-    /// Whether a buffer has a free place.
-    pub(super) fn has_room(&self, buffer: usize) -> bool {
-        let most = capacity(&self.scenario.buffers[buffer], self.scenario.blocking);
-        self.world.flow.buffers[buffer].len() < most
+    /// Whether a buffer has room for a job.
+    pub(super) fn has_room(&self, buffer: usize, slot: u32) -> bool {
+        self.would_fit(buffer, slot, |_| true)
+    }
+
+    /// Whether a buffer would have room for a job if only those stood in it of which `stays` says so.
+    pub(super) fn would_fit(&self, buffer: usize, slot: u32, stays: impl Fn(u32) -> bool) -> bool {
+        let own = &self.scenario.buffers[buffer];
+        let most = capacity(own, self.scenario.blocking);
+        let standing = self.world.flow.buffers[buffer].iter().copied();
+        match own.unit {
+            BatchUnit::Lots => standing.filter(|other| stays(*other)).count() < most,
+            BatchUnit::Pieces => {
+                let pieces = |slot: u32| self.world.jobs.at(slot).row.quantity as usize;
+                standing.filter(|other| stays(*other)).map(pieces).sum::<usize>() + pieces(slot) <= most
+            }
+        }
     }
 
     /// Machines of the operation for which a job waits or will wait.
@@ -161,7 +174,7 @@ impl<R: Recorder> Shop<'_, R> {
                 return Some((held.order, Move::On(place, to)));
             }
             let behind = self.scenario.machines[held.machine as usize].output_buffer;
-            let behind = behind.filter(|buffer| held.output.is_none() && self.has_room(*buffer))?;
+            let behind = behind.filter(|buffer| held.output.is_none() && self.has_room(*buffer, held.slot))?;
             Some((held.order, Move::Behind(place, behind)))
         };
         let held = flow.held.iter().enumerate().find_map(on);
@@ -190,7 +203,7 @@ impl<R: Recorder> Shop<'_, R> {
         self.next_machines(slot).iter().find_map(|&machine| match self.input(machine) {
             None => Some(Place::Space),
             Some(buffer) => {
-                let room = self.has_room(buffer) || after && takes(machine);
+                let room = self.has_room(buffer, slot) || after && takes(machine);
                 room.then_some(Place::Buffer(buffer))
             }
         })
@@ -300,7 +313,7 @@ impl<R: Recorder> Shop<'_, R> {
         let Some(next) = operations.get(job.next_operation(operations.len())) else { return Some(Place::Space) };
         next.machines.iter().find_map(|&machine| match self.input(machine) {
             None => Some(Place::Space),
-            Some(buffer) => self.has_room(buffer).then_some(Place::Buffer(buffer)),
+            Some(buffer) => self.has_room(buffer, slot).then_some(Place::Buffer(buffer)),
         })
     }
 }

@@ -45,12 +45,19 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation);
         let inspection = &scenario.parts[part].operations[index as usize].inspection;
-        let (quantity, visits) = (job.row.quantity, job.visits);
+        let (quantity, visits, first) = (job.row.quantity, job.visits, job.first_piece);
         let owner = job.entity.part(u64::from(index));
         let mut stream = self.streams.at(owner, Purpose::Quality, u64::from(visits));
         let apart = inspection.per == InspectedUnit::Part && quantity > 1 && !self.world.flow.is_limited();
         let mut counts = vec![0u32; inspection.outcomes.len() + 1];
-        for _ in 0..if apart { quantity } else { 1 } {
+        for piece in 0..if apart { quantity } else { 1 } {
+            let judged = inspection.sample.is_none_or(|sample| {
+                if apart { sample.has(first + u64::from(piece)) } else { sample.among(first, quantity) > 0 }
+            });
+            if !judged {
+                counts[0] += if apart { 1 } else { quantity };
+                continue;
+            }
             let rank: f64 = stream.random();
             let mut below = 0.0;
             let found = inspection.outcomes.iter().position(|outcome| {
@@ -111,6 +118,7 @@ impl<R: Recorder> Shop<'_, R> {
         for (index, time) in drawn {
             *self.world.jobs.drawn_mut(divided, index) = time;
         }
+        self.part_pieces(slot, divided);
         if let Origin::Order(order) = origin {
             self.world.join_lot(order, operation);
         }
@@ -130,9 +138,9 @@ impl<R: Recorder> Shop<'_, R> {
             self.look_again(order);
         }
         for index in to as usize..=from as usize {
-            if let Work::Plain(time) = &scenario.parts[part].operations[index].work {
+            if matches!(scenario.parts[part].operations[index].work, Work::Plain(_)) {
                 let mut stream = self.streams.at(entity.part(index as u64), Purpose::Processing, visit);
-                *self.world.jobs.drawn_mut(slot, index) = time.sample(&mut stream);
+                self.draw_work(slot, index, &mut stream);
             }
         }
         debug_assert!(!matches!(self.world.jobs.at(slot).reserved, Some(Place::Buffer(_))));

@@ -139,10 +139,7 @@ impl<R: Recorder> Shop<'_, R> {
         how: Interruption,
         scrapped: JobOutcome,
     ) -> Result<(), ShopError> {
-        if let Some(task) = &self.world.machines[machine].task
-            && let Some(end) = task.end
-            && task.since.after(task.left)? == self.now()
-        {
+        if let Some((end, _)) = self.end_of_step(machine)?.filter(|(_, time)| *time == self.now()) {
             self.calendar.cancel(end); // what ends at this instant has ended
             self.step_ended(machine)?;
         }

@@ -1,6 +1,7 @@
 //! A job on its way through the shop.
 
 use super::flow::Place;
+use super::pieces::PieceTimes;
 use crate::runlog::JobRow;
 use toolroom_kernel::{Entity, SimTime, Stream};
 
@@ -13,6 +14,8 @@ pub enum Origin {
     Order(u32),
     /// Edges of a crib, by index, that are ground anew.
     Crib(u32),
+    /// A stock, by index: what it had at the start, and what was ordered for it.
+    Stock(u32),
 }
 
 /// A workpiece, or several of an order that move together.
@@ -52,6 +55,10 @@ pub struct Job {
     pub lot_owner: Entity,
     /// Hardness lot within the source.
     pub lot: u64,
+    /// Number of its first piece within its order or source, from 0.
+    pub first_piece: u64,
+    /// Times of its pieces where they differ.
+    pub(super) piece_times: Option<Box<PieceTimes>>,
     /// How often an inspection has sent it back.
     pub visits: u32,
     /// Jobs that were divided from it.
@@ -88,6 +95,8 @@ impl Job {
             reserved: None,
             lot_owner: entity,
             lot: 0,
+            first_piece: 0,
+            piece_times: None,
             visits: 0,
             divisions: 0,
             rest: None,

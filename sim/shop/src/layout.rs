@@ -7,8 +7,8 @@ use super::ports::{Ports, read, start_values, write};
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::{
-    ArrivalPattern, Cut, GrindingPhase, Interruption, KeyTime, MachineType, Operation, Part, Preemption, Presence,
-    ProcessModel, ReleaseRule, Scenario, SetupMatrix, Work, WorkPer,
+    ArrivalPattern, Cut, DrawUnit, GrindingPhase, Interruption, KeyTime, MachineType, Operation, Part, Preemption,
+    Presence, ProcessModel, ReleaseRule, Scenario, SetupMatrix, Work, WorkPer,
 };
 
 /// Tables that follow from the scenario alone.
@@ -59,6 +59,10 @@ pub(super) struct Layout {
     pub one_step: Vec<bool>,
     /// Whether machines with queues are all that there is: what nobody uses is not asked for after every instant.
     pub bare: bool,
+    /// Whether work goes slower or faster in any shift.
+    pub uneven: bool,
+    /// Whether pieces pass by any operation.
+    pub samples: bool,
     /// Whether fixtures travel with jobs, which may then wait for each other.
     pub travels: bool,
     /// Rows of the schedule of every source in the order of time.
@@ -94,6 +98,8 @@ pub(super) struct OperationPlan {
     pub paced: bool,
     /// Whether its plain work goes on in stretches.
     pub stretched: bool,
+    /// Whether pieces of a job differ in its plain work: each has its own time, or only a sample is worked on.
+    pub apart: bool,
     /// Whether it needs the components of its part.
     pub assembles: bool,
     /// Whether chance decides what becomes of its pieces.
@@ -165,6 +171,7 @@ impl Layout {
                     paced: !operation.time_on.is_empty(),
                     stretched: operation.worn_tool.is_some()
                         || matches!(operation.attendance.presence, Presence::First(_)),
+                    apart: operation.draw == DrawUnit::Part || operation.inspection.passes_by(),
                     assembles: operation.assembles,
                     inspected: !operation.inspection.outcomes.is_empty(),
                 });
@@ -256,6 +263,8 @@ impl Layout {
             handling,
             one_step,
             bare: is_bare(scenario),
+            uneven: scenario.calendars.iter().any(|calendar| !calendar.paces.is_even()),
+            samples: scenario.parts.iter().flat_map(|part| &part.operations).any(|own| own.inspection.passes_by()),
             travels: super::fixture::travels(scenario),
             schedules,
         })
@@ -475,8 +484,8 @@ fn check(scenario: &Scenario) -> Result<(), ShopError> {
             }
         }
     }
-    for arrival in &scenario.arrivals {
-        inside("part", arrival.part, scenario.parts.len())?;
+    for (part, _) in scenario.arrivals.iter().flat_map(|arrival| &arrival.parts) {
+        inside("part", *part, scenario.parts.len())?;
     }
     for (mode, failure) in scenario.failures.iter().enumerate() {
         inside("machine", failure.machine, scenario.machines.len())?;

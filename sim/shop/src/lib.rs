@@ -41,7 +41,6 @@ mod batch;
 mod branch;
 mod cards;
 mod chatter;
-mod claims;
 mod contour;
 mod crew;
 mod crib;
@@ -65,7 +64,6 @@ mod job;
 mod keys;
 mod kinetic;
 mod layout;
-mod log_event;
 mod lot;
 mod machine;
 mod maintenance;
@@ -73,15 +71,15 @@ mod operation;
 mod operator;
 mod part_program;
 mod pass;
+mod pieces;
 mod ports;
 mod preemption;
 mod program;
 mod queue;
-mod recorder;
 mod release;
-pub mod runlog;
 mod sequence;
 mod shift;
+mod stock;
 mod stretches;
 mod tooling;
 mod tournament;
@@ -92,7 +90,6 @@ pub use assembly::Stocked;
 pub use batch::BatchState;
 pub use cards::Cards;
 pub use chatter::{Reaction, Surface, Vibration};
-pub use claims::claims;
 pub use crew::CrewState;
 pub use crib::CribState;
 pub use cut::Segment;
@@ -109,12 +106,14 @@ pub use maintenance::UpkeepState;
 pub use operator::OperatorState;
 pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
-pub use recorder::{Closing, Recorder, Silent};
 pub use release::Pool;
-pub use runlog::RunLog;
 pub use sequence::Followed;
+pub use stock::StockState;
 pub use transport::{Call, TransportState, VehicleState};
 pub use world::{FailureState, SourceState, World};
+
+pub use toolroom_runlog::recorder::{Closing, Recorder, Silent};
+pub use toolroom_runlog::runlog::{self, RunLog};
 
 use crate::runlog::{EventRow, LogEvent, StateRow};
 use layout::Layout;
@@ -122,6 +121,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use toolroom_kernel::{Calendar, Class, Digest, EventKey};
 use toolroom_kernel::{Entity, Purpose, SimTime, Streams};
+use toolroom_runlog::recorder;
 use toolroom_scenario::policies::{ResolvedPolicy, WheelEstimate};
 use toolroom_scenario::{MachineType, Scenario};
 use toolroom_wear::PairScatter;
@@ -204,7 +204,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
         let source = |index| {
             let entity = Entity::named("arrivals").part(index as u64);
             let ranks = draws::ranks(scenario, &streams, index);
-            SourceState { released: 0, releases: 0, stream: streams.open(entity, Purpose::Arrival), ranks }
+            SourceState { released: 0, releases: 0, pieces: 0, stream: streams.open(entity, Purpose::Arrival), ranks }
         };
         let failure = FailureState { count: 0, failed: false, left: 0.0, repair: 0.0, since: SimTime::ZERO, due: None };
         let world = World {
@@ -219,6 +219,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             operators: Vec::new(),
             crews: scenario.crews.iter().map(CrewState::of).collect(),
             transports: scenario.transports.iter().map(TransportState::of).collect(),
+            attended: vec![SimTime::ZERO; if scenario.operators.is_empty() { 0 } else { scenario.machines.len() }],
             awaiting: Vec::new(),
             fixtures: vec![FixtureState::default(); scenario.shared.fixtures.len()],
             cribs: scenario.shared.cribs.iter().map(CribState::of).collect(),
@@ -228,6 +229,9 @@ impl<'a, R: Recorder> Shop<'a, R> {
             lacking: Lacking::default(),
             flow: Flow::of(scenario),
             stock: vec![VecDeque::new(); scenario.parts.len()],
+            stocks: vec![StockState::default(); scenario.shared.stocks.len()],
+            missing: Vec::new(),
+            anew: vec![0; scenario.orders.len()],
             challengers: Vec::new(),
             branched: false,
             cards: Cards::of(scenario),
@@ -251,6 +255,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
         };
         shop.open_sources()?;
         shop.open_orders()?;
+        shop.open_stocks()?;
         shop.open_shifts()?;
         shop.open_operators()?;
         shop.open_failures()?;
@@ -354,6 +359,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             self.halt(machine)?;
             self.close_pass(machine);
             self.log_state(machine);
+            self.log_attendance(machine);
             self.log_in_process(machine);
         }
         Ok(())
@@ -441,6 +447,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
             }
             Event::Delivery { transport, vehicle } => self.delivered(transport as usize, vehicle as usize),
             Event::Operator { operator, comes } => self.operator_shift(operator as usize, comes),
+            Event::Pace { machine } => self.pace_changes(machine as usize),
+            Event::PickUp { transport, vehicle } => self.picks_up(transport as usize, vehicle as usize),
+            Event::Restock { stock } => self.restock(stock as usize),
+            Event::MakeUp { order } => self.begin_anew(order),
             Event::Edges { crib, number } => self.consigned(crib as usize, number),
             Event::Regrind { crib } => self.send_to_regrind(crib as usize),
             Event::Maintenance { plan } => self.maintenance_due(plan as usize),

@@ -109,6 +109,15 @@ impl World {
         lot.steps.iter_mut().skip(from as usize).for_each(|step| step.left += 1);
     }
 
+    /// Pieces of an order begin anew: one more job has to pass all operations, where several are in the shop. Machines are not
+    /// kept while it is on its way.
+    pub(super) fn join_anew(&mut self, order: u32) {
+        self.join_lot(order, 0);
+        if let Some(lot) = self.lot_mut(order) {
+            lot.returned = true;
+        }
+    }
+
     /// A job of an order has to pass the operations `to` to `from` once more, where several are in the shop.
     pub(super) fn repeat_in_lot(&mut self, order: u32, to: u32, from: u32) {
         let Some(lot) = self.lot_mut(order) else { return };

@@ -379,6 +379,11 @@ impl Step {
         }
     }
 
+    /// Whether it goes as fast as the shift does; passes of a tool and what belongs to them take their time.
+    pub(super) fn is_paced(&self) -> bool {
+        matches!(self, Self::Setup | Self::Load | Self::Work | Self::Unload)
+    }
+
     /// State of a machine that does it.
     #[inline]
     pub fn state(&self) -> MachineState {

@@ -7,7 +7,7 @@ use super::machine::{Content, IN_WORK, Machining, Piece, Readiness, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, LogEvent, OperationResult, OperationRow};
-use toolroom_kernel::Purpose;
+use toolroom_kernel::{EventKey, Purpose, SimTime};
 use toolroom_scenario::{Operation, ShopConstant, WorkPer};
 
 /// Owner of the setups of a job, part of its own name; operations are counted from it.
@@ -102,7 +102,8 @@ impl<R: Recorder> Shop<'_, R> {
         if time <= 0.0 {
             return Ok(false);
         }
-        let end = self.schedule(now.after(time)?, super::Event::StepEnd { machine: machine as u32 })?;
+        let taken = time / self.pace_at(machine, now);
+        let end = self.schedule(now.after(taken)?, super::Event::StepEnd { machine: machine as u32 })?;
         let job = self.world.jobs.at_mut(slot);
         job.rest = None;
         if job.row.start.is_nan() {
@@ -223,7 +224,8 @@ impl<R: Recorder> Shop<'_, R> {
             }
             let Some(task) = &self.world.machines[machine].task else { return Ok(()) };
             if task.left > 0.0 || dispatching && matches!(task.step, Step::Unload) {
-                let time = self.now().after(task.left)?;
+                let pace = if task.step.is_paced() { self.pace_at(machine, self.now()) } else { 1.0 };
+                let time = self.now().after(task.left / pace)?;
                 let end = self.schedule(time, super::Event::StepEnd { machine: machine as u32 })?;
                 let now = self.now();
                 if let Some(task) = &mut self.world.machines[machine].task {
@@ -260,14 +262,21 @@ impl<R: Recorder> Shop<'_, R> {
         self.drive(machine, false)
     }
 
+    /// When the step of a machine ends, if nothing interrupts it; `None` where nothing moves.
+    pub(super) fn end_of_step(&self, machine: usize) -> Result<Option<(EventKey, SimTime)>, ShopError> {
+        let Some(task) = &self.world.machines[machine].task else { return Ok(None) };
+        let Some(end) = task.end else { return Ok(None) };
+        Ok(Some((end, task.since.after(task.left / self.step_pace(machine))?)))
+    }
+
     /// Stops a machine in the middle of a step; what is left of it is kept.
     pub(super) fn halt(&mut self, machine: usize) -> Result<(), ShopError> {
-        let now = self.now();
+        let (now, pace) = (self.now(), self.step_pace(machine));
         // An idle machine has nothing to stop, one that stands already neither.
         let Some(task) = &mut self.world.machines[machine].task else { return Ok(()) };
         let Some(end) = task.end.take() else { return Ok(()) };
         let elapsed = now - task.since;
-        task.left = (task.left - elapsed).max(0.0);
+        task.left = (task.left - elapsed * pace).max(0.0);
         self.calendar.cancel(end);
         if !matches!(task.step, Step::Pass(_)) {
             self.note_stretch(machine, elapsed);
@@ -409,7 +418,11 @@ impl<R: Recorder> Shop<'_, R> {
         };
         let whole = job.row.quantity;
         if let Some(outcome) = bad {
-            return self.end_as(machine, task, (slot, Verdict::Scrap(outcome)), whole);
+            let inspection = &self.scenario.parts[part].operations[index].inspection;
+            let again =
+                outcome != JobOutcome::ToolFailure && inspection.rework_max.is_none_or(|most| job.visits < most);
+            let back = inspection.on_reject.filter(|_| again).map(|to| Verdict::Back(to as u32));
+            return self.end_as(machine, task, (slot, back.unwrap_or(Verdict::Scrap(outcome))), whole);
         }
         if !self.layout.operations[part][index].inspected {
             return self.end_as(machine, task, (slot, Verdict::Good), whole);
@@ -500,7 +513,11 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at(task.slot);
         let elapsed = if task.end.is_some() { self.now() - task.since } else { 0.0 };
         let setup = if matches!(task.step, Step::Setup) { task.left } else { 0.0 };
-        Some(setup + self.time_left(task, job.row.part as usize, job.operation as usize) - elapsed)
+        let left = setup + self.time_left(task, job.row.part as usize, job.operation as usize)
+            - elapsed * self.step_pace(machine);
+        // Passes take their time whatever the shift; their setup and handling are taken for as fast as them.
+        let plain = matches!(task.content, Content::Plain(_));
+        Some(if plain { left / self.pace_at(machine, self.now()) } else { left })
     }
 
     /// Time in cut and in handling that an operation still takes, s. What policies will make of

@@ -12,6 +12,7 @@ use super::machine::{IN_WORK, Step, Task};
 use super::queue::Keys;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
+use crate::runlog::AttendanceRow;
 use std::cmp::Ordering;
 use toolroom_kernel::{EventKey, SimTime};
 
@@ -106,10 +107,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// A person whose shift is over leaves a machine, which waits for another one.
     fn leave_machine(&mut self, operator: usize, machine: usize) -> Result<(), ShopError> {
-        if let Some(task) = &self.world.machines[machine].task
-            && let Some(end) = task.end
-            && task.since.after(task.left)? == self.now()
-        {
+        if let Some((end, _)) = self.end_of_step(machine)?.filter(|(_, time)| *time == self.now()) {
             self.calendar.cancel(end); // what ends at this instant has ended
             self.step_ended(machine)?;
         }
@@ -184,12 +182,27 @@ impl<R: Recorder> Shop<'_, R> {
         let fits = state.load + more <= 1.0 + SHARES;
         if fits {
             state.load += more;
-            task.presence = share as f32;
+            self.log_attendance(machine);
+            self.world.machines[machine].task.as_mut().expect(IN_WORK).presence = share as f32;
             if more < 0.0 {
                 self.person_is_free();
             }
         }
         fits
+    }
+
+    /// Writes how long somebody has attended to a machine, who may go on with it.
+    pub(super) fn log_attendance(&mut self, machine: usize) {
+        let Some(Task { operator: Some(operator), presence: share, slot, .. }) = self.world.machines[machine].task
+        else {
+            return;
+        };
+        let (start, end) = (self.world.attended[machine].seconds(), self.now().seconds());
+        self.world.attended[machine] = self.now();
+        if end > start {
+            let job = self.world.jobs.at(slot).number;
+            self.recorder.attendance(AttendanceRow { operator, machine: machine as u32, job, start, end, share });
+        }
     }
 
     fn await_operator(&mut self, machine: usize) {
@@ -208,6 +221,7 @@ impl<R: Recorder> Shop<'_, R> {
             return;
         }
         let now = self.now();
+        self.log_attendance(machine);
         let Some(task) = &mut self.world.machines[machine].task else { return }; // an idle machine
         if std::mem::take(&mut task.waits) {
             self.world.awaiting.retain(|each| each.machine as usize != machine);
@@ -247,6 +261,7 @@ impl<R: Recorder> Shop<'_, R> {
             state.since = now;
             let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
             task.operator = Some(operator as u32);
+            self.world.attended[machine] = now;
             task.presence = share as f32;
             state.load += f64::from(task.presence);
             match way {

@@ -16,9 +16,47 @@ impl<R: Recorder> Shop<'_, R> {
                 let off = !calendar.works_at(0.0);
                 self.world.machines[machine].off_shift = off;
                 self.schedule_boundary(machine)?;
+                self.schedule_pace(machine)?;
             }
         }
         Ok(())
+    }
+
+    /// Puts the next change of the pace of a machine into the calendar.
+    fn schedule_pace(&mut self, machine: usize) -> Result<(), ShopError> {
+        let now = self.now().seconds();
+        if let Some(change) = self.calendar_of(machine).and_then(|calendar| calendar.paces.next_change(now)) {
+            self.schedule(SimTime::from_seconds(change)?, Event::Pace { machine: machine as u32 })?;
+        }
+        Ok(())
+    }
+
+    /// How fast setups, handling and plain work go on a machine that began with them at `time`: a factor that does not change
+    /// before the next change of pace.
+    #[inline]
+    pub(super) fn pace_at(&self, machine: usize, time: SimTime) -> f64 {
+        if !self.layout.uneven {
+            return 1.0;
+        }
+        self.calendar_of(machine).map_or(1.0, |calendar| calendar.paces.factor_at(time.seconds()))
+    }
+
+    /// How fast the step of a machine goes.
+    #[inline]
+    pub(super) fn step_pace(&self, machine: usize) -> f64 {
+        let task = self.world.machines[machine].task.as_ref().filter(|task| task.step.is_paced());
+        task.map_or(1.0, |task| self.pace_at(machine, task.since))
+    }
+
+    /// Work goes faster or slower on a machine from now on.
+    pub(super) fn pace_changes(&mut self, machine: usize) -> Result<(), ShopError> {
+        self.schedule_pace(machine)?;
+        let task = self.world.machines[machine].task.as_ref();
+        if !task.is_some_and(|task| task.end.is_some() && task.step.is_paced()) {
+            return Ok(()); // nothing moves, or what does takes its time
+        }
+        self.halt(machine)?;
+        self.drive(machine, false)
     }
 
     fn calendar_of(&self, machine: usize) -> Option<&ShiftCalendar> {
@@ -57,8 +95,13 @@ impl<R: Recorder> Shop<'_, R> {
         let handling = self.layout.operations[part][index].known_time * f64::from(job.row.quantity);
         let work =
             job.rest.map_or_else(|| self.layout.time(&self.world.jobs, slot, part, index), |rest| rest + handling);
+        let whole = setup.unwrap_or(0.0) + work;
+        let until_end = match self.calendar_of(machine).filter(|calendar| !calendar.paces.is_even()) {
+            Some(calendar) => calendar.work_done(now, end.time),
+            None => end.time - now,
+        };
         // A nanosecond more than the rounding of sums of times.
-        now + setup.unwrap_or(0.0) + work <= end.time + 1e-9
+        whole <= until_end + 1e-9
     }
 
     pub(super) fn shift_starts(&mut self, machine: usize) -> Result<(), ShopError> {

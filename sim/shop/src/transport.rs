@@ -18,6 +18,8 @@ pub struct TransportState {
     pub vehicles: Vec<VehicleState>,
     /// Jobs that wait for one, the first in front.
     pub calls: VecDeque<Call>,
+    /// Jobs that are carried beside the one for which a vehicle set out, by vehicle.
+    pub(super) beside: Vec<Vec<u32>>,
 }
 
 /// A vehicle.
@@ -25,6 +27,8 @@ pub struct TransportState {
 pub struct VehicleState {
     /// Where it is, or where it will be next, by index into the places of its kind.
     pub at: usize,
+    /// Where it carries its jobs.
+    pub to: usize,
     /// Whether it drives.
     pub busy: bool,
     /// The job for which it drives; `None`: it drives home.
@@ -44,8 +48,9 @@ pub struct Call {
 
 impl TransportState {
     pub(super) fn of(transport: &Transport) -> Self {
-        let vehicle = VehicleState { at: 0, busy: false, job: None };
-        Self { vehicles: vec![vehicle; transport.count as usize], calls: VecDeque::new() }
+        let vehicle = VehicleState { at: 0, to: 0, busy: false, job: None };
+        let count = transport.count as usize;
+        Self { vehicles: vec![vehicle; count], calls: VecDeque::new(), beside: vec![Vec::new(); count] }
     }
 }
 
@@ -73,10 +78,19 @@ impl<R: Recorder> Shop<'_, R> {
                 let resource = &self.scenario.transports[transport];
                 let state = &mut self.world.transports[transport];
                 let Some(call) = state.calls.remove(call) else { break };
-                let time = resource.times[state.vehicles[vehicle].at][call.from] + resource.times[call.from][call.to];
-                state.vehicles[vehicle] = VehicleState { at: call.to, busy: true, job: Some(call.slot) };
+                let (empty, loaded) =
+                    (resource.times[state.vehicles[vehicle].at][call.from], resource.times[call.from][call.to]);
+                let alone = resource.capacity == 1;
+                let at = if alone { call.to } else { call.from };
+                state.vehicles[vehicle] = VehicleState { at, to: call.to, busy: true, job: Some(call.slot) };
                 self.log_event(LogEvent::Move, None, Some(self.world.jobs.at(call.slot).number), None);
-                self.drives(transport, vehicle, time)?;
+                if alone {
+                    self.drives(transport, vehicle, empty + loaded)?;
+                } else {
+                    let (transport, vehicle) = (transport as u16, vehicle as u16);
+                    let there = self.now().after(empty)?;
+                    self.schedule(there, Event::PickUp { transport, vehicle })?;
+                }
             }
         }
         Ok(())
@@ -104,6 +118,30 @@ impl<R: Recorder> Shop<'_, R> {
         Ok(())
     }
 
+    /// A vehicle that carries several jobs has come to the one for which it set out: what waits there for the same way goes
+    /// with it, as far as there is room.
+    pub(super) fn picks_up(&mut self, transport: usize, vehicle: usize) -> Result<(), ShopError> {
+        let resource = &self.scenario.transports[transport];
+        let state = &mut self.world.transports[transport];
+        let VehicleState { at: from, to, .. } = state.vehicles[vehicle];
+        let mut room = resource.capacity - 1;
+        let mut taken = Vec::new();
+        state.calls.retain(|call| {
+            let goes = room > 0 && call.from == from && call.to == to;
+            if goes {
+                room -= 1;
+                taken.push(call.slot);
+            }
+            !goes
+        });
+        state.beside[vehicle].clone_from(&taken);
+        state.vehicles[vehicle].at = to;
+        for slot in taken {
+            self.log_event(LogEvent::Move, None, Some(self.world.jobs.at(slot).number), None);
+        }
+        self.drives(transport, vehicle, resource.times[from][to])
+    }
+
     /// A vehicle has come to where it drove.
     pub(super) fn delivered(&mut self, transport: usize, vehicle: usize) -> Result<(), ShopError> {
         let resource = &self.scenario.transports[transport];
@@ -112,12 +150,14 @@ impl<R: Recorder> Shop<'_, R> {
         let job = state.vehicles[vehicle].job.take();
         state.vehicles[vehicle].busy = false;
         if resource.park == Parking::Home && position != 0 && nobody {
-            state.vehicles[vehicle] = VehicleState { at: 0, busy: true, job: None };
+            state.vehicles[vehicle] = VehicleState { at: 0, to: 0, busy: true, job: None };
             self.drives(transport, vehicle, resource.times[position][0])?;
         }
-        let Some(slot) = job else { return Ok(()) };
-        self.log_event(LogEvent::Delivery, None, Some(self.world.jobs.at(slot).number), None);
-        self.come(slot, None);
+        let beside = std::mem::take(&mut self.world.transports[transport].beside[vehicle]);
+        for slot in job.into_iter().chain(beside) {
+            self.log_event(LogEvent::Delivery, None, Some(self.world.jobs.at(slot).number), None);
+            self.come(slot, None);
+        }
         Ok(())
     }
 }

@@ -13,6 +13,7 @@ use super::maintenance::UpkeepState;
 use super::operator::{Awaiting, OperatorState};
 use super::release::Pool;
 use super::sequence::Followed;
+use super::stock::StockState;
 use super::transport::TransportState;
 use std::collections::VecDeque;
 use toolroom_kernel::{EventKey, SimTime, Stream};
@@ -49,6 +50,8 @@ pub struct World {
     pub(super) upkeep_waiting: u32,
     /// Machines with work that lacks one of them.
     pub(super) lacking: Lacking,
+    /// Since when somebody attends to every machine, by machine; nothing without people.
+    pub(super) attended: Vec<SimTime>,
     /// Steps that wait for somebody.
     pub(super) awaiting: Vec<Awaiting>,
     /// Cards of loops, and jobs that wait for them.
@@ -59,6 +62,12 @@ pub struct World {
     pub flow: Flow,
     /// Finished components that are not built in yet, by part, the first come in front.
     pub stock: Vec<VecDeque<Stocked>>,
+    /// Components that are ordered when few are left, as in the scenario.
+    pub stocks: Vec<StockState>,
+    /// Orders of which pieces begin anew in this instant, and how many.
+    pub(super) missing: Vec<(u32, u32)>,
+    /// Pieces that have begun anew, by order.
+    pub(super) anew: Vec<u32>,
     /// Whether the shop has been changed as its scenario says.
     pub(super) branched: bool,
     /// Waiting jobs that may interrupt others.
@@ -97,10 +106,12 @@ pub struct FailureState {
 pub struct SourceState {
     /// Jobs released so far: index of the next one.
     pub released: u64,
+    /// Pieces of these jobs.
+    pub pieces: u64,
     /// Releases so far: row of a schedule, number of a lot.
     pub releases: u64,
     /// Times between arrivals.
     pub stream: Stream,
-    /// Ranks of the times of plain work: the operation and its stream.
-    pub(super) ranks: Vec<(usize, Stream)>,
+    /// Ranks of the times of plain work: part, operation and its stream.
+    pub(super) ranks: Vec<(usize, usize, Stream)>,
 }

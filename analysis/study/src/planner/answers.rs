@@ -11,7 +11,7 @@ use toolroom_statistics::{CONFIDENCE, wilson};
 pub struct Answers {
     /// Orders, those most at risk first.
     pub orders: Vec<OrderAnswer>,
-    /// Every machine in every week.
+    /// Every machine and everybody in every week.
     pub loads: Vec<LoadAnswer>,
     /// Every station.
     pub queues: Vec<QueueAnswer>,
@@ -87,11 +87,11 @@ pub(crate) fn late_in(scenario: &Scenario, values: &[f64]) -> f64 {
     (scenario.orders.len() - scenario.orders.iter().enumerate().filter(on_time).count()) as f64
 }
 
-/// What a machine does in a week.
+/// What a machine or a person does in a week.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadAnswer {
-    /// Machine, by index.
-    pub machine: usize,
+    /// Machine, by index, or behind them a person.
+    pub resource: usize,
     /// Week of the run, by index.
     pub week: usize,
     /// Mean times, s, by [`LoadKind`].
@@ -145,9 +145,8 @@ pub fn answers(scenario: &Scenario, study: &Study, position: usize) -> Option<An
         (0..scenario.orders.len()).map(|order| order_answer(scenario, &figures, &runs, order)).collect();
     let due = |answer: &OrderAnswer| scenario.orders[answer.order].due;
     orders.sort_by(|a, b| a.share.total_cmp(&b.share).then(due(a).total_cmp(&due(b))).then(a.order.cmp(&b.order)));
-    let places =
-        (0..scenario.machines.len()).flat_map(|machine| (0..figures.weeks.len()).map(move |week| (machine, week)));
-    let loads = places.map(|(machine, week)| load_answer(&figures, &runs, machine, week)).collect();
+    let places = (0..figures.resources).flat_map(|resource| (0..figures.weeks.len()).map(move |week| (resource, week)));
+    let loads = places.map(|(resource, week)| load_answer(&figures, &runs, resource, week)).collect();
     let queues = (0..figures.stations.len()).map(|station| queue_answer(&figures, &runs, station)).collect();
     Some(Answers { orders, loads, queues })
 }
@@ -192,11 +191,11 @@ fn order_answer(scenario: &Scenario, figures: &Figures, runs: &[&[f64]], order: 
     }
 }
 
-fn load_answer(figures: &Figures, runs: &[&[f64]], machine: usize, week: usize) -> LoadAnswer {
-    let times = |run: &[f64]| LoadKind::ALL.map(|kind| run[figures.load(machine, week, kind)]);
+fn load_answer(figures: &Figures, runs: &[&[f64]], resource: usize, week: usize) -> LoadAnswer {
+    let times = |run: &[f64]| LoadKind::ALL.map(|kind| run[figures.load(resource, week, kind)]);
     let means = LoadKind::ALL.map(|kind| mean(&runs.iter().map(|run| times(run)[kind as usize]).collect::<Vec<_>>()));
     let mut loads: Vec<f64> = runs.iter().map(|run| busy(&times(run))).filter(|load| load.is_finite()).collect();
-    LoadAnswer { machine, week, means, high_load: upper(&mut loads, 0.9) }
+    LoadAnswer { resource, week, means, high_load: upper(&mut loads, 0.9) }
 }
 
 fn queue_answer(figures: &Figures, runs: &[&[f64]], station: usize) -> QueueAnswer {

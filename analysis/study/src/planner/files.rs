@@ -98,13 +98,13 @@ fn write_loads<'a>(
 ) -> io::Result<()> {
     let weeks = Figures::of(scenario).weeks;
     let times = LoadKind::of_scenario(scenario).map(|kind| format!("{} [h]", kind.name()));
-    let header = ["policy", "machine", "week", "load", "load_p90"].map(str::to_owned).into_iter().chain(times);
+    let header = ["policy", "resource", "week", "load", "load_p90"].map(str::to_owned).into_iter().chain(times);
     let mut csv = CsvWriter::new(out, header)?;
     for (policy, all) in every {
         for answer in all.loads {
             let first = [
                 policy.into(),
-                (&scenario.machines[answer.machine].name).into(),
+                resource_name(scenario, answer.resource).into(),
                 (&weeks[answer.week].name).into(),
                 share(answer.load()),
                 share(answer.high_load),
@@ -140,6 +140,14 @@ fn write_queues<'a>(
     Ok(csv.flush()?)
 }
 
+/// Name of a machine, or of a person behind them.
+pub(crate) fn resource_name(scenario: &Scenario, resource: usize) -> &str {
+    match scenario.machines.get(resource) {
+        Some(machine) => &machine.name,
+        None => &scenario.operators[resource - scenario.machines.len()].name,
+    }
+}
+
 /// Name of a station: of its machines.
 fn station(scenario: &Scenario, machines: &[usize]) -> String {
     station_name(machines.iter().map(|&machine| scenario.machines[machine].name.as_str()))
@@ -166,8 +174,8 @@ pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value)
             "pieces_lost": answer.lost,
         })
     };
-    let resource = |machine: usize| {
-        let weeks = all.loads.iter().filter(|answer| answer.machine == machine).map(|answer| {
+    let resource = |resource: usize| {
+        let weeks = all.loads.iter().filter(|answer| answer.resource == resource).map(|answer| {
             let mut week = json!({
                 "week": weeks[answer.week].name,
                 "load": { "mean": number(answer.load()), "p90": number(answer.high_load) },
@@ -177,7 +185,8 @@ pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value)
             }
             week
         });
-        json!({ "name": scenario.machines[machine].name, "weeks": weeks.collect::<Vec<_>>() })
+        let kind = if resource < scenario.machines.len() { "machine" } else { "operator" };
+        json!({ "name": resource_name(scenario, resource), "kind": kind, "weeks": weeks.collect::<Vec<_>>() })
     };
     let queues = all.queues.iter().map(|answer| {
         json!({
@@ -189,7 +198,7 @@ pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value)
     });
     Some([
         ("orders", all.orders.iter().map(order).collect()),
-        ("resources", (0..scenario.machines.len()).map(resource).collect()),
+        ("resources", (0..scenario.machines.len() + scenario.operators.len()).map(resource).collect()),
         ("queues", queues.collect()),
     ])
 }

@@ -10,12 +10,13 @@ mod plan;
 
 pub use answers::{Answers, Finish, LoadAnswer, OrderAnswer, QueueAnswer, answers};
 pub(crate) use answers::{late, late_in, shown};
-pub(crate) use files::ticks;
 pub use files::{FILES, json, late_orders, write};
+pub(crate) use files::{resource_name, ticks};
 pub use plan::{PLAN, SEQUENCES, plan_json, plan_line, write_plan, write_sequences};
 
 use std::collections::BTreeMap;
 use toolroom_scenario::{Scenario, date};
+use toolroom_schedule::attended;
 use toolroom_shop::runlog::{JobOutcome, JobRow, MachineState, RunLog, StateRow};
 
 /// Length of a week, s.
@@ -143,7 +144,8 @@ impl QueueFigure {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
     orders: usize,
-    machines: usize,
+    /// Machines, and behind them people.
+    resources: usize,
     /// Weeks of the run.
     pub weeks: Vec<Week>,
     /// Machines of every station: those that do the same operations.
@@ -157,7 +159,7 @@ impl Figures {
     pub fn of(scenario: &Scenario) -> Self {
         if scenario.orders.is_empty() {
             let planned = BTreeMap::new();
-            return Self { orders: 0, machines: 0, weeks: Vec::new(), stations: Vec::new(), planned };
+            return Self { orders: 0, resources: 0, weeks: Vec::new(), stations: Vec::new(), planned };
         }
         let mut stations: Vec<Vec<usize>> = Vec::new();
         for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
@@ -171,8 +173,8 @@ impl Figures {
         let schedule = scenario.control.schedule.iter().flat_map(|schedule| schedule.operations());
         let planned =
             schedule.enumerate().map(|(number, (.., own))| ((own.order as u32, own.operation as u32), number));
-        let (orders, machines) = (scenario.orders.len(), scenario.machines.len());
-        Self { orders, machines, weeks: weeks(scenario), stations, planned: planned.collect() }
+        let (orders, resources) = (scenario.orders.len(), scenario.machines.len() + scenario.operators.len());
+        Self { orders, resources, weeks: weeks(scenario), stations, planned: planned.collect() }
     }
 
     /// Number of figures.
@@ -186,7 +188,7 @@ impl Figures {
     }
 
     fn loads(&self) -> usize {
-        self.machines * self.weeks.len() * LoadKind::ALL.len()
+        self.resources * self.weeks.len() * LoadKind::ALL.len()
     }
 
     fn finish(&self, order: usize) -> usize {
@@ -197,8 +199,9 @@ impl Figures {
         self.orders + order
     }
 
-    fn load(&self, machine: usize, week: usize, kind: LoadKind) -> usize {
-        2 * self.orders + (machine * self.weeks.len() + week) * LoadKind::ALL.len() + kind as usize
+    /// Of a machine, or of a person behind them.
+    fn load(&self, resource: usize, week: usize, kind: LoadKind) -> usize {
+        2 * self.orders + (resource * self.weeks.len() + week) * LoadKind::ALL.len() + kind as usize
     }
 
     fn queue(&self, station: usize, figure: QueueFigure) -> usize {
@@ -227,6 +230,7 @@ impl Figures {
             }
         }
         self.add_loads(scenario, log, &mut values);
+        self.add_people(scenario, log, &mut values);
         self.add_queues(scenario, log, &mut values);
         for number in 0..self.planned.len() {
             values[self.start(number)] = f64::NAN;
@@ -259,6 +263,39 @@ impl Figures {
                 let overtime = calendar.map_or(0.0, |calendar| to - from - calendar.working_time(from, to));
                 let maintained = if row.state == MachineState::Maintenance { to - from } else { 0.0 };
                 values[self.load(machine, number, LoadKind::PlannedBusy)] += overtime - maintained;
+            }
+        }
+    }
+
+    /// What people do, each share of a person by its time: planned are the hours of their calendars, free is what is left.
+    fn add_people(&self, scenario: &Scenario, log: &RunLog, values: &mut [f64]) {
+        let machines = scenario.machines.len();
+        let stays = if scenario.operators.is_empty() { Vec::new() } else { attended(log) };
+        for (number, week) in self.weeks.iter().enumerate() {
+            for (person, operator) in scenario.operators.iter().enumerate() {
+                let (from, to) = (week.from, week.to.min(log.horizon));
+                let calendar = operator.calendar.map(|index| &scenario.calendars[index]);
+                let planned = calendar.map_or(to - from, |calendar| calendar.working_time(from, to));
+                values[self.load(machines + person, number, LoadKind::PlannedBusy)] = planned;
+                values[self.load(machines + person, number, LoadKind::Free)] = planned;
+            }
+            for stay in stays.iter().filter(|stay| stay.start < week.to && stay.end > week.from) {
+                let time = stay.share * (stay.end.min(week.to) - stay.start.max(week.from));
+                let person = machines + stay.operator as usize;
+                // On the way to a machine that waits.
+                let kind = match LoadKind::of(stay.state) {
+                    Some(LoadKind::WaitingOperator) | None => LoadKind::Delay,
+                    Some(kind) => kind,
+                };
+                values[self.load(person, number, kind)] += time;
+                values[self.load(person, number, LoadKind::Free)] -= time;
+            }
+        }
+        // Ten shares of a tenth are one, but for rounding.
+        for person in 0..scenario.operators.len() {
+            for number in 0..self.weeks.len() {
+                let free = &mut values[self.load(machines + person, number, LoadKind::Free)];
+                *free = if free.abs() < 1e-3 { 0.0 } else { *free };
             }
         }
     }

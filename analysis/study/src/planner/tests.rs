@@ -90,3 +90,28 @@ fn the_schedule_of_a_run_is_followed_and_compared() {
     );
     assert!(plan_line(&first, &study_of_first).is_empty());
 }
+
+#[test]
+fn people_are_loaded_by_their_shares_and_their_ways() {
+    let text = "schema = 1\n[shop]\nname = \"people\"\nhorizon = \"2 h\"\nreplications = 2\n\
+        [[calendar]]\nname = \"c\"\nshift = [{ start = \"0 min\", end = \"90 min\" }]\n\
+        [[machine]]\nname = \"M\"\ncount = 2\nprocess = \"plain\"\nlocation = \"hall\"\nsetup_at_start = \"\"\n\
+        [[operator]]\nname = \"tender\"\nskills = [\"set\", \"tend\"]\ncalendar = \"c\"\n\
+        walk = { locations = [\"hall\"], times = [[\"2 min\"]] }\n[[operator]]\nname = \"idler\"\nskills = [\"none\"]\n\
+        [[part]]\nname = \"p\"\n[[part.operation]]\nname = \"do\"\nmachines = \"M\"\nwork = \"20 min\"\nsetup_time = \"10 min\"\n\
+        operator = { setup = \"set\", run = { skill = \"tend\", share = 0.5 } }\n\
+        [[order]]\nid = \"a\"\npart = \"p\"\n[[order]]\nid = \"b\"\npart = \"p\"\n";
+    let scenario = toolroom_scenario_file::parse("people.toml", text, &[]).expect("a scenario").scenario;
+    let study = study(&scenario);
+    let all = answers(&scenario, &study, 0).expect("orders");
+    let of = |resource: usize, kind: LoadKind| all.loads[resource].mean(kind) / 60.0;
+    // Two ways of two minutes, two setups of ten, half of twice twenty minutes of work; the rest of ninety is free.
+    let kinds = [LoadKind::PlannedBusy, LoadKind::Delay, LoadKind::Setup, LoadKind::Production, LoadKind::Free];
+    assert_eq!(kinds.map(|kind| of(2, kind)), [90.0, 4.0, 20.0, 20.0, 46.0]);
+    assert_eq!(kinds.map(|kind| of(3, kind)), [120.0, 0.0, 0.0, 0.0, 120.0]);
+    let mut table = Vec::new();
+    write("load.csv", &scenario, &study, &mut table).expect("written");
+    let table = String::from_utf8(table).expect("text");
+    assert!(table.starts_with("policy,resource,week,load,load_p90,planned_busy [h]"), "{table}");
+    assert!(table.contains("programmed,tender,week 1,0.4889,0.4889,1.500,0.333,0.333,0.067,"), "{table}");
+}

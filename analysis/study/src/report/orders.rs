@@ -2,7 +2,7 @@
 
 use super::Source;
 use crate::figure::plain;
-use crate::planner::{Figures, answers};
+use crate::planner::{Figures, answers, resource_name};
 use toolroom_chart::Table;
 use toolroom_chart::page::Section;
 
@@ -52,12 +52,12 @@ pub(super) fn section(source: &Source<'_>) -> Option<Section> {
         } else {
             section.table(format!("Orders that may be late: {name}"), late)
         };
-        let header = std::iter::once("machine").chain(weeks.iter().map(|week| week.name.as_str()));
+        let header = std::iter::once("machine, person").chain(weeks.iter().map(|week| week.name.as_str()));
         let mut loads = Table::new(header);
-        for (machine, kind) in scenario.machines.iter().enumerate() {
-            let weeks = all.loads.iter().filter(|answer| answer.machine == machine);
+        for resource in 0..scenario.machines.len() + scenario.operators.len() {
+            let weeks = all.loads.iter().filter(|answer| answer.resource == resource);
             let cells = weeks.map(|answer| plain(100.0 * answer.load(), 0).into());
-            loads.push(std::iter::once(kind.name.as_str().into()).chain(cells));
+            loads.push(std::iter::once(resource_name(scenario, resource).into()).chain(cells));
         }
         section = section.table(format!("Load by week, % of the planned busy time: {name}"), loads);
         let mut queues = Table::new(["station", "jobs, mean", "most, mean", "most, 95 %", "wait, mean, min", "95 %"]);

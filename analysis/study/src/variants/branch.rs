@@ -1,7 +1,7 @@
 //! A shop that is changed while it runs: the shop as it is until an instant, and a variant of it from then on.
 
 use toolroom_scenario::{
-    Blocking, Branch, Hours, Interruption, Joined, Order, Scenario, ShiftCalendar, Urgency, WorkingTime, date,
+    Blocking, Branch, Hours, Interruption, Joined, Order, Paces, Scenario, ShiftCalendar, Urgency, WorkingTime, date,
 };
 
 /// Why a shop cannot be changed into another one while it runs.
@@ -41,14 +41,15 @@ pub fn branched(before: &Scenario, after: &Scenario, at: f64, changes: &[String]
         }
         rules.push(place.map_or_else(|| after.rules(index), |place| before.rules(place)).to_vec());
         let earlier = match place {
-            None => Hours::Never,
+            None => (Hours::Never, Paces::default()),
             Some(place) => hours(before, before.machines[place].calendar),
         };
         world.machines[index].calendar = join(&mut calendars, after, machine.calendar, (at, earlier));
     }
     for (index, operator) in after.operators.iter().enumerate() {
         let place = before.operators.iter().position(|own| own.name == operator.name);
-        let earlier = place.map_or(Hours::Never, |place| hours(before, before.operators[place].calendar));
+        let never = (Hours::Never, Paces::default());
+        let earlier = place.map_or(never, |place| hours(before, before.operators[place].calendar));
         world.operators[index].calendar = join(&mut calendars, after, operator.calendar, (at, earlier));
     }
     let gone =
@@ -78,8 +79,12 @@ fn is_possible(change: &str) -> bool {
     }
 }
 
-fn hours(scenario: &Scenario, calendar: Option<usize>) -> Hours {
-    calendar.map_or(Hours::Always, |calendar| Hours::Shifts(scenario.calendars[calendar].time.clone()))
+/// When somebody works by a calendar, and how fast work goes.
+fn hours(scenario: &Scenario, calendar: Option<usize>) -> (Hours, Paces) {
+    let of = |calendar: usize| &scenario.calendars[calendar];
+    calendar.map_or((Hours::Always, Paces::default()), |calendar| {
+        (Hours::Shifts(of(calendar).time.clone()), of(calendar).paces.clone())
+    })
 }
 
 /// The calendar that is the one of `after` from `at` on and `earlier` before, by index; it is added where that makes a
@@ -88,20 +93,22 @@ fn join(
     calendars: &mut Vec<ShiftCalendar>,
     after: &Scenario,
     calendar: Option<usize>,
-    (at, earlier): (f64, Hours),
+    (at, earlier): (f64, (Hours, Paces)),
 ) -> Option<usize> {
     let later = hours(after, calendar);
     if earlier == later {
         return calendar;
     }
+    let ((before, before_pace), (later, later_pace)) = (earlier, later);
     let usual = calendar.map(|calendar| &after.calendars[calendar]);
     let name = format!("{} from {at} s", usual.map_or("always", |calendar| calendar.name.as_str()));
     calendars.push(ShiftCalendar {
         name,
-        time: WorkingTime::Joined(Box::new(Joined { at, before: earlier, after: later })),
+        time: WorkingTime::Joined(Box::new(Joined { at, before, after: later })),
         at_end: usual.map_or(Interruption::Resume, |calendar| calendar.at_end),
         finish_within: usual.map_or(0.0, |calendar| calendar.finish_within),
         start_only_if_fits: usual.is_some_and(|calendar| calendar.start_only_if_fits),
+        paces: before_pace.joined(at, &later_pace),
     });
     Some(calendars.len() - 1)
 }

@@ -23,13 +23,27 @@ const AT_ONCE: u32 = 16;
 pub struct Wanted {
     /// Id of the figure.
     kpi: String,
-    /// Least difference that matters, SI.
-    indifference: f64,
+    /// Least difference that matters.
+    indifference: Difference,
+    /// Probability of a right selection.
+    confidence: f64,
     /// Whether the least value is the best.
     least: bool,
     /// As it was typed.
     text: String,
 }
+
+/// The least difference that matters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Difference {
+    /// In the SI unit of the figure.
+    Absolute(f64),
+    /// As a share of the mean of the shop as it is over its first replications.
+    Relative(f64),
+}
+
+/// Replications of the shop as it is of which a relative difference is a share: those with which the procedure begins.
+const FIRST: usize = 10;
 
 /// A text that says no selection.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -62,7 +76,11 @@ impl Wanted {
             (kpi.definition.unit, kpi.definition.better)
         };
         let difference = difference.trim();
-        let indifference = if si == "currency" {
+        let share = difference.strip_suffix('%').filter(|_| si != "1");
+        let indifference = if let Some(percent) = share {
+            let percent = percent.trim().parse::<f64>();
+            0.01 * percent.map_err(|_| refuse("a share in % of the shop as it is is due".to_owned()))?
+        } else if si == "currency" {
             let number = difference.strip_suffix(scenario.currency.as_str()).unwrap_or(difference).trim();
             number.parse::<f64>().map_err(|_| refuse(format!("an amount of {} is due", scenario.currency)))?
         } else {
@@ -76,7 +94,15 @@ impl Wanted {
             Better::More => false,
             Better::Neither => return Err(refuse(format!("neither more nor less of `{id}` is better"))),
         };
-        Ok(Self { kpi: id.to_owned(), indifference, least, text: text.trim().to_owned() })
+        let indifference =
+            if share.is_some() { Difference::Relative(indifference) } else { Difference::Absolute(indifference) };
+        Ok(Self { kpi: id.to_owned(), indifference, confidence: CONFIDENCE, least, text: text.trim().to_owned() })
+    }
+
+    /// The same with another probability of a right selection, 0.5 to below 1.
+    #[must_use]
+    pub fn with_confidence(self, confidence: f64) -> Self {
+        Self { confidence, ..self }
     }
 
     /// As it was typed.
@@ -99,6 +125,9 @@ impl Wanted {
 pub struct Found {
     /// As it was asked for.
     asked: String,
+    /// Probability of a right selection.
+    #[serde(default = "usual_confidence")]
+    confidence: f64,
     /// The shop as it is and its variants.
     names: Vec<String>,
     /// Replications of each until it was struck out or the end.
@@ -133,10 +162,17 @@ pub(super) fn select(
     let base = super::VariantRuns::of(AS_IT_IS, scenario, study);
     let mut samples: Vec<Vec<f64>> =
         std::iter::once(&base).chain(&study.variants).map(|runs| runs.sample(0, figure)).collect();
+    let indifference = match wanted.indifference {
+        Difference::Absolute(difference) => difference,
+        Difference::Relative(share) => {
+            let first = &samples[0][..samples[0].len().min(FIRST)];
+            share * (first.iter().sum::<f64>() / first.len() as f64).abs()
+        }
+    };
     let selection = Selection {
         systems: shops.len(),
-        indifference: wanted.indifference,
-        confidence: CONFIDENCE,
+        indifference,
+        confidence: wanted.confidence,
         least: wanted.least,
         most: MOST,
     };
@@ -158,11 +194,16 @@ pub(super) fn select(
     let name = |own: &VariantShop| own.name.clone();
     Ok(Some(Found {
         asked: wanted.text.clone(),
+        confidence: wanted.confidence,
         names: std::iter::once(AS_IT_IS.to_owned()).chain(options.variants.iter().map(name)).collect(),
         replications: selected.replications,
         best: selected.best,
         survivors: selected.survivors,
     }))
+}
+
+fn usual_confidence() -> f64 {
+    CONFIDENCE
 }
 
 impl Found {
@@ -184,7 +225,7 @@ impl Found {
                 format!(
                     "  with a probability of at least {} % the best, if it is better than all others by that much (Kim and \
                      Nelson)",
-                    100.0 * CONFIDENCE
+                    100.0 * self.confidence
                 ),
                 format!("  {cost}"),
             ],
@@ -205,7 +246,7 @@ impl Found {
             "procedure": "kn",
             "by": self.asked,
             "best": self.best.map(|best| self.names[best].as_str()),
-            "confidence": CONFIDENCE,
+            "confidence": self.confidence,
             "replications": counts.collect::<serde_json::Map<_, _>>(),
             "equal_allocation": self.equal(),
         })

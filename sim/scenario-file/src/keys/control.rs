@@ -142,5 +142,7 @@ pub(super) static DUE: Form = Form {
         Key::required("k", Kind::positive("1", "1", 1e4, "4"), "Multiple of the total work of the job")
             .when("rule", &["TWK"]),
         Key::required("slack", TIME, "Time beyond the total work of the job").when("rule", &["slack"]),
+        Key::required("allowance", super::RANDOM_TIME, "Time from arrival to due date, drawn for each job")
+            .when("rule", &["random"]),
     ],
 };

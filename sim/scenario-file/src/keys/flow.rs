@@ -3,7 +3,7 @@
 use super::{DURATION, SHARE};
 use serde_json::json;
 use toolroom_form::{Content, Form, Key, Kind};
-use toolroom_scenario::{BatchFamily, BatchUnit};
+use toolroom_scenario::{BatchFamily, BatchUnit, OutsideSample};
 
 pub(super) static BATCH: Form = Form {
     title: "batch",
@@ -35,6 +35,86 @@ pub(super) static OUTCOME: Form = Form {
         Key::optional("go", Kind::Name, "Operation of this part, this one or an earlier one, to which it goes back"),
         Key::default("scrap", Kind::Flag, "false", "Whether it is scrapped"),
     ],
+};
+
+pub(super) static SAMPLE: Form = Form {
+    title: "sample",
+    doc: "Which pieces are judged: of an order, or of a source, the first and every so many after it",
+    keys: &[
+        Key::required("every", COUNT, "Distance of those that are judged: 5 for one of five"),
+        Key::default(
+            "others",
+            Kind::Choice(OutsideSample::WORDS),
+            OutsideSample::Worked.word(),
+            "Whether the operation is done on the others, or they pass by it",
+        ),
+    ],
+};
+
+pub(super) static ON_REJECT: Form = Form {
+    title: "on_reject",
+    doc: "Where parts go that are out of tolerance, rough or burnt",
+    keys: &[Key::required(
+        "go",
+        Kind::Name,
+        "Operation of this part, this one or an earlier one, to which they go back",
+    )],
+};
+
+pub(super) static OVERRUN: Form = Form {
+    title: "replenish",
+    doc: "More pieces of every order, so that enough are left",
+    keys: &[Key::required("overrun", SHARE, "Pieces beyond the quantity, as a share of it, rounded up")],
+};
+
+pub(super) static STOCK: Form = Form {
+    title: "[[stock]]",
+    doc: "A component in stock at the start, and when more of it are made or bought",
+    keys: &[
+        Key::required("part", Kind::Reference("part"), "Part, which goes into another one"),
+        Key::default("quantity", Kind::Count { min: 0, max: 1_000_000 }, "0", "Pieces at the start"),
+        Key::optional(
+            "reorder",
+            Kind::Table(&REORDER),
+            "A lot that is ordered when pieces in stock and on order are few; left out: none",
+        ),
+    ],
+};
+
+static REORDER: Form = Form {
+    title: "reorder",
+    doc: "A lot that is ordered when pieces in stock and on order are few",
+    keys: &[
+        Key::required("below", COUNT, "Pieces in stock and on order below which a lot is ordered"),
+        Key::required("lot", COUNT, "Pieces of a lot"),
+        Key::optional("lead", super::LONG_DURATION, "Time until bought pieces come; left out: the shop makes them"),
+        super::order::PRIORITY,
+    ],
+};
+
+pub(super) static QUANTITY: Form = Form {
+    title: "quantity",
+    doc: "Pieces of a job: whole numbers between two ends, all alike, or given numbers with weights",
+    keys: &[
+        Key::optional("low", COUNT, "Least, with `high`"),
+        Key::optional("high", COUNT, "Greatest"),
+        Key::optional("values", Kind::List(&COUNT), "Numbers, of which no others occur"),
+        Key::optional("weights", Kind::List(&super::WEIGHT), "How often each of them occurs; left out: all alike"),
+    ],
+};
+
+/// Shares of parts.
+pub(super) static PART_MIX: Content = Content {
+    expected: "a table of parts and shares",
+    example: "{ shaft = 0.3, ring = 0.7 }",
+    schema: || {
+        json!({
+            "type": "object",
+            "additionalProperties": { "type": "number", "exclusiveMinimum": 0, "maximum": 1 },
+            "description": "Shares of the jobs by the names of parts; together they are 1",
+        })
+    },
+    entry: None,
 };
 
 pub(super) static COMPONENT: Form = Form {
@@ -75,4 +155,4 @@ static SET: Content = Content {
 };
 
 /// Pieces or jobs.
-const COUNT: Kind = Kind::Count { min: 1, max: 1_000_000 };
+pub(super) const COUNT: Kind = Kind::Count { min: 1, max: 1_000_000 };

@@ -17,6 +17,16 @@ pub(super) static CALENDAR: Form = Form {
             "Working intervals inside one period, in order; due unless `week` is given",
         ),
         Key::optional("week", Kind::Content(&WEEK), "Shifts by weekday; the scenario has a start"),
+        Key::optional(
+            "weeks",
+            Kind::Count { min: 1, max: 52 },
+            "Number of weeks that follow each other, again and again: `week` is a list of as many; left out: as many as it has",
+        ),
+        Key::optional(
+            "first_week",
+            Kind::Text,
+            "A day of a week that is the first of these: \"2026-03-30\"; left out: that in which the run starts",
+        ),
         Key::optional("breaks", Kind::List(&CLOCK), "Breaks of every day, out of `week`"),
         Key::optional(
             "holidays",
@@ -49,6 +59,12 @@ static SHIFT: Form = Form {
     keys: &[
         Key::required("start", TIME, "Start"),
         Key::required("end", Kind::positive("s", "min", super::DECADE, "8 h"), "End"),
+        Key::default(
+            "factor",
+            Kind::positive("1", "1", 10.0, "0.8"),
+            "1",
+            "How fast setups, handling and plain work go in it; passes of a tool take their time",
+        ),
     ],
 };
 
@@ -60,11 +76,25 @@ static WEEK: Content = Content {
     expected: "a table of weekdays with their shifts",
     example: "{ mon-fri = [\"06:00-14:00\"], sat = [] }",
     schema: || {
-        json!({
+        let shift = json!({ "anyOf": [
+            { "type": "string" },
+            {
+                "type": "object",
+                "additionalProperties": false,
+                "required": ["time"],
+                "properties": {
+                    "time": { "type": "string", "description": "06:00-14:00" },
+                    "factor": { "type": "number", "exclusiveMinimum": 0, "description": "How fast work goes in it" },
+                },
+            },
+        ] });
+        let week = json!({
             "type": "object",
-            "additionalProperties": { "type": "array", "items": { "type": "string" } },
+            "additionalProperties": { "type": "array", "items": shift },
             "description": "Days such as mon or mon-fri, each with its shifts: 06:00-14:00, or 22:00-06:00 over midnight",
-        })
+        });
+        let several = json!({ "type": "array", "items": week, "description": "Weeks that follow each other" });
+        json!({ "anyOf": [week, several] })
     },
     entry: None,
 };
@@ -116,6 +146,11 @@ pub(super) static ORDER: Form = Form {
             Kind::Flag,
             "false",
             "Whether a free machine is set up for its next operation as soon as the one before has begun",
+        ),
+        Key::optional(
+            "parent",
+            Kind::Name,
+            "The order into which its pieces go, of a part with pegging = \"order\"; left out: the stock",
         ),
     ],
 };

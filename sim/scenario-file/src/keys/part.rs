@@ -1,6 +1,6 @@
 //! Parts: their routing, its operations, and the passes and phases of an operation.
 
-use super::flow::{COMPONENT, OUTCOME};
+use super::flow::{COMPONENT, ON_REJECT, OUTCOME, OVERRUN, SAMPLE};
 use super::resource::ATTENDANCE;
 use super::{COST, LONG_DURATION, PATH, PLAIN, RANDOM_TIME, SHARE, SPEED};
 use crate::choices::{ProcessKind, RoutingWord};
@@ -8,7 +8,7 @@ use serde_json::json;
 use toolroom_form::{Content, Form, Key, Kind};
 use toolroom_infeed::CycleLimits;
 use toolroom_process::Record;
-use toolroom_scenario::{ContourRule, InspectedUnit, MachineChoice, WorkPer};
+use toolroom_scenario::{ContourRule, DrawUnit, InspectedUnit, MachineChoice, Pegging, WorkPer};
 
 const FEED: Kind = Kind::positive("m", "mm", 20e-3, "0.12 mm/rev");
 const FEED_PER_TOOTH: Kind = Kind::positive("m", "mm", 5e-3, "0.1 mm/tooth");
@@ -48,6 +48,23 @@ pub(super) static PART: Form = Form {
             "Parts that go into one of it, taken from the stock of finished ones where an operation has `assemble = true`",
         ),
         Key::default(
+            "pegging",
+            Kind::Choice(Pegging::WORDS),
+            Pegging::Stock.word(),
+            "Which components it takes: what is in stock, or what orders have made that name its order as their `parent`",
+        ),
+        Key::default(
+            "replenish",
+            Kind::Shorthand { word: &Kind::Choice(&["none", "new_order"]), form: &OVERRUN },
+            "none",
+            "What is done about pieces of an order that are lost: nothing, as many begin anew at once, or more are begun with",
+        ),
+        Key::optional(
+            "replenish_priority",
+            Kind::quantity("1", "1", -1e6, 1e6, "-1"),
+            "What the priority of pieces that begin anew differs from that of their order, with replenish = \"new_order\"; left out: 0",
+        ),
+        Key::default(
             "routing",
             Kind::Choice(RoutingWord::WORDS),
             RoutingWord::Fixed.word(),
@@ -85,6 +102,13 @@ static OPERATION: Form = Form {
             Kind::Choice(WorkPer::WORDS),
             WorkPer::Part.word(),
             "What takes this time once: every piece, all that moves together, or all that a machine with `batch` takes",
+        )
+        .when("process", PLAIN),
+        Key::default(
+            "draw",
+            Kind::Choice(DrawUnit::WORDS),
+            DrawUnit::Lot.word(),
+            "Whether a random time is drawn once for all pieces of an order, or for every piece",
         )
         .when("process", PLAIN),
         Key::default(
@@ -135,6 +159,17 @@ static OPERATION: Form = Form {
             Kind::Count { min: 0, max: 1_000_000 },
             "How often a job is sent back before it is scrapped instead; left out: without limit",
         ),
+        Key::optional(
+            "sample",
+            Kind::Table(&SAMPLE),
+            "Which pieces the `outcomes` are about; left out: all of them",
+        ),
+        Key::optional(
+            "on_reject",
+            Kind::Table(&ON_REJECT),
+            "Where parts go that are out of tolerance, rough or burnt; left out: to the scrap",
+        )
+        .when("process", ProcessKind::WORDS),
         Key::required("size_tolerance", Kind::positive("m", "um", 0.05, "50 um"), "Greatest size error of a good part")
             .when("process", ProcessKind::WORDS),
         Key::optional(

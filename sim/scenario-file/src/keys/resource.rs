@@ -2,6 +2,7 @@
 
 use super::{RATE, SHARE, TIME};
 use toolroom_form::{Form, Key, Kind};
+use toolroom_scenario::BatchUnit;
 
 pub(super) static OPERATOR: Form = Form {
     title: "[[operator]]",
@@ -83,12 +84,21 @@ pub(super) static SETUP_MATRIX: Form = Form {
 /// Places for jobs.
 pub(super) const PLACES: Kind = Kind::Count { min: 0, max: 1_000_000 };
 
+/// What takes a place.
+const BUFFER_UNIT: Key = Key::default(
+    "unit",
+    Kind::Choice(BatchUnit::WORDS),
+    BatchUnit::Lots.word(),
+    "What takes a place: all that moves together of an order (lots), or each of its pieces",
+);
+
 pub(super) static BUFFER: Form = Form {
     title: "[[buffer]]",
     doc: "Places that several machines share, before them",
     keys: &[
         Key::required("name", Kind::Name, "Unique name"),
         Key::required("places", PLACES, "Jobs that may stand in it: parts, or what moves together of an order"),
+        BUFFER_UNIT,
         Key::required("before", Kind::List(&Kind::Reference("machine")), "Machines that take their work from it"),
     ],
 };

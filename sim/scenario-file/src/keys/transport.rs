@@ -39,5 +39,11 @@ pub(super) static TRANSPORT: Form = Form {
             TransportRule::Fifo.word(),
             "Which of several jobs a free vehicle takes: that which has waited for longest, or the nearest",
         ),
+        Key::default(
+            "capacity",
+            Kind::Count { min: 1, max: 1000 },
+            "1",
+            "Most jobs that a vehicle carries: what waits for the same way when it comes goes with it",
+        ),
     ],
 };

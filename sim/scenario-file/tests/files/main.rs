@@ -1,5 +1,6 @@
 //! Good files are understood, bad ones are answered with every fault in its place.
 
+mod flow;
 mod measured;
 mod mills;
 mod orders;

@@ -13,13 +13,7 @@ fn failing_server(part: Interruption) -> Scenario {
     let mut shop = scenarios::scenario();
     shop.machines[0].load_time = Distribution::Exponential { mean: 1.0 };
     shop.parts[0].operations[0].work = Work::Cutting(Vec::new());
-    shop.arrivals = vec![Arrival {
-        part: 0,
-        priority: 0,
-        weight: 1.0,
-        due: Default::default(),
-        pattern: ArrivalPattern::Poisson { rate: 0.6 },
-    }];
+    shop.arrivals = vec![Arrival::of(0, ArrivalPattern::Poisson { rate: 0.6 })];
     shop.failures = vec![FailureMode {
         machine: 0,
         time_between: Distribution::Exponential { mean: 20.0 },

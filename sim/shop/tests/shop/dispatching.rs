@@ -21,7 +21,9 @@ fn job_shop(instance: Instance, rule: DispatchRule) -> Scenario {
         horizon: 1e4,
         machines: (0..machines).map(|index| machine(&format!("machine {index}"))).collect(),
         parts: parts.collect(),
-        arrivals: (0..instance.len()).map(|part| Arrival { part, ..jobs_at(&[(0.0, 1)]) }).collect(),
+        arrivals: (0..instance.len())
+            .map(|part| Arrival { parts: vec![(part, 1.0)], ..jobs_at(&[(0.0, 1)]) })
+            .collect(),
         dispatch: vec![rule],
         ..scenarios::scenario()
     }
@@ -74,7 +76,7 @@ fn least_setup_keeps_the_setup_group_as_long_as_it_can() {
     other.operations[0].setup_group = "b".to_owned();
     shop.parts.push(other);
     // a b a b a, all there from the start.
-    shop.arrivals = (0..5).map(|i| Arrival { part: i % 2, ..jobs_at(&[(0.0, 1)]) }).collect();
+    shop.arrivals = (0..5).map(|i| Arrival { parts: vec![(i % 2, 1.0)], ..jobs_at(&[(0.0, 1)]) }).collect();
     let makespan = |rule| {
         let log = run(&Scenario { dispatch: vec![rule], ..shop.clone() });
         log.jobs.iter().map(|job| job.finish).fold(0.0, f64::max)
@@ -106,7 +108,7 @@ fn plain_shop(rule: &[DispatchRule], jobs: &[Job]) -> Scenario {
         machines: (0..3).map(machine).collect(),
         tools: Vec::new(),
         parts: jobs.iter().enumerate().map(part).collect(),
-        arrivals: (0..jobs.len()).map(|part| Arrival { part, ..jobs_at(&[(0.0, 1)]) }).collect(),
+        arrivals: (0..jobs.len()).map(|part| Arrival { parts: vec![(part, 1.0)], ..jobs_at(&[(0.0, 1)]) }).collect(),
         dispatch: rule.to_vec(),
         ..scenarios::scenario()
     }

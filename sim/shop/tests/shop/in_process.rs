@@ -141,6 +141,8 @@ fn a_part_goes_on_within_its_passes_and_an_edge_is_as_worn_as_it_was() {
         transfer: None,
         split: None,
         setup_ahead: false,
+        parent: None,
+        overrun: 0,
         in_process: Some(toolroom_scenario::InProcess {
             operation: 0,
             machine: Some(0),

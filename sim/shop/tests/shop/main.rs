@@ -3,6 +3,7 @@
 
 mod adaptive;
 mod ages;
+mod anything;
 mod breakdowns;
 mod cards;
 mod chatter;
@@ -24,7 +25,9 @@ mod jobs_flow;
 mod lots;
 mod operators;
 mod orders;
+mod paces;
 mod part_programs;
+mod pieces;
 mod places;
 mod queues;
 mod replay;
@@ -34,4 +37,5 @@ mod setups;
 mod shifts;
 #[path = "../../../kernel/tests/kernel/statistics.rs"]
 mod statistics;
+mod stocks;
 mod tools;

@@ -154,6 +154,8 @@ fn pieces_of_an_order_are_cut_one_by_one_and_move_on_together() {
         transfer: None,
         split: None,
         setup_ahead: false,
+        parent: None,
+        overrun: 0,
         in_process: None,
     };
     scenario.orders = vec![order("first", 6.0 * 3600.0), order("second", 6.0 * 3600.0)];

@@ -20,13 +20,7 @@ fn queue(servers: usize, rate: f64, service: Distribution, customers: f64) -> Sc
     shop.machines = (0..servers).map(server).collect();
     shop.parts[0].operations[0].machines = (0..servers).collect();
     shop.parts[0].operations[0].work = Work::Cutting(Vec::new());
-    shop.arrivals = vec![Arrival {
-        part: 0,
-        priority: 0,
-        weight: 1.0,
-        due: Default::default(),
-        pattern: ArrivalPattern::Poisson { rate },
-    }];
+    shop.arrivals = vec![Arrival::of(0, ArrivalPattern::Poisson { rate })];
     shop.horizon = customers / rate;
     shop
 }
@@ -97,13 +91,7 @@ fn constant_work_in_process_gives_the_throughput_of_mean_value_analysis() {
             step
         })
         .collect();
-    shop.arrivals = vec![Arrival {
-        part: 0,
-        priority: 0,
-        weight: 1.0,
-        due: Default::default(),
-        pattern: ArrivalPattern::ConstantWork { jobs: 3 },
-    }];
+    shop.arrivals = vec![Arrival::of(0, ArrivalPattern::ConstantWork { jobs: 3 })];
     shop.horizon = 200_000.0;
     let log = run(&shop);
     let mut counts = vec![0.0; 1000];

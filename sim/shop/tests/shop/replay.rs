@@ -159,7 +159,7 @@ fn indices_that_point_nowhere_are_refused() {
     assert!(broken(|shop| shop.parts[0].operations[0].tool = Some(5)).contains("tool 5"));
     assert!(broken(|shop| shop.parts[0].operations[0].machines = vec![7]).contains("machine 7"));
     assert!(broken(|shop| shop.parts[0].operations[0].machines = vec![]).contains("has no machine"));
-    assert!(broken(|shop| shop.arrivals[0].part = 4).contains("part 4"));
+    assert!(broken(|shop| shop.arrivals[0].parts = vec![(4, 1.0)]).contains("part 4"));
     assert!(broken(|shop| shop.machines[0].calendar = Some(2)).contains("calendar 2"));
     assert!(broken(|shop| shop.policies.clear()).contains("policy 0"));
 }

@@ -162,6 +162,7 @@ pub fn operation(machines: &[usize], durations: &[f64]) -> Operation {
         attendance: Attendance::default(),
         work: Work::Cutting(durations.iter().map(cut).collect()),
         work_per: WorkPer::Part,
+        draw: DrawUnit::Lot,
         inspection: Inspection::default(),
         preemptible: true,
         assembles: false,
@@ -179,6 +180,8 @@ pub fn part(name: &str, operations: Vec<Operation>) -> Part {
         batch_size: 10,
         deviating_lot: None,
         components: Vec::new(),
+        pegging: Default::default(),
+        replenish: Default::default(),
         random_routing: false,
         operations,
     }
@@ -211,13 +214,7 @@ pub fn scenario() -> Scenario {
 }
 
 pub fn jobs_at(times: &[(f64, u32)]) -> Arrival {
-    Arrival {
-        part: 0,
-        priority: 0,
-        weight: 1.0,
-        due: Default::default(),
-        pattern: ArrivalPattern::Schedule(times.to_vec()),
-    }
+    Arrival::of(0, ArrivalPattern::Schedule(times.to_vec()))
 }
 
 pub fn run(scenario: &Scenario) -> RunLog {

@@ -311,6 +311,14 @@ pub struct JobRow {
     pub outcome: JobOutcome,
 }
 
+impl JobRow {
+    /// A job that comes at `arrival`, s, and is due at `due`, s; of no order.
+    pub fn new(part: u32, quantity: u32, arrival: f64, due: f64) -> Self {
+        let (start, finish, outcome) = (f64::NAN, f64::NAN, JobOutcome::InProcess);
+        Self { part, order: None, quantity, lot: 1, arrival, start, finish, due, divided_from: None, outcome }
+    }
+}
+
 /// What became of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum OperationResult {
@@ -374,6 +382,23 @@ pub struct StateRow {
     pub job: Option<u32>,
 }
 
+/// One stay of a person at a machine, on the way to it included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AttendanceRow {
+    /// Person, by index into the operators of the scenario.
+    pub operator: u32,
+    /// Machine.
+    pub machine: u32,
+    /// Job in the machine.
+    pub job: u32,
+    /// From, s.
+    pub start: f64,
+    /// To, s.
+    pub end: f64,
+    /// Share of the person that it takes, 0 to 1.
+    pub share: f32,
+}
+
 /// One event worth a line in the log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EventRow {
@@ -402,6 +427,8 @@ pub struct RunLog {
     pub operations: Vec<OperationRow>,
     /// Machine states in the order of their end.
     pub states: Vec<StateRow>,
+    /// Stays of people at machines in the order of their end.
+    pub attendances: Vec<AttendanceRow>,
     /// Events in order.
     pub events: Vec<EventRow>,
     /// Simulated time, s.

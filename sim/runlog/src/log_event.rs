@@ -77,6 +77,12 @@ events! {
     Move = "move",
     /// A vehicle has brought a job.
     Delivery = "delivery",
+    /// Pieces of a stock are ordered.
+    Reorder = "reorder",
+    /// Pieces that were ordered lie in their stock.
+    Restock = "restock",
+    /// Lost pieces of a lot begin anew.
+    Replenish = "replenish",
     /// Edges lie in their crib.
     EdgesToCrib = "edges_to_crib",
     /// Edges are ordered.

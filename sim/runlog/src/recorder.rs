@@ -1,6 +1,6 @@
 //! Who writes down what happens.
 
-use crate::runlog::{EdgeRow, EventRow, JobRow, OperationRow, PassRow, RunLog, StateRow};
+use crate::runlog::{AttendanceRow, EdgeRow, EventRow, JobRow, OperationRow, PassRow, RunLog, StateRow};
 
 /// Receives the facts of a run as they become final. A [`RunLog`] keeps them all, [`Silent`]
 /// none.
@@ -17,6 +17,8 @@ pub trait Recorder: Clone {
     fn operation(&mut self, row: OperationRow);
     /// A machine left a state.
     fn state(&mut self, row: StateRow);
+    /// A person left a machine. Who does not ask for it is not told.
+    fn attendance(&mut self, _row: AttendanceRow) {}
     /// Something worth a line. Events inside a pass come when the pass is over.
     fn event(&mut self, row: EventRow);
     /// The run is over.
@@ -68,6 +70,11 @@ impl<A: Recorder, B: Recorder> Recorder for (A, Option<B>) {
         self.1.iter_mut().for_each(|other| other.state(row));
     }
 
+    fn attendance(&mut self, row: AttendanceRow) {
+        self.0.attendance(row);
+        self.1.iter_mut().for_each(|other| other.attendance(row));
+    }
+
     fn event(&mut self, row: EventRow) {
         self.0.event(row);
         self.1.iter_mut().for_each(|other| other.event(row));
@@ -117,6 +124,10 @@ impl Recorder for RunLog {
 
     fn state(&mut self, row: StateRow) {
         self.states.push(row);
+    }
+
+    fn attendance(&mut self, row: AttendanceRow) {
+        self.attendances.push(row);
     }
 
     fn event(&mut self, row: EventRow) {

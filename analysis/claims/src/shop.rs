@@ -1,12 +1,13 @@
 //! Queues, lines, batches, priorities, rework and assembly with exact answers, through the scenario files that are shipped.
 
-use crate::recorder::{Closing, Recorder};
-use crate::runlog::{EdgeRow, EventRow, JobRow, MachineState, OperationRow, PassRow, StateRow};
-use crate::{Shop, ShopError};
+mod further;
+
 use std::sync::Arc;
 use toolroom_process::Claim;
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_scenario_file::parse;
+use toolroom_shop::runlog::{EdgeRow, EventRow, JobRow, MachineState, OperationRow, PassRow, StateRow};
+use toolroom_shop::{Closing, Recorder, Shop, ShopError};
 
 /// One server, random arrivals.
 const QUEUE: &str = include_str!("../../../scenarios/shop/queue.toml");
@@ -391,11 +392,13 @@ impl Recorder for Stays {
 ///
 /// # Panics
 /// Where the shipped scenario is no scenario.
-pub fn claims() -> Result<Vec<Claim>, ShopError> {
-    std::thread::scope(|scope| {
+pub(crate) fn claims() -> Result<Vec<Claim>, ShopError> {
+    let mut claims = std::thread::scope(|scope| {
         let running: Vec<_> = CASES.iter().map(|case| scope.spawn(|| case.checked())).collect();
-        running.into_iter().map(|case| case.join().expect("a claim ends")).collect()
-    })
+        running.into_iter().map(|case| case.join().expect("a claim ends")).collect::<Result<Vec<_>, _>>()
+    })?;
+    claims.extend(further::claims()?);
+    Ok(claims)
 }
 
 impl Case {
