@@ -91,5 +91,5 @@ pub use profile::profiles;
 pub use sample::{Method, Posterior, sample};
 pub use shape::{Candidate, Shape};
 pub use study::{CalibrationStudy, Refusal, StudyResult};
-pub use treatment::{Clock, DataError, End, Measured, Treatment};
+pub use treatment::{ChannelReadings, Clock, DataError, End, Measured, Treatment};
 pub use wear_model::{EDGE_SCATTER, LIFE_NOISE_NAME, READING_NOISE, WearModel};

@@ -245,6 +245,9 @@ impl Clock {
     }
 }
 
+/// What was read of one channel at the end of each stretch of an edge, with the cut as it was recorded.
+pub type ChannelReadings = Vec<Option<(Cut, f64)>>;
+
 /// Edges as they were measured, and what is to be said of the data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
@@ -258,9 +261,8 @@ pub struct Measured {
     pub conditions: Vec<Condition>,
     /// Edges in the order of the records.
     pub edges: Vec<Edge>,
-    /// What was read of each [`Channel`] at the end of each stretch of each edge, with the cut as it was recorded, in the order
-    /// of [`Channel::ALL`].
-    pub loads: Vec<[Vec<Option<(Cut, f64)>>; 3]>,
+    /// What was read of each edge, channel by channel in the order of [`Channel::ALL`].
+    pub loads: Vec<[ChannelReadings; 3]>,
     /// How each ended.
     pub ends: Vec<End>,
     /// Whether the records tell how edges ended.
@@ -377,7 +379,7 @@ impl Measured {
                 let (Some(speed), Some(feed), Some(depth)) = (speed, feed, depth) else { return None };
                 load.map(|load| (Cut::nominal(speed[row], feed[row], depth[row]), load))
             };
-            let mut loads: [Vec<_>; 3] = Default::default();
+            let mut loads: [ChannelReadings; 3] = Default::default();
             let edge = if at("life", last).is_finite() {
                 let minutes = at("life", last) / 60.0;
                 let inspected = at("inspected", last) / 60.0;

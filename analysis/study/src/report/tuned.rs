@@ -2,6 +2,7 @@
 
 use super::Source;
 use crate::figure::{decimals, plain};
+use crate::kpi::Better;
 use crate::tune::{TunedPolicy, TunedSetting, Tuning};
 use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Cell, HeatMap, Style, Table};
@@ -15,13 +16,17 @@ pub(super) fn section(tuning: &Tuning, source: &Source<'_>) -> Section {
     );
     let mut table = Table::new(["policy", "settings", "nearly as good", "tuned", "judged", "edges lost in cut, %"]);
     let index = source.study.index(&tuning.objective);
+    let more = index.is_some_and(|index| source.study.kpis[index].definition.better == Better::More);
     for (position, policy) in source.comparison.policies.iter().enumerate() {
         let Some(tuned) = tuning.of(&policy.name) else { continue };
         let list =
             |text: &dyn Fn(&TunedSetting) -> String| tuned.settings.iter().map(text).collect::<Vec<_>>().join(", ");
         let settings = match &tuned.given {
             Some(reason) => format!("as given: {reason}"),
-            None => list(&|setting| format!("{} {}", setting.key, setting.value)),
+            None => {
+                let rule = tuned.tool_changes.first().map(|chosen| format!(", changed by {}", chosen.rule));
+                list(&|setting| format!("{} {}", setting.key, setting.value)) + &rule.unwrap_or_default()
+            }
         };
         let judged = index.map(|index| {
             let kpi = &source.study.kpis[index];
@@ -45,7 +50,8 @@ pub(super) fn section(tuning: &Tuning, source: &Source<'_>) -> Section {
             verdict.line.trim_end_matches('.')
         ));
     }
-    let maps = tuning.policies.iter().filter_map(|policy| Some((policy.name.clone(), settings_map(tuning, policy)?)));
+    let maps =
+        tuning.policies.iter().filter_map(|policy| Some((policy.name.clone(), settings_map(tuning, policy, more)?)));
     section = section.choice(maps);
     for price in source.comparison.turning_prices() {
         section = section.note(super::sentence(&price.describe()));
@@ -53,20 +59,20 @@ pub(super) fn section(tuning: &Tuning, source: &Source<'_>) -> Section {
     section
 }
 
-/// The objective of one policy over its two settings, in per cent above the best on the first grid.
-fn settings_map(tuning: &Tuning, policy: &TunedPolicy) -> Option<Figure> {
+/// How much worse the objective of one policy is over its two settings than at the best of the first grid, in per cent; `more` says
+/// that a greater one is better.
+fn settings_map(tuning: &Tuning, policy: &TunedPolicy, more: bool) -> Option<Figure> {
     let map = policy.map.as_ref()?;
     let known = || map.objective.iter().flatten().copied();
-    let least = policy.objective.into_iter().chain(known()).fold(f64::INFINITY, |a, b| a.min(b.abs()));
     let axis = |(key, unit): &(String, String)| Axis::linear(key.as_str(), if unit == "1" { "" } else { unit });
-    let axes = [axis(&map.settings[0]), axis(&map.settings[1]), Axis::linear("Above the best", "%")];
-    let best = known().fold(f64::INFINITY, f64::min);
-    let worse = |value: &Option<f64>| value.map_or(f64::NAN, |value| 100.0 * (value - best).abs() / least);
+    let axes = [axis(&map.settings[0]), axis(&map.settings[1]), Axis::linear("Worse than the best", "%")];
+    let best = known().reduce(if more { f64::max } else { f64::min })?;
+    let worse = |value: &Option<f64>| value.map_or(f64::NAN, |value| 100.0 * ((value - best) / best).abs());
     let [columns, rows] = map.values.clone();
-    let barred = columns.len();
+    let width = columns.len();
     let excluded: Vec<(f64, f64)> = (0..map.excluded.len())
         .filter(|place| map.excluded[*place])
-        .map(|place| (map.values[0][place % barred], map.values[1][place / barred]))
+        .map(|place| (map.values[0][place % width], map.values[1][place / width]))
         .collect();
     let mut chart = HeatMap::new(
         format!("{} of {} over its settings", tuning.objective, policy.name),
@@ -80,7 +86,7 @@ fn settings_map(tuning: &Tuning, policy: &TunedPolicy) -> Option<Figure> {
         chart = chart.scatter("excluded by the guard", excluded, Style::IDLE);
     }
     let caption = format!(
-        "Estimates from the replications of the tuning: what each setting of the grid costs more than the best of them. The \
+        "Estimates from the replications of the tuning: how much worse each setting of the grid is than the best of them. The \
          settings that were chosen for {} lie on a finer grid around the least of the surface through all of them.",
         policy.name
     );
