@@ -9,7 +9,7 @@ use toolroom_gap::{NINETY, WrittenEffect};
 use toolroom_process::table::{Cell, csv_text};
 use toolroom_process::unit;
 use toolroom_records::Records;
-use toolroom_scenario::effects::SHOP_EFFECTS;
+use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS};
 use toolroom_scenario::{Calibration, Scope};
 use toolroom_shards::fingerprint;
 
@@ -26,7 +26,7 @@ pub(crate) fn exact(value: f64, si: &'static str, display: &'static str) -> (f64
 /// Size unit of an effect: SI, and that for people.
 pub(crate) fn size_unit(id: &str, definition: Option<&'static Definition>) -> (&'static str, &'static str) {
     let of_process = definition.map(Definition::entry).or_else(|| Effect::named(id).ok().map(|effect| effect.entry()));
-    let entry = of_process.or_else(|| SHOP_EFFECTS.iter().find(|entry| entry.id == id));
+    let entry = of_process.or_else(|| SHOP_EFFECTS.iter().chain(PROGRAM_EFFECTS).find(|entry| entry.id == id));
     entry.map_or(("1", "1"), |entry| (entry.size.unit, entry.size.display))
 }
 

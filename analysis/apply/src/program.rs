@@ -15,6 +15,36 @@ fn table<'a>(document: &'a mut DocumentMut, key: &str) -> Result<&'a mut dyn Tab
     document.get_mut(key).and_then(Item::as_table_like_mut).ok_or_else(|| unreadable(&format!("[{key}] of the model")))
 }
 
+/// The table under a key of the drives, which is made where there is none.
+fn inner<'a>(document: &'a mut DocumentMut, key: &str) -> Result<&'a mut dyn TableLike, ApplyError> {
+    let drives = table(document, "drives")?;
+    if drives.get(key).is_none() {
+        drives.insert(key, Item::Table(Table::new()));
+    }
+    let found = drives.get_mut(key).and_then(Item::as_table_like_mut);
+    found.ok_or_else(|| unreadable(&format!("[drives.{key}] of the model")))
+}
+
+fn field(name: &str) -> Result<Field, ApplyError> {
+    Drives::<f64>::FIELDS.iter().find(|field| field.name == name).copied().ok_or_else(|| unreadable("a drive"))
+}
+
+/// A number of the diagnosis with its unit, in `si`.
+fn quantity(value: &Value, si: &'static str) -> Result<f64, ApplyError> {
+    let amount = number(&value["value"], "a shape")?;
+    let unit = value["unit"].as_str().unwrap_or("1");
+    if unit == "1" {
+        return Ok(amount);
+    }
+    toolroom_process::unit::quantity(&format!("{amount} {unit}"), si).map_err(|_| unreadable("a shape"))
+}
+
+/// Adds to a value of the drives.
+fn add(entry: &mut dyn TableLike, key: &str, more: f64, field: Field) {
+    let before = entry.get(key).and_then(Item::as_value).map(amount(field.unit)).unwrap_or(field.start);
+    put(entry, key, written(before + more, field.unit));
+}
+
 /// Adds the size of an effect to that which the model has, and takes over the drives that belong to it.
 pub fn switch_on(document: &mut DocumentMut, effect: &Value) -> Result<(), ApplyError> {
     let id = effect["id"].as_str().unwrap_or_default();
@@ -28,6 +58,29 @@ pub fn switch_on(document: &mut DocumentMut, effect: &Value) -> Result<(), Apply
     } else {
         toolroom_process::unit::quantity(&text, si).map_err(|_| unreadable("a size"))?
     };
+    // What acts on the drives goes there, where the next diagnosis finds it.
+    match id {
+        "spindle_ramp" => {
+            let [base, reference] =
+                ["base_speed", "reference_speed"].map(|key| quantity(&effect["shape"][key], "rad/s"));
+            let (base, reference) = (base?, reference?);
+            let constant = added / (reference * reference + base * base);
+            let spindle = inner(document, "spindle")?;
+            add(spindle, "constant", constant, field("spindle_constant")?);
+            put(spindle, "base_speed", written(base, "rad/s"));
+            return Ok(());
+        }
+        "stop_settling" => {
+            let rapid = added * quantity(&effect["shape"]["rapid"], "1")?;
+            let own = document.get("drives").and_then(|drives| drives.get("settling")).is_some();
+            let keys = if own { ["feed", "rapid"] } else { ["feed_settling", "rapid_settling"] };
+            let settling = if own { inner(document, "settling")? } else { table(document, "drives")? };
+            add(settling, keys[0], added, field("feed_settling")?);
+            add(settling, keys[1], rapid, field("rapid_settling")?);
+            return Ok(());
+        }
+        _ => {}
+    }
     let effects = table(document, "effects")?;
     let before = effects.get(key).and_then(Item::as_value).map(amount(si)).unwrap_or(0.0);
     put(effects, key, written(before + added, si));

@@ -3,7 +3,7 @@
 use toolroom_effects::Effect;
 use toolroom_gap::{Diagnosis, NamedEffect, NominalModel, Outside, joined, report_units};
 use toolroom_records::Records;
-use toolroom_scenario::effects::SHOP_EFFECTS;
+use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS};
 
 /// Seed of intervals that nobody looks at.
 const SEED: u64 = 1;
@@ -58,6 +58,6 @@ impl Shrunk {
 
 /// Channels that an effect touches by the catalogue.
 fn touched(id: &str) -> Vec<&'static str> {
-    let rows = Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).filter(|entry| entry.id == id);
+    let rows = Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(PROGRAM_EFFECTS).filter(|entry| entry.id == id);
     rows.flat_map(|entry| entry.channels.iter().map(|touched| touched.channel)).collect()
 }

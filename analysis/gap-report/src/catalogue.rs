@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use toolroom_effects::{CatalogueEntry, Definition, Effect, Named, Sign, Touched, vocabulary};
 use toolroom_gap::EMPIRICAL_EFFECTS;
-use toolroom_scenario::effects::SHOP_EFFECTS;
+use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS};
 
 /// Every effect, those of a user behind the others, with what it is, acts on, and is told apart by; a few lines each.
 pub fn catalogue_text(defined: &[&'static Definition]) -> String {
@@ -32,10 +32,10 @@ pub fn catalogue_json(defined: &[&'static Definition]) -> Value {
     json!({ "schema": 1, "effects": catalogue(defined).map(entry).collect::<Vec<_>>() })
 }
 
-/// Effects of the processes, then those of the shop, of empirical responses, and of a user.
+/// Effects of the processes, then those of the shop, of part programs, of empirical responses, and of a user.
 fn catalogue<'a>(defined: &'a [&'static Definition]) -> impl Iterator<Item = &'static CatalogueEntry> + 'a {
     let defined_entries = defined.iter().map(|effect| effect.entry());
-    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(EMPIRICAL_EFFECTS).chain(defined_entries)
+    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(PROGRAM_EFFECTS).chain(EMPIRICAL_EFFECTS).chain(defined_entries)
 }
 
 /// What the formulas of effects of one's own may name: quantities of the context, then terms.

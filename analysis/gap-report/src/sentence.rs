@@ -5,7 +5,7 @@ use crate::readings::Readings;
 use toolroom_chart::number;
 use toolroom_effects::Effect;
 use toolroom_gap::{Diagnosis, EMPIRICAL_EFFECTS, GapVerdict, NamedEffect};
-use toolroom_scenario::effects::SHOP_EFFECTS;
+use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS};
 
 /// The answer of a diagnosis in a few sentences: what, since what cause, what it costs, what to do next. Every verdict
 /// has one.
@@ -41,7 +41,7 @@ fn capital(text: &str) -> String {
 
 /// Title of an effect in the catalogues.
 pub(crate) fn title(id: &str) -> &str {
-    let mut all = Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(EMPIRICAL_EFFECTS);
+    let mut all = Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(PROGRAM_EFFECTS).chain(EMPIRICAL_EFFECTS);
     all.find(|entry| entry.id == id).map_or(id, |entry| entry.title)
 }
 

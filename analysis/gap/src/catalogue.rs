@@ -2,11 +2,16 @@
 
 use super::{EMPIRICAL_EFFECTS, Frame};
 use toolroom_effects::{CatalogueEntry, Effect};
-use toolroom_scenario::effects::SHOP_EFFECTS;
+use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS};
 
 /// Row of an id in the catalogues.
 pub(crate) fn catalogued(id: &str) -> Option<&'static CatalogueEntry> {
-    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(EMPIRICAL_EFFECTS).find(|entry| entry.id == id)
+    Effect::CATALOGUE
+        .iter()
+        .chain(SHOP_EFFECTS)
+        .chain(PROGRAM_EFFECTS)
+        .chain(EMPIRICAL_EFFECTS)
+        .find(|entry| entry.id == id)
 }
 
 /// Catalogue row of an id: of the catalogues, or of an effect that a user has defined for the model of `frame`.

@@ -31,6 +31,16 @@ record! {
     }
 }
 
+record! {
+    /// What a machine adds to the times of part programs, beside the deviations of a shop; every size is neutral at zero.
+    pub struct ProgramDeviations {
+        /// Time of the spindle from rest to its reference speed, the greatest that the programs command.
+        spindle_ramp: Real["s" => "s"] = 0.0, 0.0..=600.0;
+        /// Time that the axes need to settle where a stop ends a motion at feed.
+        stop_settling: Real["s" => "s"] = 0.0, 0.0..=60.0;
+    }
+}
+
 const fn rises(channel: &'static str) -> Touched {
     Touched { channel, sign: Sign::Rises }
 }
@@ -149,6 +159,32 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
     },
 ];
 
+/// Every effect that only part programs show, one row each, in the order of [`ProgramDeviations`].
+pub const PROGRAM_EFFECTS: &[CatalogueEntry] = &[
+    CatalogueEntry {
+        id: "spindle_ramp",
+        title: "the spindle needs time to come to speed and to rest",
+        size: &ProgramDeviations::<f64>::FIELDS[0],
+        channels: &[rises("cycle_time")],
+        regime: "tool changes and stops of the spindle, by the square of its speed",
+        confounder: "tool_change_delay",
+        separating_test: "time changes between tools of three speeds",
+        source: "constant torque up to a base speed, constant power above; logs of the NIST smart manufacturing test bed: 7.1 s to 12 000 rpm",
+        processes: &[("program", Search::Shaped)],
+    },
+    CatalogueEntry {
+        id: "stop_settling",
+        title: "axes settle where a stop ends a motion",
+        size: &ProgramDeviations::<f64>::FIELDS[1],
+        channels: &[rises("cycle_time")],
+        regime: "changes between feed and rapid motions, by their number",
+        confounder: "axis_acceleration",
+        separating_test: "time a program of many rapid motions and one of few",
+        source: "logs of the NIST smart manufacturing test bed: 0.36 s behind feed motions; constant time is an assumption",
+        processes: &[("program", Search::Shaped)],
+    },
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -156,7 +192,8 @@ mod tests {
     #[test]
     fn every_row_is_named_as_its_size_and_neutral_at_zero() {
         assert_eq!(SHOP_EFFECTS.len(), ShopDeviations::<f64>::FIELDS.len());
-        for entry in SHOP_EFFECTS {
+        assert_eq!(PROGRAM_EFFECTS.len(), ProgramDeviations::<f64>::FIELDS.len());
+        for entry in SHOP_EFFECTS.iter().chain(PROGRAM_EFFECTS) {
             assert_eq!((entry.id, entry.size.start), (entry.size.name, 0.0));
             assert!(entry.size.min <= 0.0 && entry.size.max > 0.0, "{}", entry.id);
             assert!(toolroom_process::unit::parse(entry.size.display).is_ok(), "{}", entry.id);

@@ -38,7 +38,7 @@ pub enum ProgramWorkError {
         /// The program as written.
         file: String,
         /// Why.
-        reason: CallError,
+        reason: Box<CallError>,
     },
     /// No tool of the setup is one of the shop.
     #[error("no [[tool]] of {setup} has the `name` of a tool of the scenario ({known}): nothing would wear")]
@@ -76,7 +76,7 @@ impl ProgramWork {
         tools: &[Option<&ToolType>],
         names: &[String],
     ) -> Result<Self, ProgramWorkError> {
-        let refuse = |reason| ProgramWorkError::Program { file: file.to_owned(), reason };
+        let refuse = |reason| ProgramWorkError::Program { file: file.to_owned(), reason: Box::new(reason) };
         let run = Calls::of_files(&folder.join(file), &folder.join(setup_file), setup).map_err(refuse)?;
         let mut work = Self { file: file.to_owned(), calls: Vec::new(), stretches: run.stretches };
         let mut before: Vec<Span> = Vec::new();

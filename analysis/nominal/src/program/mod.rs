@@ -27,10 +27,10 @@ use rows::{Rows, rows};
 use toolroom_drives::{Drives, times};
 use toolroom_form::significant as rounded;
 use toolroom_innovations::Chain;
-use toolroom_program::Program;
+use toolroom_program::{Action as Happens, Program};
 use toolroom_records::{Records, Sensor};
 use toolroom_scenario::Target;
-use toolroom_scenario::effects::{SHOP_EFFECTS, ShopDeviations};
+use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS, ShopDeviations};
 
 /// What is known of a machine and its programs before any measurement.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +43,18 @@ pub struct ProgramModel {
     pub effects: ShopDeviations,
     /// Time of every hold, however long it was logged, s.
     pub hold_each: f64,
+}
+
+impl ProgramModel {
+    /// The greatest speed of the spindle that the programs command, rad/s.
+    fn greatest_speed(&self) -> Option<f64> {
+        let blocks = self.programs.iter().flat_map(|(_, program)| &program.blocks);
+        let speeds = blocks.flat_map(|block| &block.actions).filter_map(|(_, action)| match action {
+            Happens::Spindle(speed, _) => Some(speed * std::f64::consts::TAU / 60.0),
+            Happens::Coolant(_) | Happens::Stop | Happens::Change(_) | Happens::Home(_) | Happens::End => None,
+        });
+        speeds.filter(|speed| *speed > 0.0).max_by(f64::total_cmp)
+    }
 }
 
 /// Prior standard deviation of the logarithm of the rapid speed (assumption).
@@ -65,6 +77,12 @@ const HOLD_SCATTER: f64 = 0.3;
 const CORNERS: [f64; 5] = [0.01, 0.1, 1.0, 10.0, 100.0];
 const JERKS: [f64; 3] = [0.0, 10.0, 30.0];
 
+/// Base speeds of a spindle over its greatest speed, with which a ramp is tried: from constant power throughout to constant
+/// torque throughout (assumptions).
+const BASES: [f64; 5] = [0.0, 0.15, 0.3, 0.5, 1.0];
+/// Settling behind a rapid motion over that behind a motion at feed (assumptions).
+const BEHIND_RAPID: [f64; 3] = [0.0, 0.15, 1.0];
+
 /// How a candidate acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Action {
@@ -72,6 +90,37 @@ enum Action {
     Feature(usize),
     /// Acceleration with this corner deviation, m, and jerk time, s.
     Acceleration(f64, f64),
+    /// Ramp of the spindle with this base speed and that at which the size is stated, rad/s.
+    Spindle { base: f64, reference: f64 },
+    /// Settling, behind a rapid motion this share of it.
+    Settling(f64),
+}
+
+impl Action {
+    /// Drives on which it acts with a size.
+    fn change(self, size: f64, drives: &mut Drives) {
+        match self {
+            Self::Feature(_) => {}
+            Self::Acceleration(corner, jerk) => {
+                drives.inverse_acceleration += size;
+                drives.corner_deviation = corner;
+                drives.jerk_time = jerk;
+            }
+            Self::Spindle { base, reference } => {
+                drives.spindle_constant += spindle_constant(size, base, reference);
+                drives.spindle_base_speed = base;
+            }
+            Self::Settling(rapid) => {
+                drives.feed_settling += size;
+                drives.rapid_settling += size * rapid;
+            }
+        }
+    }
+}
+
+/// Constant k of a spindle that takes `time`, s, from rest to `reference`, at constant torque up to `base`, both rad/s.
+fn spindle_constant(time: f64, base: f64, reference: f64) -> f64 {
+    time / (reference * reference + base * base)
 }
 
 /// Part programs over timed stretches.
@@ -158,8 +207,8 @@ impl Stretches {
 
     fn catalogue(&mut self, whole: bool) {
         let mut add = |id: &'static str, shape: String, typical: f64, action: Action| {
-            let greatest =
-                SHOP_EFFECTS.iter().find(|entry| entry.id == id).map_or(f64::INFINITY, |entry| entry.size.max);
+            let greatest = SHOP_EFFECTS.iter().chain(PROGRAM_EFFECTS).find(|entry| entry.id == id);
+            let greatest = greatest.map_or(f64::INFINITY, |entry| entry.size.max);
             self.frame.candidates.push(Candidate { id, shape, typical, greatest, least: 0.0 });
             self.actions.push(action);
         };
@@ -191,8 +240,25 @@ impl Stretches {
                 }
                 add("axis_acceleration", shape, 0.5, Action::Acceleration(corner, jerk));
             }
+            let drives = &self.model.drives;
+            if let Some(reference) = self.model.greatest_speed() {
+                // A spindle that ramps already only gets slower: its base speed is known.
+                let known = (drives.spindle_constant > 0.0).then_some(drives.spindle_base_speed);
+                let all = || BASES.map(|share| share * reference).to_vec();
+                for base in known.map_or_else(all, |base| vec![base.min(reference)]) {
+                    let rpm = |speed: f64| rounded(speed * 60.0 / std::f64::consts::TAU);
+                    let shape = format!("from rest to {} rpm, base speed {} rpm", rpm(reference), rpm(base));
+                    add("spindle_ramp", shape, 3.0, Action::Spindle { base, reference });
+                }
+            }
+            for share in BEHIND_RAPID {
+                let shape = format!("{} of it behind rapid motions", rounded(share));
+                add("stop_settling", shape, 0.2, Action::Settling(share));
+            }
         }
-        self.frame.untried = search::missing(SHOP_EFFECTS, &self.frame.candidates);
+        let mut untried = search::missing(SHOP_EFFECTS, &self.frame.candidates);
+        untried.extend(search::missing(PROGRAM_EFFECTS, &self.frame.candidates));
+        self.frame.untried = untried;
     }
 
     fn covariates(&self, records: &Records) -> Vec<Covariate> {
@@ -221,17 +287,14 @@ impl Stretches {
         list
     }
 
-    /// Time of every row without effects that are only candidates, with an inverse acceleration, corner
-    /// deviation and jerk time where given, s.
-    fn nominal(&self, rapid: f64, acceleration: Option<(f64, f64, f64)>) -> Vec<f64> {
+    /// Time of every row without effects that are only candidates, or with one of a size that acts on the drives, s.
+    fn nominal(&self, rapid: f64, candidate: Option<(Action, f64)>) -> Vec<f64> {
         let effects = &self.model.effects;
         let mut drives = self.model.drives;
         drives.rapid_speed *= rapid;
         drives.inverse_acceleration += effects.axis_acceleration;
-        if let Some((inverse, corner, jerk)) = acceleration {
-            drives.inverse_acceleration += inverse;
-            drives.corner_deviation = corner;
-            drives.jerk_time = jerk;
+        if let Some((action, size)) = candidate {
+            action.change(size, &mut drives);
         }
         let clocks: Vec<Vec<f64>> = self.model.programs.iter().map(|(_, program)| clock(program, &drives)).collect();
         let rows = &self.rows;
@@ -290,6 +353,10 @@ impl Forward for Stretches {
             Action::Acceleration(corner, jerk) => {
                 vec![("corner_deviation", corner, "m", "um"), ("jerk_time", jerk, "s", "ms")]
             }
+            Action::Spindle { base, reference } => {
+                vec![("base_speed", base, "rad/s", "rpm"), ("reference_speed", reference, "rad/s", "rpm")]
+            }
+            Action::Settling(rapid) => vec![("rapid", rapid, "1", "1")],
             Action::Feature(_) if self.frame.candidates[candidate].shape == "each alike" => {
                 vec![("each_alike", 1.0, "1", "1")]
             }
@@ -307,9 +374,9 @@ impl Forward for Stretches {
                 Action::Feature(index) => {
                     times.iter_mut().zip(&self.features[*index]).for_each(|(time, feature)| *time += size * feature);
                 }
-                Action::Acceleration(corner, jerk) => {
+                Action::Acceleration(..) | Action::Spindle { .. } | Action::Settling(_) => {
                     let before = before.get_or_insert_with(|| self.nominal(rapid, None));
-                    let with = self.nominal(rapid, Some((*size, *corner, *jerk)));
+                    let with = self.nominal(rapid, Some((*action, *size)));
                     times
                         .iter_mut()
                         .zip(with.iter().zip(before))

@@ -340,12 +340,12 @@ impl Iso {
                 while !holds {
                     (branch, _) = self.links(branch)?;
                     // An `else` holds whenever it is reached.
-                    holds = match self.statements.at(branch)? {
-                        Some(statement) => match &statement.code {
-                            Code::Order(_, Order::ElseIf(condition)) => self.truth(condition)?,
-                            _ => true,
-                        },
-                        None => true,
+                    let statement = self.statements.at(branch)?;
+                    let code = statement.as_ref().map(|statement| &statement.code);
+                    holds = if let Some(Code::Order(_, Order::ElseIf(condition))) = code {
+                        self.truth(condition)?
+                    } else {
+                        true
                     };
                 }
                 self.pc = branch + 1;
