@@ -71,7 +71,8 @@ pub enum ChatterError {
     /// The spindle is too slow for the period map and too fast for the envelope of the lobes.
     #[error(
         "the spindle is too slow for the period map and too fast for the envelope of the lobes: the fastest mode swings \
-         {waves:.0} times while teeth cut in one repetition of the cut, and the least damped one hardly decays in a pass; ask above {least_rpm:.3} rpm or \
+         {waves:.0} times while teeth cut in one repetition of the cut, and the least damped one hardly decays in a pass; ask \
+         above {least_rpm:.3} rpm or \
          below {greatest_rpm:.3} rpm, or leave out modes of little compliance that are the fastest or the least damped"
     )]
     TooSlow {

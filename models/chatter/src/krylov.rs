@@ -90,6 +90,8 @@ pub(crate) struct Krylov {
     outlook: Option<Outlook>,
     /// A vector of the last dominant eigenspace, the bulk of the next start; empty at first.
     warm: Vec<f64>,
+    /// Whether the last map took a vector beyond all numbers.
+    overflowed: bool,
 }
 
 impl Krylov {
@@ -97,6 +99,7 @@ impl Krylov {
     pub fn dominant(&mut self, map: &mut impl LinearMap, tolerance: f64) -> Result<Dominant, ChatterError> {
         let size = map.size();
         let greatest = size.min(MAX_STEPS);
+        self.overflowed = false;
         self.start(size);
         // A search for eigenvalues costs more than a step: the subdiagonal over the modulus tells
         // how the residual falls from step to step, and so when the next search is worth it.
@@ -106,6 +109,10 @@ impl Krylov {
         let (mut fall, mut step) = (1.0, 0);
         loop {
             let next = self.step(map, step);
+            if !next.is_finite() {
+                self.overflowed = true;
+                return Err(ChatterError::NotConverged { residual: f64::INFINITY });
+            }
             step += 1;
             fall *= next / outlook.modulus;
             let exhausted = step == greatest || next == 0.0;
@@ -130,6 +137,11 @@ impl Krylov {
             }
             latest = 2 * step;
         }
+    }
+
+    /// Whether the last map took a vector beyond all numbers: what it stands for outgrows them within its period.
+    pub fn overflowed(&self) -> bool {
+        self.overflowed
     }
 
     /// A start vector: the last eigenvector if there is one, and a fixed irrational rotation that

@@ -332,6 +332,28 @@ mod tests {
     }
 
     #[test]
+    fn depths_at_which_a_vibration_outgrows_all_numbers_are_unstable_and_cost_no_limit() {
+        let mode = |direction, natural_frequency, stiffness| Mode {
+            direction,
+            natural_frequency,
+            damping_ratio: 0.01,
+            stiffness,
+        };
+        let slot = Milling {
+            modes: vec![mode([1.0, 0.0], 1150.0, 11e6), mode([0.0, 1.0], 1240.0, 9.6e6)],
+            cutter: Cutter::straight(4, 0.012),
+            force: MillingForce::new(2389e6, 965e6),
+            ..cut(1.0, 2, 0.01)
+        };
+        let speed = TAU;
+        let known = slot.at_speed(speed).unwrap().limit(0.4e-3).unwrap().depth;
+        let found = slot.at_speed(speed).unwrap().stable_intervals(6e-3).unwrap();
+        assert!(slot.at_speed(speed).unwrap().verdict(6e-3).is_err());
+        assert_eq!(found.ends.len(), 1);
+        assert!((found.limit().unwrap().depth / known - 1.0).abs() < 1e-6, "{known}");
+    }
+
+    #[test]
     fn a_helix_and_unequal_teeth_lengthen_what_a_map_has_to_hold() {
         let straight = cut(0.05, 1, 0.01);
         let mut helical = straight.clone();

@@ -14,6 +14,10 @@ use crate::verdict::{StabilityLimit, StabilityVerdict};
 /// blurred (assumption).
 pub(super) const VARYING_STEPS: usize = 16;
 
+/// Logarithm that stands for the spectral radius of a cut whose vibration outgrows all numbers within a period, that of the
+/// greatest of them.
+const BEYOND_NUMBERS: f64 = 709.0;
+
 /// Logarithm of the spectral radius that an end of a stable interval may have.
 const NEUTRAL: f64 = 1e-6;
 
@@ -162,8 +166,12 @@ impl AtSpeed<'_> {
 
     /// Logarithm of the spectral radius at `depth` (m): for screening to some three digits, of the right sign.
     pub(super) fn excess(&mut self, depth: f64, effort: Effort) -> Result<f64, ChatterError> {
-        let (dominant, _) = self.refined(depth, effort)?;
-        Ok(dominant.value.norm().ln().max(LEAST_EXCESS))
+        let found = self.refined(depth, effort);
+        let places = std::iter::once(&*self).chain(&self.others);
+        if found.is_err() && places.into_iter().any(|place| place.krylov.overflowed()) {
+            return Ok(BEYOND_NUMBERS);
+        }
+        Ok(found?.0.value.norm().ln().max(LEAST_EXCESS))
     }
 
     /// Verdict at `depth` (m) with its margin against the limit below `greatest` (m).
