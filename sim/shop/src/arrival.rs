@@ -99,21 +99,14 @@ impl<R: Recorder> Shop<'_, R> {
             outcome: JobOutcome::InProcess,
         };
         let handling = self.layout.random_handling.then(|| Box::new(self.streams.open(entity, Purpose::Processing)));
-        let job = Job {
-            priority: self.scenario.arrivals[source].priority,
-            weight: self.scenario.arrivals[source].weight,
-            operation: route.as_ref().map_or(0, |route| u32::from(route[0])),
-            route,
-            lot_owner: origin,
-            lot,
-            handling,
-            ..Job::new(number, (entity, Origin::Source(source as u32)), row, now)
-        };
+        let mut job = Job::new(number, (entity, Origin::Source(source as u32)), row, now);
+        job.priority = self.scenario.arrivals[source].priority;
+        job.weight = self.scenario.arrivals[source].weight;
+        job.operation = route.as_ref().map_or(0, |route| u32::from(route[0]));
+        (job.route, job.lot_owner, job.lot, job.handling) = (route, origin, lot, handling);
         let slot = self.world.jobs.insert(job);
-        for (operation, stream) in &mut self.world.sources[source].ranks {
-            if let Work::Plain(time) = &self.scenario.parts[part].operations[*operation].work {
-                *self.world.jobs.drawn_mut(slot, *operation) = time.sample(stream);
-            }
+        for (operation, time) in self.world.sources[source].ranks.next(&self.scenario.parts[part].operations) {
+            *self.world.jobs.drawn_mut(slot, operation) = time;
         }
         if let Some(due) = self.due(source, slot) {
             row.due = due;
@@ -236,6 +229,12 @@ impl<R: Recorder> Shop<'_, R> {
         if operation >= self.layout.operations[part].len() {
             return self.leave(slot, JobOutcome::Good);
         }
+        if let Some(only) = self.layout.operations[part][operation].only_machine
+            && self.layout.machine_plans[only as usize].is_quick
+        {
+            self.wait_quick(slot, only as usize);
+            return Ok(());
+        }
         if let Some(machine) = machine.filter(|_| !self.scenario.transports.is_empty())
             && self.call_vehicle(slot, machine)
         {
@@ -284,25 +283,26 @@ impl<R: Recorder> Shop<'_, R> {
             self.leave_ticket(slot);
         }
         self.unclamp_all(slot);
-        let Some(mut job) = self.world.jobs.remove(slot) else { return Ok(()) };
-        job.row.finish = self.now().seconds();
-        job.row.outcome = outcome;
-        self.recorder.job(job.number, job.row);
+        let Some(job) = self.world.jobs.get(slot) else { return Ok(()) };
+        let &Job { number, origin, operation, .. } = job;
+        let row = JobRow { finish: self.now().seconds(), outcome, ..job.row };
+        self.world.jobs.remove(slot);
+        self.recorder.job(number, row);
         let event = if outcome == JobOutcome::Good { "finish" } else { "scrap" };
-        self.log_event(event, None, Some(job.number), None);
-        if let Origin::Order(order) = job.origin {
-            self.left_lot(order, job.operation);
+        self.log_event(event, None, Some(number), None);
+        if let Origin::Order(order) = origin {
+            self.left_lot(order, operation);
         }
-        if let Origin::Crib(crib) = job.origin {
-            return self.ground_edges(crib as usize, job.number, outcome);
+        if let Origin::Crib(crib) = origin {
+            return self.ground_edges(crib as usize, number, outcome);
         }
         // A component is in the shop until it has been built in.
-        let part = job.row.part as usize;
+        let part = row.part as usize;
         if outcome == JobOutcome::Good && self.layout.components[part] {
-            self.stock(part, job.origin, job.row.quantity);
+            self.stock(part, origin, row.quantity);
             return Ok(());
         }
-        self.replace(job.origin)?;
+        self.replace(origin)?;
         Ok(())
     }
 

@@ -4,6 +4,7 @@ use super::assembly::Stocked;
 use super::cards::Cards;
 use super::crew::CrewState;
 use super::crib::CribState;
+use super::draws::Ranks;
 use super::fixture::{FixtureState, Lacking};
 use super::flow::Flow;
 use super::job::Jobs;
@@ -101,6 +102,6 @@ pub struct SourceState {
     pub releases: u64,
     /// Times between arrivals.
     pub stream: Stream,
-    /// Ranks of the times of plain work: the operation and its stream.
-    pub(super) ranks: Vec<(usize, Stream)>,
+    /// Times of plain work.
+    pub(super) ranks: Ranks,
 }
