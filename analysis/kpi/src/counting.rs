@@ -32,8 +32,31 @@ pub struct Counting<'a> {
 #[derive(Clone, Debug, Default)]
 struct Stays {
     /// From and to, s, of time in which a part was cut, worked on or handled.
-    production: VecDeque<(f64, f64)>,
+    production: Vec<(f64, f64)>,
+    /// Operations that ended after the last stay that is known.
     operations: VecDeque<OperationRow>,
+    /// End of that stay, s.
+    until: f64,
+}
+
+impl Stays {
+    /// The share of an operation's own production time that lies in the window from the end of the warm-up to `end`, and whether it
+    /// was completed in it. Stays before the operation are forgotten.
+    fn share(&mut self, row: &OperationRow, warm_up: f64, end: f64) -> (f64, bool) {
+        let before = self.production.iter().take_while(|(_, over)| *over <= row.start).count();
+        if before > 0 {
+            self.production.copy_within(before.., 0);
+            self.production.truncate(self.production.len() - before);
+        }
+        let (mut done, mut inside) = (0.0, 0.0);
+        for &(start, over) in self.production.iter().take_while(|(from, _)| *from < end) {
+            done += (over - start.max(row.start)).max(0.0);
+            inside += (over - start.max(row.start.max(warm_up))).max(0.0);
+        }
+        let completed = row.end >= warm_up;
+        let whole = row.time_before + done + row.time_left;
+        (if whole > 0.0 { inside / whole } else { f64::from(u8::from(completed)) }, completed)
+    }
 }
 
 impl<'a> Counting<'a> {
@@ -113,26 +136,12 @@ impl<'a> Counting<'a> {
 
     /// Adds operations of a machine that ended by then, all of them at the end of the run.
     fn add_operations(&mut self, machine: usize, until: f64, horizon: Option<f64>) {
-        let Stays { production, operations } = &mut self.machines[machine];
-        if operations.is_empty() {
-            return;
-        }
-        let warm_up = self.scenario.warm_up;
-        while let Some(row) = operations.front().filter(|row| row.end <= until || horizon.is_some()) {
+        let stays = &mut self.machines[machine];
+        while let Some(row) = stays.operations.front().copied().filter(|row| row.end <= until || horizon.is_some()) {
             let end = if row.end.is_nan() { horizon.unwrap_or(row.end) } else { row.end };
-            while production.front().is_some_and(|(_, over)| *over <= row.start) {
-                production.pop_front();
-            }
-            let (mut done, mut inside) = (0.0, 0.0);
-            for &(start, over) in production.iter().take_while(|(from, _)| *from < end) {
-                done += (over - start.max(row.start)).max(0.0);
-                inside += (over - start.max(row.start.max(warm_up))).max(0.0);
-            }
-            let completed = row.end >= warm_up;
-            let whole = row.time_before + done + row.time_left;
-            let share = if whole > 0.0 { inside / whole } else { f64::from(u8::from(completed)) };
-            self.tally.add_operation(row, share, completed);
-            operations.pop_front();
+            let (share, completed) = stays.share(&row, self.scenario.warm_up, end);
+            self.tally.add_operation(&row, share, completed);
+            stays.operations.pop_front();
         }
     }
 }
@@ -157,23 +166,40 @@ impl Recorder for Counting<'_> {
             self.remaining.push((number, row));
             return;
         }
-        if self.leaving.last().is_some_and(|(_, last)| last.finish != row.finish) {
-            self.add_leaving();
+        match self.leaving.as_mut_slice() {
+            [(only, last)] if last.finish != row.finish => {
+                self.tally.add_job(self.scenario, last, f64::NAN);
+                (*only, *last) = (number, row);
+            }
+            [.., (_, last)] if last.finish != row.finish => {
+                self.add_leaving();
+                self.leaving.push((number, row));
+            }
+            _ => self.leaving.push((number, row)),
         }
-        self.leaving.push((number, row));
     }
 
     fn operation(&mut self, row: OperationRow) {
-        self.machines[row.machine as usize].operations.push_back(row);
+        let stays = &mut self.machines[row.machine as usize];
+        if stays.operations.is_empty() && row.end <= stays.until {
+            let (share, completed) = stays.share(&row, self.scenario.warm_up, row.end);
+            self.tally.add_operation(&row, share, completed);
+        } else {
+            stays.operations.push_back(row);
+        }
     }
 
     fn state(&mut self, row: StateRow) {
         self.tally.add_state(self.scenario, &row);
         let machine = row.machine as usize;
+        let stays = &mut self.machines[machine];
+        stays.until = row.end;
         if matches!(row.state, MachineState::Cutting | MachineState::Working | MachineState::Handling) {
-            self.machines[machine].production.push_back((row.start, row.end));
+            stays.production.push((row.start, row.end));
         }
-        self.add_operations(machine, row.end, None);
+        if !stays.operations.is_empty() {
+            self.add_operations(machine, row.end, None);
+        }
     }
 
     fn event(&mut self, row: EventRow) {

@@ -93,8 +93,12 @@ pub(super) struct Tally {
     components: Vec<bool>,
     /// By part and operation.
     planned: Vec<Vec<Planned>>,
+    /// Whether a part is an edge that is ground anew, by part.
+    regrinds: Vec<bool>,
     /// Mean time of loading and unloading, s, by machine.
     handling: Vec<f64>,
+    /// Whether a machine has a calendar.
+    calendars: Vec<bool>,
     pub machines: Vec<MachineTally>,
     /// Good parts.
     pub good: u32,
@@ -195,7 +199,9 @@ impl Tally {
         Self {
             components,
             planned: parts.map(|(part, times)| part.operations.iter().zip(times).map(planned).collect()).collect(),
+            regrinds: (0..scenario.parts.len()).map(|part| scenario.is_regrind(part)).collect(),
             handling: machines.iter().map(|machine| machine.load_time.mean() + machine.unload_time.mean()).collect(),
+            calendars: machines.iter().map(|machine| machine.calendar.is_some()).collect(),
             machines: vec![MachineTally::default(); machines.len()],
             ..Self::default()
         }
@@ -257,8 +263,11 @@ impl Tally {
         let tally = &mut self.machines[row.machine as usize];
         if row.in_shift {
             tally.states[row.state as usize] += inside;
-            let planned = calendar(scenario, row.machine as usize).map(|calendar| calendar.working_time(from, row.end));
-            tally.planned_busy_time += planned.map_or(0.0, |planned| inside - planned);
+            if self.calendars[row.machine as usize]
+                && let Some(calendar) = calendar(scenario, row.machine as usize)
+            {
+                tally.planned_busy_time += inside - calendar.working_time(from, row.end);
+            }
             if row.state == MachineState::Maintenance {
                 tally.planned_busy_time -= inside; // no time for production
             }
@@ -358,7 +367,7 @@ impl Tally {
         if left < scenario.warm_up {
             return;
         }
-        if scenario.is_regrind(job.part as usize) {
+        if self.regrinds[job.part as usize] {
             return; // edges are no parts
         }
         let component = self.components[job.part as usize];

@@ -1,6 +1,5 @@
+use super::heap::Heap;
 use super::{KernelError, SimTime};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// Order of events within one instant, earliest first.
 ///
@@ -39,7 +38,7 @@ pub struct EventKey {
 /// `E` is a small `Copy` value; whatever it refers to lives in the world and is named by an id.
 /// A clone is a snapshot: both go on independently and identically.
 ///
-/// A binary heap orders one packed number per event; the event itself waits in a slot.
+/// A heap orders one packed number per event; the event itself waits in a slot.
 ///
 /// | bits | field | size | what happens at the limit |
 /// |---|---|---|---|
@@ -64,7 +63,7 @@ pub struct EventKey {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Calendar<E: Copy> {
-    heap: BinaryHeap<Reverse<u128>>,
+    heap: Heap,
     slots: Vec<Slot<E>>,
     free: Vec<u32>,
     now: SimTime,
@@ -121,7 +120,7 @@ impl<E: Copy> Calendar<E> {
     #[must_use]
     pub fn new() -> Self {
         Self {
-            heap: BinaryHeap::new(),
+            heap: Heap::default(),
             slots: Vec::new(),
             free: Vec::new(),
             now: SimTime::ZERO,
@@ -185,7 +184,7 @@ impl<E: Copy> Calendar<E> {
             }
             None => return Err(KernelError::Full { pending: self.len() }),
         };
-        self.heap.push(Reverse(pack(at, class, self.sequence, slot)));
+        self.heap.push(pack(at, class, self.sequence, slot));
         self.sequence += 1;
         self.scheduled += 1;
         Ok(EventKey { slot, serial })
@@ -216,20 +215,20 @@ impl<E: Copy> Calendar<E> {
     #[inline]
     #[must_use]
     pub fn peek(&self) -> Option<(SimTime, Class)> {
-        self.heap.peek().map(|&Reverse(packed)| (time_of(packed), class_of(packed)))
+        self.heap.peek().map(|packed| (time_of(packed), class_of(packed)))
     }
 
     /// Time of the earliest event.
     #[inline]
     #[must_use]
     pub fn peek_time(&self) -> Option<SimTime> {
-        self.heap.peek().map(|&Reverse(packed)| time_of(packed))
+        self.heap.peek().map(time_of)
     }
 
     /// Removes the earliest event and sets the clock to its time.
     #[inline]
     pub fn pop(&mut self) -> Option<(SimTime, E)> {
-        let Reverse(packed) = self.heap.pop()?;
+        let packed = self.heap.pop()?;
         let slot = slot_of(packed);
         let event = self.slots[slot].event.take()?; // the top is never dead
         self.free.push(slot as u32);
@@ -258,7 +257,7 @@ impl<E: Copy> Calendar<E> {
     /// ```
     #[inline]
     pub fn pop_before(&mut self, at: SimTime, class: Class) -> Option<E> {
-        let &Reverse(packed) = self.heap.peek()?;
+        let packed = self.heap.peek()?;
         // Every key of an earlier time or class is below the first one of (at, class).
         if packed >= pack(at, class, 0, 0) || time_of(packed) != at {
             return None;
@@ -268,7 +267,7 @@ impl<E: Copy> Calendar<E> {
 
     /// Restores "the top is live", on which `peek` and `pop` rely.
     fn drop_dead_top(&mut self) {
-        while let Some(&Reverse(packed)) = self.heap.peek() {
+        while let Some(packed) = self.heap.peek() {
             let slot = slot_of(packed);
             if self.slots[slot].event.is_some() {
                 return;
@@ -282,7 +281,7 @@ impl<E: Copy> Calendar<E> {
     /// Drops every dead entry: repeated re-planning of far events must not fill the memory.
     fn sweep(&mut self) {
         let (slots, free) = (&self.slots, &mut self.free);
-        self.heap.retain(|&Reverse(packed)| {
+        self.heap.retain(|packed| {
             let slot = slot_of(packed);
             let live = slots[slot].event.is_some();
             if !live {
@@ -295,12 +294,12 @@ impl<E: Copy> Calendar<E> {
 
     /// Numbers the pending events from zero in their order, so that the sequence never wraps.
     fn renumber(&mut self) {
-        let mut packed: Vec<u128> = std::mem::take(&mut self.heap).into_iter().map(|Reverse(packed)| packed).collect();
-        packed.sort_unstable();
-        let renumbered = packed.iter().zip(0..).map(|(&packed, sequence)| {
-            Reverse(pack(time_of(packed), class_of(packed), sequence, slot_of(packed) as u32))
-        });
-        self.heap = renumbered.collect();
+        let packed = self.heap.sorted();
+        let renumbered = packed
+            .iter()
+            .zip(0..)
+            .map(|(&packed, sequence)| pack(time_of(packed), class_of(packed), sequence, slot_of(packed) as u32));
+        self.heap = Heap::of_sorted(renumbered.collect());
         self.sequence = packed.len() as u64;
     }
 }

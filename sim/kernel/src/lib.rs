@@ -62,6 +62,7 @@
 mod calendar;
 mod digest;
 mod error;
+mod heap;
 mod streams;
 mod time;
 

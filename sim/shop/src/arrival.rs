@@ -91,24 +91,20 @@ impl<R: Recorder> Shop<'_, R> {
         let due = now.seconds() + self.scenario.parts[part].flow_allowance;
         let mut row = JobRow { lot: named, ..JobRow::new(part as u32, quantity, now.seconds(), due) };
         let handling = self.layout.random_handling.then(|| Box::new(self.streams.open(entity, Purpose::Processing)));
-        let job = Job {
-            priority: self.scenario.arrivals[source].priority,
-            weight: self.scenario.arrivals[source].weight,
-            operation: route.as_ref().map_or(0, |route| u32::from(route[0])),
-            route,
-            lot_owner: origin,
-            lot,
-            first_piece,
-            handling,
-            ..Job::new(number, (entity, Origin::Source(source as u32)), row, now)
-        };
+        let mut job = Job::new(number, (entity, Origin::Source(source as u32)), row, now);
+        job.priority = self.scenario.arrivals[source].priority;
+        job.weight = self.scenario.arrivals[source].weight;
+        job.operation = route.as_ref().map_or(0, |route| u32::from(route[0]));
+        (job.route, job.lot_owner, job.lot, job.handling) = (route, origin, lot, handling);
+        job.first_piece = first_piece;
         let slot = self.world.jobs.insert(job);
         let mut ranks = std::mem::take(&mut self.world.sources[source].ranks);
-        for (_, operation, stream) in ranks.iter_mut().filter(|(own, ..)| *own == part) {
-            if self.layout.operations[part][*operation].apart {
+        if let Some(own) = ranks.iter_mut().find(|own| own.part == part) {
+            for (operation, time) in own.next(&self.scenario.parts[part].operations) {
+                *self.world.jobs.drawn_mut(slot, operation) = time;
+            }
+            for (operation, stream) in &mut own.apart {
                 self.draw_work(slot, *operation, stream);
-            } else if let Work::Plain(time) = &self.scenario.parts[part].operations[*operation].work {
-                *self.world.jobs.drawn_mut(slot, *operation) = time.sample(stream);
             }
         }
         self.world.sources[source].ranks = ranks;
@@ -257,6 +253,12 @@ impl<R: Recorder> Shop<'_, R> {
         if operation >= self.layout.operations[part].len() {
             return self.leave(slot, JobOutcome::Good);
         }
+        if let Some(only) = self.layout.operations[part][operation].only_machine
+            && self.layout.machine_plans[only as usize].is_quick
+        {
+            self.wait_quick(slot, only as usize);
+            return Ok(());
+        }
         if let Some(machine) = machine.filter(|_| !self.scenario.transports.is_empty())
             && self.call_vehicle(slot, machine)
         {
@@ -307,29 +309,30 @@ impl<R: Recorder> Shop<'_, R> {
             self.leave_ticket(slot);
         }
         self.unclamp_all(slot);
-        let Some(mut job) = self.world.jobs.remove(slot) else { return Ok(()) };
-        job.row.finish = self.now().seconds();
-        job.row.outcome = outcome;
-        self.recorder.job(job.number, job.row);
+        let Some(job) = self.world.jobs.get(slot) else { return Ok(()) };
+        let &Job { number, origin, operation, .. } = job;
+        let row = JobRow { finish: self.now().seconds(), outcome, ..job.row };
+        self.world.jobs.remove(slot);
+        self.recorder.job(number, row);
         let event = if outcome == JobOutcome::Good { LogEvent::Finish } else { LogEvent::Scrap };
-        self.log_event(event, None, Some(job.number), None);
-        if let Origin::Order(order) = job.origin {
+        self.log_event(event, None, Some(number), None);
+        if let Origin::Order(order) = origin {
             if outcome != JobOutcome::Good {
-                self.make_up(order, job.row.quantity)?;
+                self.make_up(order, row.quantity)?;
             }
-            self.left_lot(order, job.operation);
+            self.left_lot(order, operation);
         }
-        if let Origin::Crib(crib) = job.origin {
-            return self.ground_edges(crib as usize, job.number, outcome);
+        if let Origin::Crib(crib) = origin {
+            return self.ground_edges(crib as usize, number, outcome);
         }
         // A component is in the shop until it has been built in.
-        let part = job.row.part as usize;
+        let part = row.part as usize;
         if outcome == JobOutcome::Good && self.layout.components[part] {
-            self.stock(part, job.origin, job.row.quantity)?;
-            return self.arrived(job.origin, job.row.quantity);
+            self.stock(part, origin, row.quantity)?;
+            return self.arrived(origin, row.quantity);
         }
-        self.replace(job.origin)?;
-        self.arrived(job.origin, job.row.quantity)
+        self.replace(origin)?;
+        self.arrived(origin, row.quantity)
     }
 
     /// The order of operations of a job whose part has no fixed routing.

@@ -116,6 +116,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// Plain work of a job in a machine beside others, s, as a number of times its operation: pieces, or one.
+    #[inline]
     pub(super) fn plain_work(&self, machine: usize, slot: u32) -> (f64, f64) {
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);

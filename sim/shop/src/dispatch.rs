@@ -83,7 +83,7 @@ pub(super) fn facts(
         let share = if total > 0.0 { until / total } else { 1.0 };
         release + (due - release) * share
     };
-    let setup = plans[index].setup_time.unwrap_or(scenario.machines[machine].setup_time);
+    let setup = plans[index].setup_time.unwrap_or(layout.machine_plans[machine].setup_time);
     let rank = || streams.open(job.entity.part(index as u64), Purpose::Policy).random();
     let next_index = job.next_operation(count);
     let next = plans.get(next_index);
@@ -95,7 +95,7 @@ pub(super) fn facts(
         operation_due: if own_due { operation_due((0..count).map(time).sum()) } else { due },
         time: time(index),
         work_left: if work_left { job.operations_left(count).map(time).sum() } else { 0.0 },
-        operations_left: job.operations_left(count).count() as f64,
+        operations_left: job.places_left(count).len() as f64,
         next_time: next.map_or(0.0, |_| time(next_index)),
         next_station: next.map(|plan| plan.station),
         setup_group: plans[index].setup_group,
@@ -139,7 +139,11 @@ impl<R: Recorder> Shop<'_, R> {
             next += 1;
             let machine = machine as usize;
             self.world.machines[machine].listed = false;
-            if self.scenario.machines[machine].batch.is_some() {
+            if self.layout.machine_plans[machine].is_quick {
+                self.take_quick(machine)?;
+                continue;
+            }
+            if self.layout.machine_plans[machine].is_batch {
                 while self.world.machines[machine].is_free() && self.begin_batch(machine)? {}
                 continue;
             }
@@ -192,13 +196,12 @@ impl<R: Recorder> Shop<'_, R> {
         if self.scenario.control.schedule.is_some() {
             return self.pick_planned(machine);
         }
-        let reserves = self.world.flow.is_limited() && self.scenario.blocking == Blocking::BeforeService;
-        let found =
-            if reserves || self.layout.assembles[machine] || self.has_fixtures() || self.looks_at_shift_end(machine) {
-                self.first_able(machine, reserves)
-            } else {
-                self.choose(machine).map(|waiting| waiting.slot)
-            };
+        let found = if self.layout.machine_plans[machine].takes_first {
+            self.choose(machine).map(|waiting| waiting.slot)
+        } else {
+            let reserves = self.world.flow.is_limited() && self.scenario.blocking == Blocking::BeforeService;
+            self.first_able(machine, reserves)
+        };
         if let Some(slot) = found {
             self.stop_waiting(slot, Some(machine));
         }
@@ -258,8 +261,8 @@ impl<R: Recorder> Shop<'_, R> {
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let plan = &self.layout.operations[part][index];
         let control = &self.scenario.control;
-        let settled = control.assign == Assignment::AtArrival || control.schedule.is_some();
-        if settled || plan.only_machine.is_some() || self.world.machines[machine].kept_for.is_some() {
+        let settled = || control.assign == Assignment::AtArrival || control.schedule.is_some();
+        if plan.only_machine.is_some() || settled() || self.world.machines[machine].kept_for.is_some() {
             return machine;
         }
         let taker = self.idle_for(part, index, (job.buffer, job.entity));
@@ -312,11 +315,12 @@ impl<R: Recorder> Shop<'_, R> {
         let (scenario, layout, streams, jobs) = (self.scenario, &self.layout, &self.streams, &self.world.jobs);
         let job = jobs.at(slot);
         let waiting = Waiting { since: job.queued, number: job.number, slot, operation: job.operation };
-        let rules = branch::rules(scenario, self.world.branched, machine);
+        let branched = self.world.branched;
+        let rules = || branch::rules(scenario, branched, machine);
         self.world.machines[machine].queue.join(
             waiting,
-            || facts(scenario, layout, streams, (jobs, slot), (machine, rules)),
-            |facts| keys(rules, waiting.since.seconds(), facts, &Moment::default()),
+            || facts(scenario, layout, streams, (jobs, slot), (machine, rules())),
+            |facts| keys(rules(), waiting.since.seconds(), facts, &Moment::default()),
             |waiting| is_here(jobs, waiting),
         );
     }
@@ -343,7 +347,11 @@ impl<R: Recorder> Shop<'_, R> {
         }
     }
 
-    fn choose(&mut self, machine: usize) -> Option<Waiting> {
+    pub(super) fn choose(&mut self, machine: usize) -> Option<Waiting> {
+        let jobs = &self.world.jobs;
+        if let Some(first) = self.world.machines[machine].queue.take_standing(|waiting| is_here(jobs, waiting)) {
+            return first;
+        }
         let (queue, look) = self.look(machine);
         queue.take(
             look.now,

@@ -2,6 +2,7 @@
 
 use super::edge::Edge;
 use super::job::Job;
+use super::layout::Layout;
 use super::ports::{Ports, write};
 use rand::RngExt;
 use rand_distr::{Distribution as _, StandardNormal};
@@ -29,24 +30,71 @@ pub(super) mod owner {
 /// operations are numbered.
 pub(super) const PIECES: u64 = 1 << 41;
 
-/// Streams of the ranks of a source: one for every operation of its part with plain work. They belong to
-/// the names of part and operation and to the place of the source among those of the part, so that other
-/// parts and sources change nothing.
-pub(super) fn ranks(scenario: &Scenario, streams: &Streams, source: usize) -> Vec<(usize, usize, Stream)> {
-    let parts = scenario.arrivals[source].parts.iter();
-    parts.flat_map(|(part, _)| ranks_of(scenario, streams, source, *part)).collect()
+/// Times of plain work of the jobs of a source that are of one part. They are drawn for some jobs at once: an operation has a stream of its own, so
+/// that it makes no difference when it draws, and the streams of a large shop do not fit into the nearest memory together.
+#[derive(Clone, Debug)]
+pub(super) struct Ranks {
+    /// The part.
+    pub part: usize,
+    /// Operations with plain work in which the pieces of a job differ, and their streams.
+    pub apart: Vec<(usize, Stream)>,
+    /// The other operations with plain work, and their streams.
+    streams: Vec<(usize, Stream)>,
+    /// Times of the jobs to come, s, those of a job together.
+    times: Vec<f64>,
+    /// Jobs of them that have come.
+    used: usize,
+    /// Jobs for which times are drawn the next time.
+    jobs: usize,
 }
 
-fn ranks_of(scenario: &Scenario, streams: &Streams, source: usize, part: usize) -> Vec<(usize, usize, Stream)> {
-    let number = part;
-    let place = scenario.arrivals[..source].iter().filter(|other| other.brings(part)).count() as u64;
-    let part = &scenario.parts[part];
-    let stream = |operation: &Operation| {
-        let owner = Entity::named(&format!("{}/{}", part.name, operation.name)).part(place);
-        streams.open(owner, Purpose::Processing)
-    };
-    let plain = part.operations.iter().enumerate().filter(|(_, operation)| matches!(operation.work, Work::Plain(_)));
-    plain.map(|(index, operation)| (number, index, stream(operation))).collect()
+/// Most jobs for which times are drawn at once. The first few times it is fewer, so that no source draws for more than twice
+/// the jobs that it has.
+const MOST_JOBS: usize = 16;
+
+impl Ranks {
+    /// One stream for every operation with plain work of every part of a source. They belong to the names of part and operation
+    /// and to the place of the source among those of the part, so that other parts and sources change nothing.
+    pub fn of(scenario: &Scenario, layout: &Layout, streams: &Streams, source: usize) -> Vec<Self> {
+        let of_part = |&(number, _): &(usize, f64)| {
+            let place = scenario.arrivals[..source].iter().filter(|other| other.brings(number)).count() as u64;
+            let part = &scenario.parts[number];
+            let stream = |operation: &Operation| {
+                let owner = Entity::named(&format!("{}/{}", part.name, operation.name)).part(place);
+                streams.open(owner, Purpose::Processing)
+            };
+            let plain =
+                part.operations.iter().enumerate().filter(|(_, operation)| matches!(operation.work, Work::Plain(_)));
+            let (apart, streams) = plain
+                .map(|(index, operation)| (index, stream(operation)))
+                .partition(|(index, _)| layout.operations[number][*index].apart);
+            Self { part: number, apart, streams, times: Vec::new(), used: 0, jobs: 1 }
+        };
+        scenario.arrivals[source].parts.iter().map(of_part).collect()
+    }
+
+    /// Operations with plain work alike for all pieces of the next job, and their times, s; `operations` are those of its part.
+    #[inline]
+    pub fn next<'a>(&'a mut self, operations: &[Operation]) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let count = self.streams.len();
+        if self.used * count == self.times.len() && count > 0 {
+            self.draw(operations);
+        }
+        let first = self.used * count;
+        self.used += 1;
+        self.streams.iter().map(|(operation, _)| *operation).zip(self.times[first..first + count].iter().copied())
+    }
+
+    fn draw(&mut self, operations: &[Operation]) {
+        let (count, jobs) = (self.streams.len(), self.jobs);
+        self.times.resize(jobs * count, 0.0);
+        for (place, (operation, stream)) in self.streams.iter_mut().enumerate() {
+            if let Work::Plain(time) = &operations[*operation].work {
+                self.times.iter_mut().skip(place).step_by(count).for_each(|drawn| *drawn = time.sample(stream));
+            }
+        }
+        (self.used, self.jobs) = (0, (2 * jobs).min(MOST_JOBS));
+    }
 }
 
 /// Owners of what is drawn for a job of a source when it comes, parts of its own name: its part, its pieces, its due date.
@@ -89,9 +137,13 @@ pub struct Blank {
 
 /// A workpiece of `job`, hardness drawn for its lot and for itself.
 pub(super) fn blank(scatter: &Scatter, streams: &Streams, job: &Job, part: &Part) -> Blank {
+    let lot_deviation = part.lot_deviation(job.row.lot);
+    if scatter.batch_hardness == 0.0 && scatter.piece_hardness == 0.0 {
+        return Blank { hardness: 1.0, lot_deviation }; // what is drawn would change nothing
+    }
     let lot = scatter.sample_batch_hardness(&mut streams.at(job.lot_owner, Purpose::Workpiece, job.lot));
     let hardness = scatter.sample_piece_hardness(lot, &mut streams.open(job.entity, Purpose::Workpiece));
-    Blank { hardness, lot_deviation: part.lot_deviation(job.row.lot) }
+    Blank { hardness, lot_deviation }
 }
 
 /// Depth of cut of a pass with its allowance; `operation` is a part of the job's name.
@@ -117,6 +169,9 @@ pub(super) fn structure(scatter: &StructureScatter, streams: &Streams, machine: 
 impl Edge {
     /// Moves the wear noise of the edge to its next pass.
     pub(super) fn draw_noise(&mut self, scatter: &Scatter, streams: &Streams) {
+        if scatter.life_noise == 0.0 {
+            return; // it stays 0
+        }
         let pass = u64::from(self.row.passes);
         let mut stream = streams.at(self.entity.part(owner::WEAR_NOISE), Purpose::Tool, pass);
         self.noise = if pass == 0 {

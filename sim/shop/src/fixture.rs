@@ -210,6 +210,9 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// A job is begun: machines that waited for what it lacked may have nothing to wait for any more.
     pub(super) fn look_at_lacking(&mut self, slot: u32) {
+        if self.world.lacking.machines.is_empty() {
+            return;
+        }
         let mut machines = std::mem::take(&mut self.world.lacking.machines);
         machines.retain(|machine| {
             let other = self.next_machines(slot).contains(&(*machine as usize));

@@ -49,12 +49,13 @@ impl Heap {
         let mut knot = self.order.len() - 1;
         while knot > 0 {
             let above = (knot - 1) / BRANCHES;
-            if !self.is_before(knot, above) {
+            if !self.is_before((first, place), self.order[above]) {
                 break;
             }
-            self.order.swap(knot, above);
+            self.order[knot] = self.order[above];
             knot = above;
         }
+        self.order[knot] = (first, place);
     }
 
     /// Takes out the job that goes first.
@@ -80,24 +81,28 @@ impl Heap {
         (0..self.order.len().div_ceil(BRANCHES)).rev().for_each(|knot| self.sink(knot));
     }
 
-    /// Whether the job of one knot goes before that of another.
-    fn is_before(&self, one: usize, other: usize) -> bool {
-        let ((a, own), (b, its)) = (self.order[one], self.order[other]);
+    /// Whether a job goes before another, each by its first key and its place.
+    #[inline]
+    fn is_before(&self, (a, own): (u64, u32), (b, its): (u64, u32)) -> bool {
         a < b || a == b && self.jobs[own as usize] < self.jobs[its as usize]
     }
 
+    /// The job of a knot goes down to where it belongs.
     fn sink(&mut self, mut knot: usize) {
+        let Some(&sinking) = self.order.get(knot) else { return };
         loop {
             let first = BRANCHES * knot + 1;
-            let below = first..(first + BRANCHES).min(self.order.len());
-            let Some(least) = below.reduce(|one, other| if self.is_before(other, one) { other } else { one }) else {
-                return;
+            let below = self.order.get(first..(first + BRANCHES).min(self.order.len())).unwrap_or_default();
+            let earlier = |one: (usize, (u64, u32)), other: (usize, (u64, u32))| {
+                if self.is_before(other.1, one.1) { other } else { one }
             };
-            if !self.is_before(least, knot) {
-                return;
+            let Some((place, least)) = below.iter().copied().enumerate().reduce(earlier) else { break };
+            if !self.is_before(least, sinking) {
+                break;
             }
-            self.order.swap(least, knot);
-            knot = least;
+            self.order[knot] = least;
+            knot = first + place;
         }
+        self.order[knot] = sinking;
     }
 }

@@ -70,12 +70,12 @@ impl<R: Recorder> Shop<'_, R> {
                         work.piece_left = work.piece - task.before % work.piece;
                     }
                 }
-                (Content::Machining(machining), ContentPlan::Machining { cutting_time, .. }) => {
+                (Content::Machining(machining), ContentPlan::Machining { .. }) => {
                     // A ground piece begins anew.
                     let ground = matches!(operation.work, Work::Grinding { .. } | Work::Cycle(_));
                     let done = if ground { 0.0 } else { inside.done };
                     task.step = Step::Load;
-                    task.before = done * cutting_time * machining.moved.pace;
+                    task.before = done * self.layout.cutting_times[part][index] * machining.moved.pace;
                     let (pass, share_left) = come_to(&self.layout.pass_times[part][index], done);
                     machining.piece.pass = pass;
                     if let Some(tool) = operation.tool_of_pass(pass as usize) {

@@ -19,38 +19,46 @@ pub enum Origin {
 }
 
 /// A workpiece, or several of an order that move together.
+///
+/// What every operation looks at stands in front, in two lines of the processor's memory.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Job {
-    /// Number in the order of arrival; row of the log.
-    pub number: u32,
-    /// Who draws for it: source and its number there, the same under every policy.
-    pub entity: Entity,
-    /// Where it came from.
-    pub origin: Origin,
-    /// The smaller, the more urgent.
-    pub priority: u32,
-    /// Weight in weighted rules, 1.
-    pub weight: f64,
     /// What the log will say.
     pub row: JobRow,
-    /// Operation that it waits for or is in.
-    pub operation: u32,
-    /// Its order of the operations of its part; `None`: that of the part.
-    pub route: Option<Box<[u16]>>,
-    /// The machine whose queue it has joined, where that is settled when it comes.
-    pub assigned: Option<usize>,
-    /// With whom it has its cards; 0 where there are none.
-    pub ticket: u32,
-    /// Whether it waits for a card.
-    pub parked: bool,
-    /// Whether it stands in a queue.
-    pub waiting: bool,
     /// When it came to the queue.
     pub queued: SimTime,
+    /// What is left of the plain work at which it was interrupted, s; `None`: all of it.
+    pub rest: Option<f64>,
+    /// The machine whose queue it has joined, where that is settled when it comes.
+    pub assigned: Option<usize>,
+    /// Where it came from.
+    pub origin: Origin,
+    /// Number in the order of arrival; row of the log.
+    pub number: u32,
+    /// Operation that it waits for or is in.
+    pub operation: u32,
+    /// Whether it stands in a queue.
+    pub waiting: bool,
+    /// Whether it waits for a card.
+    pub parked: bool,
+    /// Whether it has taken the components of its part.
+    pub supplied: bool,
+    /// Whether it only has the place of a job for which a machine is set up.
+    pub stand_in: bool,
+    /// With whom it has its cards; 0 where there are none.
+    pub ticket: u32,
+    /// Who draws for it: source and its number there, the same under every policy.
+    pub entity: Entity,
+    /// Its order of the operations of its part; `None`: that of the part.
+    pub route: Option<Box<[u16]>>,
     /// The buffer in which it has its place, by index.
     pub buffer: Option<usize>,
     /// Its place before the next operation, with blocking before service.
     pub reserved: Option<Place>,
+    /// Its times of loading and unloading, where any machine's are random. Kept apart: the few hundred bytes of a stream
+    /// would be moved with every job that comes and goes.
+    pub handling: Option<Box<Stream>>,
     /// Who draws for its hardness lot: the source, or the order.
     pub lot_owner: Entity,
     /// Hardness lot within the source.
@@ -59,19 +67,14 @@ pub struct Job {
     pub first_piece: u64,
     /// Times of its pieces where they differ.
     pub(super) piece_times: Option<Box<PieceTimes>>,
+    /// Weight in weighted rules, 1.
+    pub weight: f64,
+    /// The smaller, the more urgent.
+    pub priority: u32,
     /// How often an inspection has sent it back.
     pub visits: u32,
     /// Jobs that were divided from it.
     pub divisions: u32,
-    /// What is left of the plain work at which it was interrupted, s; `None`: all of it.
-    pub rest: Option<f64>,
-    /// Whether it has taken the components of its part.
-    pub supplied: bool,
-    /// Whether it only has the place of a job for which a machine is set up.
-    pub stand_in: bool,
-    /// Its times of loading and unloading, where any machine's are random. Kept apart: the few hundred bytes of a stream
-    /// would be moved with every job that comes and goes.
-    pub handling: Option<Box<Stream>>,
 }
 
 impl Job {
@@ -130,7 +133,7 @@ impl Job {
     }
 
     /// Places in its routing, from 0, and operations of those that are not done.
-    pub(super) fn places_left(&self, count: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+    pub(super) fn places_left(&self, count: usize) -> impl ExactSizeIterator<Item = (usize, usize)> + '_ {
         (self.place().min(count)..count).map(move |place| (place, self.operation_at(place, count)))
     }
 
@@ -149,10 +152,15 @@ impl Job {
     }
 }
 
+/// A place of a job, at the beginning of a line of the processor's memory.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+struct Slot(Option<Job>);
+
 /// Jobs in the shop; a place is used again when its job has left.
 #[derive(Clone, Debug, Default)]
 pub struct Jobs {
-    slots: Vec<Option<Job>>,
+    slots: Vec<Slot>,
     /// Times of plain work of the jobs at every place, s, `stride` each.
     drawn: Vec<f64>,
     /// Most operations of any part with plain work.
@@ -185,17 +193,17 @@ impl Jobs {
 
     /// The place of the first job of a kind.
     pub(super) fn find(&self, of_kind: impl Fn(&Job) -> bool) -> Option<u32> {
-        self.slots.iter().position(|job| job.as_ref().is_some_and(&of_kind)).map(|slot| slot as u32)
+        self.slots.iter().position(|slot| slot.0.as_ref().is_some_and(&of_kind)).map(|slot| slot as u32)
     }
 
     fn place(&mut self, job: Job) -> u32 {
         match self.free.pop() {
             Some(slot) => {
-                self.slots[slot as usize] = Some(job);
+                self.slots[slot as usize].0 = Some(job);
                 slot
             }
             None => {
-                self.slots.push(Some(job));
+                self.slots.push(Slot(Some(job)));
                 self.drawn.resize(self.slots.len() * self.stride, 0.0);
                 (self.slots.len() - 1) as u32
             }
@@ -217,30 +225,29 @@ impl Jobs {
 
     /// Lets a job out.
     #[inline]
-    pub fn remove(&mut self, slot: u32) -> Option<Job> {
-        let job = self.slots.get_mut(slot as usize)?.take();
-        if job.is_some() {
+    pub fn remove(&mut self, slot: u32) {
+        if let Some(Slot(job @ Some(_))) = self.slots.get_mut(slot as usize) {
+            *job = None;
             self.free.push(slot);
         }
-        job
     }
 
     /// The job at a place, if there is one.
     #[inline]
     pub fn get(&self, slot: u32) -> Option<&Job> {
-        self.slots.get(slot as usize)?.as_ref()
+        self.slots.get(slot as usize)?.0.as_ref()
     }
 
     /// The job at a place that is known to be taken.
     #[inline]
     pub(super) fn at(&self, slot: u32) -> &Job {
-        self.slots[slot as usize].as_ref().expect("a job in work is in the shop")
+        self.slots[slot as usize].0.as_ref().expect("a job in work is in the shop")
     }
 
     /// The same to change it.
     #[inline]
     pub(super) fn at_mut(&mut self, slot: u32) -> &mut Job {
-        self.slots[slot as usize].as_mut().expect("a job in work is in the shop")
+        self.slots[slot as usize].0.as_mut().expect("a job in work is in the shop")
     }
 
     /// Number of places, free ones included.
@@ -250,6 +257,17 @@ impl Jobs {
 
     /// Jobs in the shop, by place.
     pub fn iter(&self) -> impl Iterator<Item = &Job> {
-        self.slots.iter().flatten()
+        self.slots.iter().filter_map(|slot| slot.0.as_ref())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_job_has_what_every_operation_looks_at_in_front() {
+        assert_eq!((size_of::<JobRow>(), size_of::<Slot>()), (64, 256));
+        assert!(std::mem::offset_of!(Job, ticket) < 128);
     }
 }

@@ -3,6 +3,7 @@
 use super::error::ShopError;
 use super::job::Jobs;
 use super::machine::Readiness;
+use super::machine_plan::MachinePlan;
 use super::ports::{Ports, read, start_values, write};
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
@@ -18,6 +19,8 @@ pub(super) struct Layout {
     pub tools: Vec<ToolPlan>,
     /// By part, by operation.
     pub operations: Vec<Vec<OperationPlan>>,
+    /// Time in cut as programmed, s, by part, by operation.
+    pub cutting_times: Vec<Vec<f64>>,
     /// Time of every pass as programmed, s, by part, by operation.
     pub pass_times: Vec<Vec<Vec<f64>>>,
     /// Expected time of plain work, s, by part, by operation, where rules know no other; else empty.
@@ -26,8 +29,6 @@ pub(super) struct Layout {
     pub overlapping: Vec<Vec<u32>>,
     /// Whether any queue looks at the work that waits for the next operation.
     pub looks_ahead: bool,
-    /// Whether any operation of a machine needs components, by machine.
-    pub assembles: Vec<bool>,
     /// Whether a part goes into others, by part.
     pub components: Vec<bool>,
     /// Machines at which a part is built in, by part.
@@ -54,9 +55,8 @@ pub(super) struct Layout {
     pub random_handling: bool,
     /// Mean times of loading and unloading, s, by machine.
     pub handling: Vec<[f64; 2]>,
-    /// Machines on which plain work that needs no setup is one step: nothing is loaded or unloaded, nobody attends, nothing
-    /// breaks down and nothing is calibrated.
-    pub one_step: Vec<bool>,
+    /// Machines as they choose and begin.
+    pub machine_plans: Vec<MachinePlan>,
     /// Whether machines with queues are all that there is: what nobody uses is not asked for after every instant.
     pub bare: bool,
     /// Whether work goes slower or faster in any shift.
@@ -78,8 +78,9 @@ pub(super) struct ToolPlan {
 }
 
 /// An operation as the engine sees it, small and beside the others of its part: the scenario is too large to be looked at
-/// several times an event.
+/// several times an event. It has one line of the processor's memory to itself.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(super) struct OperationPlan {
     pub content: ContentPlan,
     pub setup_group: u32,
@@ -94,6 +95,8 @@ pub(super) struct OperationPlan {
     pub only_machine: Option<u32>,
     /// Its setup time where it has one of its own, s.
     pub setup_time: Option<f64>,
+    /// Whether chance decides how long its setup takes.
+    pub random_setup: bool,
     /// Whether machines differ in the time of its plain work.
     pub paced: bool,
     /// Whether its plain work goes on in stretches.
@@ -112,12 +115,7 @@ pub(super) enum ContentPlan {
     /// Plain work.
     Plain,
     /// Passes of a tool.
-    Machining {
-        tool: u32,
-        passes: Passes,
-        /// Its passes as programmed, s.
-        cutting_time: f64,
-    },
+    Machining { tool: u32, passes: Passes },
 }
 
 /// Passes of an operation.
@@ -152,7 +150,7 @@ impl Layout {
                 let content = operation.tool.map_or(ContentPlan::Plain, |tool| {
                     let passes = Passes { passes: operation.work.passes() as u32, first_pass };
                     first_pass += passes.passes;
-                    ContentPlan::Machining { tool: tool as u32, passes, cutting_time }
+                    ContentPlan::Machining { tool: tool as u32, passes }
                 });
                 let mut machines = operation.machines.clone();
                 machines.sort_unstable();
@@ -168,6 +166,7 @@ impl Layout {
                     known_time: machine.load_time.mean() + cutting_time + machine.unload_time.mean(),
                     only_machine: if let [only] = operation.machines[..] { Some(only as u32) } else { None },
                     setup_time: operation.setup_time,
+                    random_setup: operation.setup_spread.is_some(),
                     paced: !operation.time_on.is_empty(),
                     stretched: operation.worn_tool.is_some()
                         || matches!(operation.attendance.presence, Presence::First(_)),
@@ -231,7 +230,11 @@ impl Layout {
             .iter()
             .zip(modes_of.iter().zip(&upkeep_of))
             .map(|(times, (modes, upkeep))| alone && modes.is_empty() && upkeep.is_empty() && *times == [0.0; 2]);
-        let one_step = one_step.collect();
+        let one_step: Vec<bool> = one_step.collect();
+        let bare = is_bare(scenario);
+        let quick = super::quick::machines(scenario, &operations, one_step.clone(), (bare, looks_ahead));
+        let plan = |index: usize| MachinePlan::of(scenario, index, assembles[index], [one_step[index], quick[index]]);
+        let machine_plans = (0..scenario.machines.len()).map(plan).collect();
         let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
         let means = |part: &Part| part.operations.iter().map(|own| own.work.plain_time()).collect();
         let expected = match control.keys.time {
@@ -243,11 +246,11 @@ impl Layout {
         Ok(Self {
             tools,
             operations,
+            cutting_times: programmed,
             pass_times,
             expected,
             overlapping,
             looks_ahead,
-            assembles,
             components,
             takes,
             modes_of,
@@ -261,8 +264,8 @@ impl Layout {
             plain_operations,
             random_handling,
             handling,
-            one_step,
-            bare: is_bare(scenario),
+            machine_plans,
+            bare,
             uneven: scenario.calendars.iter().any(|calendar| !calendar.paces.is_even()),
             samples: scenario.parts.iter().flat_map(|part| &part.operations).any(|own| own.inspection.passes_by()),
             travels: super::fixture::travels(scenario),
@@ -305,10 +308,10 @@ impl Layout {
     /// or operation, which a setup matrix of the machine replaces.
     #[inline]
     pub fn setup(&self, scenario: &Scenario, machine: usize, ready: Readiness, group: u32, usual: f64) -> Option<f64> {
-        let Some(index) = scenario.machines[machine].setup_matrix else {
+        let Some(index) = self.machine_plans[machine].setup_matrix else {
             return if ready.suits(group) { None } else { Some(usual) };
         };
-        let (matrix, places) = (&scenario.setup_matrices[index], &self.matrix_places[index]);
+        let (matrix, places) = (&scenario.setup_matrices[index as usize], &self.matrix_places[index as usize]);
         let to = places[group as usize]?;
         let time = match ready {
             Readiness::Anything => return None,
@@ -353,16 +356,22 @@ impl ToolPlan {
 
     /// The input of a cut at its programmed speed, without scatter.
     pub fn cut_input(&self, cut: &Cut) -> Vec<f64> {
-        let mut input = self.input.clone();
-        write(&mut input, self.ports.cutting_speed, cut.cutting_speed);
-        write(&mut input, self.ports.feed, cut.feed);
-        write(&mut input, self.ports.depth_of_cut, cut.depth_of_cut);
-        write(&mut input, self.ports.width_of_cut, cut.width_of_cut);
-        if cut.diameter > 0.0 {
-            write(&mut input, self.ports.workpiece_diameter, cut.diameter);
-        }
-        write(&mut input, self.ports.position, cut.position);
+        let mut input = Vec::new();
+        self.write_cut(cut, &mut input);
         input
+    }
+
+    /// The same into a buffer that is there already.
+    pub fn write_cut(&self, cut: &Cut, input: &mut Vec<f64>) {
+        input.clone_from(&self.input);
+        write(input, self.ports.cutting_speed, cut.cutting_speed);
+        write(input, self.ports.feed, cut.feed);
+        write(input, self.ports.depth_of_cut, cut.depth_of_cut);
+        write(input, self.ports.width_of_cut, cut.width_of_cut);
+        if cut.diameter > 0.0 {
+            write(input, self.ports.workpiece_diameter, cut.diameter);
+        }
+        write(input, self.ports.position, cut.position);
     }
 }
 

@@ -66,6 +66,7 @@ mod kinetic;
 mod layout;
 mod lot;
 mod machine;
+mod machine_plan;
 mod maintenance;
 mod operation;
 mod operator;
@@ -76,6 +77,7 @@ mod ports;
 mod preemption;
 mod program;
 mod queue;
+mod quick;
 mod release;
 mod sequence;
 mod shift;
@@ -116,6 +118,7 @@ pub use toolroom_runlog::recorder::{Closing, Recorder, Silent};
 pub use toolroom_runlog::runlog::{self, RunLog};
 
 use crate::runlog::{EventRow, LogEvent, StateRow};
+use draws::Ranks;
 use layout::Layout;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -203,7 +206,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
         let machines = scenario.machines.iter().enumerate().map(machine).collect();
         let source = |index| {
             let entity = Entity::named("arrivals").part(index as u64);
-            let ranks = draws::ranks(scenario, &streams, index);
+            let ranks = Ranks::of(scenario, &layout, &streams, index);
             SourceState { released: 0, releases: 0, pieces: 0, stream: streams.open(entity, Purpose::Arrival), ranks }
         };
         let failure = FailureState { count: 0, failed: false, left: 0.0, repair: 0.0, since: SimTime::ZERO, due: None };

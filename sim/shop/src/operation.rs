@@ -33,9 +33,10 @@ impl Piece {
 
 impl<R: Recorder> Shop<'_, R> {
     /// The setup that a machine needs for an operation, s; `None` where it needs none.
+    #[inline]
     pub(super) fn setup_for(&self, machine: usize, part: usize, index: usize) -> Option<f64> {
         let plan = &self.layout.operations[part][index];
-        let usual = plan.setup_time.unwrap_or(self.scenario.machines[machine].setup_time);
+        let usual = plan.setup_time.unwrap_or(self.layout.machine_plans[machine].setup_time);
         self.layout.setup(self.scenario, machine, self.world.machines[machine].ready, plan.setup_group, usual)
     }
 
@@ -61,7 +62,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// A machine takes a job, and in a batch others with it.
     pub(super) fn begin(&mut self, machine: usize, slot: u32, riders: Vec<u32>) -> Result<(), ShopError> {
-        if self.layout.one_step[machine] && riders.is_empty() && self.begin_one_step(machine, slot)? {
+        if self.layout.machine_plans[machine].one_step && riders.is_empty() && self.begin_one_step(machine, slot)? {
             return Ok(());
         }
         let asked = self.asked(machine, slot);
@@ -70,7 +71,7 @@ impl<R: Recorder> Shop<'_, R> {
         let number = job.number;
         let plan = &self.layout.operations[job.row.part as usize][job.operation as usize];
         let state = &mut self.world.machines[machine];
-        let setup = plan.setup_time.unwrap_or(self.scenario.machines[machine].setup_time);
+        let setup = plan.setup_time.unwrap_or(self.layout.machine_plans[machine].setup_time);
         // A machine is set up once for all jobs of an order.
         let again = std::mem::replace(&mut state.set_up, state.kept_for.is_some());
         let needed = self.layout.setup(self.scenario, machine, state.ready, plan.setup_group, setup).filter(|_| !again);
@@ -86,57 +87,12 @@ impl<R: Recorder> Shop<'_, R> {
         self.drive(machine, true)
     }
 
-    /// Begins plain work that is one step, to the same effect as step by step; false where it is not.
-    fn begin_one_step(&mut self, machine: usize, slot: u32) -> Result<bool, ShopError> {
-        let (now, job) = (self.now(), self.world.jobs.at(slot));
-        let plan = &self.layout.operations[job.row.part as usize][job.operation as usize];
-        if !matches!(plan.content, ContentPlan::Plain) || plan.stretched {
-            return Ok(false);
-        }
-        let group = plan.setup_group;
-        if self.setup_for(machine, job.row.part as usize, job.operation as usize).is_some() {
-            return Ok(false);
-        }
-        let (times, drawn) = self.plain_work(machine, slot);
-        let time = job.rest.unwrap_or(times * drawn.max(0.0));
-        if time <= 0.0 {
-            return Ok(false);
-        }
-        let taken = time / self.pace_at(machine, now);
-        let end = self.schedule(now.after(taken)?, super::Event::StepEnd { machine: machine as u32 })?;
-        let job = self.world.jobs.at_mut(slot);
-        job.rest = None;
-        if job.row.start.is_nan() {
-            job.row.start = now.seconds();
-        }
-        let state = &mut self.world.machines[machine];
-        state.ready = Readiness::Group(group);
-        state.task = Some(Task {
-            slot,
-            begun: now,
-            step: Step::Work,
-            left: time,
-            since: now,
-            end: Some(end),
-            operator: None,
-            presence: 0.0,
-            waits: false,
-            load_time: 0.0,
-            unload_time: 0.0,
-            content: Content::Plain(time),
-            before: 0.0,
-            riders: Vec::new(),
-            tending: None,
-        });
-        self.show_state(machine);
-        Ok(true)
-    }
-
     /// An operation in a machine as it begins, without setup.
     pub(super) fn task_of(&mut self, machine: usize, slot: u32, riders: Vec<u32>, asked: &Asked) -> Task {
         let now = self.now();
         let job = self.world.jobs.at(slot);
-        let plan = self.layout.operations[job.row.part as usize][job.operation as usize];
+        let (part, index) = (job.row.part as usize, job.operation as usize);
+        let plan = self.layout.operations[part][index];
         let [mut load_time, mut unload_time] = self.handling(machine, slot, asked);
         for &rider in &riders {
             let handling = self.handling(machine, rider, asked);
@@ -152,7 +108,8 @@ impl<R: Recorder> Shop<'_, R> {
                 let time = self.world.jobs.at_mut(slot).rest.take().unwrap_or(moved);
                 self.plain_content(slot, !riders.is_empty(), time)
             }
-            ContentPlan::Machining { tool, cutting_time, .. } => {
+            ContentPlan::Machining { tool, .. } => {
+                let cutting_time = self.layout.cutting_times[part][index];
                 let moved = asked.moved(self.scenario, cutting_time);
                 Content::Machining(Box::new(Machining {
                     tool,
@@ -242,6 +199,9 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// The step of a machine ends by its event.
     pub(super) fn step_ended(&mut self, machine: usize) -> Result<(), ShopError> {
+        if self.layout.machine_plans[machine].is_quick && self.end_quick(machine)? {
+            return Ok(());
+        }
         let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
         task.end = None;
         task.left = 0.0;
@@ -452,6 +412,7 @@ impl<R: Recorder> Shop<'_, R> {
             }
         }
         self.unclamp(slot, index as usize, true);
+        self.log_state(machine); // who counts operations wants to know how long they took
         self.recorder.operation(OperationRow { next: self.world.jobs.at(slot).operation, ..row });
         if self.world.flow.is_limited() {
             self.free_place(slot); // with blocking before service the machine's place counts with the buffer's

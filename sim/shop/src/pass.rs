@@ -163,7 +163,8 @@ impl<R: Recorder> Shop<'_, R> {
         let conditions = controller.choose(&seen);
         let tool = &self.scenario.tools[place.tool];
         let tool_plan = &self.layout.tools[place.tool];
-        let mut input = tool_plan.cut_input(cut);
+        let mut input = std::mem::take(&mut state.segment.start_input);
+        tool_plan.write_cut(cut, &mut input);
         write(&mut input, ports.cutting_speed, conditions.start_speed);
         let duration = if ports.feed_rate.is_some() {
             cut_duration(cut, process, tool_plan, &input) * piece.share_left * f64::from(conditions.layers)
@@ -175,6 +176,7 @@ impl<R: Recorder> Shop<'_, R> {
         };
         if edge.row.passes > 0 && controller.change_due(&seen, &conditions, duration) {
             edge.spent = Some(ChangeReason::Rule);
+            state.segment.start_input = input;
             return self.begin_change(machine);
         }
         if let (Some(observer), Some(cut)) = (&mut edge.observer, controller.nominal_cut()) {

@@ -157,8 +157,12 @@ impl Queue {
                     *full = (2 * jobs.len()).max(FULL);
                 }
                 let after = |other: &Waiting| (other.since, other.number) > (waiting.since, waiting.number);
-                let behind = jobs.iter().rev().take_while(|other| after(other)).count();
-                jobs.insert(jobs.len() - behind, waiting);
+                if jobs.back().is_some_and(after) {
+                    let behind = jobs.iter().rev().take_while(|other| after(other)).count();
+                    jobs.insert(jobs.len() - behind, waiting);
+                } else {
+                    jobs.push_back(waiting);
+                }
             }
             Order::Heap { jobs, full } => {
                 if jobs.len() >= *full {
@@ -190,6 +194,16 @@ impl Queue {
         }
     }
 
+    /// Takes out the job that goes first where keys stand, so that neither clock nor machine counts; `None` where they do not.
+    #[inline]
+    pub(super) fn take_standing(&mut self, here: impl Fn(&Waiting) -> bool) -> Option<Option<Waiting>> {
+        match &mut self.0 {
+            Order::Line { jobs, .. } => Some(std::iter::from_fn(|| jobs.pop_front()).find(here)),
+            Order::Heap { jobs, .. } => Some(std::iter::from_fn(|| jobs.pop()).find(here)),
+            Order::Scan { .. } | Order::Kinetic(_) => None,
+        }
+    }
+
     /// Takes out the job that goes first at time `now`, s. `here` tells whether a job is still to be had; `keys` gives its
     /// keys at this moment, from the means over all that are of what `measures` gives. Only a queue whose keys change asks for
     /// them.
@@ -201,8 +215,7 @@ impl Queue {
         keys: impl Fn(&Waiting, &Facts, Measures) -> Keys,
     ) -> Option<Waiting> {
         match &mut self.0 {
-            Order::Line { jobs, .. } => std::iter::from_fn(|| jobs.pop_front()).find(here),
-            Order::Heap { jobs, .. } => std::iter::from_fn(|| jobs.pop()).find(here),
+            Order::Line { .. } | Order::Heap { .. } => self.take_standing(here).flatten(),
             Order::Scan { jobs, .. } => {
                 jobs.retain(|(waiting, _)| here(waiting));
                 let mean = mean(jobs, measures);

@@ -77,7 +77,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// Whether a machine begins operations only where they will be over before its shift is.
     pub(super) fn looks_at_shift_end(&self, machine: usize) -> bool {
-        self.calendar_of(machine).is_some_and(|calendar| calendar.start_only_if_fits)
+        self.layout.machine_plans[machine].fits_shifts
     }
 
     /// Whether a machine may begin the operation of a job now: where its calendar asks for it, only what will be over before

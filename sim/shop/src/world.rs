@@ -4,6 +4,7 @@ use super::assembly::Stocked;
 use super::cards::Cards;
 use super::crew::CrewState;
 use super::crib::CribState;
+use super::draws::Ranks;
 use super::fixture::{FixtureState, Lacking};
 use super::flow::Flow;
 use super::job::Jobs;
@@ -112,6 +113,6 @@ pub struct SourceState {
     pub releases: u64,
     /// Times between arrivals.
     pub stream: Stream,
-    /// Ranks of the times of plain work: part, operation and its stream.
-    pub(super) ranks: Vec<(usize, usize, Stream)>,
+    /// Times of plain work, by part.
+    pub(super) ranks: Vec<Ranks>,
 }

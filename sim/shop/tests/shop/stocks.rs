@@ -23,7 +23,7 @@ fn boxes(stock: &str, boxes: &str) -> Scenario {
 
 /// Minutes at which an event happened.
 fn times(log: &RunLog, event: &str) -> Vec<f64> {
-    log.events.iter().filter(|row| row.event == event).map(|row| row.time / 60.0).collect()
+    log.events.iter().filter(|row| row.event.name() == event).map(|row| row.time / 60.0).collect()
 }
 
 /// Minutes at which the operations of a machine began.
