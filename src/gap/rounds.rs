@@ -21,6 +21,7 @@ pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
             group: None,
             set: Vec::new(),
             effects: args.effects.clone(),
+            propose: None,
             holdout: None,
             holdout_data: None,
             seed: args.seed,
