@@ -299,6 +299,7 @@ pub(crate) fn log() -> RunLog {
             EventRow { time: 420.0, event: LogEvent::ToolChange, machine: Some(0), job: None, edge: Some(0) },
             EventRow { time: 690.0, event: LogEvent::Scrap, machine: None, job: Some(1), edge: Some(1) },
         ],
+        attendances: Vec::new(),
         horizon: 3600.0,
         warm_up: 0.0,
         digest: 0x0123_4567_89ab_cdef,

@@ -87,6 +87,8 @@ fn part(name: String, operations: Vec<Operation>) -> Part {
         batch_size: 25,
         deviating_lot: None,
         components,
+        pegging: Default::default(),
+        replenish: Default::default(),
         random_routing: false,
         operations,
     }

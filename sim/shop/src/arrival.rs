@@ -136,9 +136,10 @@ impl<R: Recorder> Shop<'_, R> {
                 found.or(arrival.parts.last()).map_or(0, |(part, _)| *part)
             }
         };
-        let quantity = match arrival.quantity {
-            Distribution::Constant(pieces) => pieces,
-            ref drawn => drawn.sample(&mut self.streams.open(entity.part(draws::QUANTITY), Purpose::Arrival)),
+        let quantity = if let Distribution::Constant(pieces) = arrival.quantity {
+            pieces
+        } else {
+            arrival.quantity.sample(&mut self.streams.open(entity.part(draws::QUANTITY), Purpose::Arrival))
         };
         (part, (quantity.round() as u32).max(1))
     }

@@ -83,7 +83,7 @@ fn random_text(seed: u64) -> String {
             let outcomes = "outcomes = [{ share = 0.2, go = \"0\" }, { share = 0.15, scrap = true }]\nrework_max = 2\n";
             match pick(4) {
                 0 => tail.push_str(outcomes),
-                1 => write!(tail, "{outcomes}sample = {{ every = 3 }}\n").unwrap(),
+                1 => writeln!(tail, "{outcomes}sample = {{ every = 3 }}").unwrap(),
                 2 if !assembles => tail.push_str("sample = { every = 2, others = \"pass\" }\n"),
                 _ => {}
             }
