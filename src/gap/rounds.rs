@@ -25,7 +25,6 @@ pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
             holdout: None,
             holdout_data: None,
             seed: args.seed,
-            propose: None,
             out: Some(folder.clone()),
         };
         diagnose::run(&diagnosing, voice)?;
