@@ -3,11 +3,12 @@
 use crate::args::CheckArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
+use crate::study::section;
+use crate::study::section;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use toolroom_form::Echo;
 use toolroom_kinds::FileKind;
-use toolroom_study::StatisticsWanted;
 
 pub fn run(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
     let path = &args.file;
@@ -28,8 +29,7 @@ pub fn run(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
     if kind.word == "scenario" {
         // Its figures are known where they are computed.
         let file = toolroom_scenario_file::read(path, &changes.overrides())?;
-        StatisticsWanted::of(&file.scenario, &file.statistics)
-            .map_err(|error| Failure::argument(&error, error.fix()))?;
+        section(&file)?;
     }
     if voice.json {
         let mut result = json!({ "schema": 1, "file": path.display().to_string(), "valid": true });

@@ -83,10 +83,18 @@ impl Place {
     }
 }
 
+/// What `[statistics]` of a scenario wants; what it says wrongly is told with the line of the section.
+pub fn section(file: &ScenarioFile) -> Result<StatisticsWanted, Failure> {
+    StatisticsWanted::of(&file.scenario, &file.statistics).map_err(|error| {
+        let line = file.text.lines().position(|line| line.trim_start().starts_with("[statistics]"));
+        let place = line.map_or_else(String::new, |line| format!("line {}: ", line + 1));
+        Failure::argument(format!("{place}{error}"), error.fix())
+    })
+}
+
 /// What `[statistics]` of a scenario wants, with what the command line says in its place.
 pub fn statistics(file: &ScenarioFile, args: &StudyArgs) -> Result<StatisticsWanted, Failure> {
-    let wanted = StatisticsWanted::of(&file.scenario, &file.statistics)
-        .map_err(|error| Failure::argument(&error, error.fix()))?;
+    let wanted = section(file)?;
     let until = if args.until.is_empty() { wanted.until } else { args.until.clone() };
     Ok(StatisticsWanted { until, ..wanted })
 }

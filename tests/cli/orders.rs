@@ -69,8 +69,18 @@ fn a_scenario_says_what_is_to_be_known() {
     write(section);
     let out = folder.join("out").display().to_string();
     let name = scenario.display().to_string();
-    let small =
-        ["--set", "shop.horizon=\"200 h\"", "--set", "shop.replications=60", "--force", "--out", &out, "--json"];
+    let small = [
+        "--set",
+        "shop.horizon=\"200 h\"",
+        "--set",
+        "shop.warm_up=\"20 h\"",
+        "--set",
+        "shop.replications=60",
+        "--force",
+        "--out",
+        &out,
+        "--json",
+    ];
     let run = |more: &[&str]| {
         let ran = toolroom(&[&["run", &name][..], &small, more].concat());
         assert!(ran.status.success(), "{}", stderr(&ran));
@@ -87,5 +97,10 @@ fn a_scenario_says_what_is_to_be_known() {
     let checked = toolroom(&["check", &name]);
     assert_eq!(checked.status.code(), Some(2), "{}", stdout(&checked));
     let message = stderr(&checked);
-    assert!(message.contains("[statistics] primary") && message.contains("did you mean `lead_time`"), "{message}");
+    assert!(
+        message.contains("line ")
+            && message.contains("[statistics] primary")
+            && message.contains("did you mean `lead_time`"),
+        "{message}"
+    );
 }
