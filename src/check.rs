@@ -4,7 +4,6 @@ use crate::args::CheckArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use crate::study::section;
-use crate::study::section;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use toolroom_form::Echo;

@@ -72,7 +72,7 @@ impl GapStudy {
         for ((_, diagnosis), own) in answers.processes.iter_mut().zip(&points) {
             diagnosis.notes.extend(grew(own).iter().map(Grew::words));
         }
-        let proposals = proposals(request, &mut answers, (&rest, &stated, &asked))?;
+        let proposals = proposals(request, &mut answers, &rest, (&stated, &asked))?;
         let with_records = stated.iter().zip(&points).filter_map(|(known, own)| Some((known.records.as_ref()?, own)));
         let predictions = with_records.flat_map(|(records, points)| predictions_of(records, points)).collect();
         let pages = completed(request, &mut answers, rest, &asked);
@@ -154,7 +154,8 @@ fn prepared(
 fn proposals(
     request: &GapRequest<'_>,
     answers: &mut Answers,
-    (tables, stated, asked): (&[Option<(NominalModel, Records)>], &[Known], &[Asked]),
+    tables: &[Option<(NominalModel, Records)>],
+    (stated, asked): (&[Known], &[Asked]),
 ) -> Result<Vec<(usize, Proposed)>, GapStudyError> {
     let Some(file) = request.propose else { return Ok(Vec::new()) };
     let mut all = Vec::new();

@@ -301,25 +301,24 @@ fn week(walk: &mut Walk, table: &DeTable<'_>) -> [Vec<PacedShift>; 7] {
 /// `"06:00-14:00"`, or `{ time = "22:00-06:00", factor = 0.8 }`.
 fn paced(walk: &mut Walk, entry: &DeValue<'_>, span: Span) -> Option<PacedShift> {
     const SHIFT: &str = "\"06:00-14:00\", \"22:00-06:00\" or { time = \"22:00-06:00\", factor = 0.8 }";
-    let (text, factor) = match entry {
-        DeValue::Table(table) => {
-            if let Some((key, _)) = table.iter().find(|(key, _)| !["time", "factor"].contains(&&**key.get_ref())) {
-                no_date(walk, key.span(), "week", key.get_ref(), "key of a shift", SHIFT);
-            }
-            let factor = match table.get("factor").map(|factor| factor.get_ref()) {
-                None => Some(1.0),
-                Some(DeValue::Float(number)) => number.as_str().parse::<f64>().ok(),
-                Some(DeValue::Integer(number)) => number.as_str().parse::<f64>().ok(),
-                Some(_) => None,
-            };
-            let Some(factor) = factor.filter(|factor| *factor > 0.0 && *factor <= FASTEST) else {
-                let place = table.get("factor").map_or(span, |factor| factor.span());
-                no_date(walk, place, "week", "factor", "factor on the speed of work, above 0 and at most 10", SHIFT);
-                return None;
-            };
-            (table.get("time").and_then(|time| time.get_ref().as_str()).unwrap_or_default(), factor)
+    let (text, factor) = if let DeValue::Table(table) = entry {
+        if let Some((key, _)) = table.iter().find(|(key, _)| !["time", "factor"].contains(&&**key.get_ref())) {
+            no_date(walk, key.span(), "week", key.get_ref(), "key of a shift", SHIFT);
         }
-        other => (other.as_str().unwrap_or_default(), 1.0),
+        let factor = match table.get("factor").map(|factor| factor.get_ref()) {
+            None => Some(1.0),
+            Some(DeValue::Float(number)) => number.as_str().parse::<f64>().ok(),
+            Some(DeValue::Integer(number)) => number.as_str().parse::<f64>().ok(),
+            Some(_) => None,
+        };
+        let Some(factor) = factor.filter(|factor| *factor > 0.0 && *factor <= FASTEST) else {
+            let place = table.get("factor").map_or(span, |factor| factor.span());
+            no_date(walk, place, "week", "factor", "factor on the speed of work, above 0 and at most 10", SHIFT);
+            return None;
+        };
+        (table.get("time").and_then(|time| time.get_ref().as_str()).unwrap_or_default(), factor)
+    } else {
+        (entry.as_str().unwrap_or_default(), 1.0)
     };
     match interval(text) {
         Some(shift) => Some(PacedShift { shift, factor }),
