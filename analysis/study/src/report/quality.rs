@@ -106,11 +106,12 @@ fn table(source: &Source<'_>, place: &Place<'_>) -> Table {
         sizes.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         let count = sizes.len();
         let time: f64 = place.passes(log).filter(|row| row.end < log.horizon).map(|row| row.cutting_time).sum();
-        let scrapped = |outcome| {
-            let jobs = log.jobs.iter().filter(|job| job.part == place.part);
-            let finished = jobs.clone().filter(|job| job.outcome != JobOutcome::InProcess).count();
-            100.0 * jobs.filter(|job| job.outcome == outcome).count() as f64 / finished.max(1) as f64
-        };
+        // Of this operation alone: what an inspection elsewhere finds is no size of it.
+        let tolerance = convert(place.description.size_tolerance, "m", "um");
+        let off_size = 100.0 * sizes.iter().filter(|size| size.abs() > tolerance).count() as f64 / count.max(1) as f64;
+        let jobs = log.jobs.iter().filter(|job| job.part == place.part);
+        let finished = jobs.clone().filter(|job| job.outcome != JobOutcome::InProcess).count();
+        let burnt = 100.0 * jobs.filter(|job| job.outcome == JobOutcome::Burnt).count() as f64 / finished.max(1) as f64;
         let worn = || {
             let tool = place.tool as u32;
             log.edges.iter().filter(move |edge| edge.tool == tool && edge.reason != ChangeReason::EndOfRun)
@@ -123,8 +124,8 @@ fn table(source: &Source<'_>, place: &Place<'_>) -> Table {
             plain(sizes.iter().sum::<f64>() / count as f64, 3),
             plain(rank(0.95), 3),
             plain(rank(1.0), 3),
-            plain(scrapped(JobOutcome::OutOfTolerance), 2),
-            plain(scrapped(JobOutcome::Burnt), 2),
+            plain(off_size, 2),
+            plain(burnt, 2),
             plain(parts, 1),
         ];
         let first = [Cell::from(policy.name.as_str()), count.to_string().into()];
