@@ -267,8 +267,8 @@ const TIMED: [&str; 3] = [
 const FAST: [&str; 3] =
     ["failure.1.time_between.mean=\"10 min\"", "failure.1.time_to_repair.mean=\"2 min\"", "machine.M.count=10"];
 
-/// Tolerances are some four standard errors: of queues by the asymptotic variance of their stays, of lines by independent
-/// models of as many parts.
+/// Tolerances are relative and were set before the runs at some four standard errors: of queues by the asymptotic variance of
+/// their stays, of lines by independent models of as many parts; where neither was to be had they are estimates (assumption).
 #[rustfmt::skip]
 const CASES: &[Case] = &[
     Case { claim: "mean stay in M/E2/1 at 80 % load, min", source: "Pollaczek and Khinchine: Kleinrock I, eq. 5.64", text: QUEUE, changes: &["part.job.operation.serve.work={ distribution = \"erlang\", mean = \"1 min\", k = 2 }"], hours: 16_667, measure: Measure::Stay(None), known: 4.0, tolerance: 0.05 },
