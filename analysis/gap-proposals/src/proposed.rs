@@ -21,7 +21,7 @@ use toolroom_records::Records;
 const PARTS: usize = 3;
 /// Cells of the map whose channels are described (count). Assumption: weaker structure follows from stronger.
 const CELLS: usize = 3;
-/// Terms that count as one file (count): what is listed as equally good beside a term.
+/// Terms that are listed as equally good beside a term at most (count). Assumption: nobody reads a longer list.
 const AS_GOOD: usize = 8;
 
 /// Said wherever a term is printed.

@@ -93,7 +93,8 @@ const JOINED: usize = 4;
 /// Log-likelihood below that of the highest top within which another one is climbed on all classes (assumption: joining classes
 /// moves tops against each other by less).
 const NEARLY: f64 = 3.0;
-/// Distance of parameters below which two searches have ended at the same top: they are logarithms.
+/// Distance of parameters below which two searches have ended at the same top: they are logarithms, and one per cent is far
+/// below what the data tell of them (assumption).
 const SAME: f64 = 0.01;
 
 /// The tops that may be the highest on all classes, each of them once.

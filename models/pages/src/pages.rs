@@ -23,7 +23,7 @@ pub trait Reader: Clone {
     fn stays(item: &Self::Item) -> bool;
 }
 
-/// Items of a page.
+/// Items of a page (assumption: few enough to be read again at once).
 const PAGE: usize = 1024;
 /// Pages that are kept beside those that have to stay: programs of less than so many thousand lines are read once (assumption:
 /// some 20 MB of statements).

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use toolroom_form::{Fault, Section, Span, Walk, nearest};
 use toolroom_scenario::{InProcess, MachineType, Order, Part, Replenish, Work, date};
 
-/// Most orders that are named where one is not known.
+/// Most orders that are named where one is not known (assumption: what a reader looks through).
 const MOST_KNOWN: usize = 20;
 
 /// What the orders of a file are read against.

@@ -11,7 +11,7 @@ use crate::{FileError, Point};
 const DEPTH: usize = 8;
 /// Greatest number of copies by rows and columns: a bound against drawings without end (assumption).
 const COPIES: f64 = 1000.0;
-/// Relative difference of scales along X and Y that is none.
+/// Relative difference of scales along X and Y that is none: the rounding of nine written digits.
 const EQUAL: f64 = 1e-9;
 
 /// Adds the elements of a block at the place of an insertion.
