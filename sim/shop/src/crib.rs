@@ -100,9 +100,42 @@ impl<R: Recorder> Shop<'_, R> {
         Ok(())
     }
 
-    /// A machine waits for an edge.
+    /// Edges that a machine grinds while the order for which it is kept has nothing for it: those for which another machine
+    /// waits, since the pieces that are on their way may be in that one.
+    pub(super) fn edges_meanwhile(&mut self, machine: usize) -> Option<u32> {
+        let kept = self.world.machines[machine].kept_for.is_some();
+        if !kept || self.world.cribs.iter().all(|crib| crib.waiting.is_empty() || crib.ground.is_empty()) {
+            return None;
+        }
+        let (mut found, mut aside) = (None, Vec::new());
+        while let Some(waiting) = self.choose(machine) {
+            let awaited = match self.world.jobs.at(waiting.slot).origin {
+                Origin::Crib(crib) => !self.world.cribs[crib as usize].waiting.is_empty(),
+                Origin::Order(_) | Origin::Source(_) | Origin::Stock(_) => false,
+            };
+            if awaited && self.lack_of(machine, waiting.slot).is_none() && self.fits(machine, waiting.slot) {
+                found = Some(waiting.slot);
+                break;
+            }
+            aside.push(waiting.slot);
+        }
+        aside.into_iter().for_each(|slot| self.join(machine, slot));
+        if let Some(slot) = found {
+            self.stop_waiting(slot, Some(machine));
+        }
+        found
+    }
+
+    /// A machine waits for an edge: those that grind edges of this tool may do it now, whatever they are kept for.
     pub(super) fn await_edge(&mut self, crib: usize, machine: usize) {
         self.world.cribs[crib].waiting.push_back(machine as u32);
+        let regrind = self.scenario.shared.cribs[crib].regrind.as_ref();
+        for &station in regrind.and_then(|own| own.part).iter().flat_map(|part| {
+            let operations = &self.scenario.parts[*part].operations;
+            operations.iter().flat_map(|operation| &operation.machines)
+        }) {
+            self.may_choose(station);
+        }
         self.release_operator(machine);
         let state = &mut self.world.machines[machine];
         let task = state.task.as_mut().expect(IN_WORK);

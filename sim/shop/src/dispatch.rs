@@ -178,20 +178,8 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// The job that a machine takes next: of the order for which it is kept, or by its rules.
     fn pick(&mut self, machine: usize) -> Result<Option<u32>, ShopError> {
-        if let Some((order, operation)) = self.world.machines[machine].kept_for {
-            if self.has_fixtures() || self.looks_at_shift_end(machine) {
-                let next = self.world.peek_of_lot(order, operation, machine);
-                let lack = next.and_then(|slot| self.lack_of(machine, slot));
-                self.set_lack(machine, lack);
-                if lack.is_some() || next.is_some_and(|slot| !self.fits(machine, slot)) {
-                    return Ok(None);
-                }
-            }
-            let next = self.world.next_of_lot(order, operation, machine);
-            if next.is_none() {
-                self.starves(machine, (order, operation));
-            }
-            return Ok(next);
+        if let Some(kept) = self.world.machines[machine].kept_for {
+            return Ok(self.next_kept(machine, kept).or_else(|| self.edges_meanwhile(machine)));
         }
         if self.scenario.control.schedule.is_some() {
             return self.pick_planned(machine);
@@ -206,6 +194,23 @@ impl<R: Recorder> Shop<'_, R> {
             self.stop_waiting(slot, Some(machine));
         }
         Ok(found)
+    }
+
+    /// The next job of the order for which a machine is kept, where it is there and can be begun.
+    fn next_kept(&mut self, machine: usize, (order, operation): (u32, u32)) -> Option<u32> {
+        if self.has_fixtures() || self.looks_at_shift_end(machine) {
+            let next = self.world.peek_of_lot(order, operation, machine);
+            let lack = next.and_then(|slot| self.lack_of(machine, slot));
+            self.set_lack(machine, lack);
+            if lack.is_some() || next.is_some_and(|slot| !self.fits(machine, slot)) {
+                return None;
+            }
+        }
+        let next = self.world.next_of_lot(order, operation, machine);
+        if next.is_none() {
+            self.starves(machine, (order, operation));
+        }
+        next
     }
 
     /// A job waits no longer; the queue of `machine` does not have it any more.

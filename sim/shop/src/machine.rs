@@ -6,6 +6,7 @@ use super::cut::Segment;
 use super::deviation::Moved;
 use super::draws::Blank;
 use super::edge::Edge;
+use super::job::Origin;
 use super::queue::Queue;
 use crate::runlog::{MachineState, PassRow};
 use toolroom_kernel::{EventKey, SimTime};
@@ -442,6 +443,12 @@ impl Machine {
     #[inline]
     pub fn is_free(&self) -> bool {
         self.is_up() && self.task.is_none() && self.blocked.is_none()
+    }
+
+    /// Whether it is kept for the order that a job belongs to.
+    #[inline]
+    pub(super) fn is_kept_for(&self, origin: Origin) -> bool {
+        self.kept_for.is_some_and(|(order, _)| origin == Origin::Order(order))
     }
 
     /// The state that the log should show.

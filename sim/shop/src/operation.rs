@@ -44,7 +44,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn setup_of_next(&self, machine: usize, slot: u32) -> Option<f64> {
         let (job, state) = (self.world.jobs.at(slot), &self.world.machines[machine]);
         let setup = self.setup_for(machine, job.row.part as usize, job.operation as usize);
-        setup.filter(|_| !(state.set_up && state.kept_for.is_some()))
+        setup.filter(|_| !(state.set_up && state.is_kept_for(job.origin)))
     }
 
     /// The setup of a job that is begun, s: drawn where it is random, the same on every machine and under every rule.
@@ -63,17 +63,19 @@ impl<R: Recorder> Shop<'_, R> {
     /// A machine takes a job, and in a batch others with it.
     pub(super) fn begin(&mut self, machine: usize, slot: u32, riders: Vec<u32>) -> Result<(), ShopError> {
         if self.layout.machine_plans[machine].one_step && riders.is_empty() && self.begin_one_step(machine, slot)? {
+            self.look_ahead(slot);
             return Ok(());
         }
         let asked = self.asked(machine, slot);
         let task = self.task_of(machine, slot, riders, &asked);
         let job = self.world.jobs.at(slot);
-        let number = job.number;
+        let (number, origin) = (job.number, job.origin);
         let plan = &self.layout.operations[job.row.part as usize][job.operation as usize];
         let state = &mut self.world.machines[machine];
         let setup = plan.setup_time.unwrap_or(self.layout.machine_plans[machine].setup_time);
-        // A machine is set up once for all jobs of an order.
-        let again = std::mem::replace(&mut state.set_up, state.kept_for.is_some());
+        // A machine is set up once for all jobs of an order, unless it does something else in between.
+        let kept = state.is_kept_for(origin);
+        let again = std::mem::replace(&mut state.set_up, kept) && kept;
         let needed = self.layout.setup(self.scenario, machine, state.ready, plan.setup_group, setup).filter(|_| !again);
         let needed = needed.map(|time| self.drawn_setup(machine, slot, time));
         let setup = asked.calibrated(self.scenario, ShopConstant::SetupTime, needed.unwrap_or(0.0));

@@ -97,6 +97,56 @@ fn the_only_edge_is_ground_while_its_machine_waits_for_it() {
     assert_eq!(minutes(&log, 0, MachineState::Working), [(0.0, 20.0), (51.0, 69.0), (100.0, 112.0)]);
 }
 
+/// Two pieces that a machine with the only edge bores and the grinder polishes; the grinder is kept for their order.
+#[test]
+fn a_grinder_that_is_kept_for_an_order_grinds_the_edge_for_which_the_order_waits() {
+    let scenario = parsed(
+        r#"
+schema = 1
+[shop]
+name = "kept"
+horizon = "4 h"
+[[machine]]
+name = "M"
+process = "plain"
+tool_change_time = "1 min"
+[[machine]]
+name = "grinder"
+process = "plain"
+setup_at_start = ""
+setup_time = "4 min"
+[[tool]]
+name = "drill"
+process = "life_only"
+life = "20 min"
+edge_cost = "10 EUR"
+[[crib]]
+tool = "drill"
+edges = 1
+regrind = { station = "grinder", time = "10 min" }
+[[part]]
+name = "part"
+operation = [
+    { name = "bore", machines = "M", work = "15 min", tool = "drill" },
+    { name = "polish", machines = "grinder", work = "5 min" },
+]
+[[order]]
+id = "A"
+part = "part"
+quantity = 2
+transfer = 1
+"#,
+    );
+    let log = run(&scenario, 0, 0).unwrap();
+    // The first piece is polished from 19 to 24; at 20 the edge is spent. It is ground from 28 to 38, with a setup before and one
+    // after, and the last ten minutes of boring begin at 39.
+    assert_eq!(minutes(&log, 0, MachineState::WaitingTool), [(20.0, 38.0)]);
+    assert_eq!(minutes(&log, 1, MachineState::Setup), [(15.0, 19.0), (24.0, 28.0), (49.0, 53.0)]);
+    assert_eq!(minutes(&log, 1, MachineState::Working), [(19.0, 24.0), (28.0, 38.0), (53.0, 58.0)]);
+    let pieces = log.jobs.iter().filter(|job| job.order.is_some()).map(|job| job.finish / 60.0).collect::<Vec<_>>();
+    assert_eq!(pieces, [24.0, 58.0]);
+}
+
 #[test]
 fn edges_are_bought_in_lots_and_ground_in_batches() {
     // The second of two edges is taken at 20; one is ordered whenever none is left, and comes after 35 minutes.

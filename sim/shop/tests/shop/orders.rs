@@ -211,6 +211,18 @@ fn a_machine_that_is_set_up_ahead_begins_as_soon_as_the_first_pieces_are_there()
     }
 }
 
+#[test]
+fn a_machine_is_set_up_ahead_although_the_one_before_needs_no_setup() {
+    let text = line_text().replacen("setup_at_start = \"\"\n", "setup_at_start = \"plate\"\n", 1);
+    let log = |ahead: bool| {
+        let change = format!("order.1.setup_ahead={ahead}");
+        run(&parse("line.toml", &text, &[change]).unwrap_or_else(|error| panic!("{error}")).scenario, 0, 0).unwrap()
+    };
+    assert_eq!(minutes(&log(true), 0, MachineState::Setup), []);
+    assert_eq!(minutes(&log(true), 1, MachineState::Setup), [(0.0, 15.0)]);
+    assert_eq!(minutes(&log(false), 1, MachineState::Setup), [(30.0, 45.0)]);
+}
+
 /// The same with three saws and two drills.
 fn wide(changes: &[&str]) -> Scenario {
     let mut all = vec!["machine.A.count=3", "machine.B.count=2"];
