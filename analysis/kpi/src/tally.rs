@@ -186,6 +186,13 @@ fn calendar(scenario: &Scenario, machine: usize) -> Option<&ShiftCalendar> {
     scenario.machines[machine].calendar.map(|index| &scenario.calendars[index])
 }
 
+/// A sum whose last digit does not hang on the order of the machines in the file.
+fn sum_in_any_order(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values.into_iter().sum()
+}
+
 impl Tally {
     pub fn new(scenario: &Scenario) -> Self {
         let components = (0..scenario.parts.len()).map(|part| scenario.is_component(part)).collect();
@@ -237,18 +244,19 @@ impl Tally {
     }
 
     pub fn sum(&self, of: fn(&MachineTally) -> f64) -> f64 {
-        self.machines.iter().map(of).sum()
+        sum_in_any_order(self.machines.iter().map(of))
     }
 
     /// Over the machines that were in shift at all.
     pub fn mean_utilisation(&self) -> f64 {
         let used = || self.machines.iter().map(MachineTally::utilisation).filter(|share| share.is_finite());
-        used().sum::<f64>() / used().count() as f64
+        sum_in_any_order(used()) / used().count() as f64
     }
 
     /// Cutting and tool change time of the cell over the programmed time of its good operations.
     pub fn cell_time_ratio(&self, scenario: &Scenario) -> f64 {
-        let sum = |of: fn(&MachineTally) -> f64| -> f64 { cell(scenario).iter().map(|&m| of(&self.machines[m])).sum() };
+        let sum =
+            |of: fn(&MachineTally) -> f64| sum_in_any_order(cell(scenario).iter().map(|&m| of(&self.machines[m])));
         sum(|m| m.state(MachineState::Cutting) + m.state(MachineState::ToolChange)) / sum(|m| m.programmed_good)
     }
 

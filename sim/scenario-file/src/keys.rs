@@ -329,6 +329,11 @@ static ARRIVALS: Form = Form {
     title: "[[arrivals]]",
     doc: "A source of jobs",
     keys: &[
+        Key::optional(
+            "name",
+            Kind::Name,
+            "Unique name: what it draws stays the same whatever other sources there are; left out: it is called by its part",
+        ),
         Key::optional("part", Kind::Reference("part"), "Part; due unless `part_mix` is given"),
         Key::optional(
             "part_mix",

@@ -23,8 +23,12 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
         let example = "[[arrivals]] with part and pattern or [[order]], or no job ever comes";
         walk.fault(0..0, Fault::Nothing { what: "source of arrivals", example });
     }
-    let mut arrivals = Vec::new();
+    let mut arrivals: Vec<Arrival> = Vec::new();
     for section in sections {
+        let name = section.text("name").map(str::to_owned);
+        if let Some(name) = name.as_ref().filter(|name| arrivals.iter().any(|own| own.name.as_ref() == Some(name))) {
+            walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "arrivals", name: name.clone() });
+        }
         let parts = stocks::parts_of_source(walk, &section, &names.parts);
         let quantity = stocks::quantity(walk, &section);
         let pattern = match section.chosen("pattern", PatternWord::from_word) {
@@ -45,6 +49,7 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
         };
         let due = control::due(walk, &section);
         arrivals.push(Arrival {
+            name,
             parts,
             quantity,
             priority: section.count32("priority"),
@@ -53,6 +58,12 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
             pattern,
         });
     }
+    // What comes in the same instant, and what sources without a name draw, does not hang on the order in the file.
+    let called = |own: &Arrival| {
+        let of_part = |(part, _): &(usize, f64)| names.parts.get(*part).map_or("", String::as_str);
+        own.name.clone().unwrap_or_else(|| own.parts.iter().map(of_part).collect::<Vec<_>>().join(" + "))
+    };
+    arrivals.sort_by_cached_key(called);
     arrivals
 }
 

@@ -179,6 +179,8 @@ pub struct GrindingPhase {
 /// A source of jobs.
 #[derive(Clone, Debug)]
 pub struct Arrival {
+    /// Its own name, by which it draws; `None`: it draws by its place among the sources without one.
+    pub name: Option<String>,
     /// Its parts, by index, each with its share of the jobs; the shares add up to 1.
     pub parts: Vec<(usize, f64)>,
     /// Pieces of a job, drawn for each and rounded to a whole number from 1 on.
@@ -197,7 +199,7 @@ impl Arrival {
     /// A source of single pieces of one part, due by its allowance.
     pub fn of(part: usize, pattern: ArrivalPattern) -> Self {
         let (quantity, due) = (Distribution::Constant(1.0), DueRule::Allowance);
-        Self { parts: vec![(part, 1.0)], quantity, priority: 0, weight: 1.0, due, pattern }
+        Self { name: None, parts: vec![(part, 1.0)], quantity, priority: 0, weight: 1.0, due, pattern }
     }
 
     /// Names of its parts, `ring + shaft`.

@@ -7,7 +7,7 @@ use super::ports::{Ports, write};
 use rand::RngExt;
 use rand_distr::{Distribution as _, StandardNormal};
 use toolroom_kernel::{Entity, Purpose, Stream, Streams};
-use toolroom_scenario::{Operation, Part, Scenario, StructureScatter, Work};
+use toolroom_scenario::{Arrival, Operation, Part, Scenario, StructureScatter, Work};
 use toolroom_wear::{EdgeScatter, PairScatter, Scatter};
 
 /// Owners of what an edge draws, parts of its own name.
@@ -54,13 +54,19 @@ const MOST_JOBS: usize = 16;
 
 impl Ranks {
     /// One stream for every operation with plain work of every part of a source. They belong to the names of part and operation
-    /// and to the place of the source among those of the part, so that other parts and sources change nothing.
+    /// and to the name of the source or, without one, its place among those of the part, so that other parts and sources change
+    /// nothing.
     pub fn of(scenario: &Scenario, layout: &Layout, streams: &Streams, source: usize) -> Vec<Self> {
         let of_part = |&(number, _): &(usize, f64)| {
-            let place = scenario.arrivals[..source].iter().filter(|other| other.brings(number)).count() as u64;
+            let unnamed = |other: &&Arrival| other.name.is_none() && other.brings(number);
+            let place = scenario.arrivals[..source].iter().filter(unnamed).count() as u64;
             let part = &scenario.parts[number];
             let stream = |operation: &Operation| {
-                let owner = Entity::named(&format!("{}/{}", part.name, operation.name)).part(place);
+                let work = format!("{}/{}", part.name, operation.name);
+                let owner = match &scenario.arrivals[source].name {
+                    Some(name) => Entity::named(&format!("{work} of {name}")),
+                    None => Entity::named(&work).part(place),
+                };
                 streams.open(owner, Purpose::Processing)
             };
             let plain =

@@ -217,7 +217,7 @@ impl Layout {
             }
         }
         let machines = scenario.machines.iter().map(|machine| Entity::named(&machine.name)).collect();
-        let sources = (0..scenario.arrivals.len() as u64).map(|source| Entity::named("job").part(source)).collect();
+        let sources = (0..scenario.arrivals.len()).map(|source| source_entity(scenario, "job", source)).collect();
         let as_planned = scenario.deviations.is_empty()
             && scenario.calibrations.is_empty()
             && scenario.tools.iter().all(|tool| !tool.variants.has_scopes());
@@ -504,4 +504,15 @@ fn check(scenario: &Scenario) -> Result<(), ShopError> {
         }
     }
     Ok(())
+}
+
+/// Who draws for a source: what has a name draws by it, the others by their place among those that have none.
+pub(super) fn source_entity(scenario: &Scenario, word: &str, source: usize) -> Entity {
+    match &scenario.arrivals[source].name {
+        Some(name) => Entity::named(&format!("{word} {name}")),
+        None => {
+            let before = scenario.arrivals[..source].iter().filter(|own| own.name.is_none()).count();
+            Entity::named(word).part(before as u64)
+        }
+    }
 }

@@ -119,11 +119,11 @@ pub use toolroom_runlog::runlog::{self, RunLog};
 
 use crate::runlog::{EventRow, LogEvent, StateRow};
 use draws::Ranks;
-use layout::Layout;
+use layout::{Layout, source_entity};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use toolroom_kernel::{Calendar, Class, Digest, EventKey};
-use toolroom_kernel::{Entity, Purpose, SimTime, Streams};
+use toolroom_kernel::{Purpose, SimTime, Streams};
 use toolroom_runlog::recorder;
 use toolroom_scenario::policies::{ResolvedPolicy, WheelEstimate};
 use toolroom_scenario::{MachineType, Scenario};
@@ -205,7 +205,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
         };
         let machines = scenario.machines.iter().enumerate().map(machine).collect();
         let source = |index| {
-            let entity = Entity::named("arrivals").part(index as u64);
+            let entity = source_entity(scenario, "arrivals", index);
             let ranks = Ranks::of(scenario, &layout, &streams, index);
             SourceState { released: 0, releases: 0, pieces: 0, stream: streams.open(entity, Purpose::Arrival), ranks }
         };

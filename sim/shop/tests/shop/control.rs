@@ -273,8 +273,9 @@ fn options_of_rules_follow_their_formulas() {
 #[test]
 fn rules_may_know_the_means_of_times_only() {
     let (five, six) = (exponential(5.0), exponential(6.0));
-    let parts: [(&str, &[(&str, &str)]); 2] = [("six", &[("A", &six)]), ("five", &[("A", &five)])];
-    let text = shop(&["\"A\""], &parts, &(at_start("six", 6) + &at_start("five", 6) + "[dispatch]\nrule = \"spt\"\n"));
+    let parts: [(&str, &[(&str, &str)]); 2] = [("long", &[("A", &six)]), ("short", &[("A", &five)])];
+    let text =
+        shop(&["\"A\""], &parts, &(at_start("long", 6) + &at_start("short", 6) + "[dispatch]\nrule = \"spt\"\n"));
     let by_mean = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5];
     assert_eq!(order(&run(&with(&text, &["dispatch.time_in_key=\"expected\""]))), by_mean);
     assert_ne!(order(&run(&parsed(&text))), by_mean);

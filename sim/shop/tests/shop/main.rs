@@ -38,4 +38,5 @@ mod shifts;
 #[path = "../../../kernel/tests/kernel/statistics.rs"]
 mod statistics;
 mod stocks;
+mod tables;
 mod tools;
