@@ -87,7 +87,27 @@ fn tables_that_cannot_be_calibrated_on_are_refused_with_a_reason() {
     let mut words = wear(1.0, "flank_wear [mm]");
     words = words.replace(",worn", ",blunt");
     fs::write(folder.join("words.csv"), words).expect("a table");
-    for (file, reason) in [("unit.csv", "check its unit"), ("words.csv", "`blunt`"), ("none.csv", "none.csv")] {
+    // Lines are those of the file, however they end and whatever comments stand above.
+    let rows = wear(1.0, "flank_wear [mm]");
+    let speed = format!("# our log\n{rows}").replacen("180", "-180", 1).replace('\n', "\r\n");
+    fs::write(folder.join("speed.csv"), speed).expect("a table");
+    let unread = rows.lines().map(|line| format!("{}\n", line.rsplitn(3, ',').last().unwrap_or_default()));
+    fs::write(folder.join("unread.csv"), unread.collect::<String>()).expect("a table");
+    let lives = "tool_id,cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],life [min],censored\n";
+    let life = |rows: &str| format!("{lives}{rows}");
+    fs::write(folder.join("good.csv"), life("A,180,0.2,1,40,yes\nB,220,0.2,1,20,\n")).expect("a table");
+    fs::write(folder.join("twice.csv"), life("A,180,0.2,1,40,\nA,220,0.2,1,20,\n")).expect("a table");
+    fs::write(folder.join("nothing.csv"), "").expect("a table");
+    for (file, reason) in [
+        ("unit.csv", "write flank_wear [mm]"),
+        ("words.csv", "`blunt`"),
+        ("none.csv", "none.csv"),
+        ("speed.csv", "line 3: a cutting_speed of -180 m/min"),
+        ("unread.csv", "no row has a flank_wear"),
+        ("good.csv", "line 2: censored is `yes`"),
+        ("twice.csv", "two lives, in line 2 and line 3"),
+        ("nothing.csv", "there is no row of data"),
+    ] {
         let output =
             toolroom(folder, &["calibrate", "turning", "--model", "c45_t15k6", "--data", file, "--out", "my.toml"]);
         let message = text(&output.stderr);

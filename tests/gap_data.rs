@@ -176,7 +176,7 @@ fn too_little_data_is_the_answer_that_it_is() {
     };
     let cases = [
         // No row; rows without an edge; no value; one edge; two edges of three values each.
-        ("none of 0 rows", String::new()),
+        ("there is no row of data", String::new()),
         ("tool_id is empty", "1,,1,700\n2,,2,710\n".to_owned()),
         ("no row has a value", "1,A,1,\n2,A,2,n/a\n3,B,1,nan\n".to_owned()),
         ("1 group of rows", rows(1, 40)),

@@ -1,12 +1,14 @@
 """How near the settings that `toolroom compare --tune` finds come to the best ones of a scan.
 
-    python tests/studies/tuning.py PROGRAM scenarios/demo.toml "best cost" [--seeds 10] [--budget 600] [--replications 100]
-        [--set KEY=VALUE …]
+    python tests/studies/tuning.py PROGRAM scenarios/constant-vs-adaptive.toml constant [--seeds 10] [--budget 600]
+        [--scanned 40] [--tuned "VALUE, VALUE; …"] [--set KEY=VALUE …]
 
-Every seed of the tuning finds settings for one policy. All of them, and the settings of a scan around them, are judged on the same
-random numbers, which are others than those of the tuning and of the file. The scan runs a grid a few times, then the better ones as
-often as the judged ones; the least of them is the optimum. It is the least of several noisy means, and therefore a little too good:
-the loss of the tuned settings is stated a little too large. `examples/tuning.rs` of toolroom-study does the same by the library.
+Every seed of the tuning finds settings for one policy. A grid around them is run on random numbers that are others than those of
+the tuning and of the file, the same for all of its settings. The cost of a part is a quadratic surface through all settings of the
+grid that cost at most a few per cent more than the best: where a single mean is known to a per cent, the surface through some
+twenty of them is known to a tenth. The loss of tuned settings is what the surface has there above its least; how far the means lie
+from the surface is printed as chi square. With --tuned, settings of an earlier run are judged without tuning.
+`examples/tuning.rs` of toolroom-study does the same by the library, with single means.
 """
 
 import argparse
@@ -16,15 +18,19 @@ import json
 import math
 import pathlib
 import re
-import statistics
 import subprocess
 import tempfile
 
+import numpy as np
+
 JUDGING = 2002
 FIRST = 1001
-STEPS = 5  # of each setting of the scan
-FINAL = 5  # settings of it that are judged as often as the tuned ones
-SPREAD = 0.08  # by which the scan goes beyond the tuned settings, relative
+STEPS = 6  # of each setting of the scan
+SPREAD = 0.1  # by which the scan goes beyond the tuned settings, relative
+# Settings that cost more than this over the best are no part of the surface: a parabola describes the valley, not its walls. The
+# first bound is taken with which it describes the means within their errors.
+FITTED = (1.06, 1.03, 1.015, 1.008, 1.004)
+SPARE = 3  # settings beside the coefficients without which there is no surface
 
 
 def call(program, words):
@@ -41,6 +47,8 @@ def tuned(args, seed, others):
                  f"{folder}/out", "--threads", str(args.threads), "--set", f"tune.seed={seed}", "--set",
                  f"tune.budget={args.budget}"]
         words += [word for name in others for word in ("--set", f'policy."{name}".tune=false')]
+        # A comparison is of two policies at least.
+        words += ["--policy", others[0]] if others else []
         words += [word for change in args.set for word in ("--set", change)]
         found = json.loads(call(args.program, words))["tuning"]
     return next(rule for rule in found if rule["policy"] == args.policy)
@@ -59,20 +67,70 @@ def judged(args, changes, replications):
     return [float(row["value"]) for row in sorted(wanted, key=lambda row: int(row["replication"]))]
 
 
+def numbers(settings):
+    """Values of settings without their units."""
+    return [float(re.fullmatch(r"([0-9.eE+-]+)( .*)?", shown)[1]) for shown in settings]
+
+
 def scan(args, rules):
-    """Changes of the file for a grid around the tuned settings."""
-    number = re.compile(r"([0-9.eE+-]+)( .*)?")
+    """A grid around the tuned settings: changes of the file and values of the settings."""
     lists = []
-    for key in rules[0]["settings"]:
-        values = [number.fullmatch(rule["settings"][key]) for rule in rules]
-        low, high = (pick(float(value[1]) for value in values) for pick in (min, max))
-        low, high, unit = low * (1 - SPREAD), high * (1 + SPREAD), values[0][2] or ""
+    for place, (key, shown) in enumerate(rules[0]["settings"].items()):
+        values = [numbers(rule["settings"].values())[place] for rule in rules]
+        low, high = min(values) * (1 - SPREAD), max(values) * (1 + SPREAD)
+        unit = shown[len(shown.split(" ")[0]):]
         # The change of a tuned rule with another number in it.
-        change = next(change for change in rules[0]["set"] if rules[0]["settings"][key] in change)
-        shown = rules[0]["settings"][key]
-        steps = [f"{low * (high / low) ** (step / (STEPS - 1)):.4g}{unit}" for step in range(STEPS)]
-        lists.append([change.replace(shown, step) for step in steps])
-    return [list(changes) for changes in itertools.product(*lists)]
+        change = next(change for change in rules[0]["set"] if shown in change)
+        steps = [f"{low * (high / low) ** (step / (STEPS - 1)):.4g}" for step in range(STEPS)]
+        lists.append([(change.replace(shown, step + unit), float(step)) for step in steps])
+    grid = [list(pairs) for pairs in itertools.product(*lists)]
+    return [[change for change, _ in pairs] for pairs in grid], np.array([[value for _, value in pairs] for pairs in grid])
+
+
+def row(values, centre):
+    """Products of the logarithms of settings up to the second order."""
+    x = np.log(np.atleast_2d(values) / centre)
+    pairs = itertools.combinations_with_replacement(range(x.shape[1]), 2)
+    return np.column_stack([np.ones(len(x)), x, *(x[:, i] * x[:, j] for i, j in pairs)])
+
+
+class Surface:
+    """A quadratic surface through the cheaper settings of a scan: `costs` has a row a setting and a column a replication."""
+
+    def __init__(self, values, costs):
+        for bound in FITTED:
+            used = costs.mean(axis=1) <= bound * costs.mean(axis=1).min()
+            if used.sum() < row(values, 1.0).shape[1] + SPARE:
+                break
+            self.fit(values, costs, used)
+            if self.chi_square < 2 * self.free:
+                break
+
+    def fit(self, values, costs, used):
+        means = costs.mean(axis=1)
+        self.values, means, costs = values[used], means[used], costs[used]
+        self.centre = np.exp(np.log(self.values).mean(axis=0))
+        # What a replication costs everybody says nothing of the settings.
+        own = costs - costs.mean(axis=0) - means[:, None]
+        own += costs.mean()
+        count, replications = costs.shape
+        self.error = math.sqrt((own**2).sum() / ((count - 1) * (replications - 1)) / replications)
+        design = row(self.values, self.centre)
+        self.coefficients = np.linalg.lstsq(design, means, rcond=None)[0]
+        self.covariance = np.linalg.inv(design.T @ design) * self.error**2
+        left = means - design @ self.coefficients
+        self.chi_square, self.free = float((left**2).sum() / self.error**2), count - design.shape[1]
+        # The least within the settings that were fitted.
+        axes = [np.linspace(column.min(), column.max(), 61) for column in self.values.T]
+        grid = np.array(list(itertools.product(*axes)))
+        heights = row(grid, self.centre) @ self.coefficients
+        self.best, self.least = grid[heights.argmin()], float(heights.min())
+
+    def loss(self, values):
+        """Per cent above the least, and the standard error."""
+        apart = row(values, self.centre)[0] - row(self.best, self.centre)[0]
+        error = math.sqrt(float(apart @ self.covariance @ apart))
+        return 100 * float(apart @ self.coefficients) / self.least, 100 * error / self.least
 
 
 def main():
@@ -82,35 +140,42 @@ def main():
     parser.add_argument("policy")
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--budget", type=int, default=600)
-    parser.add_argument("--replications", type=int, default=100)
-    parser.add_argument("--scanned", type=int, default=16, help="replications of every setting of the scan")
+    parser.add_argument("--scanned", type=int, default=40, help="replications of every setting of the scan")
+    parser.add_argument("--tuned", help="settings of every seed as they were printed, with semicolons between seeds")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--set", action="append", default=[])
     args = parser.parse_args()
-    program = pathlib.Path(args.program)
-    args.program = str(program.resolve())
+    args.program = str(pathlib.Path(args.program).resolve())
     text = pathlib.Path(args.scenario).read_text()
     names = re.findall(r'^\[\[policy\]\][^\[]*?^name = "([^"]+)"', text, re.MULTILINE)
     others = [name for name in names if name != args.policy]
 
     rules = []
     for seed in range(FIRST, FIRST + args.seeds):
+        if args.tuned and rules:
+            break
+        # Where settings are given, the first tuning only says which keys of the file they are.
         rules.append(tuned(args, seed, others))
-        print(f"seed {seed}: {', '.join(f'{key} {value}' for key, value in rules[-1]['settings'].items())}, tuned "
-              f"{rules[-1]['tuned']:.4g}", flush=True)
-    costs = [judged(args, rule["set"], args.replications) for rule in rules]
-    rough = [(statistics.fmean(judged(args, changes, args.scanned)), changes) for changes in scan(args, rules)]
-    rough.sort(key=lambda pair: pair[0])
-    final = [(judged(args, changes, args.replications), changes) for _, changes in rough[:FINAL]]
-    best, changes = min(final + [(cost, rule["set"]) for cost, rule in zip(costs, rules)], key=lambda pair: statistics.fmean(pair[0]))
-    least = statistics.fmean(best)
-    print(f"optimum of the scan: {least:.4g} at {', '.join(changes)}")
+        if not args.tuned:
+            shown = ", ".join(f"{key} {value}" for key, value in rules[-1]["settings"].items())
+            print(f"seed {seed}: {shown}, tuned {rules[-1]['tuned']:.4g}", flush=True)
+    if args.tuned:
+        first = rules[0]
+        given = [[value.strip() for value in settings.split(",")] for settings in args.tuned.split(";")]
+        rules = [{**first, "settings": dict(zip(first["settings"], values))} for values in given]
+        rules[0]["set"] = [change for change in first["set"]]
+        for old, new in zip(first["settings"].values(), given[0]):
+            rules[0]["set"] = [change.replace(old, new) for change in rules[0]["set"]]
+    changes, values = scan(args, rules)
+    surface = Surface(values, np.array([judged(args, own, args.scanned) for own in changes]))
+    best = ", ".join(f"{value:.4g}" for value in surface.best)
+    print(f"least of the surface {surface.least:.4g} at {best}; a mean is known to {100 * surface.error / surface.least:.2f} %, "
+          f"chi square {surface.chi_square:.1f} of {surface.free}")
     losses = []
-    for rule, cost in zip(rules, costs):
-        differences = [100.0 * (a - b) / least for a, b in zip(cost, best)]
-        error = statistics.stdev(differences) / math.sqrt(len(differences))
-        losses.append(statistics.fmean(differences))
-        print(f"  {', '.join(rule['settings'].values())}: {statistics.fmean(cost):.4g}, {losses[-1]:+.2f} % ± {error:.2f}")
+    for rule in rules:
+        loss, error = surface.loss(numbers(rule["settings"].values()))
+        losses.append(loss)
+        print(f"  {', '.join(rule['settings'].values())}: {loss:+.2f} % ± {error:.2f}")
     for bound in (0.3, 1.0):
         print(f"within {bound:g} % of the optimum: {sum(loss <= bound for loss in losses)} of {len(losses)}")
 

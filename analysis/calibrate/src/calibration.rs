@@ -279,6 +279,7 @@ impl Calibration {
                     .push(format!("{inside:.0} % of the readings of edges left out lie in their 90 % bands: {what}"));
             }
         }
+        warnings.extend(self.far_from_priors());
         if !self.posterior.modes.is_empty() {
             let count = self.posterior.modes.len();
             let how = match self.posterior.method {

@@ -208,7 +208,9 @@ impl CalibrationStudy {
             None => (text.trim().to_owned(), None),
         });
         let (records, read) = self.records(parquet)?;
-        let treatment = Treatment { by: by.clone(), begun: self.begun, ..Treatment::of(&base) };
+        self.words_where_numbers_are_due(&read)?;
+        let (lines, wear_unit) = (read.lines.clone(), wear_unit(&read));
+        let treatment = Treatment { by: by.clone(), begun: self.begun, lines, wear_unit, ..Treatment::of(&base) };
         let mut measured = Measured::treated(&records, limit, &treatment).map_err(|error| {
             let reason = format!("{}: {error}", self.data.display());
             refuse(reason, "docs/calibration.md lists the columns; `toolroom import csv` maps other tables to records")
@@ -242,6 +244,18 @@ impl CalibrationStudy {
         let absolute = || std::path::absolute(&self.model).map(|path| path.display().to_string());
         let based_on = if is_path(&self.model) { absolute().ok() } else { None };
         Ok(StudyResult { calibration, read, based_on: based_on.unwrap_or_else(|| self.model.clone()) })
+    }
+
+    /// Refuses lives whose cells hold words: without them an edge that was still good would count as worn out.
+    fn words_where_numbers_are_due(&self, read: &ReadReport) -> Result<(), Refusal> {
+        let of_lives =
+            |(_, column, _): &&(usize, String, String)| ["life", "censored", "inspected"].contains(&column.as_str());
+        let Some((line, column, word)) = read.unreadable.iter().find(of_lives) else { return Ok(()) };
+        let fix = match column.as_str() {
+            "censored" => "write 1 where the edge was still good, else 0",
+            _ => "write a number of minutes, or leave the cell empty",
+        };
+        Err(refuse(format_args!("{}: line {line}: {column} is `{word}`", self.data.display()), fix))
     }
 
     fn laws(&self) -> Result<Vec<Law>, Refusal> {
@@ -308,7 +322,9 @@ impl CalibrationStudy {
                 if let Some(mapping) = by_headers(&self.data) {
                     return import(&self.data, &mapping, parquet).map_err(|error| refuse(error, "mend the table"));
                 }
-                Err(refuse(error, "`toolroom import csv` maps other tables to records; or give --map"))
+                let fix = "docs/calibration.md lists the columns of records, a table of lives has tool_id and `life [min]`; \
+                           `toolroom import csv` maps other tables to records; or give --map";
+                Err(refuse(error, fix))
             }
             Err(error) => Err(refuse(error, "check the path and the columns")),
         }
@@ -321,6 +337,13 @@ impl StudyResult {
         let law = self.calibration.choice.carried.law.group();
         DrawnTable { columns: self.calibration.draw_columns(), rows: self.calibration.draws().collect(), law }
     }
+}
+
+/// The unit that the header of flank wear states; mm without one.
+fn wear_unit(read: &ReadReport) -> String {
+    let title = read.columns.iter().find(|title| title.starts_with("flank_wear") || title.contains("→ flank_wear"));
+    let unit = title.and_then(|title| title.split(" → ").next()?.split_once('['));
+    unit.map_or_else(|| "mm".to_owned(), |(_, unit)| unit.trim_end_matches(']').trim().to_owned())
 }
 
 fn fixed(text: &str) -> Result<(String, f64), Refusal> {
@@ -346,7 +369,8 @@ fn prior(name: &str, spread: &Spread, laws: &[Law]) -> Option<(String, Prior)> {
 /// The mapping of a table of lives, or of wear over the path instead of the time: every column by its own header.
 fn by_headers(path: &Path) -> Option<Mapping> {
     let text = String::from_utf8(std::fs::read(path).ok()?).ok()?;
-    let line = text.trim_start_matches('\u{feff}').lines().next()?;
+    let line =
+        text.trim_start_matches('\u{feff}').lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'))?;
     let kind = RecordKind::Empirical;
     let header: Vec<&str> = line.split([',', ';', '\t']).map(|title| title.trim().trim_matches('"')).collect();
     let name = |title: &str| title.split('[').next().unwrap_or_default().trim().to_owned();

@@ -1,6 +1,7 @@
 //! From records to edges: what is used.
 
 use crate::base::{Base, Condition, Process};
+use crate::data_error::{DataError, LEAST, MOST};
 use crate::edge::{Edge, Life, Stretch};
 use crate::force::Channel;
 use std::collections::BTreeMap;
@@ -8,11 +9,6 @@ use toolroom_form::significant;
 use toolroom_records::Records;
 use toolroom_wear::Cut;
 
-/// Flank wear in mm that a reading microscope just resolves (assumption: a third of the usual error of a reading). Where no
-/// reading reaches it, the unit is wrong.
-const LEAST: f64 = 0.003;
-/// Flank wear in mm that no edge survives (assumption; the column of records has the same bound).
-const MOST: f64 = 5.0;
 /// Flank wear in mm below which no reading of an edge lies: five times the usual error of a reading below zero.
 const BELOW: f64 = -0.055;
 /// Channels of records that speak of wear and are not used here.
@@ -75,27 +71,27 @@ fn groups(records: &Records, treatment: &Treatment) -> Result<Option<Groups>, Da
 
 /// Time of each row of an edge: minutes of cutting, or without them the operations since the row before, counted by
 /// `sequence`.
-fn times(records: &Records, rows: &[usize], edge: &str) -> Result<Vec<f64>, DataError> {
+fn times(records: &Records, rows: &[usize], edge: &str, treatment: &Treatment) -> Result<Vec<f64>, DataError> {
     let value = |what: String| DataError::Value { edge: edge.to_owned(), what };
     if let Some(time) = records.numbers("cutting_time").filter(|time| time.iter().any(|time| time.is_finite())) {
-        let minutes = rows.iter().map(|row| time[*row] / 60.0);
-        return minutes
-            .map(|minutes| {
-                let usable = minutes >= 0.0 && minutes.is_finite();
-                usable
-                    .then_some(minutes)
-                    .ok_or_else(|| value(format!("a cutting time of {minutes} min cannot be used")))
-            })
-            .collect();
+        let minutes = |row: &usize| {
+            let minutes = time[*row] / 60.0;
+            let usable = minutes >= 0.0 && minutes.is_finite();
+            let place = || treatment.place(*row);
+            usable
+                .then_some(minutes)
+                .ok_or_else(|| value(format!("{}: a cutting_time of {minutes} min cannot be used", place())))
+        };
+        return rows.iter().map(minutes).collect();
     }
     if let Some(path) = path(records) {
         let speed = records.numbers("cutting_speed").ok_or_else(|| DataError::NoColumn("cutting_speed".to_owned()))?;
         let minutes = |row: &usize| {
             let minutes = path[*row] / speed[*row] / 60.0;
             let usable = minutes >= 0.0 && minutes.is_finite();
-            usable
-                .then_some(minutes)
-                .ok_or_else(|| value(format!("row {}: a path_length of {} m cannot be used", row + 1, path[*row])))
+            usable.then_some(minutes).ok_or_else(|| {
+                value(format!("{}: a path_length of {} m cannot be used", treatment.place(*row), path[*row]))
+            })
         };
         return rows.iter().map(minutes).collect();
     }
@@ -106,7 +102,8 @@ fn times(records: &Records, rows: &[usize], edge: &str) -> Result<Vec<f64>, Data
             let passed = sequence[*row] - before;
             before = sequence[*row];
             let usable = passed > 0.0 && passed.is_finite();
-            usable.then_some(passed).ok_or_else(|| value(format!("sequence {before} twice, or below 1")))
+            let place = || treatment.place(*row);
+            usable.then_some(passed).ok_or_else(|| value(format!("{}: sequence {before} twice, or below 1", place())))
         })
         .collect()
 }
@@ -116,63 +113,6 @@ fn path(records: &Records) -> Option<&[f64]> {
     let path = records.numbers("path_length").filter(|path| path.iter().any(|path| path.is_finite()))?;
     // In milling a path is that of the centre of the cutter, which takes no part in the time of an edge in cut.
     records.numbers("feed_per_tooth").is_none().then_some(path)
-}
-
-/// The unit in which readings would be flank wear, where there is one.
-fn meant(greatest: f64) -> &'static str {
-    let fits = |factor: f64| (LEAST..=MOST).contains(&(greatest * factor));
-    match (fits(1e-3), fits(1e3)) {
-        (true, _) => "; they look like micrometres: write flank_wear [um]",
-        (_, true) => "; they look like metres: write flank_wear [m]",
-        (false, false) => "",
-    }
-}
-
-/// Why records cannot be calibrated on.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum DataError {
-    /// A column without which nothing can be told.
-    #[error("the records have no column `{0}`")]
-    NoColumn(String),
-    /// A column of words that is to tell groups of edges.
-    #[error("--by {column}: {what}")]
-    Groups {
-        /// What was wanted.
-        column: String,
-        /// What is wrong.
-        what: String,
-    },
-    /// A word in `edge_end` that means nothing.
-    #[error("edge `{edge}`: edge_end is `{read}`; it is one of worn, chipped, broken, stopped, changed")]
-    End {
-        /// The edge.
-        edge: String,
-        /// What was read.
-        read: String,
-    },
-    /// A life, an inspection or a cutting time that cannot be.
-    #[error("edge `{edge}`: {what}")]
-    Value {
-        /// The edge.
-        edge: String,
-        /// What is wrong.
-        what: String,
-    },
-    /// Readings of flank wear that no edge has.
-    #[error(
-        "the greatest reading of flank_wear is {} mm, and flank wear lies between {LEAST} and {MOST} mm: check its \
-         unit{}",
-        significant(*greatest),
-        meant(*greatest)
-    )]
-    Unit {
-        /// The greatest reading, mm.
-        greatest: f64,
-    },
-    /// No edge with a reading or a life.
-    #[error("no edge has a reading of flank_wear or a life")]
-    Nothing,
 }
 
 /// How an edge ended.
@@ -217,12 +157,26 @@ pub struct Treatment {
     pub by: Option<(String, Option<String>)>,
     /// Whether edges were not new when their records began: their first reading is then where they start.
     pub begun: bool,
+    /// Line of the file of each row of the records; empty where it is not known.
+    pub lines: Vec<usize>,
+    /// Unit in which flank wear was read.
+    pub wear_unit: String,
 }
 
 impl Treatment {
     /// That of records of the process of a set.
     pub fn of(base: &Base) -> Self {
-        Self { process: base.process(), reference: base.reference(), by: None, begun: false }
+        Self::new(base.process(), base.reference())
+    }
+
+    /// That of records of a process, with the cut that is taken for columns that they lack.
+    fn new(process: Process, reference: Condition) -> Self {
+        Self { process, reference, by: None, begun: false, lines: Vec::new(), wear_unit: "mm".to_owned() }
+    }
+
+    /// Where a row stands.
+    fn place(&self, row: usize) -> String {
+        self.lines.get(row).map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"))
     }
 }
 
@@ -279,8 +233,7 @@ impl Measured {
     /// # Errors
     /// [`DataError`]: a column that is missing, a word or a number that cannot be, nothing measured.
     pub fn of(records: &Records, limit: f64) -> Result<Self, DataError> {
-        let reference = Cut::default().into();
-        Self::treated(records, limit, &Treatment { process: Process::Turning, reference, by: None, begun: false })
+        Self::treated(records, limit, &Treatment::new(Process::Turning, Cut::default().into()))
     }
 
     /// The same of records of any process.
@@ -325,7 +278,7 @@ impl Measured {
             notes,
             refusals: Vec::new(),
         };
-        let mut unsaid = 0;
+        let (mut unsaid, mut early, mut notes_of_lives) = (0, Vec::new(), Vec::new());
         for name in order {
             let rows = &rows[name];
             let reference = treatment.reference.quantities();
@@ -343,8 +296,16 @@ impl Measured {
                 .find(|(_, values)| values.iter().any(|value| !(value.is_finite() && *value > 0.0)))
             {
                 let names = columns(process).into_iter().flatten();
-                let wrong = names.zip(values).find(|(_, value)| !(value.is_finite() && *value > 0.0));
-                let what = format!("row {} has no usable {}", row + 1, wrong.map_or("width_of_cut", |(name, _)| name));
+                let wrong = names.zip(values).enumerate().find(|(_, (_, value))| !(value.is_finite() && *value > 0.0));
+                let what = match wrong {
+                    Some((quantity, (name, value))) if value.is_finite() => {
+                        let (shown, unit) = if quantity == 0 { (value * 60.0, "m/min") } else { (value * 1e3, "mm") };
+                        format!("a {name} of {} {unit} cannot be used; write what was cut", significant(shown))
+                    }
+                    Some((_, (name, _))) => format!("no {name}; write what was cut"),
+                    None => "no width_of_cut; write what was cut".to_owned(),
+                };
+                let what = format!("{}: {what}", treatment.place(row));
                 return Err(DataError::Value { edge: name.to_owned(), what });
             }
             let mut condition = |row: usize| {
@@ -360,17 +321,26 @@ impl Measured {
                 })
             };
             let last = *rows.last().expect("an edge has a row");
-            let word = records.texts("edge_end").map_or("", |ends| ends[last].trim());
+            let word_of = |row: usize| records.texts("edge_end").map_or("", |ends| ends[row].trim());
+            let word = word_of(last);
+            let known =
+                |row: &&usize| word_of(**row).is_empty() || End::ALL.iter().any(|end| end.name() == word_of(**row));
+            if let Some(&row) = rows.iter().find(|row| !known(row)) {
+                let (edge, place, read) = (name.to_owned(), treatment.place(row), word_of(row).to_owned());
+                return Err(DataError::End { edge, place, read });
+            }
+            if let Some(&row) = rows.iter().find(|row| !word_of(**row).is_empty() && word_of(**row) != word) {
+                early.push((name, treatment.place(row), word_of(row)));
+            }
             let end = match End::ALL.into_iter().find(|end| end.name() == word) {
                 Some(end) => {
                     measured.ends_told = true;
                     end
                 }
-                None if word.is_empty() => {
+                None => {
                     unsaid += 1;
                     End::Stopped
                 }
-                None => return Err(DataError::End { edge: name.to_owned(), read: word.to_owned() }),
             };
             let at = |column: &str, row: usize| records.numbers(column).map_or(f64::NAN, |values| values[row]);
             let load = |channel: Channel, row: usize| {
@@ -381,13 +351,32 @@ impl Measured {
             };
             let mut loads: [ChannelReadings; 3] = Default::default();
             let edge = if at("life", last).is_finite() {
+                let of_life = |row: &&usize| at("life", **row).is_finite();
+                if let Some(&other) = rows.iter().filter(of_life).find(|row| **row != last) {
+                    let places = format!("{} and {}", treatment.place(other), treatment.place(last));
+                    if at("life", other) != at("life", last) {
+                        let what = format!("two lives, in {places}: give each edge a tool_id of its own");
+                        return Err(DataError::Value { edge: name.to_owned(), what });
+                    }
+                    notes_of_lives
+                        .push(format!("edge {name} stands twice with the same life, in {places}: it counts once"));
+                }
                 let minutes = at("life", last) / 60.0;
                 let inspected = at("inspected", last) / 60.0;
-                let wrong = |what: String| DataError::Value { edge: name.to_owned(), what };
+                let wrong = |what: String| {
+                    let what = format!("{}: {what}", treatment.place(last));
+                    DataError::Value { edge: name.to_owned(), what }
+                };
                 if minutes <= 0.0 {
                     return Err(wrong(format!("a life of {minutes} min is none")));
                 }
-                let lasted = at("censored", last).is_nan() || at("censored", last) == 0.0;
+                let censored = at("censored", last);
+                if !(censored.is_nan() || censored == 0.0 || censored == 1.0) {
+                    return Err(wrong(format!(
+                        "censored is {censored}; write 1 where the edge was still good, else 0"
+                    )));
+                }
+                let lasted = censored != 1.0;
                 let worn = lasted && (word.is_empty() || end == End::Worn);
                 let life = match (worn, inspected.is_finite() && inspected > 0.0) {
                     (false, _) => Life::Censored(minutes),
@@ -401,15 +390,15 @@ impl Measured {
                 measured.ends.push(if worn { End::Worn } else { end });
                 Edge { name: name.to_owned(), stretches: Vec::new(), life: Some((condition(last), life)), begun: None }
             } else {
-                let times = times(records, rows, name)?;
+                let times = times(records, rows, name, treatment)?;
                 loads = Channel::ALL.map(|channel| rows.iter().map(|row| load(channel, *row)).collect());
                 let mut stretches = Vec::new();
                 for (row, time) in rows.iter().zip(times) {
                     let wear = Some(at("flank_wear", *row) * 1e3).filter(|wear| wear.is_finite());
                     if let Some(wear) = wear.filter(|wear| *wear < BELOW) {
                         let what = format!(
-                            "row {}: a flank_wear of {} mm cannot be; leave the cell empty where wear was not read",
-                            row + 1,
+                            "{}: a flank_wear of {} mm cannot be; leave the cell empty where wear was not read",
+                            treatment.place(*row),
                             significant(wear)
                         );
                         return Err(DataError::Value { edge: name.to_owned(), what });
@@ -444,6 +433,15 @@ impl Measured {
             measured.edges.push(edge);
             measured.loads.push(loads);
         }
+        if let Some((edge, place, word)) = early.first() {
+            let more =
+                if early.len() > 1 { format!(", and of {} other edges", early.len() - 1) } else { String::new() };
+            measured.notes.push(format!(
+                "edge {edge}: edge_end is `{word}` in {place}{more}, and rows follow: only the word of the last row of an \
+                 edge counts. Was the corner turned there? Then give what follows a tool_id of its own"
+            ));
+        }
+        measured.notes.append(&mut notes_of_lives);
         if unsaid > 0 {
             measured.notes.push(format!("{unsaid} edges without edge_end: taken as stopped while still good"));
         }
@@ -452,7 +450,13 @@ impl Measured {
         }
         let greatest = measured.greatest();
         if measured.readings() > 0 && !(LEAST..=MOST).contains(&greatest) {
-            return Err(DataError::Unit { greatest });
+            return Err(DataError::Unit { greatest, unit: treatment.wear_unit.clone() });
+        }
+        if there("flank_wear").or(there("life")).is_none() {
+            if measured.ends.iter().all(|end| *end != End::Worn) {
+                return Err(DataError::NoWear);
+            }
+            measured.notes.push("no flank_wear: the time until edges were worn out is all that is used".to_owned());
         }
         let unused: Vec<&str> = UNUSED
             .into_iter()

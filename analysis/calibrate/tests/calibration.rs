@@ -283,6 +283,40 @@ fn readings_in_another_unit_are_refused_with_the_unit_that_they_look_like() {
 }
 
 #[test]
+fn values_far_from_what_was_expected_are_told_as_a_unit_that_may_be_wrong() {
+    // Minutes that are read as seconds.
+    let seconds = HEADER.replace("[min]", "[s]") + &made(&[180.0, 220.0, 260.0]);
+    let short = parse_csv("wear.csv", seconds.as_bytes(), RecordKind::Turning).expect("records").0;
+    let told = |records: &Records| {
+        let measured = Measured::of(records, 0.3).expect("edges");
+        let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor])).expect("a calibration");
+        found.warnings().into_iter().filter(|warning| warning.contains("that were expected")).collect::<Vec<_>>()
+    };
+    let warnings = told(&short);
+    assert!(warnings.iter().any(|warning| warning.contains("reference_life is")), "{warnings:?}");
+    assert_eq!(told(&records(&made(&[180.0, 220.0, 260.0]))), Vec::<String>::new());
+}
+
+#[test]
+fn records_without_wear_need_edges_that_wore_out_and_words_of_ends_count_on_last_rows() {
+    let unread = |end: &str| {
+        made(&[180.0, 220.0]).lines().fold(String::new(), |mut rows, line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let last = cells[3] == "8";
+            let _ = writeln!(rows, "{},,{}", cells[..8].join(","), if last { end } else { "" });
+            rows
+        })
+    };
+    let error = Measured::of(&records(&unread("stopped")), 0.3).expect_err("nothing tells of wear");
+    assert_eq!(error, DataError::NoWear);
+    let worn = Measured::of(&records(&unread("worn")), 0.3).expect("lives");
+    assert!(worn.notes.iter().any(|note| note.contains("no flank_wear")), "{:?}", worn.notes);
+    let early = made(&[180.0, 220.0]).replacen(",\n", ",worn\n", 1);
+    let measured = Measured::of(&records(&early), 0.3).expect("edges");
+    assert!(measured.notes.iter().any(|note| note.contains("`worn` in row 1")), "{:?}", measured.notes);
+}
+
+#[test]
 fn an_exponent_of_what_never_changed_is_not_called_determined() {
     let measured = Measured::of(&records(&made(&[220.0, 220.0, 220.0, 220.0])), 0.3).expect("edges");
     let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor])).expect("a calibration");

@@ -2,7 +2,7 @@
 
 use super::sample::Observation;
 use std::collections::BTreeMap;
-use toolroom_process::table::{BrokenQuote, broken_quote};
+use toolroom_process::table::{BrokenQuote, Lines, broken_quote};
 
 /// Why a file of measured lives was not read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -318,8 +318,9 @@ impl Table {
             .from_reader(text.as_bytes());
         let mut header: Option<Vec<String>> = None;
         let mut rows = Vec::new();
+        let mut lines = Lines::new(text);
         for record in reader.records().filter_map(Result::ok) {
-            let line = record.position().map_or(0, |position| usize::try_from(position.line()).unwrap_or(0));
+            let line = record.position().map_or(0, |position| lines.at(position.byte()));
             let cells: Vec<String> = record.iter().map(str::to_owned).collect();
             match &header {
                 _ if cells.iter().all(String::is_empty) => {}

@@ -2,7 +2,7 @@
 
 use crate::RecordError;
 use std::path::Path;
-use toolroom_process::table::{BrokenQuote, broken_quote};
+use toolroom_process::table::{BrokenQuote, Lines, broken_quote};
 use toolroom_process::unit;
 
 /// Cells as they stand in a file.
@@ -42,11 +42,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawTable, BrokenQuote> {
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
+    let mut lines = Lines::new(&text);
     for record in reader.records().filter_map(Result::ok) {
         if record.iter().all(str::is_empty) {
             continue;
         }
-        let line = record.position().map_or(1, |position| usize::try_from(position.line()).unwrap_or(usize::MAX));
+        let line = record.position().map_or(1, |position| lines.at(position.byte()));
         let cells: Vec<String> = record.iter().map(str::to_owned).collect();
         if table.header.is_empty() {
             (table.header, table.header_line) = (cells, line);
@@ -54,13 +55,8 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawTable, BrokenQuote> {
             table.rows.push((line, cells));
         }
     }
-    if delimiter != b',' && decimal_comma(&table) {
-        table.notes.push("numbers have a decimal comma".to_owned());
-        for (_, cells) in &mut table.rows {
-            for cell in cells.iter_mut().filter(|cell| is_comma_number(cell)) {
-                *cell = cell.replacen(',', ".", 1);
-            }
-        }
+    if delimiter != b',' {
+        read_decimal_commas(&mut table);
     }
     Ok(table)
 }
@@ -87,11 +83,42 @@ fn is_comma_number(cell: &str) -> bool {
     cell.matches(',').count() == 1 && cell.replacen(',', ".", 1).parse::<f64>().is_ok()
 }
 
-/// Whether commas are decimal signs: some number has one, none has a point.
-fn decimal_comma(table: &RawTable) -> bool {
-    let cells = || table.rows.iter().flat_map(|(_, cells)| cells);
-    let with_point = cells().any(|cell| cell.contains('.') && cell.parse::<f64>().is_ok());
-    !with_point && cells().any(|cell| is_comma_number(cell))
+/// Whether the comma of a number may stand between thousands: up to three digits before it, no zero first, three after it.
+fn may_be_thousands(cell: &str) -> bool {
+    let Some((before, after)) = cell.trim_start_matches(['+', '-']).split_once(',') else { return false };
+    after.len() == 3 && (1..=3).contains(&before.len()) && !before.starts_with('0')
+}
+
+/// Writes decimal commas as points: where no number of the table has a point, and beside such numbers where no comma can stand
+/// between thousands.
+fn read_decimal_commas(table: &mut RawTable) {
+    let cells = || table.rows.iter().flat_map(|(line, cells)| cells.iter().map(move |cell| (line, cell)));
+    let with_point = cells().find(|(_, cell)| cell.contains('.') && cell.parse::<f64>().is_ok());
+    let Some((line, first)) = cells().find(|(_, cell)| is_comma_number(cell)) else { return };
+    let note = match with_point {
+        None => "numbers have a decimal comma".to_owned(),
+        Some((other, point)) => {
+            let mixed = format!(
+                "decimal commas (line {line}: `{first}`) and points (line {other}: `{point}`) stand side by side"
+            );
+            match cells().find(|(_, cell)| is_comma_number(cell) && may_be_thousands(cell)) {
+                Some((line, cell)) => {
+                    let note = format!(
+                        "{mixed}; `{cell}` in line {line} may be either, so that numbers with a comma are not read: write one sign"
+                    );
+                    table.notes.push(note);
+                    return;
+                }
+                None => format!("{mixed}; both are read as decimal signs"),
+            }
+        }
+    };
+    table.notes.push(note);
+    for (_, cells) in &mut table.rows {
+        for cell in cells.iter_mut().filter(|cell| is_comma_number(cell)) {
+            *cell = cell.replacen(',', ".", 1);
+        }
+    }
 }
 
 /// `name [unit]` or `name (unit)` in two.

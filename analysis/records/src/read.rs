@@ -45,7 +45,7 @@ pub enum RecordError {
         fault: BrokenQuote,
     },
     /// A column that must be there.
-    #[error("{file}: the column `{column}` is missing; expected `{example}`{}", .nearest.as_ref().map(|near| format!(", is it `{near}`?")).unwrap_or_default())]
+    #[error("{file}: the column `{column}` is missing{}{}", if example == column { String::new() } else { format!("; expected `{example}`") }, .nearest.as_ref().map(|near| format!(", is it `{near}`?")).unwrap_or_default())]
     MissingColumn {
         /// The file.
         file: String,
@@ -69,7 +69,7 @@ pub enum RecordError {
         accepted: String,
     },
     /// No row can be used.
-    #[error("{file}: none of {rows} rows can be used{}", .first.as_ref().map(|first| format!("; the first: {first}")).unwrap_or_default())]
+    #[error("{file}: {}{}", if *rows == 0 { "there is no row of data".to_owned() } else { format!("none of {rows} rows can be used") }, .first.as_ref().map(|first| format!("; the first: {first}")).unwrap_or_default())]
     NoRows {
         /// The file.
         file: String,
@@ -161,6 +161,8 @@ fn joined(parts: &[PathBuf], kind: RecordKind, parquet: OtherTable<'_>) -> Resul
         report.dropped.extend(read.dropped);
         report.unreadable.extend(read.unreadable);
     }
+    // Lines of several files say nothing without the file.
+    report.lines.clear();
     Ok((records, report))
 }
 
@@ -176,12 +178,17 @@ struct Used {
     at: usize,
     name: String,
     column: Option<&'static RecordColumn>,
+    /// Unit in which it is read; none for texts.
+    unit: String,
     factor: f64,
     offset: f64,
 }
 
 fn understand(file: &str, table: &RawTable, kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
     let mut report = ReadReport { file: file.to_owned(), notes: table.notes.clone(), ..ReadReport::default() };
+    if table.header.is_empty() {
+        return Err(RecordError::NoRows { file: file.to_owned(), rows: 0, first: None, wrong: false });
+    }
     let used = header(file, table, kind, &mut report)?;
     for column in kind.columns().iter().filter(|column| column.required) {
         if used.iter().all(|each| each.name != column.name) {
@@ -211,6 +218,7 @@ fn understand(file: &str, table: &RawTable, kind: RecordKind) -> Result<(Records
         }
     }
     report.rows = records.len();
+    report.lines = rows.iter().map(|row| table.rows[row.at].0).collect();
     Ok((ordered(records, &mut report), report))
 }
 
@@ -224,8 +232,8 @@ fn header(file: &str, table: &RawTable, kind: RecordKind, report: &mut ReadRepor
             report.notes.push(format!("column `{title}` stands twice; the first is used"));
             continue;
         }
-        let (factor, offset) = match known {
-            Some(column) if column.kind == ColumnKind::Text => (1.0, 0.0),
+        let (unit, (factor, offset)) = match known {
+            Some(column) if column.kind == ColumnKind::Text => (String::new(), (1.0, 0.0)),
             Some(column) => {
                 let unit = if read.is_empty() { column.display } else { read };
                 if read.is_empty() && column.display != "1" {
@@ -233,12 +241,13 @@ fn header(file: &str, table: &RawTable, kind: RecordKind, report: &mut ReadRepor
                 }
                 // A bare count or a ratio written as such.
                 let unit = if column.unit == "1" && matches!(unit, "rev" | "-") { "1" } else { unit };
-                scale(unit, column.unit).ok_or_else(|| RecordError::Unit {
+                let scale = scale(unit, column.unit).ok_or_else(|| RecordError::Unit {
                     file: file.to_owned(),
                     column: column.name,
                     read: read.to_owned(),
                     accepted: toolroom_process::unit::accepted(column.unit),
-                })?
+                })?;
+                (unit.to_owned(), scale)
             }
             None => {
                 report.unused.push(title.clone());
@@ -246,7 +255,7 @@ fn header(file: &str, table: &RawTable, kind: RecordKind, report: &mut ReadRepor
             }
         };
         report.columns.push(title.clone());
-        used.push(Used { at: place, name, column: known, factor, offset });
+        used.push(Used { at: place, name, column: known, unit, factor, offset });
     }
     Ok(used)
 }
@@ -298,8 +307,8 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
                 && (value * used_column.factor + used_column.offset).abs() > column.greatest * column.scale()
             {
                 let reason = format!(
-                    "{} is {read}, beyond {} {}: check its unit",
-                    used_column.name, column.greatest, column.display
+                    "{} is {read} {}, beyond {} {}: check its unit",
+                    used_column.name, used_column.unit, column.greatest, column.display
                 );
                 if must {
                     wrong = true;
@@ -372,6 +381,9 @@ fn ordered(records: Records, report: &mut ReadReport) -> Records {
     rows.sort_by(|a, b| keys[*a].cmp(&keys[*b]).then(sequence[*a].total_cmp(&sequence[*b])));
     if rows.windows(2).any(|pair| pair[0] > pair[1]) {
         report.notes.push(format!("rows put into the order of {} and {order}", groups.join(", ")));
+    }
+    if !report.lines.is_empty() {
+        report.lines = rows.iter().map(|row| report.lines[*row]).collect();
     }
     records.select(&rows)
 }

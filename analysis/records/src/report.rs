@@ -10,6 +10,8 @@ pub struct ReadReport {
     pub file: String,
     /// Rows used.
     pub rows: usize,
+    /// Line of the file of each row of the records; empty where they do not come from lines of one file.
+    pub lines: Vec<usize>,
     /// Columns used, as `header → name [SI]`.
     pub columns: Vec<String>,
     /// Columns that nothing uses.

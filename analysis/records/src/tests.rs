@@ -45,6 +45,41 @@ fn a_missing_column_and_a_wrong_unit_are_refused_with_the_fix() {
 }
 
 #[test]
+fn lines_are_those_of_the_file_whatever_ends_them_and_stands_above() {
+    let body = "1,L,T,1,60,0.2,1,2\n\n# a comment\n2,L,T,2,,0.2,1,2\n3,L,T,3,60,0.2,1,2\n";
+    for end in ["\n", "\r\n"] {
+        let text = format!("# our log\n{HEAD}\n{body}").replace('\n', end);
+        let (_, report) = turning(&text).expect("a fine table");
+        assert_eq!((report.dropped[0].0, report.lines.as_slice()), (6, &[3, 7][..]), "{report}");
+    }
+    // Rows that are put in order keep their lines.
+    let (_, report) = turning(&format!("{HEAD}\n2,L,T,2,61,0.2,1,2\n1,L,T,1,60,0.2,1,2\n")).expect("a fine table");
+    assert_eq!(report.lines, [3, 2]);
+}
+
+#[test]
+fn decimal_commas_beside_points_are_read_unless_they_may_stand_between_thousands() {
+    let semicolons = HEAD.replace(',', ";");
+    let read = |speed: &str| {
+        turning(&format!("{semicolons}\n1;L;T;1;{speed};0.2;1;2\n2;L;T;2;60.5;0.2;1;2\n")).expect("a fine table")
+    };
+    let (records, report) = read("60,5");
+    assert_eq!((records.len(), report.unreadable.len()), (2, 0), "{report}");
+    assert!(report.notes[0].contains("line 2: `60,5`") && report.notes[0].contains("both are read"), "{report}");
+    let (records, report) = read("1,500");
+    assert_eq!(records.len(), 1, "{report}");
+    assert!(report.notes[0].contains("`1,500` in line 2 may be either"), "{report}");
+}
+
+#[test]
+fn a_value_beyond_its_range_is_told_in_the_unit_of_the_file_and_an_empty_file_has_no_rows() {
+    let head = HEAD.replace("m/min", "m/s");
+    let error = turning(&format!("{head}\n1,L,T,1,180,0.2,1,2\n")).expect_err("too fast");
+    assert!(error.to_string().contains("line 2, cutting_speed is 180 m/s, beyond 3000 m/min"), "{error}");
+    assert!(turning("").expect_err("nothing").to_string().contains("no row of data"));
+}
+
+#[test]
 fn what_is_written_reads_back() {
     let body = "1,L,T,1,60,0.2,1,2,0.123\n2,L,T,2,70.5,0.2,1,2,\n";
     let (records, _) = turning(&format!("{HEAD},flank_wear [mm]\n{body}")).expect("a fine table");

@@ -6,6 +6,8 @@ use toolroom_form::significant;
 
 /// Points of a sweep; more are a slip of the step.
 const MOST: usize = 1000;
+/// Factors on the present price of a map, evenly by their ratio.
+const PRICES: [f64; 5] = [0.5, std::f64::consts::FRAC_1_SQRT_2, 1.0, std::f64::consts::SQRT_2, 2.0];
 
 /// A key of a scenario and the values that it takes, each with its unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -84,7 +86,10 @@ impl Sweep {
     pub fn json(&self, summaries: &[Value]) -> Value {
         let point = |(value, summary): (&String, &Value)| json!({ "value": value, "summary": summary });
         let points: Vec<Value> = self.values.iter().zip(summaries).map(point).collect();
-        json!({ "schema": 1, "key": self.key, "points": points, "turns_at": self.turns_at(summaries) })
+        let map =
+            |(price, rows): (String, Vec<Vec<f64>>)| json!({ "price": price, "factors": PRICES, "difference": rows });
+        let maps: Vec<Value> = maps(summaries).into_iter().map(map).collect();
+        json!({ "schema": 1, "key": self.key, "points": points, "turns_at": self.turns_at(summaries), "maps": maps })
     }
 
     /// The results for a terminal.
@@ -109,6 +114,19 @@ impl Sweep {
         }
         if let Some(value) = self.turns_at(summaries) {
             let _ = writeln!(text, "a line through the differences is zero at {} = {value}", self.key);
+        }
+        for (price, rows) in maps(&summaries[..summaries.len().min(self.values.len())]) {
+            let _ = writeln!(
+                text,
+                "difference of the decision over {price} (rows: times the present one) and {}",
+                self.key
+            );
+            let columns = self.values.iter().take(summaries.len()).map(|value| format!("{value:>12}"));
+            let _ = writeln!(text, "  {:>6}{}", "", columns.collect::<String>());
+            for (factor, row) in PRICES.iter().zip(rows) {
+                let cells: String = row.iter().map(|difference| format!("{difference:>12.4}")).collect();
+                let _ = writeln!(text, "  {factor:>6.2}{cells}");
+            }
         }
         text.trim_end().to_owned()
     }
@@ -135,6 +153,31 @@ impl Sweep {
         let inside = points.len() >= 3 && zero >= first && zero <= last;
         inside.then(|| format!("{zero:.2} {unit}").trim_end().to_owned())
     }
+}
+
+/// The difference of the decision over each price that moves it at every point: a row for each of [`PRICES`], a column a point,
+/// settings held. Prices enter cost in proportion, so that two of them give all.
+fn maps(summaries: &[Value]) -> Vec<(String, Vec<Vec<f64>>)> {
+    if summaries.len() < 2 {
+        return Vec::new();
+    }
+    let line = |summary: &Value, key: &Value| {
+        let own = summary["tornado"].as_array()?.iter().find(|price| price["key"] == *key)?;
+        let end = |place: usize| {
+            let at = &own["at"][place];
+            Some((at["factor"].as_f64()?, at["difference"].as_f64()?))
+        };
+        let ((from, low), (to, high)) = (end(0)?, end(1)?);
+        let slope = (high - low) / (to - from);
+        slope.is_finite().then_some((low - slope * from, slope))
+    };
+    let keys = summaries[0]["tornado"].as_array().into_iter().flatten().map(|price| &price["key"]);
+    let map = |key: &Value| {
+        let lines = summaries.iter().map(|summary| line(summary, key)).collect::<Option<Vec<(f64, f64)>>>()?;
+        let row = |factor: &f64| lines.iter().map(|(base, slope)| base + slope * factor).collect();
+        Some((key.as_str()?.to_owned(), PRICES.iter().map(row).collect()))
+    };
+    keys.filter_map(map).collect()
 }
 
 /// Mean and half-width; figures may carry their unit in the key.
@@ -166,6 +209,27 @@ mod tests {
         let summary = |mean: f64| serde_json::json!({ "decision": { "difference": { "mean": mean } } });
         assert_eq!(sweep.turns_at(&[-1.0, 0.0, 1.0].map(summary)).as_deref(), Some("2.00 min"));
         assert_eq!(sweep.turns_at(&[1.0, 2.0, 3.0].map(summary)), None, "beyond what was looked at");
+    }
+
+    #[test]
+    fn prices_and_the_key_make_a_map_of_the_difference() {
+        let sweep = Sweep::new("machine.L.tool_change_time", "1 min", "2 min", "1 min").unwrap();
+        // 3 − 2 f at the first value, 3 − f at the second.
+        let summary = |slope: f64| {
+            let at =
+                [0.5, 2.0].map(|factor| serde_json::json!({ "factor": factor, "difference": 3.0 - slope * factor }));
+            serde_json::json!({ "tornado": [{ "key": "edge_cost", "at": at }] })
+        };
+        let summaries = [2.0, 1.0].map(summary);
+        let maps = super::maps(&summaries);
+        assert_eq!((maps[0].0.as_str(), maps[0].1.len()), ("edge_cost", 5));
+        assert!(maps[0].1[2] == [1.0, 2.0] && maps[0].1[4] == [-1.0, 1.0], "{maps:?}");
+        let text = sweep.text(&summaries);
+        assert!(text.contains("over edge_cost") && text.contains("  2.00     -1.0000      1.0000"), "{text}");
+        assert_eq!(sweep.json(&summaries)["maps"][0]["price"], "edge_cost");
+        assert!(super::maps(&summaries[..1]).is_empty(), "one value is no map");
+        let silent = [summary(1.0), serde_json::json!({ "tornado": [] })];
+        assert!(super::maps(&silent).is_empty(), "a price that one point does not know");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Measured tables: any encoding, delimiter and decimal sign that occurs in practice, every fault
 //! with its place.
 
-use toolroom_process::table::{BrokenQuote, broken_quote};
+use toolroom_process::table::{BrokenQuote, Lines, broken_quote};
 use toolroom_process::unit;
 
 /// A column that a reader knows.
@@ -195,8 +195,16 @@ pub(crate) fn read(file: &str, bytes: &[u8], specs: &[ColumnSpec]) -> Result<(Ve
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
-    let mut records =
-        reader.records().filter_map(Result::ok).filter(|record| record.iter().any(|cell| !cell.is_empty()));
+    let mut lines = Lines::new(&text);
+    let placed = |mut record: csv::StringRecord| {
+        if let Some(mut position) = record.position().cloned() {
+            position.set_line(lines.at(position.byte()) as u64);
+            record.set_position(Some(position));
+        }
+        record
+    };
+    let there = |record: &csv::StringRecord| record.iter().any(|cell| !cell.is_empty());
+    let mut records = reader.records().filter_map(Result::ok).filter(there).map(placed);
     let mut faults = Vec::new();
     let refuse = |faults| Err(TableError { file: file.to_owned(), faults });
     let Some(header) = records.next() else {

@@ -5,8 +5,10 @@
 //! zero, and what is not defined (NaN, infinite) is an empty cell. A column is named with its unit in
 //! brackets, `time [s]`, by whoever writes it.
 
+mod lines;
 mod quotes;
 
+pub use lines::Lines;
 pub use quotes::{BrokenQuote, broken_quote};
 
 use serde::{Serialize, Serializer};

@@ -5,6 +5,7 @@ use super::fault::ScenarioFault;
 use super::fitted;
 use std::sync::Arc;
 use toolroom_form::{Fault, Section, Value, Walk, nearest};
+use toolroom_process::table::Lines;
 use toolroom_process::unit::quantity;
 use toolroom_scenario::{Distribution, Empirical};
 
@@ -229,8 +230,9 @@ fn observed(walk: &mut Walk, table: &Section<'_>, file: &str, text: &str) -> Vec
     let unit = given.or(header.as_ref().and_then(|row| row.get(column)).and_then(|cell| bare(cell).1));
     let noted = walk.problems.len();
     let mut times = Vec::new();
+    let mut lines = Lines::new(text);
     for row in rows.iter().skip(usize::from(header.is_some())) {
-        let line = row.position().map_or(0, csv::Position::line);
+        let line = row.position().map_or(0, |position| lines.at(position.byte()) as u64);
         let cell = row.get(column).unwrap_or_default();
         if cell.is_empty() {
             continue; // other columns of the table may be longer

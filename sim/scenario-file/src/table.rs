@@ -7,6 +7,7 @@ use std::borrow::Cow;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use toolroom_form::{Form, Kind, Need, Section, Span, Walk, nearest};
+use toolroom_process::table::Lines;
 
 /// What else columns of orders may be called.
 const MAPPED: &str = "; [[tables.column]] says what columns with other names are";
@@ -72,6 +73,7 @@ impl Table<'_> {
         if walk.problems.len() > noted {
             return;
         }
+        let mut lines = Lines::new(text);
         for record in rows.records() {
             let record = match record {
                 Ok(record) => record,
@@ -81,7 +83,7 @@ impl Table<'_> {
                     continue;
                 }
             };
-            let line = record.position().map_or(0, csv::Position::line);
+            let line = record.position().map_or(0, |position| lines.at(position.byte()) as u64);
             let noted = walk.problems.len();
             let cells: Vec<Cow<'_, str>> = columns
                 .iter()

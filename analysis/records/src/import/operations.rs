@@ -214,5 +214,6 @@ fn complete(
         );
     }
     report.dropped.sort();
+    report.lines = rows.iter().map(|row| source.lines[operations[*row].1[0]]).collect();
     Ok(records.select(&rows))
 }
