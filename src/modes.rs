@@ -6,13 +6,13 @@ use crate::speak::Voice;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_dynamics::{FitOptions, Measurement, Scatter, ShopCut, TapOptions, read_shop_cuts};
+use toolroom_dynamics::{Fit, FitOptions, Measurement, Scatter, ShopCut, TapOptions, fit, read_shop_cuts};
 use toolroom_lobes::{LobesCut, LobesFile, read_structure};
 use toolroom_output::{Files, OutputDir, provenance};
 use toolroom_planning::lobes::Measured;
 use toolroom_planning::modes::{
-    ModesStudy, ModesUpdate, NAMES, Request, RequestError, SpeedStudy, UpdateOptions, is_records, range, read_tool,
-    recorded_cuts, scatter, summary, tip,
+    ModesStudy, ModesUpdate, NAMES, Request, RequestError, SpeedStudy, SwapError, Tool, UpdateOptions, is_records,
+    range, read_tool, recorded_cuts, scatter, summary, tip, tip_of_blank,
 };
 use toolroom_records::{RecordKind, parse_csv};
 
@@ -73,7 +73,7 @@ fn by_speed(
         voice.data(study.text())?
     }
     for (_, fit) in study.fits() {
-        target.accepted(fit)?;
+        target.accepted(&fit.fit)?;
     }
     let Some(out) = &args.out else { return Ok(()) };
     let text = study.structure(provenance).map_err(|error| Failure::argument(error, GUIDE))?;
@@ -176,17 +176,55 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
 /// `toolroom swap BASE --tool TOOL`.
 pub fn swap(args: &SwapArgs, voice: &Voice) -> Result<(), Failure> {
     let target = Target::new(args.out.as_deref(), args.report.as_deref(), args.accept_refused);
-    let (base, tool) = (read_structure(&args.base, &[])?, read_tool(&args.tool, &args.set)?);
-    let found = tip(&base.content, &tool.content, range(&args.range)?);
-    let (measured, direction) = found.map_err(|error| Failure::argument(error, GUIDE))?;
+    let tool = read_tool(&args.tool, &args.set)?;
+    let (base, measured, direction) = match (&args.blank, &args.second) {
+        (Some(blank), Some(second)) => {
+            let (measured, direction) = behind_blank(args, [blank, second], &tool.content, &target)?;
+            (bytes(&args.base)?, measured, direction)
+        }
+        (Some(_) | None, _) => {
+            let base = read_structure(&args.base, &[])?;
+            let found = tip(&base.content, &tool.content, range(&args.range)?);
+            let (measured, direction) = found.map_err(|error| Failure::argument(error, GUIDE))?;
+            (base.text.into_bytes(), measured, direction)
+        }
+    };
     let files = target.files([args.base.as_path(), args.tool.as_path()], voice)?;
-    let inputs = [(&args.base, &base.text), (&args.tool, &tool.text)];
-    let inputs = inputs.map(|(path, text)| (path.display().to_string(), text.as_bytes()));
-    let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
-    let provenance = provenance("swap", &inputs, changes, None);
+    let inputs = [(&args.base, base.as_slice()), (&args.tool, tool.text.as_bytes())];
+    let inputs = inputs.map(|(path, bytes)| (path.display().to_string(), bytes));
+    let set = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
+    let averages = args.averages.map(|averages| averages.to_string());
+    let told = [
+        ("--blank", args.blank.as_ref()),
+        ("--second", args.second.as_ref()),
+        ("--averages", averages.as_ref()),
+        ("--direction", args.direction.as_ref()),
+    ];
+    let told = told.into_iter().filter_map(|(flag, value)| Some([flag.to_owned(), value?.clone()])).flatten();
+    let provenance = provenance("swap", &inputs, told.chain(set), None);
     let options = FitOptions { direction: Some(direction), ..FitOptions::default() };
     let study = ModesStudy::new(target.name(&args.tool), measured, &options, Scatter::ASSUMED);
     target.write(&study.map_err(|error| Failure::argument(error, GUIDE))?, &files, &provenance, voice)
+}
+
+/// The tip of a tool on the spindle behind a blank that was tapped, and its direction.
+fn behind_blank(
+    args: &SwapArgs,
+    [blank, second]: [&str; 2],
+    tool: &Tool,
+    target: &Target<'_>,
+) -> Result<(Measurement, [f64; 2]), Failure> {
+    let refused = |error: SwapError| Failure::argument(error, GUIDE);
+    let blank = toolroom_planning::modes::blank(blank, second).map_err(refused)?;
+    let options = Request { averages: args.averages, direction: args.direction.as_deref(), ..Request::default() };
+    let FitOptions { averages, direction, .. } = options.options()?;
+    let name = args.base.display().to_string();
+    let unread = |error| Failure::argument(error, GUIDE);
+    let tapped = toolroom_dynamics::measure(&name, &bytes(&args.base)?, &TapOptions::default()).map_err(unread)?;
+    let found = fit(&tapped, &FitOptions { averages, ..FitOptions::default() }).map_err(unread)?;
+    target.accepted(&found)?;
+    let measured = tip_of_blank(&tapped, &found, &blank, tool, range(&args.range)?).map_err(refused)?;
+    Ok((measured, direction.unwrap_or([1.0, 0.0])))
 }
 
 /// Where modes are written.
@@ -229,14 +267,14 @@ impl<'a> Target<'a> {
             voice.data(study.text())?
         }
         voice.detail(format_args!("{:.2} s", self.start.elapsed().as_secs_f64()));
-        self.accepted(study)?;
+        self.accepted(&study.fit)?;
         let Some(out) = self.out else { return Ok(()) };
         self.put(out, &study.structure(provenance), files, voice)
     }
 
     /// Refuses a fit that must not be used.
-    fn accepted(&self, study: &ModesStudy) -> Result<(), Failure> {
-        match study.fit.quality.refusals.first().filter(|_| !self.accept_refused) {
+    fn accepted(&self, fit: &Fit) -> Result<(), Failure> {
+        match fit.quality.refusals.first().filter(|_| !self.accept_refused) {
             Some(refusal) => {
                 let message = format!("refused ({}): {refusal}; {}", refusal.code(), refusal.fix());
                 Err(Failure::Work { message })

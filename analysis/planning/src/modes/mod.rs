@@ -1,6 +1,7 @@
 //! Vibration modes from a tap test, or of a tool on a spindle that was tapped: fit, text, tables, pictures and the structure
 //! file.
 
+mod blank;
 mod files;
 mod measured;
 mod particles;
@@ -13,6 +14,7 @@ mod text;
 mod tool;
 mod update;
 
+pub use blank::{blank, tip_of_blank};
 pub use files::NAMES;
 pub use measured::{MeasuredError, MeasuredLimit, measured_limit, measured_milling_limit};
 pub use records::{RecordedCuts, is_records, recorded_cuts};

@@ -33,6 +33,29 @@ pub enum SwapError {
         /// Number of the mode, from 1.
         mode: usize,
     },
+    /// A blank that is none.
+    #[error("{reason}; write for example --blank \"steel d=16 mm L=40 mm\" --second \"25 mm\"")]
+    Blank {
+        /// What is wrong.
+        reason: String,
+    },
+    /// Taps without the tip of the blank.
+    #[error("the taps lack the response of the tip under a force at the tip, `11.` or `xx.` in the table")]
+    NoTip,
+    /// Taps of one point alone.
+    #[error(
+        "the taps lack the second point of the blank, `21.` in the table: a hammer measures no rotation, and one point does not \
+         tell how the spindle turns; measure the response at the second point under the force at the tip, and better its own too"
+    )]
+    NoSecond,
+    /// No line in the range.
+    #[error("no line of the taps lies between {from} and {to} Hz; give another --range")]
+    NoLines {
+        /// First frequency (Hz).
+        from: f64,
+        /// Last frequency (Hz).
+        to: f64,
+    },
     /// A receptance that is infinite.
     #[error("the receptance of the tool is infinite at {frequency} Hz; give a segment a loss factor")]
     Infinite {

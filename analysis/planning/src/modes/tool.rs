@@ -6,7 +6,7 @@ use toolroom_form::{Fault, Form, FormFile, Key, Kind, ReadError, Section, Walk};
 
 /// Materials by name: usual handbook values, an assumption for any one tool. Young's modulus (Pa), density (kg/m³), Poisson's
 /// ratio, loss factor.
-const MATERIALS: [(&str, Material); 3] = [
+pub(super) const MATERIALS: [(&str, Material); 3] = [
     ("carbide", Material { youngs_modulus: 580e9, density: 14_500.0, poisson_ratio: 0.24, loss_factor: 0.004 }),
     ("hss", Material { youngs_modulus: 220e9, density: 8_100.0, poisson_ratio: 0.29, loss_factor: 0.004 }),
     ("steel", Material { youngs_modulus: 205e9, density: 7_850.0, poisson_ratio: 0.29, loss_factor: 0.004 }),
