@@ -81,6 +81,12 @@ pub struct SwapArgs {
     /// Tool file: segments from the tip on, and the joint
     #[arg(long, value_name = "FILE")]
     pub tool: PathBuf,
+    /// Responses of the same tool on the same spindle, measured: both are compared
+    #[arg(long, value_name = "FILE")]
+    pub measured: Option<PathBuf>,
+    /// Find the springs of the joint with which the prediction is nearest to --measured
+    #[arg(long, requires = "measured")]
+    pub fit_joint: bool,
     /// Replace a value of the tool file: segment.1.length="30 mm", repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,

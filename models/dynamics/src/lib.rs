@@ -46,7 +46,7 @@ mod unit;
 mod wav;
 
 pub use blank::{Blank, BlankResponse};
-pub use coupling::{BaseMode, Body, Joint, Material, Receptance, Segment, base, chain};
+pub use coupling::{BaseMode, Body, Damper, Joint, Material, Receptance, Segment, base, chain};
 pub use csv::{read_csv, read_csv_by_speed};
 pub use cuts::{ShopCut, ShopCutError, read_shop_cuts};
 pub use error::{DynamicsError, RecordProblem, UniversalProblem, WaveProblem};

@@ -38,6 +38,9 @@ impl ModesStudy {
             percent(scatter.damping_ratio),
             percent(scatter.stiffness)
         );
+        if let Some(comparison) = &self.comparison {
+            let _ = write!(text, "\n{}", comparison.text());
+        }
         text
     }
 
@@ -61,7 +64,7 @@ impl ModesStudy {
         });
         let residuals = quality.residuals.iter().map(|(name, residual)| (name.clone(), json!(residual)));
         let upper = self.fit.upper.iter().map(|(pair, upper)| ((*pair).to_owned(), json!(upper.value * 1e6)));
-        json!({
+        let mut found = json!({
             "schema": 1,
             "name": self.name,
             "modes": modes.collect::<Vec<_>>(),
@@ -73,7 +76,11 @@ impl ModesStudy {
             "warnings": quality.warnings(),
             "notes": self.measured.notes,
             "refused": quality.refusals.first().map(|refusal| refusal.code()),
-        })
+        });
+        if let Some(comparison) = &self.comparison {
+            found["comparison"] = comparison.json();
+        }
+        found
     }
 }
 
