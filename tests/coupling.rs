@@ -86,19 +86,19 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// The softest mode: frequency (Hz), stiffness (N/um).
-fn softest(found: &Value) -> (f64, f64) {
-    let modes = found["modes"].as_array().expect("modes");
-    let softest = modes.iter().min_by(|a, b| {
-        let flexible = |mode: &Value| number(&mode["stiffness [N/um]"]) * number(&mode["damping_ratio"]);
-        flexible(a).total_cmp(&flexible(b))
+/// The mode that limits a cut: frequency (Hz), damping ratio times stiffness (N/um).
+fn limiting(found: &Value) -> (f64, f64) {
+    let modes = found["modes"].as_array().expect("modes").iter();
+    let modes = modes.map(|mode| {
+        let damped = number(&mode["damping_ratio"]) * number(&mode["stiffness [N/um]"]);
+        (number(&mode["natural_frequency [Hz]"]), damped)
     });
-    let mode = softest.expect("a mode");
-    (number(&mode["natural_frequency [Hz]"]), number(&mode["stiffness [N/um]"]))
+    modes.min_by(|a, b| a.1.total_cmp(&b.1)).expect("a mode")
 }
 
 const BLANK: [&str; 6] = ["--blank", "steel d=16 mm L=40 mm", "--second", "25 mm", "--averages", "5"];
-const RANGE: [&str; 3] = ["--range", "150 Hz", "4000 Hz"];
+/// Up to the highest mode of the spindle; that of the tool beyond it would be called one at the edge of the range.
+const RANGE: [&str; 4] = ["--range", "150 Hz", "2900 Hz", "--accept-refused"];
 
 #[test]
 fn taps_on_a_blank_stand_in_for_modes_with_rotations() {
@@ -107,14 +107,18 @@ fn taps_on_a_blank_stand_in_for_modes_with_rotations() {
     let tool = shipped("chatter/endmill12");
     let from_modes =
         json(&toolroom(&[&["swap", &shipped("chatter/spindle"), "--tool", &tool, "--json"][..], &RANGE].concat()));
-    let (frequency, stiffness) = softest(&from_modes);
-    for (name, functions, within) in [("three", &["11.", "21.", "22."][..], 0.01), ("two", &["11.", "21."], 0.03)] {
+    let (frequency, damped) = limiting(&from_modes);
+    for (name, functions) in [("three", &["11.", "21.", "22."][..]), ("two", &["11.", "21."])] {
         let (taps, out) = (place(&format!("{name}.csv")), place(&format!("{name}.toml")));
         fs::write(&taps, blank(functions, 0.001)).expect("writable");
         let arguments = [&["swap", &taps, "--tool", &tool, "--out", &out, "--json"][..], &BLANK, &RANGE].concat();
         let found = json(&toolroom(&arguments));
-        let (f, k) = softest(&found);
-        assert!((f / frequency - 1.0).abs() < 0.1 * within && (k / stiffness - 1.0).abs() < within, "{name}: {f} {k}");
+        // Damping of the materials is hysteretic: with and without weights by noise a viscous mode differs by some percent.
+        let (f, d) = limiting(&found);
+        assert!(
+            (f / frequency - 1.0).abs() < 2e-3 && (d / damped - 1.0).abs() < 0.05,
+            "{name}: {f} {d} {frequency} {damped}"
+        );
         let notes = found["notes"].to_string();
         assert_eq!(notes.contains("synthesised"), name == "two", "{notes}");
         assert!(notes.contains('±'), "{notes}");
