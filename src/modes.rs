@@ -3,16 +3,16 @@
 use crate::args::{ModesArgs, SwapArgs};
 use crate::failure::Failure;
 use crate::speak::Voice;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_dynamics::{FitOptions, Measurement, Scatter, ShopCut, TapOptions, read_shop_cuts};
-use toolroom_lobes::{LobesCut, LobesFile, read_structure};
+use toolroom_dynamics::{Blank, Fit, FitOptions, Measurement, Scatter, ShopCut, TapOptions, read_shop_cuts};
+use toolroom_lobes::{LobesCut, LobesFile, Structure, read_structure};
 use toolroom_output::{Files, OutputDir, provenance};
 use toolroom_planning::lobes::Measured;
 use toolroom_planning::modes::{
-    ModesStudy, ModesUpdate, NAMES, Request, RequestError, SpeedStudy, UpdateOptions, is_records, range, read_tool,
-    recorded_cuts, scatter, summary, tip,
+    Comparison, ModesStudy, ModesUpdate, NAMES, Request, RequestError, SpeedStudy, SwapError, Tip, Tool, UpdateOptions,
+    blank, is_records, range, read_tool, recorded_cuts, scatter, summary, tip, tip_at, tip_of_blank,
 };
 use toolroom_records::{RecordKind, parse_csv};
 
@@ -73,7 +73,7 @@ fn by_speed(
         voice.data(study.text())?
     }
     for (_, fit) in study.fits() {
-        target.accepted(fit)?;
+        target.accepted(&fit.fit)?;
     }
     let Some(out) = &args.out else { return Ok(()) };
     let text = study.structure(provenance).map_err(|error| Failure::argument(error, GUIDE))?;
@@ -176,17 +176,101 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
 /// `toolroom swap BASE --tool TOOL`.
 pub fn swap(args: &SwapArgs, voice: &Voice) -> Result<(), Failure> {
     let target = Target::new(args.out.as_deref(), args.report.as_deref(), args.accept_refused);
-    let (base, tool) = (read_structure(&args.base, &[])?, read_tool(&args.tool, &args.set)?);
-    let found = tip(&base.content, &tool.content, range(&args.range)?);
-    let (measured, direction) = found.map_err(|error| Failure::argument(error, GUIDE))?;
-    let files = target.files([args.base.as_path(), args.tool.as_path()], voice)?;
-    let inputs = [(&args.base, &base.text), (&args.tool, &tool.text)];
-    let inputs = inputs.map(|(path, text)| (path.display().to_string(), text.as_bytes()));
-    let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
-    let provenance = provenance("swap", &inputs, changes, None);
+    let mut tool = read_tool(&args.tool, &args.set)?;
+    let (base, bytes_of_base) = Base::read(args)?;
+    let range = range(&args.range)?;
+    let refused = |error: SwapError| Failure::argument(error, GUIDE);
+    let given = args.measured.as_deref().map(|path| Ok::<_, Failure>((path, bytes(path)?))).transpose()?;
+    let mut comparison = None;
+    if let Some((path, bytes)) = &given {
+        let name = path.display().to_string();
+        let unread = |error| Failure::argument(error, GUIDE);
+        let measured = toolroom_dynamics::measure(&name, bytes, &TapOptions::default()).map_err(unread)?;
+        let tip = base.tip_at(&measured.frequencies, &tool.content, range).map_err(refused)?;
+        let found = Comparison::new(&tip, tool.content.joint.as_ref(), &measured, args.fit_joint).map_err(refused)?;
+        if let Some(fitted) = &found.joint {
+            tool.content.joint = Some(fitted.joint);
+        }
+        comparison = Some(found);
+    }
+    let (measured, direction) = base.tip(&tool.content, range).map_err(refused)?;
+    let read = [Some(&args.base), Some(&args.tool), args.measured.as_ref()].into_iter().flatten();
+    let files = target.files(read.map(PathBuf::as_path), voice)?;
+    let inputs = [(&args.base, bytes_of_base.as_slice()), (&args.tool, tool.text.as_bytes())];
+    let given = args.measured.as_ref().zip(given.as_ref().map(|(_, bytes)| bytes.as_slice()));
+    let inputs = inputs.into_iter().chain(given).map(|(path, bytes)| (path.display().to_string(), bytes));
+    let inputs: Vec<(String, &[u8])> = inputs.collect();
+    let provenance = provenance("swap", &inputs, told(args), None);
     let options = FitOptions { direction: Some(direction), ..FitOptions::default() };
     let study = ModesStudy::new(target.name(&args.tool), measured, &options, Scatter::ASSUMED);
-    target.write(&study.map_err(|error| Failure::argument(error, GUIDE))?, &files, &provenance, voice)
+    let mut study = study.map_err(|error| Failure::argument(error, GUIDE))?;
+    study.comparison = comparison;
+    target.write(&study, &files, &provenance, voice)
+}
+
+/// What changes the tip, as it has to be typed.
+fn told(args: &SwapArgs) -> impl Iterator<Item = String> {
+    let averages = args.averages.map(|averages| averages.to_string());
+    let measured = args.measured.as_ref().map(|path| path.display().to_string());
+    let told = [
+        ("--blank", args.blank.clone()),
+        ("--second", args.second.clone()),
+        ("--averages", averages),
+        ("--direction", args.direction.clone()),
+        ("--measured", measured),
+    ];
+    let told = told.into_iter().filter_map(|(flag, value)| Some([flag.to_owned(), value?])).flatten();
+    let set = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]).collect::<Vec<_>>();
+    told.chain(args.fit_joint.then(|| "--fit-joint".to_owned())).chain(set)
+}
+
+/// The spindle that a tool is put on.
+enum Base {
+    /// Modes at its face.
+    Modes(Box<Structure>),
+    /// Taps on a blank in it, averages behind each, and their direction.
+    Blank(Measurement, Option<u32>, Blank, [f64; 2]),
+}
+
+impl Base {
+    /// The spindle of a command, and the bytes of its file.
+    fn read(args: &SwapArgs) -> Result<(Self, Vec<u8>), Failure> {
+        let (Some(text), Some(second)) = (&args.blank, &args.second) else {
+            let base = read_structure(&args.base, &[])?;
+            return Ok((Self::Modes(Box::new(base.content)), base.text.into_bytes()));
+        };
+        let blank = blank(text, second).map_err(|error| Failure::argument(error, GUIDE))?;
+        let request = Request { averages: args.averages, direction: args.direction.as_deref(), ..Request::default() };
+        let FitOptions { averages, direction, .. } = request.options()?;
+        let (name, bytes) = (args.base.display().to_string(), bytes(&args.base)?);
+        let tapped = toolroom_dynamics::measure(&name, &bytes, &TapOptions::default());
+        let tapped = tapped.map_err(|error| Failure::argument(error, GUIDE))?;
+        Ok((Self::Blank(tapped, averages, blank, direction.unwrap_or([1.0, 0.0])), bytes))
+    }
+
+    /// The response at the tip of a tool, and its direction.
+    fn tip(&self, tool: &Tool, range: [f64; 2]) -> Result<(Measurement, [f64; 2]), SwapError> {
+        match self {
+            Self::Modes(spindle) => tip(spindle, tool, range),
+            Self::Blank(tapped, averages, blank, direction) => {
+                let (measured, _) = tip_of_blank(tapped, *averages, blank, tool, range)?;
+                Ok((measured, *direction))
+            }
+        }
+    }
+
+    /// Tool and spindle at the lines of another measurement within a range, or at those of the blank.
+    fn tip_at(&self, frequencies: &[f64], tool: &Tool, range: [f64; 2]) -> Result<Tip, SwapError> {
+        match self {
+            Self::Modes(spindle) => {
+                let inside = frequencies.iter().copied().filter(|line| (range[0]..=range[1]).contains(line));
+                tip_at(spindle, tool, inside.collect())
+            }
+            Self::Blank(tapped, averages, blank, _) => {
+                tip_of_blank(tapped, *averages, blank, tool, range).map(|(_, tip)| tip)
+            }
+        }
+    }
 }
 
 /// Where modes are written.
@@ -229,14 +313,14 @@ impl<'a> Target<'a> {
             voice.data(study.text())?
         }
         voice.detail(format_args!("{:.2} s", self.start.elapsed().as_secs_f64()));
-        self.accepted(study)?;
+        self.accepted(&study.fit)?;
         let Some(out) = self.out else { return Ok(()) };
         self.put(out, &study.structure(provenance), files, voice)
     }
 
     /// Refuses a fit that must not be used.
-    fn accepted(&self, study: &ModesStudy) -> Result<(), Failure> {
-        match study.fit.quality.refusals.first().filter(|_| !self.accept_refused) {
+    fn accepted(&self, fit: &Fit) -> Result<(), Failure> {
+        match fit.quality.refusals.first().filter(|_| !self.accept_refused) {
             Some(refusal) => {
                 let message = format!("refused ({}): {refusal}; {}", refusal.code(), refusal.fix());
                 Err(Failure::Work { message })

@@ -322,6 +322,16 @@ fn the_sound_of_a_cut_tells_chatter_and_quiet_speeds() {
     let words = listen("chatter.wav", &[]);
     let words = String::from_utf8_lossy(&words.stdout).into_owned();
     assert!(words.contains("chatter at 1186.0 Hz, from the start"), "{words}");
+    // A record that breaks off, and one without anything.
+    let whole = fs::read(place("chatter.wav")).expect("written");
+    fs::write(place("half.wav"), &whole[..whole.len() / 2]).expect("writable");
+    fs::write(place("empty.wav"), b"").expect("writable");
+    for (name, said) in
+        [("half.wav", "breaks off: its header promises 32000 bytes"), ("empty.wav", "the file is empty")]
+    {
+        let refused = listen(name, &[]);
+        assert!(refused.status.code() == Some(2) && stderr(&refused).contains(said), "{}", stderr(&refused));
+    }
     // Another number of teeth than the cutter of the chart, and a file that is no record.
     let refused = toolroom(&["listen", &place("clean.wav"), "--teeth", "3", "--speed", "4300 rpm", "--lobes", &chart]);
     assert!(refused.status.code() == Some(2) && stderr(&refused).contains("has 4"), "{}", stderr(&refused));

@@ -5,6 +5,7 @@ mod blind;
 mod calibration;
 mod cli;
 mod command_line;
+mod coupling;
 mod determinism;
 mod dynamics;
 mod examples;

@@ -121,6 +121,16 @@ def responses():
     return "\n".join(rows).encode()
 
 
+def taps():
+    """Taps on a blank at two points, of one mode, as a table."""
+    rows = ["frequency [Hz],11.real [um/N],11.imag [um/N],11.coherence,21.real [um/N],21.imag [um/N],21.coherence"]
+    for line in range(150):
+        f = 300.0 + 4.0 * line
+        h = 1.0 / (20.0 * (1 - (f / 612.0) ** 2 + 2j * 0.03 * f / 612.0))
+        rows.append(f"{f},{h.real:.6g},{h.imag:.6g},0.99,{0.8 * h.real:.6g},{0.8 * h.imag:.6g},0.99")
+    return "\n".join(rows).encode()
+
+
 def sound():
     """A second of a tone with its harmonics, as WAV."""
     with tempfile.NamedTemporaryFile(suffix=".wav") as file:
@@ -173,6 +183,9 @@ SHIPPED = [
          ("c.toml", "chatter/turning-bar.toml")),
     case("swap", ["swap", "b.toml", "--tool", "t.toml", "--out", "o.toml", "--range", "400 Hz", "900 Hz"],
          ("b.toml", "chatter/spindle.toml"), ("t.toml", "chatter/endmill12.toml")),
+    case("swap-blank", ["swap", "taps.csv", "--blank", "steel d=16 mm L=40 mm", "--second", "25 mm", "--tool", "t.toml",
+                        "--measured", "frf.csv", "--fit-joint", "--accept-refused", "--out", "o.toml"],
+         ("taps.csv", taps()), ("t.toml", "chatter/endmill12.toml"), ("frf.csv", responses())),
     case("modes", ["modes", "frf.csv", "--out", "o.toml"], ("frf.csv", responses())),
     case("listen", ["listen", "cut.wav", "--teeth", "4", "--speed", "7500 rpm"], ("cut.wav", sound())),
     case("grind", ["grind", "c.toml", "--out", "out"], ("c.toml", "grinding/cycle.toml")),

@@ -178,7 +178,9 @@ A lobes file takes the result by structure = \"spindle3-d12.toml\" in place of i
     /// Modes at the tip of a tool on a spindle that was measured, by receptance coupling
     #[command(before_help = "Examples:
   toolroom swap spindle.toml --tool endmill12.toml --out spindle-d12.toml
-  toolroom swap spindle.toml --tool endmill12.toml --range \"50 Hz\" \"8000 Hz\" --report out/swap")]
+  toolroom swap spindle.toml --tool endmill12.toml --range \"50 Hz\" \"8000 Hz\" --report out/swap
+  toolroom swap taps.csv --blank \"steel d=16 mm L=40 mm\" --second \"25 mm\" --averages 5 --tool endmill12.toml --out d12.toml
+  toolroom swap spindle.toml --tool endmill12.toml --measured tap.csv --fit-joint")]
     Swap(SwapArgs),
     /// Whether the sound of a milling cut is that of chatter, and at which speeds it would be quiet
     #[command(before_help = "Examples:

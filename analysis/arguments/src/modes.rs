@@ -63,11 +63,30 @@ pub struct ModesArgs {
 
 #[derive(Args, Debug)]
 pub struct SwapArgs {
-    /// Structure file of the spindle at its face, each mode with its rotation
+    /// Structure file of the spindle at its face, each mode with its rotation; with --blank, taps of a blank in the spindle: a
+    /// table or universal file with 11 (xx), 21 (yx) and better 22 (yy), of the tip and of a second point
     pub base: PathBuf,
+    /// The blank that was tapped, outside of the spindle: a material, diameter and length such as "steel d=16 mm L=40 mm"
+    #[arg(long, value_name = "BLANK", requires = "second")]
+    pub blank: Option<String>,
+    /// Distance of the second tapped point of the blank from its tip
+    #[arg(long, value_name = "LENGTH", requires = "blank")]
+    pub second: Option<String>,
+    /// Averages behind each function of the taps
+    #[arg(long, value_name = "COUNT", requires = "blank", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub averages: Option<u32>,
+    /// Direction of the taps: feed, normal, or an angle from the feed such as "30 deg"
+    #[arg(long, value_name = "DIRECTION", requires = "blank")]
+    pub direction: Option<String>,
     /// Tool file: segments from the tip on, and the joint
     #[arg(long, value_name = "FILE")]
     pub tool: PathBuf,
+    /// Responses of the same tool on the same spindle, measured: both are compared
+    #[arg(long, value_name = "FILE")]
+    pub measured: Option<PathBuf>,
+    /// Find the springs of the joint with which the prediction is nearest to --measured
+    #[arg(long, requires = "measured")]
+    pub fit_joint: bool,
     /// Replace a value of the tool file: segment.1.length="30 mm", repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,

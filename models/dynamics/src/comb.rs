@@ -20,6 +20,12 @@ const FIRST_TEETH: f64 = 6.0;
 /// (assumption).
 const GREATEST_WEIGHT: f64 = 1e3;
 
+/// Ratios of the true to the supposed speed that are tried where lines are unexplained: speeds or teeth mistaken for one another, or
+/// a sampling rate that is half or twice the true one (assumption: others are rare).
+const RATIOS: [[u32; 2]; 7] = [[1, 2], [1, 3], [2, 3], [3, 2], [1, 4], [3, 4], [4, 3]];
+/// Share of the harmonics of another speed that stand out where it is the true one (assumption).
+const MOST: f64 = 0.7;
+
 /// Amplitudes over all samples under Hann's window.
 pub(crate) struct WholeSpectrum {
     amplitudes: Vec<f64>,
@@ -160,5 +166,35 @@ impl Comb {
         }
         let due = orders.iter().filter(|k| first(**k)).count();
         (lines > 0 && 2 * lines >= due).then(|| Self { spindle_frequency: sums[0] / sums[1], teeth })
+    }
+
+    /// Another spindle frequency, in a ratio of small numbers to this one, of which the line at `frequency` (Hz) is a harmonic and
+    /// whose harmonics that are none of this comb mostly stand out: then the cutter turns at that speed.
+    ///
+    /// Lines of chatter do not look like that. They lie in at most two places from one tooth frequency to the next, and so on
+    /// few of those harmonics, unless the cutter has one tooth, of which nothing is said.
+    pub(crate) fn other(&self, spectrum: &WholeSpectrum, frequency: f64) -> Option<f64> {
+        if self.teeth < 2 {
+            return None;
+        }
+        let floor = spectrum.floor(4.0 * self.spindle_frequency);
+        let highest = BAND * spectrum.step * (spectrum.amplitudes.len() - 1) as f64;
+        let clear = |at: f64| {
+            let (found, amplitude) = spectrum.greatest(at, spectrum.width);
+            amplitude > CLEAR * floor[((found / spectrum.step) as usize).min(floor.len() - 1)]
+        };
+        let found = RATIOS.into_iter().find(|[above, below]| {
+            let spindle = self.spindle_frequency * f64::from(*above) / f64::from(*below);
+            let order = (frequency / spindle).round();
+            let own: Vec<f64> = (1..=SPINDLE_HARMONICS)
+                .filter(|k| !(k * above).is_multiple_of(*below))
+                .map(|k| f64::from(k) * spindle)
+                .filter(|at| *at < highest)
+                .collect();
+            let standing = own.iter().filter(|at| clear(**at)).count();
+            (frequency - order * spindle).abs() < 2.0 * spectrum.width
+                && standing as f64 > MOST * own.len().max(1) as f64
+        });
+        found.map(|[above, below]| self.spindle_frequency * f64::from(above) / f64::from(below))
     }
 }

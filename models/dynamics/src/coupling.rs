@@ -59,6 +59,17 @@ pub struct Joint {
     pub loss_factor: f64,
 }
 
+/// A mass on a spring and a dashpot inside of a tool, such as that of a boring bar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Damper {
+    /// Mass (kg).
+    pub mass: f64,
+    /// Natural frequency (Hz) of the mass on its spring, the tool held fast.
+    pub natural_frequency: f64,
+    /// Share of critical damping of the same.
+    pub damping_ratio: f64,
+}
+
 /// A mode of a base with its slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaseMode {
@@ -144,6 +155,22 @@ impl Body {
         })
     }
 
+    /// This body with a damper at its first end, at `w` (rad/s).
+    pub fn damped(&self, damper: &Damper, w: f64) -> Option<Self> {
+        let inverse = damper.stiffness(w).inv() + self.r11[(0, 0)];
+        if !(inverse.norm() > 0.0 && inverse.norm().is_finite()) {
+            return None;
+        }
+        // Loads on either end move the first end; the damper answers with a force there.
+        let answer = |from: &Receptance, to: &Receptance| (from.column(0) * to.row(0)) / inverse;
+        Some(Self {
+            r11: self.r11 - answer(&self.r11, &self.r11),
+            r12: self.r12 - answer(&self.r11, &self.r12),
+            r21: self.r21 - answer(&self.r21, &self.r11),
+            r22: self.r22 - answer(&self.r21, &self.r12),
+        })
+    }
+
     /// Receptance of the first end with the second end on a base, over a joint where there is one.
     pub fn on(&self, base: &Receptance, joint: Option<&Joint>) -> Option<Receptance> {
         let between = joint.map_or_else(Receptance::zeros, Joint::compliance);
@@ -154,6 +181,16 @@ impl Body {
     /// Receptance of a base from that of this body on it, the inverse of [`Body::on`] without joint.
     pub fn removed(&self, assembled: &Receptance) -> Option<Receptance> {
         Some(self.r21 * (self.r11 - assembled).try_inverse()? * self.r12 - self.r22)
+    }
+}
+
+impl Damper {
+    /// Force over displacement (N/m) with which it resists at `w` (rad/s): `−m w² (k + i c w)/(k + i c w − m w²)`.
+    fn stiffness(&self, w: f64) -> Complex<f64> {
+        let own = std::f64::consts::TAU * self.natural_frequency;
+        let spring = Complex::new(own * own, 2.0 * self.damping_ratio * own * w) * self.mass;
+        let inertia = self.mass * w * w;
+        -spring * inertia / (spring - inertia)
     }
 }
 
@@ -301,6 +338,35 @@ mod tests {
             close(value.re, at[0], 1e-5);
             close(value.im, at[1], 1e-4);
         }
+    }
+
+    #[test]
+    fn a_damper_halves_a_peak_as_den_hartog_says() {
+        // J. P. Den Hartog, Mechanical Vibrations, 4th edition (1956), section 3.3: the best damper of the mass ratio mu has its frequency
+        // at 1/(1 + mu) of that of the structure and the square of its damping ratio at 3 mu/(8 (1 + mu)^3); the peak is sqrt(1 + 2/mu) of the
+        // static deflection. The structure: one mode under a short stiff rod without mass.
+        let (frequency, stiffness, ratio) = (200.0, 1e7, 0.05f64);
+        let mass = stiffness / (TAU * frequency).powi(2);
+        let damper = Damper {
+            mass: ratio * mass,
+            natural_frequency: frequency / (1.0 + ratio),
+            damping_ratio: (3.0 * ratio / (8.0 * (1.0 + ratio).powi(3))).sqrt(),
+        };
+        let light = Material { youngs_modulus: 2e12, density: 1.0, poisson_ratio: 0.3, loss_factor: 1e-4 };
+        let rod = rod(0.005, 0.05, 1.0, light);
+        let mode = BaseMode { natural_frequency: frequency, damping_ratio: 1e-6, stiffness, rotation: 0.0 };
+        let tip =
+            |w: f64| rod.body(w).unwrap().damped(&damper, w).unwrap().on(&base(&[mode], w), None).unwrap()[(0, 0)];
+        let found = peaks(tip, 400);
+        assert_eq!(found.len(), 2, "{found:?}");
+        for (_, height) in found {
+            close(height * stiffness, (1.0 + 2.0 / ratio).sqrt(), 0.01);
+        }
+        // A mass without spring is a mass: 1/3 more lowers the frequency to sqrt(3)/2.
+        let mass = Damper { mass: mass / 3.0, natural_frequency: 1e6, damping_ratio: 0.0 };
+        let loaded =
+            |w: f64| rod.body(w).unwrap().damped(&mass, w).unwrap().on(&base(&[mode], w), None).unwrap()[(0, 0)];
+        close(peaks(loaded, 400)[0].0, frequency * 0.75f64.sqrt(), 1e-3);
     }
 
     #[test]

@@ -40,7 +40,8 @@ struct Parts {
 ///
 /// Columns stand in any order, with units in the header: `frequency [Hz]` and either `real [um/N]`, `imag [um/N]` or
 /// `magnitude [um/N]`, `phase [deg]`, and `coherence` where it is known. Several functions have `xx.`, `xy.`, `yx.` or
-/// `yy.` before the name: the direction of the response, then that of the force. Cells are separated by commas,
+/// `yy.` before the name: the direction of the response, then that of the force. Taps at two points of a blank have `11.`, `21.`,
+/// `12.` or `22.` in their place, the point of the response and that of the force. Cells are separated by commas,
 /// semicolons or tabs; lines that start with `#` are comments.
 ///
 /// # Errors
@@ -172,6 +173,11 @@ fn column(file: &str, line: usize, title: &str) -> Result<Column, DynamicsError>
         Some(("xy", name)) => ([Direction::X, Direction::Y], name),
         Some(("yx", name)) => ([Direction::Y, Direction::X], name),
         Some(("yy", name)) => ([Direction::Y, Direction::Y], name),
+        // Points of a blank in one direction: the first stands where x does, the second where y does.
+        Some(("11", name)) => ([Direction::X, Direction::X], name),
+        Some(("12", name)) => ([Direction::X, Direction::Y], name),
+        Some(("21", name)) => ([Direction::Y, Direction::X], name),
+        Some(("22", name)) => ([Direction::Y, Direction::Y], name),
         Some(_) => return Err(unknown()),
     };
     let (quantity, example, accepted) = match name {
@@ -257,6 +263,31 @@ mod tests {
     }
 
     #[test]
+    fn decimal_commas_are_read_where_they_do_not_separate() {
+        let read = |text: &str| read_csv("a.csv", text);
+        let point =
+            read("frequency [Hz],real [um/N],imag [um/N],coherence\n100.5,0.25,-0.5,0.99\n101,0.3,-1e-2,1\n").unwrap();
+        let comma =
+            read("frequency [Hz];real [um/N];imag [um/N];coherence\n100,5;0,25;-0,5;0,99\n101;0,3;-1e-2;1\n").unwrap();
+        assert_eq!(Measurement { source: "a.csv".to_owned(), ..comma }, point);
+        let fault = |text: &str| read(text).unwrap_err().to_string();
+        assert!(fault("frequency [Hz];real [um/N];imag [um/N]\n1.000,5;1;1\n").contains("`1.000,5`"));
+        let wide: String = "frequency [Hz],real".chars().flat_map(|letter| [letter, '\0']).collect();
+        assert!(fault(&wide).contains("UTF-16"));
+    }
+
+    #[test]
+    fn a_response_that_is_the_same_everywhere_is_refused() {
+        let rows: String = (1..30).fold(String::new(), |rows, line| format!("{rows}{line},1,0\n"));
+        let refused = |unit: &str| {
+            let text = format!("frequency [Hz],real [{unit}],imag [{unit}]\n{rows}");
+            read_csv("a.csv", &text).unwrap_err().to_string()
+        };
+        assert!(refused("um/N").contains("xx is 1e-6 on every line"), "{}", refused("um/N"));
+        assert!(refused("m/s2/N").contains("xx is 1e0 on every line"), "{}", refused("m/s2/N"));
+    }
+
+    #[test]
     fn acceleration_becomes_displacement() {
         let found = read_csv("a", "frequency [Hz],real [g/N],imag [g/N]\n100,-1,0\n").unwrap();
         let expected = 9.80665 / (628.318_530_717_958_6f64).powi(2);
@@ -273,7 +304,8 @@ mod tests {
         assert!(fault("frequency [Hz],real [um/N]\n1,2\n").contains("must be there once"));
         assert!(fault("frequency [Hz],real [um/N],imag [um/N]\n2,1,1\n1,1,1\n").contains("1 Hz follows 2 Hz"));
         assert!(fault("frequency [Hz],real [um/N],imag [um/N],coherence\n2,1,1,1.2\n").contains("coherence at 2 Hz"));
-        assert!(fault("").contains("no frequency response"));
+        assert!(fault("").contains("the file is empty"));
+        assert!(fault("frequency [Hz],real [um/N],imag [um/N]\n").contains("no frequency response"));
     }
 
     #[test]

@@ -4,9 +4,39 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DynamicsError {
-    /// A table without header or rows, or a file without any response.
+    /// A file without content.
+    #[error("{file}: the file is empty; export or copy it again")]
+    Nothing {
+        /// The file.
+        file: String,
+    },
+    /// A table without rows, or a file without any response.
     #[error("{file}: there is no frequency response in this file")]
     Empty {
+        /// The file.
+        file: String,
+    },
+    /// A file of which everything is left out.
+    #[error("{file}: there is no frequency response in this file that can be used: {notes}")]
+    LeftOut {
+        /// The file.
+        file: String,
+        /// What was left out and why.
+        notes: String,
+    },
+    /// A response that is the same on every line.
+    #[error("{file}: {function} is {value} on every line, which no structure answers; check sensor, cable and export")]
+    Constant {
+        /// The file.
+        file: String,
+        /// Directions of response and force.
+        function: String,
+        /// The value as it was read, SI.
+        value: String,
+    },
+    /// Text in another encoding.
+    #[error("{file}: the text is UTF-16; save it as UTF-8, which spreadsheets call CSV UTF-8")]
+    Encoding {
         /// The file.
         file: String,
     },
@@ -209,6 +239,9 @@ pub enum UniversalProblem {
     /// A count that no file can hold.
     #[error("{0} values are promised, more than the file can hold")]
     TooMany(usize),
+    /// Values beyond those that are promised.
+    #[error("the data set promises {0} values and goes on after them; export the file again")]
+    MoreThanPromised(usize),
     /// A number format that is not read.
     #[error("the data type {0} is not known; 2, 4, 5 and 6 are read")]
     DataType(i64),
@@ -248,6 +281,16 @@ pub enum WaveProblem {
     /// No data.
     #[error("the sound file holds no samples")]
     NoSamples,
+    /// A file that ends before its samples do.
+    #[error(
+        "the sound file breaks off: its header promises {promised} bytes of samples, {held} are there; copy or export it again"
+    )]
+    BrokenOff {
+        /// Bytes of samples by the header.
+        promised: usize,
+        /// Bytes of samples in the file.
+        held: usize,
+    },
 }
 
 /// What is wrong with a record over time.
@@ -308,6 +351,25 @@ pub enum RecordProblem {
     NoComb {
         /// The commanded speed (rpm).
         speed: f64,
+    },
+    /// A record whose signal never changes.
+    #[error(
+        "the record is constant: no sample of its {channels} channels differs from the one before; check sensor and cable, and record again"
+    )]
+    Constant {
+        /// Channels of the record.
+        channels: usize,
+    },
+    /// A sound that is that of another speed.
+    #[error(
+        "the lines between the harmonics of spindle and teeth at {commanded:.0} rpm are harmonics of {heard:.1} rpm; check --speed and \
+         --teeth and the sampling rate of the file; if they are right, record again with the speed changed by 2 %"
+    )]
+    OtherSpeed {
+        /// The speed near the commanded one (rpm).
+        commanded: f64,
+        /// The speed whose harmonics all lines are (rpm).
+        heard: f64,
     },
     /// A sound file whose channels are not all explained.
     #[error(

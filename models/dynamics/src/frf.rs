@@ -6,6 +6,9 @@ use nalgebra::Complex;
 use std::f64::consts::TAU;
 use std::fmt;
 
+/// Lines of one value from which on a response counts as constant (assumption: fewer are too few for a fit as well).
+const LEAST_CONSTANT: usize = 20;
+
 /// A direction of response or force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Direction {
@@ -103,6 +106,13 @@ impl Measurement {
         self.frequencies.drain(..resting);
         for (index, function) in self.functions.iter_mut().enumerate() {
             function.receptance.drain(..resting.min(function.receptance.len()));
+            if let [first, .., _] = function.receptance[..]
+                && function.receptance.iter().all(|value| *value == first)
+                && function.receptance.len() >= LEAST_CONSTANT
+            {
+                let value = if first.im == 0.0 { format!("{:e}", first.re) } else { format!("{first:e}") };
+                return Err(DynamicsError::Constant { file: file(), function: function.name(), value });
+            }
             let order = function.motion.derivatives();
             for (value, frequency) in function.receptance.iter_mut().zip(&self.frequencies) {
                 // Under an exponential window the response is that at i w + d.

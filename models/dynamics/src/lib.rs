@@ -8,6 +8,7 @@
 //!                              └── fit ──► Fit: modes, covariance, quality, refusals
 //!  ForceTest: mean forces over the feed ──► Coefficients of the cutting force; MaterialGroup where none was measured
 //!  Segments, Joint, BaseMode ──► chain, Body::on: receptance at the tip of a tool on a spindle
+//!  taps on a Blank ──► Blank::face: receptance of the spindle that holds it
 //! ```
 //!
 //! # What is modelled
@@ -19,6 +20,7 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod blank;
 mod comb;
 mod coupling;
 mod csv;
@@ -43,7 +45,8 @@ mod uff;
 mod unit;
 mod wav;
 
-pub use coupling::{BaseMode, Body, Joint, Material, Receptance, Segment, base, chain};
+pub use blank::{Blank, BlankResponse};
+pub use coupling::{BaseMode, Body, Damper, Joint, Material, Receptance, Segment, base, chain};
 pub use csv::{read_csv, read_csv_by_speed};
 pub use cuts::{ShopCut, ShopCutError, read_shop_cuts};
 pub use error::{DynamicsError, RecordProblem, UniversalProblem, WaveProblem};

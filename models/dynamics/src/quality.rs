@@ -19,6 +19,8 @@ const LEAST_LINES: f64 = 5.0;
 const GREATEST_RESIDUAL: f64 = 0.15;
 /// Share of the decay of an exponential window below which the damping of a mode is a small difference (assumption).
 const LEAST_OWN_DAMPING: f64 = 0.1;
+/// Misfit over degrees of freedom from which on a warning is due: residuals of twice the noise (assumption).
+const GREATEST_CHI2: f64 = 4.0;
 /// Difference of the two responses xy and yx over their size from which on a warning is due (assumption).
 const GREATEST_ASYMMETRY: f64 = 0.2;
 
@@ -204,7 +206,14 @@ impl Quality {
              single mode between x and y would look the same"
                 .to_owned()
         });
-        asymmetry.into_iter().chain(oblique).collect()
+        let misfit = (self.reduced_chi2 > GREATEST_CHI2).then(|| {
+            format!(
+                "the fit leaves {:.1} times the noise that coherence and averages tell: coherence that is rounded or not of this \
+                 measurement, too many averages told, or what real modes do not describe; the standard deviations grow by it",
+                self.reduced_chi2.sqrt()
+            )
+        });
+        asymmetry.into_iter().chain(oblique).chain(misfit).collect()
     }
 
     /// `good`, `usable` or `refused`, with the reason.

@@ -46,6 +46,8 @@ const LOWEST: f64 = 20.0;
 /// Amplitude of a line beside a harmonic of the spindle, over the most that a wandering speed makes of such a harmonic there, from
 /// which the line is one of its own (assumption).
 const BEYOND_WANDER: f64 = 4.0;
+/// Share of clipped samples from which a note says so (assumption: fewer are single clicks).
+const CLIPPED: f64 = 1e-3;
 /// Share of the greatest amplitude at which chatter has set in (assumption).
 const SET_IN: f64 = 0.5;
 /// Share of the strongest chatter line from which another may be the one near a mode (assumption).
@@ -118,6 +120,8 @@ pub struct Heard {
     pub onset: Option<f64>,
     /// All lines, by frequency.
     pub lines: Vec<Line>,
+    /// What to be careful about, in words.
+    pub notes: Vec<String>,
 }
 
 impl Heard {
@@ -132,13 +136,17 @@ impl Heard {
     }
 }
 
-/// Listens to the first channel of a record.
+/// Listens to the first channel of a record that is not constant.
 ///
 /// # Errors
-/// [`DynamicsError::Record`]: a record shorter than sixteen revolutions, or without a comb of harmonics within 3 % of the speed.
+/// [`DynamicsError::Record`]: a record shorter than sixteen revolutions, without a comb of harmonics within 3 % of the speed, of
+/// constant channels, or of a cut at another speed.
 pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsError> {
     let fault = |problem| DynamicsError::Record { file: record.source.clone(), problem };
-    let samples = &record.channels[0].values;
+    let (samples, notes) = heard_channel(record).ok_or_else(|| {
+        let channels = record.channels.len();
+        fault(RecordProblem::Constant { channels })
+    })?;
     let commanded = cutting.spindle_speed / TAU;
     let length = (FRAME / commanded).max(LEAST_FRAME);
     if record.duration() < length {
@@ -148,7 +156,10 @@ pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsE
     let comb = Comb::find(&whole, commanded, cutting.teeth)
         .ok_or_else(|| fault(RecordProblem::NoComb { speed: 60.0 * commanded }))?;
     let frames = Frames::new(samples, record.rate, length);
-    let air = cutting.air.map(|air| Frames::new(&air.channels[0].values, air.rate, length));
+    let air = cutting.air.map(|air| {
+        let (samples, _) = heard_channel(air).unwrap_or((&air.channels[0].values, Vec::new()));
+        Frames::new(samples, air.rate, length)
+    });
     let threshold = frames.false_alarm_level().max(STANDS_OUT);
     let mut lines: Vec<Line> = frames
         .peaks(LOWEST, threshold)
@@ -171,6 +182,12 @@ pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsE
     let runout =
         strongest(&|origin| matches!(origin, Origin::Spindle(k) if !half(*k))).map_or(0.0, |line| line.amplitude);
     let doubled = doubled.filter(|line| line.amplitude > HALF_TOOTH * tooth && line.amplitude > ABOVE_RUNOUT * runout);
+    if let Some(line) = unexplained
+        && let Some(spindle) = comb.other(&whole, line.frequency)
+    {
+        let [commanded, heard] = [comb.spindle_frequency, spindle].map(|frequency| 60.0 * frequency);
+        return Err(fault(RecordProblem::OtherSpeed { commanded, heard }));
+    }
     let (chatter, line) = match (unexplained, doubled) {
         (Some(line), _) => (Chatter::Yes, Some(near_mode(&lines, line, cutting.natural_frequencies))),
         (None, Some(line)) => (Chatter::Ambiguous, Some(line)),
@@ -192,7 +209,36 @@ pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsE
             }
         }
     }
-    Ok(Heard { spindle_speed: TAU * comb.spindle_frequency, chatter, chatter_frequency, onset, lines })
+    Ok(Heard { spindle_speed: TAU * comb.spindle_frequency, chatter, chatter_frequency, onset, lines, notes })
+}
+
+/// The samples of the first channel that is not constant, and what to be careful about; `None` where there is none.
+fn heard_channel(record: &Record) -> Option<(&[f64], Vec<String>)> {
+    let constant = |values: &[f64]| values.windows(2).all(|pair| pair[0] == pair[1]);
+    let place = record.channels.iter().position(|channel| !constant(&channel.values))?;
+    let samples = &record.channels[place].values;
+    let mut notes = Vec::new();
+    if record.channels.len() > 1 {
+        let count = record.channels.len();
+        let before = if place > 0 { ", those before it are constant" } else { "" };
+        notes.push(format!("channel {} of {count} is heard{before}", place + 1));
+    }
+    let clipped = clipped_share(samples);
+    if clipped > CLIPPED {
+        notes.push(format!(
+            "the record is clipped, {:.1} % of its samples lie at its greatest or least value: amplitudes are too small and \
+             clipping makes lines of its own; record again at a lower gain",
+            100.0 * clipped
+        ));
+    }
+    Some((samples, notes))
+}
+
+/// Share of the samples that are at the greatest or least value and have one such neighbour on either side.
+fn clipped_share(samples: &[f64]) -> f64 {
+    let (least, greatest) = samples.iter().fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(*x), b.max(*x)));
+    let at = |value: f64| samples.windows(3).filter(|three| three.iter().all(|x| *x == value)).count();
+    (at(least) + at(greatest)) as f64 / samples.len() as f64
 }
 
 /// Tells lines that frames do not resolve from a harmonic of the spindle, where the whole record does. What stands beside a

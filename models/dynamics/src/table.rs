@@ -15,15 +15,19 @@ pub(crate) struct Table {
 }
 
 /// Reads a table: cells are separated by commas, semicolons or tabs, whichever the titles have most of; lines that start with
-/// `#` are comments.
+/// `#` are comments. Where commas do not separate, they are decimal signs, unless points are.
 pub(crate) fn read_table(file: &str, text: &str) -> Result<Table, DynamicsError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    // Every other byte of plain text in UTF-16 is zero.
+    if text.get(..64).unwrap_or(text).contains('\0') {
+        return Err(DynamicsError::Encoding { file: file.to_owned() });
+    }
     let mut lines = text
         .lines()
         .enumerate()
         .map(|(i, line)| (i + 1, line))
         .filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
-    let (line, header) = lines.next().ok_or_else(|| DynamicsError::Empty { file: file.to_owned() })?;
+    let (line, header) = lines.next().ok_or_else(|| DynamicsError::Nothing { file: file.to_owned() })?;
     let separator = [',', ';', '\t'].into_iter().max_by_key(|mark| header.matches(*mark).count()).unwrap_or(',');
     let titles: Vec<String> =
         header.split(separator).map(|title| title.trim().trim_matches('"').trim().to_owned()).collect();
@@ -36,15 +40,17 @@ pub(crate) fn read_table(file: &str, text: &str) -> Result<Table, DynamicsError>
             return Err(DynamicsError::UnevenRow { file: file.to_owned(), line, cells, columns });
         }
         for (i, text) in texts.iter().enumerate() {
-            let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
+            let plain =
+                if separator == ',' || text.contains('.') { (*text).to_owned() } else { text.replace(',', ".") };
+            let value = plain.parse::<f64>().ok().filter(|value| value.is_finite());
             columns[i].push(value.ok_or_else(|| DynamicsError::NotANumber {
                 file: file.to_owned(),
                 line,
                 column: titles[i].clone(),
                 text: (*text).to_owned(),
             })?);
-            if !text.contains(['e', 'E']) {
-                let places = text.split_once('.').map_or(0, |(_, places)| places.len());
+            if !plain.contains(['e', 'E']) {
+                let places = plain.split_once('.').map_or(0, |(_, places)| places.len());
                 decimals[i] = decimals[i].max(places);
             }
         }

@@ -144,14 +144,28 @@ pub fn read_uff(file: &str, bytes: &[u8]) -> Result<Measurement, DynamicsError> 
         }
     }
     let Some(frequencies) = found.first().map(|(function, _)| function.frequencies.clone()) else {
-        return Err(DynamicsError::Empty { file: file.to_owned() });
+        let file = file.to_owned();
+        return Err(if notes.is_empty() {
+            DynamicsError::Empty { file }
+        } else {
+            DynamicsError::LeftOut { file, notes: notes.join("; ") }
+        });
     };
     for function in coherence {
         let same = |other: &&mut (Function, Frf)| {
             other.0.response.abs() == function.response.abs() && other.0.force.abs() == function.force.abs()
         };
         if let Some((_, frf)) = found.iter_mut().find(same) {
-            frf.coherence = Some(function.values.iter().map(|value| value.re.clamp(0.0, 1.0)).collect());
+            if function.frequencies != frequencies {
+                let function = format!("the coherence of {}", frf.name());
+                return Err(DynamicsError::OtherFrequencies { file: file.to_owned(), function });
+            }
+            // What is more than rounding beyond the range is refused with the rest.
+            let rounded = |value: f64| {
+                let near = value.clamp(0.0, 1.0);
+                if (value - near).abs() <= ROUNDING { near } else { value }
+            };
+            frf.coherence = Some(function.values.iter().map(|value| rounded(value.re)).collect());
         }
     }
     for (function, frf) in &found {
@@ -171,6 +185,8 @@ pub fn read_uff(file: &str, bytes: &[u8]) -> Result<Measurement, DynamicsError> 
     .checked()
 }
 
+/// How far rounding can put a coherence beyond 0 … 1: one and a half of the last digit in the shortest format.
+const ROUNDING: f64 = 1.5e-5;
 /// Half of the last digit of a coherence in the shortest format of data set 58, `E13.5`.
 const DIGIT: f64 = 0.5e-5;
 /// The same in the format of double precision, `E20.12`.
@@ -244,6 +260,10 @@ fn function(cursor: &mut Cursor<'_>, header: &str, start: usize) -> Result<Funct
         }
         flat
     };
+    let rest = cursor.bytes[cursor.place..].iter().position(|byte| !byte.is_ascii_whitespace() && *byte != 0);
+    if flat.len() > count || rest.is_some_and(|first| !cursor.bytes[cursor.place + first..].starts_with(b"-1")) {
+        return Err(cursor.fault(start, UniversalProblem::MoreThanPromised(promised)));
+    }
     let of_value = usize::from(!even);
     let rows = || flat.chunks_exact(parts).take(promised);
     let frequencies = if even {
@@ -404,6 +424,29 @@ mod tests {
                 assert!(matches!(read_uff("a", &bytes), Err(DynamicsError::Universal { .. })));
             }
         }
+    }
+
+    #[test]
+    fn what_a_file_promises_and_what_it_holds_must_agree() {
+        let values = " -1.00000E+00  5.00000E-01 -2.00000E+00  2.50000E-01\n -3.00000E+00  1.25000E-01\n";
+        let response = format!("{UNITS}    -1\n    58\n{}{values}    -1\n", records(4, [1, 1], 5, 1));
+        let fault = |text: &str| read_uff("a.uff", text.as_bytes()).unwrap_err().to_string();
+        let fewer = response.replacen("         3         1", "         1         1", 1);
+        assert!(fault(&fewer).contains("promises 1 values and goes on after them"), "{}", fault(&fewer));
+        let more = response.replacen("         3         1", "         4         1", 1);
+        assert!(fault(&more).starts_with("a.uff:"), "{}", fault(&more));
+        let set = |records: &str, values: &str| format!("{response}    -1\n    58\n{records}{values}\n    -1\n");
+        let coherence = records(6, [1, 1], 2, 1);
+        let read = |values: &str| read_uff("a.uff", set(&coherence, values).as_bytes());
+        let good = read("  1.00000E+00  9.00000E-01  1.00001E+00").unwrap();
+        assert_eq!(good.functions[0].coherence.as_deref(), Some(&[1.0, 0.9, 1.0][..]));
+        let beyond = read("  1.00000E+00  9.00000E-01  1.50000E+00").unwrap_err().to_string();
+        assert!(beyond.contains("coherence at 104 Hz is 1.5"), "{beyond}");
+        let elsewhere = coherence.replacen("1.00000E2", "2.00000E2", 1);
+        let refused = fault(&set(&elsewhere, "  1.00000E+00  9.00000E-01  1.00000E+00"));
+        assert!(refused.contains("the coherence of xx has other frequencies"), "{refused}");
+        let upright = response.replace(&format!("{:4}\n", 1), &format!("{:4}\n", 3));
+        assert!(fault(&upright).contains("out of the plane of x and y"), "{}", fault(&upright));
     }
 
     #[test]

@@ -8,6 +8,10 @@ const INTEGER: u16 = 1;
 const FLOAT: u16 = 3;
 const EXTENSIBLE: u16 = 0xFFFE;
 
+/// Least length of a chunk that stands for an unknown one: `0xFFFF_FFFF` and, by programs that leave room for the header,
+/// somewhat less than `0x8000_0000` (as ffmpeg and SoX write it; recalled).
+const UNKNOWN_LENGTH: usize = 0x7FFF_0000;
+
 /// Samples of a sound file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Wave {
@@ -22,8 +26,9 @@ pub(crate) fn is_wave(bytes: &[u8]) -> bool {
     bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WAVE")
 }
 
-/// Reads whole numbers of 8, 16, 24 and 32 bits and floating-point numbers of 32 and 64 bits; a data chunk that promises
-/// more than the file holds, as recorders leave it when they are switched off, is read as far as it goes.
+/// Reads whole numbers of 8, 16, 24 and 32 bits and floating-point numbers of 32 and 64 bits. A data chunk that promises more
+/// than the file holds is refused, since nobody knows what the rest of the record would have told. Programs that write to a
+/// pipe leave a length that stands for an unknown one; such a file is read to its end.
 pub(crate) fn read_wave(file: &str, bytes: &[u8]) -> Result<Wave, DynamicsError> {
     let fault = |problem| DynamicsError::Wave { file: file.to_owned(), problem };
     let mut place = 12;
@@ -35,7 +40,13 @@ pub(crate) fn read_wave(file: &str, bytes: &[u8]) -> Result<Wave, DynamicsError>
         let chunk = &bytes[start..end];
         match &head[..4] {
             b"fmt " => format = Some(Format::of(chunk).ok_or_else(|| fault(WaveProblem::Format))?),
-            b"data" => return format.ok_or_else(|| fault(WaveProblem::Format))?.samples(chunk).map_err(fault),
+            b"data" => {
+                let format = format.ok_or_else(|| fault(WaveProblem::Format))?;
+                if chunk.len() < length && length < UNKNOWN_LENGTH {
+                    return Err(fault(WaveProblem::BrokenOff { promised: length, held: chunk.len() }));
+                }
+                return format.samples(chunk).map_err(fault);
+            }
             _ => {}
         }
         // Chunks begin at even places.
@@ -132,13 +143,18 @@ mod tests {
     }
 
     #[test]
-    fn channels_lie_beside_each_other_and_a_short_file_ends_early() {
+    fn channels_lie_beside_each_other_and_a_file_that_breaks_off_is_refused() {
         let mut bytes = file(1, 2, 8, &[128, 0, 192, 128, 128, 128]);
         let found = read_wave("a.wav", &bytes).unwrap();
         assert_eq!(found.channels, [[0.0, 0.5, 0.0], [-1.0, 0.0, 0.0]]);
-        bytes.truncate(bytes.len() - 1);
-        assert_eq!(read_wave("a.wav", &bytes).unwrap().channels[0].len(), 2);
         let fault = |bytes: &[u8]| read_wave("a.wav", bytes).unwrap_err().to_string();
+        let place = bytes.len() - 10;
+        bytes.truncate(bytes.len() - 1);
+        assert!(fault(&bytes).contains("promises 6 bytes of samples, 5 are there"), "{}", fault(&bytes));
+        for unknown in [0xFFFF_FFFFu32, 0x7FFF_F000] {
+            bytes[place..place + 4].copy_from_slice(&unknown.to_le_bytes());
+            assert_eq!(read_wave("a.wav", &bytes).unwrap().channels[0].len(), 2);
+        }
         assert!(fault(&file(6, 1, 8, &[1])).contains("format 6"), "{}", fault(&file(6, 1, 8, &[1])));
         assert!(fault(&file(1, 1, 16, &[])).contains("no samples"));
         assert!(fault(&bytes[..20]).contains("no samples"));

@@ -4,8 +4,8 @@ use nalgebra::Complex;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use std::f64::consts::TAU;
-use toolroom_dynamics::{Direction, FitOptions, Frf, Measurement, Motion, fit};
+use std::f64::consts::{PI, TAU};
+use toolroom_dynamics::{Direction, FitOptions, ForceTest, Frf, Measurement, Motion, TestedCut, fit};
 
 /// Frequency (Hz), damping ratio, stiffness (N/m), angle of the direction (deg).
 type Truth = [f64; 4];
@@ -351,4 +351,53 @@ fn intervals_of_six_hundred_taps_cover_the_truth() {
         let mean = shares.iter().sum::<f64>() / 3.0;
         assert!((0.92..=0.98).contains(&mean), "{name} {mean}");
     }
+}
+
+#[test]
+fn intervals_of_force_coefficients_cover_the_truth() {
+    // Slots and side cuts of which the mean forces are known: 95 % intervals of six coefficients of 400 tests.
+    let mut random = ChaCha8Rng::seed_from_u64(31);
+    let (mut inside, mut all) = ([0.0; 6], 0.0);
+    for number in 0..400u32 {
+        let immersed = [PI, 1.2, 2.0, 0.8][number as usize % 4];
+        let cut = TestedCut { teeth: 2 + number % 3, depth: 2e-3, entry: PI - immersed, exit: PI };
+        let chip = [600e6 + 3e6 * f64::from(number), 250e6, 120e6];
+        let edge = [25e3, 32e3, 2e3];
+        let feeds: Vec<f64> = (0..12).map(|i| 0.04e-3 + 0.03e-3 * f64::from(i / 3)).collect();
+        let mut forces: [Vec<f64>; 3] = Default::default();
+        for feed in &feeds {
+            let mean = mean_force(&cut, *feed, chip, edge);
+            for (column, mean) in forces.iter_mut().zip(mean) {
+                let noise: f64 = StandardNormal.sample(&mut random);
+                column.push(mean + 2.0 * noise);
+            }
+        }
+        let test = ForceTest { source: "test".to_owned(), feeds, forces: forces.map(Some) };
+        let found = test.identify(&cut).expect("a test of four feeds");
+        for (share, (found, truth)) in
+            inside.iter_mut().zip(found.chip.iter().chain(&found.edge).zip(chip.iter().chain(&edge)))
+        {
+            let found = found.expect("a coefficient");
+            let quantile = 2.228; // of Student's t with ten degrees of freedom, from a table
+            *share += f64::from(u8::from((found.value - truth).abs() <= quantile * found.sd));
+        }
+        all += 1.0;
+    }
+    let shares = inside.map(|inside| inside / all);
+    // Of 400 intervals of 95 % a share of 92 to 98 % holds the truth with all but one in a hundred seeds.
+    assert!(shares.iter().all(|share| (0.92..=0.98).contains(share)), "{shares:?}");
+}
+
+/// Mean forces on the tool along feed, normal and axis by quadrature of the forces of a tooth over its arc.
+fn mean_force(cut: &TestedCut, feed: f64, [t, r, a]: [f64; 3], [te, re, ae]: [f64; 3]) -> [f64; 3] {
+    const STEPS: u32 = 2000;
+    let width = (cut.exit - cut.entry) / f64::from(STEPS);
+    let mut sum = [0.0; 3];
+    for i in 0..STEPS {
+        let (s, c) = (cut.entry + width * (f64::from(i) + 0.5)).sin_cos();
+        let (tangential, radial, axial) = (t * feed * s + te, r * feed * s + re, a * feed * s + ae);
+        let part = [-tangential * c - radial * s, tangential * s - radial * c, axial];
+        sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+    }
+    sum.map(|sum| sum * width * f64::from(cut.teeth) * cut.depth / (2.0 * PI))
 }

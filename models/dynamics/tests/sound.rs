@@ -207,3 +207,48 @@ fn a_record_without_teeth_is_refused() {
     record.channels[0].values.truncate(1000);
     assert!(hear(&record, 6120.0).unwrap_err().to_string().contains("sixteen revolutions"));
 }
+
+#[test]
+fn a_cut_at_another_speed_is_not_taken_for_chatter() {
+    let mut wrong = Vec::new();
+    for (teeth, told) in [(2, 2.0), (4, 2.0), (3, 2.0), (4, 4.0 / 3.0), (4, 0.75), (6, 1.5), (4, 4.0)] {
+        let cut = Cut { teeth, seed: u64::from(teeth), ..CUT };
+        let spindle_speed = told * cut.speed * TAU / 60.0;
+        let cutting = Cutting { teeth, spindle_speed, air: None, natural_frequencies: &[] };
+        match listen(&cut.record(), &cutting) {
+            Err(refused) if refused.to_string().contains("harmonics of 6120.0 rpm") => {}
+            // Without lines of runout where the teeth would be heard there is nothing to begin with.
+            Err(refused) if refused.to_string().contains("no harmonics of spindle and teeth") => {}
+            Ok(heard) if heard.chatter == Chatter::No => {}
+            other => wrong.push(format!("{teeth} teeth, {told} times the speed: {other:?}")),
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    // At half a harmonic of the spindle chatter is still chatter.
+    for order in [5.5, 7.5] {
+        let frequency = order * CUT.speed / 60.0;
+        let heard = Cut { teeth: 4, chatter: Some((frequency, 0.1, 0.0)), ..CUT }.heard(CUT.speed);
+        assert_eq!(heard.chatter, Chatter::Yes);
+    }
+}
+
+#[test]
+fn silent_channels_are_passed_over_and_clipping_is_told() {
+    let mut record = Cut { chatter: Some((847.3, 0.1, 0.0)), ..CUT }.record();
+    let cutting = Cutting { teeth: 3, spindle_speed: CUT.speed * TAU / 60.0, air: None, natural_frequencies: &[] };
+    let plain = listen(&record, &cutting).unwrap();
+    assert!(plain.notes.is_empty(), "{:?}", plain.notes);
+    let sound = record.channels[0].clone();
+    record.channels.insert(0, Channel { values: vec![0.25; sound.values.len()], ..sound.clone() });
+    let second = listen(&record, &cutting).unwrap();
+    assert_eq!((second.chatter_frequency, second.lines), (plain.chatter_frequency, plain.lines));
+    assert_eq!(second.notes, ["channel 2 of 2 is heard, those before it are constant"]);
+    record.channels.pop();
+    let refused = listen(&record, &cutting).unwrap_err().to_string();
+    assert!(refused.contains("no sample of its 1 channels differs"), "{refused}");
+    record.channels[0].values = sound.values.iter().map(|value| value.clamp(-0.3, 0.3)).collect();
+    let clipped = listen(&record, &cutting).unwrap();
+    assert_eq!(clipped.chatter, Chatter::Yes);
+    assert!((clipped.chatter_frequency.unwrap() - 847.3).abs() < 0.5);
+    assert!(clipped.notes[0].contains("clipped"), "{:?}", clipped.notes);
+}

@@ -29,6 +29,9 @@ impl ListenStudy {
                  with an even number of teeth; record again with the speed changed by 2 %"
             ),
         };
+        for note in &heard.notes {
+            let _ = writeln!(text, "note: {note}");
+        }
         if heard.chatter == Chatter::Yes && self.suggestions.is_empty() {
             let _ = writeln!(text, "no speed in range lets the teeth keep time with it");
         }
@@ -76,6 +79,7 @@ impl ListenStudy {
             "onset [s]": heard.onset,
             "suggested_speeds [rpm]": speeds.collect::<Vec<_>>(),
             "lines": lines.collect::<Vec<_>>(),
+            "notes": heard.notes,
         });
         if self.suggestions.iter().any(|suggestion| suggestion.limit.is_some()) {
             let limits = self.suggestions.iter().map(|suggestion| match &suggestion.limit {

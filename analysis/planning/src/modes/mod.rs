@@ -1,6 +1,8 @@
 //! Vibration modes from a tap test, or of a tool on a spindle that was tapped: fit, text, tables, pictures and the structure
 //! file.
 
+mod assembly;
+mod blank;
 mod files;
 mod measured;
 mod particles;
@@ -10,16 +12,20 @@ mod request;
 mod speeds;
 mod swap;
 mod text;
+mod tip;
 mod tool;
 mod update;
 
+pub use assembly::{Comparison, FittedJoint, PeakPair};
+pub use blank::{blank, tip_of_blank};
 pub use files::NAMES;
 pub use measured::{MeasuredError, MeasuredLimit, measured_limit, measured_milling_limit};
 pub use records::{RecordedCuts, is_records, recorded_cuts};
 pub use request::{Request, RequestError, range, scatter};
 pub use speeds::{SpeedStudy, SpeedsError};
-pub use swap::{SwapError, tip};
+pub use swap::{SwapError, tip, tip_at};
 pub use text::read as summary;
+pub use tip::Tip;
 pub use tool::{TOOL, Tool, read_tool};
 pub use update::{Learnt, ModesUpdate, UpdateError, UpdateOptions};
 
@@ -37,6 +43,8 @@ pub struct ModesStudy {
     pub fit: Fit,
     /// What is added to the uncertainty of the fit.
     pub scatter: Scatter,
+    /// The same assembly as it was measured, where these are the modes of a predicted tip.
+    pub comparison: Option<Comparison>,
 }
 
 impl ModesStudy {
@@ -51,7 +59,7 @@ impl ModesStudy {
         scatter: Scatter,
     ) -> Result<Self, DynamicsError> {
         let fit = fit(&measured, options)?;
-        Ok(Self { name, measured, fit, scatter })
+        Ok(Self { name, measured, fit, scatter, comparison: None })
     }
 
     /// The structure file, with the command and the digests of the files that it was made of.

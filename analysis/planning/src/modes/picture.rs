@@ -1,7 +1,8 @@
 //! Measured and fitted responses in pictures, and the report around them.
 
-use super::ModesStudy;
 use super::text::{cells, read};
+use super::{Comparison, ModesStudy};
+use nalgebra::Complex;
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Axis, Colour, Marker, Plot, Style, Table};
 use toolroom_dynamics::Frf;
@@ -56,6 +57,12 @@ pub(super) fn report(study: &ModesStudy, provenance: Provenance) -> Report {
                 format!("Real part of {}; its least value sets the limit of the cut.", function.name()),
             ));
     }
+    if let Some(comparison) = &study.comparison {
+        responses = responses.figure(Figure::new(
+            &beside(comparison),
+            format!("The tip as it is predicted and as it was measured ({}).", comparison.source),
+        ));
+    }
     report
         .section(responses)
         .section(
@@ -104,6 +111,23 @@ fn magnitude(study: &ModesStudy, function: &Frf, index: usize) -> Plot {
         plot = plot.vertical(mode.natural_frequency.value, format!("{:.0} Hz", mode.natural_frequency.value));
     }
     plot
+}
+
+/// A predicted tip beside the measured one.
+fn beside(comparison: &Comparison) -> Plot {
+    let points = |values: &[Complex<f64>]| -> Vec<(f64, f64)> {
+        comparison.frequencies.iter().zip(values).map(|(frequency, value)| (*frequency, value.norm() * 1e6)).collect()
+    };
+    let greatest = points(&comparison.measured).iter().map(|(_, size)| *size).fold(0.0, f64::max);
+    let [first, last] = [comparison.frequencies.first(), comparison.frequencies.last()].map(|end| end.copied());
+    Plot::new(
+        "Tip: predicted and measured",
+        Axis::linear("Frequency", "Hz").range(first.unwrap_or(0.0), last.unwrap_or(1.0)),
+        Axis::log("Magnitude", "um/N").range(1e-4 * greatest, 2.0 * greatest),
+    )
+    .scatter("measured", points(&comparison.measured), MEASURED)
+    .line("predicted", points(&comparison.predicted), Style::nth(0))
+    .describe("Magnitude of the predicted and of the measured receptance over frequency.")
 }
 
 fn real(study: &ModesStudy, function: &Frf, index: usize) -> Plot {

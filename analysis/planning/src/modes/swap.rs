@@ -1,8 +1,8 @@
 //! A tool on a spindle whose modes are known: the modes at the tip of the tool, by receptance coupling.
 
+use super::tip::Tip;
 use super::tool::Tool;
-use std::f64::consts::TAU;
-use toolroom_dynamics::{BaseMode, Direction, Frf, Measurement, Motion, base, chain};
+use toolroom_dynamics::{BaseMode, Direction, Frf, Measurement, Motion};
 use toolroom_lobes::Structure;
 
 /// Step of the frequencies (Hz) at which the tip is computed: a half-power band of 1 % damping at 250 Hz has five lines.
@@ -33,6 +33,44 @@ pub enum SwapError {
         /// Number of the mode, from 1.
         mode: usize,
     },
+    /// A blank that is none.
+    #[error("{reason}; write for example --blank \"steel d=16 mm L=40 mm\" --second \"25 mm\"")]
+    Blank {
+        /// What is wrong.
+        reason: String,
+    },
+    /// Taps without the tip of the blank.
+    #[error("the taps lack the response of the tip under a force at the tip, `11.` or `xx.` in the table")]
+    NoTip,
+    /// Taps of one point alone.
+    #[error(
+        "the taps lack the second point of the blank, `21.` in the table: a hammer measures no rotation, and one point does not \
+         tell how the spindle turns; measure the response at the second point under the force at the tip, and better its own too"
+    )]
+    NoSecond,
+    /// Taps under an exponential window.
+    #[error(
+        "the hits on the blank had not died away within their frames, so that the responses are those under an exponential window; \
+         wait longer between the hits"
+    )]
+    Windowed,
+    /// A measured assembly that has no lines of the predicted one.
+    #[error(
+        "the measured assembly has {lines} clear lines in common with what is predicted, at least 20 are needed; measure it over \
+         the lines of the blank, or within --range"
+    )]
+    NoCommonLines {
+        /// Lines in common.
+        lines: usize,
+    },
+    /// No line in the range.
+    #[error("no line of the taps lies between {from} and {to} Hz; give another --range")]
+    NoLines {
+        /// First frequency (Hz).
+        from: f64,
+        /// Last frequency (Hz).
+        to: f64,
+    },
     /// A receptance that is infinite.
     #[error("the receptance of the tool is infinite at {frequency} Hz; give a segment a loss factor")]
     Infinite {
@@ -47,35 +85,11 @@ pub enum SwapError {
 /// # Errors
 /// [`SwapError`]: modes without slope, along different lines or by speed, an undamped tool at a frequency of its own.
 pub fn tip(spindle: &Structure, tool: &Tool, range: [f64; 2]) -> Result<(Measurement, [f64; 2]), SwapError> {
-    if spindle.by_speed.is_some() {
-        return Err(SwapError::Speeds);
-    }
-    if spindle.along_path.is_some() {
-        return Err(SwapError::Stations);
-    }
     let [x, y] = spindle.modes.first().map_or([1.0, 0.0], |mode| mode.direction);
-    let mut modes = Vec::new();
-    // The stiff modes of a residual have no slope, and follow those of the file.
-    for (i, (mode, rotation)) in spindle.modes.iter().zip(&spindle.rotations).enumerate() {
-        let rotation = rotation.ok_or(SwapError::NoRotation { mode: i + 1 })?;
-        let [a, b] = mode.direction;
-        if (a * y - b * x).abs() > 1e-6 * a.hypot(b) * x.hypot(y) {
-            return Err(SwapError::Directions { mode: i + 1 });
-        }
-        let (natural_frequency, damping_ratio, stiffness) =
-            (mode.natural_frequency, mode.damping_ratio, mode.stiffness);
-        modes.push(BaseMode { natural_frequency, damping_ratio, stiffness, rotation });
-    }
+    let modes = based(spindle, [x, y])?;
     let lines = ((range[1] - range[0]) / STEP).floor() as usize;
     let frequencies: Vec<f64> = (0..=lines).map(|i| range[0] + STEP * i as f64).collect();
-    let at = |frequency: &f64| -> Result<_, SwapError> {
-        let w = TAU * frequency;
-        let found = chain(&tool.segments, w).and_then(|body| body.on(&base(&modes, w), tool.joint.as_ref()));
-        let value =
-            found.map(|receptance| receptance[(0, 0)]).filter(|value| value.re.is_finite() && value.im.is_finite());
-        value.ok_or(SwapError::Infinite { frequency: *frequency })
-    };
-    let receptance = frequencies.iter().map(at).collect::<Result<Vec<_>, _>>()?;
+    let receptance = Tip::of_modes(&modes, tool, frequencies.clone())?.all(tool.joint.as_ref())?;
     let function = Frf {
         response: Direction::X,
         force: Direction::X,
@@ -95,4 +109,36 @@ pub fn tip(spindle: &Structure, tool: &Tool, range: [f64; 2]) -> Result<(Measure
     };
     let length = x.hypot(y);
     Ok((measured, [x / length, y / length]))
+}
+
+/// The tip of `tool` on the spindle `spindle` at some frequencies (Hz), ascending.
+///
+/// # Errors
+/// As [`tip`].
+pub fn tip_at(spindle: &Structure, tool: &Tool, frequencies: Vec<f64>) -> Result<Tip, SwapError> {
+    let line = spindle.modes.first().map_or([1.0, 0.0], |mode| mode.direction);
+    Tip::of_modes(&based(spindle, line)?, tool, frequencies)
+}
+
+/// The modes of a spindle with their slopes, which move along the line of the first.
+fn based(spindle: &Structure, [x, y]: [f64; 2]) -> Result<Vec<BaseMode>, SwapError> {
+    if spindle.by_speed.is_some() {
+        return Err(SwapError::Speeds);
+    }
+    if spindle.along_path.is_some() {
+        return Err(SwapError::Stations);
+    }
+    let mut modes = Vec::new();
+    // The stiff modes of a residual have no slope, and follow those of the file.
+    for (i, (mode, rotation)) in spindle.modes.iter().zip(&spindle.rotations).enumerate() {
+        let rotation = rotation.ok_or(SwapError::NoRotation { mode: i + 1 })?;
+        let [a, b] = mode.direction;
+        if (a * y - b * x).abs() > 1e-6 * a.hypot(b) * x.hypot(y) {
+            return Err(SwapError::Directions { mode: i + 1 });
+        }
+        let (natural_frequency, damping_ratio, stiffness) =
+            (mode.natural_frequency, mode.damping_ratio, mode.stiffness);
+        modes.push(BaseMode { natural_frequency, damping_ratio, stiffness, rotation });
+    }
+    Ok(modes)
 }

@@ -38,6 +38,9 @@ impl ModesStudy {
             percent(scatter.damping_ratio),
             percent(scatter.stiffness)
         );
+        if let Some(comparison) = &self.comparison {
+            let _ = write!(text, "\n{}", comparison.text());
+        }
         text
     }
 
@@ -61,7 +64,7 @@ impl ModesStudy {
         });
         let residuals = quality.residuals.iter().map(|(name, residual)| (name.clone(), json!(residual)));
         let upper = self.fit.upper.iter().map(|(pair, upper)| ((*pair).to_owned(), json!(upper.value * 1e6)));
-        json!({
+        let mut found = json!({
             "schema": 1,
             "name": self.name,
             "modes": modes.collect::<Vec<_>>(),
@@ -71,8 +74,13 @@ impl ModesStudy {
             "reciprocity": quality.reciprocity,
             "quality": quality.verdict(),
             "warnings": quality.warnings(),
+            "notes": self.measured.notes,
             "refused": quality.refusals.first().map(|refusal| refusal.code()),
-        })
+        });
+        if let Some(comparison) = &self.comparison {
+            found["comparison"] = comparison.json();
+        }
+        found
     }
 }
 
@@ -106,7 +114,8 @@ pub(super) fn cells(mode: &FittedMode) -> [String; 4] {
     let angle = y.atan2(x).to_degrees();
     let direction = match mode.direction_sd {
         Some(sd) => with_sd(Estimate { value: angle, sd: sd.to_degrees() }) + " deg",
-        None => format!("{angle:.0} deg"),
+        // The zero that is added turns −0 into 0.
+        None => format!("{:.0} deg", angle.round() + 0.0),
     };
     let stiffness = Estimate { value: mode.stiffness.value * N_PER_UM, sd: mode.stiffness.sd * N_PER_UM };
     [with_sd(mode.natural_frequency), with_sd(mode.damping_ratio), with_sd(stiffness), direction]

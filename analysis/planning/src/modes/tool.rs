@@ -1,12 +1,12 @@
 //! Tool files: the segments of a tool from its tip on, and how it is held.
 
 use std::path::Path;
-use toolroom_dynamics::{Joint, Material, Segment};
+use toolroom_dynamics::{Body, Damper, Joint, Material, Segment, chain};
 use toolroom_form::{Fault, Form, FormFile, Key, Kind, ReadError, Section, Walk};
 
 /// Materials by name: usual handbook values, an assumption for any one tool. Young's modulus (Pa), density (kg/m³), Poisson's
 /// ratio, loss factor.
-const MATERIALS: [(&str, Material); 3] = [
+pub(super) const MATERIALS: [(&str, Material); 3] = [
     ("carbide", Material { youngs_modulus: 580e9, density: 14_500.0, poisson_ratio: 0.24, loss_factor: 0.004 }),
     ("hss", Material { youngs_modulus: 220e9, density: 8_100.0, poisson_ratio: 0.29, loss_factor: 0.004 }),
     ("steel", Material { youngs_modulus: 205e9, density: 7_850.0, poisson_ratio: 0.29, loss_factor: 0.004 }),
@@ -23,6 +23,11 @@ pub static TOOL: Form = Form {
         Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
         Key::required("name", Kind::Name, "Short name"),
         Key::required("segment", Kind::Tables(&SEGMENT), "Segments, the tip first"),
+        Key::optional(
+            "damper",
+            Kind::Table(&DAMPER),
+            "A mass on a spring inside of the tool, as in a damped boring bar",
+        ),
         Key::optional("joint", Kind::Table(&JOINT), "Springs between tool and spindle; left out: rigid"),
     ],
 };
@@ -54,6 +59,25 @@ static SEGMENT: Form = Form {
     ],
 };
 
+static DAMPER: Form = Form {
+    title: "[damper]",
+    doc: "A mass on a spring and a dashpot inside of the tool",
+    keys: &[
+        Key::required("mass", Kind::positive("kg", "kg", 1e3, "0.2 kg"), "Its mass"),
+        Key::required(
+            "natural_frequency",
+            Kind::positive("Hz", "Hz", 1e5, "180 Hz"),
+            "Natural frequency of the mass on its spring, the tool held fast",
+        ),
+        Key::required(
+            "damping_ratio",
+            Kind::quantity("1", "1", 0.0, 10.0, "0.15"),
+            "Share of critical damping of the same",
+        ),
+        Key::default("segments", Kind::Count { min: 0, max: 1000 }, "0", "Segments between the tip and the damper"),
+    ],
+};
+
 static JOINT: Form = Form {
     title: "[joint]",
     doc: "Springs between tool and spindle",
@@ -73,6 +97,18 @@ pub struct Tool {
     pub segments: Vec<Segment>,
     /// Springs between tool and spindle.
     pub joint: Option<Joint>,
+    /// A damper, and the number of segments between the tip and it.
+    pub damper: Option<(Damper, usize)>,
+}
+
+impl Tool {
+    /// Its receptances with free ends at `w` (rad/s, positive); none where one is infinite.
+    pub fn body(&self, w: f64) -> Option<Body> {
+        let Some((damper, place)) = &self.damper else { return chain(&self.segments, w) };
+        let (front, behind) = self.segments.split_at(*place);
+        let damped = chain(behind, w)?.damped(damper, w)?;
+        if front.is_empty() { Some(damped) } else { chain(front, w)?.with(&damped) }
+    }
 }
 
 /// Reads a tool file; `overrides` are `path=value` as after `--set`.
@@ -96,7 +132,29 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Tool> {
         let example = "[[segment]] with length, diameter and material";
         walk.fault(root.span_of("segment"), Fault::Nothing { what: "segment", example });
     }
-    Some(Tool { name: root.text("name")?.to_owned(), segments, joint })
+    let damper = match walk.table(root, "damper") {
+        Some(section) => Some(damper(walk, &section, segments.len())?),
+        None => None,
+    };
+    Some(Tool { name: root.text("name")?.to_owned(), segments, joint, damper })
+}
+
+/// A damper and its place in a tool of some segments.
+fn damper(walk: &mut Walk, section: &Section<'_>, segments: usize) -> Option<(Damper, usize)> {
+    let place = section.count("segments").and_then(|count| usize::try_from(count).ok())?;
+    if place >= segments {
+        let fault = Fault::Contradiction {
+            first: "segments",
+            first_value: place.to_string(),
+            second: "segment",
+            second_value: segments.to_string(),
+            rule: "a damper lies in front of a segment",
+        };
+        walk.fault(section.span_of("segments"), fault);
+    }
+    let (mass, natural_frequency, damping_ratio) =
+        (section.si("mass")?, section.si("natural_frequency")?, section.si("damping_ratio")?);
+    Some((Damper { mass, natural_frequency, damping_ratio }, place.min(segments.saturating_sub(1))))
 }
 
 fn segment(walk: &mut Walk, section: &Section<'_>) -> Option<Segment> {
