@@ -185,7 +185,7 @@ mod tests {
     fn a_step_between_groups_and_a_slope_count_in_full() {
         let mut random = ChaCha8Rng::seed_from_u64(12);
         let channel = channel(&mut random);
-        let step = |i: usize| if i / 14 % 2 == 0 { 1.0 } else { -1.0 };
+        let step = |i: usize| if (i / 14).is_multiple_of(2) { 1.0 } else { -1.0 };
         // A covariate has unit length.
         let slope = |i: usize| 168.0_f64.sqrt() * channel.covariates[3][i];
         for hidden in [&step as &dyn Fn(usize) -> f64, &slope] {

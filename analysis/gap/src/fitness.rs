@@ -390,8 +390,14 @@ impl<'a> Test<'a> {
             let mean = of_channel.iter().map(|z| z * z).sum::<f64>() / count;
             let upper = match Structured::of(&of_channel, layout) {
                 Some(own) => own.mean_square + super::constants::NINETY * own.error,
-                // All that is beyond the noise of the sheet may be structure.
-                None => mean + super::constants::NINETY * (2.0 / count).sqrt() - 1.0,
+                // All that is beyond the noise of the sheet may be structure; groups, not readings, are independent.
+                None => {
+                    let of_group =
+                        |group: &Range<usize>| of_channel[group.clone()].iter().map(|z| z * z - mean).sum::<f64>();
+                    let by_group =
+                        layout.groups.iter().map(|group| of_group(group).powi(2)).sum::<f64>().sqrt() / count;
+                    mean + super::constants::NINETY * by_group.max((2.0 / count).sqrt()) - 1.0
+                }
             };
             let about = &measured.channels[*channel];
             let mut sensor: Vec<f64> =
