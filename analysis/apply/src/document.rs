@@ -5,7 +5,7 @@ use crate::grew::grew;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use toolroom_effects::{Definition, Effect};
-use toolroom_gap::{NINETY, WrittenEffect};
+use toolroom_gap::{NINETY, WEAR_RATE, WrittenEffect};
 use toolroom_process::table::{Cell, csv_text};
 use toolroom_process::unit;
 use toolroom_records::Records;
@@ -56,9 +56,13 @@ fn shape_json(written: &WrittenEffect) -> Value {
     Value::Object(written.shape.iter().map(one).collect())
 }
 
-/// Whether an effect is a cause, or describes and is none.
+/// Whether an effect is a cause, a constant that is another one on a part of the records, or describes and is none.
 fn kind(found: &Found) -> &'static str {
-    if found.written.definition.is_some_and(Definition::is_empirical) { "empirical" } else { "cause" }
+    match found.written.definition {
+        Some(own) if own.is_empirical() => "empirical",
+        Some(own) if own.entry().id == WEAR_RATE => "constant",
+        Some(_) | None => "cause",
+    }
 }
 
 fn found_json(found: &Found, target: &str, process: &str) -> Value {

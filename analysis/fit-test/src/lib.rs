@@ -10,6 +10,7 @@
 //! | [`Design`] | a linear model of groups, and the scores of groups that it predicts from the others |
 //! | [`Channel`] | how the scores of a channel lie: groups in sequence, covariates |
 //! | [`Statistics`] | six numbers of the scores of a channel |
+//! | [`Structured`] | how much of the scores of a channel has an order |
 //! | [`judge`] | one probability over all of them, and one of each |
 //! | [`interpolated`] | the size of a deviation that has a given power |
 //!
@@ -23,7 +24,9 @@
 mod design;
 mod judged;
 mod statistics;
+mod structured;
 
 pub use design::{Design, Group};
 pub use judged::{Judged, interpolated, judge};
 pub use statistics::{Channel, Statistic, Statistics};
+pub use structured::Structured;

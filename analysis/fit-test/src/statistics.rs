@@ -1,6 +1,7 @@
 //! Numbers by which the scores of a channel are asked.
 
 use statrs::distribution::{ContinuousCDF, Normal};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// A kind of misfit.
@@ -54,11 +55,14 @@ impl Statistic {
     /// assert_eq!(Statistic::Level.of(&[1.0, 1.0, -1.0, 3.0], &channel), 2.0);
     /// ```
     pub fn of(self, scores: &[f64], channel: &Channel) -> f64 {
-        if scores.is_empty() {
-            return 0.0;
-        }
+        if scores.is_empty() { 0.0 } else { self.of_scaled(&channel.scaled(scores), channel) }
+    }
+
+    fn of_scaled(self, scores: &[f64], channel: &Channel) -> f64 {
         match self {
             Self::Level => level(scores),
+            // Rounding is no misfit.
+            Self::Scale if channel.own_scale => 0.0,
             Self::Scale => scale(scores),
             Self::Groups => groups(scores, &channel.groups),
             Self::Memory => memory(scores, &channel.groups),
@@ -75,6 +79,9 @@ pub struct Channel {
     pub groups: Vec<Range<usize>>,
     /// Covariates that the scores may follow, one number a score each, of unit length.
     pub covariates: Vec<Vec<f64>>,
+    /// Whether nobody states the scale of the scores: they count in units of their own root mean square, which is no
+    /// question then. What they follow and how they are distributed still is.
+    pub own_scale: bool,
 }
 
 impl Channel {
@@ -84,7 +91,16 @@ impl Channel {
             let length = covariate.iter().map(|x| x * x).sum::<f64>().sqrt();
             covariate.iter_mut().for_each(|x| *x = if length > 0.0 { *x / length } else { 0.0 });
         }
-        Self { groups, covariates }
+        Self { groups, covariates, own_scale: false }
+    }
+
+    /// The scores as they are asked.
+    fn scaled<'a>(&self, scores: &'a [f64]) -> Cow<'a, [f64]> {
+        let square = scores.iter().map(|z| z * z).sum::<f64>() / scores.len().max(1) as f64;
+        if !self.own_scale || square == 0.0 {
+            return Cow::Borrowed(scores);
+        }
+        scores.iter().map(|z| z / square.sqrt()).collect()
     }
 }
 
@@ -114,12 +130,14 @@ impl Statistics {
     /// The same with zero for every kind that `asks` leaves out, which then costs nothing: the shape of a distribution
     /// takes as long as all others together.
     pub fn where_asked(scores: &[f64], channel: &Channel, asks: impl Fn(Statistic) -> bool) -> Self {
+        let scores = &*channel.scaled(scores);
         let strongest = if scores.is_empty() { None } else { strongest(scores, channel) };
         let value = |statistic: Statistic| match (asks(statistic), statistic, strongest) {
             (false, ..) => 0.0,
             // What has been found already.
             (true, Statistic::Covariate, Some((_, score))) => score,
-            (true, ..) => statistic.of(scores, channel),
+            (true, ..) if scores.is_empty() => 0.0,
+            (true, ..) => statistic.of_scaled(scores, channel),
         };
         Self { values: Statistic::ALL.map(value), strongest: strongest.map(|(index, _)| index) }
     }
@@ -215,6 +233,22 @@ mod tests {
         }
         assert_eq!(some.strongest, all.strongest);
         assert_eq!(Statistics::of(&[], &channel).values, Statistic::ALL.map(|statistic| statistic.of(&[], &channel)));
+    }
+
+    #[test]
+    fn scores_of_a_scale_of_their_own_are_asked_for_all_but_the_scale() {
+        let ramp: Vec<f64> = (0..24).map(|i| f64::from(i) - 11.5).collect();
+        let own = Channel { own_scale: true, ..Channel::new(channel().groups, vec![ramp]) };
+        let wide = SCORES.map(|z| 7.0 * z);
+        let (narrow, wide) = (Statistics::of(&SCORES, &own), Statistics::of(&wide, &own));
+        for statistic in Statistic::ALL {
+            let (a, b) = (narrow.get(statistic), wide.get(statistic));
+            assert!((a - b).abs() < 1e-9 * (1.0 + a.abs()), "{}: {a} and {b}", statistic.name());
+        }
+        assert_eq!(wide.get(Statistic::Scale), 0.0);
+        // A stop of a machine is told from loading that scatters.
+        let stopped: Vec<f64> = SCORES.iter().enumerate().map(|(i, z)| if i == 4 { 40.0 } else { *z }).collect();
+        assert!(Statistic::Shape.of(&stopped, &own) > 10.0 * narrow.get(Statistic::Shape));
     }
 
     #[test]

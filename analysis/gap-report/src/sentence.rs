@@ -4,7 +4,7 @@ use crate::minutes::Minutes;
 use crate::readings::Readings;
 use toolroom_chart::number;
 use toolroom_effects::Effect;
-use toolroom_gap::{Diagnosis, EMPIRICAL_EFFECTS, GapVerdict, NamedEffect};
+use toolroom_gap::{Diagnosis, EMPIRICAL_EFFECTS, GapVerdict, NamedEffect, WEAR_RATE};
 use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS};
 
 /// The answer of a diagnosis in a few sentences: what, since what cause, what it costs, what to do next. Every verdict
@@ -65,7 +65,11 @@ fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>
         format!(
             "{}{}: {} ({}{shape}; {} {}, 90 %: {} … {}; probability {:.2}).{others}{cost}",
             moved(readings, index),
-            if effect.empirical { "No cause, but what describes it (empirical)" } else { "Cause" },
+            match (effect.empirical, effect.id) {
+                (true, _) => "No cause, but what describes it (empirical)",
+                (false, WEAR_RATE) => "No cause, but a constant that is another one there",
+                (false, _) => "Cause",
+            },
             effect.title,
             effect.id,
             number(effect.size, 3),
@@ -219,6 +223,12 @@ mod tests {
                 let words = "a cause. Stock_offset would explain the records better (gain 9.0). Next";
                 assert!(text.contains(words), "{text}");
                 example.suspected = None;
+            }
+            if let Some(named) = example.effects.first_mut() {
+                let known = std::mem::replace(&mut named.id, WEAR_RATE);
+                let text = sentence(&example, &Readings::default(), None);
+                assert!(text.contains("No cause, but a constant that is another one there"), "{text}");
+                example.effects[0].id = known;
             }
             let text = sentence(&example, &Readings::default(), None);
             assert!(text.to_lowercase().contains(&words.to_lowercase()), "{verdict:?}: {text}");

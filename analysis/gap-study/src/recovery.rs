@@ -59,7 +59,7 @@ pub struct RecoveryRequest<'a> {
 pub type Put<'a, E> = &'a (dyn Fn(&Path, &[u8]) -> Result<(), E> + Sync);
 
 /// Records of a study are texts.
-fn no_other_table(path: &Path) -> Result<RawTable, RecordError> {
+pub(crate) fn no_other_table(path: &Path) -> Result<RawTable, RecordError> {
     let source = std::io::Error::other("a study of recovery writes CSV alone");
     Err(RecordError::Unreadable { path: path.to_owned(), source })
 }

@@ -242,20 +242,34 @@ fn described(process: &str, request: &GapRequest<'_>, known: &[(String, String)]
 
 /// Levels of columns that the strongest structure follows, where it has no cause: every effect is tried there.
 fn places(process: &str, diagnosis: &Diagnosis) -> Vec<(String, String)> {
-    let told = matches!(diagnosis.verdict, GapVerdict::Unknown | GapVerdict::Effect);
-    if !told || !SPLIT.contains(&process) {
+    if !SPLIT.contains(&process) {
         return Vec::new();
     }
     let mut list: Vec<(String, String)> = Vec::new();
+    if follows_a_date(diagnosis) {
+        // No level of a column: what is tried there is tried from dates on.
+        list.push(("start_time".to_owned(), String::new()));
+    }
+    if !matches!(diagnosis.verdict, GapVerdict::Unknown | GapVerdict::Effect) {
+        return list;
+    }
+    let dates = list.len();
     let levels =
         diagnosis.cells.iter().flat_map(|cell| [&cell.group, &cell.regime]).filter_map(|own| own.split_once('='));
     for (column, name) in levels {
         let own = (column.to_owned(), name.to_owned());
-        if !list.contains(&own) && list.len() < MOST_SPLIT {
+        if !list.contains(&own) && list.len() < MOST_SPLIT + dates {
             list.push(own);
         }
     }
     list
+}
+
+/// Whether what the test finds follows the calendar, and is neither explained nor small.
+fn follows_a_date(diagnosis: &Diagnosis) -> bool {
+    let open = matches!(diagnosis.verdict, GapVerdict::Unknown | GapVerdict::Masked | GapVerdict::Constant);
+    let Some(fit) = diagnosis.fit.as_ref().filter(|fit| open && !fit.passed()) else { return false };
+    fit.parts.iter().any(|part| part.p <= fit.level && part.follows.starts_with("calendar"))
 }
 
 /// Processes whose effects are tried on parts of the records in a second run: the model of a shop has those parts from the
@@ -332,4 +346,103 @@ fn completed(
 /// Rates of the machines of a model file, where it is a scenario.
 fn rates(path: &Path, set: &[String]) -> Option<Rates> {
     toolroom_scenario_file::read(path, set).ok().map(|read| Rates::of(&read.scenario))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recovery::no_other_table;
+    use std::fmt::Write;
+    use toolroom_gap::{Point, WEAR_RATE};
+
+    /// Edges of the table, the first half of them of another delivery than the second, and operations of each.
+    const EDGES: usize = 32;
+    const OPERATIONS: usize = 8;
+
+    /// Sum of twelve even numbers: normal enough.
+    fn normal(state: &mut u64) -> f64 {
+        let mut even = || {
+            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (*state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| even()).sum::<f64>() - 6.0
+    }
+
+    /// Operations in the order of time with these readings of land, mm, force, N, and temperature, K.
+    fn table(reading: impl Fn(usize) -> [f64; 3]) -> String {
+        let mut text = String::from(
+            "operation_id,machine,tool_id,sequence,start_time [s],cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],\
+             cutting_time [min],flank_wear [mm],cutting_force [N],temperature [K]\n",
+        );
+        for row in 0..EDGES * OPERATIONS {
+            let (edge, operation) = (row / OPERATIONS, row % OPERATIONS);
+            let [speed, feed, depth] =
+                [[220.0, 0.3, 1.5], [180.0, 0.25, 2.0], [250.0, 0.2, 1.0]][(edge + operation) % 3];
+            let [land, force, hot] = reading(row);
+            let _ = writeln!(
+                text,
+                "{row},L1,T{edge:02},{},{},{speed},{feed},{depth},4,{land:.4},{force:.2},{hot:.2}",
+                operation + 1,
+                row * 300
+            );
+        }
+        text
+    }
+
+    fn written(directory: &Path, text: &str) -> std::path::PathBuf {
+        let path = directory.join("operations.csv");
+        std::fs::write(&path, text).expect("a file");
+        path
+    }
+
+    #[test]
+    fn a_rate_of_wear_that_is_another_one_from_a_date_on_is_named_and_no_effect_for_it() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let model = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/gap/turning.toml")).to_owned();
+        let reading = Reading { parquet: &no_other_table, say: &|_| {} };
+        let planned = written(directory.path(), &table(|_| [0.2, 900.0, 1000.0]));
+        let nominal = NominalModel::read(&model, &[]).expect("a shipped model");
+        let records = reading.records(&planned, &nominal).expect("a table");
+        let parts = nominal.splitting(Vec::new(), vec![("start_time".to_owned(), String::new())]);
+        let part = parts.asked(&records, None, |_, _| false).parts.swap_remove(0);
+        let frame = part.frame();
+        let dates: Vec<usize> = (0..frame.candidates.len())
+            .filter(|own| frame.candidates[*own].id == WEAR_RATE && part.written(*own).scope.from.is_some())
+            .collect();
+        assert_eq!(dates.len(), 7);
+        // From the middle of the records on, seven tenths faster; every edge by its own factor.
+        let mut point = Point::nominal(part.as_ref());
+        point.effects[dates[3]] = 0.7;
+        let mut state = 7;
+        point.locals.iter_mut().flatten().for_each(|own| *own = normal(&mut state));
+        let mut readings = vec![[0.0; 3]; EDGES * OPERATIONS];
+        for (raw, observation) in part.simulate(&point).iter().zip(&frame.measured.observations) {
+            let channel = &frame.measured.channels[observation.channel];
+            let place = ["flank_wear", "cutting_force", "temperature"].iter().position(|name| *name == channel.name);
+            let noisy = raw + channel.sensor.deviation(*raw) * normal(&mut state);
+            let unit = if channel.name == "flank_wear" { 1e3 } else { 1.0 };
+            readings[observation.row][place.expect("three channels")] = noisy * unit;
+        }
+        let data = written(directory.path(), &table(|row| readings[row]));
+        let request = GapRequest {
+            models: &[model],
+            set: &[],
+            defined: &[],
+            data: &data,
+            group: None,
+            holdout: 0.0,
+            holdout_data: None,
+            seed: 1,
+            propose: None,
+            pages: false,
+        };
+        let study = GapStudy::new(&request, &reading).expect("a diagnosis");
+        let (_, diagnosis) = &study.answers.processes[0];
+        let [named] = &diagnosis.effects[..] else { panic!("{:?} {:?}", diagnosis.verdict, diagnosis.notes) };
+        assert_eq!(named.id, WEAR_RATE, "{named:?}");
+        assert!(named.ci90[0] < 0.7 && 0.7 < named.ci90[1], "{named:?}");
+        assert_eq!(study.document["effects"][0]["kind"], "constant");
+        // The date is one of seven.
+        assert_eq!(study.document["effects"][0]["scope"]["from"], "38400 s", "{:#}", study.document["effects"][0]);
+    }
 }

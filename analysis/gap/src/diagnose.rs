@@ -10,6 +10,7 @@ use super::decide::{Decision, decide};
 use super::diagnosing::Diagnosing;
 use super::discrepancy::Widened;
 use super::evidence::{folds, gain, predictive_gain};
+use super::fit_answer::WIDE;
 use super::fitness::{exchangeable, tested};
 use super::identifiability::{hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
@@ -154,6 +155,7 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
     if basis.method.abstention && stated_channels {
         let (stated, fit) = stated(model, &basis, &decision.base.fit);
         let test = |fit: &Fit| tested(model, &stated, fit, &folds, seed);
+        diagnosis.notes.extend(scattering(model, &stated));
         diagnosis.fit = Some(test(&fit));
         if decision.verdict == GapVerdict::Effect {
             diagnosis.fit_with_effects = Some(test(&decision.model().fit.clone().complete(model)));
@@ -176,6 +178,26 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
     }
     diagnosis.next = next(model.frame(), &diagnosis);
     Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }
+}
+
+/// How much channels scatter of which nobody states it, where their sensors do not explain it.
+fn scattering(model: &dyn Forward, stated: &Basis) -> Vec<String> {
+    let measured = &model.frame().measured;
+    let unstated = (0..measured.channels.len()).filter(|channel| measured.unstated[*channel]);
+    let wide = unstated.filter(|channel| stated.noise.scale[*channel] > WIDE);
+    let note = |channel: usize| {
+        let (about, scale) = (&measured.channels[channel], stated.noise.scale[channel]);
+        let places = measured.observations.iter().filter(|own| own.channel == channel);
+        let mut sheet: Vec<f64> = places.map(|own| own.deviation).collect();
+        let sheet = toolroom_statistics::median(&mut sheet);
+        let ([all, sheet], unit) = ([scale * sheet, sheet], about.unit);
+        format!(
+            "{} scatters by {all:.3} {unit} from row to row, of which its sensor explains {sheet:.3} {unit}: the model gives \
+             loading one time, so that the scatter was read off the records",
+            about.name
+        )
+    };
+    wide.map(note).collect()
 }
 
 /// What every fitted model would close, by falling gain.

@@ -45,7 +45,7 @@ pub struct LeastSeen {
     pub power: f64,
 }
 
-/// What a channel holds beside noise and scatter.
+/// What a channel follows that noise and scatter do not, and how much it scatters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Structure {
     /// The channel.
@@ -54,9 +54,23 @@ pub struct Structure {
     pub upper: f64,
     /// Typical value, SI; 1 where the comparison is relative.
     pub level: f64,
-    /// Standard deviation of the sensor, in the unit of comparison.
+    /// Standard deviation of the sensor, in the unit of comparison; of the scatter that was read off the records where
+    /// nobody states it.
     pub sensor: f64,
+    /// Root mean square of all that the model leaves, scatter of groups and of rows made up for, in the unit of comparison.
+    pub scatter: f64,
 }
+
+impl Structure {
+    /// Whether it scatters clearly more than its sensor, whatever it follows.
+    pub(super) fn is_wide(&self) -> bool {
+        self.scatter > WIDE * self.sensor
+    }
+}
+
+/// Scatter beyond which more than the sensor scatters, in standard deviations of it (1). Assumption: sheets of sensors are
+/// right to a quarter.
+pub(super) const WIDE: f64 = 1.25;
 
 impl Fitness {
     /// Whether the model fits.
@@ -88,7 +102,7 @@ impl Fitness {
                     "statistic": finite(part.statistic) })
         };
         let seen = |seen: &LeastSeen| json!({ "what": seen.what, "value": finite(seen.value), "unit": seen.unit, "power": seen.power });
-        let structure = |own: &Structure| json!({ "channel": own.channel, "upper": finite(own.upper) });
+        let structure = |own: &Structure| json!({ "channel": own.channel, "upper": finite(own.upper), "scatter": finite(own.scatter) });
         json!({
             "p": self.p, "level": self.level, "passed": self.passed(),
             "parts": self.parts.iter().map(part).collect::<Vec<_>>(),

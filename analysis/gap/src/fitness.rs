@@ -15,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use std::ops::Range;
-use toolroom_fit_test::{Channel, Design, Group, Judged, Statistic, Statistics, interpolated, judge};
+use toolroom_fit_test::{Channel, Design, Group, Judged, Statistic, Statistics, Structured, interpolated, judge};
 
 /// Drawn data sets, where the answer is not clear without (count). Derivation: probabilities down to 0.001.
 const DRAWS: usize = 999;
@@ -381,33 +381,40 @@ impl<'a> Test<'a> {
         interpolated(&sizes.map(|size| (size, power(size))), POWER).unwrap_or(f64::INFINITY)
     }
 
-    /// How much the scores of each channel exceed what noise and scatter make.
+    /// How much the scores of each channel follow that noise and scatter do not.
     fn structure(&self, scores: &DVector<f64>) -> Vec<Structure> {
         let measured = &self.model.frame().measured;
         let one = |(channel, places, layout): &(usize, Vec<usize>, Channel)| {
-            let squares: Vec<f64> = places.iter().map(|place| scores[*place].powi(2)).collect();
-            let count = squares.len() as f64;
-            let mean = squares.iter().sum::<f64>() / count;
-            // Groups, not readings, are independent.
-            let by_group: f64 = layout
-                .groups
-                .iter()
-                .map(|group| squares[group.clone()].iter().map(|square| square - mean).sum::<f64>().powi(2))
-                .sum();
-            let error = (by_group.sqrt() / count).max((2.0 / count).sqrt());
+            let of_channel: Vec<f64> = places.iter().map(|place| scores[*place]).collect();
+            let count = of_channel.len() as f64;
+            let mean = of_channel.iter().map(|z| z * z).sum::<f64>() / count;
+            let upper = match Structured::of(&of_channel, layout) {
+                Some(own) => own.mean_square + super::constants::NINETY * own.error,
+                // All that is beyond the noise of the sheet may be structure; groups, not readings, are independent.
+                None => {
+                    let of_group =
+                        |group: &Range<usize>| of_channel[group.clone()].iter().map(|z| z * z - mean).sum::<f64>();
+                    let by_group =
+                        layout.groups.iter().map(|group| of_group(group).powi(2)).sum::<f64>().sqrt() / count;
+                    mean + super::constants::NINETY * by_group.max((2.0 / count).sqrt()) - 1.0
+                }
+            };
             let about = &measured.channels[*channel];
             let mut sensor: Vec<f64> =
                 places.iter().map(|place| measured.observations[self.places[*place]].deviation).collect();
-            let sensor = toolroom_statistics::median(&mut sensor);
             let mut level: Vec<f64> =
                 places.iter().map(|place| self.fit.linear.raw[self.places[*place]].abs()).collect();
             let (relative, typical) = (about.transform == Transform::Log, toolroom_statistics::median(&mut level));
-            // In units of the sheet: a noise that was read off the records is part of what they hold beside it.
-            let scale = self.noise.scale[*channel];
-            let (sensor, scale) = if self.innovations.is_some() { (sensor * scale, 1.0) } else { (sensor, scale) };
-            let excess = (mean + super::constants::NINETY * error) * scale * scale - 1.0;
+            // A noise that was read off the records is what a single reading shows.
+            let sensor = toolroom_statistics::median(&mut sensor) * self.noise.scale[*channel];
             let level = if relative { 1.0 } else { typical };
-            Structure { channel: about.name, upper: sensor * excess.max(0.0).sqrt(), level, sensor }
+            Structure {
+                channel: about.name,
+                upper: sensor * upper.max(0.0).sqrt(),
+                level,
+                sensor,
+                scatter: sensor * mean.sqrt(),
+            }
         };
         self.channels.iter().map(one).collect()
     }
@@ -431,5 +438,6 @@ fn channel_of(
         locals.iter().map(|row| covariate.values[measured.observations[places[*row]].row]).collect()
     };
     let covariates = model.frame().covariates.iter().map(covariate).collect();
-    (channel, locals, Channel::new(groups, covariates))
+    let own_scale = measured.unstated[channel];
+    (channel, locals, Channel { own_scale, ..Channel::new(groups, covariates) })
 }

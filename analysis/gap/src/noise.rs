@@ -56,6 +56,16 @@ impl Noise {
         Self::of_deviations(measured, deviations, chains)
     }
 
+    /// The same with the scatter of channels of which nobody states it as `read` has it from the records; a sensor is not
+    /// better than its sheet here.
+    #[must_use]
+    pub(super) fn with_unstated(mut self, measured: &Measured, read: &Self) -> Self {
+        let unstated = (0..measured.channels.len()).filter(|channel| measured.unstated[*channel]);
+        unstated.for_each(|channel| self.scale[channel] = read.scale[channel].max(1.0));
+        self.filter(measured);
+        self
+    }
+
     fn of_deviations(measured: &Measured, deviations: Vec<f64>, chains: Vec<Chain>) -> Self {
         let channels = measured.channels.len();
         let mut noise = Self {

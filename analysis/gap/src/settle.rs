@@ -32,15 +32,18 @@ pub(super) fn settled(model: &dyn Forward, method: Method) -> (Basis, Fit) {
 }
 
 /// The noise of the sensor sheet and the scatter of the scenario, by which a fit is tested; the scatter between groups
-/// that nobody states is that of `basis`.
+/// that nobody states is that of `basis`, and so is that of channels of which nobody states it.
 pub(super) fn stated(model: &dyn Forward, basis: &Basis, fit: &Fit) -> (Basis, Fit) {
     let mut stated = Basis::unmeasured(model, basis.method, basis.nominal.clone());
     stated.local_scale.clone_from(&basis.local_scale);
+    let measured = &model.frame().measured;
+    stated.noise = stated.noise.with_unstated(measured, &basis.noise);
     let fit = super::fit::fit(model, &stated.noise, fit.linear.clone(), &[], &stated.local_scale);
     let fit = fit.complete(model);
     // Wear moves its own scatter along: the chains are those of the fit.
     let chains = model.chains(&fit.linear.point);
-    stated.noise = super::Noise::at_predictions(&model.frame().measured, &fit.linear.residual, chains);
+    let noise = super::Noise::at_predictions(measured, &fit.linear.residual, chains);
+    stated.noise = noise.with_unstated(measured, &basis.noise);
     (stated, fit)
 }
 

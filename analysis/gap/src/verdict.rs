@@ -144,6 +144,11 @@ fn rejected(fit: Option<&Fitness>) -> String {
     if !large.is_empty() {
         words += &format!("; beside noise and scatter {}", large.join(", "));
     }
+    let wide = |own: &&Structure| format!("{} by {:.2} times its sensor", own.channel, own.scatter / own.sensor);
+    let wide: Vec<String> = fit.structure.iter().filter(|own| own.is_wide()).map(|own| wide(&own)).collect();
+    if !wide.is_empty() {
+        words += &format!("; what is left scatters in {}", wide.join(", "));
+    }
     words
 }
 
@@ -180,7 +185,7 @@ mod tests {
     /// A diagnosis whose rules kept an effect from being named, with a test of this probability.
     fn abstained(p: f64, upper: f64) -> Diagnosis {
         let part = Part { what: "cutting_time", test: "groups", follows: String::new(), p, statistic: 2.0 };
-        let structure = Structure { channel: "cutting_time", upper, level: 1.0, sensor: 0.01 };
+        let structure = Structure { channel: "cutting_time", upper, level: 1.0, sensor: 0.01, scatter: 0.01 };
         let fit = Fitness { p, level: 0.01, parts: vec![part], least_seen: Vec::new(), structure: vec![structure] };
         Diagnosis {
             verdict: GapVerdict::Unknown,

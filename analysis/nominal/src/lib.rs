@@ -43,6 +43,7 @@ pub use forward::{
 };
 pub use measured::{Channel, Measured, Observation, Transform};
 pub use nominal::{Asked, ModelFileError, NominalModel, NominalProcess, sensor_sheet};
+pub use parts::WEAR_RATE;
 pub use predict::{correct, predict, touches, transformed};
 pub use search::Untried;
 pub use settings::Settings;

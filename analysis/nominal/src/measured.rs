@@ -59,6 +59,9 @@ pub struct Measured {
     pub fitted: Vec<bool>,
     /// Whether a channel counts rare events: what is far out is what one asks for, no outlier.
     pub rare: Vec<bool>,
+    /// Whether nobody states how much a channel scatters beside its sensor, as loading does where the file gives it
+    /// one time: its scatter is read off the records.
+    pub unstated: Vec<bool>,
 }
 
 impl Measured {
@@ -87,9 +90,9 @@ impl Measured {
             }
             spans.push(start..observations.len());
         }
-        let rare = vec![false; channels.len()];
+        let (rare, unstated) = (vec![false; channels.len()], vec![false; channels.len()]);
         let channels = channels.into_iter().map(|(channel, _)| channel).collect();
-        Self { channels, observations, groups, group_of_row, spans, runs, fitted, rare }
+        Self { channels, observations, groups, group_of_row, spans, runs, fitted, rare, unstated }
     }
 
     /// Number of values.

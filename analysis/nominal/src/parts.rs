@@ -2,8 +2,26 @@
 //! date on.
 
 use crate::stated::Stated;
+use toolroom_effects::{Definition, parse_definitions};
 use toolroom_records::Records;
 use toolroom_scenario::Scope;
+
+/// Id of a rate of wear that is another one on a part of the records: no cause, but a constant that is not the same everywhere.
+pub const WEAR_RATE: &str = "constant.wear_rate";
+/// Its definition, in the words of a user. Another batch or grade of inserts wears at another rate from a date on, on one
+/// machine or in one material, and no cause of the catalogue says so: where it is not tried, an effect on the wear of new or
+/// of worn edges is named in its place. Everywhere the constant `wear_rate` says the same.
+const WEAR_RATE_TEXT: &str = r#"
+[[effect]]
+id = "constant.wear_rate"
+title = "edges wear at another rate"
+process = ["turning", "milling"]
+size = { unit = "1", ordinary = 0.3, range = [-0.9, 9.0] }
+changes = [{ term = "wear_rate", factor = "1 + size" }]
+confounder = "run_in"
+separating_test = "edges of the earlier delivery beside those of the later one, in the same cut"
+source = "no effect but a constant of a part of the records; its ordinary size is an assumption, the spread of lives in shops (25 to 45 %, Machinery's Handbook 31, p. 139)"
+"#;
 
 /// Keys of scopes with the columns of records that tell them.
 const COLUMNS: [(&str, &str); 6] = [
@@ -20,8 +38,16 @@ const MOST_LEVELS: usize = 12;
 const FEWEST_GROUPS: usize = 2;
 /// Shares of the rows before the dates from which on an effect may act.
 const DATES: [f64; 7] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
-/// Scoped effects of a model at most: each is a bit of a mask, and those of the file need some.
+/// Scoped effects of the catalogue at most (assumption): each takes its share of the evidence, and is a bit of a mask of 128.
 pub(crate) const MOST: usize = 48;
+/// Parts on which a rate of wear of its own is tried at most (assumption).
+pub(crate) const MOST_RATES: usize = 20;
+
+/// A rate of wear that is another one, as the file defines it or as it is known here; `None` where it cannot be.
+pub(crate) fn wear_rate(stated: &Stated) -> Option<&'static Definition> {
+    let written = stated.defined.iter().copied().find(|own| own.entry().id == WEAR_RATE);
+    written.or_else(|| parse_definitions("catalogue", WEAR_RATE_TEXT).ok()?.first().copied())
+}
 
 /// A part of the records: 1 on its rows, 0 elsewhere.
 pub(crate) struct Part {

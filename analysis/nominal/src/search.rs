@@ -18,7 +18,11 @@ pub struct Untried {
 /// Effects of the catalogue that act on a process, then those that a user has defined for it.
 pub(super) fn effects_of(process: &'static str, defined: &[&'static Definition]) -> Vec<Effect> {
     let every = Effects::every(process);
-    let searched = defined.iter().filter(|effect| effect.entry().search(process).is_some());
+    // What is a constant everywhere is an effect on parts of the records only.
+    let is_searched = |effect: &&&'static Definition| {
+        effect.entry().search(process).is_some() && effect.entry().id != super::parts::WEAR_RATE
+    };
+    let searched = defined.iter().filter(is_searched);
     every.iter().copied().chain(searched.map(|effect| Effect::User(UserEffect::new(effect)))).collect()
 }
 

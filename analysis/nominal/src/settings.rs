@@ -86,6 +86,12 @@ impl Settings {
         kept(self.spreads.wear_level, self.wear_level)
     }
 
+    /// Whether nobody states how much a channel scatters beside its sensor: the cycle time, where the file gives loading one
+    /// time and `[[gap.sensor]]` says nothing of it.
+    pub fn leaves_unstated(&self, channel: &str) -> bool {
+        channel == "cycle_time" && self.handling == 0.0 && self.sensors.iter().all(|(name, _)| name != channel)
+    }
+
     /// The sensor of a channel; handling scatters like an error of the cycle time.
     pub fn sensor(&self, channel: &str) -> Sensor {
         let given = self.sensors.iter().find(|(name, _)| name == channel);

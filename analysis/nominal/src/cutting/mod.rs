@@ -89,7 +89,7 @@ pub struct Cutting<P: Nominal> {
     /// Which of those with rows of their own act in each row: index into `masks`.
     variant_of_row: Vec<usize>,
     /// Sets of entries with rows of their own that occur, a bit each: actions first, then constants.
-    masks: Vec<u64>,
+    masks: Vec<u128>,
     /// Nominal handling time of each row, s.
     handling: Vec<f64>,
     /// Share of its heat that the body of the tool keeps until each row begins.
@@ -177,6 +177,7 @@ impl<P: Nominal> Cutting<P> {
         let mut channels = channels::<P>(records, settings);
         let broken = broken::take_out(&mut channels, &group_of_row);
         let mut measured = Measured::new(channels, names, group_of_row, fitted);
+        measured.unstated = measured.channels.iter().map(|own| settings.leaves_unstated(own.name)).collect();
         if settings.scatter.is_none() {
             broken::widen(&mut measured);
         }

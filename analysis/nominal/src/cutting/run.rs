@@ -197,7 +197,7 @@ impl<P: Nominal> Cutting<P> {
     }
 
     /// The process of a point: constants and effects of the rows in which the entries of `mask` act.
-    fn process_at(&self, at: &Point, mask: u64) -> P {
+    fn process_at(&self, at: &Point, mask: u128) -> P {
         let mut process = self.process.clone();
         let mut effects: Vec<Effect> = process.effects().iter().copied().collect();
         let mut bit = 0;

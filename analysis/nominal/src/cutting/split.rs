@@ -1,9 +1,10 @@
-//! Effects on parts of the records.
+//! Effects, and a rate of wear of its own, on parts of the records.
 
 use super::{Action, Cutting, Nominal};
 use crate::Candidate;
-use crate::parts::{MOST, Part, parts};
+use crate::parts::{MOST, MOST_RATES, Part, parts, wear_rate};
 use crate::stated::Stated;
+use toolroom_effects::{Effect, Search, UserEffect};
 use toolroom_records::Records;
 
 impl<P: Nominal> Cutting<P> {
@@ -13,10 +14,13 @@ impl<P: Nominal> Cutting<P> {
             return;
         }
         let effects = self.frame.candidates.len();
-        for part in &parts(records, &self.frame.measured.group_of_row) {
+        let parts = parts(records, &self.frame.measured.group_of_row);
+        self.rate(&parts, stated);
+        let most = self.actions.iter().filter(|own| matches!(own, Action::Scoped(..))).count() + MOST;
+        for part in &parts {
             for index in 0..effects {
                 let base = self.frame.candidates[index].clone();
-                let full = self.actions.iter().filter(|own| matches!(own, Action::Scoped(..))).count() >= MOST;
+                let full = self.actions.iter().filter(|own| matches!(own, Action::Scoped(..))).count() >= most;
                 if !stated.tries(&base, part) || full {
                     continue;
                 }
@@ -25,6 +29,27 @@ impl<P: Nominal> Cutting<P> {
                     self.actions.push(action);
                 }
             }
+        }
+    }
+
+    /// Adds a rate of wear that is another one on a part of the records, where wear is measured: first of all, since an effect
+    /// on a part may only stand for that.
+    fn rate(&mut self, parts: &[Part], stated: &Stated) {
+        let read = self.frame.measured.channels.iter().any(|channel| channel.name == "flank_wear");
+        let Some(definition) = wear_rate(stated).filter(|_| read) else { return };
+        let entry = definition.entry();
+        let Some(Search::Size(typical)) = entry.search(P::NAME) else { return };
+        if !self.frame.defined.contains(&definition) {
+            self.frame.defined.push(definition);
+        }
+        let effect = Effect::User(UserEffect::new(definition));
+        // Dates first: the others are many where columns have many levels.
+        let (dates, others): (Vec<&Part>, Vec<&Part>) = parts.iter().partition(|part| part.scope.from.is_some());
+        for part in dates.into_iter().chain(others).take(MOST_RATES) {
+            let shape = part.words("");
+            let (greatest, least) = (entry.size.max, entry.size.min);
+            self.frame.candidates.push(Candidate { id: entry.id, shape, typical, greatest, least });
+            self.actions.push(Action::Scoped(effect, part.scope.clone(), part.rows.clone()));
         }
     }
 

@@ -245,7 +245,7 @@ impl<P: Nominal> Cutting<P> {
         let items: Vec<&Vec<f64>> = scoped.chain(self.fixed.iter().filter_map(|own| own.rows.as_ref())).collect();
         let (mut masks, mut of_row) = (Vec::new(), Vec::with_capacity(self.durations.len()));
         for row in 0..self.durations.len() {
-            let mask = items.iter().enumerate().map(|(bit, rows)| u64::from(rows[row] != 0.0) << bit).sum::<u64>();
+            let mask = items.iter().enumerate().map(|(bit, rows)| u128::from(rows[row] != 0.0) << bit).sum::<u128>();
             let index = masks.iter().position(|own| *own == mask).unwrap_or_else(|| {
                 masks.push(mask);
                 masks.len() - 1
