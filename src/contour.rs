@@ -18,9 +18,10 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
         (path, Control { dialect, ..Control::of_file(path, units) })
     });
     let units = args.units.as_deref().and_then(Units::named);
+    let join = args.join.as_deref().map(join).transpose()?;
     let drawn = match (&control, &args.dxf) {
         (Some((path, control)), _) => Some(Drawn::Program(path, control)),
-        (None, Some(path)) => Some(Drawn::Dxf(path, args.layer.as_deref(), units)),
+        (None, Some(path)) => Some(Drawn::Dxf(path, args.layer.as_deref(), units, join)),
         (None, None) => None,
     };
     let task = Task::read(&args.file, drawn, &args.set)?;
@@ -49,6 +50,20 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
     voice.detail(format_args!("{:.2} s", wall.as_secs_f64()));
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
+}
+
+/// Distance of ends that are one point, m.
+fn join(text: &str) -> Result<f64, Failure> {
+    /// Beyond a millimetre ends are no longer meant to be one point (assumption).
+    const MOST: f64 = 1e-3;
+    let help = "write for example --join \"10 um\", 1 mm at most";
+    let length = toolroom_process::unit::quantity(text, "m")
+        .map_err(|error| Failure::argument(format_args!("--join {text}: {error}"), help))?;
+    if length > 0.0 && length <= MOST {
+        Ok(length)
+    } else {
+        Err(Failure::argument(format_args!("--join {text} is out of range"), help))
+    }
 }
 
 fn options(args: &ContourArgs) -> Result<StudyOptions, Failure> {
@@ -80,6 +95,9 @@ fn origin(args: &ContourArgs, task: &Task) -> Provenance {
     }
     if let Some(layer) = &args.layer {
         arguments.extend(["--layer".to_owned(), layer.clone()]);
+    }
+    if let Some(join) = &args.join {
+        arguments.extend(["--join".to_owned(), join.clone()]);
     }
     if let Some(post) = &args.post {
         arguments.extend(["--post".to_owned(), post.clone()]);

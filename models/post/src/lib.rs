@@ -346,6 +346,11 @@ impl Writer {
         if self.klartext() && arc.plane != PLANES[0] {
             return Err("an arc out of the plane XY has no words in Klartext with the tool along Z");
         }
+        if !self.known[u] || !self.known[v] {
+            return Err(
+                "an arc from a place that only the machine knows has no end: name a place before it, or give --start",
+            );
+        }
         if arc.plane != self.plane {
             self.plane = arc.plane;
             self.line(&format!("G{}", plane_code(arc.plane)));
