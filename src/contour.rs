@@ -7,7 +7,9 @@ use crate::study::default_out;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
 use toolroom_output::{OutputDir, provenance};
-use toolroom_planning::contour::{Drawn, NAMES, StudyOptions, Task, edge_life, files, studies, summary, text};
+use toolroom_planning::contour::{
+    Drawn, NAMES, StudyOptions, Task, edge_life, files, join_length, studies, summary, text,
+};
 use toolroom_program::{Control, Dialect, Units};
 use toolroom_shards::fingerprint;
 
@@ -18,7 +20,11 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
         (path, Control { dialect, ..Control::of_file(path, units) })
     });
     let units = args.units.as_deref().and_then(Units::named);
-    let join = args.join.as_deref().map(join).transpose()?;
+    let join = args.join.as_deref().map(|text| {
+        join_length(text)
+            .map_err(|reason| Failure::argument(format_args!("--join {text}: {reason}"), "write --join \"10 um\""))
+    });
+    let join = join.transpose()?;
     let drawn = match (&control, &args.dxf) {
         (Some((path, control)), _) => Some(Drawn::Program(path, control)),
         (None, Some(path)) => Some(Drawn::Dxf(path, args.layer.as_deref(), units, join)),
@@ -50,20 +56,6 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
     voice.detail(format_args!("{:.2} s", wall.as_secs_f64()));
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
-}
-
-/// Distance of ends that are one point, m.
-fn join(text: &str) -> Result<f64, Failure> {
-    /// Beyond a millimetre ends are no longer meant to be one point (assumption).
-    const MOST: f64 = 1e-3;
-    let help = "write for example --join \"10 um\", 1 mm at most";
-    let length = toolroom_process::unit::quantity(text, "m")
-        .map_err(|error| Failure::argument(format_args!("--join {text}: {error}"), help))?;
-    if length > 0.0 && length <= MOST {
-        Ok(length)
-    } else {
-        Err(Failure::argument(format_args!("--join {text} is out of range"), help))
-    }
 }
 
 fn options(args: &ContourArgs) -> Result<StudyOptions, Failure> {

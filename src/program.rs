@@ -10,6 +10,7 @@ use toolroom_output::Files;
 use toolroom_planning::engagement::Engagement;
 use toolroom_planning::explain::Explanation;
 use toolroom_planning::feeds::Feeds;
+use toolroom_planning::folders::programs;
 use toolroom_planning::program::{CycleTime, overview_json, overview_text, set_drive};
 use toolroom_post::post;
 use toolroom_program::{Control, Dialect, ProgramError, Source, Units};
@@ -21,39 +22,12 @@ pub const REFUSED: &str = "a word that is not followed could move an axis or tak
 pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     match &args.files[..] {
         [file] if !file.is_dir() => one(file, args, voice),
-        given => many(&programs(given)?, args, voice),
+        given => {
+            let list = programs(given).map_err(|error| Failure::argument(&error, error.fix()))?;
+            many(&list, args, voice)
+        }
     }
 }
-
-/// The programs of folders and files.
-fn programs(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
-    let mut list = Vec::new();
-    for path in given {
-        if !path.is_dir() {
-            list.push(path.clone());
-            continue;
-        }
-        let unreadable = |error| Failure::argument(format!("{}: {error}", path.display()), "check the path");
-        let mut inside: Vec<PathBuf> = Vec::new();
-        for entry in fs::read_dir(path).map_err(unreadable)? {
-            inside.push(entry.map_err(unreadable)?.path());
-        }
-        inside.retain(|file| {
-            let ending = file.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_ascii_lowercase();
-            file.is_file() && ENDINGS.contains(&ending.as_str())
-        });
-        if inside.is_empty() {
-            let message = format!("{} holds no program", path.display());
-            return Err(Failure::argument(message, format!("programs end in {}", ENDINGS.join(", "))));
-        }
-        inside.sort();
-        list.extend(inside);
-    }
-    Ok(list)
-}
-
-/// Endings of files in a folder that are programs; `.spf` are subprograms of others.
-const ENDINGS: [&str; 8] = ["nc", "ngc", "mpf", "h", "tap", "cnc", "eia", "gcode"];
 
 /// A row for each of several programs.
 fn many(list: &[PathBuf], args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {

@@ -26,6 +26,7 @@ pub mod cycle;
 pub mod engagement;
 pub mod explain;
 pub mod feeds;
+pub mod folders;
 pub mod identification;
 pub mod listen;
 pub mod lobes;
