@@ -7,7 +7,9 @@ use crate::study::default_out;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
 use toolroom_output::{OutputDir, provenance};
-use toolroom_planning::contour::{Drawn, NAMES, StudyOptions, Task, edge_life, files, studies, summary, text};
+use toolroom_planning::contour::{
+    Drawn, NAMES, StudyOptions, Task, edge_life, files, join_length, studies, summary, text,
+};
 use toolroom_program::{Control, Dialect, Units};
 use toolroom_shards::fingerprint;
 
@@ -18,9 +20,14 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
         (path, Control { dialect, ..Control::of_file(path, units) })
     });
     let units = args.units.as_deref().and_then(Units::named);
+    let join = args.join.as_deref().map(|text| {
+        join_length(text)
+            .map_err(|reason| Failure::argument(format_args!("--join {text}: {reason}"), "write --join \"10 um\""))
+    });
+    let join = join.transpose()?;
     let drawn = match (&control, &args.dxf) {
         (Some((path, control)), _) => Some(Drawn::Program(path, control)),
-        (None, Some(path)) => Some(Drawn::Dxf(path, args.layer.as_deref(), units)),
+        (None, Some(path)) => Some(Drawn::Dxf(path, args.layer.as_deref(), units, join)),
         (None, None) => None,
     };
     let task = Task::read(&args.file, drawn, &args.set)?;
@@ -80,6 +87,9 @@ fn origin(args: &ContourArgs, task: &Task) -> Provenance {
     }
     if let Some(layer) = &args.layer {
         arguments.extend(["--layer".to_owned(), layer.clone()]);
+    }
+    if let Some(join) = &args.join {
+        arguments.extend(["--join".to_owned(), join.clone()]);
     }
     if let Some(post) = &args.post {
         arguments.extend(["--post".to_owned(), post.clone()]);

@@ -1,34 +1,70 @@
-//! `toolroom program`: the nominal cycle time of a part program.
+//! `toolroom program`: the nominal cycle time of part programs.
 
 use crate::args::ProgramArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use std::fs;
-use std::path::Path;
-use toolroom_drives::Machine;
+use std::path::{Path, PathBuf};
+use toolroom_drives::{Drives, Machine};
 use toolroom_output::Files;
 use toolroom_planning::engagement::Engagement;
 use toolroom_planning::explain::Explanation;
-use toolroom_planning::program::{CycleTime, set_drive};
+use toolroom_planning::feeds::Feeds;
+use toolroom_planning::folders::programs;
+use toolroom_planning::program::{CycleTime, overview_json, overview_text, set_drive};
 use toolroom_post::post;
-use toolroom_program::{Dialect, ProgramError, Source, Units};
-use toolroom_stock::Setup;
+use toolroom_program::{Control, Dialect, ProgramError, Source, Units};
+use toolroom_stock::{FeedError, FeedLimit, FeedObjective, Setup};
 
 /// What a refused program is about.
 pub const REFUSED: &str = "a word that is not followed could move an axis or take time, so none is passed over";
 
 pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
-    let name = args.file.display().to_string();
-    let text = open(&args.file)?;
-    let files = Files::new([args.file.as_path()], voice.force);
-    for path in args.blocks.iter().chain(&args.out).chain(&args.motions) {
-        files.check(path)?;
+    match &args.files[..] {
+        [file] if !file.is_dir() => one(file, args, voice),
+        given => {
+            let list = programs(given).map_err(|error| Failure::argument(&error, error.fix()))?;
+            many(&list, args, voice)
+        }
     }
-    let setup = args.setup.as_deref().map(|path| Setup::read(path, &[])).transpose()?.map(|file| file.content);
+}
+
+/// A row for each of several programs.
+fn many(list: &[PathBuf], args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
+    let single = [
+        ("--blocks", args.blocks.is_some()),
+        ("--motions", args.motions.is_some()),
+        ("--post", args.post.is_some()),
+        ("--setup", args.setup.is_some()),
+        ("--explain", args.explain.is_some()),
+    ];
+    if let Some((option, _)) = single.iter().find(|(_, given)| *given) {
+        return Err(Failure::argument(format!("{option} is of one program"), "give one program"));
+    }
+    let mut rows = Vec::with_capacity(list.len());
+    for file in list {
+        let (control, drives) = machine_of(file, args, None)?;
+        rows.push((file.display().to_string(), CycleTime::new(open(file)?, &control, &drives, false)));
+    }
+    if voice.json {
+        voice.json(&overview_json(&rows))?;
+    } else {
+        voice.data(overview_text(&rows))?;
+    }
+    let refusals: Vec<String> = rows
+        .iter()
+        .filter_map(|(name, row)| row.as_ref().err().map(|error| (name, error)))
+        .flat_map(|(name, error)| error.all().map(move |one| format!("{name}:{one}")))
+        .collect();
+    if refusals.is_empty() { Ok(()) } else { Err(Failure::argument(refusals.join("\n"), REFUSED)) }
+}
+
+/// Control and drives for a program.
+fn machine_of(file: &Path, args: &ProgramArgs, setup: Option<&Setup>) -> Result<(Control, Drives), Failure> {
     let units = args.units.as_deref().and_then(Units::named);
-    let named = setup.as_ref().zip(args.setup.as_deref()).and_then(|(setup, file)| setup.machine_file(file));
+    let named = setup.zip(args.setup.as_deref()).and_then(|(setup, file)| setup.machine_file(file));
     let Machine { control, mut drives } = machine(args.drives.as_deref().or(named.as_deref()), &args.set)?;
-    let mut control = control.for_file(&args.file, units);
+    let mut control = control.for_file(file, units);
     control.dialect = args.dialect.as_deref().and_then(Dialect::named);
     control.steps = args.steps;
     for number in &args.skip {
@@ -49,6 +85,19 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         set_drive(&mut drives, &mut control, text)
             .map_err(|error| Failure::argument(format!("--set {text}: {error}"), error.fix()))?;
     }
+    Ok((control, drives))
+}
+
+/// All that is told of one program.
+fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
+    let name = file.display().to_string();
+    let text = open(file)?;
+    let files = Files::new([file], voice.force);
+    for path in args.blocks.iter().chain(&args.out).chain(&args.motions) {
+        files.check(path)?;
+    }
+    let setup = args.setup.as_deref().map(|path| Setup::read(path, &[])).transpose()?.map(|file| file.content);
+    let (control, drives) = machine_of(file, args, setup.as_ref())?;
     let cycle = CycleTime::new(text.clone(), &control, &drives, args.blocks.is_some())
         .map_err(|error| refused(&name, &error))?;
     let explanation = args
@@ -57,8 +106,11 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         .transpose()
         .map_err(|error| refused(&name, &error))?;
     let engagement = setup
-        .map(|setup| Engagement::new(text.clone(), &control, &setup, args.motions.is_some()))
+        .as_ref()
+        .map(|setup| Engagement::new(text.clone(), &control, setup, args.motions.is_some()))
         .transpose()
+        .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
+    let feeds = feeds(&text, &control, &drives, setup.as_ref(), args)
         .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
     if let (Some(path), Some(engagement)) = (&args.motions, &engagement) {
         files.put(path, engagement.table().as_bytes())?;
@@ -69,7 +121,11 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         voice.say(format_args!("wrote {}", path.display()));
     }
     if let (Some(target), Some(path)) = (args.post.as_deref().and_then(Dialect::named), &args.out) {
-        let written = post(text, &control, target).map_err(|error| refused(&name, &error))?;
+        let written = match &feeds {
+            Some(feeds) => feeds.post(text, &control, target),
+            None => post(text, &control, target),
+        };
+        let written = written.map_err(|error| refused(&name, &error))?;
         files.put(path, written.text.as_bytes())?;
         voice.say(format_args!("wrote {}", path.display()));
         if let [first, ..] = written.left_out[..] {
@@ -95,6 +151,11 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         if let Some(engagement) = &engagement {
             result["engagement"] = engagement.json();
         }
+        if let Some(feeds) = &feeds {
+            let mut of_feeds = feeds.json();
+            result["engagement"]["limits"] = of_feeds["limits"].take();
+            result["planned"] = of_feeds["planned"].take();
+        }
         if let Some(explanation) = &explanation {
             result["explained"] = explanation.json();
         }
@@ -104,12 +165,40 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         if let Some(engagement) = &engagement {
             voice.data(engagement.text())?;
         }
+        if let Some(feeds) = &feeds {
+            voice.data(feeds.text())?;
+        }
         if let Some(explanation) = &explanation {
             voice.data(explanation.text())?;
         }
     }
-    let crash = engagement.as_ref().and_then(|engagement| engagement.crashes().first()).filter(|_| args.strict);
-    crash.map_or(Ok(()), |line| Err(Failure::Work { message: format!("{name}:{line}: a rapid motion meets material") }))
+    if let Some((limit, ratio, line)) = feeds.iter().flat_map(Feeds::broken).next().filter(|_| args.strict) {
+        let message = format!("{name}:{line}: {} is {ratio:.2} times what is allowed", limit.word());
+        return Err(Failure::Work { message });
+    }
+    let Some(engagement) = engagement.filter(|_| args.strict) else { return Ok(()) };
+    let faults = [
+        (engagement.crashes(), "a rapid motion meets material"),
+        (engagement.holders(), "the holder of the tool meets material"),
+    ];
+    match faults.into_iter().find_map(|(lines, fault)| Some((lines.first()?, fault))) {
+        Some((line, fault)) => Err(Failure::Work { message: format!("{name}:{line}: {fault}") }),
+        None => Ok(()),
+    }
+}
+
+/// Use of the limits and planned feeds, where either is requested.
+fn feeds(
+    text: &Source,
+    control: &Control,
+    drives: &Drives,
+    setup: Option<&Setup>,
+    args: &ProgramArgs,
+) -> Result<Option<Feeds>, FeedError> {
+    let Some(setup) = setup.filter(|_| args.objective.is_some() || args.limits.is_some()) else { return Ok(None) };
+    let objective = args.objective.as_deref().and_then(FeedObjective::from_word);
+    let limits: Vec<FeedLimit> = args.limits.iter().flatten().filter_map(|word| FeedLimit::from_word(word)).collect();
+    Feeds::new(text, control, drives, setup, (objective, &limits)).map(Some)
 }
 
 /// A refused program, with all words of it that are refused.

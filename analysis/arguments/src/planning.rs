@@ -64,6 +64,9 @@ pub struct ContourArgs {
     /// Layer of the drawing; left out where it is one contour
     #[arg(long, value_name = "LAYER", requires = "dxf")]
     pub layer: Option<String>,
+    /// Ends of the drawing that lie no farther apart are one point, such as "10 um"; 1 um, if left out
+    #[arg(long, value_name = "LENGTH", requires = "dxf")]
+    pub join: Option<String>,
     /// Unit of lengths of a part program or drawing that names none
     #[arg(long, value_name = "UNIT", value_parser = toolroom_program::Units::NAMES, requires = "drawn")]
     pub units: Option<String>,

@@ -3,6 +3,7 @@
 use clap::Args;
 use std::path::PathBuf;
 use std::sync::LazyLock;
+use toolroom_planning::feeds::{FeedLimit, FeedObjective};
 use toolroom_planning::program::drive_names;
 use toolroom_program::{Dialect, Units};
 
@@ -17,10 +18,16 @@ static DRIVES: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
+/// What `--limits` takes.
+fn limits() -> Vec<&'static str> {
+    std::iter::once("all").chain(FeedLimit::WORDS.iter().copied()).collect()
+}
+
 #[derive(Args, Debug)]
 pub struct ProgramArgs {
-    /// Part program of a machine tool
-    pub file: PathBuf,
+    /// Part programs of machine tools, or folders of them: of one everything is told, of several a row of each
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
     /// Language of the program; found from its words where not given
     #[arg(long, value_name = "DIALECT", value_parser = Dialect::NAMES)]
     pub dialect: Option<String>,
@@ -53,10 +60,16 @@ pub struct ProgramArgs {
     /// Stock and tools: the program is followed through its stock (see `toolroom schema program-setup`)
     #[arg(long, value_name = "FILE")]
     pub setup: Option<PathBuf>,
+    /// Plan the feeds inside the limits of setup and parameter sets; --post writes the program with them
+    #[arg(long, value_name = "OBJECTIVE", value_parser = FeedObjective::WORDS.to_vec(), requires = "setup")]
+    pub objective: Option<String>,
+    /// Limits that count, by commas, or all: without --objective how much of each the program uses
+    #[arg(long, value_name = "LIMITS", value_delimiter = ',', value_parser = limits(), requires = "setup")]
+    pub limits: Option<Vec<String>>,
     /// Table of every motion with its engagement (CSV)
     #[arg(long, value_name = "CSV", requires = "setup")]
     pub motions: Option<PathBuf>,
-    /// End with an error where a rapid motion meets material
+    /// End with an error where a rapid motion or the holder meets material, or a limit is broken
     #[arg(long, requires = "setup")]
     pub strict: bool,
     /// Table of every block (CSV)

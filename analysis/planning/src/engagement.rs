@@ -55,6 +55,8 @@ pub struct Engagement {
     /// Lines of rapid motions through material and of plunges, the first of each kind first.
     crashes: Vec<usize>,
     plunges: Vec<usize>,
+    /// Lines of motions in which the holder meets material.
+    holders: Vec<usize>,
     removed: f64,
     stock: f64,
     resolution: f64,
@@ -96,6 +98,7 @@ impl Engagement {
             deflection: None,
             crashes: Vec::new(),
             plunges: Vec::new(),
+            holders: Vec::new(),
             removed: 0.0,
             stock: setup.stock.volume(),
             resolution: 0.02 * setup.radius(),
@@ -142,6 +145,9 @@ impl Engagement {
         if cut.plunge && !rapid {
             keep(&mut self.plunges);
         }
+        if cut.holder {
+            keep(&mut self.holders);
+        }
         if !rapid {
             let share = self.tools.entry(tool.unwrap_or(0)).or_default();
             share.cutting += time * (1.0 - cut.air);
@@ -175,6 +181,11 @@ impl Engagement {
     /// Lines of rapid motions that meet material; the first thousand.
     pub fn crashes(&self) -> &[usize] {
         &self.crashes
+    }
+
+    /// Lines of motions in which the holder of the tool meets material; the first thousand.
+    pub fn holders(&self) -> &[usize] {
+        &self.holders
     }
 
     fn sum(&self, of: impl Fn(&Share) -> f64) -> f64 {
@@ -215,6 +226,7 @@ impl Engagement {
             "resolution [mm]": self.resolution * MM,
             "rapids_through_material": self.crashes,
             "plunges": self.plunges,
+            "holder_in_material": self.holders,
             "tools": tools,
         })
     }
@@ -255,6 +267,10 @@ impl Engagement {
         if let [first, ..] = self.crashes[..] {
             let count = self.crashes.len();
             let _ = write!(text, "\n! {count} rapid motions meet material (first: line {first})");
+        }
+        if let [first, ..] = self.holders[..] {
+            let count = self.holders.len();
+            let _ = write!(text, "\n! the holder meets material in {count} blocks (first: line {first})");
         }
         text
     }

@@ -25,6 +25,8 @@ pub mod contour;
 pub mod cycle;
 pub mod engagement;
 pub mod explain;
+pub mod feeds;
+pub mod folders;
 pub mod identification;
 pub mod listen;
 pub mod lobes;

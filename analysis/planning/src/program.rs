@@ -297,6 +297,57 @@ impl CycleTime {
     }
 }
 
+/// A program with its time, or why it is refused.
+pub type Timed = (String, Result<CycleTime, ProgramError>);
+
+/// A row of each of several programs for a terminal, s, and their sum.
+pub fn overview_text(programs: &[Timed]) -> String {
+    let width = programs.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(7);
+    let mut text = format!(
+        "{:<width$} {:>12} {:>10} {:>10} {:>9} {:>7} {:>6} {:>11}",
+        "program", "control", "feed [s]", "rapid [s]", "dwell [s]", "changes", "holes", "total [s]"
+    );
+    let mut total = 0.0;
+    for (name, timed) in programs {
+        match timed {
+            Ok(cycle) => {
+                let time = cycle.sum(|share| share.total);
+                total += time;
+                let _ = write!(
+                    text,
+                    "\n{name:<width$} {:>12} {:>10.1} {:>10.1} {:>9.1} {:>7} {:>6} {time:>11.1}",
+                    cycle.dialect.0,
+                    cycle.sum(|share| share.feed),
+                    cycle.sum(|share| share.rapid),
+                    cycle.sum(|share| share.dwell),
+                    cycle.shares.iter().map(|share| share.changes).sum::<u32>(),
+                    cycle.shares.iter().map(|share| share.holes).sum::<u32>(),
+                );
+            }
+            Err(error) => {
+                let count = error.all().count();
+                let _ = write!(text, "\n{name:<width$} {:>12} refused in {count} places", error.dialect.name());
+            }
+        }
+    }
+    let _ = write!(text, "\n{:<width$} {total:>71.1}", "all");
+    text
+}
+
+/// The same for programs: of each the [document](CycleTime::json) that it has by itself, or its refusals.
+pub fn overview_json(programs: &[Timed]) -> Value {
+    let rows = programs.iter().map(|(name, timed)| {
+        let mut row = match timed {
+            Ok(cycle) => cycle.json(),
+            Err(error) => json!({ "refused": error.all().map(ToString::to_string).collect::<Vec<_>>() }),
+        };
+        row["file"] = json!(name);
+        row
+    });
+    let total: f64 = programs.iter().flat_map(|(_, timed)| timed).map(|cycle| cycle.sum(|share| share.total)).sum();
+    json!({ "schema": 1, "programs": rows.collect::<Vec<_>>(), "cycle_time [s]": total })
+}
+
 /// Time of a block's rapid motions, s.
 fn rapid(block: &Block, drives: &Drives) -> f64 {
     block.motions.iter().map(|motion| drives.rapid_time(motion)).sum()

@@ -87,6 +87,8 @@ pub enum Drawing<'a> {
         layer: Option<&'a str>,
         /// Unit of a drawing that names none, m.
         unit: Option<f64>,
+        /// Distance of ends that are one point, m; 1 µm where it is not given.
+        join: Option<f64>,
     },
 }
 
@@ -142,7 +144,9 @@ impl ContourFile {
             let closed = root.flag("closed").unwrap_or(true);
             let placed = match drawing {
                 Drawing::Program(program, control) => gcode::read_placed(program, control, side, closed),
-                Drawing::Dxf { text, layer, unit } => dxf::read_placed(text, layer, unit, side, closed),
+                Drawing::Dxf { text, layer, unit, join } => {
+                    dxf::read_placed(text, (layer, unit, join.unwrap_or(dxf::JOIN)), side, closed)
+                }
             };
             let placed = placed.map_err(|error| refused = Some(error)).ok();
             assemble(walk, root, placed.map(|placed| (placed, 0.0)))

@@ -3,6 +3,7 @@
 //! | item | what it is |
 //! |---|---|
 //! | [`post()`] | follows a program and writes its motions in the words of another control |
+//! | [`post_as()`] | the same with planned motions in place of those of the program |
 //! | [`Post`] | what was written, and the lines of what has no place in it |
 //!
 //! # Units
@@ -49,6 +50,21 @@ const DECIMALS: usize = 4;
 /// assert!(klartext.contains("CC X+0 Y+10\nC X+10 Y+10 DR+"), "{klartext}");
 /// ```
 pub fn post(text: impl Into<Source>, control: &Control, dialect: Dialect) -> Result<Post, ProgramError> {
+    post_as(text, control, dialect, |_, motion| vec![*motion])
+}
+
+/// [`post()`] with other motions in place of those of the program: `planned` gets each with its place among all motions, from 0, and
+/// gives what is written instead, which has to begin and end where the motion does.
+///
+/// # Errors
+/// As [`post()`].
+pub fn post_as(
+    text: impl Into<Source>,
+    control: &Control,
+    dialect: Dialect,
+    mut planned: impl FnMut(usize, &Motion) -> Vec<Motion>,
+) -> Result<Post, ProgramError> {
+    let mut count = 0;
     let mut run = Run::new(text, control)?;
     let (source, _) = run.dialect();
     let mut writer = Writer::new(dialect);
@@ -65,7 +81,14 @@ pub fn post(text: impl Into<Source>, control: &Control, dialect: Dialect) -> Res
             ));
         }
         writer.known = run.position().map(|place| place.is_some());
-        writer.event(&event).map_err(|message| refused(event.line, message))?;
+        let EventKind::Motion(motion) = event.kind else {
+            writer.event(&event);
+            continue;
+        };
+        for part in planned(count, &motion) {
+            writer.motion(&part, event.line).map_err(|message| refused(event.line, message))?;
+        }
+        count += 1;
     }
     writer.finish();
     Ok(Post { text: writer.text, left_out: writer.left_out })
@@ -143,9 +166,9 @@ impl Writer {
         (value * factor).round() / factor
     }
 
-    fn event(&mut self, event: &Event) -> Result<(), &'static str> {
+    /// Writes what is no motion.
+    fn event(&mut self, event: &Event) {
         match event.kind {
-            EventKind::Motion(motion) => return self.motion(&motion, event.line),
             EventKind::Dwell(seconds) => {
                 let time = number(seconds, 6, true);
                 match self.dialect {
@@ -188,10 +211,13 @@ impl Writer {
             EventKind::Home(axes) => self.home(axes, event.line),
             EventKind::Offset(offset) => self.offset(offset, event.line),
             EventKind::ExactStop => self.leave_out(event.line),
-            EventKind::Auxiliary(2 | 30, _) | EventKind::Block | EventKind::Hole | EventKind::End => {}
+            EventKind::Auxiliary(2 | 30, _)
+            | EventKind::Motion(_)
+            | EventKind::Block
+            | EventKind::Hole
+            | EventKind::End => {}
             EventKind::Auxiliary(..) => self.leave_out(event.line),
         }
-        Ok(())
     }
 
     /// The linear axes return to the machine's own place, in the words of the control; the program knows them no more.
@@ -319,6 +345,11 @@ impl Writer {
         let [u, v, w] = arc.plane;
         if self.klartext() && arc.plane != PLANES[0] {
             return Err("an arc out of the plane XY has no words in Klartext with the tool along Z");
+        }
+        if !self.known[u] || !self.known[v] {
+            return Err(
+                "an arc from a place that only the machine knows has no end: name a place before it, or give --start",
+            );
         }
         if arc.plane != self.plane {
             self.plane = arc.plane;

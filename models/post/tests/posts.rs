@@ -187,3 +187,15 @@ fn an_axis_that_comes_back_from_its_reference_point_is_written_before_the_others
         assert!(down < across && alone, "{written}");
     }
 }
+
+#[test]
+fn an_arc_from_a_place_that_only_the_machine_knows_is_not_posted() {
+    let unknown = Control { units: Some(Units::Millimetre), ..Control::of(Dialect::Fanuc) };
+    // A full circle takes the same time anywhere, but nothing says where it is.
+    let text = "G90 G0 X30\nG3 I10 J0 F100\nM30\n";
+    for target in TARGETS {
+        let error = post(text, &unknown, target).expect_err("no place").to_string();
+        assert!(error.contains("2:") && error.contains("--start"), "{error}");
+    }
+    assert!(post(text, &control(Dialect::Fanuc), Dialect::Siemens).is_ok());
+}

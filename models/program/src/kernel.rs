@@ -6,7 +6,8 @@ use crate::frame::Frame;
 use crate::joint::{Joint, Waiting};
 use crate::lathe::surface_time;
 use crate::motion::{
-    Arc, Axes, Event, EventKind, Motion, Offset, PLANES, Path, Purpose, Sense, arc_tolerance, centre_by_radius, sweep,
+    AXES, Arc, Axes, Event, EventKind, Motion, Offset, PLANES, Path, Purpose, Sense, arc_tolerance, centre_by_radius,
+    sweep,
 };
 use crate::offset::Offsetting;
 use std::collections::VecDeque;
@@ -331,9 +332,15 @@ impl Kernel {
         let mut middle = from;
         (middle[u], middle[v]) = (centre[0], centre[1]);
         let middle = self.frame.base(middle);
+        // A full circle and an arc by steps are the same wherever they begin.
+        if let Some(axis) = [u, v].into_iter().find(|axis| !self.known[*axis] && target.absolute[*axis].is_some()) {
+            return Err(Fault::new(format!(
+                "the arc begins at a place of {0} that only the machine knows, so it has no length: name {0} before it, or give --start",
+                AXES[axis]
+            )));
+        }
         let lost = !self.known[u] || !self.known[v];
         let (from, to, mut unknown) = self.arrive(target, from, to);
-        // An arc from an unknown place has no centre: it is taken as programmed.
         unknown |= lost;
         let radius = radius * factor;
         let arc = Arc { centre: [middle[u], middle[v]], plane: self.plane, left: left != mirrored, angle, radius };

@@ -174,8 +174,8 @@ impl Run {
     /// may follow from the first one, such as an arc that misses its end, are not told.
     fn further(&mut self, first: &ProgramError) -> Vec<ProgramError> {
         let mut list: Vec<ProgramError> = Vec::new();
-        let last = self.steps.saturating_add(FURTHER).min(self.kernel.control.steps);
-        while self.steps < last && list.len() + 1 < ProgramError::MOST {
+        let mut left = FURTHER.min(self.kernel.control.steps.saturating_sub(self.steps));
+        while left > 0 && list.len() + 1 < ProgramError::MOST {
             self.steps += 1;
             self.kernel.out.clear();
             match self.interpreter.step(&mut self.kernel) {
@@ -191,6 +191,7 @@ impl Run {
                     }
                 }
             }
+            left = left.saturating_sub(1 + self.kernel.out.len() as u64);
         }
         self.kernel.out.clear();
         list
@@ -220,7 +221,8 @@ pub struct ModalState {
     pub exact_stop: bool,
 }
 
-/// Blocks that are run behind a fault to find others: a bound against loops that have lost their end (assumption).
+/// Blocks that are run behind a fault to find others, with the motions that they make: a bound against loops that have lost their end
+/// (assumption). A spline makes hundreds.
 const FURTHER: u64 = 100_000;
 
 impl Iterator for Run {

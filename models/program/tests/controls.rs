@@ -6,6 +6,8 @@ mod cam_posts;
 mod lathes;
 #[path = "controls/long_programs.rs"]
 mod long_programs;
+#[path = "controls/mutations.rs"]
+mod mutations;
 #[path = "controls/shop_floor.rs"]
 mod shop_floor;
 #[path = "controls/whole_programs.rs"]

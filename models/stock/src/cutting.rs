@@ -25,6 +25,25 @@ const PIECES: u32 = 64;
 /// Greatest number of pieces of a ramp (assumption).
 const RAMP_PIECES: f64 = 500.0;
 
+/// What a stretch of a motion meets, as it is handed on to those who look.
+pub(crate) enum Seen<'a> {
+    /// No material within the margin.
+    Air,
+    /// None engaged, but some within the margin.
+    Near,
+    /// Engaged at the bound, and at the samples.
+    Cut(&'a Engaged, &'a [Engaged; 3], &'a Tool),
+}
+
+/// Takes the shares of a motion between which a stretch lies, and what it meets; in order.
+pub(crate) type Look<'l> = dyn FnMut(f64, f64, Seen<'_>) + 'l;
+
+/// A piece among those of its motion, with who looks: the way before it and the whole way, m.
+type Among<'r, 'l> = (&'r mut Look<'l>, f64, f64);
+
+/// Distance, m, from material within which a way is not in air for those who look (assumption).
+const MARGIN: f64 = 1e-3;
+
 /// What a motion does to the stock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cut {
@@ -48,6 +67,8 @@ pub struct Cut {
     pub crash: bool,
     /// Whether the end of the cutter goes straight down into material.
     pub plunge: bool,
+    /// Whether the holder of the tool meets material.
+    pub holder: bool,
 }
 
 /// The engagement of a motion in the mean of its way in material; 0 where there is none.
@@ -86,7 +107,7 @@ struct Sums {
 /// use toolroom_stock::{Cutting, Outline, Stock, Tool};
 /// let corner = |x, y| Point { x, y };
 /// let stock = Stock { outline: Outline::Box(corner(0.0, 0.0), corner(0.1, 0.05)), base: -0.02, top: 0.0 };
-/// let tool = Tool { radius: 5e-3, teeth: 4.0, force: None };
+/// let tool = Tool { radius: 5e-3, teeth: 4.0, force: None, holder: None };
 /// let mut cutting = Cutting::new(stock, tool.radius);
 /// let text = "G21 G90 G0 X-10 Y-4 Z-5\nG1 X110 F500\n"; // a shoulder of 1 mm
 /// for event in Run::new(text, &Control::default()).unwrap() {
@@ -107,11 +128,11 @@ pub struct Cutting {
 }
 
 /// A piece of a path at one height.
-struct Piece {
-    path: Section,
+pub(crate) struct Piece {
+    pub path: Section,
     /// Heights of the cutter's end at both ends, m.
-    from: f64,
-    to: f64,
+    pub from: f64,
+    pub to: f64,
 }
 
 impl Cutting {
@@ -125,6 +146,10 @@ impl Cutting {
         &self.stock
     }
 
+    pub(crate) fn index(&self) -> &Index {
+        &self.index
+    }
+
     /// Volume removed so far, m³.
     pub fn removed(&self) -> f64 {
         self.removed
@@ -136,6 +161,17 @@ impl Cutting {
     /// taken to be deeper in material by the way that it moves from the middle. Steps are halved until both differ by less than
     /// half a degree and the sections of the chips by less than a tenth, or to a fiftieth of the cutter's radius.
     pub fn motion(&mut self, motion: &Motion, tool: &Tool, speed: f64) -> Cut {
+        self.motion_seen(motion, tool, speed, None)
+    }
+
+    /// [`motion`](Self::motion), looked at stretch by stretch.
+    pub(crate) fn motion_seen(
+        &mut self,
+        motion: &Motion,
+        tool: &Tool,
+        speed: f64,
+        mut look: Option<&mut Look<'_>>,
+    ) -> Cut {
         let mut cut = Cut::default();
         if motion.rapid && motion.unknown {
             // It comes from or goes to a place that only the machine knows.
@@ -145,8 +181,11 @@ impl Cutting {
         let length: f64 = pieces.iter().map(|piece| piece.path.length).sum();
         let feed = if motion.rapid || motion.time <= 0.0 { 0.0 } else { 1e-3 * motion.length / motion.time };
         let mut sums = Sums::default();
+        let mut before = 0.0;
         for piece in &pieces {
-            self.piece(piece, tool, (feed, speed), &mut cut, &mut sums);
+            let among = look.as_deref_mut().map(|look| (look, before, length));
+            self.piece(piece, tool, (feed, speed), (&mut cut, &mut sums), among);
+            before += piece.path.length;
             let floor = piece.from.max(piece.to);
             if floor < self.stock.top {
                 self.index.push(Swath { track: Track::new(piece.path), radius: tool.radius, floor });
@@ -163,6 +202,10 @@ impl Cutting {
         let slant = if length > 0.0 { 1e-3 * motion.length / length } else { 1.0 };
         cut.wear = sums.wear.map(|wear| wear * slant / feed);
         cut.air = if length > 0.0 { sums.air / length } else { f64::from(u8::from(!cut.plunge)) };
+        if let Some(holder) = &tool.holder {
+            let end = Point { x: 1e-3 * motion.end[0], y: 1e-3 * motion.end[1] };
+            cut.holder = self.holder_meets(holder, &pieces, (end, 1e-3 * motion.start[2].min(motion.end[2])));
+        }
         cut.crash = motion.rapid && (cut.sampled > 0.0 || cut.plunge);
         self.removed += cut.removed;
         cut
@@ -186,7 +229,7 @@ impl Cutting {
 
     /// Volume, m³, and greatest depth, m, of material above `bottom` under the whole end of a cutter: a disc, looked at by
     /// rings, each as a rim in two halves.
-    fn disc(&self, around: &[&Swath], centre: Point, radius: f64, bottom: f64, rings: u32) -> (f64, f64) {
+    pub(crate) fn disc(&self, around: &[&Swath], centre: Point, radius: f64, bottom: f64, rings: u32) -> (f64, f64) {
         let (mut volume, mut depth) = (0.0, 0.0f64);
         for ring in 0..rings {
             let reach = radius * (f64::from(ring) + 0.5) / f64::from(rings);
@@ -204,7 +247,14 @@ impl Cutting {
         (volume, depth)
     }
 
-    fn piece(&self, piece: &Piece, tool: &Tool, (feed, speed): (f64, f64), cut: &mut Cut, sums: &mut Sums) {
+    fn piece(
+        &self,
+        piece: &Piece,
+        tool: &Tool,
+        (feed, speed): (f64, f64),
+        (cut, sums): (&mut Cut, &mut Sums),
+        mut among: Option<Among<'_, '_>>,
+    ) {
         let path = &piece.path;
         let low = piece.from.min(piece.to);
         let middle_height = 0.5 * (piece.from + piece.to);
@@ -238,6 +288,15 @@ impl Cutting {
             let around = self.index.near(path.at(middle), tool.radius + half);
             let bound = engaged_at(&around, middle, low, half * moves);
             if bound.layers.is_empty() {
+                if let Some((look, before, length)) = &mut among {
+                    let near = !engaged_at(&around, middle, low, half * moves + MARGIN).layers.is_empty();
+                    if near && half > 0.5 * MARGIN {
+                        open.extend([(middle, to), (from, middle)]);
+                        continue;
+                    }
+                    let share = |way: f64| (*before + way) / *length;
+                    look(share(from), share(to), if near { Seen::Near } else { Seen::Air });
+                }
                 sums.air += to - from;
                 continue;
             }
@@ -255,6 +314,10 @@ impl Cutting {
             if coarse && half * moves > SHORTEST * tool.radius {
                 open.extend([(middle, to), (from, middle)]);
                 continue;
+            }
+            if let Some((look, before, length)) = &mut among {
+                let share = |way: f64| (*before + way) / *length;
+                look(share(from), share(to), Seen::Cut(&bound, &samples, tool));
             }
             cut.sampled = cut.sampled.max(sampled);
             cut.bound = cut.bound.max(bound.angle());

@@ -1,6 +1,6 @@
 //! What a program's events mean for the stock: tool, spindle and height as the program goes on.
 
-use crate::cutting::{Cut, Cutting};
+use crate::cutting::{Cut, Cutting, Look};
 use crate::setup::Setup;
 use std::f64::consts::TAU;
 use toolroom_program::{Motion, Sense};
@@ -70,12 +70,17 @@ impl<'a> Follower<'a> {
     /// # Errors
     /// [`NoTool`] for a cut with a tool that the setup does not have.
     pub fn motion(&mut self, motion: &Motion) -> Result<Option<Cut>, NoTool> {
+        self.motion_seen(motion, None)
+    }
+
+    /// [`motion`](Self::motion), looked at stretch by stretch.
+    pub(crate) fn motion_seen(&mut self, motion: &Motion, look: Option<&mut Look<'_>>) -> Result<Option<Cut>, NoTool> {
         if self.lifted && motion.rapid && !motion.unknown && motion.start[2] == motion.end[2] {
             return Ok(None);
         }
         self.lifted = false;
         match self.tool.and_then(|number| self.setup.tools.get(&number)) {
-            Some(tool) => Ok(Some(self.cutting.motion(motion, tool, self.speed))),
+            Some(tool) => Ok(Some(self.cutting.motion_seen(motion, tool, self.speed, look))),
             None if motion.rapid => Ok(None),
             None => Err(NoTool { tool: self.tool }),
         }

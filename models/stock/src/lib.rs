@@ -15,16 +15,17 @@
 //! | item | what it is |
 //! |---|---|
 //! | [`Setup`], [`SETUP`] | a file that describes stock and tools |
-//! | [`Stock`], [`Outline`], [`Tool`], [`ToolForce`] | what is cut and with what |
+//! | [`Stock`], [`Outline`], [`Tool`], [`Holder`], [`ToolForce`] | what is cut and with what |
 //! | [`Cutting`], [`Cut`], [`Load`], [`Mean`] | stock that is cut motion by motion, and what each does |
 //! | [`Follower`] | tool, spindle and height of a program as it goes on |
+//! | [`FeedPlan`], [`FeedLimits`], [`FeedLimit`], [`LimitUse`] | feeds of a program inside the limits of its tools |
 //! | [`Calls`], [`Call`], [`Span`] | a program as tool calls with time and conditions: what a shop does with it |
 //!
 //! # Units
 //! SI, but for the motions, which are those of the crate `program`: mm and s.
 //!
 //! # What is not modelled
-//! Cutters that are not cylinders with flat ends; the tool along another axis than Z; holders and fixtures; stock of other forms
+//! Cutters that are not cylinders with flat ends; the tool along another axis than Z; fixtures, holders that are more than a cylinder; stock of other forms
 //! than boxes and cylinders. What a bent cutter leaves. Chips thinner than the edge radius. Wear by
 //! plunging and drilling.
 
@@ -34,7 +35,10 @@ mod call;
 mod cutting;
 mod engaged;
 mod follow;
+mod holder;
+mod limits;
 mod load;
+mod plan;
 mod setup;
 mod swath;
 
@@ -42,5 +46,8 @@ pub use call::{Call, CallError, Calls, Conditions, Span, TimedStretch};
 pub use cutting::{Cut, Cutting, Mean};
 pub use engaged::{Outline, Stock};
 pub use follow::{Follower, NoTool};
+pub use holder::Holder;
+pub use limits::{FeedLimit, FeedLimits};
 pub use load::{Load, Tool, ToolForce};
+pub use plan::{AsProgrammed, FeedError, FeedObjective, FeedPiece, FeedPlan, LimitUse};
 pub use setup::{SETUP, Setup};

@@ -1,6 +1,7 @@
 //! What an engagement asks of spindle and cutter.
 
 use crate::engaged::Engaged;
+use crate::holder::Holder;
 use std::f64::consts::TAU;
 use toolroom_contour::{EdgeForce, MillLife};
 
@@ -13,6 +14,8 @@ pub struct Tool {
     pub teeth: f64,
     /// Forces on its edges, how it bends and how long it lasts, where that is known.
     pub force: Option<ToolForce>,
+    /// Its holder, where it is known.
+    pub holder: Option<Holder>,
 }
 
 /// A tool in the work at hand.
@@ -45,6 +48,30 @@ pub(crate) fn wear_rate(engaged: &Engaged, tool: &Tool, feed: f64, speed: f64) -
     Some(1.0 / life.tool_life(speed, feed_per_tooth, width, depth, tool.teeth, 2.0 * tool.radius))
 }
 
+/// Forces on a clockwise cutter along its path, across it, and around it, which make the torque, N: the linear edge-force model,
+/// integrated over the engaged angles at a feed per tooth, m.
+pub(crate) fn forces(engaged: &Engaged, edge: &EdgeForce, teeth: f64, feed_per_tooth: f64) -> [f64; 3] {
+    // Chip thickness is feed·cos θ.
+    let (mut along, mut across, mut tangential) = (0.0, 0.0, 0.0);
+    for layer in &engaged.layers {
+        for (from, to) in &layer.angles {
+            let whole = to - from;
+            let sin = to.sin() - from.sin();
+            let cos = to.cos() - from.cos();
+            let sin2 = 0.5 * (to.sin().powi(2) - from.sin().powi(2));
+            let cos2 = 0.5 * whole + 0.25 * ((2.0 * to).sin() - (2.0 * from).sin());
+            let (kt, kr) = (edge.tangential_cutting * feed_per_tooth, edge.radial_cutting * feed_per_tooth);
+            let height = layer.height;
+            tangential += height * (edge.tangential_edge * whole + kt * sin);
+            // The tangential force on the cutter points a right angle ahead of the rim point, the radial one to the axis.
+            along += height * (edge.tangential_edge * cos - kt * sin2 - edge.radial_edge * sin - kr * cos2);
+            across += height * (edge.tangential_edge * sin + kt * cos2 + edge.radial_edge * cos - kr * sin2);
+        }
+    }
+    let share = teeth / TAU;
+    [along, across, tangential].map(|sum| sum * share)
+}
+
 /// Averages over a revolution.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Load {
@@ -70,33 +97,13 @@ impl Load {
         }
     }
 
-    /// The load of a clockwise cutter that feeds `feed` m/s at `speed` rad/s: the linear edge-force model, integrated over the
-    /// engaged angles. `None` where the forces of the tool are not known or the spindle stands.
+    /// The load of a clockwise cutter that feeds `feed` m/s at `speed` rad/s, from its [`forces`]. `None` where the forces of the tool are not known or the spindle stands.
     pub(crate) fn of(engaged: &Engaged, tool: &Tool, feed: f64, speed: f64) -> Option<Self> {
         let ToolForce { edge, stiffness, .. } = tool.force?;
         if speed <= 0.0 || feed <= 0.0 {
             return None;
         }
-        let feed_per_tooth = feed * TAU / (speed * tool.teeth);
-        // Along the path and across it, and what makes the torque; with chip thickness feed·cos θ.
-        let (mut along, mut across, mut tangential) = (0.0, 0.0, 0.0);
-        for layer in &engaged.layers {
-            for (from, to) in &layer.angles {
-                let whole = to - from;
-                let sin = to.sin() - from.sin();
-                let cos = to.cos() - from.cos();
-                let sin2 = 0.5 * (to.sin().powi(2) - from.sin().powi(2));
-                let cos2 = 0.5 * whole + 0.25 * ((2.0 * to).sin() - (2.0 * from).sin());
-                let (kt, kr) = (edge.tangential_cutting * feed_per_tooth, edge.radial_cutting * feed_per_tooth);
-                let height = layer.height;
-                tangential += height * (edge.tangential_edge * whole + kt * sin);
-                // The tangential force on the cutter points a right angle ahead of the rim point, the radial one to the axis.
-                along += height * (edge.tangential_edge * cos - kt * sin2 - edge.radial_edge * sin - kr * cos2);
-                across += height * (edge.tangential_edge * sin + kt * cos2 + edge.radial_edge * cos - kr * sin2);
-            }
-        }
-        let share = tool.teeth / TAU;
-        let [along, across, tangential] = [along, across, tangential].map(|sum| sum * share);
+        let [along, across, tangential] = forces(engaged, &edge, tool.teeth, feed * TAU / (speed * tool.teeth));
         Some(Self {
             power: tangential * speed * tool.radius,
             normal_force: across.abs(),
@@ -118,7 +125,7 @@ mod tests {
         let edge = EdgeForce::default();
         let (radius, depth, teeth, immersion) = (0.016, 0.03, 4.0, 0.003);
         let angle = (1.0f64 - immersion / radius).acos();
-        let tool = Tool { radius, teeth, force: Some(ToolForce { edge, ..ToolForce::default() }) };
+        let tool = Tool { radius, teeth, force: Some(ToolForce { edge, ..ToolForce::default() }), holder: None };
         let (feed_per_tooth, speed) = (0.1e-3, 200.0);
         let feed = feed_per_tooth * teeth * speed / TAU;
         for (milling, angles) in [

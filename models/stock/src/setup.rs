@@ -1,6 +1,8 @@
 //! Setup files: stock and tools of a part program.
 
 use crate::engaged::{Outline, Stock};
+use crate::holder::Holder;
+use crate::limits::FeedLimits;
 use crate::load::{Tool, ToolForce};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -31,6 +33,8 @@ pub struct Setup {
     pub tools: BTreeMap<u32, Tool>,
     /// Names of the tools that have one, by their number: those of a scenario, whose edges they wear.
     pub names: BTreeMap<u32, String>,
+    /// What the feed of each tool has to keep, by its number: the limits of its parameter set with those of the file.
+    pub limits: BTreeMap<u32, FeedLimits>,
     /// Machine file or preset that the file names.
     pub drives: Option<String>,
 }
@@ -38,6 +42,8 @@ pub struct Setup {
 const FARTHEST: f64 = 100.0;
 const PLACE: Kind = Kind::quantity("m", "mm", -FARTHEST, FARTHEST, "0 mm");
 const CORNER: Kind = Kind::List(&PLACE);
+const FEED: Kind = Kind::positive("m/s", "mm/min", 10.0, "2000 mm/min");
+const SMALL: Kind = Kind::positive("m", "um", 0.1, "50 um");
 const LENGTH: Kind = Kind::positive("m", "mm", FARTHEST, "50 mm");
 
 static CYLINDER: Form = Form {
@@ -71,6 +77,49 @@ const SETS: [&str; PARAMETER_SETS.len()] = {
     names
 };
 
+static LIMITS: Form = Form {
+    title: "[limits]",
+    doc: "What planned feeds have to keep beside the limits of the parameter sets, or instead of them; for all tools, or for one",
+    keys: &[
+        Key::optional(
+            "highest_feed",
+            FEED,
+            "Highest feed of the path; left out: that of the set, else that of the program",
+        ),
+        Key::optional("lowest_feed", FEED, "Lowest feed that a plan commands; left out: that of the set"),
+        Key::optional("air_feed", FEED, "Feed where no material is within 1 mm; left out: the highest feed"),
+        Key::optional(
+            "power",
+            Kind::positive("W", "kW", 1e6, "5 kW"),
+            "Cutting power; left out: that of the set at the cutter",
+        ),
+        Key::optional(
+            "feed_force",
+            Kind::positive("N", "N", 1e7, "3000 N"),
+            "Force on the cutter; left out: that of the set",
+        ),
+        Key::optional("deflection", SMALL, "Deflection of the tip across the path; left out: no limit"),
+        Key::optional(
+            "chip_thickness",
+            SMALL,
+            "Thickest chip; left out: the thickest that the tool cuts as programmed",
+        ),
+        Key::optional("least_chip_thickness", SMALL, "Chips below it are reported; left out: none"),
+        Key::optional(
+            "tool_life",
+            Kind::positive("s", "min", 1e7, "60 min"),
+            "Least life of the edges; left out: that of the set",
+        ),
+        Key::optional("roughness", SMALL, "Roughness Rz of walls; left out: no limit"),
+    ],
+};
+
+static HOLDER: Form = Form {
+    title: "holder",
+    doc: "The holder of a tool: a cylinder whose lower face is at the tool's length above its tip",
+    keys: &[Key::required("diameter", LENGTH, "Diameter")],
+};
+
 static TOOL: Form = Form {
     title: "[[tool]]",
     doc: "A cylindrical end mill with a flat end",
@@ -85,6 +134,18 @@ static TOOL: Form = Form {
             Kind::Choice(&SETS),
             "Set of contour milling whose edge forces and life it has; its shank bends with the diameter and length given here",
         ),
+        Key::default(
+            "shape",
+            Kind::Choice(&["flat"]),
+            "flat",
+            "Form of the end; ball, bull and tapered ends are not modelled: their engagement depends on the height",
+        ),
+        Key::optional(
+            "holder",
+            Kind::Table(&HOLDER),
+            "What holds it, above its length: reported where it meets material",
+        ),
+        Key::optional("limits", Kind::Table(&LIMITS), "Limits of this tool, in place of those of the file"),
     ],
 };
 
@@ -96,6 +157,7 @@ pub static SETUP: Form = Form {
         Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
         Key::optional("drives", Kind::Text, "Machine file, from the folder of this file, or a preset"),
         Key::required("stock", Kind::Table(&STOCK), "What is cut"),
+        Key::optional("limits", Kind::Table(&LIMITS), "What planned feeds have to keep"),
         Key::optional("tool", Kind::Tables(&TOOL), "Tools of the program"),
     ],
 };
@@ -173,25 +235,62 @@ fn stock(walk: &mut Walk, section: &Section<'_>) -> Option<Stock> {
     }
 }
 
+/// Limits with those that a table gives in place of theirs.
+fn limited(mut limits: FeedLimits, table: Option<&Section<'_>>, floor: f64) -> FeedLimits {
+    let Some(table) = table else { return limits };
+    let given = |key: &str, limit: &mut Option<f64>| *limit = table.si(key).or(*limit);
+    given("highest_feed", &mut limits.highest_feed);
+    given("air_feed", &mut limits.air_feed);
+    given("power", &mut limits.power);
+    given("feed_force", &mut limits.feed_force);
+    given("deflection", &mut limits.deflection);
+    given("chip_thickness", &mut limits.chip_thickness);
+    given("tool_life", &mut limits.tool_life);
+    limits.lowest_feed = table.si("lowest_feed").unwrap_or(limits.lowest_feed);
+    limits.least_chip_thickness = table.si("least_chip_thickness").unwrap_or(limits.least_chip_thickness);
+    limits.roughness = table.si("roughness").map(|roughness| (roughness, floor)).or(limits.roughness);
+    limits
+}
+
 fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
     let stock = walk.table(root, "stock").and_then(|section| stock(walk, &section));
-    let (mut tools, mut names) = (BTreeMap::new(), BTreeMap::new());
+    let shared = walk.table(root, "limits");
+    let (mut tools, mut names, mut limits) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
     for section in walk.sections(root, "tool", None) {
         let set = section.text("parameter_set").and_then(|name| Parameters::named(name).ok());
+        let of_tool = walk.table(&section, "limits");
+        let holder = walk.table(&section, "holder").and_then(|table| table.si("diameter"));
+        if holder.is_some() && section.si("length").is_none() {
+            let (key, expected) =
+                ("length".to_owned(), "the length from the holder to the tip, since a holder is given".to_owned());
+            let (read, example) = ("nothing".to_owned(), "\"60 mm\"".to_owned());
+            walk.fault(section.span_of("holder"), Fault::WrongType { key, read, expected, example });
+        }
         let (Some(number), Some(diameter), Some(teeth)) =
             (section.count("number"), section.si("diameter"), section.count("teeth"))
         else {
             continue;
         };
+        let overhang = section.si("length").or(set.as_ref().map(|set| set.cutter.overhang));
+        let base = match (&set, overhang) {
+            (Some(set), Some(overhang)) => FeedLimits::of(set, diameter, overhang),
+            (None, _) | (_, None) => FeedLimits::default(),
+        };
+        let floor = set.as_ref().map_or(0.0, |set| set.cutter.roughness_floor);
+        let base = limited(base, shared.as_ref(), floor);
+        limits.insert(number as u32, limited(base, of_tool.as_ref(), floor));
         let force = set.map(|set| {
-            let overhang = section.si("length").unwrap_or(set.cutter.overhang);
+            let overhang = overhang.unwrap_or(set.cutter.overhang);
             let cutter = Cutter { diameter, teeth: teeth as f64, overhang, ..set.cutter };
             ToolForce { edge: set.force, stiffness: cutter.stiffness(), life: set.life }
         });
         if let Some(name) = section.text("name") {
             names.insert(number as u32, name.to_owned());
         }
-        tools.insert(number as u32, Tool { radius: 0.5 * diameter, teeth: teeth as f64, force });
+        let holder = holder.zip(section.si("length"));
+        let holder = holder.map(|(diameter, overhang)| Holder { radius: 0.5 * diameter, overhang });
+        tools.insert(number as u32, Tool { radius: 0.5 * diameter, teeth: teeth as f64, force, holder });
     }
-    Some(Setup { stock: stock?, tools, names, drives: root.text("drives").map(str::to_owned) })
+    let drives = root.text("drives").map(str::to_owned);
+    Some(Setup { stock: stock?, tools, names, limits, drives })
 }

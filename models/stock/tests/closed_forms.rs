@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 use toolroom_contour::Point;
 use toolroom_program::{Control, EventKind, Run};
-use toolroom_stock::{Cut, Cutting, Outline, Stock, Tool};
+use toolroom_stock::{Cut, Cutting, Holder, Outline, Stock, Tool};
 
 fn block(x: f64, y: f64) -> Stock {
     Stock { outline: Outline::Box(Point { x: 0.0, y: 0.0 }, Point { x, y }), base: -0.02, top: 0.0 }
@@ -12,7 +12,7 @@ fn block(x: f64, y: f64) -> Stock {
 
 /// The cuts of a program's motions at feed, and the stock behind them.
 fn run(text: &str, stock: Stock, radius: f64) -> (Vec<Cut>, Cutting) {
-    let tool = Tool { radius, teeth: 4.0, force: None };
+    let tool = Tool { radius, teeth: 4.0, force: None, holder: None };
     let mut cutting = Cutting::new(stock, radius);
     let mut cuts = Vec::new();
     for event in Run::new(&format!("G21 G90\n{text}"), &Control::default()).expect("a program") {
@@ -121,7 +121,7 @@ fn a_helix_of_short_lines_removes_its_prism() {
 
 #[test]
 fn rapids_through_stock_are_told() {
-    let tool = Tool { radius: 5e-3, teeth: 4.0, force: None };
+    let tool = Tool { radius: 5e-3, teeth: 4.0, force: None, holder: None };
     let mut cutting = Cutting::new(block(0.1, 0.05), 5e-3);
     let mut crashes = Vec::new();
     for event in Run::new("G21 G90 G0 X-20 Y25 Z-5\nX50\nZ10\nX80\nZ-1\n", &Control::default()).expect("a program") {
@@ -144,7 +144,7 @@ proptest! {
         places in proptest::collection::vec((0.0..60.0f64, 0.0..40.0f64, 1.0..8.0f64), 3..9),
     ) {
         let (radius, stock) = (5e-3, block(0.06, 0.04));
-        let tool = Tool { radius, teeth: 4.0, force: None };
+        let tool = Tool { radius, teeth: 4.0, force: None, holder: None };
         let mut text = "G21 G90 G0 X-20 Y-20 Z5\n".to_owned();
         for (i, (x, y, depth)) in places.iter().enumerate() {
             text += &if i % 3 == 2 {
@@ -176,4 +176,35 @@ proptest! {
             prop_assert!(cut.sampled <= cut.bound + 1e-9 && cut.bound <= PI + 1e-9);
         }
     }
+}
+
+#[test]
+fn a_holder_is_reported_where_it_meets_a_wall_and_not_above_the_stock() {
+    let holder = Some(Holder { radius: 20e-3, overhang: 12e-3 });
+    let tool = Tool { radius: 5e-3, teeth: 4.0, force: None, holder };
+    let meets = |text: &str| {
+        let mut cutting = Cutting::new(block(0.1, 0.05), 5e-3);
+        let mut lines = Vec::new();
+        for event in Run::new(&format!("G21 G90\n{text}"), &Control::default()).expect("a program") {
+            let event = event.expect("an event");
+            if let EventKind::Motion(motion) = event.kind
+                && cutting.motion(&motion, &tool, 0.0).holder
+            {
+                lines.push(event.line);
+            }
+        }
+        lines
+    };
+    // Its lower face is 2 mm above the stock, then 2 mm below it: beside the stock free, over its edge not.
+    assert!(meets("G0 X-10 Y25 Z-10\nG1 X110 F500\n").is_empty());
+    assert_eq!(meets("G0 X-40 Y25 Z-14\nG1 X-21 F500\nX-19\nX20\n"), [4, 5]);
+    // A pocket as wide as the holder is free; 1 mm less is not.
+    let pocket = |x: f64| {
+        let levels: String = (0..=40).map(|i| format!("G1 Y{}\nX{x}\nX{}\n", f64::from(i), 100.0 - x)).collect();
+        format!("F500 G0 X{x} Y0 Z-3\n{levels}G0 Z20\nX50 Y20\nG1 Z-14\n")
+    };
+    assert!(meets(&pocket(30.0)).is_empty());
+    assert!(!meets(&pocket(36.0)).is_empty());
+    // Straight down onto whole material.
+    assert_eq!(meets("G0 X50 Y25 Z10\nG1 Z-11 F100\nZ-13\n"), [4]);
 }

@@ -18,6 +18,6 @@ mod text;
 pub use conditions::{Condition, Gain, OBJECTIVES, REPORTED_COST, REPORTED_PRODUCTIVITY, conditions};
 pub use files::{NAMES, files, summary};
 pub use report::report;
-pub use study::{Baseline, PassStudy, RefusedPass, Scattered, StudyOptions, edge_life, studies};
+pub use study::{Baseline, PassStudy, RefusedPass, Scattered, StudyOptions, edge_life, join_length, studies};
 pub use task::{Drawn, Task, Text, read_setup};
 pub use text::text;

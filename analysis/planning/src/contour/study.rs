@@ -86,6 +86,16 @@ pub fn edge_life(share: &str) -> Result<EdgeLife, String> {
     }
 }
 
+/// Distance of ends of a drawing that are one point, m: `10 um`, a millimetre at most, beyond which they are not meant to be one
+/// (assumption).
+///
+/// # Errors
+/// What is wrong with the text.
+pub fn join_length(text: &str) -> Result<f64, String> {
+    let length = unit::quantity(text, "m").map_err(|error| error.to_string())?;
+    if length > 0.0 && length <= 1e-3 { Ok(length) } else { Err("a length above 0 and up to 1 mm is due".to_owned()) }
+}
+
 /// What is studied of a contour file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StudyOptions {

@@ -22,8 +22,8 @@ pub struct Text {
 pub enum Drawn<'a> {
     /// A part program in the language of a control.
     Program(&'a Path, &'a Control),
-    /// A DXF file with the layer to read and the unit of a drawing that names none.
-    Dxf(&'a Path, Option<&'a str>, Option<Units>),
+    /// A DXF file with the layer to read, the unit of a drawing that names none, and the distance of ends that are one point, m.
+    Dxf(&'a Path, Option<&'a str>, Option<Units>, Option<f64>),
 }
 
 /// A contour task as read.
@@ -54,8 +54,8 @@ impl Task {
                 let text = program.text.as_str();
                 let drawing = match drawn {
                     Drawn::Program(_, control) => Drawing::Program(text, control),
-                    Drawn::Dxf(_, layer, units) => {
-                        Drawing::Dxf { text, layer, unit: units.map(|units| 1e-3 * units.scale()) }
+                    Drawn::Dxf(_, layer, units, join) => {
+                        Drawing::Dxf { text, layer, unit: units.map(|units| 1e-3 * units.scale()), join }
                     }
                 };
                 ContourFile::parse_with_drawing(&setup.name, &setup.text, set, drawing)

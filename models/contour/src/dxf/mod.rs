@@ -12,6 +12,7 @@
 mod curve;
 mod elements;
 mod insert;
+mod join;
 mod tags;
 #[cfg(test)]
 mod tests;
@@ -23,10 +24,11 @@ use crate::{CutterSide, FileError, Section, Trace};
 use elements::{Element, elements};
 use tags::{Entity, drawing, fault};
 
-/// Greatest distance of ends that are one point, m.
-const JOIN: f64 = 1e-6;
-/// Joins elements end to end; each chain with whether it is closed.
-fn chains(mut left: Vec<Element>) -> Result<Vec<(Vec<Element>, bool)>, FileError> {
+/// Greatest distance of ends that are one point where no other is given, m.
+pub(crate) const JOIN: f64 = 1e-6;
+
+/// Joins elements end to end, ends within `join`, m, being one point; each chain with whether it is closed.
+fn chains(mut left: Vec<Element>, join: f64) -> Result<Vec<(Vec<Element>, bool)>, FileError> {
     let mut list = Vec::new();
     while !left.is_empty() {
         let mut chain = std::collections::VecDeque::from([left.remove(0)]);
@@ -34,12 +36,12 @@ fn chains(mut left: Vec<Element>) -> Result<Vec<(Vec<Element>, bool)>, FileError
         for ahead in [true, false] {
             loop {
                 let end = if ahead { chain[chain.len() - 1].end } else { chain[0].start };
-                let closed = chain[0].start.distance(chain[chain.len() - 1].end) < JOIN;
+                let closed = chain[0].start.distance(chain[chain.len() - 1].end) < join;
                 if closed {
                     break;
                 }
                 let touches =
-                    |element: &&Element| element.start.distance(end) < JOIN || element.end.distance(end) < JOIN;
+                    |element: &&Element| element.start.distance(end) < join || element.end.distance(end) < join;
                 let found: Vec<usize> = (0..left.len()).filter(|index| touches(&&left[*index])).collect();
                 let index = match found[..] {
                     [] => break,
@@ -55,13 +57,15 @@ fn chains(mut left: Vec<Element>) -> Result<Vec<(Vec<Element>, bool)>, FileError
                     }
                 };
                 let element = left.remove(index);
-                let fits = if ahead { element.start } else { element.end }.distance(end) < JOIN;
+                let fits = if ahead { element.start } else { element.end }.distance(end) < join;
                 let element = if fits { element } else { element.reversed() };
                 if ahead { chain.push_back(element) } else { chain.push_front(element) }
             }
         }
-        let closed = chain[0].start.distance(chain[chain.len() - 1].end) < JOIN;
-        list.push((chain.into(), closed));
+        let closed = chain[0].start.distance(chain[chain.len() - 1].end) < join;
+        let mut chain: Vec<Element> = chain.into();
+        join::close_gaps(&mut chain, closed);
+        list.push((chain, closed));
     }
     Ok(list)
 }
@@ -87,14 +91,14 @@ pub fn read(
     side: CutterSide,
     closed: bool,
 ) -> Result<crate::Contour, FileError> {
-    Ok(read_placed(text, layer, unit, Some(side), closed)?.0)
+    Ok(read_placed(text, (layer, unit, JOIN), Some(side), closed)?.0)
 }
 
-/// [`read`] with the line of the element that draws each section.
+/// [`read`] with the line of the element that draws each section, of a layer, with a unit and the distance of ends that are one
+/// point, m.
 pub(crate) fn read_placed(
     text: &str,
-    layer: Option<&str>,
-    unit: Option<f64>,
+    (layer, unit, join): (Option<&str>, Option<f64>, f64),
     side: Option<CutterSide>,
     closed: bool,
 ) -> Result<Placed, FileError> {
@@ -113,16 +117,23 @@ pub(crate) fn read_placed(
         known.dedup();
         return Err(fault(first, format!("nothing is drawn on layer {layer}; there are {}", known.join(", "))));
     }
-    let list = chains(elements(&drawing, layer, unit)?)?;
+    let list = chains(elements(&drawing, layer, unit)?, join.max(JOIN))?;
     let [(chain, is_closed)] = &list[..] else {
         if list.is_empty() {
             return Err(fault(first, "the drawing has no lines, arcs or other curves on this layer"));
         }
         let contour = |(chain, closed): &(Vec<Element>, bool)| {
-            format!("line {} ({} elements, {})", chain[0].line, chain.len(), if *closed { "closed" } else { "open" })
+            let ends = chain[0].start.distance(chain[chain.len() - 1].end);
+            let ends =
+                if *closed { "closed".to_owned() } else { format!("open, {:.4} mm between its ends", ends * 1e3) };
+            format!("line {} ({} elements, {ends})", chain[0].line, chain.len())
         };
         let named: Vec<String> = list.iter().take(10).map(contour).collect();
-        let message = format!("{} contours are drawn, at {}; name the layer of one", list.len(), named.join(", "));
+        let message = format!(
+            "{} contours are drawn, at {}; name the layer of one, or say with --join which ends are one point",
+            list.len(),
+            named.join(", ")
+        );
         return Err(fault(list[1].0[0].line, message));
     };
     let mut chain = chain.clone();

@@ -254,3 +254,30 @@ fn blocks_are_drawn_where_they_are_inserted() {
     let itself = text(insert).replace("2\nSLOT\n10\n5", "2\nOUTER\n10\n5");
     assert!(read(&itself, "PART").expect_err("endless").to_string().contains("deep"));
 }
+
+#[test]
+fn ends_within_a_given_distance_are_one_point() {
+    // The slot whose lower line ends 8 um before one arc and 6 um beside the other, and whose upper line begins 5 um off.
+    let text = slot(MM).replacen("10\n0\n20\n-10\n11\n40\n21\n-10\n", "10\n0\n20\n-9.994\n11\n39.992\n21\n-10\n", 1);
+    let text = text.replacen("10\n0\n20\n10\n11\n40\n21\n10\n", "10\n0.003\n20\n10.004\n11\n40\n21\n10\n", 1);
+    let joined = |join: f64| read_placed(&text, (Some("OUTER"), None, join), Some(CutterSide::Left), true);
+    let open = joined(JOIN).expect_err("open").to_string();
+    assert!(open.contains("--join") && open.contains("mm between its ends"), "{open}");
+    let (contour, _) = joined(10e-6).expect("a contour");
+    assert_eq!(contour.sections.len(), 4);
+    assert!((contour.length() - (0.08 + 0.02 * PI)).abs() < 20e-6, "{}", contour.length());
+    // Nothing that met before is moved.
+    let (same, _) =
+        read_placed(&slot(MM), (Some("OUTER"), None, 10e-6), Some(CutterSide::Left), true).expect("a contour");
+    assert_eq!(same, read(&slot(MM), Some("OUTER"), None, CutterSide::Left, true).expect("a contour"));
+    // Two arcs that miss each other meet halfway.
+    let arcs = drawing(
+        MM,
+        &[
+            ("ARC", "A", &[(10, 0.0), (20, 0.0), (40, 10.0), (50, 0.0), (51, 180.0)]),
+            ("ARC", "A", &[(10, 0.004), (20, 0.0), (40, 10.0), (50, 180.0), (51, 0.0)]),
+        ],
+    );
+    let (circle, _) = read_placed(&arcs, (Some("A"), None, 10e-6), Some(CutterSide::Left), true).expect("a circle");
+    assert!((circle.length() - 0.02 * PI).abs() < 20e-6 && circle.sections.len() == 2, "{circle:?}");
+}
