@@ -22,8 +22,7 @@ pub fn run(args: &EffectsArgs, voice: &Voice) -> Result<(), Failure> {
 
 /// Effects that the files of `--effects` define.
 pub fn defined(files: &[PathBuf]) -> Result<Vec<&'static Definition>, Failure> {
-    user_effects(files).map_err(|error| match error {
-        UserEffectsError::Read(error) => Failure::File(error),
-        twice => Failure::argument(&twice, twice.fix()),
+    user_effects(files).map_err(|error| {
+        if let UserEffectsError::Read(error) = error { error.into() } else { Failure::argument(&error, error.fix()) }
     })
 }
