@@ -1,4 +1,4 @@
-//! `toolroom check FILE`.
+//! `toolroom check FILE…`.
 
 use crate::args::CheckArgs;
 use crate::failure::Failure;
@@ -6,11 +6,59 @@ use crate::speak::Voice;
 use crate::study::section;
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::path::Path;
 use toolroom_form::Echo;
-use toolroom_kinds::FileKind;
+use toolroom_kinds::{Checked, FileKind};
 
 pub fn run(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
-    let path = &args.file;
+    let [file] = &args.files[..] else { return each(args, voice) };
+    let (kind, checked) = read(file, args)?;
+    if voice.json {
+        return voice.json(&accepted(file, checked));
+    }
+    if !checked.echo.is_empty() {
+        voice.data(echo(&checked.echo, kind.word))?;
+    }
+    voice.say(checked.summary);
+    Ok(())
+}
+
+/// Several files: a line for each, the faults of all.
+fn each(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
+    if !args.changes.overrides().is_empty() {
+        let message = format!("values are changed in one file, and there are {}", args.files.len());
+        return Err(Failure::argument(message, "check the file with changed values by itself"));
+    }
+    let (mut results, mut refused) = (Vec::new(), 0);
+    // What is refused is told at once to people, and to programs with the rest.
+    let people = voice.for_people();
+    for file in &args.files {
+        match read(file, args) {
+            Ok((_, checked)) => {
+                voice.say(format_args!("{}: {}", file.display(), checked.summary));
+                results.push(accepted(file, checked));
+            }
+            Err(failure) => {
+                refused += 1;
+                results.push(failure.refusal(file));
+                failure.report(&people);
+            }
+        }
+    }
+    if voice.json {
+        voice.json(&json!({ "schema": 1, "valid": refused == 0, "files": results }))?;
+    }
+    if refused == 0 {
+        return Ok(());
+    }
+    Err(Failure::argument(
+        format_args!("{refused} of {} files are refused", args.files.len()),
+        "what is wrong is said above, file by file",
+    ))
+}
+
+/// The kind of a file, and what its reader says.
+fn read(path: &Path, args: &CheckArgs) -> Result<(&'static FileKind, Checked), Failure> {
     let kind = args.kind.map_or_else(|| FileKind::of(path), Ok)?;
     let Some(read) = kind.read else {
         return Err(Failure::argument(
@@ -30,18 +78,16 @@ pub fn run(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
         let file = toolroom_scenario_file::read(path, &changes.overrides())?;
         section(&file)?;
     }
-    if voice.json {
-        let mut result = json!({ "schema": 1, "file": path.display().to_string(), "valid": true });
-        if let Value::Object(result) = &mut result {
-            result.extend(checked.result);
-        }
-        return voice.json(&result);
+    Ok((kind, checked))
+}
+
+/// What programs are told of a file that is accepted.
+fn accepted(path: &Path, checked: Checked) -> Value {
+    let mut result = json!({ "schema": 1, "file": path.display().to_string(), "valid": true });
+    if let Value::Object(result) = &mut result {
+        result.extend(checked.result);
     }
-    if !checked.echo.is_empty() {
-        voice.data(echo(&checked.echo, kind.word))?;
-    }
-    voice.say(checked.summary);
-    Ok(())
+    result
 }
 
 /// Every value under its section, those of none under the kind of the file; defaults are marked, because they are easily forgotten.

@@ -3,7 +3,7 @@
 use crate::args::{Axis, Changes, CompareArgs, StudyArgs};
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::shard::{leave, refused};
+use crate::shard::leave;
 use crate::snapshot::{from_snapshot, origin};
 use crate::speak::Voice;
 use crate::study::{Place, RESUME, Request, default_out, perform, request_in, statistics};
@@ -153,7 +153,7 @@ fn tuned_in_place(
     let study = StudyRequest::new(version, "tune".to_owned(), input, &file, changes.clone(), &options, None);
     let head = tuning_head(&study.head().map_err(Failure::Json)?, wanted);
     let path = place.journal.join("tuning");
-    let (journal, tried) = Journal::open(&path, &head).map_err(refused)?;
+    let (journal, tried) = Journal::open(&path, &head)?;
     if !tried.is_empty() {
         voice.say(format_args!("going on after {} runs in {}", tried.len(), path.display()));
     }
@@ -246,7 +246,7 @@ fn plan(
     let name = args.scenario.path().display().to_string();
     let changes = args.scenario.changes.overrides();
     let version = env!("CARGO_PKG_VERSION");
-    let plan = planned::plan(version, &name, file, changes, policies, args.shards).map_err(refused)?;
+    let plan = planned::plan(version, &name, file, changes, policies, args.shards)?;
     let inputs = file.files.iter().map(AsRef::as_ref).chain([args.scenario.path()]);
     leave(&plan, target, &Files::new(inputs, voice.force))?;
     let shown = target.display();
@@ -259,7 +259,7 @@ impl From<PlannedError> for Failure {
         match error {
             PlannedError::Scenario(error) => error.into(),
             PlannedError::Policy(error) => error.into(),
-            PlannedError::Shard(error) => refused(error),
+            PlannedError::Shard(error) => error.into(),
             PlannedError::Study(error) => Self::Work { message: error.to_string() },
         }
     }
@@ -268,7 +268,7 @@ impl From<PlannedError> for Failure {
 /// Merges the parts of a planned comparison: the same files and digest as without a plan.
 pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Result<(), Failure> {
     let (file, policies) = planned::scenario(plan)?;
-    let known = planned::known_runs(plan, parts, &file, &policies).map_err(refused)?;
+    let known = planned::known_runs(plan, parts, &file, &policies)?;
     let changes = Changes { set: plan.overrides.clone(), ..Changes::default() };
     let args = StudyArgs { policy: plan.policies.clone(), out: out.map(Path::to_owned), ..StudyArgs::default() };
     let primary = statistics(&file, &args)?.primary;

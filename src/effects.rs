@@ -4,8 +4,9 @@ use crate::args::EffectsArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use std::path::PathBuf;
-use toolroom_effects::{Definition, read_effects_file};
+use toolroom_effects::Definition;
 use toolroom_gap_report::{catalogue_json, catalogue_text, vocabulary_json, vocabulary_text};
+use toolroom_gap_study::{UserEffectsError, user_effects};
 
 pub fn run(args: &EffectsArgs, voice: &Voice) -> Result<(), Failure> {
     let defined = defined(&args.effects)?;
@@ -21,16 +22,7 @@ pub fn run(args: &EffectsArgs, voice: &Voice) -> Result<(), Failure> {
 
 /// Effects that the files of `--effects` define.
 pub fn defined(files: &[PathBuf]) -> Result<Vec<&'static Definition>, Failure> {
-    let mut all: Vec<&'static Definition> = Vec::new();
-    for file in files {
-        for effect in read_effects_file(file).map_err(Failure::File)? {
-            if all.iter().any(|known| known.entry().id == effect.entry().id && *known != effect) {
-                let message =
-                    format!("{}: `{}` is defined otherwise in another file", file.display(), effect.entry().id);
-                return Err(Failure::argument(message, "give each effect an id of its own"));
-            }
-            all.push(effect);
-        }
-    }
-    Ok(all)
+    user_effects(files).map_err(|error| {
+        if let UserEffectsError::Read(error) = error { error.into() } else { Failure::argument(&error, error.fix()) }
+    })
 }

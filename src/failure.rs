@@ -1,18 +1,17 @@
 //! What can go wrong, in words, with the exit code.
 
-use crate::excerpt::Excerpt;
-use crate::shard::refused;
 use crate::speak::Voice;
 use std::fmt;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use toolroom_form::ReadError;
+use toolroom_form::{FaultList, ReadError};
 use toolroom_gap::ModelFileError;
 use toolroom_gap_study::GapStudyError;
 use toolroom_kinds::KindError;
-use toolroom_output::OutputError;
 use toolroom_output::signals as stop;
+use toolroom_output::{OutputError, json_faults, shown_faults};
+use toolroom_shards::ShardError;
 use toolroom_shop_import::{ShopImportError, TableFault};
 use toolroom_study::request::{RequestError, UnknownPolicy};
 use toolroom_study::results::{FinishedRun, FinishedRunError};
@@ -94,7 +93,7 @@ impl Failure {
     /// Tells the user and chooses the exit code.
     pub fn report(&self, voice: &Voice) -> ExitCode {
         match self {
-            Self::File(ReadError::Faults(list)) => refuse(voice, &list.file, Excerpt::all(list)),
+            Self::File(ReadError::Faults(list)) => refuse(voice, list),
             Self::File(error) => self.plain(voice, error, None, 2),
             Self::Tables { faults, more } => refuse_tables(voice, faults, *more),
             Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
@@ -122,6 +121,28 @@ impl Failure {
             }
             Self::Json(error) => self.plain(voice, error, None, 1),
         }
+    }
+
+    /// What a program is told in place of a result of `file`, one of several.
+    pub fn refusal(&self, file: &Path) -> serde_json::Value {
+        if let Self::File(ReadError::Faults(list)) = self {
+            return refused_file(list);
+        }
+        let (message, help) = match self {
+            Self::Argument { message, help } => (message.clone(), help.clone()),
+            Self::File(error) => (error.to_string(), None),
+            Self::Work { message } | Self::TooLittle { message } | Self::Alarm { message } => (message.clone(), None),
+            Self::Stopped { message, help } | Self::Interrupted { message, help } => {
+                (message.clone(), Some(help.clone()))
+            }
+            Self::Unwritable { source, .. } => (source.to_string(), None),
+            Self::Json(error) => (error.to_string(), None),
+            Self::Tables { faults, .. } => {
+                (faults.first().map(|fault| fault.message.clone()).unwrap_or_default(), None)
+            }
+        };
+        let error = serde_json::json!({ "code": self.code(), "message": message, "help": help });
+        serde_json::json!({ "schema": 1, "error": error, "file": file.display().to_string(), "valid": false })
     }
 
     fn plain(&self, voice: &Voice, message: impl fmt::Display, help: Option<&str>, code: u8) -> ExitCode {
@@ -189,9 +210,22 @@ impl From<OutputError> for Failure {
             OutputError::Refused { message, help } => Self::argument(message, help),
             OutputError::Unwritable { path, source } => Self::Unwritable { path, source },
             OutputError::Json(error) => Self::Json(error),
-            OutputError::Shard(error) => refused(error),
+            OutputError::Shard(error) => error.into(),
             work @ OutputError::Work { .. } => Self::Work { message: work.to_string() },
         }
+    }
+}
+
+impl From<ShardError> for Failure {
+    /// Files that cannot be written are work that failed, the rest is input.
+    fn from(error: ShardError) -> Self {
+        if let ShardError::File { path, source } = error {
+            return Self::Unwritable { path, source };
+        }
+        if let ShardError::Rows { .. } = error {
+            return Self::Work { message: format!("{error}; shards that were complete stay, go on with --resume") };
+        }
+        Self::argument(&error, error.fix())
     }
 }
 
@@ -210,23 +244,34 @@ pub fn report_on(voice: &Voice, code: &str, message: &str, help: Option<&str>) {
     }
 }
 
+/// Faults of one file that are shown with the text around them, unless `--verbose` asks for all: somebody mends a few and looks
+/// again, and a file of the wrong kind has thousands. An assumption.
+const SHOWN: usize = 50;
+
 /// Tells the faults of a file, to programs too, and chooses the exit code.
-fn refuse(voice: &Voice, file: &str, faults: Vec<Excerpt>) -> ExitCode {
+fn refuse(voice: &Voice, list: &FaultList) -> ExitCode {
     if voice.json {
         // The verb's result would have been JSON: so is its refusal.
-        let problems: Vec<serde_json::Value> = faults.iter().map(Excerpt::json).collect();
-        let error = problems.first().cloned();
-        let result =
-            serde_json::json!({ "schema": 1, "error": error, "file": file, "valid": false, "problems": problems });
-        let _ = voice.json(&result);
+        let _ = voice.json(&refused_file(list));
     }
-    let count = faults.len();
-    for fault in faults {
-        voice.error(format_args!("{:?}", miette::Report::new(fault)));
-    }
+    let most = if voice.verbose { usize::MAX } else { SHOWN };
+    shown_faults(list, most).for_each(|fault| voice.error(fault));
+    let count = list.problems.len();
     let plural = if count == 1 { "" } else { "s" };
-    voice.error(format_args!("{count} problem{plural} in {file}; `toolroom explain CODE` says more"));
+    let rest = if count > most {
+        format!(", of which the first {most} are shown (`--verbose` shows all)")
+    } else {
+        String::new()
+    };
+    voice.error(format_args!("{count} problem{plural} in {}{rest}; `toolroom explain CODE` says more", list.file));
     ExitCode::from(2)
+}
+
+/// The refusal of a file as programs read it, with every fault.
+fn refused_file(list: &FaultList) -> serde_json::Value {
+    let problems = json_faults(list);
+    let error = problems.first();
+    serde_json::json!({ "schema": 1, "error": error, "file": list.file, "valid": false, "problems": problems })
 }
 
 /// Tells the faults of tables, to programs too, and chooses the exit code.

@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | a scenario from its file | [`read_scenario`] | `toolroom check` |
 //! | one replication with its log | [`run`] | `toolroom run` |
+//! | effects that a user defines | [`gap_study::user_effects`] | `--effects` |
 //! | policies on common random numbers | [`compare`] | `toolroom compare` |
 //! | laws of tool lives | [`life::measured_study::MeasuredStudy`] | `toolroom life --fit` |
 //! | results of a simulated study of lives | [`life::study::report::results`] | `toolroom life` |

@@ -15,7 +15,6 @@ mod contour;
 mod demo;
 mod diff;
 mod effects;
-mod excerpt;
 mod explain;
 mod failure;
 mod fmu;

@@ -2,7 +2,6 @@
 
 use crate::args::MergeArgs;
 use crate::failure::Failure;
-use crate::shard::refused;
 use crate::speak::Voice;
 use crate::{compare, life, lobes};
 use toolroom_shards::{Work, read_plan};
@@ -10,7 +9,7 @@ use toolroom_shards::{Work, read_plan};
 pub fn run(args: &MergeArgs, voice: &Voice) -> Result<(), Failure> {
     let plan = read_plan(&args.dir.join("plan.json"))
         .map_err(|error| Failure::argument(error, "give the directory into which shards were run with --out"))?;
-    plan.check(env!("CARGO_PKG_VERSION")).map_err(refused)?;
+    plan.check(env!("CARGO_PKG_VERSION"))?;
     match plan.kind {
         Work::Lobes => lobes::merge(&plan, &args.dir, args.out.as_deref(), voice),
         Work::Compare => compare::merge(&plan, &args.dir, args.out.as_deref(), voice),

@@ -32,18 +32,18 @@ pub fn of_plan(
 
 /// Runs a shard and leaves the plan beside its part.
 fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voice) -> Result<(), Failure> {
-    let plan = read_plan(path).map_err(refused)?;
-    plan.check(env!("CARGO_PKG_VERSION")).map_err(refused)?;
+    let plan = read_plan(path)?;
+    plan.check(env!("CARGO_PKG_VERSION"))?;
     fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.to_owned(), source })?;
     let there = out.join("plan.json");
     if there.exists() {
-        let other = read_plan(&there).map_err(refused)?;
+        let other = read_plan(&there)?;
         if other.hash() != plan.hash() {
             let error = ShardError::OtherPlan { path: there, found: other.hash(), expected: plan.hash() };
-            return Err(refused(error));
+            return Err(error.into());
         }
     } else {
-        write_plan(&there, &plan).map_err(refused)?;
+        write_plan(&there, &plan)?;
     }
     let threads = pool(threads)?;
     // A part is there as a whole or not at all.
@@ -70,15 +70,4 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
         .num_threads(threads)
         .build()
         .map_err(|error| Failure::Work { message: format!("no threads: {error}") })
-}
-
-/// What shards refuse: files that cannot be written are work that failed, the rest is input.
-pub fn refused(error: ShardError) -> Failure {
-    if let ShardError::File { path, source } = error {
-        return Failure::Unwritable { path, source };
-    }
-    if let ShardError::Rows { .. } = error {
-        return Failure::Work { message: format!("{error}; shards that were complete stay, go on with --resume") };
-    }
-    Failure::argument(&error, error.fix())
 }

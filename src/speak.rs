@@ -21,8 +21,9 @@ pub struct Voice {
     pub width: Option<usize>,
     /// Memory that the command may have, bytes; none where the system does not tell its own.
     pub max_memory: Option<u64>,
+    /// Whether everything is told, however long.
+    pub verbose: bool,
     quiet: bool,
-    verbose: bool,
 }
 
 /// Whether anything was written to standard output.
@@ -35,6 +36,11 @@ impl Voice {
         let max_memory = common.max_memory.or_else(memory::default_bound);
         let Common { json, force, quiet, verbose, .. } = *common;
         Self { json, colour, force, width, max_memory, quiet, verbose }
+    }
+
+    /// The same, with results for people.
+    pub fn for_people(&self) -> Self {
+        Self { json: false, ..*self }
     }
 
     /// Whether data were written.

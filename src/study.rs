@@ -4,7 +4,6 @@ use crate::args::{Changes, LogFormat, ReportArgs, StudyArgs};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::report;
-use crate::shard::refused;
 use crate::speak::Voice;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -155,7 +154,7 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
     let information = requested.information(command).map_err(Failure::Json)?;
     let Place { out, journal } = place.map_or_else(|| Place::take(&request.input, file, args, target, voice), Ok)?;
     let runs = journal.join("runs");
-    let (journal, finished) = Journal::open(&runs, &requested.head().map_err(Failure::Json)?).map_err(refused)?;
+    let (journal, finished) = Journal::open(&runs, &requested.head().map_err(Failure::Json)?)?;
     if !finished.is_empty() {
         voice.say(format_args!("going on after {} runs in {}", finished.len(), runs.display()));
         let mut known = known_of(scenario, &options.policies, finished);

@@ -1,11 +1,16 @@
 //! `toolroom validate`: published numbers beside computed ones.
 
 use crate::failure::Failure;
+use crate::progress::Bar;
 use crate::speak::Voice;
 use toolroom_claims::Claims;
+use toolroom_study::study::Progress;
 
 pub fn run(voice: &Voice) -> Result<(), Failure> {
-    let claims = Claims::new().map_err(|error| Failure::Work { message: error.to_string() })?;
+    let bar = Bar::of(voice, "models");
+    let claims = Claims::new(&|done, total| bar.at(Progress { done, total }));
+    bar.finish();
+    let claims = claims.map_err(|error| Failure::Work { message: error.to_string() })?;
     if voice.json {
         voice.json(&claims.json())?;
     } else {

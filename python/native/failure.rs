@@ -6,7 +6,7 @@ use std::fmt::Display;
 use std::path::Path;
 use toolroom::form::{FaultList, ReadError};
 use toolroom::gap::ModelFileError;
-use toolroom::gap_study::GapStudyError;
+use toolroom::gap_study::{GapStudyError, UserEffectsError};
 use toolroom::kinds::KindError;
 
 /// One fault of a file.
@@ -62,18 +62,15 @@ impl Failure {
 }
 
 fn problems(list: &FaultList) -> Vec<Problem> {
-    let problem = |problem: &toolroom::form::Problem| {
-        let place = list.place(problem);
-        Problem {
-            code: problem.fault.code(),
-            message: problem.fault.to_string(),
-            file: list.source(place.origin).0.to_owned(),
-            line: place.line,
-            column: place.column,
-            help: problem.fault.fix(),
-        }
+    let problem = |(problem, place): (&toolroom::form::Problem, toolroom::form::Place)| Problem {
+        code: problem.fault.code(),
+        message: problem.fault.to_string(),
+        file: list.source(place.origin).0.to_owned(),
+        line: place.line,
+        column: place.column,
+        help: problem.fault.fix(),
     };
-    list.problems.iter().map(problem).collect()
+    list.problems.iter().zip(list.places()).map(problem).collect()
 }
 
 impl From<ReadError> for Failure {
@@ -81,6 +78,15 @@ impl From<ReadError> for Failure {
         match &error {
             ReadError::Faults(list) => Self::File(problems(list)),
             other => Self::Argument { message: other.to_string(), help: None },
+        }
+    }
+}
+
+impl From<UserEffectsError> for Failure {
+    fn from(error: UserEffectsError) -> Self {
+        match error {
+            UserEffectsError::Read(error) => error.into(),
+            twice => Self::argument(&twice, twice.fix()),
         }
     }
 }

@@ -6,7 +6,9 @@ use crate::work::through;
 use polars::prelude::{IntoColumn, NamedFrom, Series};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
+use std::path::PathBuf;
 use toolroom::cutting::LifeModel;
+use toolroom::gap_study::user_effects;
 use toolroom::planning::point::{Axis, Column, PointGrid, PointOptions, PointProcess};
 
 /// An axis of the grid: name, values as the bytes of 64-bit numbers of this machine, unit.
@@ -14,7 +16,7 @@ type Given = (String, PyBackedBytes, String);
 
 /// Inputs, state and outputs at every point of the axes, which are equally long.
 #[pyfunction]
-#[pyo3(signature = (process, tool, axes, changes, effects, advance, life_model))]
+#[pyo3(signature = (process, tool, axes, changes, effects, definitions, advance, life_model))]
 #[allow(clippy::too_many_arguments)] // keyword arguments of Python
 pub fn point(
     py: Python<'_>,
@@ -23,6 +25,7 @@ pub fn point(
     axes: Vec<Given>,
     changes: Vec<String>,
     effects: Vec<String>,
+    definitions: Vec<PathBuf>,
     advance: Option<String>,
     life_model: &str,
 ) -> Result<Table, Failure> {
@@ -38,7 +41,8 @@ pub fn point(
     let Some(life_model) = models.into_iter().find(|model| model.name() == life_model) else {
         return Err(Failure::argument(format_args!("there is no life model \"{life_model}\""), "quasi_steady, ode"));
     };
-    let options = PointOptions { tool, changes, effects, defined: Vec::new(), advance, life_model };
+    let defined = user_effects(&definitions)?;
+    let options = PointOptions { tool, changes, effects, defined, advance, life_model };
     through(py, move || {
         let numbers: Vec<Vec<f64>> = axes.iter().map(|(_, bytes, _)| numbers(bytes)).collect();
         let axes: Vec<Axis<'_>> =

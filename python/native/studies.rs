@@ -12,7 +12,7 @@ use toolroom::calibrate::CalibrationStudy;
 use toolroom::chart::ResultFiles;
 use toolroom::chart::page::Provenance;
 use toolroom::gap::NominalModel;
-use toolroom::gap_study::{GapRequest, GapStudy, GapStudyError, Reading};
+use toolroom::gap_study::{GapRequest, GapStudy, GapStudyError, Reading, user_effects};
 use toolroom::infeed::{Basis, IdentifyOptions};
 use toolroom::life::analysis::Request;
 use toolroom::life::file::StudyText;
@@ -300,9 +300,9 @@ fn scratch() -> Result<(PathBuf, PathBuf), Failure> {
     Ok((folder, path))
 }
 
-/// A diagnosis with its documents.
+/// A diagnosis with its documents, and the text of the file of terms where some are proposed.
 #[pyfunction]
-#[pyo3(signature = (models, data, set, group, holdout, holdout_data, seed))]
+#[pyo3(signature = (models, data, set, group, holdout, holdout_data, seed, definitions, propose))]
 #[allow(clippy::too_many_arguments)] // keyword arguments of Python
 pub fn diagnose(
     py: Python<'_>,
@@ -313,10 +313,13 @@ pub fn diagnose(
     holdout: f64,
     holdout_data: Option<PathBuf>,
     seed: u64,
-) -> Result<Made, Failure> {
+    definitions: Vec<PathBuf>,
+    propose: Option<String>,
+) -> Result<(Made, Option<String>), Failure> {
     if !(0.0..1.0).contains(&holdout) {
         return Err(Failure::argument(format_args!("a holdout of {holdout}"), "a share of the groups, from 0 to 1"));
     }
+    let defined = user_effects(&definitions)?;
     through(py, move || {
         let notes = std::cell::RefCell::new(Vec::new());
         let say = |line: &str| notes.borrow_mut().push(line.to_owned());
@@ -324,19 +327,21 @@ pub fn diagnose(
         let request = GapRequest {
             models: &models,
             set: &set,
-            defined: &[],
+            defined: &defined,
             data: &data,
             group: group.as_deref(),
             holdout,
             holdout_data: holdout_data.as_deref(),
             seed,
-            propose: None,
+            propose: propose.as_deref(),
             pages: true,
         };
         let study = GapStudy::new(&request, &reading)?;
         let shown: Vec<String> = models.iter().map(|model| model.display().to_string()).collect();
         let data = data.display().to_string();
-        let command = format!("toolroom gap diagnose --model {} --data {data}", shown.join(" --model "));
+        let files: String = definitions.iter().map(|path| format!(" --effects {}", path.display())).collect();
+        let terms = propose.iter().map(|path| format!(" --propose {path}")).collect::<String>();
+        let command = format!("toolroom gap diagnose --model {} --data {data}{files}{terms}", shown.join(" --model "));
         let hash = |name: &String| {
             (name.clone(), std::fs::read(name).map_or_else(|_| String::new(), |bytes| fingerprint(&bytes)))
         };
@@ -346,7 +351,7 @@ pub fn diagnose(
         let (summary, text) = (study.document.clone(), study.answers.terminal());
         let mut notes = notes.into_inner();
         notes.extend(study.untold().into_iter().map(|why| format!("too little data for an answer: {why}")));
-        Ok(Made { summary, text, files, notes })
+        Ok((Made { summary, text, files, notes }, study.proposed))
     })
 }
 

@@ -95,6 +95,38 @@ def test_diagnosis_and_its_application(here, shipped, program):
         assert tr.apply(found, model) == (here / "better.toml").read_text()
 
 
+def test_terms_that_are_proposed_and_effects_of_ones_own(here, shipped, program):
+    model = shipped / "gap" / "turning.toml"
+    effects = here / "mine.toml"
+    effects.write_text(
+        'schema = 1\n[[effect]]\nid = "my.wear"\nprocess = ["turning"]\nsize = { ordinary = 0.2, range = [0, 20] }\n'
+        'changes = [{ term = "cutting_force", factor = "1 + size * (flank_wear / 0.3 mm)" }]\n'
+    )
+    # Noise that is not that of the model: the test rejects, no cause is known, and terms are sought.
+    noisy = here / "noisy.toml"
+    noisy.write_text(model.read_text() + '\n[[gap.sensor]]\nchannel = "cutting_force"\nrelative = 0.12\n')
+    program("run", noisy, "--replications", 1, "--records", "records", "--out", "run", cwd=here)
+    data = here / "records" / "operations.csv"
+    words = ["--model", model, "--data", data, "--effects", effects, "--propose", "terms.toml", "--out", "cli"]
+    program("gap", "diagnose", *words, cwd=here)
+    written = here / "terms.toml"
+    there = written.read_bytes() if written.exists() else None
+    written.unlink(missing_ok=True)
+    found = tr.diagnose(model, data, definitions=[effects], propose="terms.toml")
+    same(found, here / "cli")
+    assert found.verdict == "unknown", found.verdict
+    assert (written.read_bytes() if written.exists() else None) == there == (found.proposed and found.proposed.encode())
+    written.write_text("mine")
+    with pytest.raises(tr.Error):
+        tr.diagnose(model, data, propose="terms.toml")
+    assert written.read_text() == "mine"
+
+    words = ["turning", "--effects", effects, "--effect", "my.wear=0.5", "--set", "flank_wear=0.3 mm", "--json"]
+    said = json.loads(program("point", *words, cwd=here))
+    table = tr.turning(effects={"my.wear": 0.5}, definitions=[effects]).point(flank_wear="0.3 mm")
+    assert next(table.rows())["cutting_force [N]"] == said["outputs"]["cutting_force [N]"]
+
+
 def test_calibration(here, program):
     data = NOTEBOOKS / "wear.csv"
     words = ["--limit", "0.4 mm", "--draws", 200, "--law", "energy_balance", "--out", "my.toml"]

@@ -1,7 +1,8 @@
 //! `toolroom gap predict`: what a model predicts of recorded operations.
 
 use super::reading;
-use crate::args::PredictArgs;
+use crate::args::{GapData, PredictArgs};
+use crate::effects::defined;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
@@ -15,11 +16,13 @@ use toolroom_records::RecordError;
 
 pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     let mut rows: Vec<(String, Prediction)> = Vec::new();
-    let model = std::slice::from_ref(&args.model);
-    let read = reading(voice, |reading| Ok(tables(model, &args.set, &[], &args.data, reading)))?;
+    let GapData { model, data, group, set, effects } = &args.data;
+    let defined = defined(effects)?;
+    let models = std::slice::from_ref(model);
+    let read = reading(voice, |reading| Ok(tables(models, set, &defined, data, reading)))?;
     for table in read.map_err(lacking)? {
         let records = table.records.map_err(|why| Failure::argument(why, "add rows"))?;
-        let asked = table.model.asked(&records, args.group.as_deref(), |_, _| false);
+        let asked = table.model.asked(&records, group.as_deref(), |_, _| false);
         if asked.parts.iter().all(|part| part.frame().measured.observations.is_empty()) {
             return Err(lacking(GapStudyError::NothingMeasured { notes: asked.notes }));
         }
@@ -38,7 +41,8 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         let path = out.join("predictions.csv");
         std::fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.clone(), source })?;
-        Files::new([args.model.as_path(), args.data.as_path()], voice.force).put(&path, text.as_bytes())?;
+        Files::new([model, data].into_iter().chain(effects).map(AsRef::as_ref), voice.force)
+            .put(&path, text.as_bytes())?;
         if voice.json {
             return voice.json(&json!({ "schema": 1, "rows": rows.len(), "path": path.display().to_string() }));
         }

@@ -4,7 +4,7 @@ use super::request;
 use crate::args::{LifeArgs, Statistics};
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::shard::{leave, pool, refused};
+use crate::shard::{leave, pool};
 use crate::speak::Voice;
 use crate::study::default_out;
 use serde_json::json;
@@ -40,7 +40,7 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
         parsed = text.parse(&overrides)?;
     }
     let study = &parsed.content.study;
-    let plan = shard::plan(env!("CARGO_PKG_VERSION"), text, &parsed, overrides, args.shards.shards).map_err(refused)?;
+    let plan = shard::plan(env!("CARGO_PKG_VERSION"), text, &parsed, overrides, args.shards.shards)?;
     let shards = plan.shards;
     if let Some(target) = &args.shards.plan {
         let inputs = parsed.files.iter().map(AsRef::as_ref).chain([path]);
@@ -66,9 +66,7 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
     let bar = Bar::new(voice);
     let start = Instant::now();
     for number in 0..shards {
-        threads
-            .install(|| shard::run(study, &plan, number, &parts, rows(parsed.content.write_lives)))
-            .map_err(refused)?;
+        threads.install(|| shard::run(study, &plan, number, &parts, rows(parsed.content.write_lives)))?;
         complete(number + 1);
         bar.at(Progress { done: number as u32 + 1, total: shards as u32 });
     }
@@ -86,7 +84,7 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
 /// One shard of a planned study.
 pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
     let content = shard::study(plan)?.content;
-    shard::run(&content.study, plan, number, out, rows(content.write_lives)).map_err(refused)
+    shard::run(&content.study, plan, number, out, rows(content.write_lives)).map_err(Failure::from)
 }
 
 /// Merges the parts of a planned study.
@@ -114,7 +112,7 @@ fn begin(out: &mut OutputDir, plan: &Plan, resume: bool, force: bool) -> Result<
     // This process has the folder to itself: drafts of parts are those of dead ones.
     partials(&parts).try_for_each(fs::remove_file).map_err(failed)?;
     if resume && parts.join("plan.json").is_file() {
-        let there = read_plan(&parts.join("plan.json")).map_err(refused)?;
+        let there = read_plan(&parts.join("plan.json"))?;
         if there.hash() != plan.hash() {
             let message =
                 format!("{} holds another study: its file, changes, seed, lives or shards differ", parts.display());
@@ -123,7 +121,7 @@ fn begin(out: &mut OutputDir, plan: &Plan, resume: bool, force: bool) -> Result<
     } else {
         out.clear(PARTS)?;
         discard(&parts, force).map_err(|error| {
-            let ShardError::Changed { path, .. } = &error else { return refused(error) };
+            let ShardError::Changed { path, .. } = &error else { return Failure::from(error) };
             Failure::argument(
                 format_args!("{} was changed since toolroom wrote it", path.display()),
                 "move it away, choose another --out, or replace it with --force; nothing was changed",
@@ -131,7 +129,7 @@ fn begin(out: &mut OutputDir, plan: &Plan, resume: bool, force: bool) -> Result<
         })?;
     }
     fs::create_dir_all(&parts).map_err(failed)?;
-    write_plan(&parts.join("plan.json"), plan).map_err(refused)?;
+    write_plan(&parts.join("plan.json"), plan)?;
     Ok(parts)
 }
 
@@ -156,7 +154,7 @@ fn finish(
     request: &toolroom_life::analysis::Request,
     voice: &Voice,
 ) -> Result<(), Failure> {
-    let merged = shard::merge(plan, parsed.content.study.cells.len(), parts).map_err(refused)?;
+    let merged = shard::merge(plan, parsed.content.study.cells.len(), parts)?;
     let inputs = Inputs { plan, parsed, merged: &merged, request };
     let result = results(&inputs).map_err(|error| Failure::Work { message: error.to_string() })?;
     out.put_all(&result.files)?;

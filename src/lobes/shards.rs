@@ -5,7 +5,7 @@ use super::{Origin, finish, refused};
 use crate::args::LobesArgs;
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::shard::{leave, refused as failed};
+use crate::shard::leave;
 use crate::speak::Voice;
 use crate::study::{RESUME, default_out};
 use std::fs;
@@ -32,7 +32,7 @@ pub fn plan(
         return Err(Failure::argument("a boundary alone cannot be cut into shards", help));
     }
     let version = env!("CARGO_PKG_VERSION");
-    let plan = lobes::plan(version, input, file, args.set.clone(), args.shards).map_err(failed)?;
+    let plan = lobes::plan(version, input, file, args.set.clone(), args.shards)?;
     let inputs = file.files.iter().map(AsRef::as_ref).chain([Path::new(input)]);
     leave(&plan, target, &Files::new(inputs, voice.force))?;
     let (shown, shards, columns) = (target.display(), plan.shards, plan.pieces);
@@ -56,9 +56,9 @@ pub fn grid(
     let columns = file.content.chart.speed.points as u64;
     let version = env!("CARGO_PKG_VERSION");
     let shards = Some(columns.div_ceil(KEPT).max(1));
-    let plan = lobes::plan(version, input, file, args.set.clone(), shards).map_err(failed)?;
+    let plan = lobes::plan(version, input, file, args.set.clone(), shards)?;
     let parts = out.journal(args.resume)?;
-    partials(&parts).try_for_each(fs::remove_file).map_err(at(&parts)).map_err(failed)?;
+    partials(&parts).try_for_each(fs::remove_file).map_err(at(&parts))?;
     // A part is there as a whole or not at all: a signal ends the program at once.
     let _tidy = tidy(Begun::Partials(parts.clone()));
     let bar = Bar::new(voice);
@@ -75,7 +75,7 @@ pub fn grid(
 /// The grid from its parts.
 fn whole(file: &LobesFile, plan: &Plan, parts: &Path) -> Result<Lobes, Failure> {
     let checked = |columns: &Columns, (from, to): (u64, u64)| columns.checked(&file.chart, to - from);
-    let parts = toolroom_shards::parts(plan, parts, checked).map_err(failed)?;
+    let parts = toolroom_shards::parts(plan, parts, checked)?;
     Columns::merged(&file.chart, parts).map_err(refused)
 }
 
@@ -100,7 +100,7 @@ fn shard_of(file: &LobesFile, plan: &Plan, number: u64, out: &Path) -> Result<()
     });
     match refusal {
         Some(refusal) => Err(refusal),
-        None => ran.map_err(failed),
+        None => ran.map_err(Failure::from),
     }
 }
 

@@ -130,6 +130,60 @@ fn programs_are_told_why_there_is_no_result() {
 }
 
 #[test]
+fn of_thousands_of_faults_the_first_are_shown_and_programs_are_told_all() {
+    let orders: String = (0..1000).map(|i| format!("[[order]]\nid = \"{i}\"\nquantity = \"x\"\nwrong = 1\n")).collect();
+    let text = fs::read_to_string(shipped("template")).expect("shipped");
+    let before = text.lines().count();
+    let many = file("many_faults", format!("{}\n{orders}", text.trim_end()));
+    let output = toolroom(&["check", &many, "--json"]);
+    assert_eq!(output.status.code(), Some(2));
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let problems = answer["problems"].as_array().expect("a list");
+    assert!(problems.len() >= 3000, "{}", problems.len());
+    let last = problems.iter().rev().find(|problem| problem["code"] == "unknown-key").expect("the last `wrong`");
+    assert_eq!((last["line"].as_u64(), last["column"].as_u64()), (Some(before as u64 + 4_000), Some(1)));
+    let said = stderr(&output);
+    assert!(said.len() < 50_000, "{}", said.len());
+    assert!(
+        said.contains(", of which the first 50 are shown (`--verbose` shows all)"),
+        "{}",
+        &said[said.len() - 300..]
+    );
+}
+
+#[test]
+fn several_files_are_checked_at_once() {
+    let (good, bad) = (shipped("template"), file("one_of_several", "[shop]\nnamee = 1\n"));
+    let both = toolroom(&["check", &good, "builtin:policies"]);
+    assert_eq!(both.status.code(), Some(0), "{}", stderr(&both));
+    let output = toolroom(&["check", &bad, &good, "--json"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("one JSON text");
+    assert_eq!(
+        (&answer["valid"], &answer["files"][0]["valid"], &answer["files"][1]["valid"]),
+        (&false.into(), &false.into(), &true.into())
+    );
+    assert!(stderr(&output).contains("namee") && stderr(&output).contains("1 of 2 files"), "{}", stderr(&output));
+    let changed = toolroom(&["check", &good, &good, "--seed", "2"]);
+    assert_eq!(changed.status.code(), Some(2), "{}", stderr(&changed));
+}
+
+#[test]
+fn a_text_without_keys_is_told_by_the_verb_that_reads_it() {
+    let folder = directory("cli", "without_keys");
+    for (name, text, verb) in [
+        ("part.nc", "%\nO1\nG21 G90\nM30\n%\n", "toolroom program"),
+        ("log.csv", "Lathe;Insert;vc\nL1;E0;220\n", "toolroom import csv"),
+    ] {
+        let path = folder.join(name);
+        fs::write(&path, text).expect("writable");
+        let output = toolroom(&["check", &path.display().to_string()]);
+        assert_eq!(output.status.code(), Some(2), "{name}");
+        assert!(stderr(&output).contains(verb) && !stderr(&output).contains("unquoted"), "{name}: {}", stderr(&output));
+    }
+}
+
+#[test]
 fn a_line_without_end_is_told_without_its_text() {
     let broken = file("endless", format!("{}\n", "9".repeat(100_000)));
     let output = toolroom(&["check", &broken]);

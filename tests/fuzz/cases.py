@@ -155,6 +155,8 @@ def adapter():
 SHIPPED = [
     case("check-scenario", ["check", "s.toml"], ("s.toml", "template.toml")),
     case("check-orders", ["check", "o.toml"], ("o.toml", "shop/orders.toml"), ("orders.csv", "shop/orders.csv")),
+    case("check-several", ["check", "c.toml", "l.toml", "m.toml", "--json"], ("c.toml", "grinding/cycle.toml"),
+         ("l.toml", "chatter/milling-slot.toml"), ("m.toml", "new/map.toml")),
     case("check-cell", ["check", "o.toml", "--json"], ("o.toml", "shop/cell.toml")),
     case("check-line", ["check", "o.toml"], ("o.toml", "shop/line.toml")),
     case("check-lobes", ["check", "c.toml", "--json"], ("c.toml", "chatter/milling-slot.toml")),

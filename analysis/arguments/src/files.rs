@@ -35,9 +35,10 @@ pub struct SchemaArgs {
 
 #[derive(Args, Debug)]
 pub struct CheckArgs {
-    /// File of any kind
-    pub file: PathBuf,
-    /// Kind of the file, where it is not to be told from its content
+    /// Files of any kind; several are each told in a line, with every fault
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Kind of the files, where it is not to be told from their content
     #[arg(long, value_parser = readable())]
     pub kind: Option<&'static FileKind>,
     #[command(flatten)]

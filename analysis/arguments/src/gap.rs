@@ -181,18 +181,8 @@ pub struct ApplyArgs {
 
 #[derive(Args, Debug)]
 pub struct PredictArgs {
-    /// Nominal model, or one that `gap apply` wrote
-    #[arg(long, value_name = "MODEL.toml")]
-    pub model: PathBuf,
-    /// Records: a CSV or Parquet file, or a directory that holds it
-    #[arg(long, value_name = "DATA")]
-    pub data: PathBuf,
-    /// Column whose levels are groups; edges or dressing cycles, if left out
-    #[arg(long, value_name = "COLUMN")]
-    pub group: Option<String>,
-    /// Replace a value of the model: path=value with unit, repeatable
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub data: GapData,
     /// Directory of predictions.csv; to the terminal, if left out
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

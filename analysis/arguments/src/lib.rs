@@ -144,6 +144,7 @@ others are compared as independent samples, and the output says why.")]
   toolroom check myshop/scenario.toml --set machine.L.rate=\"70 EUR/h\" --json
   toolroom check scenarios/grinding/cycle.toml      cycle, contour, lobes, life, mapping and gap model files too
   toolroom check shop.toml --kind gap               a scenario as a nominal model
+  toolroom check *.toml                             every file, a line for each
 
 The kind of a file is told by the keys and tables at its top; --kind overrides it.")]
     Check(CheckArgs),

@@ -11,8 +11,10 @@ mod dynamics;
 mod shop;
 mod statistics;
 
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::fmt::{Display, Write};
+use std::sync::atomic::{AtomicU32, Ordering};
 use toolroom_form::significant;
 use toolroom_process::Claim;
 
@@ -31,28 +33,26 @@ pub struct ClaimsError {
 pub struct Claims(Vec<(&'static str, Claim)>);
 
 impl Claims {
-    /// Computes the claims of every model.
+    /// Computes the claims of every model, models beside each other: it takes minutes. `progress` hears how many models are
+    /// done, of how many.
     ///
     /// # Errors
     /// [`ClaimsError`]: a model that refuses a point of its own.
     ///
-    /// ```
-    /// let claims = toolroom_claims::Claims::new().unwrap();
+    /// ```no_run
+    /// let claims = toolroom_claims::Claims::new(&|_, _| {}).unwrap();
     /// assert!(claims.count() > 10 && claims.failed() == 0);
     /// assert_eq!(claims.json().as_array().map(Vec::len), Some(claims.count()));
     /// ```
-    pub fn new() -> Result<Self, ClaimsError> {
-        let mut all = Vec::new();
-        all.extend(named("wear", toolroom_wear::claims())?);
-        all.extend(toolroom_cutting::milling::claims().into_iter().map(|claim| ("milling", claim)));
-        all.extend(named("chatter", toolroom_chatter::claims())?);
-        all.extend(named("dynamics", dynamics::claims())?);
-        all.extend(named("infeed", toolroom_infeed::claims())?);
-        all.extend(named("contour", toolroom_contour::claims())?);
-        all.extend(named("life", toolroom_life::claims())?);
-        all.extend(named("shop", shop::claims())?);
-        all.extend(statistics::claims().into_iter().map(|claim| ("statistics", claim)));
-        Ok(Self(all))
+    pub fn new(progress: &(dyn Fn(u32, u32) + Sync)) -> Result<Self, ClaimsError> {
+        let (done, all) = (AtomicU32::new(0), MODELS.len() as u32);
+        let of_model = |(model, claims): &(&'static str, ModelClaims)| {
+            let found = claims().map_err(|reason| ClaimsError { model: *model, reason })?;
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, all);
+            Ok(found.into_iter().map(|claim| (*model, claim)).collect::<Vec<_>>())
+        };
+        let found: Result<Vec<_>, ClaimsError> = MODELS.par_iter().map(of_model).collect();
+        Ok(Self(found?.concat()))
     }
 
     /// How many there are.
@@ -110,11 +110,22 @@ impl Claims {
     }
 }
 
-/// Claims with the name of their model.
-fn named<E: Display>(
-    model: &'static str,
-    claims: Result<Vec<Claim>, E>,
-) -> Result<impl Iterator<Item = (&'static str, Claim)>, ClaimsError> {
-    let claims = claims.map_err(|error| ClaimsError { model, reason: error.to_string() })?;
-    Ok(claims.into_iter().map(move |claim| (model, claim)))
+/// What a model claims, or why it cannot say.
+type ModelClaims = fn() -> Result<Vec<Claim>, String>;
+
+/// Every model, in the order of the table.
+const MODELS: &[(&str, ModelClaims)] = &[
+    ("wear", || described(toolroom_wear::claims())),
+    ("milling", || Ok(toolroom_cutting::milling::claims())),
+    ("chatter", || described(toolroom_chatter::claims())),
+    ("dynamics", || described(dynamics::claims())),
+    ("infeed", || described(toolroom_infeed::claims())),
+    ("contour", || described(toolroom_contour::claims())),
+    ("life", || described(toolroom_life::claims())),
+    ("shop", || described(shop::claims())),
+    ("statistics", || Ok(statistics::claims())),
+];
+
+fn described<E: Display>(claims: Result<Vec<Claim>, E>) -> Result<Vec<Claim>, String> {
+    claims.map_err(|error| error.to_string())
 }

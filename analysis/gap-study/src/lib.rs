@@ -15,6 +15,7 @@
 //! | [`Replicated`], [`Closed`] | how far a key figure closes, with its interval |
 //! | [`recorded()`] | a simulated run as the sensors of its file would have recorded it |
 //! | [`recovery()`], [`rates()`] | whether what simulated shops hide is found again, counted over many runs |
+//! | [`user_effects()`] | effects of users from their files |
 //! | [`GapStudyError`] | why there is none, and the likely fix |
 //!
 //! # What is not modelled
@@ -34,6 +35,7 @@ mod recovery;
 mod request;
 mod study;
 mod tables;
+mod user_effects;
 
 pub use closed::{Closed, Replicated};
 pub use error::GapStudyError;
@@ -44,3 +46,4 @@ pub use recovery::{ClosedFigure, Finding, GivenName, HiddenEntry, Put, Recovered
 pub use request::{GapRequest, Reading};
 pub use study::{GapStudy, NAMES};
 pub use tables::{Table, tables};
+pub use user_effects::{UserEffectsError, user_effects};

@@ -20,6 +20,14 @@ pub enum KindError {
         /// Signs of every kind.
         signs: String,
     },
+    /// A text without keys, such as a table of measurements or a part program.
+    #[error("{file}: no file of keys, and no table of records")]
+    NoKeys {
+        /// The file.
+        file: String,
+        /// Which verb looks at such a file.
+        reader: &'static str,
+    },
     /// Values of `--set` for a file whose values belong together.
     #[error("no value of a {kind} can be changed alone")]
     Unchangeable {
@@ -34,6 +42,7 @@ impl KindError {
         match self {
             Self::Read(_) => "see what is wrong in the file",
             Self::NoSign { .. } => "name the kind with --kind, such as --kind scenario",
+            Self::NoKeys { reader, .. } => reader,
             Self::Unchangeable { .. } => "leave --set out, and make the file again with other values",
         }
     }

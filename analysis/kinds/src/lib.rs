@@ -252,6 +252,18 @@ pub static KINDS: &[FileKind] = &[
     records::KIND,
 ];
 
+/// What looks at a table that is none of records.
+const TABLE: &str = "a measured table becomes records by a mapping: toolroom import csv FILE --map MAP; tables of an order system \
+                     are looked at by toolroom import shop --map MAP --check; `toolroom schema records` lists the columns of records; \
+                     --kind names the kind of a file of keys";
+/// What looks at a part program.
+const PROGRAM: &str = "part programs are looked at by toolroom program FILE; --kind names the kind of a file of keys";
+
+/// Whether the name of a file ends so, in whatever case.
+fn ends(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
+}
+
 impl FileKind {
     /// The kind of this word.
     pub fn named(word: &str) -> Option<&'static Self> {
@@ -280,6 +292,11 @@ impl FileKind {
             let outline = Outline::of(&text);
             let known = KINDS.iter().find(|kind| kind.signs.iter().any(|sign| outline.has(sign)));
             let known = known.or_else(|| records::by_header(&text).then_some(&records::KIND));
+            if known.is_none() && outline.is_broken() && !ends(path, "toml") {
+                let reader =
+                    if ["csv", "tsv", "txt"].iter().any(|ending| ends(path, ending)) { TABLE } else { PROGRAM };
+                return Err(KindError::NoKeys { file: path.display().to_string(), reader });
+            }
             // Every reader of a form tells all slips of a text that is not TOML, and nothing else.
             known.or(outline.is_broken().then_some(&KINDS[0]))
         };

@@ -1,6 +1,5 @@
 //! What each key figure is called, measured in, and wanted to be.
 
-use super::machine::{MACHINE, of_machine};
 use super::tally::{MachineTally, Tally};
 use Better::{Less, More, Neither};
 use toolroom_process::unit;
@@ -449,18 +448,3 @@ pub(super) const SHOP: &[ShopFigure] = &[
         |s, t| t.offered / t.shifts(s),
     ),
 ];
-
-/// Every figure that there is, and whether it is one of a machine: those of the shop first.
-pub fn definitions() -> impl Iterator<Item = (&'static Definition, bool)> {
-    let shop = SHOP.iter().map(|(definition, _)| (definition, false));
-    shop.chain(MACHINE.iter().map(|(definition, _)| (definition, true)))
-}
-
-/// All figures of a scenario: those of the shop, then those of each machine.
-pub fn kpis(scenario: &Scenario) -> Vec<Kpi> {
-    let shop = SHOP.iter().map(|&(definition, _)| Kpi { definition, machine: None });
-    let machines = (0..scenario.machines.len()).flat_map(|machine| {
-        of_machine(scenario).map(move |(definition, _)| Kpi { definition: *definition, machine: Some(machine) })
-    });
-    shop.chain(machines).collect()
-}

@@ -45,11 +45,28 @@ mod runs;
 mod tally;
 
 pub use counting::Counting;
-pub use definition::{Better, CURRENCY, Definition, Kpi, definitions, kpis};
+pub use definition::{Better, CURRENCY, Definition, Kpi};
 pub use runs::{Progress, unless_stopped};
 
+use definition::SHOP;
+use machine::{MACHINE, of_machine};
 use toolroom_scenario::{Scenario, ToolType};
 use toolroom_shop::runlog::RunLog;
+
+/// Every figure that there is, and whether it is one of a machine: those of the shop first.
+pub fn definitions() -> impl Iterator<Item = (&'static Definition, bool)> {
+    let shop = SHOP.iter().map(|(definition, _)| (definition, false));
+    shop.chain(MACHINE.iter().map(|(definition, _)| (definition, true)))
+}
+
+/// All figures of a scenario: those of the shop, then those of each machine.
+pub fn kpis(scenario: &Scenario) -> Vec<Kpi> {
+    let shop = SHOP.iter().map(|&(definition, _)| Kpi { definition, machine: None });
+    let machines = (0..scenario.machines.len()).flat_map(|machine| {
+        of_machine(scenario).map(move |(definition, _)| Kpi { definition: *definition, machine: Some(machine) })
+    });
+    shop.chain(machines).collect()
+}
 
 /// Values of [`kpis`] in their order, SI; NaN where a figure is not defined (per part without
 /// parts).

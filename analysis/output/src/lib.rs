@@ -7,6 +7,7 @@
 //! | work that is not complete | [`OutputDir::journal`]: what is finished, for going on |
 //! | an end by SIGINT or SIGTERM, or for memory | [`signals`]: no draft and no lock stays |
 //! | the bound of memory | [`memory`] |
+//! | the faults of a file | [`shown_faults`], [`json_faults`] |
 //!
 //! Nothing that toolroom did not write is replaced or removed, but by force; an input of the command never.
 //!
@@ -16,6 +17,7 @@
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
 mod error;
+mod excerpt;
 mod files;
 mod folder;
 mod lines;
@@ -26,6 +28,7 @@ mod provenance;
 pub mod signals;
 
 pub use error::OutputError;
+pub use excerpt::{json_faults, shown_faults};
 pub use files::{Draft, Files};
 pub use folder::OutputDir;
 pub use lines::fitted;

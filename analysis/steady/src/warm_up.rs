@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use toolroom_kernel::SimTime;
+use std::sync::atomic::AtomicBool;
+use toolroom_kpi::unless_stopped;
 use toolroom_scenario::Scenario;
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_shop::{Shop, ShopError};
@@ -142,9 +142,6 @@ fn name(shop: &Wanted<'_>, policy: usize) -> String {
     if shop.name.is_empty() { policy.to_owned() } else { format!("{}, {policy}", shop.name) }
 }
 
-/// Pieces of a run between which it looks whether it is still wanted.
-const LOOKS: u32 = 64;
-
 /// Lead times of a run from its start; `None` where it was stopped.
 fn lead_times(
     scenario: &Scenario,
@@ -154,14 +151,8 @@ fn lead_times(
 ) -> Result<Option<Batched>, ShopError> {
     let world = scenario.drawn(replication)?;
     let recorder = LeadTimes { from: 0.0, ..LeadTimes::of(scenario, MSER_BATCH) };
-    let mut shop = Shop::with_recorder(&world, Arc::clone(policy), replication, recorder)?;
-    for look in 1..LOOKS {
-        if stop.load(Ordering::Relaxed) {
-            return Ok(None);
-        }
-        shop.run_until(SimTime::from_seconds(scenario.horizon * f64::from(look) / f64::from(LOOKS))?)?;
-    }
-    Ok(Some(shop.run()?.times().clone()))
+    let shop = Shop::with_recorder(&world, Arc::clone(policy), replication, recorder)?;
+    Ok(unless_stopped(shop, scenario.horizon, stop)?.map(|recorder| recorder.times().clone()))
 }
 
 /// Where the start of runs of one shop ends.

@@ -3,7 +3,7 @@
 use crate::walk::Problem;
 use std::fmt;
 use std::ops::Range;
-use toolroom_process::parameters::place;
+use toolroom_process::parameters::{place, places};
 
 /// Why a file was not read.
 #[derive(Debug, thiserror::Error)]
@@ -80,6 +80,34 @@ pub struct Place {
 impl FaultList {
     /// Where a problem is.
     pub fn place(&self, problem: &Problem) -> Place {
+        let (origin, span) = self.bytes(problem);
+        let (line, column) = place(self.source(origin).1, span.start);
+        Place { origin, span, line, column }
+    }
+
+    /// Where every problem is, in their order. Each text is read once, however many problems it has.
+    pub fn places(&self) -> Vec<Place> {
+        let mut found: Vec<Place> = self
+            .problems
+            .iter()
+            .map(|problem| self.bytes(problem))
+            .map(|(origin, span)| Place { origin, span, line: 1, column: 1 })
+            .collect();
+        let texts = std::iter::once(Origin::File).chain((0..self.overrides.len()).map(Origin::Override));
+        for origin in texts {
+            let mut here: Vec<&mut Place> = found.iter_mut().filter(|place| place.origin == origin).collect();
+            here.sort_by_key(|place| place.span.start);
+            let starts: Vec<usize> = here.iter().map(|place| place.span.start).collect();
+            let read = places(self.source(origin).1, &starts);
+            for (place, (line, column)) in here.into_iter().zip(read) {
+                (place.line, place.column) = (line, column);
+            }
+        }
+        found
+    }
+
+    /// The text of a problem and its bytes within it.
+    fn bytes(&self, problem: &Problem) -> (Origin, Range<usize>) {
         let mut base = 0;
         let texts = std::iter::once(&self.text).chain(&self.overrides).enumerate();
         let (mut origin, mut text, mut start) = (Origin::File, self.text.as_str(), 0);
@@ -91,9 +119,7 @@ impl FaultList {
             base += candidate.len() + 1;
         }
         let within = |at: usize| at.saturating_sub(start).min(text.len());
-        let span = within(problem.span.start)..within(problem.span.end).max(within(problem.span.start));
-        let (line, column) = place(text, span.start);
-        Place { origin, span, line, column }
+        (origin, within(problem.span.start)..within(problem.span.end).max(within(problem.span.start)))
     }
 
     /// The text that a place counts in, with its name.
@@ -107,8 +133,7 @@ impl FaultList {
 
 impl fmt::Display for FaultList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, problem) in self.problems.iter().enumerate() {
-            let place = self.place(problem);
+        for (i, (problem, place)) in self.problems.iter().zip(self.places()).enumerate() {
             let (name, _) = self.source(place.origin);
             let newline = if i == 0 { "" } else { "\n" };
             write!(f, "{newline}{name}:{}:{}: {}", place.line, place.column, problem.fault)?;

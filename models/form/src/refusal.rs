@@ -78,6 +78,8 @@ mod tests {
         assert_eq!(beyond.span, text.len()..text.len());
         let place = refused.place(within);
         assert_eq!((place.line, place.column, within.fault.code()), (3, 12, "x"));
+        let each: Vec<_> = refused.problems.iter().map(|problem| refused.place(problem)).collect();
+        assert_eq!(refused.places(), each);
         assert_eq!(key_place(text, "limits", "stock"), (3, 1));
         assert_eq!(key_place(text, "limits", "size_error"), (2, 1));
         assert_eq!(key_place("", "limits", "stock"), (1, 1));

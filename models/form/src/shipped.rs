@@ -99,6 +99,18 @@ mod tests {
     }
 
     #[test]
+    fn every_file_of_the_root_is_listed() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+        for entry in std::fs::read_dir(root).expect("the shipped scenarios") {
+            let path = entry.expect("an entry").path();
+            let name = path.file_name().and_then(|name| name.to_str()).expect("a name in UTF-8");
+            let taken = ["toml", "csv", "nc"].iter().any(|ending| path.extension().is_some_and(|own| own == *ending));
+            // The build script watches no folder for new files but those that it lists.
+            assert!(!taken || FILES.iter().any(|(path, _)| *path == name), "{name} is new: touch models/form/build.rs");
+        }
+    }
+
+    #[test]
     fn an_unknown_name_is_answered_with_the_nearest() {
         let error = bytes(Path::new("builtin:polices")).expect_err("unknown").to_string();
         assert!(error.contains("did you mean builtin:policies?") && error.contains("life/policies"), "{error}");

@@ -41,6 +41,7 @@ def point(
     axes: Sequence[tuple[str, bytes, str]],
     changes: Sequence[str],
     effects: Sequence[str],
+    definitions: Sequence[str],
     advance: Optional[str],
     life_model: str,
 ) -> Table: ...
@@ -74,7 +75,9 @@ def diagnose(
     holdout: float,
     holdout_data: Optional[str],
     seed: int,
-) -> Made: ...
+    definitions: Sequence[str],
+    propose: Optional[str],
+) -> tuple[Made, Optional[str]]: ...
 def apply(
     model: str, diagnosis: str, set: Sequence[str], only: Sequence[str], calibration: bool, accept_empirical: bool
 ) -> tuple[str, list[str]]: ...

@@ -14,9 +14,12 @@ from ._table import Table
 class Process:
     """A process with a parameter set, evaluated at operating points."""
 
-    def __init__(self, name: str, tool: Optional[str], effects: Mapping[str, object]) -> None:
+    def __init__(
+        self, name: str, tool: Optional[str], effects: Mapping[str, object], definitions: Sequence[PathLike] = ()
+    ) -> None:
         self.name = name
         self.tool = tool
+        self._definitions = [os.fspath(path) for path in definitions]
         self._effects = [f"{effect}={size}" for effect, size in effects.items()]
 
     def point(
@@ -48,7 +51,8 @@ class Process:
                 changes.append(f"{key}={float(value)!r} {own}".rstrip())  # type: ignore[arg-type]
             else:
                 axes.append((key, _doubles(value), own))
-        return Table(_native.point(self.name, self.tool, axes, changes, self._effects, advance, life_model))
+        tool, effects, definitions = self.tool, self._effects, self._definitions
+        return Table(_native.point(self.name, tool, axes, changes, effects, definitions, advance, life_model))
 
     def __repr__(self) -> str:
         return f"{self.name} with {self.tool or 'the set of the demo'}"
@@ -67,16 +71,31 @@ def _tool(tool: Optional[PathLike]) -> Optional[str]:
     return None if tool is None else os.fspath(tool)
 
 
-def turning(tool: Optional[PathLike] = "ni_vk6om", effects: Optional[Mapping[str, object]] = None) -> Process:
-    """Turning with a shipped parameter set, or with the file of one; `effects` are sizes by id."""
-    return Process("turning", _tool(tool), effects or {})
+def turning(
+    tool: Optional[PathLike] = "ni_vk6om",
+    effects: Optional[Mapping[str, object]] = None,
+    definitions: Sequence[PathLike] = (),
+) -> Process:
+    """Turning with a shipped parameter set, or with the file of one.
+
+    `effects` are sizes by id; `definitions` are files in which effects of your own are defined.
+    """
+    return Process("turning", _tool(tool), effects or {}, definitions)
 
 
-def milling(tool: Optional[PathLike] = None, effects: Optional[Mapping[str, object]] = None) -> Process:
+def milling(
+    tool: Optional[PathLike] = None,
+    effects: Optional[Mapping[str, object]] = None,
+    definitions: Sequence[PathLike] = (),
+) -> Process:
     """Milling, as `turning`."""
-    return Process("milling", _tool(tool), effects or {})
+    return Process("milling", _tool(tool), effects or {}, definitions)
 
 
-def infeed(tool: Optional[PathLike] = None, effects: Optional[Mapping[str, object]] = None) -> Process:
+def infeed(
+    tool: Optional[PathLike] = None,
+    effects: Optional[Mapping[str, object]] = None,
+    definitions: Sequence[PathLike] = (),
+) -> Process:
     """Plunge grinding, as `turning`."""
-    return Process("infeed", _tool(tool), effects or {})
+    return Process("infeed", _tool(tool), effects or {}, definitions)

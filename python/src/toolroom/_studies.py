@@ -10,7 +10,7 @@ from typing import Any, Mapping, Optional, Sequence, Union
 
 from . import _native
 from ._shop import Scenario
-from ._study import Changes, Kept, PathLike, _put, changes
+from ._study import Changes, Kept, PathLike, _free, _put, changes
 from ._table import Data, Table, as_file
 
 
@@ -137,9 +137,13 @@ def calibrate(
 class Diagnosis(Kept):
     """Why a nominal model and records differ."""
 
-    def __init__(self, made: _native.Made, models: list[str], set: list[str]) -> None:
+    def __init__(
+        self, made: _native.Made, models: list[str], set: list[str], proposed: Optional[str] = None
+    ) -> None:
         super().__init__(made)
         self._models, self._set = models, set
+        self.proposed = proposed
+        """The text of the file of terms that describe the gap and are no cause; none where none was sought or found."""
 
     @property
     def verdict(self) -> str:
@@ -209,18 +213,27 @@ def diagnose(
     holdout: float = 0.0,
     holdout_data: Optional[PathLike] = None,
     seed: int = 1,
+    definitions: Sequence[PathLike] = (),
+    propose: Optional[PathLike] = None,
+    overwrite: bool = False,
 ) -> Diagnosis:
     """Which effect a nominal model leaves out, or that it cannot be told, as ``toolroom gap diagnose``.
 
     `data` is a table or the folder of the tables of several models. `verdict` is ``cannot_tell`` where too little was
-    measured. After Ctrl-C the work goes on unseen to its end; its result is dropped.
+    measured. `definitions` are files in which effects of your own are defined. Where no cause is known, terms that describe
+    the gap are sought for the file `propose`; it is written only where some are found (`Diagnosis.proposed`). After Ctrl-C
+    the work goes on unseen to its end; its result is dropped.
     """
+    target = None if propose is None else _free(Path(propose), overwrite)
     one = isinstance(models, (str, os.PathLike))
     files = [os.fspath(models)] if one else [os.fspath(model) for model in models]  # type: ignore[arg-type, union-attr]
     beside = None if holdout_data is None else os.fspath(holdout_data)
     with as_file(data) as path:
-        made = _native.diagnose(files, path, changes(set), group, holdout, beside, seed)
-    return Diagnosis(made, files, changes(set))
+        own, terms = [os.fspath(file) for file in definitions], None if target is None else str(target)
+        made, proposed = _native.diagnose(files, path, changes(set), group, holdout, beside, seed, own, terms)
+    if target is not None and proposed is not None:
+        _put(target, proposed.encode(), overwrite)
+    return Diagnosis(made, files, changes(set), proposed)
 
 
 def apply(

@@ -118,9 +118,15 @@ class Study:
         return _frame(self._page(), 900)
 
 
-def _put(path: Path, contents: bytes, overwrite: bool) -> Path:
+def _free(path: Path, overwrite: bool) -> Path:
+    """A place that nobody has taken."""
     if path.exists() and not overwrite:
         raise Error(f"{path} is there already", code="argument", help="give overwrite=True, or another place")
+    return path
+
+
+def _put(path: Path, contents: bytes, overwrite: bool) -> Path:
+    _free(path, overwrite)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(contents)
     return path

@@ -4,29 +4,38 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use serde_json::{Value, json};
 use std::fmt;
 use std::ops::Range;
-use toolroom_form::FaultList;
+use std::sync::Arc;
+use toolroom_form::{FaultList, Origin, Place, Problem};
 
 /// One fault with the text around it.
 #[derive(Debug)]
-pub struct Excerpt {
+struct Excerpt {
     code: &'static str,
     message: String,
     fix: Option<String>,
     file: String,
     line: usize,
     column: usize,
-    /// The text; none where its lines are too long to be shown.
-    source: Option<NamedSource<String>>,
+    /// The text, one for all faults in it; none where its lines are too long to be shown.
+    source: Option<Arc<NamedSource<String>>>,
     label: Option<LabeledSpan>,
 }
 
 impl Excerpt {
-    /// Every fault of a file.
-    pub fn all(list: &FaultList) -> Vec<Self> {
-        let excerpt = |problem: &toolroom_form::Problem| {
-            let place = list.place(problem);
+    /// The first faults of a file, `most` at most.
+    fn first(list: &FaultList, most: usize) -> Vec<Self> {
+        let mut texts: Vec<(Origin, Arc<NamedSource<String>>)> = Vec::new();
+        let excerpt = |(problem, place): (&Problem, Place)| {
             let (file, text) = list.source(place.origin);
             let shown = shown(text, place.line);
+            let source = shown.then(|| {
+                let known = texts.iter().find(|(origin, _)| *origin == place.origin);
+                known.map(|(_, source)| Arc::clone(source)).unwrap_or_else(|| {
+                    let source = Arc::new(NamedSource::new(file, text.to_owned()));
+                    texts.push((place.origin, Arc::clone(&source)));
+                    source
+                })
+            });
             Self {
                 code: problem.fault.code(),
                 message: problem.fault.to_string(),
@@ -34,23 +43,32 @@ impl Excerpt {
                 file: file.to_owned(),
                 line: place.line,
                 column: place.column,
-                source: shown.then(|| NamedSource::new(file, text.to_owned())),
+                source,
                 label: label(text, place.span).filter(|_| shown),
             }
         };
-        list.problems.iter().map(excerpt).collect()
+        list.problems.iter().zip(list.places()).take(most).map(excerpt).collect()
     }
+}
 
-    pub fn json(&self) -> Value {
+/// The first faults of a file, `most` at most, each as people read it: code, message, the lines around its place, the fix.
+pub fn shown_faults(list: &FaultList, most: usize) -> impl Iterator<Item = String> {
+    Excerpt::first(list, most).into_iter().map(|fault| format!("{:?}", miette::Report::new(fault)))
+}
+
+/// Every fault of a file as programs read them: `code`, `file`, `line`, `column` (from 1), `message` and `fix`.
+pub fn json_faults(list: &FaultList) -> Vec<Value> {
+    let fault = |(problem, place): (&Problem, Place)| {
         json!({
-            "code": self.code,
-            "file": self.file,
-            "line": self.line,
-            "column": self.column,
-            "message": self.message,
-            "fix": self.fix,
+            "code": problem.fault.code(),
+            "file": list.source(place.origin).0,
+            "line": place.line,
+            "column": place.column,
+            "message": problem.fault.to_string(),
+            "fix": problem.fault.fix(),
         })
-    }
+    };
+    list.problems.iter().zip(list.places()).map(fault).collect()
 }
 
 /// A fault of the file as a whole points at its first line, an empty file has none. A section's
