@@ -15,6 +15,7 @@
 //! | the fastest grinding cycle | [`planning::cycle::CycleDesign`] | `toolroom grind` |
 //! | lag and stiffnesses from trials | [`planning::identification::IdentificationStudy`] | `toolroom identify` |
 //! | a stability chart | [`planning::lobes::ChartStudy`] | `toolroom lobes` |
+//! | vibration modes from a tap test | [`modes::ModesStudy`] | `toolroom modes` |
 //! | the blind benchmark | [`blind::diagnose`] | `toolroom gap blind` |
 //! | parameters from measured edges | [`calibrate::Calibration`] | `toolroom calibrate --data` |
 //! | why model and records differ | [`diagnose`] | `toolroom gap diagnose` |
@@ -52,6 +53,7 @@ pub use toolroom_kernel as kernel;
 pub use toolroom_kinds as kinds;
 pub use toolroom_life as life;
 pub use toolroom_lobes as lobes;
+pub use toolroom_modes as modes;
 pub use toolroom_parquet as parquet;
 pub use toolroom_planning as planning;
 pub use toolroom_post as post;

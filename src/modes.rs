@@ -8,12 +8,12 @@ use std::time::Instant;
 use toolroom_chart::page::Provenance;
 use toolroom_dynamics::{Blank, Fit, FitOptions, Measurement, Scatter, ShopCut, TapOptions, read_shop_cuts};
 use toolroom_lobes::{LobesCut, LobesFile, Structure, read_structure};
-use toolroom_output::{Files, OutputDir, provenance};
-use toolroom_planning::lobes::Measured;
-use toolroom_planning::modes::{
+use toolroom_modes::{
     Comparison, ModesStudy, ModesUpdate, NAMES, Request, RequestError, SpeedStudy, SwapError, Tip, Tool, UpdateOptions,
     blank, is_records, range, read_tool, recorded_cuts, scatter, summary, tip, tip_at, tip_of_blank,
 };
+use toolroom_output::{Files, OutputDir, provenance};
+use toolroom_planning::lobes::Measured;
 use toolroom_records::{RecordKind, parse_csv};
 
 /// Where the files and the words of a fault are described.
@@ -229,7 +229,7 @@ enum Base {
     /// Modes at its face.
     Modes(Box<Structure>),
     /// Taps on a blank in it, averages behind each, and their direction.
-    Blank(Measurement, Option<u32>, Blank, [f64; 2]),
+    Blank(Box<Measurement>, Option<u32>, Blank, [f64; 2]),
 }
 
 impl Base {
@@ -245,7 +245,7 @@ impl Base {
         let (name, bytes) = (args.base.display().to_string(), bytes(&args.base)?);
         let tapped = toolroom_dynamics::measure(&name, &bytes, &TapOptions::default());
         let tapped = tapped.map_err(|error| Failure::argument(error, GUIDE))?;
-        Ok((Self::Blank(tapped, averages, blank, direction.unwrap_or([1.0, 0.0])), bytes))
+        Ok((Self::Blank(Box::new(tapped), averages, blank, direction.unwrap_or([1.0, 0.0])), bytes))
     }
 
     /// The response at the tip of a tool, and its direction.

@@ -47,7 +47,7 @@ impl Claims {
     pub fn new(progress: &(dyn Fn(u32, u32) + Sync)) -> Result<Self, ClaimsError> {
         let (done, all) = (AtomicU32::new(0), MODELS.len() as u32);
         let of_model = |(model, claims): &(&'static str, ModelClaims)| {
-            let found = claims().map_err(|reason| ClaimsError { model: *model, reason })?;
+            let found = claims().map_err(|reason| ClaimsError { model, reason })?;
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, all);
             Ok(found.into_iter().map(|claim| (*model, claim)).collect::<Vec<_>>())
         };

@@ -100,8 +100,8 @@ use toolroom_effects::EFFECTS_FILE;
 use toolroom_form::{Form, Outline, schema};
 use toolroom_infeed::CYCLE;
 use toolroom_lobes::{COEFFICIENTS, LOBES, STRUCTURE};
+use toolroom_modes::TOOL;
 use toolroom_nominal::NominalModel;
-use toolroom_planning::modes::TOOL;
 use toolroom_records::import::MAPPING;
 use toolroom_scenario_file::SCENARIO;
 

@@ -122,7 +122,7 @@ pub fn coefficients(path: &Path, set: &[String]) -> Result<Checked, KindError> {
 }
 
 pub fn tool(path: &Path, set: &[String]) -> Result<Checked, KindError> {
-    let file = toolroom_planning::modes::read_tool(path, set)?;
+    let file = toolroom_modes::read_tool(path, set)?;
     let segments = file.content.segments.len();
     Ok(checked("tool", Some(&file.content.name), file.echo, &format!("a tool of {segments} segments")))
 }

@@ -9,7 +9,6 @@
 //! | [`identification`] | lag and stiffnesses of a grinder from trials |
 //! | [`listen`] | whether a recorded cut chatters, and at which speeds it would not |
 //! | [`lobes`] | stability charts: what is cut, verdicts at points and over a grid, boundaries |
-//! | [`modes`] | vibration modes from a tap test, with their uncertainty |
 //! | [`point`] | every output of a process at one operating point, or at many |
 //! | [`program`] | the nominal cycle time of a part program, by tool and by block |
 //!
@@ -30,7 +29,6 @@ pub mod folders;
 pub mod identification;
 pub mod listen;
 pub mod lobes;
-pub mod modes;
 pub mod point;
 pub mod program;
 mod tables;

@@ -1,10 +1,10 @@
 //! The limit straight from a measured response beside that of the modes, over the speeds of a chart.
 
 use super::{ChartStudy, Cut};
-use crate::modes::{MeasuredError, SpeedStudy, measured_limit, measured_milling_limit};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use toolroom_dynamics::Measurement;
+use toolroom_modes::{MeasuredError, SpeedStudy, measured_limit, measured_milling_limit};
 
 /// Speeds of a chart at which the measured response is asked, at most, in turning and in milling (assumptions: a limit of
 /// milling costs some two seconds).

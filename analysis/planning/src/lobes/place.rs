@@ -3,12 +3,12 @@
 use super::cut::{AlongPath, Cut};
 use super::judgement::Vibration;
 use super::{Judgement, LobesFile};
-use crate::modes::{MeasuredError, MeasuredLimit, measured_limit, measured_milling_limit};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use toolroom_chatter::{ChatterError, Probability, SpeedVariation, WorstPhase};
 use toolroom_dynamics::Measurement;
 use toolroom_form::significant;
+use toolroom_modes::{MeasuredError, MeasuredLimit, measured_limit, measured_milling_limit};
 use toolroom_process::unit;
 
 /// A text that is no place in a chart.

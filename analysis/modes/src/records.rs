@@ -104,7 +104,7 @@ mod tests {
     use std::f64::consts::TAU;
     use toolroom_records::{RecordKind, parse_csv};
 
-    const CHART: &str = include_str!("../../../../scenarios/chatter/endmill.toml");
+    const CHART: &str = include_str!("../../../scenarios/chatter/endmill.toml");
     const RECORDS: &str = "operation_id,machine,tool_id,sequence,cutting_speed [m/min],feed_per_tooth [mm],\
         depth_of_cut [mm],width_of_cut [mm],cutting_time [min],flank_wear [mm],chatter,chatter_frequency [Hz]\n\
         1,M1,E1,1,160,0.05,2,3,1,0.02,1,910\n2,M1,E1,2,160,0.05,1.5,3,1,0.05,0,\n3,M1,E1,3,160,0.05,1.5,3,1,0.3,0,\n\

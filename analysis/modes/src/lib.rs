@@ -1,6 +1,8 @@
 //! Vibration modes from a tap test, or of a tool on a spindle that was tapped: fit, text, tables, pictures and the structure
 //! file.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod assembly;
 mod blank;
 mod files;

@@ -2,10 +2,12 @@
 
 use super::ModesStudy;
 use super::picture::report;
-use crate::tables::table;
 use toolroom_chart::ResultFiles;
 use toolroom_chart::page::Provenance;
-use toolroom_process::table::Cell;
+use toolroom_process::table::{Cell, csv_text};
+
+/// Why a table can be written.
+const AS_LONG: &str = "every row is as long as the header";
 
 /// Names of all files.
 pub const NAMES: &[&str] = &["frf.csv", "stabilisation.csv", "modes.json", "report.html"];
@@ -18,7 +20,8 @@ impl ModesStudy {
         let poles = self.fit.poles.iter().map(|pole| -> [Cell<'_>; 4] {
             [pole.order.into(), pole.natural_frequency.into(), pole.damping_ratio.into(), pole.stable.into()]
         });
-        files.push("stabilisation.csv", table(["order", "natural_frequency [Hz]", "damping_ratio", "stable"], poles));
+        let header = ["order", "natural_frequency [Hz]", "damping_ratio", "stable"];
+        files.push("stabilisation.csv", csv_text(header, poles).expect(AS_LONG));
         files.push("modes.json", format!("{:#}\n", self.json()));
         files.push("report.html", report(self, provenance).html());
         files
@@ -40,6 +43,6 @@ impl ModesStudy {
             });
             std::iter::once(self.measured.frequencies[i]).chain(values).map(Cell::from).collect::<Vec<_>>()
         });
-        table(header, rows)
+        csv_text(header, rows).expect(AS_LONG)
     }
 }
