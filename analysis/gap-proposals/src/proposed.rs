@@ -206,7 +206,8 @@ fn told(asking: &Asking<'_>, shelf: &Shelf<'_>, library: &Library<'_>, found: &P
     let Library { model, named, .. } = *library;
     let candidates = &model.frame().candidates;
     let active: Vec<usize> = named.iter().copied().chain(found.terms.iter().map(|term| term.candidate)).collect();
-    let applied = applied_to(model, model, &[], &found.basis, &active, None);
+    let [without, with] = &found.points;
+    let applied = applied_to(model, model, &[], &found.basis, &active, Some([without, with]));
     let words = |index: usize| {
         let where_to = model.written(index).scope.words();
         let id = candidates[index].id;

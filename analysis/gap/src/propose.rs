@@ -16,7 +16,7 @@ use super::evidence::{folds, gain, predictive_gain};
 use super::left_out::LeftOut;
 use super::settle::settled;
 use super::trial::Trial;
-use super::{Basis, Closure, Fit, Forward, Method};
+use super::{Basis, Closure, Fit, Forward, Method, Point};
 use rayon::prelude::*;
 
 /// Terms that are proposed together at most (count). Assumption: more would be a model of their own.
@@ -54,6 +54,8 @@ pub struct Proposal {
     pub closure: Closure,
     /// Noise and scatter by which the terms were chosen.
     pub basis: Basis,
+    /// Where the model stood without and with the terms, its discrepancy included.
+    pub points: [Point; 2],
 }
 
 /// A model in which terms are sought.
@@ -129,7 +131,8 @@ pub fn propose(whole: &Library<'_>, without: &[&dyn Forward], seed: u64) -> Opti
     };
     let (left_out, error) = predictive_gain(&chosen.evidence, &base.evidence);
     let terms = added.iter().map(term).collect();
-    Some(Proposal { terms, left_out: [left_out, error], closure, basis })
+    let points = [&base, &chosen].map(|trial| trial.fit.linear.point.clone());
+    Some(Proposal { terms, left_out: [left_out, error], closure, basis, points })
 }
 
 /// What is left of the groups that the model keeps out of its fit, without terms and with those that the others choose.

@@ -185,6 +185,13 @@ pub static KINDS: &[FileKind] = &[
         form: Described::By(&toolroom_life::file::STUDY),
     },
     FileKind {
+        word: "program-setup",
+        doc: "Stock and tools of a part program, for program --setup",
+        signs: &["stock"],
+        read: Some(readers::program_setup),
+        form: Described::By(&toolroom_stock::SETUP),
+    },
+    FileKind {
         word: "cycle",
         doc: "A grinding cycle to be designed, for grind",
         signs: &["limits", "conditions", "dressing"],
@@ -204,13 +211,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["pass", "cutter_side", "path_error", "form_error", "corners"],
         read: Some(readers::setup),
         form: Described::By(&SETUP),
-    },
-    FileKind {
-        word: "program-setup",
-        doc: "Stock and tools of a part program, for program --setup",
-        signs: &["stock"],
-        read: Some(readers::program_setup),
-        form: Described::By(&toolroom_stock::SETUP),
     },
     FileKind {
         word: "mapping",
