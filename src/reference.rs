@@ -1,9 +1,7 @@
 //! `toolroom reference DIR`: every key, key figure, effect, error code and option, from the tables that the program
 //! itself reads.
 
-mod commands;
-
-use crate::args::{ReferenceArgs, Toolroom};
+use crate::args::{ReferenceArgs, Toolroom, reference};
 use crate::explain;
 use crate::failure::Failure;
 use crate::speak::Voice;
@@ -18,7 +16,7 @@ use toolroom_study::kpi::{Better, definitions};
 pub fn run(args: &ReferenceArgs, voice: &Voice) -> Result<(), Failure> {
     let mut command = Toolroom::command();
     command.build();
-    let pages = if args.man { commands::manual(&command) } else { pages(&command) };
+    let pages = if args.man { reference::manual(&command) } else { pages(&command) };
     let files = Files::new([], voice.force);
     for (name, _) in &pages {
         files.check(&args.dir.join(name))?;
@@ -42,7 +40,7 @@ fn pages(command: &clap::Command) -> Vec<(String, String)> {
         - [Error codes and warnings](errors.md)\n\nKeys of files:\n\n"
         .to_owned();
     let mut pages = vec![
-        ("commands.md".to_owned(), commands::page(command)),
+        ("commands.md".to_owned(), reference::page(command)),
         ("key-figures.md".to_owned(), key_figures()),
         ("effects.md".to_owned(), effects()),
         ("errors.md".to_owned(), errors()),

@@ -15,6 +15,7 @@ mod modes;
 mod planning;
 mod point;
 mod program;
+pub mod reference;
 mod study;
 mod unit;
 
