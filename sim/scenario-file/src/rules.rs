@@ -27,7 +27,7 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
     for section in sections {
         let name = section.text("name").map(str::to_owned);
         if let Some(name) = name.as_ref().filter(|name| arrivals.iter().any(|own| own.name.as_ref() == Some(name))) {
-            walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "arrivals", name: name.clone() });
+            walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "source", name: name.clone() });
         }
         let parts = stocks::parts_of_source(walk, &section, &names.parts);
         let quantity = stocks::quantity(walk, &section);
