@@ -14,7 +14,7 @@ use toolroom_planning::folders::programs;
 use toolroom_planning::program::{CycleTime, overview_json, overview_text, set_drive};
 use toolroom_post::post;
 use toolroom_program::{Control, Dialect, ProgramError, Source, Units};
-use toolroom_stock::{FeedError, FeedLimit, FeedObjective, Setup};
+use toolroom_stock::{FeedLimit, FeedObjective, FollowError, Setup};
 
 /// What a refused program is about.
 pub const REFUSED: &str = "a word that is not followed could move an axis or take time, so none is passed over";
@@ -194,7 +194,7 @@ fn feeds(
     drives: &Drives,
     setup: Option<&Setup>,
     args: &ProgramArgs,
-) -> Result<Option<Feeds>, FeedError> {
+) -> Result<Option<Feeds>, FollowError> {
     let Some(setup) = setup.filter(|_| args.objective.is_some() || args.limits.is_some()) else { return Ok(None) };
     let objective = args.objective.as_deref().and_then(FeedObjective::from_word);
     let limits: Vec<FeedLimit> = args.limits.iter().flatten().filter_map(|word| FeedLimit::from_word(word)).collect();

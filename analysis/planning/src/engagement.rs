@@ -5,25 +5,8 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use toolroom_process::table::Cell;
-use toolroom_program::{Control, EventKind, ProgramError, Run, Source};
-use toolroom_stock::{Cut, Follower, Load, NoTool, Setup};
-
-/// Why a program was not followed through its stock.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum EngagementError {
-    /// The program itself.
-    #[error("{0}")]
-    Program(#[from] ProgramError),
-    /// A tool that the setup does not have.
-    #[error("{line}:1: {reason}")]
-    NoTool {
-        /// Line of the program.
-        line: usize,
-        /// Which one.
-        reason: NoTool,
-    },
-}
+use toolroom_program::{Control, EventKind, Run, Source};
+use toolroom_stock::{Cut, FollowError, Follower, Load, Setup};
 
 /// What one tool does.
 #[derive(Clone, Debug, Default)]
@@ -81,13 +64,8 @@ impl Engagement {
     /// Follows a program through the stock of a setup; `motions` keeps a row of each motion.
     ///
     /// # Errors
-    /// [`EngagementError`]: the program is refused, or cuts with a tool that the setup does not have.
-    pub fn new(
-        text: impl Into<Source>,
-        control: &Control,
-        setup: &Setup,
-        motions: bool,
-    ) -> Result<Self, EngagementError> {
+    /// [`FollowError`]: the program is refused, or cuts with a tool that the setup does not have.
+    pub fn new(text: impl Into<Source>, control: &Control, setup: &Setup, motions: bool) -> Result<Self, FollowError> {
         let mut follower = Follower::new(setup);
         let mut study = Self {
             tools: BTreeMap::new(),
@@ -111,9 +89,8 @@ impl Engagement {
                 EventKind::Spindle { speed, sense } => follower.spindle(speed, sense),
                 EventKind::Home(axes) => follower.home(axes[2]),
                 EventKind::Motion(motion) => {
-                    let cut = follower
-                        .motion(&motion)
-                        .map_err(|reason| EngagementError::NoTool { line: event.line, reason })?;
+                    let cut =
+                        follower.motion(&motion).map_err(|reason| FollowError::NoTool { line: event.line, reason })?;
                     if let Some(cut) = cut {
                         study.take(event.line, follower.tool(), motion.rapid, motion.time, cut);
                     }

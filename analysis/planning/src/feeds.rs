@@ -5,8 +5,8 @@ use std::fmt::Write;
 use toolroom_drives::{Drives, Timer};
 use toolroom_post::{Post, post_as};
 use toolroom_program::{Action, Block, Blocks, Control, Dialect, ProgramError, Source};
-use toolroom_stock::{FeedError, FeedPlan, LimitUse, Setup};
 pub use toolroom_stock::{FeedLimit, FeedObjective};
+use toolroom_stock::{FeedPlan, FollowError, LimitUse, Setup};
 
 /// A program with the use of its limits and, where an objective is given, its planned feeds.
 #[derive(Clone, Debug)]
@@ -21,14 +21,14 @@ impl Feeds {
     /// Plans a program; `limits` are those that count, all where there is none.
     ///
     /// # Errors
-    /// [`FeedError`]: the program is refused, or cuts with a tool that the setup does not have.
+    /// [`FollowError`]: the program is refused, or cuts with a tool that the setup does not have.
     pub fn new(
         source: &Source,
         control: &Control,
         drives: &Drives,
         setup: &Setup,
         (objective, limits): (Option<FeedObjective>, &[FeedLimit]),
-    ) -> Result<Self, FeedError> {
+    ) -> Result<Self, FollowError> {
         let plan = FeedPlan::new(source.clone(), control, setup, objective, limits)?;
         let before = time(source, control, drives, &FeedPlan::default())?;
         let after = if objective.is_some() { time(source, control, drives, &plan)? } else { before };

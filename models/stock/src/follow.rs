@@ -3,7 +3,7 @@
 use crate::cutting::{Cut, Cutting, Look};
 use crate::setup::Setup;
 use std::f64::consts::TAU;
-use toolroom_program::{Motion, Sense};
+use toolroom_program::{Motion, ProgramError, Sense};
 
 /// A program cuts with a tool that the setup does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -11,6 +11,23 @@ use toolroom_program::{Motion, Sense};
 pub struct NoTool {
     /// Its number.
     pub tool: Option<u32>,
+}
+
+/// Why a program was not followed through its stock.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FollowError {
+    /// The program itself.
+    #[error("{0}")]
+    Program(#[from] ProgramError),
+    /// A tool that the setup does not have.
+    #[error("{line}:1: {reason}")]
+    NoTool {
+        /// Line of the program.
+        line: usize,
+        /// Which one.
+        reason: NoTool,
+    },
 }
 
 /// Follows a program through the stock of a setup, event by event.

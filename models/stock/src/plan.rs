@@ -1,11 +1,11 @@
 //! Feeds of a program inside the limits of its tools.
 
 use crate::cutting::Seen;
-use crate::follow::{Follower, NoTool};
+use crate::follow::{FollowError, Follower};
 use crate::limits::{AtWork, Demand, FeedLimit, FeedLimits};
 use crate::setup::Setup;
 use std::collections::BTreeMap;
-use toolroom_program::{Arc, Control, EventKind, Motion, Path, ProgramError, Purpose, Run, Source};
+use toolroom_program::{Arc, Control, EventKind, Motion, Path, Purpose, Run, Source};
 
 toolroom_form::vocabulary! {
     /// What planned feeds make least.
@@ -16,23 +16,6 @@ toolroom_form::vocabulary! {
         /// Cost of the machine and of the edges.
         Cost = "cost",
     }
-}
-
-/// Why no feeds were planned.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FeedError {
-    /// The program itself.
-    #[error("{0}")]
-    Program(#[from] ProgramError),
-    /// A tool that the setup does not have.
-    #[error("{line}:1: {reason}")]
-    NoTool {
-        /// Line of the program.
-        line: usize,
-        /// Which one.
-        reason: NoTool,
-    },
 }
 
 /// A part of a motion with a feed of its own.
@@ -157,14 +140,14 @@ impl FeedPlan {
     /// that not even the slowest feed keeps is left out, and its use reported.
     ///
     /// # Errors
-    /// [`FeedError`]: the program is refused, or cuts with a tool that the setup does not have.
+    /// [`FollowError`]: the program is refused, or cuts with a tool that the setup does not have.
     pub fn new(
         text: impl Into<Source>,
         control: &Control,
         setup: &Setup,
         objective: Option<FeedObjective>,
         names: &[FeedLimit],
-    ) -> Result<Self, FeedError> {
+    ) -> Result<Self, FollowError> {
         let mut limits: BTreeMap<u32, FeedLimits> =
             setup.limits.iter().map(|(number, limits)| (*number, limits.only(names))).collect();
         let mut plan = Self::default();
@@ -197,7 +180,7 @@ impl FeedPlan {
     }
 
     /// Follows the program and gathers what every motion meets.
-    fn follow(&mut self, text: impl Into<Source>, control: &Control, setup: &Setup) -> Result<Vec<Open>, FeedError> {
+    fn follow(&mut self, text: impl Into<Source>, control: &Control, setup: &Setup) -> Result<Vec<Open>, FollowError> {
         let mut follower = Follower::new(setup);
         let mut list = Vec::new();
         for event in Run::new(text, control)? {
@@ -211,7 +194,7 @@ impl FeedPlan {
                     let mut see = |from: f64, to: f64, seen: Seen<'_>| steps.push(Step { from, to, kind: way(seen) });
                     follower
                         .motion_seen(&motion, Some(&mut see))
-                        .map_err(|reason| FeedError::NoTool { line: event.line, reason })?;
+                        .map_err(|reason| FollowError::NoTool { line: event.line, reason })?;
                     let index = self.motions.len();
                     self.motions.push(Vec::new());
                     if motion.rapid || motion.time <= 0.0 || motion.length <= 0.0 {
