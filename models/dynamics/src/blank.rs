@@ -98,16 +98,9 @@ fn synthesised(front: &Body, response: &BlankResponse) -> Option<Receptance> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::coupling::{BaseMode, Joint, Material, base, chain};
+    use crate::coupling::tests::{CARBIDE, STEEL, rod};
+    use crate::coupling::{BaseMode, Joint, base, chain};
     use std::f64::consts::TAU;
-
-    const STEEL: Material = Material { youngs_modulus: 200e9, density: 7800.0, poisson_ratio: 0.29, loss_factor: 0.01 };
-    const CARBIDE: Material =
-        Material { youngs_modulus: 580e9, density: 14_500.0, poisson_ratio: 0.24, loss_factor: 0.004 };
-
-    fn rod(length: f64, diameter: f64, factor: f64, material: Material) -> Segment {
-        Segment { length, diameter, inner_diameter: 0.0, bending_factor: factor, inertia_factor: factor, material }
-    }
 
     fn spindle(w: f64) -> Receptance {
         let mode = |natural_frequency, damping_ratio, stiffness, rotation| BaseMode {

@@ -238,15 +238,16 @@ fn exponential(matrix: &Matrix4<Complex<f64>>) -> Matrix4<Complex<f64>> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    const STEEL: Material = Material { youngs_modulus: 200e9, density: 7800.0, poisson_ratio: 0.29, loss_factor: 0.01 };
-    const CARBIDE: Material =
+    pub(crate) const STEEL: Material =
+        Material { youngs_modulus: 200e9, density: 7800.0, poisson_ratio: 0.29, loss_factor: 0.01 };
+    pub(crate) const CARBIDE: Material =
         Material { youngs_modulus: 580e9, density: 14_500.0, poisson_ratio: 0.24, loss_factor: 0.004 };
 
-    fn rod(length: f64, diameter: f64, factor: f64, material: Material) -> Segment {
+    pub(crate) fn rod(length: f64, diameter: f64, factor: f64, material: Material) -> Segment {
         Segment { length, diameter, inner_diameter: 0.0, bending_factor: factor, inertia_factor: factor, material }
     }
 
