@@ -256,6 +256,29 @@ pub enum UniversalProblem {
         "the ordinate is of type {0} over {1}; displacement (8), velocity (11) or acceleration (12) over force (13) is read"
     )]
     Ordinate(i64, i64),
+    /// A cross spectrum without the auto spectrum that the estimator needs.
+    #[error(
+        "the auto spectrum of the {0} that belongs to this cross spectrum is not in the file; export it too, or the frequency response"
+    )]
+    Spectrum(String),
+    /// Two auto spectra of one channel: nobody knows to which series of hits each belongs.
+    #[error(
+        "a second auto spectrum of this channel; put every series of hits into a file of its own, or export frequency responses"
+    )]
+    TwoSpectra,
+    /// A signal over time that is neither force nor motion.
+    #[error(
+        "a signal over time of ordinate type {0}; force (13), displacement (8), velocity (11) and acceleration (12) are read"
+    )]
+    Signal(i64),
+    /// A signal over time that is not in the plane.
+    #[error("the signal is out of the plane of x and y; leave this channel out of the file")]
+    OutOfPlane,
+    /// A signal over time that differs from those before it in rate or number of samples.
+    #[error(
+        "the signal has another sampling rate or number of samples than those before it; export all channels alike"
+    )]
+    OtherTime,
 }
 
 /// What is wrong with a sound file.
@@ -322,6 +345,14 @@ pub enum RecordProblem {
         forces: usize,
         /// Channels of a response.
         responses: usize,
+    },
+    /// Channels stored for different numbers of hits.
+    #[error("one channel is stored {one} times and another {other} times; export every hit with all its channels")]
+    Hits {
+        /// How often one channel is there.
+        one: usize,
+        /// How often another one is.
+        other: usize,
     },
     /// A hammer test without a hit, or with hits that leave no room.
     #[error(

@@ -77,6 +77,16 @@ impl Estimator {
     }
 }
 
+impl fmt::Display for Estimator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::H1 => "H1",
+            Self::H2 => "H2",
+            Self::Hv => "Hv",
+        })
+    }
+}
+
 /// What the user of a hammer test decides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HammerOptions {

@@ -5,18 +5,7 @@ use crate::error::DynamicsError;
 use crate::frf::Measurement;
 use crate::hammer::{HammerOptions, responses};
 use crate::record::{FullScale, is_record, read_record};
-use crate::uff::read_uff;
-
-/// Reads frequency responses from the bytes of a file: a universal file begins with a line that holds `-1` alone, everything
-/// else is taken for a table. `file` is its name in messages.
-///
-/// # Errors
-/// [`DynamicsError`] with the place of the first fault.
-pub fn read(file: &str, bytes: &[u8]) -> Result<Measurement, DynamicsError> {
-    let first =
-        bytes.split(|byte| *byte == b'\n').find(|line| !line.iter().all(u8::is_ascii_whitespace)).unwrap_or(&[]);
-    if first.trim_ascii() == b"-1" { read_uff(file, bytes) } else { read_csv(file, &String::from_utf8_lossy(bytes)) }
-}
+use crate::uff::{is_universal, read_uff};
 
 /// What is told of a tap test beside its file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,15 +16,19 @@ pub struct TapOptions {
     pub hammer: HammerOptions,
 }
 
-/// Frequency responses from a file that holds them, as [`read`], or a record of hits over time.
+/// Frequency responses from the bytes of a file; `file` is its name in messages. A universal file begins with a line that holds
+/// `-1` alone; a sound file and a table with a column of time are records of hits; every other file is taken for a table of
+/// responses.
 ///
 /// # Errors
 /// [`DynamicsError`] with the place of the first fault.
 pub fn measure(file: &str, bytes: &[u8], options: &TapOptions) -> Result<Measurement, DynamicsError> {
-    if is_record(bytes) {
+    if is_universal(bytes) {
+        read_uff(file, bytes, &options.hammer)
+    } else if is_record(bytes) {
         responses(&read_record(file, bytes, &options.scales)?, &options.hammer)
     } else {
-        read(file, bytes)
+        read_csv(file, &String::from_utf8_lossy(bytes))
     }
 }
 

@@ -95,12 +95,36 @@ pub fn is_record(bytes: &[u8]) -> bool {
 pub fn read_record(file: &str, bytes: &[u8], scales: &[FullScale]) -> Result<Record, DynamicsError> {
     let record =
         if is_wave(bytes) { wave(file, bytes, scales)? } else { table(file, &String::from_utf8_lossy(bytes))? };
+    long_enough(record)
+}
+
+/// The record, where a spectrum of it has lines to speak of.
+///
+/// # Errors
+/// [`RecordProblem::Short`].
+pub(crate) fn long_enough(record: Record) -> Result<Record, DynamicsError> {
     let samples = record.channels[0].values.len();
     if samples < LEAST_SAMPLES {
         let problem = RecordProblem::Short { samples, least: LEAST_SAMPLES };
-        return Err(DynamicsError::Record { file: file.to_owned(), problem });
+        return Err(DynamicsError::Record { file: record.source, problem });
     }
     Ok(record)
+}
+
+/// Samples in a second (Hz) of times (s) in even steps.
+///
+/// # Errors
+/// [`RecordProblem`]: a single time, uneven steps.
+pub(crate) fn even_rate(time: &[f64]) -> Result<f64, RecordProblem> {
+    let [first, .., last] = *time else {
+        return Err(RecordProblem::Short { samples: time.len(), least: LEAST_SAMPLES });
+    };
+    let step = (last - first) / (time.len() - 1) as f64;
+    let even = |(i, time): &(usize, &f64)| (*time - first - *i as f64 * step).abs() <= UNEVEN * step.abs();
+    match time.iter().enumerate().find(|each| step <= 0.0 || !even(each)) {
+        Some((i, time)) => Err(RecordProblem::Uneven { sample: i + 1, time: *time }),
+        None => Ok(1.0 / step),
+    }
 }
 
 fn wave(file: &str, bytes: &[u8], scales: &[FullScale]) -> Result<Record, DynamicsError> {
@@ -154,15 +178,8 @@ fn table(file: &str, text: &str) -> Result<Record, DynamicsError> {
     if channels.is_empty() {
         return Err(missing("force [N], acceleration [m/s2], sound [Pa]"));
     }
-    let [first, .., last] = time[..] else {
-        return Err(problem(RecordProblem::Short { samples: time.len(), least: LEAST_SAMPLES }));
-    };
-    let step = (last - first) / (time.len() - 1) as f64;
-    let even = |(i, time): &(usize, &f64)| (*time - first - *i as f64 * step).abs() <= UNEVEN * step.abs();
-    if let Some((i, time)) = time.iter().enumerate().find(|each| step <= 0.0 || !even(each)) {
-        return Err(problem(RecordProblem::Uneven { sample: i + 1, time: *time }));
-    }
-    Ok(Record { source: file.to_owned(), rate: 1.0 / step, channels })
+    let rate = even_rate(&time).map_err(problem)?;
+    Ok(Record { source: file.to_owned(), rate, channels })
 }
 
 /// Units that would do, and a title with one.

@@ -5,9 +5,10 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use std::f64::consts::{PI, TAU};
+use std::fmt::Write as _;
 use toolroom_dynamics::{
-    Channel, Direction, DynamicsError, Estimator, FitOptions, HammerOptions, Measurement, Motion, Record, Signal, fit,
-    responses,
+    Channel, Direction, DynamicsError, Estimator, FitOptions, HammerOptions, Measurement, Motion, Record, Signal,
+    TapOptions, fit, measure, responses,
 };
 
 /// Natural frequency (Hz), damping ratio, stiffness (N/m).
@@ -90,6 +91,125 @@ fn receptance(truth: &[Truth], frequency: f64) -> Complex<f64> {
 
 fn measured(record: &Record) -> Measurement {
     responses(record, &HammerOptions::default()).unwrap()
+}
+
+/// A data set 58 of double precision as text: function type, first abscissa and step, ordinate types over each other.
+fn data_set(kind: u8, abscissa: [f64; 2], types: [u8; 2], complex: bool, values: &[Complex<f64>]) -> String {
+    let [first, step] = abscissa;
+    let mut text = format!(
+        "    -1\n    58\ntap\nNONE\nNONE\nNONE\nNONE\n{kind:5}{:10}{:5}{:10} {:<10}{:10}{:4} {:<10}{:10}{:4}\n\
+         {:10}{:10}{:10}{first:13.5E}{step:13.5E}{:13.5E}\n{:10}    0    0    0 NONE                 NONE\n\
+         {:10}    0    0    0 NONE                 NONE\n{:10}    0    0    0 NONE                 NONE\n\
+         {:10}    0    0    0 NONE                 NONE\n",
+        1,
+        1,
+        0,
+        "TIP",
+        1,
+        1,
+        "TIP",
+        1,
+        1,
+        if complex { 6 } else { 4 },
+        values.len(),
+        1,
+        0.0,
+        17,
+        types[0],
+        types[1],
+        0
+    );
+    for value in values {
+        let _ = write!(text, "{:20.12E}", value.re);
+        if complex {
+            let _ = write!(text, "{:20.12E}", value.im);
+        }
+        text.push('\n');
+    }
+    text + "    -1\n"
+}
+
+/// Data set 164 with SI units.
+const SI: &str = "    -1\n   164\n         1SI: Meter (newton)           2\n  1.0000000000000000D+00  \
+                  1.0000000000000000D+00  1.0000000000000000D+00\n  2.7314999999999998D+02\n    -1\n";
+
+#[test]
+fn a_record_in_a_universal_file_is_that_of_a_table_whether_hits_are_stored_together_or_each_by_itself() {
+    let record = record(&TOOL, &series(), 5.2, 0.0, 1);
+    let signal = |channel: usize, samples: std::ops::Range<usize>| {
+        let values: Vec<Complex<f64>> =
+            record.channels[channel].values[samples].iter().map(|value| Complex::from(*value)).collect();
+        data_set(1, [0.0, 1.0 / RATE], [[13, 12][channel], 0], false, &values)
+    };
+    let read = |text: &str| measure("hits.csv", text.as_bytes(), &TapOptions::default());
+    let samples = record.channels[0].values.len();
+    let table = measured(&record);
+    let together = read(&format!("{SI}{}{}", signal(0, 0..samples), signal(1, 0..samples))).unwrap();
+    assert_eq!((together.averages, together.functions.len()), (Some(5), 1));
+    for (a, b) in table.functions[0].receptance.iter().zip(&together.functions[0].receptance) {
+        assert!((a - b).norm() < 1e-6 * a.norm(), "{a} {b}");
+    }
+    // Every hit in 0.8 s of its own, force and response in turn.
+    let hits: Vec<usize> = [0.2, 1.23, 2.17, 3.21, 4.19].iter().map(|time| ((time - 0.03) * RATE) as usize).collect();
+    let each = |i: usize| hits[i]..hits[i] + (0.8 * RATE) as usize;
+    let apart: String = (0..5).map(|i| signal(0, each(i)) + &signal(1, each(i))).collect();
+    let apart = read(&format!("{SI}{apart}")).unwrap();
+    assert_eq!(apart.averages, Some(5));
+    for (frequency, value) in apart.frequencies.iter().zip(&apart.functions[0].receptance) {
+        let truth = receptance(&TOOL, *frequency);
+        assert!(*frequency < 200.0 || (value - truth).norm() < 0.01 * truth.norm(), "{frequency}: {value} {truth}");
+    }
+    let fault = |text: &str| read(text).unwrap_err().to_string();
+    let lost = fault(&format!("{SI}{}{}{}", signal(0, each(0)), signal(1, each(0)), signal(0, each(1))));
+    assert!(lost.contains("one channel is stored 2 times and another 1 times"), "{lost}");
+    let other = fault(&format!("{SI}{}{}", signal(0, each(0)), signal(1, 0..samples)));
+    assert!(other.starts_with("hits.csv:") && other.contains("another sampling rate or number of samples"), "{other}");
+    let units = fault(&format!("{}{}", signal(0, each(0)), signal(1, each(0))));
+    assert!(units.contains("no data set 164"), "{units}");
+}
+
+#[test]
+fn spectra_in_a_universal_file_make_the_response_and_its_coherence() {
+    let lines: Vec<f64> = (0..400).map(|i| 400.0 + 2.0 * f64::from(i)).collect();
+    let accelerance = |frequency: f64| -receptance(&TOOL, frequency) * (TAU * frequency).powi(2);
+    // The force has a spectrum that falls; a quarter of the power of the response is noise.
+    let force: Vec<f64> = lines.iter().map(|frequency| 3.0 - frequency / 1000.0).collect();
+    let cross: Vec<Complex<f64>> = lines.iter().zip(&force).map(|(f, power)| accelerance(*f) * power).collect();
+    let response: Vec<f64> = cross.iter().zip(&force).map(|(cross, power)| cross.norm_sqr() / power / 0.75).collect();
+    let real = |values: &[f64]| values.iter().map(|value| Complex::from(*value)).collect::<Vec<_>>();
+    let set =
+        |kind: u8, types: [u8; 2], values: &[Complex<f64>]| data_set(kind, [400.0, 2.0], types, kind == 3, values);
+    let (force, response) = (set(2, [13, 0], &real(&force)), set(2, [12, 0], &real(&response)));
+    let turned: Vec<Complex<f64>> = cross.iter().map(Complex::conj).collect();
+    let read = |text: &str, estimator| {
+        let options = TapOptions { hammer: HammerOptions { estimator, highest: None }, ..TapOptions::default() };
+        measure("tap.uff", text.as_bytes(), &options)
+    };
+    for cross in [set(3, [12, 13], &cross), set(3, [13, 12], &turned)] {
+        let text = format!("{SI}{force}{response}{cross}");
+        for (estimator, factor) in
+            [(Estimator::H1, 1.0), (Estimator::H2, 1.0 / 0.75), (Estimator::Hv, 0.75f64.powf(-0.5))]
+        {
+            let found = read(&text, estimator).unwrap();
+            let [function] = &found.functions[..] else { panic!("{found:?}") };
+            for (i, frequency) in lines.iter().enumerate() {
+                let truth = receptance(&TOOL, *frequency) * factor;
+                assert!((function.receptance[i] - truth).norm() < 1e-9 * truth.norm(), "{estimator} {frequency}");
+                assert!((function.coherence.as_ref().unwrap()[i] - 0.75).abs() < 1e-9);
+            }
+            assert!(found.notes[0].contains(&format!("made of spectra ({estimator})")), "{:?}", found.notes);
+        }
+        let alone = read(&format!("{SI}{force}{cross}"), Estimator::H1).unwrap();
+        assert_eq!(alone.functions[0].coherence, None);
+        let fault = |text: String, estimator| read(&text, estimator).unwrap_err().to_string();
+        let no_force = fault(format!("{SI}{response}{cross}"), Estimator::H1);
+        assert!(no_force.contains("the auto spectrum of the force"), "{no_force}");
+        assert!(read(&format!("{SI}{response}{cross}"), Estimator::H2).is_ok());
+        let no_response = fault(format!("{SI}{force}{cross}"), Estimator::Hv);
+        assert!(no_response.contains("the auto spectrum of the response"), "{no_response}");
+        let twice = fault(format!("{SI}{force}{force}{response}{cross}"), Estimator::H1);
+        assert!(twice.contains("a second auto spectrum"), "{twice}");
+    }
 }
 
 #[test]
