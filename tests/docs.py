@@ -127,6 +127,19 @@ def book():
     return sorted(page for page in pages - named if not page.startswith(("gap-benchmark/", "reference/")) and page != "SUMMARY.md")
 
 
+def front_door():
+    """What is wrong with the two commands that README.md promises: one for the main job, one for all tests, that of the
+    continuous integration."""
+    block = (ROOT / "README.md").read_text().split("```sh\n")[1].split("```")[0]
+    commands = [line.partition("#")[0].strip() for line in block.splitlines()]
+    scenario = pathlib.Path(commands[0].split()[-1])
+    if not (commands[0].startswith("cargo run ") and (ROOT / scenario).is_file()):
+        return f"README.md begins with `{commands[0]}`, which runs no scenario of this repository"
+    if commands[1:] != ["cargo test --workspace"] or commands[1] not in (ROOT / ".ci/run").read_text():
+        return "README.md does not name the command that passes all tests after the main job"
+    return None
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program", type=pathlib.Path)
@@ -143,6 +156,8 @@ def main():
     if book():
         sys.exit(f"pages that docs/SUMMARY.md does not name: {', '.join(book())}")
     print(f"{len(pages)} pages, every link leads somewhere")
+    if front_door():
+        sys.exit(front_door())
     examples(arguments.program.resolve())
     for page in PAGES:
         start = time.monotonic()
