@@ -8,7 +8,7 @@ use super::evidence::{Evidence, gain};
 use super::rules::{Judged, Refusal, Rule, agreed, stands};
 use super::stepwise;
 use super::trial::{Remainder, Trial};
-use super::{Closure, Forward, Found, GapVerdict, NINETY, NotNamed, Transform};
+use super::{Closure, EffectId, Forward, Found, GapVerdict, NINETY, NotNamed, Transform};
 
 /// A single effect with its gain over the nominal model.
 #[derive(Clone, Debug)]
@@ -16,7 +16,7 @@ pub struct Single {
     /// Candidate.
     pub candidate: usize,
     /// Its id.
-    pub id: &'static str,
+    pub id: EffectId,
     /// Score at the nominal fit.
     pub score: f64,
     /// Evidence.
@@ -129,10 +129,10 @@ impl Decision {
     /// Effects of trial `index` with those that the data cannot tell from the first.
     fn suspects(&self, context: Diagnosing<'_>, index: usize) -> String {
         let active = &self.trials[index].fit.active;
-        let mut names: Vec<&str> = active.iter().map(|index| context.model.frame().candidates[*index].id).collect();
+        let mut names: Vec<EffectId> = active.iter().map(|index| context.model.frame().candidates[*index].id).collect();
         let alike = class(context, self, &self.trials[index], active[0]).into_iter().map(|(id, _)| id);
         names.extend(alike.filter(|id| !names.contains(id)).collect::<Vec<_>>());
-        names.join(" or ")
+        EffectId::words(&names).join(" or ")
     }
 }
 

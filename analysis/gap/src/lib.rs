@@ -34,7 +34,6 @@
 mod basis;
 mod belief;
 mod budget;
-mod catalogue;
 mod channels;
 mod class;
 mod closure;
@@ -79,7 +78,6 @@ mod trial;
 mod verdict;
 
 pub use basis::Basis;
-pub use catalogue::report_units;
 pub use channels::diagnose_parts;
 pub use closure::Outside;
 pub use constants::{FEWEST_GROUPS, NINETY};
@@ -105,10 +103,10 @@ pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
 pub use toolroom_evidence::{EFFECT_PRIOR, Evidence, Gram};
 pub use toolroom_nominal::{
-    Asked, Candidate, Channel, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EmpiricalSizes,
-    Family, Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel, NominalProcess, Observation, On,
-    Parameter, Point, Settings, Stated, Surface, Transform, Untried, WEAR_RATE, Words, WrittenEffect, cutting,
-    empirical, features, grinding, program, sensor_sheet,
+    Asked, Candidate, Channel, ChannelId, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EffectId,
+    EmpiricalSizes, Family, Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel, NominalProcess,
+    Observation, On, Parameter, Point, Settings, Stated, Surface, Transform, Untried, WEAR_RATE, Words, WrittenEffect,
+    cutting, empirical, features, grinding, program, sensor_sheet,
 };
 pub use trial::Trial;
 

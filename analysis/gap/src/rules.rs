@@ -264,7 +264,8 @@ fn closes(judged: &Judged<'_>) -> Option<String> {
     if kept {
         return None;
     }
-    let names: Vec<&str> = judged.added().iter().map(|index| judged.model().frame().candidates[*index].id).collect();
+    let names: Vec<&str> =
+        judged.added().iter().map(|index| judged.model().frame().candidates[*index].id.word()).collect();
     let [low, high] = closed.ci90.map(|end| 100.0 * end);
     let names = names.join(" with ");
     Some(format!("{names} would close {low:.0} … {high:.0} % of the gap on groups left out: it is not named"))

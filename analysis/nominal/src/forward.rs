@@ -1,6 +1,6 @@
 //! What the diagnosis asks of a nominal model.
 
-use super::{Discrepancy, Measured, Untried, Words};
+use super::{Discrepancy, EffectId, Measured, Untried, Words};
 use rayon::prelude::*;
 use toolroom_effects::{Definition, Effect};
 use toolroom_innovations::Chain;
@@ -62,8 +62,8 @@ pub struct Local {
 /// An effect with a shape, which the data may ask for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// Word of the catalogue.
-    pub id: &'static str,
+    /// The effect.
+    pub id: EffectId,
     /// What distinguishes this shape from others of the same id: a lot, a speed; may be empty.
     pub shape: String,
     /// An ordinary size, SI: scale of steps and priors.

@@ -7,16 +7,19 @@
 //! | [`NominalModel`] | a nominal model as a file describes it, to be held over records |
 //! | [`cutting`], [`grinding`], [`program`], [`shop`], [`empirical`] | the models |
 //! | [`Settings`] | what is believed before any measurement |
+//! | [`EffectId`], [`ChannelId`] | what effects and channels are told apart by |
 //!
 //! Nothing here fits or decides: that is the room `gap`.
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod broken;
+mod channel_id;
 mod constants;
 pub mod cutting;
 mod cutting_effects;
 mod discrepancy;
+mod effect_id;
 pub mod empirical;
 mod empirical_effects;
 pub mod features;
@@ -35,8 +38,10 @@ mod stability;
 mod stated;
 mod units;
 
+pub use channel_id::ChannelId;
 pub use constants::{HUBER, MAD};
 pub use discrepancy::{Discrepancy, Discrepant, On};
+pub use effect_id::EffectId;
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use forward::{
     Candidate, Covariate, Direction, Family, Forward, Frame, Local, Parameter, Point, Surface, WrittenEffect,

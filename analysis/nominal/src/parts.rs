@@ -1,6 +1,7 @@
 //! Parts of records in which an effect may act alone: machines, parts, materials, lots, shifts, operators, and from a
 //! date on.
 
+use crate::EffectId;
 use crate::stated::Stated;
 use toolroom_effects::{Definition, parse_definitions};
 use toolroom_records::Records;
@@ -45,7 +46,7 @@ pub(crate) const MOST_RATES: usize = 20;
 
 /// A rate of wear that is another one, as the file defines it or as it is known here; `None` where it cannot be.
 pub(crate) fn wear_rate(stated: &Stated) -> Option<&'static Definition> {
-    let written = stated.defined.iter().copied().find(|own| own.entry().id == WEAR_RATE);
+    let written = stated.defined.iter().copied().find(|own| EffectId::from(*own).is_wear_rate());
     written.or_else(|| parse_definitions("catalogue", WEAR_RATE_TEXT).ok()?.first().copied())
 }
 

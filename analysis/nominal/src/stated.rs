@@ -1,7 +1,7 @@
 //! What a model file states beside its parameter sets, and how a fit starts from there.
 
 use super::parts::Part;
-use super::{Candidate, Direction, Forward, Frame, Point, Transform, WrittenEffect};
+use super::{Candidate, Direction, EffectId, Forward, Frame, Point, Transform, WrittenEffect};
 use toolroom_effects::Definition;
 use toolroom_innovations::Chain;
 use toolroom_records::Records;
@@ -28,7 +28,7 @@ pub struct Stated {
     /// Hashes of the records that the calibration has seen.
     pub seen: Vec<String>,
     /// Effects by id and shape that are tried on parts of the records, too.
-    pub split: Vec<(String, String)>,
+    pub split: Vec<(EffectId, String)>,
     /// Levels of columns on which every effect is tried, too.
     pub places: Vec<(String, String)>,
 }
@@ -61,7 +61,7 @@ impl Stated {
 
     /// Whether an effect is tried on this part of the records.
     pub(crate) fn tries(&self, effect: &Candidate, part: &Part) -> bool {
-        part.is_asked_for(self) || self.split.iter().any(|(id, shape)| effect.id == id && effect.shape == *shape)
+        part.is_asked_for(self) || self.split.iter().any(|(id, shape)| effect.id == *id && effect.shape == *shape)
     }
 
     /// Rows of `records` on which something with this scope acts, 1 or 0 each.

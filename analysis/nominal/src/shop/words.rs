@@ -5,7 +5,7 @@ use super::model::ShopModel;
 use super::nominal::Shop;
 use super::visit::Visits;
 use crate::stated::{Movable, Stated, Words};
-use crate::{Candidate, WrittenEffect};
+use crate::{Candidate, EffectId, WrittenEffect};
 use toolroom_scenario::{Calibration, Occasion, Scope, ShopEffect, Target};
 
 impl ShopModel {
@@ -15,7 +15,7 @@ impl ShopModel {
         for deviation in stated.deviations.clone() {
             let same = |index: usize| {
                 let written = self.written_effect(index);
-                self.frame.candidates[index].id == deviation.effect.word()
+                self.frame.candidates[index].id == deviation.effect.into()
                     && written.scope == deviation.scope
                     && (deviation.effect == ShopEffect::FeedHold
                         || written.recorded.is_some() == deviation.recorded.is_some())
@@ -25,7 +25,7 @@ impl ShopModel {
                 Some(index) => index,
                 None => match self.scoped(seen, deviation.effect, &deviation.scope) {
                     Some(action) => {
-                        let id = deviation.effect.word();
+                        let id = EffectId::from(deviation.effect);
                         let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
                         let shape = deviation.scope.words();
                         self.frame.candidates.push(Candidate {
