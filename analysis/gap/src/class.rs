@@ -5,7 +5,7 @@
 //! did, and nothing of it once that is taken into account.
 
 use super::constants::{CLEAR, CLEARLY_LEFT_OUT, GATE, PAIR_GATE, RIVAL, SAME};
-use super::decide::Decision;
+use super::decision::Decision;
 use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain, predictive_gain};
 use super::trial::Trial;

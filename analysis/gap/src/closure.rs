@@ -1,8 +1,6 @@
 //! How far the gap shrinks on groups that the fit did not see.
 
-use super::belief::held_against;
 use super::constants::{NINETY, TOO_FEW};
-use super::diagnosing::Diagnosing;
 use super::left_out::LeftOut;
 use super::measures::{CLOSABLE, Left, Measures, apart, usual};
 use super::noise::HUBER;
@@ -232,15 +230,6 @@ pub fn touched(model: &dyn Forward, trial: &Trial) -> Vec<ChannelId> {
 /// Channels that the candidates `active` touch.
 pub(super) fn touched_by(model: &dyn Forward, active: &[usize]) -> Vec<ChannelId> {
     active.iter().flat_map(|index| model.frame().candidates[*index].id.channels()).collect()
-}
-
-/// Closure of `trial` over the nominal `base` on the groups of the fit, each predicted by a fit to
-/// the others; what is kept out of the fit altogether has no part in a decision.
-pub(super) fn crossed(context: Diagnosing<'_>, base: &Trial, trial: &Trial) -> Closure {
-    let Diagnosing { model, basis, seed, .. } = context;
-    let (before, after) = held_against(context, base, trial, Diagnosing::left_out);
-    let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
-    closures(model, basis, &before, &after, &groups, &touched(model, trial), seed).0
 }
 
 /// Groups on which a closure is scored: those outside the fit, or all.

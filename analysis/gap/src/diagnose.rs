@@ -5,7 +5,8 @@ use super::budget::budget;
 use super::class::class;
 use super::closure::{closures, scored, standing_apart, touched};
 use super::constants::{NINETY, PROBABLE, PROBABLE_THOUGH_OFF};
-use super::decide::{Decision, decide};
+use super::decide::decide;
+use super::decision::{Decision, Single};
 use super::diagnosing::Diagnosing;
 use super::discrepancy::Widened;
 use super::evidence::{folds, gain, predictive_gain};
@@ -287,7 +288,7 @@ fn inclusion(context: Diagnosing<'_>, decision: &Decision) -> Vec<(EffectId, f64
     if !decision.imaged(context, &decision.model().fit.active) {
         models.push((Vec::new(), generic));
     }
-    let single = |single: &super::decide::Single| {
+    let single = |single: &Single| {
         let price = (count.max(1) as f64).ln() + decision.share;
         (vec![single.candidate], gain(&single.evidence, &decision.base.evidence) - price)
     };
@@ -307,7 +308,7 @@ fn inclusion(context: Diagnosing<'_>, decision: &Decision) -> Vec<(EffectId, f64
 fn ranking(model: &dyn Forward, decision: &Decision) -> Vec<Ranked> {
     let scores = decision.base.scores();
     let price = (model.frame().candidates.len().max(1) as f64).ln() + decision.share;
-    let one = |single: &super::decide::Single| {
+    let one = |single: &Single| {
         let candidate = &model.frame().candidates[single.candidate];
         let (factor, unit) = candidate.id.report_units();
         let value = gain(&single.evidence, &decision.base.evidence);

@@ -1,5 +1,6 @@
 //! What a diagnosis says, and its JSON form (schema 1).
 
+use super::number::number;
 use super::{ChannelId, DynamicsDrift, EffectId, Fitness, Identifiable, Measures};
 use serde_json::{Value, json};
 use toolroom_facts::{Fact, Finding};
@@ -266,10 +267,6 @@ pub struct Ranked {
     pub gain: f64,
     /// Gain on groups left out, and its standard error.
     pub left_out: [f64; 2],
-}
-
-pub(super) fn number(value: f64) -> Value {
-    if value.is_finite() { json!(value) } else { Value::Null }
 }
 
 impl NotNamed {

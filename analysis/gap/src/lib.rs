@@ -39,6 +39,7 @@ mod class;
 mod closure;
 mod constants;
 mod decide;
+mod decision;
 mod diagnose;
 mod diagnosing;
 mod diagnosis;
@@ -59,6 +60,7 @@ mod measures;
 mod method;
 mod narrowed;
 mod noise;
+mod number;
 pub mod plan;
 mod pooled;
 mod processes;
@@ -81,7 +83,7 @@ pub use basis::Basis;
 pub use channels::diagnose_parts;
 pub use closure::Outside;
 pub use constants::{FEWEST_GROUPS, NINETY};
-pub use decide::Decision;
+pub use decision::Decision;
 pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
     Apart, Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed,

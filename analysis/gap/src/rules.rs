@@ -10,7 +10,7 @@ use super::constants::{
     AGREED, CONVINCING, FEWEST_GROUPS, FORM, GATE, IMITATED, LEAST_CLOSED, LEAST_OF_CLOSABLE, LEAST_SIZE, PAIR_GATE,
     PROMISED, REMAINDER, SCATTERED, SLACK, STRAINED,
 };
-use super::decide::Decision;
+use super::decision::Decision;
 use super::diagnosing::Diagnosing;
 use super::evidence::predictive_gain;
 use super::trial::{Remainder, Trial};

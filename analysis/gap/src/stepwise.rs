@@ -3,7 +3,7 @@
 use super::constants::{
     DETECTABLE, EARLY, FURTHER, GATE, PAIRED, PAIRED_LEAD, PAIRED_SCORE, REFITTED, REFITTED_SCORE, SHAPES, STRAINED,
 };
-use super::decide::{Decision, Single};
+use super::decision::{Decision, Single};
 use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain};
 use super::rules::strain;

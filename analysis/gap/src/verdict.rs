@@ -15,7 +15,7 @@
 //! rejects nothing.
 
 use super::constants::{FAR_CONSTANT, LEAST_CLOSED};
-use super::decide::Mapped;
+use super::decision::Mapped;
 use super::{Closure, Diagnosis, Fitness, GapVerdict, Structure};
 
 /// Share of a channel's value below which structure does not matter (1). Assumption:

@@ -1,8 +1,8 @@
 //! Effects of turning and milling that the diagnosis tries, with the shapes that the data ask for.
 
 use super::features::{self, standardised};
-use super::search::{self, Rows, Shape, Sought, Untried, Way};
-use super::{Candidate, Channel, ChannelId, EffectId};
+use super::search::{self, Rows, Shape, Sought, Way};
+use super::{Candidate, Channel, ChannelId, EffectId, Untried};
 use toolroom_effects::{Definition, Effect, Search};
 use toolroom_records::Records;
 use toolroom_scenario::{MICRO_STOP, SCOPE_NAMES, Scope, ShopEffect};

@@ -2,12 +2,14 @@
 //! user has defined.
 
 use super::ChannelId;
-use super::empirical_effects::EMPIRICAL_EFFECTS;
-use super::parts::WEAR_RATE;
+use super::empirical_catalogue::EMPIRICAL_EFFECTS;
 use std::fmt;
 use toolroom_effects::{CatalogueEntry, Definition, Effect};
 use toolroom_scenario::ShopEffect;
 use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS};
+
+/// Id of a rate of wear that is another one on a part of the records: no cause, but a constant that is not the same everywhere.
+pub const WEAR_RATE: &str = "constant.wear_rate";
 
 /// An effect that may be missing from a nominal model, by its row of a catalogue. Inside the program effects are told apart
 /// by this type alone; its word stands in files, in documents and on the command line.

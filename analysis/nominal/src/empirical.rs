@@ -4,7 +4,8 @@
 //! `ln y = a + Σ b ln c + curvature + level of the group`; flank wear grows besides with the age t of
 //! its edge, `y ∝ t` or `t^p`. Each channel is a model of its own.
 
-use super::empirical_effects::{self, Action};
+use super::empirical_catalogue::EMPIRICAL_EFFECTS;
+use super::empirical_effects::{self, Action, LAND};
 use super::features::{self, standardised};
 use super::search;
 use super::settings::Settings;
@@ -35,10 +36,6 @@ const COURSE: [f64; 3] = [0.15, 0.10, 0.05];
 const YOUNG: f64 = 0.1;
 /// Age below which it counts as this, relative to the median.
 const YOUNGEST: f64 = 1e-3;
-/// Argument of the tangent beyond which an edge has run away.
-const RUNAWAY: f64 = 1.45;
-/// Land to which the size of wear effects refers, m.
-pub(super) const LAND: f64 = 0.3e-3;
 
 /// Power law of one channel over [`Records`].
 pub struct Empirical {
@@ -123,7 +120,7 @@ impl Empirical {
             known: &known,
         };
         (model.frame.candidates, model.actions) = empirical_effects::candidates(&seen).into_iter().unzip();
-        model.frame.untried = search::missing(empirical_effects::EMPIRICAL_EFFECTS, &model.frame.candidates);
+        model.frame.untried = search::missing(EMPIRICAL_EFFECTS, &model.frame.candidates);
         model
     }
 
@@ -242,29 +239,5 @@ impl Forward for Empirical {
             *value *= (level + slope * course).exp();
         }
         measured.observations.iter().map(|observation| value[observation.row]).collect()
-    }
-}
-
-/// Growth of wear that feeds itself, `dW/dW₀ = 1 + φ (W/L)²` along the wear W₀ without it:
-/// `W = (L/√φ) tan(√φ W₀/L)`.
-pub(super) fn accelerated(wear: f64, size: f64) -> f64 {
-    let x = (size.sqrt() * wear / LAND).min(RUNAWAY);
-    if x > 1e-6 { wear * x.tan() / x } else { wear }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn acceleration_solves_its_equation() {
-        // Euler with small steps.
-        let (size, end) = (0.8, 0.25e-3);
-        let mut wear = 0.0;
-        let steps = 200_000;
-        for _ in 0..steps {
-            wear += end / f64::from(steps) * (1.0 + size * (wear / LAND).powi(2));
-        }
-        assert!((accelerated(end, size) / wear - 1.0).abs() < 1e-4);
     }
 }

@@ -1,38 +1,14 @@
 //! Candidates of an empirical response: effects of the catalogue by what is recorded.
 
-use super::empirical::{LAND, accelerated};
 use super::features::{self, standardised};
 use super::{Candidate, ChannelId, EffectId, cutting_effects};
-use toolroom_effects::{CatalogueEntry, Search, Sign, Touched};
-use toolroom_process::{Record, record};
 use toolroom_records::Records;
 use toolroom_statistics::median;
 
-record! {
-    /// Sizes of the effects of empirical responses.
-    pub struct EmpiricalSizes {
-        /// Exponent of the condition that the nominal response does not know.
-        condition_response: Real = 0.0, 0.0..=10.0;
-    }
-}
-
-/// Effects of empirical responses beside those of processes and shop.
-pub const EMPIRICAL_EFFECTS: &[CatalogueEntry] = &[CatalogueEntry {
-    id: "condition_response",
-    title: "a channel responds to a recorded condition that the model leaves out",
-    size: &EmpiricalSizes::<f64>::FIELDS[0],
-    channels: &[
-        Touched { channel: "flank_wear", sign: Sign::Rises },
-        Touched { channel: "cutting_force", sign: Sign::Rises },
-        Touched { channel: "feed_force", sign: Sign::Rises },
-        Touched { channel: "spindle_power", sign: Sign::Rises },
-    ],
-    regime: "the condition",
-    confounder: "lot_hardness",
-    separating_test: "vary the condition on one edge and one lot",
-    source: "power law of the response, as in handbooks",
-    processes: &[("empirical", Search::Shaped)],
-}];
+/// Argument of the tangent beyond which an edge has run away.
+const RUNAWAY: f64 = 1.45;
+/// Land to which the size of wear effects refers, m.
+pub(super) const LAND: f64 = 0.3e-3;
 
 /// What a candidate does to the values of its channel, row by row.
 pub(super) enum Action {
@@ -232,5 +208,29 @@ fn conditions(seen: &Seen<'_>, list: &mut Offered) {
             let slope = or_zero(values.iter().map(|value| sign * (value / middle).ln()));
             offer(list, EffectId::CONDITION_RESPONSE, format!("{word} with {name}"), 0.3, Action::Power(slope));
         }
+    }
+}
+
+/// Growth of wear that feeds itself, `dW/dW₀ = 1 + φ (W/L)²` along the wear W₀ without it:
+/// `W = (L/√φ) tan(√φ W₀/L)`.
+fn accelerated(wear: f64, size: f64) -> f64 {
+    let x = (size.sqrt() * wear / LAND).min(RUNAWAY);
+    if x > 1e-6 { wear * x.tan() / x } else { wear }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn acceleration_solves_its_equation() {
+        // Euler with small steps.
+        let (size, end) = (0.8, 0.25e-3);
+        let mut wear = 0.0;
+        let steps = 200_000;
+        for _ in 0..steps {
+            wear += end / f64::from(steps) * (1.0 + size * (wear / LAND).powi(2));
+        }
+        assert!((accelerated(end, size) / wear - 1.0).abs() < 1e-4);
     }
 }

@@ -2,10 +2,10 @@
 
 use super::cutting::Cutting;
 use super::empirical::{self, Empirical};
+use super::given::Given;
 use super::grinding::Grinding;
 use super::program::{self, ProgramModel, Stretches};
 use super::shop::{Shop, ShopModel};
-use super::stated::Given;
 use super::{EffectId, Forward, Settings, Stated};
 use std::path::Path;
 use toolroom_cutting::{Milling, Turning};

@@ -1,19 +1,10 @@
 //! Shapes in which an effect is tried on records, by its row of the catalogue; or why it is not tried.
 
 use super::features::{self, standardised};
-use super::{Candidate, EffectId};
+use super::{Candidate, EffectId, Untried};
 use toolroom_effects::{CatalogueEntry, Definition, Effect, Effects, Search, UserEffect};
 use toolroom_records::Records;
 use toolroom_statistics::median;
-
-/// An effect of the process that the diagnosis did not try.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Untried {
-    /// The effect.
-    pub id: EffectId,
-    /// Why.
-    pub reason: String,
-}
 
 /// Effects of the catalogue that act on a process, then those that a user has defined for it.
 pub(super) fn effects_of(process: &'static str, defined: &[&'static Definition]) -> Vec<Effect> {

@@ -36,7 +36,7 @@ impl<P: Nominal> Cutting<P> {
     /// on a part may only stand for that.
     fn rate(&mut self, parts: &[Part], stated: &Stated) {
         let read = self.frame.measured.channels.iter().any(|channel| channel.id == ChannelId::FlankWear);
-        let Some(definition) = wear_rate(stated).filter(|_| read) else { return };
+        let Some(definition) = wear_rate(&stated.defined).filter(|_| read) else { return };
         let entry = definition.entry();
         let Some(Search::Size(typical)) = entry.search(P::NAME) else { return };
         if !self.frame.defined.contains(&definition) {

@@ -2,8 +2,8 @@
 
 use super::{Action, Change, Cutting, Fixed, Nominal};
 use crate::features::first_of_group;
-use crate::stated::{Movable, Stated, Words, occasion};
-use crate::{Candidate, ChannelId, EffectId, Parameter, Surface, WrittenEffect};
+use crate::stated::{Stated, occasion};
+use crate::{Candidate, ChannelId, EffectId, Movable, Parameter, Surface, Words, WrittenEffect};
 use toolroom_effects::Effect;
 use toolroom_records::Records;
 use toolroom_scenario::{MICRO_STOP, Moved, Scope, ShopEffect, Target};

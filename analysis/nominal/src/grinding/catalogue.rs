@@ -2,9 +2,9 @@
 
 use super::Grinding;
 use crate::parts::{MOST, parts};
-use crate::search::{self, Rows, Shape, Sought, Untried, Way};
+use crate::search::{self, Rows, Shape, Sought, Way};
 use crate::stated::Stated;
-use crate::{Candidate, EffectId};
+use crate::{Candidate, EffectId, Untried};
 use toolroom_effects::{Definition, Effect};
 use toolroom_infeed::Infeed;
 use toolroom_process::Process;

@@ -2,8 +2,8 @@
 
 use super::catalogue::Action;
 use super::{Change, Grinding};
-use crate::stated::{Movable, Stated, Words};
-use crate::{Candidate, EffectId, WrittenEffect};
+use crate::stated::Stated;
+use crate::{Candidate, EffectId, Movable, Words, WrittenEffect};
 use toolroom_records::Records;
 use toolroom_scenario::{Scope, Target, move_constant};
 

@@ -19,10 +19,9 @@ pub(super) use file::{FORM, section};
 use super::features::{self, standardised};
 use super::search;
 use super::settings::Settings;
-use super::stated::Movable;
 use super::{
-    Candidate, Channel, ChannelId, Covariate, EffectId, Forward, Frame, Measured, Parameter, Point, Surface, Transform,
-    WrittenEffect,
+    Candidate, Channel, ChannelId, Covariate, EffectId, Forward, Frame, Measured, Movable, Parameter, Point, Surface,
+    Transform, WrittenEffect,
 };
 use rows::{Rows, rows};
 use toolroom_drives::{Drives, times};

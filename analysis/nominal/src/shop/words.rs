@@ -4,8 +4,8 @@ use super::catalogue::Action;
 use super::model::ShopModel;
 use super::nominal::Shop;
 use super::visit::Visits;
-use crate::stated::{Movable, Stated, Words};
-use crate::{Candidate, EffectId, WrittenEffect};
+use crate::stated::Stated;
+use crate::{Candidate, EffectId, Movable, Words, WrittenEffect};
 use toolroom_scenario::{Calibration, Occasion, Scope, ShopEffect, Target};
 
 impl ShopModel {
