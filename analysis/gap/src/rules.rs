@@ -367,4 +367,20 @@ mod tests {
             assert!(RULES[..i].iter().all(|before| before.id != rule.id), "{} stands twice", rule.id);
         }
     }
+
+    /// Parts of the method that the ablation leaves out and that have a constant of their own.
+    const PARTS: [&str; 1] = ["form tolerance"];
+
+    #[test]
+    fn every_rule_is_the_row_of_a_constant_and_every_row_that_a_constant_names_is_there() {
+        let text = include_str!("constants.rs").replace("\n///", "");
+        let named: Vec<&str> = text.split("the row \"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+        for rule in RULES {
+            assert!(named.contains(&rule.id), "no constant names the row {}", rule.id);
+        }
+        for row in named {
+            let known = RULES.iter().any(|rule| rule.id == row) || PARTS.contains(&row);
+            assert!(known, "there is no row {row}");
+        }
+    }
 }
