@@ -7,7 +7,7 @@ use super::super::{
 };
 use super::block::{Block, Blocks, ROOT_SCORE, TAIL};
 use super::catalogue::Action;
-use super::constant::Constant;
+use super::constant::{Constant, Label};
 use super::figure::{Figure, Figures};
 use super::nominal::Shop;
 use super::stopped::{Shapes, Stopped};
@@ -102,7 +102,7 @@ impl ShopModel {
         model.calibration(shop, &seen);
         model.catalogue(shop, &seen);
         model.covariates(&seen);
-        model.state(shop, &seen, &mut stated.clone());
+        model.state(&seen, &mut stated.clone());
         notes.extend(std::mem::take(&mut model.frame.notes));
         (model, notes)
     }
@@ -148,9 +148,11 @@ impl ShopModel {
     fn calibration(&mut self, shop: &Shop, seen: &Visits) {
         let rows = self.blocks.list.len();
         let blocks = &self.blocks.list;
-        let mut surfaces = Vec::new();
-        let mut add = |name: String, channels: Vec<usize>, feature: Vec<f64>, deviation: f64, absolute: bool| {
+        let (mut surfaces, mut movable) = (Vec::new(), Vec::new());
+        let mut add = |label: Label<'_>, channels: Vec<usize>, feature: Vec<f64>, deviation: f64, absolute: bool| {
             if !channels.is_empty() && feature.iter().any(|value| *value != 0.0) {
+                let name = label.to_string();
+                movable.extend(label.movable(shop).map(|movable| (name.clone(), movable)));
                 surfaces.push(Surface { name, channels, feature, deviation, allowance: false, absolute });
             }
         };
@@ -160,69 +162,69 @@ impl ShopModel {
         let ones = || vec![1.0; rows];
         let (time, handling, change) =
             (self.place(Figure::CuttingTime), self.place(Figure::HandlingTime), self.place(Figure::ToolChangeTime));
-        add(Constant::ProgrammedTimes.to_string(), time.clone(), ones(), PROGRAM, false);
-        add(Constant::Handling.to_string(), handling.clone(), ones(), HANDLING, false);
-        add(Constant::Change.to_string(), change.clone(), ones(), CHANGE, false);
+        add(Constant::ProgrammedTimes.into(), time.clone(), ones(), PROGRAM, false);
+        add(Constant::Handling.into(), handling.clone(), ones(), HANDLING, false);
+        add(Constant::Change.into(), change.clone(), ones(), CHANGE, false);
         let scatter = |block: &Block| block.program.map_or(0.0, |program| self.blocks.scatter[program]);
         let scatters: Vec<f64> = blocks.iter().map(scatter).collect();
         for (program, name) in seen.programs.iter().enumerate() {
             let of_program = on(&|block| block.program == Some(program));
             let level = if self.blocks.known[program] { PROGRAM } else { UNKNOWN };
-            add(Constant::ProgrammedTime(name).to_string(), time.clone(), of_program.clone(), level, false);
+            add(Constant::ProgrammedTime(name).into(), time.clone(), of_program.clone(), level, false);
+            add(Constant::HandlingOfProgram(name).into(), handling.clone(), of_program.clone(), 0.5 * HANDLING, false);
             add(
-                Constant::HandlingOfProgram(name).to_string(),
-                handling.clone(),
+                format!("scatter of {name}").into(),
+                self.place(Figure::CuttingSpread),
                 of_program.clone(),
-                0.5 * HANDLING,
+                SCATTER,
                 false,
             );
-            add(format!("scatter of {name}"), self.place(Figure::CuttingSpread), of_program.clone(), SCATTER, false);
             // What adds to every handling makes its relative scatter smaller.
             add(
-                format!("scatter of handling for {name}"),
+                format!("scatter of handling for {name}").into(),
                 self.place(Figure::HandlingSpread),
                 of_program.clone(),
                 0.5 * SCATTER,
                 false,
             );
             let skew: Vec<f64> = of_program.iter().map(|share| share * self.blocks.scatter[program]).collect();
-            add(format!("skewness of {name}"), self.place(Figure::CuttingExcess), skew, SKEW, true);
-            add(format!("tails of {name}"), self.place(Figure::CuttingTail), of_program, TAILS, false);
+            add(format!("skewness of {name}").into(), self.place(Figure::CuttingExcess), skew, SKEW, true);
+            add(format!("tails of {name}").into(), self.place(Figure::CuttingTail), of_program, TAILS, false);
         }
-        add("scatter of handling".to_owned(), self.place(Figure::HandlingSpread), ones(), SCATTER, false);
-        add("tails of all".to_owned(), self.place(Figure::CuttingTail), ones(), 2.0 * TAILS, false);
-        add("skewness of all".to_owned(), self.place(Figure::CuttingExcess), scatters, 2.0 * SKEW, true);
-        add("wear rate level".to_owned(), self.place(Figure::EdgeLife), ones(), 0.15, false);
-        add("rate of booked stops".to_owned(), self.place(Figure::StopCount), ones(), SCATTER, false);
-        add("scores of breakdowns".to_owned(), self.place(Figure::FailureInterval), ones(), 0.02, false);
+        add("scatter of handling".to_owned().into(), self.place(Figure::HandlingSpread), ones(), SCATTER, false);
+        add("tails of all".to_owned().into(), self.place(Figure::CuttingTail), ones(), 2.0 * TAILS, false);
+        add("skewness of all".to_owned().into(), self.place(Figure::CuttingExcess), scatters, 2.0 * SKEW, true);
+        add(Constant::Lives.into(), self.place(Figure::EdgeLife), ones(), 0.15, false);
+        add("rate of booked stops".to_owned().into(), self.place(Figure::StopCount), ones(), SCATTER, false);
+        add("scores of breakdowns".to_owned().into(), self.place(Figure::FailureInterval), ones(), 0.02, false);
         for (machine, name) in seen.machines.iter().enumerate() {
             let of_machine = on(&|block| block.machine == machine);
-            add(Constant::MachineGain(name).to_string(), time.clone(), of_machine.clone(), MACHINE, false);
+            add(Constant::MachineGain(name).into(), time.clone(), of_machine.clone(), MACHINE, false);
             let stranger = shop.station(name).is_none();
             let level = |known: f64| if stranger { UNKNOWN } else { known };
             add(
-                Constant::HandlingAtMachine(name).to_string(),
+                Constant::HandlingAtMachine(name).into(),
                 handling.clone(),
                 of_machine.clone(),
                 level(0.5 * HANDLING),
                 false,
             );
-            add(Constant::ChangeAtMachine(name).to_string(), change.clone(), of_machine.clone(), level(CHANGE), false);
+            add(Constant::ChangeAtMachine(name).into(), change.clone(), of_machine.clone(), level(CHANGE), false);
             add(
-                format!("scatter of handling at {name}"),
+                format!("scatter of handling at {name}").into(),
                 self.place(Figure::HandlingSpread),
                 of_machine.clone(),
                 0.5 * SCATTER,
                 false,
             );
             add(
-                format!("scatter at {name}"),
+                format!("scatter at {name}").into(),
                 self.place(Figure::CuttingSpread),
                 of_machine.clone(),
                 0.5 * SCATTER,
                 false,
             );
-            add(format!("lives of edges at {name}"), self.place(Figure::EdgeLife), of_machine, 0.1, false);
+            add(Constant::LivesAtMachine(name).into(), self.place(Figure::EdgeLife), of_machine, 0.1, false);
         }
         let spread = self.place(Figure::HandlingSpread);
         for shift in self.shifts() {
@@ -247,6 +249,7 @@ impl ShopModel {
             .map(|(figure, name)| (self.place(figure), name)),
         );
         self.frame.surfaces = surfaces;
+        self.frame.words.movable = movable;
         self.frame.locals = vec![
             Local { name: "cutting time of the day", deviation: DAILY, estimated: true, scatter: false },
             Local { name: "handling time of the day", deviation: 3.0 * DAILY, estimated: true, scatter: false },
