@@ -6,15 +6,14 @@ use crate::speak::Voice;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_dynamics::{Blank, Fit, FitOptions, Measurement, Scatter, ShopCut, TapOptions, read_shop_cuts};
-use toolroom_lobes::{LobesCut, LobesFile, Structure, read_structure};
+use toolroom_dynamics::{Fit, FitOptions, Measurement, Scatter, TapOptions};
+use toolroom_lobes::read_structure;
 use toolroom_modes::{
-    Comparison, ModesStudy, ModesUpdate, NAMES, Request, RequestError, SpeedStudy, SwapError, Tip, Tool, UpdateOptions,
-    blank, is_records, range, read_tool, recorded_cuts, scatter, summary, tip, tip_at, tip_of_blank,
+    Comparison, CutsError, ModesStudy, ModesUpdate, NAMES, Request, RequestError, SpeedStudy, Spindle, SwapError,
+    TappedBlank, UpdateOptions, blank, range, read_cuts, read_tool, scatter, summary,
 };
 use toolroom_output::{Files, OutputDir, provenance};
 use toolroom_planning::lobes::Measured;
-use toolroom_records::{RecordKind, parse_csv};
 
 /// Where the files and the words of a fault are described.
 const GUIDE: &str = "see docs/dynamics.md";
@@ -92,13 +91,20 @@ fn update(args: &ModesArgs, cuts: &Path, lobes: &Path, voice: &Voice) -> Result<
         return Err(Failure::argument(message, "write for example --coefficients 0.15"));
     }
     let records = bytes(cuts)?;
-    let table = shop_cuts(cuts, &records, &file.content, args.machine.as_deref(), voice)?;
+    let found = read_cuts(&cuts.display().to_string(), &records, &file.content, args.machine.as_deref());
+    let found = found.map_err(|error| {
+        let fix = if matches!(error, CutsError::NamesNoMachine) { "leave it out" } else { GUIDE };
+        Failure::argument(error, fix)
+    })?;
+    if let Some(words) = found.words() {
+        voice.say(words);
+    }
     let options = UpdateOptions {
         particles: args.particles as usize,
         coefficients: args.coefficients,
         ..UpdateOptions::default()
     };
-    let update = ModesUpdate::new(&structure.content, &file.content, &table, &options)
+    let update = ModesUpdate::new(&structure.content, &file.content, &found.cuts, &options)
         .map_err(|error| Failure::argument(error, GUIDE))?;
     if voice.json {
         voice.json(&update.json())?;
@@ -128,31 +134,6 @@ fn update(args: &ModesArgs, cuts: &Path, lobes: &Path, voice: &Voice) -> Result<
     Ok(())
 }
 
-/// Cuts of a plain table, or of the records of a shop.
-fn shop_cuts(
-    path: &Path,
-    bytes: &[u8],
-    file: &LobesFile,
-    machine: Option<&str>,
-    voice: &Voice,
-) -> Result<Vec<ShopCut>, Failure> {
-    let (name, text) = (path.display().to_string(), String::from_utf8_lossy(bytes));
-    if !is_records(&text) {
-        if machine.is_some() {
-            return Err(Failure::argument("--machine: a plain table of cuts names no machine", "leave it out"));
-        }
-        return read_shop_cuts(&name, &text).map_err(|error| Failure::argument(error, GUIDE));
-    }
-    let milling = matches!(file.cut, LobesCut::Milling(_));
-    let kind = if milling { RecordKind::Milling } else { RecordKind::Turning };
-    let (records, _) = parse_csv(&name, bytes, kind).map_err(|error| Failure::argument(error, GUIDE))?;
-    let found = recorded_cuts(&records, file, machine).map_err(|error| Failure::argument(error, GUIDE))?;
-    if let Some(words) = found.words() {
-        voice.say(format_args!("{words}"));
-    }
-    Ok(found.cuts)
-}
-
 /// The frequency responses of a file, at rest or at several spindle speeds.
 pub fn responses(path: &Path) -> Result<Measured, Failure> {
     let bytes = bytes(path)?;
@@ -177,7 +158,7 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
 pub fn swap(args: &SwapArgs, voice: &Voice) -> Result<(), Failure> {
     let target = Target::new(args.out.as_deref(), args.report.as_deref(), args.accept_refused);
     let mut tool = read_tool(&args.tool, &args.set)?;
-    let (base, bytes_of_base) = Base::read(args)?;
+    let (spindle, bytes_of_base) = spindle(args)?;
     let range = range(&args.range)?;
     let refused = |error: SwapError| Failure::argument(error, GUIDE);
     let given = args.measured.as_deref().map(|path| Ok::<_, Failure>((path, bytes(path)?))).transpose()?;
@@ -186,21 +167,21 @@ pub fn swap(args: &SwapArgs, voice: &Voice) -> Result<(), Failure> {
         let name = path.display().to_string();
         let unread = |error| Failure::argument(error, GUIDE);
         let measured = toolroom_dynamics::measure(&name, bytes, &TapOptions::default()).map_err(unread)?;
-        let tip = base.tip_at(&measured.frequencies, &tool.content, range).map_err(refused)?;
+        let tip = spindle.tip_at(&measured.frequencies, &tool.content, range).map_err(refused)?;
         let found = Comparison::new(&tip, tool.content.joint.as_ref(), &measured, args.fit_joint).map_err(refused)?;
         if let Some(fitted) = &found.joint {
             tool.content.joint = Some(fitted.joint);
         }
         comparison = Some(found);
     }
-    let (measured, direction) = base.tip(&tool.content, range).map_err(refused)?;
+    let (measured, direction) = spindle.tip(&tool.content, range).map_err(refused)?;
     let read = [Some(&args.base), Some(&args.tool), args.measured.as_ref()].into_iter().flatten();
     let files = target.files(read.map(PathBuf::as_path), voice)?;
     let inputs = [(&args.base, bytes_of_base.as_slice()), (&args.tool, tool.text.as_bytes())];
     let given = args.measured.as_ref().zip(given.as_ref().map(|(_, bytes)| bytes.as_slice()));
     let inputs = inputs.into_iter().chain(given).map(|(path, bytes)| (path.display().to_string(), bytes));
     let inputs: Vec<(String, &[u8])> = inputs.collect();
-    let provenance = provenance("swap", &inputs, told(args), None);
+    let provenance = provenance("swap", &inputs, typed(args), None);
     let options = FitOptions { direction: Some(direction), ..FitOptions::default() };
     let study = ModesStudy::new(target.name(&args.tool), measured, &options, Scatter::ASSUMED);
     let mut study = study.map_err(|error| Failure::argument(error, GUIDE))?;
@@ -209,68 +190,35 @@ pub fn swap(args: &SwapArgs, voice: &Voice) -> Result<(), Failure> {
 }
 
 /// What changes the tip, as it has to be typed.
-fn told(args: &SwapArgs) -> impl Iterator<Item = String> {
+fn typed(args: &SwapArgs) -> impl Iterator<Item = String> {
     let averages = args.averages.map(|averages| averages.to_string());
     let measured = args.measured.as_ref().map(|path| path.display().to_string());
-    let told = [
+    let options = [
         ("--blank", args.blank.clone()),
         ("--second", args.second.clone()),
         ("--averages", averages),
         ("--direction", args.direction.clone()),
         ("--measured", measured),
     ];
-    let told = told.into_iter().filter_map(|(flag, value)| Some([flag.to_owned(), value?])).flatten();
+    let given = options.into_iter().filter_map(|(flag, value)| Some([flag.to_owned(), value?])).flatten();
     let set = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]).collect::<Vec<_>>();
-    told.chain(args.fit_joint.then(|| "--fit-joint".to_owned())).chain(set)
+    given.chain(args.fit_joint.then(|| "--fit-joint".to_owned())).chain(set)
 }
 
-/// The spindle that a tool is put on.
-enum Base {
-    /// Modes at its face.
-    Modes(Box<Structure>),
-    /// Taps on a blank in it, averages behind each, and their direction.
-    Blank(Box<Measurement>, Option<u32>, Blank, [f64; 2]),
-}
-
-impl Base {
-    /// The spindle of a command, and the bytes of its file.
-    fn read(args: &SwapArgs) -> Result<(Self, Vec<u8>), Failure> {
-        let (Some(text), Some(second)) = (&args.blank, &args.second) else {
-            let base = read_structure(&args.base, &[])?;
-            return Ok((Self::Modes(Box::new(base.content)), base.text.into_bytes()));
-        };
-        let blank = blank(text, second).map_err(|error| Failure::argument(error, GUIDE))?;
-        let request = Request { averages: args.averages, direction: args.direction.as_deref(), ..Request::default() };
-        let FitOptions { averages, direction, .. } = request.options()?;
-        let (name, bytes) = (args.base.display().to_string(), bytes(&args.base)?);
-        let tapped = toolroom_dynamics::measure(&name, &bytes, &TapOptions::default());
-        let tapped = tapped.map_err(|error| Failure::argument(error, GUIDE))?;
-        Ok((Self::Blank(Box::new(tapped), averages, blank, direction.unwrap_or([1.0, 0.0])), bytes))
-    }
-
-    /// The response at the tip of a tool, and its direction.
-    fn tip(&self, tool: &Tool, range: [f64; 2]) -> Result<(Measurement, [f64; 2]), SwapError> {
-        match self {
-            Self::Modes(spindle) => tip(spindle, tool, range),
-            Self::Blank(tapped, averages, blank, direction) => {
-                let (measured, _) = tip_of_blank(tapped, *averages, blank, tool, range)?;
-                Ok((measured, *direction))
-            }
-        }
-    }
-
-    /// Tool and spindle at the lines of another measurement within a range, or at those of the blank.
-    fn tip_at(&self, frequencies: &[f64], tool: &Tool, range: [f64; 2]) -> Result<Tip, SwapError> {
-        match self {
-            Self::Modes(spindle) => {
-                let inside = frequencies.iter().copied().filter(|line| (range[0]..=range[1]).contains(line));
-                tip_at(spindle, tool, inside.collect())
-            }
-            Self::Blank(tapped, averages, blank, _) => {
-                tip_of_blank(tapped, *averages, blank, tool, range).map(|(_, tip)| tip)
-            }
-        }
-    }
+/// The spindle of a command, and the bytes of its file.
+fn spindle(args: &SwapArgs) -> Result<(Spindle, Vec<u8>), Failure> {
+    let (Some(text), Some(second)) = (&args.blank, &args.second) else {
+        let base = read_structure(&args.base, &[])?;
+        return Ok((Spindle::Modes(Box::new(base.content)), base.text.into_bytes()));
+    };
+    let blank = blank(text, second).map_err(|error| Failure::argument(error, GUIDE))?;
+    let request = Request { averages: args.averages, direction: args.direction.as_deref(), ..Request::default() };
+    let FitOptions { averages, direction, .. } = request.options()?;
+    let (name, bytes) = (args.base.display().to_string(), bytes(&args.base)?);
+    let measured = toolroom_dynamics::measure(&name, &bytes, &TapOptions::default());
+    let measured = measured.map_err(|error| Failure::argument(error, GUIDE))?;
+    let direction = direction.unwrap_or([1.0, 0.0]);
+    Ok((Spindle::Tapped(Box::new(TappedBlank { measured, averages, blank, direction })), bytes))
 }
 
 /// Where modes are written.

@@ -18,15 +18,10 @@ fn spindle(w: f64) -> Receptance {
     base(&[[680.0, 0.045, 42e6, -9.0], [1420.0, 0.03, 65e6, -14.0], [2950.0, 0.025, 90e6, -22.0]].map(mode), w)
 }
 
-/// A plain rod of the materials of tool files.
-fn rod(length: f64, diameter: f64, factor: f64, carbide: bool) -> Segment {
-    let material = if carbide {
-        Material { youngs_modulus: 580e9, density: 14_500.0, poisson_ratio: 0.24, loss_factor: 0.004 }
-    } else {
-        Material { youngs_modulus: 205e9, density: 7_850.0, poisson_ratio: 0.29, loss_factor: 0.004 }
-    };
-    Segment { length, diameter, inner_diameter: 0.0, bending_factor: factor, inertia_factor: factor, material }
-}
+/// Materials of tool files.
+const STEEL: Material = Material { youngs_modulus: 205e9, density: 7_850.0, poisson_ratio: 0.29, loss_factor: 0.004 };
+const CARBIDE: Material =
+    Material { youngs_modulus: 580e9, density: 14_500.0, poisson_ratio: 0.24, loss_factor: 0.004 };
 
 /// A table of responses (m/N) in um/N with noise of a share of their greatest modulus, coherence and 5 averages.
 fn table(names: &[&str], noise: f64, at: impl Fn(f64) -> Vec<[f64; 2]>) -> String {
@@ -65,8 +60,9 @@ fn part(receptance: Receptance) -> [f64; 2] {
 /// Taps on a steel blank of 16 by 40 mm at its tip and 25 mm behind it.
 fn blank(names: &[&str], noise: f64) -> String {
     table(names, noise, |w| {
-        let front = rod(0.025, 0.016, 1.0, false).body(w).expect("finite");
-        let behind = rod(0.015, 0.016, 1.0, false).body(w).expect("finite").on(&spindle(w), None).expect("finite");
+        let front = Segment::rod(0.025, 0.016, 1.0, STEEL).body(w).expect("finite");
+        let behind =
+            Segment::rod(0.015, 0.016, 1.0, STEEL).body(w).expect("finite").on(&spindle(w), None).expect("finite");
         let coupling = (front.r22 + behind).try_inverse().expect("finite");
         let tip = front.r11 - front.r12 * coupling * front.r21;
         [tip, behind * coupling * front.r21, behind * coupling * front.r22].map(part).to_vec()
@@ -75,7 +71,7 @@ fn blank(names: &[&str], noise: f64) -> String {
 
 /// A tap on the end mill of `scenarios/chatter/endmill12.toml` on the spindle.
 fn assembly(joint: &Joint) -> String {
-    let tool = [rod(0.026, 0.012, 0.8, true), rod(0.014, 0.012, 1.0, true)];
+    let tool = [Segment::rod(0.026, 0.012, 0.8, CARBIDE), Segment::rod(0.014, 0.012, 1.0, CARBIDE)];
     table(&[""], 0.003, |w| {
         let tip = chain(&tool, w).and_then(|body| body.on(&spindle(w), Some(joint))).expect("finite");
         vec![part(tip)]

@@ -45,8 +45,8 @@ fn every_effect_of_a_process_is_tried_or_said_not_to_be_and_why() {
         let columns: Vec<(&str, [f64; 4])> = known.into_iter().copied().collect();
         let (forward, _) = model.over(&recorded(&model, &columns), None, |_, _| false);
         let frame = forward.frame();
-        let tried: BTreeSet<&str> = frame.candidates.iter().map(|candidate| candidate.id).collect();
-        let untried: BTreeSet<&str> = frame.untried.iter().map(|untried| untried.id).collect();
+        let tried: BTreeSet<&str> = frame.candidates.iter().map(|candidate| candidate.id.word()).collect();
+        let untried: BTreeSet<&str> = frame.untried.iter().map(|untried| untried.id.word()).collect();
         assert!(tried.is_disjoint(&untried), "{process}");
         for effect in Effects::every(process).iter() {
             let id = effect.entry().id;
@@ -64,7 +64,8 @@ fn what_a_cut_cannot_read_is_never_tried() {
     let model = model.expect("a shipped model");
     let columns: Vec<_> = CUTS.iter().copied().filter(|(name, _)| model.kind().column(name).is_some()).collect();
     let (forward, _) = model.over(&recorded(&model, &columns), None, |_, _| false);
-    let reason = |id: &str| forward.frame().untried.iter().find(|untried| untried.id == id).map(|own| &own.reason);
+    let reason =
+        |id: &str| forward.frame().untried.iter().find(|untried| untried.id.word() == id).map(|own| &own.reason);
     for id in ["chipping", "process_damping", "chuck_stiffness"] {
         assert!(reason(id).is_some(), "{id}");
     }

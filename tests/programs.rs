@@ -384,7 +384,7 @@ fn an_undisturbed_machine_has_no_gap() {
 fn slow_tool_changes_are_named_with_their_size() {
     let diagnosis = diagnosed(&Case::one("program", "tool_change_delay", 1.0, 5));
     assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
-    assert_eq!((diagnosis.effects[0].id, diagnosis.effects.len()), ("tool_change_delay", 1));
+    assert_eq!((diagnosis.effects[0].id.word(), diagnosis.effects.len()), ("tool_change_delay", 1));
     assert!((diagnosis.effects[0].size - 5.0).abs() < 1.5, "{}", diagnosis.terminal());
 }
 

@@ -1,6 +1,6 @@
 //! Diagnosis of shops whose hidden effect, equations and noise no model here knows.
 
-use toolroom_gap::{Diagnosis, GapVerdict, Identifiable, NominalModel, diagnose, identifiability};
+use toolroom_gap::{ChannelId, Diagnosis, EffectId, GapVerdict, Identifiable, NominalModel, diagnose, identifiability};
 use toolroom_records::{RecordKind, parse_csv};
 use toolroom_truth::Case;
 
@@ -31,7 +31,7 @@ fn force_that_grows_with_wear_is_named_with_its_size() {
     let diagnosis = diagnosed(&Case::one("turning", "wear_force", 1.0, 5));
     assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
     let effect = &diagnosis.effects[0];
-    assert_eq!((effect.id, diagnosis.effects.len()), ("wear_force", 1));
+    assert_eq!((effect.id.word(), diagnosis.effects.len()), ("wear_force", 1));
     assert!(effect.ci90[0] < 0.20 && effect.ci90[1] > 0.20, "{:?}", effect.ci90);
     assert!(diagnosis.total.closed > 0.0, "{:?}", diagnosis.total);
 }
@@ -42,7 +42,7 @@ fn an_edge_that_builds_up_between_two_windows_is_missed_as_it_was_promised() {
     let (diagnosis, promised) = answered(&case);
     assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
     let size = case.size("built_up_edge").expect("it is hidden");
-    let windows = promised.iter().filter(|row| row.id == "built_up_edge");
+    let windows = promised.iter().filter(|row| row.id.word() == "built_up_edge");
     let least = windows.map(|row| row.score(size)).min_by(f64::total_cmp).expect("windows are tried");
     assert!((3.0..5.0).contains(&least), "{least}");
 }
@@ -67,7 +67,7 @@ fn a_channel_in_a_wrong_unit_is_said() {
     let (forward, notes) = model.over(&records, None, |_, _| false);
     let diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
     assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
-    assert!(forward.frame().measured.channels.iter().all(|channel| channel.name != "cutting_force"));
+    assert!(forward.frame().measured.channels.iter().all(|channel| channel.id != ChannelId::CuttingForce));
     assert!(notes.iter().any(|note| note.contains("cutting_force") && note.contains("unit")));
 }
 
@@ -78,7 +78,7 @@ fn short_stops_that_no_mean_shows_are_named_by_the_tail_of_the_cycles() {
         let diagnosis = diagnosed(&Case::one("shop", "micro_stops", strength, 1));
         assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
         let effect = &diagnosis.effects[0];
-        assert_eq!((effect.id, diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
+        assert_eq!((effect.id.word(), diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
         assert!((rate * 0.8..rate * 1.2).contains(&effect.size), "{} 1/h", effect.size);
     }
 }
@@ -88,7 +88,7 @@ fn many_short_stops_are_no_skewed_times_and_get_their_size() {
     // Calibration alone would ask for a skewness ten prior standard deviations away in the last of these shops.
     let sizes = [3, 11, 13].map(|seed| {
         let diagnosis = diagnosed(&Case::one("shop", "micro_stops", 2.0, seed));
-        let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+        let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.word()).collect();
         assert_eq!(named, ["micro_stops"], "{}", diagnosis.terminal());
         diagnosis.effects[0].size
     });
@@ -108,7 +108,7 @@ fn a_feed_override_above_programmed_in_one_shift_is_named_there_with_its_sign() 
     let diagnosis = diagnosed(&Case::one("shop", "feed_override", -2.0, 1));
     assert_eq!(diagnosis.effects.len(), 1, "{}", diagnosis.terminal());
     let effect = &diagnosis.effects[0];
-    assert_eq!((effect.id, effect.shape.as_str()), ("feed_override", "shift=S2"), "{}", diagnosis.terminal());
+    assert_eq!((effect.id.word(), effect.shape.as_str()), ("feed_override", "shift=S2"), "{}", diagnosis.terminal());
     assert!(effect.ci90[0] < -0.16 && effect.ci90[1] > -0.16, "{:?}", effect.ci90);
     assert!(effect.probability <= 0.99, "{}", effect.probability);
 }
@@ -120,7 +120,7 @@ fn equations_that_are_off_are_blamed_on_nothing_and_the_rule_is_named() {
     let diagnosis = diagnosed(&case);
     assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
     let last = diagnosis.not_named.last().expect("a model that was not named");
-    assert_eq!(last.effects, ["wear_temperature"]);
+    assert_eq!(last.effects, [EffectId::WEAR_TEMPERATURE]);
     assert_eq!(last.rules[0].rule, "closure", "{last:?}");
     assert!(diagnosis.notes.iter().any(|note| note.contains("rule closure")), "{:?}", diagnosis.notes);
 }
@@ -139,7 +139,7 @@ fn a_delay_that_scatters_is_no_signature_of_first_operations() {
     for (process, seed, stress) in [("turning", 1_200_100_194, false), ("milling", 1_500_100_499, true)] {
         let case = Case { stress, ..Case::one(process, "tool_change_delay", 1.0, seed) };
         let diagnosis = diagnosed(&case);
-        let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+        let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.word()).collect();
         assert_eq!(named, ["tool_change_delay"], "{process}: {}", diagnosis.terminal());
     }
 }

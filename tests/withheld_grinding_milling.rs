@@ -43,7 +43,7 @@ fn a_grinder_that_hides_nothing_is_blamed_for_nothing() {
 #[test]
 fn a_wheel_that_dulls_is_named_with_its_size() {
     let (diagnosis, _) = diagnosed("grinding", &Case::one("grinding", "wheel_dulling", 1.0, 1).records());
-    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.word()).collect();
     assert_eq!(named, ["wheel_dulling"], "{}", diagnosis.terminal());
     let [low, high] = diagnosis.effects[0].ci90;
     assert!(low < 0.3 && 0.3 < high, "{low} {high}");
@@ -52,7 +52,7 @@ fn a_wheel_that_dulls_is_named_with_its_size() {
 #[test]
 fn a_machine_that_loses_a_fifth_of_its_stiffness_is_named_with_its_size() {
     let (diagnosis, _) = diagnosed("grinding", &Case::one("grinding", "stiffness_drift", 2.0, 1_100_200_767).records());
-    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.word()).collect();
     assert_eq!(named, ["stiffness_drift"], "{}", diagnosis.terminal());
     // 0.06 1/h at first, less and less later on: 0.05 1/h over the hours that were recorded.
     let effect = &diagnosis.effects[0];
@@ -62,7 +62,7 @@ fn a_machine_that_loses_a_fifth_of_its_stiffness_is_named_with_its_size() {
 #[test]
 fn a_wheel_that_dulls_is_named_where_the_form_of_other_equations_drowns_what_it_closes() {
     let (diagnosis, _) = diagnosed("grinding", &Case::one("grinding", "wheel_dulling", 1.0, 1_100_200_649).records());
-    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.word()).collect();
     assert_eq!(named, ["wheel_dulling"], "{}", diagnosis.terminal());
     assert!(diagnosis.total.ci90[0] < 0.0, "{:?}", diagnosis.total);
     assert!(diagnosis.notes.iter().any(|note| note.contains("beside the form allowance")), "{:?}", diagnosis.notes);
@@ -85,7 +85,7 @@ fn without_names_of_wheels_and_dressings_parts_in_cycle_tell_them() {
     let csv = Case::one("grinding", "coolant_change", 1.0, 1).records();
     let csv = reduced(&csv, &["wheel_id", "dressing_cycle", "start_time", "width", "tangential_force"], |_| true);
     let (diagnosis, notes) = diagnosed("grinding", &csv);
-    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.word()).collect();
     assert_eq!(named, ["coolant_change"], "{}", diagnosis.terminal());
     assert_eq!(diagnosis.held_out.len(), 8, "{:?}", diagnosis.held_out);
     assert!(notes.iter().any(|note| note.contains("start_time")), "{notes:?}");
@@ -143,6 +143,6 @@ fn mills_that_hide_nothing_are_blamed_for_nothing_whatever_the_sign_of_the_feed_
 #[test]
 fn a_drifting_force_sensor_of_a_mill_is_named() {
     let (diagnosis, _) = diagnosed("milling", &Case::one("milling", "force_drift", 2.0, 1).records());
-    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.word()).collect();
     assert_eq!(named, ["force_drift"], "{}", diagnosis.terminal());
 }

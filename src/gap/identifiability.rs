@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
 use std::fmt::Write;
-use toolroom_gap::identifiability;
+use toolroom_gap::{EffectId, identifiability};
 
 pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
     let model = nominal(&args.data)?;
@@ -17,7 +17,7 @@ pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
         let channel = part.frame().measured.channels.first().filter(|_| parts.len() > 1);
         for mut row in identifiability(part.as_ref()) {
             if let Some(channel) = channel {
-                row.shape = format!("{}, {}", channel.name, row.shape).trim_end_matches(", ").to_owned();
+                row.shape = format!("{}, {}", channel.id, row.shape).trim_end_matches(", ").to_owned();
             }
             list.push(row);
         }
@@ -27,9 +27,9 @@ pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
             .iter()
             .map(|row| {
                 json!({
-                    "id": row.id, "shape": row.shape, "masking": row.masking, "unit": row.unit,
+                    "id": row.id.word(), "shape": row.shape, "masking": row.masking, "unit": row.unit,
                     "minimal_detectable": row.minimal_detectable.is_finite().then_some(row.minimal_detectable),
-                    "confused_with": row.confused, "calibration_bias": row.bias,
+                    "confused_with": EffectId::words(&row.confused), "calibration_bias": row.bias,
                     "separating_test": row.separating_test,
                 })
             })
@@ -40,7 +40,7 @@ pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
         "least size that these runs would show (nineteen times of twenty), and what it is confused with\n",
     );
     for row in &list {
-        let name = if row.shape.is_empty() { row.id.to_owned() } else { format!("{} ({})", row.id, row.shape) };
+        let name = if row.shape.is_empty() { row.id.to_string() } else { format!("{} ({})", row.id, row.shape) };
         let least = if row.minimal_detectable.is_finite() {
             format!("{:.3} {}", row.minimal_detectable, row.unit)
         } else {
@@ -49,7 +49,7 @@ pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
         let confused = if row.confused.is_empty() {
             String::new()
         } else {
-            format!("; confused with {}", row.confused.join(", "))
+            format!("; confused with {}", EffectId::words(&row.confused).join(", "))
         };
         let _ = writeln!(text, "  {name:34} {least:>18}{confused}");
     }

@@ -8,6 +8,7 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::collections::BTreeMap;
 use toolroom_apply::{Prediction, predictions};
+use toolroom_gap::ChannelId;
 use toolroom_gap_study::{GapStudyError, tables};
 use toolroom_output::Files;
 use toolroom_process::table::{Cell, csv_text};
@@ -53,7 +54,7 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
             .iter()
             .map(|(id, own)| {
                 json!({
-                    "operation_id": id, "channel": own.channel, "unit": own.unit, "measured": own.measured,
+                    "operation_id": id, "channel": own.channel.word(), "unit": own.unit, "measured": own.measured,
                     "predicted": own.value, "standard_deviation": own.standard_deviation,
                 })
             })
@@ -77,7 +78,7 @@ fn lacking(error: GapStudyError) -> Failure {
 
 /// How far the model is from each channel, in the unit for people.
 fn summary(rows: &[(String, Prediction)]) -> Vec<String> {
-    let mut channels: BTreeMap<&str, (&str, f64, f64, f64)> = BTreeMap::new();
+    let mut channels: BTreeMap<ChannelId, (&str, f64, f64, f64)> = BTreeMap::new();
     for (_, own) in rows {
         let shown = |value: f64| unit::convert(value, own.unit, own.display);
         let off = shown(own.measured) - shown(own.value);
@@ -87,7 +88,7 @@ fn summary(rows: &[(String, Prediction)]) -> Vec<String> {
         }
     }
     let digits = |value: f64| format!("{value:.2e}").parse().unwrap_or(value).to_string();
-    let line = |(channel, (unit, sum, squares, count)): (&str, (&str, f64, f64, f64))| {
+    let line = |(channel, (unit, sum, squares, count)): (ChannelId, (&str, f64, f64, f64))| {
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         let [mean, rms] = [sum / count, (squares / count).sqrt()].map(digits);
         format!(
@@ -100,7 +101,7 @@ fn summary(rows: &[(String, Prediction)]) -> Vec<String> {
 fn cells((id, own): &(String, Prediction)) -> [Cell<'_>; 6] {
     [
         id.into(),
-        own.channel.into(),
+        own.channel.word().into(),
         own.unit.into(),
         own.measured.into(),
         own.value.into(),

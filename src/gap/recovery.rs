@@ -30,7 +30,7 @@ pub fn run(args: &RecoveryArgs, voice: &Voice) -> Result<(), Failure> {
     let found = recovery(&request, &put, &|done, total| bar.at(Progress { done, total }));
     bar.finish();
     let (hidden, logs) = found?;
-    let entry = |hidden: &toolroom_gap_study::HiddenEntry| json!({ "id": hidden.id, "scope": hidden.scope.words(), "size": hidden.size, "unit": hidden.unit });
+    let entry = |hidden: &toolroom_gap_study::HiddenEntry| json!({ "id": hidden.id.word(), "scope": hidden.scope.words(), "size": hidden.size, "unit": hidden.unit });
     let document = json!({
         "schema": 1, "model": args.model.display().to_string(),
         "truth": args.truth.as_ref().map(|path| path.display().to_string()), "set": args.set, "seed": args.seed,

@@ -2,7 +2,9 @@
 
 use crate::predict::{Prediction, at};
 use nalgebra::DMatrix;
-use toolroom_gap::{Bare, Basis, EFFECT_PRIOR, Forward, Linear, Movable, Point, WrittenEffect, fit, normal_equations};
+use toolroom_gap::{
+    Bare, Basis, EFFECT_PRIOR, EffectId, Forward, Linear, Movable, Point, WrittenEffect, fit, normal_equations,
+};
 use toolroom_scenario::{Calibration, Moved};
 
 /// A constant that the applied point moves.
@@ -24,8 +26,8 @@ pub struct Constant {
 /// An effect of the applied point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// Word of the catalogue.
-    pub id: &'static str,
+    /// The effect.
+    pub id: EffectId,
     /// Candidate of the model.
     pub candidate: usize,
     /// How a scenario says it.

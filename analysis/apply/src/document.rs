@@ -4,12 +4,10 @@ use crate::applied::{Applied, Constant, Found};
 use crate::grew::grew;
 use serde_json::{Map, Value, json};
 use std::path::Path;
-use toolroom_effects::{Definition, Effect};
-use toolroom_gap::{NINETY, WEAR_RATE, WrittenEffect};
+use toolroom_gap::{NINETY, WrittenEffect};
 use toolroom_process::table::{Cell, csv_text};
 use toolroom_process::unit;
 use toolroom_records::Records;
-use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS};
 use toolroom_scenario::{Calibration, Scope};
 use toolroom_shards::fingerprint;
 
@@ -21,13 +19,6 @@ pub(crate) fn exact(value: f64, si: &'static str, display: &'static str) -> (f64
     let shown = unit::convert(value, si, display);
     let same = unit::quantity(&format!("{shown} {display}"), si) == Ok(value);
     if display == "1" || same { (shown, display) } else { (value, si) }
-}
-
-/// Size unit of an effect: SI, and that for people.
-pub(crate) fn size_unit(id: &str, definition: Option<&'static Definition>) -> (&'static str, &'static str) {
-    let of_process = definition.map(Definition::entry).or_else(|| Effect::named(id).ok().map(|effect| effect.entry()));
-    let entry = of_process.or_else(|| SHOP_EFFECTS.iter().chain(PROGRAM_EFFECTS).find(|entry| entry.id == id));
-    entry.map_or(("1", "1"), |entry| (entry.size.unit, entry.size.display))
 }
 
 fn number(value: f64) -> Value {
@@ -60,17 +51,17 @@ fn shape_json(written: &WrittenEffect) -> Value {
 fn kind(found: &Found) -> &'static str {
     match found.written.definition {
         Some(own) if own.is_empirical() => "empirical",
-        Some(own) if own.entry().id == WEAR_RATE => "constant",
+        Some(_) if found.id.is_wear_rate() => "constant",
         Some(_) | None => "cause",
     }
 }
 
 fn found_json(found: &Found, target: &str, process: &str) -> Value {
-    let (si, display) = size_unit(found.id, found.written.definition);
+    let (si, display) = (found.id.entry().size.unit, found.id.entry().size.display);
     let (size, unit) = exact(found.size, si, display);
     let ratio = if unit == si { 1.0 } else { unit::convert(1.0, si, display) };
     let mut value = json!({
-        "kind": kind(found), "id": found.id, "process": process, "target": target,
+        "kind": kind(found), "id": found.id.word(), "process": process, "target": target,
         "shape": shape_json(&found.written), "scope": scope_json(&found.written.scope),
         "size": { "value": number(size), "unit": unit, "se": number(found.standard_error * ratio) },
     });
@@ -149,7 +140,7 @@ pub fn document(mut document: Value, processes: &[Process<'_>], data: (String, u
         let mut left: Vec<&Found> = own.parts.iter().flat_map(|part| &part.effects).collect();
         for effect in list.as_array_mut().into_iter().flatten() {
             let mine = effect["process"].as_str().is_none_or(|process| process == own.name);
-            let named = |found: &&Found| Some(found.id) == effect["id"].as_str();
+            let named = |found: &&Found| Some(found.id.word()) == effect["id"].as_str();
             let place = left.iter().position(named).filter(|_| mine);
             let found = place.map(|place| left.remove(place));
             if let (Some(found), true, true) = (found, mine, effect["size"].is_number()) {
@@ -214,7 +205,7 @@ pub fn predictions_of(records: &Records, parts: &[Applied]) -> Vec<PredictionRow
         let applied_row = &applied[i];
         PredictionRow {
             operation_id: id(applied_row.row.min(records.len().saturating_sub(1))),
-            channel: applied_row.channel.to_owned(),
+            channel: applied_row.channel.to_string(),
             unit: applied_row.unit.to_owned(),
             measured: applied_row.measured,
             nominal: nominal[i].value,

@@ -1,12 +1,13 @@
 //! Effects of a diagnosis, as entries of a file.
 
-use crate::document::size_unit;
 use crate::error::ApplyError;
 use crate::scope::{machines, scope_item, scoped_item, scoped_json};
 use crate::values::{number, put, tables, unreadable, written};
 use serde_json::Value;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, value};
 use toolroom_effects::{Definition, Effect, parse_definitions};
+use toolroom_gap::EffectId;
+use toolroom_scenario::ShopEffect;
 
 /// Total below which an effect is off.
 const NOTHING: f64 = 1e-12;
@@ -17,7 +18,8 @@ fn effect_of(
     shape: &serde_json::Map<String, Value>,
     definition: Option<&'static Definition>,
 ) -> Option<Effect> {
-    let (unit, _) = size_unit(id, definition);
+    let known = definition.map(EffectId::from).or_else(|| EffectId::named(id));
+    let unit = known.map_or("1", |effect| effect.entry().size.unit);
     let size = if unit == "1" { 0.0.into() } else { Value::from(format!("0 {unit}")) };
     let defined: Vec<&'static Definition> = definition.into_iter().collect();
     let parameters = shape.iter().map(|(name, value)| (name.as_str(), value)).chain([("size", &size)]);
@@ -179,8 +181,10 @@ pub fn of_shop(document: &mut DocumentMut, effect: &Value) -> Result<(), ApplyEr
     let id = effect["id"].as_str().unwrap_or_default().to_owned();
     let (scope, machines) = (scoped_json(&effect["scope"]), machines(document));
     let recorded = effect["recorded"].as_f64();
-    let share = (id == "feed_hold").then_some(recorded).flatten();
-    let recorded = recorded.filter(|_| id == "feed_override");
+    let shop_effect = ShopEffect::from_word(&id);
+    let held = shop_effect == Some(ShopEffect::FeedHold);
+    let share = held.then_some(recorded).flatten();
+    let recorded = recorded.filter(|_| shop_effect == Some(ShopEffect::FeedOverride));
     let entries = tables(document, "deviation")?;
     let same = |entry: &Table| {
         entry.get("id").and_then(Item::as_str) == Some(&id)
@@ -189,7 +193,7 @@ pub fn of_shop(document: &mut DocumentMut, effect: &Value) -> Result<(), ApplyEr
     };
     let found = entries.iter().position(same);
     let mut table = found.and_then(|index| entries.get(index)).cloned().unwrap_or_default();
-    if id == "feed_hold" && share.is_none() && table.get("share").is_none() {
+    if held && share.is_none() && table.get("share").is_none() {
         let reason = "the diagnosis does not say in which share of the operations".to_owned();
         return Err(ApplyError::Effect { id, reason });
     }

@@ -8,6 +8,7 @@ use crate::applied::Applied;
 use crate::predict::Prediction;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use toolroom_gap::ChannelId;
 use toolroom_process::unit;
 
 /// Growth of the mean square over its standard error between groups that counts as certain (1). Source: the gate of the
@@ -22,7 +23,7 @@ const FEWEST: usize = 3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grew {
     /// The channel.
-    pub channel: &'static str,
+    pub channel: ChannelId,
     /// Unit for people of the two root mean squares.
     pub unit: &'static str,
     /// Root mean square of measured less predicted values, of the model that was read.
@@ -48,7 +49,7 @@ impl Grew {
 
     /// The entry of `applied.grew`.
     pub fn json(&self, process: &str) -> Value {
-        json!({ "process": process, "channel": self.channel, "unit": self.unit, "rms_before": self.before,
+        json!({ "process": process, "channel": self.channel.word(), "unit": self.unit, "rms_before": self.before,
                 "rms_after": self.after, "words": self.words() })
     }
 }
@@ -64,7 +65,7 @@ type Squares = [f64; 5];
 
 fn of_part(part: &Applied) -> Vec<Grew> {
     let [nominal, _, applied] = &part.predictions;
-    let mut channels: BTreeMap<&'static str, (&'static str, BTreeMap<usize, Squares>)> = BTreeMap::new();
+    let mut channels: BTreeMap<ChannelId, (&'static str, BTreeMap<usize, Squares>)> = BTreeMap::new();
     for (before, after) in nominal.iter().zip(applied) {
         let shown = |own: &Prediction, value: f64| unit::convert(value, own.unit, own.display);
         let off = [before, after].map(|own| shown(own, own.measured) - shown(own, own.value));
@@ -77,7 +78,7 @@ fn of_part(part: &Applied) -> Vec<Grew> {
         let own = [standard[0].powi(2), standard[1].powi(2), off[0].powi(2), off[1].powi(2), 1.0];
         squares.iter_mut().zip(own).for_each(|(sum, value)| *sum += value);
     }
-    let of_channel = |(channel, (unit, groups)): (&'static str, (&'static str, BTreeMap<usize, Squares>))| {
+    let of_channel = |(channel, (unit, groups)): (ChannelId, (&'static str, BTreeMap<usize, Squares>))| {
         let count = groups.len() as f64;
         let growth: Vec<f64> = groups.values().map(|own| own[1] - own[0]).collect();
         let mean = growth.iter().sum::<f64>() / count;
@@ -98,7 +99,7 @@ mod tests {
     fn part(before: f64, after: f64) -> Applied {
         let prediction = |i: usize, off: f64| Prediction {
             row: i,
-            channel: "flank_wear",
+            channel: ChannelId::FlankWear,
             unit: "m",
             display: "mm",
             measured: 0.2e-3,
@@ -123,7 +124,7 @@ mod tests {
         assert!(grew(&[part(0.04, 0.01)]).is_empty());
         assert!(grew(&[part(0.04, 0.0401)]).is_empty(), "a quarter of a per cent does not matter");
         let found = grew(&[part(0.04, 0.13)]);
-        assert_eq!(found.iter().map(|own| (own.channel, own.unit)).collect::<Vec<_>>(), [("flank_wear", "mm")]);
+        assert_eq!(found.iter().map(|own| (own.channel, own.unit)).collect::<Vec<_>>(), [(ChannelId::FlankWear, "mm")]);
         assert!((found[0].after / found[0].before - 3.25).abs() < 1e-9, "{found:?}");
         assert!(found[0].words().contains("0.143 mm instead of 0.0441 mm"), "{}", found[0].words());
     }

@@ -1,6 +1,6 @@
 //! What a model predicts of recorded rows.
 
-use toolroom_gap::{Forward, Point, Transform, predict};
+use toolroom_gap::{ChannelId, Forward, Point, Transform, predict};
 
 /// A measured value beside what models say of it, SI.
 #[derive(Clone, Debug, PartialEq)]
@@ -8,7 +8,7 @@ pub struct Prediction {
     /// Row of the records.
     pub row: usize,
     /// Channel.
-    pub channel: &'static str,
+    pub channel: ChannelId,
     /// SI unit.
     pub unit: &'static str,
     /// Unit for people.
@@ -44,7 +44,7 @@ pub(crate) fn at(model: &dyn Forward, point: &Point) -> Vec<Prediction> {
         };
         Prediction {
             row: model.frame().record_of(observation.row),
-            channel: channel.name,
+            channel: channel.id,
             unit: channel.unit,
             display: channel.display,
             measured: value_measured,

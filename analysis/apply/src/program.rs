@@ -5,6 +5,7 @@ use crate::values::{amount, number, put, unreadable, written};
 use serde_json::Value;
 use toml_edit::{DocumentMut, Item, Table, TableLike};
 use toolroom_drives::Drives;
+use toolroom_gap::EffectId;
 use toolroom_process::{Field, Record};
 
 /// The table under `key`, which is made where there is none.
@@ -50,7 +51,8 @@ pub fn switch_on(document: &mut DocumentMut, effect: &Value) -> Result<(), Apply
     let id = effect["id"].as_str().unwrap_or_default();
     let alike = effect["shape"]["each_alike"].is_object();
     let key = if alike { "feed_hold_each" } else { id };
-    let (si, _) = crate::document::size_unit(id, None);
+    let effect_id = EffectId::named(id).ok_or_else(|| unreadable("the id of an effect"))?;
+    let si = effect_id.entry().size.unit;
     let size = &effect["size"];
     let text = format!("{} {}", number(&size["value"], "a size")?, size["unit"].as_str().unwrap_or("1"));
     let added = if si == "1" {
@@ -59,27 +61,23 @@ pub fn switch_on(document: &mut DocumentMut, effect: &Value) -> Result<(), Apply
         toolroom_process::unit::quantity(&text, si).map_err(|_| unreadable("a size"))?
     };
     // What acts on the drives goes there, where the next diagnosis finds it.
-    match id {
-        "spindle_ramp" => {
-            let [base, reference] =
-                ["base_speed", "reference_speed"].map(|key| quantity(&effect["shape"][key], "rad/s"));
-            let (base, reference) = (base?, reference?);
-            let constant = added / (reference * reference + base * base);
-            let spindle = inner(document, "spindle")?;
-            add(spindle, "constant", constant, field("spindle_constant")?);
-            put(spindle, "base_speed", written(base, "rad/s"));
-            return Ok(());
-        }
-        "stop_settling" => {
-            let rapid = added * quantity(&effect["shape"]["rapid"], "1")?;
-            let own = document.get("drives").and_then(|drives| drives.get("settling")).is_some();
-            let keys = if own { ["feed", "rapid"] } else { ["feed_settling", "rapid_settling"] };
-            let settling = if own { inner(document, "settling")? } else { table(document, "drives")? };
-            add(settling, keys[0], added, field("feed_settling")?);
-            add(settling, keys[1], rapid, field("rapid_settling")?);
-            return Ok(());
-        }
-        _ => {}
+    if effect_id == EffectId::SPINDLE_RAMP {
+        let [base, reference] = ["base_speed", "reference_speed"].map(|key| quantity(&effect["shape"][key], "rad/s"));
+        let (base, reference) = (base?, reference?);
+        let constant = added / (reference * reference + base * base);
+        let spindle = inner(document, "spindle")?;
+        add(spindle, "constant", constant, field("spindle_constant")?);
+        put(spindle, "base_speed", written(base, "rad/s"));
+        return Ok(());
+    }
+    if effect_id == EffectId::STOP_SETTLING {
+        let rapid = added * quantity(&effect["shape"]["rapid"], "1")?;
+        let own = document.get("drives").and_then(|drives| drives.get("settling")).is_some();
+        let keys = if own { ["feed", "rapid"] } else { ["feed_settling", "rapid_settling"] };
+        let settling = if own { inner(document, "settling")? } else { table(document, "drives")? };
+        add(settling, keys[0], added, field("feed_settling")?);
+        add(settling, keys[1], rapid, field("rapid_settling")?);
+        return Ok(());
     }
     let effects = table(document, "effects")?;
     let before = effects.get(key).and_then(Item::as_value).map(amount(si)).unwrap_or(0.0);

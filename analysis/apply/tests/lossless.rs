@@ -201,7 +201,7 @@ fn an_effect_of_a_user_beside_the_model_is_written_into_it_with_its_definition()
     let defined = toolroom_effects::parse_definitions("mine.toml", CRATER).expect("a definition");
     let nominal = model(TURNING).with_effects(Path::new("model.toml"), &defined).expect("one of its id");
     let forward = nominal.over(&records, None, |_, _| false).0;
-    let is_crater = |candidate: &toolroom_gap::Candidate| candidate.id == "my.crater";
+    let is_crater = |candidate: &toolroom_gap::Candidate| candidate.id.word() == "my.crater";
     let all: Vec<usize> =
         (0..forward.frame().candidates.len()).filter(|i| is_crater(&forward.frame().candidates[*i])).collect();
     assert_eq!(all.len(), 4, "its own speed and three over the range");
@@ -257,7 +257,7 @@ changes = [{ term = \"temperature_rise\", factor = \"exp(size * (min(cutting_spe
     let nominal = model(TURNING).with_effects(Path::new("model.toml"), &defined).expect("one of its id");
     let forward = nominal.over(&records, None, |_, _| false).0;
     let candidates = &forward.frame().candidates;
-    let term = candidates.iter().position(|own| own.id == defined[0].entry().id).expect("a candidate");
+    let term = candidates.iter().position(|own| own.id == defined[0].into()).expect("a candidate");
     let basis = Basis::of_sheet(forward.as_ref(), Method::default());
     let described = applied_to(forward.as_ref(), forward.as_ref(), &[], &basis, &[term], None);
     let hash = model_hash(TURNING, &[]).expect("TOML");

@@ -3,7 +3,7 @@
 use crate::BlindError;
 use crate::row::{Mark, Row};
 use crate::shrunk::Shrunk;
-use toolroom_gap::{Forward, GapVerdict, Method, NamedEffect, NominalModel, diagnose_by, identifiability};
+use toolroom_gap::{EffectId, Forward, GapVerdict, Method, NamedEffect, NominalModel, diagnose_by, identifiability};
 use toolroom_records::{Records, parse_csv};
 use toolroom_truth::{Case, Hidden};
 
@@ -44,8 +44,8 @@ pub(crate) fn judged(case: &Case, model: &NominalModel, name: &str, method: Meth
         hidden_size: hidden_size.and_then(rounded),
         promised_z: promised.and_then(rounded),
         mark: mark(case, diagnosis.verdict, named),
-        named: join(&|effect| effect.id.to_owned()),
-        class: join(&|effect| effect.class.join(" ")),
+        named: join(&|effect| effect.id.to_string()),
+        class: join(&|effect| EffectId::words(&effect.class).join(" ")),
         shape: join(&|effect| effect.shape.clone()),
         size: single.and_then(|effect| rounded(effect.size)),
         size_low: single.and_then(|effect| rounded(effect.ci90[0])),
@@ -63,7 +63,7 @@ pub(crate) fn judged(case: &Case, model: &NominalModel, name: &str, method: Meth
         notes: diagnosis.notes.join("; "),
         times: case.times,
         form: case.form,
-        not_named: last.map_or_else(String::new, |last| last.effects.join(" + ")),
+        not_named: last.map_or_else(String::new, |last| EffectId::words(&last.effects).join(" + ")),
         rules: last
             .map_or_else(String::new, |last| last.rules.iter().map(|found| found.rule).collect::<Vec<_>>().join(" ")),
     })
@@ -91,11 +91,12 @@ fn mark(case: &Case, verdict: GapVerdict, named: &[NamedEffect]) -> Mark {
         GapVerdict::NoGap | GapVerdict::Small => return Mark::NoGap,
         GapVerdict::Effect => {}
     }
-    let hidden = |effect: &NamedEffect| case.hidden.iter().any(|hidden| effect.class.contains(&hidden.id));
+    let in_class = |effect: &NamedEffect, id: &str| effect.class.iter().any(|own| own.word() == id);
+    let hidden = |effect: &NamedEffect| case.hidden.iter().any(|hidden| in_class(effect, hidden.id));
     if !named.iter().all(hidden) {
         return Mark::Wrong;
     }
-    let found = |id: &str| named.iter().any(|effect| effect.class.contains(&id));
+    let found = |id: &str| named.iter().any(|effect| in_class(effect, id));
     if case.hidden.iter().all(|hidden| found(hidden.id)) { Mark::Exact } else { Mark::Partly }
 }
 
@@ -106,7 +107,7 @@ fn promised(case: &Case, forward: &dyn Forward) -> Option<f64> {
     let score = |hidden: &Hidden| {
         let size = case.size(hidden.id)?;
         // Where a cause acts is not known beforehand: of its shapes the one that shows least counts.
-        let rows = list.iter().filter(|row| row.id == hidden.id);
+        let rows = list.iter().filter(|row| row.id.word() == hidden.id);
         Some(rows.map(|row| row.score(size)).min_by(f64::total_cmp).unwrap_or(0.0))
     };
     case.hidden.iter().filter_map(score).min_by(f64::total_cmp)

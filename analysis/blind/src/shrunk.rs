@@ -1,9 +1,7 @@
 //! How far the gap shrinks, as the diagnosis said and on new edges of the same shop.
 
-use toolroom_effects::Effect;
-use toolroom_gap::{Diagnosis, NamedEffect, NominalModel, Outside, joined, report_units};
+use toolroom_gap::{ChannelId, Diagnosis, EffectId, NamedEffect, NominalModel, Outside, joined};
 use toolroom_records::Records;
-use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS};
 
 /// Seed of intervals that nobody looks at.
 const SEED: u64 = 1;
@@ -38,26 +36,20 @@ impl Shrunk {
         let place =
             |effect: &NamedEffect| candidates.iter().position(|own| own.id == effect.id && own.shape == effect.shape);
         let named: Vec<usize> = diagnosis.effects.iter().filter_map(place).collect();
-        let own: Vec<&str> = diagnosis.effects.iter().flat_map(|effect| touched(effect.id)).collect();
-        let of_hidden = touched(hidden);
+        let own: Vec<ChannelId> = diagnosis.effects.iter().flat_map(|effect| effect.id.channels()).collect();
+        let of_hidden: Vec<ChannelId> = EffectId::named(hidden).into_iter().flat_map(EffectId::channels).collect();
         let (closed, _) = outside.closure(&named, &own, SEED);
         let (by_named, _) = outside.closure(&named, &of_hidden, SEED);
         // Of several shapes of the hidden effect the one that fits best.
         let (by_hidden, _) = (0..candidates.len())
-            .filter(|index| candidates[*index].id == hidden)
+            .filter(|index| candidates[*index].id.word() == hidden)
             .map(|index| outside.closure(&[index], &of_hidden, SEED))
             .min_by(|a, b| a.1.total_cmp(&b.1))?;
         let size = match named[..] {
-            [index] => Some(outside.size(index) * report_units(forward.frame(), candidates[index].id).0),
+            [index] => Some(outside.size(index) * candidates[index].id.report_units().0),
             _ => None,
         };
         let shrunk = Self { closed: closed.closed, by_named: by_named.closed, by_hidden: by_hidden.closed, size };
         [shrunk.closed, shrunk.by_named, shrunk.by_hidden].iter().all(|x| x.is_finite()).then_some(shrunk)
     }
-}
-
-/// Channels that an effect touches by the catalogue.
-fn touched(id: &str) -> Vec<&'static str> {
-    let rows = Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(PROGRAM_EFFECTS).filter(|entry| entry.id == id);
-    rows.flat_map(|entry| entry.channels.iter().map(|touched| touched.channel)).collect()
 }

@@ -33,7 +33,7 @@ pub(crate) fn claims() -> Result<Vec<Claim>, DynamicsClaimError> {
         claims.push(Claim { claim: claim.to_owned(), source: source.to_owned(), published, computed, tolerance });
     };
     let steel = Material { youngs_modulus: 200e9, density: 7800.0, poisson_ratio: 0.29, loss_factor: 0.01 };
-    let rod = [segment(0.125, 1.0, 0.01, steel)];
+    let rod = [Segment::rod(0.125, 0.01, 1.0, steel)];
     let tip = |w: f64| {
         let end = chain(&rod, w).and_then(|rod| rod.on(&Receptance::zeros(), None));
         end.map_or(f64::NAN, |end| end[(0, 0)].re * 1e6)
@@ -41,7 +41,7 @@ pub(crate) fn claims() -> Result<Vec<Claim>, DynamicsClaimError> {
     tell("clamped steel rod 10 x 125 mm: real receptance at 500 Hz, um/N", BEAM, -28.45019, tip(TAU * 500.0), 1e-6);
     tell("clamped steel rod 10 x 125 mm: static compliance, um/N", BEAM, 6.65340, tip(TAU * 0.5), 1e-4);
     let carbide = Material { youngs_modulus: 580e9, density: 14_500.0, poisson_ratio: 0.24, loss_factor: 0.004 };
-    let tool = [segment(0.026, 0.8, 0.012, carbide), segment(0.029, 1.0, 0.012, carbide)];
+    let tool = [Segment::rod(0.026, 0.012, 0.8, carbide), Segment::rod(0.029, 0.012, 1.0, carbide)];
     let mode = |natural_frequency, damping_ratio, stiffness, rotation| BaseMode {
         natural_frequency,
         damping_ratio,
@@ -108,8 +108,4 @@ fn tapped() -> Result<Vec<Claim>, DynamicsError> {
         }
     }
     Ok(claims)
-}
-
-fn segment(length: f64, factor: f64, diameter: f64, material: Material) -> Segment {
-    Segment { length, diameter, inner_diameter: 0.0, bending_factor: factor, inertia_factor: factor, material }
 }

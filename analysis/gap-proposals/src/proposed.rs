@@ -1,6 +1,6 @@
 //! What describes the gap of a process of which no cause was named.
 
-use crate::library::{CLASSES, Class, Function, definition, functions, id, level};
+use crate::library::{CLASSES, Class, Function, definition, functions, level};
 use crate::seen::{Seen, seen};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -11,8 +11,8 @@ use std::path::Path;
 use toolroom_apply::{Applied, applied_to, scope_json};
 use toolroom_effects::{Definition, parse_definitions};
 use toolroom_gap::{
-    Asked, Candidate, Diagnosis, Forward, GapVerdict, Library, ModelFileError, NominalModel, Proposal, ProposedTerm,
-    propose,
+    Asked, Candidate, Diagnosis, EffectId, Forward, GapVerdict, Library, ModelFileError, NominalModel, Proposal,
+    ProposedTerm, propose,
 };
 use toolroom_records::Records;
 
@@ -118,7 +118,7 @@ struct Shelf<'a> {
     rows: Vec<(&'static str, Function)>,
     definitions: Vec<&'static Definition>,
     /// Ids of the terms that say where and nothing else.
-    levels: Vec<String>,
+    levels: Vec<EffectId>,
 }
 
 impl<'a> Shelf<'a> {
@@ -126,7 +126,6 @@ impl<'a> Shelf<'a> {
         let functions = [functions(seen), vec![level()]].concat();
         let (mut rows, mut definitions, mut levels) = (Vec::new(), Vec::new(), Vec::new());
         for class in classes {
-            levels.push(id(class, &level()));
             for function in &functions {
                 let ranges: Vec<String> = function.reads.iter().map(|place| seen[*place].words()).collect();
                 let seen_in =
@@ -136,6 +135,9 @@ impl<'a> Shelf<'a> {
                 // A library of our own: what cannot be written is no term.
                 let read = parse_definitions(asking.file, &text).unwrap_or_default();
                 for own in read {
+                    if function.reads.is_empty() {
+                        levels.push(EffectId::from(own));
+                    }
                     rows.push((class.name, function.clone()));
                     definitions.push(own);
                 }
@@ -146,19 +148,18 @@ impl<'a> Shelf<'a> {
 
     /// The model with the library, whose levels are tried on every part of the records, as named effects are.
     fn model(&self, asking: &Asking<'_>) -> Result<NominalModel, ModelFileError> {
-        let levels = self.levels.iter().map(|id| (id.clone(), String::new()));
+        let levels = self.levels.iter().map(|id| (*id, String::new()));
         let effects = asking.diagnosis.effects.iter();
-        let named =
-            effects.flat_map(|own| [(own.id.to_owned(), String::new()), (own.id.to_owned(), own.shape.clone())]);
-        let split: Vec<(String, String)> = named.chain(levels).collect();
+        let named = effects.flat_map(|own| [(own.id, String::new()), (own.id, own.shape.clone())]);
+        let split: Vec<(EffectId, String)> = named.chain(levels).collect();
         Ok(asking.model.clone().with_effects(asking.path, &self.definitions)?.splitting(split, Vec::new()))
     }
 
     /// Whether a candidate is a term: a level of all records is a constant, which calibration has.
     fn offers(&self, model: &dyn Forward, candidate: usize) -> bool {
         let id = model.frame().candidates[candidate].id;
-        let own = self.definitions.iter().any(|definition| definition.entry().id == id);
-        own && (!self.levels.iter().any(|level| level == id) || !model.written(candidate).scope.is_everywhere())
+        let own = self.definition(id).is_some();
+        own && (!self.levels.contains(&id) || !model.written(candidate).scope.is_everywhere())
     }
 
     /// Whether a term reads one quantity at most.
@@ -167,13 +168,13 @@ impl<'a> Shelf<'a> {
         reads.is_none_or(|count| count < 2)
     }
 
-    fn definition(&self, id: &str) -> Option<(&'static Definition, &Function)> {
-        let place = self.definitions.iter().position(|own| own.entry().id == id)?;
+    fn definition(&self, id: EffectId) -> Option<(&'static Definition, &Function)> {
+        let place = self.definitions.iter().position(|own| EffectId::from(*own) == id)?;
         Some((self.definitions[place], &self.rows[place].1))
     }
 
     /// The ranges in which a term was seen.
-    fn ranges(&self, id: &str) -> String {
+    fn ranges(&self, id: EffectId) -> String {
         let reads = self.definition(id).map_or(&[][..], |(_, function)| &function.reads);
         reads.iter().map(|place| self.seen[*place].words()).collect::<Vec<_>>().join(", ")
     }
@@ -211,11 +212,11 @@ fn told(asking: &Asking<'_>, shelf: &Shelf<'_>, library: &Library<'_>, found: &P
     let words = |index: usize| {
         let where_to = model.written(index).scope.words();
         let id = candidates[index].id;
-        if where_to.is_empty() { id.to_owned() } else { format!("{id} ({where_to})") }
+        if where_to.is_empty() { id.to_string() } else { format!("{id} ({where_to})") }
     };
     let as_good =
         |term: &ProposedTerm| term.as_good.iter().take(AS_GOOD).map(|index| words(*index)).collect::<Vec<String>>();
-    let unit = |id: &str| shelf.definition(id).map_or("1", |(own, _)| own.entry().size.unit);
+    let unit = |id: EffectId| shelf.definition(id).map_or("1", |(own, _)| own.entry().size.unit);
     let with_unit = |term: &ProposedTerm| match unit(candidates[term.candidate].id) {
         "1" => format!("{:.3}", term.size),
         unit => format!("{:.3} {unit}", term.size),
@@ -235,7 +236,7 @@ fn told(asking: &Asking<'_>, shelf: &Shelf<'_>, library: &Library<'_>, found: &P
         closed.replacen("closes", "close", 1),
         asking.file
     );
-    let mut written: Vec<&str> = Vec::new();
+    let mut written: Vec<EffectId> = Vec::new();
     for term in &found.terms {
         let own = words(term.candidate);
         let _ = writeln!(text, "\n# {own}: size {} ± {:.3}", with_unit(term), term.standard_error);
@@ -253,7 +254,7 @@ fn told(asking: &Asking<'_>, shelf: &Shelf<'_>, library: &Library<'_>, found: &P
         let index = term.candidate;
         let id = candidates[index].id;
         json!({
-            "id": id, "scope": scope_json(&model.written(index).scope), "seen": shelf.ranges(id),
+            "id": id.word(), "scope": scope_json(&model.written(index).scope), "seen": shelf.ranges(id),
             "title": shelf.definition(id).map(|(own, _)| own.entry().title),
             "size": { "value": term.size, "unit": unit(id), "se": term.standard_error }, "as_good": as_good(term),
         })

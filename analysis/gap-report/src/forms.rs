@@ -120,7 +120,7 @@ impl Page {
             "of the rms, %",
             "robust, %",
         ]);
-        let channels = self.diagnosis.channels.iter().map(|(name, closure)| (&**name, closure));
+        let channels = self.diagnosis.channels.iter().map(|(name, closure)| (name.word(), closure));
         for (name, closure) in channels.chain([("all, in units of noise", &self.diagnosis.total)]) {
             let about = self.readings.channels.iter().find(|about| about.name == name);
             let shown = |value: f64| Cell::from(about.map_or(value, |about| about.residual_shown(value)));
@@ -151,7 +151,7 @@ impl Page {
             let unit = if row.unit == "1" { "" } else { row.unit };
             let size = if least.is_finite() { format!("{} {unit}", number(least, 3)) } else { "none".to_owned() };
             let size = size.trim_end().to_owned();
-            table.push([row.id.into(), size.into(), row.separating_test.into()]);
+            table.push([row.id.word().into(), size.into(), row.separating_test.into()]);
         }
         for fact in &self.diagnosis.facts {
             let [low, high] = fact.least_seen.map(|factor| number(factor, 3));
@@ -216,7 +216,7 @@ pub fn html(pages: &[Page], details: Vec<Section>, provenance: Provenance) -> St
         let note = match &page.diagnosis.effects[..] {
             [] if page.diagnosis.verdict == GapVerdict::CannotTell => "too little was measured".to_owned(),
             [] => format!("{} findings among {} facts", page.diagnosis.findings.len(), page.diagnosis.facts.len()),
-            effects => effects.iter().map(|effect| effect.id).collect::<Vec<_>>().join(", "),
+            effects => effects.iter().map(|effect| effect.id.word()).collect::<Vec<_>>().join(", "),
         };
         report = report.tile(Tile::new(page.process, page.diagnosis.verdict.name(), note));
         if let Some(minutes) = page.minutes() {

@@ -5,7 +5,7 @@ use crate::minutes::Rates;
 use crate::readings::{Place, Readings};
 use std::collections::BTreeMap;
 use toolroom_gap::shop::visits;
-use toolroom_gap::{Diagnosis, Forward, NominalModel, NominalProcess};
+use toolroom_gap::{ChannelId, Diagnosis, Forward, NominalModel, NominalProcess};
 use toolroom_records::Records;
 use toolroom_scenario::Scenario;
 
@@ -61,7 +61,7 @@ fn of_days(records: &Records, part: &dyn Forward) -> impl Fn(usize, &str) -> Pla
     let measured = &part.frame().measured;
     let mut blocks: BTreeMap<(usize, String), f64> = BTreeMap::new();
     for observation in &measured.observations {
-        let channel = measured.channels[observation.channel].name.to_owned();
+        let channel = measured.channels[observation.channel].id.to_string();
         *blocks.entry((measured.group_of_row[observation.row], channel)).or_default() += 1.0;
     }
     let (groups, of_row) = (measured.groups.clone(), measured.group_of_row.clone());
@@ -69,8 +69,8 @@ fn of_days(records: &Records, part: &dyn Forward) -> impl Fn(usize, &str) -> Pla
         let name = &groups[of_row[row]];
         let [visits, changes, holds] = counts.get(name).copied().unwrap_or_default();
         let events = match channel {
-            "tool_change_time" => changes,
-            "feed_hold_time" => holds,
+            channel if channel == ChannelId::ToolChangeTime.word() => changes,
+            channel if channel == ChannelId::FeedHoldTime.word() => holds,
             _ => visits,
         };
         let operations = events as f64 / blocks.get(&(of_row[row], channel.to_owned())).copied().unwrap_or(1.0);

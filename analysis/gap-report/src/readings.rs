@@ -1,6 +1,6 @@
 //! Measured values beside what the model says of them.
 
-use toolroom_gap::{Diagnosis, Forward, Point, Transform, report_units};
+use toolroom_gap::{Diagnosis, Forward, Point, Transform};
 use toolroom_process::unit::convert;
 
 /// Where and when a row of a model belongs.
@@ -96,7 +96,7 @@ impl Readings {
             let is_effect =
                 |candidate: &toolroom_gap::Candidate| candidate.id == effect.id && candidate.shape == effect.shape;
             if let Some(index) = frame.candidates.iter().position(is_effect) {
-                effects.push((index, effect.size / report_units(frame, effect.id).0, effect.id.to_owned()));
+                effects.push((index, effect.size / effect.id.report_units().0, effect.id.to_string()));
             }
         }
         let mut point = Point::nominal(part);
@@ -123,7 +123,7 @@ impl Readings {
         }
         let first = self.channels.len();
         self.channels.extend(frame.measured.channels.iter().map(|channel| ReadChannel {
-            name: channel.name.to_owned(),
+            name: channel.id.to_string(),
             unit: channel.unit.to_owned(),
             display: channel.display.to_owned(),
             relative: channel.transform == Transform::Log,

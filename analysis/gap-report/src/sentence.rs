@@ -3,9 +3,7 @@
 use crate::minutes::Minutes;
 use crate::readings::Readings;
 use toolroom_chart::number;
-use toolroom_effects::Effect;
-use toolroom_gap::{Diagnosis, EMPIRICAL_EFFECTS, GapVerdict, NamedEffect, WEAR_RATE};
-use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS};
+use toolroom_gap::{Diagnosis, GapVerdict, NamedEffect};
 
 /// The answer of a diagnosis in a few sentences: what, since what cause, what it costs, what to do next. Every verdict
 /// has one.
@@ -39,12 +37,6 @@ fn capital(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().collect::<String>() + letters.as_str())
 }
 
-/// Title of an effect in the catalogues.
-pub(crate) fn title(id: &str) -> &str {
-    let mut all = Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(PROGRAM_EFFECTS).chain(EMPIRICAL_EFFECTS);
-    all.find(|entry| entry.id == id).map_or(id, |entry| entry.title)
-}
-
 /// Words of a column name.
 pub(crate) fn words(channel: &str) -> String {
     channel.replace('_', " ")
@@ -56,19 +48,19 @@ fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>
         let others = match &effect.class[1.min(effect.class.len())..] {
             [] => String::new(),
             others => {
-                let others: Vec<&str> = others.iter().map(|id| title(id)).collect();
+                let others: Vec<&str> = others.iter().map(|id| id.entry().title).collect();
                 format!(" The data cannot tell it from this: {}.", others.join("; "))
             }
         };
-        let cost = minutes.and_then(|minutes| minutes.cost(effect.id));
+        let cost = minutes.and_then(|minutes| minutes.cost(effect.id.word()));
         let cost = cost.map_or_else(String::new, |cost| format!(" It costs {cost}."));
         format!(
             "{}{}: {} ({}{shape}; {} {}, 90 %: {} … {}; probability {:.2}).{others}{cost}",
             moved(readings, index),
-            match (effect.empirical, effect.id) {
+            match (effect.empirical, effect.id.is_wear_rate()) {
                 (true, _) => "No cause, but what describes it (empirical)",
-                (false, WEAR_RATE) => "No cause, but a constant that is another one there",
-                (false, _) => "Cause",
+                (false, true) => "No cause, but a constant that is another one there",
+                (false, false) => "Cause",
             },
             effect.title,
             effect.id,
@@ -132,7 +124,7 @@ fn masked(diagnosis: &Diagnosis) -> String {
     if let Some(suspected) = &diagnosis.suspected {
         return format!("Calibration may have taken up a cause. {}.", capital(suspected));
     }
-    let hidden: Vec<&str> = diagnosis.masked.iter().take(3).map(|row| title(row.id)).collect();
+    let hidden: Vec<&str> = diagnosis.masked.iter().take(3).map(|row| row.id.entry().title).collect();
     let hidden = if hidden.is_empty() { "nothing in particular".to_owned() } else { hidden.join("; ") };
     format!("What may be missing cannot be seen in such data, since calibration takes it up: {hidden}.")
 }
@@ -152,8 +144,9 @@ fn no_gap(diagnosis: &Diagnosis) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use toolroom_effects::parse_definitions;
     use toolroom_facts::{Fact, Finding, Quantity};
-    use toolroom_gap::{Cell, NextExperiment};
+    use toolroom_gap::{Cell, EffectId, NextExperiment, WEAR_RATE};
 
     fn diagnosis(verdict: GapVerdict) -> Diagnosis {
         let mut diagnosis = Diagnosis::cannot_tell("two edges were measured".to_owned());
@@ -178,7 +171,7 @@ mod tests {
                 NextExperiment { design: "two speeds on one edge".to_owned(), minutes: 60.0, separates: vec![] };
             if verdict == GapVerdict::Effect {
                 example.effects.push(NamedEffect {
-                    id: "wear_force",
+                    id: EffectId::WEAR_FORCE,
                     title: "forces grow with flank wear",
                     empirical: false,
                     shape: String::new(),
@@ -188,7 +181,7 @@ mod tests {
                     probability: 0.96,
                     z: 9.0,
                     gain: [20.0, 10.0],
-                    class: vec!["wear_force", "chipping"],
+                    class: vec![EffectId::WEAR_FORCE, EffectId::named("chipping").expect("an effect of the catalogue")],
                     class_reason: "same signature".to_owned(),
                 });
             }
@@ -225,7 +218,13 @@ mod tests {
                 example.suspected = None;
             }
             if let Some(named) = example.effects.first_mut() {
-                let known = std::mem::replace(&mut named.id, WEAR_RATE);
+                let text = format!(
+                    "[[effect]]\nid = \"{WEAR_RATE}\"\ntitle = \"edges wear at another rate\"\nprocess = [\"turning\"]\n\
+                     size = {{ unit = \"1\", ordinary = 0.3, range = [0.0, 9.0] }}\n\
+                     changes = [{{ term = \"wear_rate\", factor = \"1 + size\" }}]\nsource = \"assumption\"\n"
+                );
+                let wear_rate = parse_definitions("test", &text).expect("a definition")[0];
+                let known = std::mem::replace(&mut named.id, EffectId::from(wear_rate));
                 let text = sentence(&example, &Readings::default(), None);
                 assert!(text.contains("No cause, but a constant that is another one there"), "{text}");
                 example.effects[0].id = known;

@@ -25,7 +25,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use toolroom_apply::{ApplyError, Request, apply, scope_json};
-use toolroom_gap::{Diagnosis, GapVerdict, ModelFileError, NominalModel};
+use toolroom_gap::{Diagnosis, EffectId, GapVerdict, ModelFileError, NominalModel};
 use toolroom_process::unit;
 use toolroom_records::{RawTable, RecordError, write_csv};
 use toolroom_scenario::{Scenario, Scope};
@@ -67,8 +67,8 @@ pub(crate) fn no_other_table(path: &Path) -> Result<RawTable, RecordError> {
 /// An entry of the truth that the model lacks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HiddenEntry {
-    /// Word of the catalogue, or id of an effect that a user has defined.
-    pub id: &'static str,
+    /// The effect.
+    pub id: EffectId,
     /// Where it acts.
     pub scope: Scope,
     /// Size, in `unit`.
@@ -81,7 +81,7 @@ pub struct HiddenEntry {
 #[derive(Clone, Debug, PartialEq)]
 pub struct GivenName {
     /// Effects that cannot be told from it, itself first.
-    pub class: Vec<&'static str>,
+    pub class: Vec<EffectId>,
     /// Shape and scope, in words.
     pub shape: String,
     /// Size, in the unit for people.
@@ -144,14 +144,14 @@ pub struct RecoveredLog {
 fn hidden(model: &Scenario, truth: &Scenario) -> Vec<HiddenEntry> {
     let entries = |scenario: &Scenario| {
         let of_shop = scenario.deviations.iter().map(|own| {
-            let entry = own.effect.entry();
+            let (id, entry) = (EffectId::from(own.effect), own.effect.entry());
             let size = unit::convert(own.size, entry.size.unit, entry.size.display);
-            HiddenEntry { id: entry.id, scope: own.scope.clone(), size, unit: entry.size.display }
+            HiddenEntry { id, scope: own.scope.clone(), size, unit: entry.size.display }
         });
         let of_tools = scenario.tools.iter().flat_map(|tool| &tool.variants.effects).map(|own| {
-            let entry = own.effect.entry();
+            let (id, entry) = (EffectId::from(&own.effect), own.effect.entry());
             let size = unit::convert(own.effect.size(), entry.size.unit, entry.size.display);
-            HiddenEntry { id: entry.id, scope: own.scope.clone(), size, unit: entry.size.display }
+            HiddenEntry { id, scope: own.scope.clone(), size, unit: entry.size.display }
         });
         of_shop.chain(of_tools).collect::<Vec<HiddenEntry>>()
     };
@@ -325,7 +325,7 @@ fn applied(request: &RecoveryRequest<'_>, diagnosis: &Value) -> Result<Option<St
 fn finding(entry: &HiddenEntry, diagnosis: &Diagnosis, document: &Value) -> Finding {
     let found = diagnosis.effects.iter().any(|own| own.class.contains(&entry.id));
     let wanted = scope_json(&entry.scope);
-    let same = |own: &&Value| own["id"] == entry.id;
+    let same = |own: &&Value| own["id"] == entry.id.word();
     let mut written = document["applied"]["effects"].as_array().into_iter().flatten().filter(same).peekable();
     let named = diagnosis.effects.iter().any(|own| own.id == entry.id) && written.peek().is_some();
     let scope = named.then(|| written.any(|own| alike(&own["scope"], &wanted)));
@@ -363,7 +363,7 @@ impl RecoveredLog {
     pub fn json(&self) -> Value {
         let named = self.named.iter().map(|own| {
             json!({
-                "class": own.class, "shape": own.shape, "size": own.size, "ci90": own.ci90,
+                "class": EffectId::words(&own.class), "shape": own.shape, "size": own.size, "ci90": own.ci90,
                 "probability": own.probability, "right": own.right,
             })
         });

@@ -12,8 +12,8 @@ use toolroom_effects::Definition;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{
-    Answers, Asked, Diagnosed, Diagnosis, GapVerdict, NextExperiment, NominalModel, NominalProcess, add_dynamics,
-    diagnosed_processes, joined,
+    Answers, Asked, Diagnosed, Diagnosis, EffectId, GapVerdict, NextExperiment, NominalModel, NominalProcess,
+    add_dynamics, diagnosed_processes, joined,
 };
 use toolroom_gap_proposals::{Asking, NOTHING, Proposed, is_open, proposed};
 use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
@@ -219,24 +219,24 @@ fn fitted(asked: &Asked, name: &str) -> bool {
 }
 
 /// Effects of a diagnosis, by id and shape, of which it is asked where they act.
-fn asked_for(process: &str, diagnosis: &Diagnosis) -> Vec<(String, String)> {
+fn asked_for(process: &str, diagnosis: &Diagnosis) -> Vec<(EffectId, String)> {
     if !SPLIT.contains(&process) {
         return Vec::new();
     }
-    let named = || diagnosis.effects.iter().map(|own| (own.id.to_owned(), own.shape.clone()));
+    let named = || diagnosis.effects.iter().map(|own| (own.id, own.shape.clone()));
     let likely = || {
         let told = matches!(diagnosis.verdict, GapVerdict::Unknown | GapVerdict::Small | GapVerdict::Masked);
         let asked = diagnosis.ranking.iter().filter(move |own| told && own.gain > LIKELY);
-        asked.map(|own| (own.id.to_owned(), own.shape.clone())).take(MOST_SPLIT)
+        asked.map(|own| (own.id, own.shape.clone())).take(MOST_SPLIT)
     };
     if diagnosis.effects.is_empty() { likely().collect() } else { named().take(MOST_SPLIT).collect() }
 }
 
 /// Effects of the request that describe and are no cause, by id and shape, but for those in `known`: a term that was proposed
 /// may say nothing but where it acts.
-fn described(process: &str, request: &GapRequest<'_>, known: &[(String, String)]) -> Vec<(String, String)> {
+fn described(process: &str, request: &GapRequest<'_>, known: &[(EffectId, String)]) -> Vec<(EffectId, String)> {
     let acts = |own: &&&'static Definition| own.is_empirical() && own.entry().search(process).is_some();
-    let all = request.defined.iter().filter(acts).map(|own| (own.entry().id.to_owned(), String::new()));
+    let all = request.defined.iter().filter(acts).map(|own| (EffectId::from(*own), String::new()));
     all.filter(|own| SPLIT.contains(&process) && !known.contains(own)).collect()
 }
 
@@ -283,7 +283,7 @@ const MOST_SPLIT: usize = 2;
 
 /// Whether a diagnosis names an effect that acts on a part of the records and that the first one did not know.
 fn names_a_part(answers: &Answers, before: &[Asked], now: &[Asked]) -> bool {
-    let knows = |asked: &Asked, id: &str, shape: &str| {
+    let knows = |asked: &Asked, id: EffectId, shape: &str| {
         let candidates = asked.parts.iter().flat_map(|part| &part.frame().candidates);
         candidates.into_iter().any(|own| own.id == id && own.shape == shape)
     };
@@ -353,7 +353,7 @@ mod tests {
     use super::*;
     use crate::recovery::no_other_table;
     use std::fmt::Write;
-    use toolroom_gap::{Point, WEAR_RATE};
+    use toolroom_gap::{ChannelId, Point};
 
     /// Edges of the table, the first half of them of another delivery than the second, and operations of each.
     const EDGES: usize = 32;
@@ -407,7 +407,7 @@ mod tests {
         let part = parts.asked(&records, None, |_, _| false).parts.swap_remove(0);
         let frame = part.frame();
         let dates: Vec<usize> = (0..frame.candidates.len())
-            .filter(|own| frame.candidates[*own].id == WEAR_RATE && part.written(*own).scope.from.is_some())
+            .filter(|own| frame.candidates[*own].id.is_wear_rate() && part.written(*own).scope.from.is_some())
             .collect();
         assert_eq!(dates.len(), 7);
         // From the middle of the records on, seven tenths faster; every edge by its own factor.
@@ -418,9 +418,10 @@ mod tests {
         let mut readings = vec![[0.0; 3]; EDGES * OPERATIONS];
         for (raw, observation) in part.simulate(&point).iter().zip(&frame.measured.observations) {
             let channel = &frame.measured.channels[observation.channel];
-            let place = ["flank_wear", "cutting_force", "temperature"].iter().position(|name| *name == channel.name);
+            let channels = [ChannelId::FlankWear, ChannelId::CuttingForce, ChannelId::Temperature];
+            let place = channels.iter().position(|id| *id == channel.id);
             let noisy = raw + channel.sensor.deviation(*raw) * normal(&mut state);
-            let unit = if channel.name == "flank_wear" { 1e3 } else { 1.0 };
+            let unit = if channel.id == ChannelId::FlankWear { 1e3 } else { 1.0 };
             readings[observation.row][place.expect("three channels")] = noisy * unit;
         }
         let data = written(directory.path(), &table(|row| readings[row]));
@@ -439,7 +440,7 @@ mod tests {
         let study = GapStudy::new(&request, &reading).expect("a diagnosis");
         let (_, diagnosis) = &study.answers.processes[0];
         let [named] = &diagnosis.effects[..] else { panic!("{:?} {:?}", diagnosis.verdict, diagnosis.notes) };
-        assert_eq!(named.id, WEAR_RATE, "{named:?}");
+        assert!(named.id.is_wear_rate(), "{named:?}");
         assert!(named.ci90[0] < 0.7 && 0.7 < named.ci90[1], "{named:?}");
         assert_eq!(study.document["effects"][0]["kind"], "constant");
         // The date is one of seven.

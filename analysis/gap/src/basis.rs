@@ -2,7 +2,7 @@
 
 use super::fit::{Fit, fit, offset_residual};
 use super::gram::{factor, inverse_diagonal, part, part_column};
-use super::{Forward, Gram, Linear, Method, Noise, Point, evidence, generic};
+use super::{ChannelId, Forward, Gram, Linear, Method, Noise, Point, evidence, generic};
 use rayon::prelude::*;
 
 /// Factors on the scale of an estimated local scatter that are tried.
@@ -107,7 +107,7 @@ const WARMING: usize = 5;
 pub(super) fn warm(model: &dyn Forward, mut point: Point) -> Point {
     let measured = &model.frame().measured;
     let kind = model.frame().locals.iter().position(|local| local.estimated);
-    let wear = measured.channels.iter().position(|channel| channel.name == "flank_wear");
+    let wear = measured.channels.iter().position(|channel| channel.id == ChannelId::FlankWear);
     let (Some(kind), Some(wear)) = (kind, wear) else { return point };
     let deviation = model.frame().locals[kind].deviation;
     for _ in 0..WARMING {

@@ -6,7 +6,7 @@
 //! held against the model without them **within belief**: no constant goes farther than [`FAR_CONSTANT`] there, or than
 //! the model with the effects needs it to go as well.
 
-use super::closure::closures;
+use super::closure::{closures, touched};
 use super::constants::FAR_CONSTANT;
 use super::diagnosing::Diagnosing;
 use super::evidence::solution;
@@ -95,4 +95,13 @@ pub(super) fn held_against<'a>(
         None => left_out(context, before),
     };
     rayon::join(within, || left_out(context, after))
+}
+
+/// Closure of `trial` over the nominal `base` on the groups of the fit, each predicted by a fit to
+/// the others; what is kept out of the fit altogether has no part in a decision.
+pub(super) fn crossed(context: Diagnosing<'_>, base: &Trial, trial: &Trial) -> Closure {
+    let Diagnosing { model, basis, seed, .. } = context;
+    let (before, after) = held_against(context, base, trial, Diagnosing::left_out);
+    let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
+    closures(model, basis, &before, &after, &groups, &touched(model, trial), seed).0
 }

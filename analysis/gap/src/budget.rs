@@ -5,7 +5,7 @@
 //! form of the equations, and what nothing explains. Each counts only what it explains beyond the squares that so many
 //! numbers take of noise alone, so that a model that is right has nothing but noise.
 
-use super::decide::Decision;
+use super::decision::Decision;
 use super::evidence::{EFFECT_PRIOR, solution};
 use super::gram::{factor, part, part_column};
 use super::{Budget, Forward, Gram};

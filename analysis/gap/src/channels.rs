@@ -23,19 +23,19 @@ pub(super) fn diagnose_among(parts: &[Box<dyn Forward>], processes: usize, seed:
     if diagnosed.len() == 1 {
         return (diagnosed[0].diagnosis.clone(), diagnosed);
     }
-    let names: Vec<&'static str> = parts.iter().map(|part| name(part.as_ref())).collect();
+    let names: Vec<String> = parts.iter().map(|part| name(part.as_ref())).collect();
     for (each, name) in diagnosed.iter_mut().zip(&names) {
         label(&mut each.diagnosis, name, parts.len());
     }
     (merged(parts, &diagnosed, seed), diagnosed)
 }
 
-fn name(part: &dyn Forward) -> &'static str {
-    part.frame().measured.channels.first().map_or("", |channel| channel.name)
+fn name(part: &dyn Forward) -> String {
+    part.frame().measured.channels.first().map_or_else(String::new, |channel| channel.id.to_string())
 }
 
 /// Says of which channel everything is; an effect has to pay for the choice among the channels.
-fn label(diagnosis: &mut Diagnosis, name: &'static str, count: usize) {
+fn label(diagnosis: &mut Diagnosis, name: &str, count: usize) {
     let shaped = |shape: &str| if shape.is_empty() { name.to_owned() } else { format!("{name}, {shape}") };
     let paid = GATE + (count as f64).ln();
     if diagnosis.effects.iter().any(|effect| effect.gain[0] < paid) {

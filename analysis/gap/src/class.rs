@@ -4,12 +4,12 @@
 //! together has to be compared beside the rest of them: alone, another effect may explain much of what a second cause
 //! did, and nothing of it once that is taken into account.
 
-use super::Forward;
 use super::constants::{CLEAR, CLEARLY_LEFT_OUT, GATE, PAIR_GATE, RIVAL, SAME};
-use super::decide::Decision;
+use super::decision::Decision;
 use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain, predictive_gain};
 use super::trial::Trial;
+use super::{EffectId, Forward};
 
 /// Share of the gain that is asked of a rival by which a score of it may fall short before its evidence is worked out (1).
 /// Assumption: gain and half the square of a score differ by the prior of sizes alone.
@@ -21,7 +21,7 @@ pub(super) fn class(
     decision: &Decision,
     trial: &Trial,
     candidate: usize,
-) -> Vec<(&'static str, String)> {
+) -> Vec<(EffectId, String)> {
     let others: Vec<usize> = trial.fit.active.iter().copied().filter(|index| *index != candidate).collect();
     if others.is_empty() {
         let all = decision.singles.iter().map(|single| (single.candidate, single.evidence.clone())).collect();
@@ -53,19 +53,14 @@ fn in_place(beside: &Trial, candidate: usize) -> Vec<(usize, Evidence)> {
 }
 
 /// Of `all` candidates beside the model `base`, by falling gain, those that come near to `candidate`.
-fn rivals(
-    model: &dyn Forward,
-    base: &Trial,
-    all: Vec<(usize, Evidence)>,
-    candidate: usize,
-) -> Vec<(&'static str, String)> {
+fn rivals(model: &dyn Forward, base: &Trial, all: Vec<(usize, Evidence)>, candidate: usize) -> Vec<(EffectId, String)> {
     let candidates = &model.frame().candidates;
     let Some(own) = all.iter().find(|(index, _)| *index == candidate).map(|(_, evidence)| evidence.clone()) else {
         return Vec::new();
     };
     let cosine = base.scores().cosine;
     let own_gain = gain(&own, &base.evidence);
-    let mut class: Vec<(&'static str, String)> = Vec::new();
+    let mut class: Vec<(EffectId, String)> = Vec::new();
     for (other, evidence) in &all {
         let id = candidates[*other].id;
         if id == candidates[candidate].id || class.iter().any(|(known, _)| *known == id) {

@@ -1,16 +1,13 @@
 //! How far the gap shrinks on groups that the fit did not see.
 
-use super::belief::held_against;
-use super::catalogue::entry;
 use super::constants::{NINETY, TOO_FEW};
-use super::diagnosing::Diagnosing;
 use super::left_out::LeftOut;
 use super::measures::{CLOSABLE, Left, Measures, apart, usual};
 use super::noise::HUBER;
 use super::reframed::Reframed;
 use super::settle::settled;
 use super::trial::Trial;
-use super::{Apart, Basis, Closure, Forward, Measured, Method, Transform};
+use super::{Apart, Basis, ChannelId, Closure, Forward, Measured, Method, Transform};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -44,7 +41,7 @@ impl<'a> Outside<'a> {
     }
 
     /// Closure of the candidates `active` over the channels `touched`, and what their fit costs.
-    pub fn closure(&self, active: &[usize], touched: &[&str], seed: u64) -> (Closure, f64) {
+    pub fn closure(&self, active: &[usize], touched: &[ChannelId], seed: u64) -> (Closure, f64) {
         let trial = Trial::new(self.model, &self.basis, &[], &self.base.fit, active);
         let chosen = LeftOut::of(self.model, &self.basis, &trial, &[]);
         let (total, _) = closures(self.model, &self.basis, &self.left, &chosen, &self.groups, touched, seed);
@@ -84,9 +81,9 @@ pub fn closures(
     base: &LeftOut,
     chosen: &LeftOut,
     scored: &[usize],
-    touched: &[&str],
+    touched: &[ChannelId],
     seed: u64,
-) -> (Closure, Vec<(&'static str, Closure)>) {
+) -> (Closure, Vec<(ChannelId, Closure)>) {
     let measured = &model.frame().measured;
     let among = counted(measured, touched);
     let channels = measured.channels.len();
@@ -132,7 +129,7 @@ pub fn closures(
         };
         closure(&values[place], &fits, &left, seed)
     };
-    let by_channel = measured.channels.iter().enumerate().map(|(index, channel)| (channel.name, one(index))).collect();
+    let by_channel = measured.channels.iter().enumerate().map(|(index, channel)| (channel.id, one(index))).collect();
     (one(channels), by_channel)
 }
 
@@ -188,7 +185,12 @@ fn among_channels(
 
 /// What two models leave of the scored readings of the channels `touched` (all, if none is named), in standard deviations
 /// of the noise.
-pub(super) fn standardised(model: &dyn Forward, basis: &Basis, left: [&LeftOut; 2], touched: &[&str]) -> Vec<Left> {
+pub(super) fn standardised(
+    model: &dyn Forward,
+    basis: &Basis,
+    left: [&LeftOut; 2],
+    touched: &[ChannelId],
+) -> Vec<Left> {
     let measured = &model.frame().measured;
     among_channels(model, basis, left, &scored(measured), &counted(measured, touched))
 }
@@ -204,7 +206,7 @@ pub(super) fn standing_apart(model: &dyn Forward, basis: &Basis, left: [&LeftOut
         let row = |at: usize| Apart {
             row: frame.record_of(measured.observations[places[at]].row),
             operation_id: String::new(),
-            channel: about.name,
+            channel: about.id,
             excess: lefts[at].before,
             unit: about.unit,
         };
@@ -214,30 +216,20 @@ pub(super) fn standing_apart(model: &dyn Forward, basis: &Basis, left: [&LeftOut
 }
 
 /// Whether each channel counts for effects that touch some: all, if none of them is measured.
-pub(super) fn counted(measured: &Measured, touched: &[&str]) -> Vec<bool> {
-    let is_touched: Vec<bool> = measured.channels.iter().map(|channel| touched.contains(&channel.name)).collect();
+pub(super) fn counted(measured: &Measured, touched: &[ChannelId]) -> Vec<bool> {
+    let is_touched: Vec<bool> = measured.channels.iter().map(|channel| touched.contains(&channel.id)).collect();
     // An effect may act where the catalogue does not list it: then everything counts.
     if is_touched.iter().any(|counts| *counts) { is_touched } else { vec![true; is_touched.len()] }
 }
 
 /// Channels that the effects of a trial touch.
-pub fn touched(model: &dyn Forward, trial: &Trial) -> Vec<&'static str> {
+pub fn touched(model: &dyn Forward, trial: &Trial) -> Vec<ChannelId> {
     touched_by(model, &trial.fit.active)
 }
 
 /// Channels that the candidates `active` touch.
-pub(super) fn touched_by(model: &dyn Forward, active: &[usize]) -> Vec<&'static str> {
-    let rows = active.iter().filter_map(|index| entry(model.frame(), model.frame().candidates[*index].id));
-    rows.flat_map(|entry| entry.channels.iter().map(|touched| touched.channel)).collect()
-}
-
-/// Closure of `trial` over the nominal `base` on the groups of the fit, each predicted by a fit to
-/// the others; what is kept out of the fit altogether has no part in a decision.
-pub(super) fn crossed(context: Diagnosing<'_>, base: &Trial, trial: &Trial) -> Closure {
-    let Diagnosing { model, basis, seed, .. } = context;
-    let (before, after) = held_against(context, base, trial, Diagnosing::left_out);
-    let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
-    closures(model, basis, &before, &after, &groups, &touched(model, trial), seed).0
+pub(super) fn touched_by(model: &dyn Forward, active: &[usize]) -> Vec<ChannelId> {
+    active.iter().flat_map(|index| model.frame().candidates[*index].id.channels()).collect()
 }
 
 /// Groups on which a closure is scored: those outside the fit, or all.

@@ -8,36 +8,39 @@
 // Gains: what a name has to be worth.
 
 /// Gain that a named effect needs beside the price of having been chosen, in log posterior density (1).
-/// Assumption: odds of e⁴ ≈ 55 to 1, and a name without cause costs more than a missed one.
+/// Assumption: odds of e⁴ ≈ 55 to 1, and a name without cause costs more than a missed one; the row "gain" of the
+/// ablation.
 pub(super) const GATE: f64 = 4.0;
 /// Gain with which fewer groups than [`FEWEST_GROUPS`] ask for an effect that calibration may have taken up, in log
 /// posterior density (1). Assumption: twice [`GATE`], since neither their agreement nor a score can be asked.
 pub(super) const FEW_GROUPS_GATE: f64 = 8.0;
 /// Lead of a pair over its best single effect that names both, the choice among pairs paid for, in log
 /// posterior density (1). Assumption: twice [`GATE`], since the second effect may only mend the form of the
-/// first.
+/// first; the row "lead" of the ablation.
 pub(super) const PAIR_GATE: f64 = 8.0;
 /// Further lead of a second effect that moves the same readings, as a share of the gain of the first (1).
-/// Assumption: the occurrences of a cause scatter, and what they leave looks like something else.
+/// Assumption: the occurrences of a cause scatter, and what they leave looks like something else; the row "closure"
+/// of the ablation.
 pub(super) const SCATTERED: f64 = 0.05;
 /// Share by which an effect may fall behind a generic signature, of its own gain (1). Assumption: the
-/// function of an effect is as little exact as any other.
+/// function of an effect is as little exact as any other; the row "generic" of the ablation.
 pub(super) const FORM: f64 = 0.1;
 /// Greatest structure beside a named effect, as a share of the gain of the effect (1). Assumption: what
-/// leaves half as much as it explains is not the whole cause.
+/// leaves half as much as it explains is not the whole cause; the row "remainder" of the ablation.
 pub(super) const REMAINDER: f64 = 0.5;
-/// Share of a signature that the form allowance imitates, above which an effect has to close the gap for certain (1). Assumption: the allowance imitates most of it.
+/// Share of a signature that the form allowance imitates, above which an effect has to close the gap for certain
+/// (1). Assumption: the allowance imitates most of it; the row "closure" of the ablation.
 pub(super) const IMITATED: f64 = 0.5;
 /// Gain over what the scores of its effects promise, above which a nominal fit is not believed (1).
-/// Assumption: the scores are linear, so that an honest gain may be a few times what they promise.
+/// Assumption: the scores are linear, so that an honest gain may be a few times what they promise; the row
+/// "settled" of the ablation.
 pub(super) const PROMISED: f64 = 4.0;
 /// Gain beside [`PROMISED`] times the promise that is always believed, in log posterior density (1).
-/// Assumption: small promises are uncertain by more than their own size.
+/// Assumption: small promises are uncertain by more than their own size; the row "settled" of the ablation.
 pub(super) const SLACK: f64 = 20.0;
 
 /// Least share of the gap of left-out groups that a name closes (1). Assumption: two hundredths of a root mean square
-/// are of no use to anybody, and with many groups every form error is significant; the row "closure" of the
-/// ablation.
+/// are of no use to anybody, and with many groups every form error is significant; the row "closure" of the ablation.
 pub(super) const LEAST_CLOSED: f64 = 0.02;
 /// Least share of the mean square above the noise that a name closes, on the channels that it touches (1). Assumption:
 /// less than a tenth of what can be closed is not the cause of the gap; the row "closure" of the ablation.
@@ -62,14 +65,14 @@ pub(super) const PROBABLE_THOUGH_OFF: f64 = 0.9;
 pub(super) const DETECTABLE: f64 = 5.0;
 /// Score at its fitted size that a named effect needs, in standard deviations (1). Assumption: smaller ones
 /// are as often the work of causes that no catalogue has, as blind checks on shops that were used for
-/// development showed.
+/// development showed; the row "score" of the ablation.
 pub(super) const CONVINCING: f64 = 4.5;
 /// Size over its standard error between groups that a named effect needs, and the lead over its standard
 /// error that speaks for a generic signature instead (1). Assumption: about 95 %, so that all groups say
-/// so and not one.
+/// so and not one; the row "agreement" of the ablation.
 pub(super) const AGREED: f64 = 2.0;
 /// Fewest fitted groups that can name an effect (count). Assumption: the agreement of fewer groups cannot be
-/// judged.
+/// judged; the row "groups" of the ablation.
 pub const FEWEST_GROUPS: usize = 5;
 /// Move of a constant that is named, in prior standard deviations (1). Assumption: what was believed of it is wrong
 /// then.
@@ -110,10 +113,12 @@ pub(super) const EARLY: usize = 2;
 // Form: how far equations may be off.
 
 /// Prior standard deviation of the exponent of an effect's function, and of its share in one channel
-/// against the others (1). Assumption: a catalogue function is exact to about a quarter of an exponent.
+/// against the others (1). Assumption: a catalogue function is exact to about a quarter of an exponent; the row
+/// "form tolerance" of the ablation.
 pub(super) const TOLERANCE: f64 = 0.25;
 /// Move of a form allowance beside a named effect above which the equations are not believed, in prior
-/// standard deviations (1). Assumption: no honest form error is five standard deviations.
+/// standard deviations (1). Assumption: no honest form error is five standard deviations; the row "strain" of the
+/// ablation.
 pub(super) const STRAINED: f64 = 5.0;
 
 /// Length scales of a discrepancy that are tried, in standard deviations of the conditions (1). Assumption: shorter

@@ -2,11 +2,11 @@
 
 use super::belief::{closed_by_constants, held_against, spares};
 use super::budget::budget;
-use super::catalogue::{entry, report_units};
 use super::class::class;
 use super::closure::{closures, scored, standing_apart, touched};
 use super::constants::{NINETY, PROBABLE, PROBABLE_THOUGH_OFF};
-use super::decide::{Decision, decide};
+use super::decide::decide;
+use super::decision::{Decision, Single};
 use super::diagnosing::Diagnosing;
 use super::discrepancy::Widened;
 use super::evidence::{folds, gain, predictive_gain};
@@ -20,8 +20,8 @@ use super::settle::{settled, stated};
 use super::trial::Trial;
 use super::verdict::{backed, doubted, unrejected};
 use super::{
-    Basis, Calibrated, Cell, Diagnosis, Fit, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
-    Transform, Tried,
+    Basis, Calibrated, Cell, Diagnosis, EffectId, Fit, Forward, GapVerdict, Method, NamedEffect, NextExperiment,
+    Ranked, Transform, Tried,
 };
 use rayon::prelude::*;
 use toolroom_effects::Definition;
@@ -176,7 +176,7 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
             doubted(&mut diagnosis, decision.structure(model), pushed, || decision.asked_for(context));
         }
     }
-    diagnosis.next = next(model.frame(), &diagnosis);
+    diagnosis.next = next(&diagnosis);
     Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }
 }
 
@@ -194,7 +194,7 @@ fn scattering(model: &dyn Forward, stated: &Basis) -> Vec<String> {
         format!(
             "{} scatters by {all:.3} {unit} from row to row, of which its sensor explains {sheet:.3} {unit}: the model gives \
              loading one time, so that the scatter was read off the records",
-            about.name
+            about.id
         )
     };
     wide.map(note).collect()
@@ -205,7 +205,7 @@ fn tried(context: Diagnosing<'_>, decision: &Decision, scored: &[usize]) -> Vec<
     let Diagnosing { model, basis, seed, .. } = context;
     let candidates = &model.frame().candidates;
     let word = |index: &usize| match candidates[*index].shape.as_str() {
-        "" => candidates[*index].id.to_owned(),
+        "" => candidates[*index].id.to_string(),
         shape => format!("{} ({shape})", candidates[*index].id),
     };
     let one = |trial: &Trial| {
@@ -255,13 +255,13 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
         let candidate = &model.frame().candidates[*index];
         let size = trial.fit.linear.point.effects[*index];
         let deviation = posterior[place].max(between[place]) * candidate.typical;
-        let (factor, unit) = report_units(model.frame(), candidate.id);
+        let (factor, unit) = candidate.id.report_units();
         let class = class(context, decision, trial, *index);
         let names = trial.fit.active.iter().map(|other| model.frame().candidates[*other].id);
         let others = class.iter().filter(|(id, _)| names.clone().all(|name| name != *id));
         NamedEffect {
             id: candidate.id,
-            title: entry(model.frame(), candidate.id).map_or(candidate.id, |entry| entry.title),
+            title: candidate.id.entry().title,
             empirical: model.written(*index).definition.is_some_and(Definition::is_empirical),
             shape: candidate.shape.clone(),
             size: size * factor,
@@ -279,7 +279,7 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
 
 /// Probability of each id: models weighted by their gain, the choice among many paid for, with the
 /// nominal model and the best generic signature among them.
-fn inclusion(context: Diagnosing<'_>, decision: &Decision) -> Vec<(&'static str, f64)> {
+fn inclusion(context: Diagnosing<'_>, decision: &Decision) -> Vec<(EffectId, f64)> {
     let (model, count) = (context.model, context.candidates());
     let generic = gain(&decision.before.evidence, &decision.base.evidence)
         - (decision.before.dictionary.len().max(1) as f64).ln()
@@ -288,7 +288,7 @@ fn inclusion(context: Diagnosing<'_>, decision: &Decision) -> Vec<(&'static str,
     if !decision.imaged(context, &decision.model().fit.active) {
         models.push((Vec::new(), generic));
     }
-    let single = |single: &super::decide::Single| {
+    let single = |single: &Single| {
         let price = (count.max(1) as f64).ln() + decision.share;
         (vec![single.candidate], gain(&single.evidence, &decision.base.evidence) - price)
     };
@@ -297,20 +297,20 @@ fn inclusion(context: Diagnosing<'_>, decision: &Decision) -> Vec<(&'static str,
     models.extend(pairs.map(|trial| (trial.fit.active.clone(), decision.gain_of(trial, count))));
     let greatest = models.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
     let total: f64 = models.iter().map(|(_, value)| (value - greatest).exp()).sum();
-    let ids: Vec<&'static str> = model.frame().candidates.iter().map(|candidate| candidate.id).collect();
-    let with = |id: &str| {
+    let ids: Vec<EffectId> = model.frame().candidates.iter().map(|candidate| candidate.id).collect();
+    let with = |id: EffectId| {
         let has = |active: &Vec<usize>| active.iter().any(|index| ids[*index] == id);
         models.iter().filter(|(active, _)| has(active)).map(|(_, value)| (value - greatest).exp() / total).sum::<f64>()
     };
-    ids.iter().map(|id| (*id, with(id))).collect()
+    ids.iter().map(|id| (*id, with(*id))).collect()
 }
 
 fn ranking(model: &dyn Forward, decision: &Decision) -> Vec<Ranked> {
     let scores = decision.base.scores();
     let price = (model.frame().candidates.len().max(1) as f64).ln() + decision.share;
-    let one = |single: &super::decide::Single| {
+    let one = |single: &Single| {
         let candidate = &model.frame().candidates[single.candidate];
-        let (factor, unit) = report_units(model.frame(), candidate.id);
+        let (factor, unit) = candidate.id.report_units();
         let value = gain(&single.evidence, &decision.base.evidence);
         let (left_out, left_out_error) = predictive_gain(&single.evidence, &decision.base.evidence);
         let size = single.trial.map_or(scores.estimate[single.candidate] * candidate.typical, |trial| {
@@ -400,21 +400,21 @@ fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
     list
 }
 
-fn next(frame: &super::Frame, diagnosis: &Diagnosis) -> NextExperiment {
+fn next(diagnosis: &Diagnosis) -> NextExperiment {
     let confused = diagnosis.effects.iter().find(|effect| effect.class.len() > 1);
     if let Some(effect) = confused {
         let other = effect.class[1];
-        let test = entry(frame, effect.id).map_or("", |entry| entry.separating_test);
-        let separates = vec![[effect.id.to_owned(), other.to_owned()]];
+        let test = effect.id.entry().separating_test;
+        let separates = vec![[effect.id.to_string(), other.to_string()]];
         return NextExperiment { design: format!("{test}; three edges"), minutes: 60.0, separates };
     }
     let Some(masked) = diagnosis.masked.iter().find(|_| diagnosis.verdict != GapVerdict::Effect) else {
         return NextExperiment::default();
     };
-    let confounder = entry(frame, masked.id).map_or("", |entry| entry.confounder);
+    let confounder = masked.id.entry().confounder;
     NextExperiment {
         design: format!("{}; three edges", masked.separating_test),
         minutes: 60.0,
-        separates: vec![[masked.id.to_owned(), confounder.to_owned()]],
+        separates: vec![[masked.id.to_string(), confounder.to_owned()]],
     }
 }

@@ -1,6 +1,7 @@
 //! What a diagnosis says, and its JSON form (schema 1).
 
-use super::{DynamicsDrift, Fitness, Identifiable, Measures};
+use super::number::number;
+use super::{ChannelId, DynamicsDrift, EffectId, Fitness, Identifiable, Measures};
 use serde_json::{Value, json};
 use toolroom_facts::{Fact, Finding};
 
@@ -52,8 +53,8 @@ impl GapVerdict {
 /// A named effect. Sizes are in the display unit of the catalogue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedEffect {
-    /// Word of the catalogue, or id of an effect that a user has defined.
-    pub id: &'static str,
+    /// The effect.
+    pub id: EffectId,
     /// What it is, in words.
     pub title: &'static str,
     /// Whether it describes the records without saying why, as its author says: **empirical, not a cause**.
@@ -74,7 +75,7 @@ pub struct NamedEffect {
     /// density on groups left out.
     pub gain: [f64; 2],
     /// Effects that the data cannot tell from it, itself first.
-    pub class: Vec<&'static str>,
+    pub class: Vec<EffectId>,
     /// Why the class has more than one.
     pub class_reason: String,
 }
@@ -122,7 +123,7 @@ pub struct Apart {
     /// Its operation; empty where nobody said.
     pub operation_id: String,
     /// Channel.
-    pub channel: &'static str,
+    pub channel: ChannelId,
     /// Measured less predicted without effects, SI.
     pub excess: f64,
     /// SI unit.
@@ -183,7 +184,7 @@ pub struct Diagnosis {
     /// Closure over all channels, in units of noise.
     pub total: Closure,
     /// Closure by channel.
-    pub channels: Vec<(&'static str, Closure)>,
+    pub channels: Vec<(ChannelId, Closure)>,
     /// Groups on which it was scored.
     pub held_out: Vec<String>,
     /// Readings in those that stand apart.
@@ -222,7 +223,7 @@ pub struct Diagnosis {
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotNamed {
     /// Its effects.
-    pub effects: Vec<&'static str>,
+    pub effects: Vec<EffectId>,
     /// The rules that stood against it, in their order.
     pub rules: Vec<Found>,
 }
@@ -252,8 +253,8 @@ pub struct Tried {
 /// One row of the ranking.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ranked {
-    /// Word of the catalogue.
-    pub id: &'static str,
+    /// The effect.
+    pub id: EffectId,
     /// Shape; may be empty.
     pub shape: String,
     /// Size, display unit.
@@ -268,14 +269,10 @@ pub struct Ranked {
     pub left_out: [f64; 2],
 }
 
-pub(super) fn number(value: f64) -> Value {
-    if value.is_finite() { json!(value) } else { Value::Null }
-}
-
 impl NotNamed {
     fn json(&self) -> Value {
         let rule = |found: &Found| json!({ "id": found.rule, "asks": found.asks, "found": found.found });
-        json!({ "effects": self.effects, "rules": self.rules.iter().map(rule).collect::<Vec<_>>() })
+        json!({ "effects": EffectId::words(&self.effects), "rules": self.rules.iter().map(rule).collect::<Vec<_>>() })
     }
 }
 
@@ -354,10 +351,10 @@ impl Diagnosis {
     pub fn json(&self) -> Value {
         let effect = |effect: &NamedEffect| {
             json!({
-                "id": effect.id, "title": effect.title, "shape": effect.shape, "size": number(effect.size), "unit": effect.unit,
+                "id": effect.id.word(), "title": effect.title, "shape": effect.shape, "size": number(effect.size), "unit": effect.unit,
                 "ci90": [number(effect.ci90[0]), number(effect.ci90[1])], "probability": number(effect.probability),
                 "z": number(effect.z), "gain": number(effect.gain[0]), "gain_left_out": number(effect.gain[1]),
-                "class": effect.class, "class_reason": effect.class_reason,
+                "class": EffectId::words(&effect.class), "class_reason": effect.class_reason,
             })
         };
         let cell = |cell: &Cell| {
@@ -368,19 +365,19 @@ impl Diagnosis {
         };
         let masked = |masked: &Identifiable| {
             json!({
-                "id": masked.id, "shape": masked.shape, "masking": number(masked.masking),
+                "id": masked.id.word(), "shape": masked.shape, "masking": number(masked.masking),
                 "minimal_detectable": number(masked.minimal_detectable), "unit": masked.unit,
                 "separating_test": masked.separating_test, "calibration_bias": masked.bias,
             })
         };
         let ranked = |ranked: &Ranked| {
             json!({
-                "id": ranked.id, "shape": ranked.shape, "size": number(ranked.size), "unit": ranked.unit,
+                "id": ranked.id.word(), "shape": ranked.shape, "size": number(ranked.size), "unit": ranked.unit,
                 "z": number(ranked.z), "gain": number(ranked.gain), "left_out": ranked.left_out.map(number),
             })
         };
         let channels: serde_json::Map<String, Value> =
-            self.channels.iter().map(|(name, closure)| ((*name).to_owned(), closure.json(None))).collect();
+            self.channels.iter().map(|(name, closure)| (name.to_string(), closure.json(None))).collect();
         json!({
             "schema": 1,
             "verdict": self.verdict.name(),
@@ -388,7 +385,7 @@ impl Diagnosis {
             "where": self.cells.iter().map(cell).collect::<Vec<_>>(),
             "closure": { "total": self.total.json(Some(&self.held_out)), "channels": channels },
             "apart": self.apart.iter().map(|own| json!({
-                "operation_id": own.operation_id, "row": own.row, "channel": own.channel, "excess": number(own.excess),
+                "operation_id": own.operation_id, "row": own.row, "channel": own.channel.word(), "excess": number(own.excess),
                 "unit": own.unit,
             })).collect::<Vec<_>>(),
             "budget": self.budget.json(),

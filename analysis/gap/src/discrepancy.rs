@@ -68,7 +68,7 @@ impl Tried {
         let features = matern_columns(&discrepancy.points, length);
         let frame = model.frame();
         let surfaces: Vec<Vec<Surface>> =
-            discrepancy.classes.iter().map(|class| class.surfaces(frame, &features)).collect();
+            discrepancy.classes.iter().map(|class| class.surfaces(&frame.measured, &features)).collect();
         let linear = &fit.linear;
         let deviations: Vec<Vec<f64>> = surfaces
             .iter()

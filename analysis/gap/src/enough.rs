@@ -1,19 +1,19 @@
 //! Whether enough was measured for any answer at all.
 
-use super::Forward;
 use super::constants::{FEWEST_FITTED, FEWEST_VALUES};
+use super::{ChannelId, Forward};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Why the parts of a process are too little for any answer; `None` where they suffice.
 pub(super) fn too_little(parts: &[Box<dyn Forward>]) -> Option<String> {
     let mut groups: BTreeSet<&str> = BTreeSet::new();
-    let mut values: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut values: BTreeMap<ChannelId, usize> = BTreeMap::new();
     for part in parts {
         let measured = &part.frame().measured;
         for group in measured.fitted_groups() {
             groups.insert(&measured.groups[group]);
             for observation in &measured.observations[measured.spans[group].clone()] {
-                *values.entry(measured.channels[observation.channel].name).or_default() += 1;
+                *values.entry(measured.channels[observation.channel].id).or_default() += 1;
             }
         }
     }

@@ -1,5 +1,6 @@
 //! What the test of a calibrated model answers.
 
+use super::ChannelId;
 use serde_json::{Value, json};
 
 /// The answer of the test.
@@ -49,7 +50,7 @@ pub struct LeastSeen {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Structure {
     /// The channel.
-    pub channel: &'static str,
+    pub channel: ChannelId,
     /// Upper 90 % end of its root mean square, in the unit of comparison (relative, or SI).
     pub upper: f64,
     /// Typical value, SI; 1 where the comparison is relative.
@@ -102,7 +103,7 @@ impl Fitness {
                     "statistic": finite(part.statistic) })
         };
         let seen = |seen: &LeastSeen| json!({ "what": seen.what, "value": finite(seen.value), "unit": seen.unit, "power": seen.power });
-        let structure = |own: &Structure| json!({ "channel": own.channel, "upper": finite(own.upper), "scatter": finite(own.scatter) });
+        let structure = |own: &Structure| json!({ "channel": own.channel.word(), "upper": finite(own.upper), "scatter": finite(own.scatter) });
         json!({
             "p": self.p, "level": self.level, "passed": self.passed(),
             "parts": self.parts.iter().map(part).collect::<Vec<_>>(),

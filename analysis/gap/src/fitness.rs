@@ -231,13 +231,13 @@ impl<'a> Test<'a> {
             for statistic in Statistic::ALL {
                 let follows = statistics.strongest.filter(|_| statistic == Statistic::Covariate);
                 let follows = follows.map_or_else(String::new, |index| frame.covariates[index].name.clone());
-                names.push((frame.measured.channels[*channel].name, statistic.name(), follows));
+                names.push((frame.measured.channels[*channel].id.word(), statistic.name(), follows));
                 values.push(statistics.get(statistic));
             }
         }
         let effects = self.catalogue.tr_mul(&self.residual);
         let strongest = (0..effects.len()).max_by(|a, b| effects[*a].total_cmp(&effects[*b]));
-        let id = strongest.map_or("", |index| frame.candidates[self.candidates[index]].id);
+        let id = strongest.map_or("", |index| frame.candidates[self.candidates[index]].id.word());
         names.push(("catalogue", "effect", id.to_owned()));
         values.push(strongest.map_or(0.0, |index| effects[index]));
         Observed { values, names, scores }
@@ -333,7 +333,7 @@ impl<'a> Test<'a> {
         let one = |(index, channel): (usize, &(usize, Vec<usize>, Channel))| {
             let about = &frame.measured.channels[channel.0];
             let value = self.least_drift(along, Statistic::ALL.len() * index, channel, judged, draws, critical);
-            let what = format!("{} over {}", about.name, frame.covariates[along].name);
+            let what = format!("{} over {}", about.id, frame.covariates[along].name);
             let unit = if about.transform == Transform::Log { "1" } else { about.unit };
             LeastSeen { what, value, unit, power: POWER }
         };
@@ -409,7 +409,7 @@ impl<'a> Test<'a> {
             let sensor = toolroom_statistics::median(&mut sensor) * self.noise.scale[*channel];
             let level = if relative { 1.0 } else { typical };
             Structure {
-                channel: about.name,
+                channel: about.id,
                 upper: sensor * upper.max(0.0).sqrt(),
                 level,
                 sensor,

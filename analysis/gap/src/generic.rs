@@ -1,6 +1,15 @@
 //! Generic signatures: every channel against every covariate.
 
-use super::{Forward, Linear, Transform};
+use super::{ChannelId, Forward, Linear, Transform};
+
+/// Channels that a load on the edge moves together.
+const LOADS: [ChannelId; 5] = [
+    ChannelId::CuttingForce,
+    ChannelId::FeedForce,
+    ChannelId::SpindlePower,
+    ChannelId::NormalForce,
+    ChannelId::TangentialForce,
+];
 
 /// One generic signature: a relative deviation of some channels that follows a covariate.
 #[derive(Clone, Debug)]
@@ -19,15 +28,11 @@ pub struct Signature {
 pub fn dictionary(model: &dyn Forward, linear: &Linear) -> Vec<Signature> {
     let measured = &model.frame().measured;
     let mut sets: Vec<(String, Vec<usize>)> =
-        measured.channels.iter().enumerate().map(|(i, channel)| (channel.name.to_owned(), vec![i])).collect();
-    let forces: Vec<usize> = (0..measured.channels.len())
-        .filter(|i| {
-            ["cutting_force", "feed_force", "spindle_power", "normal_force", "tangential_force"]
-                .contains(&measured.channels[*i].name)
-        })
-        .collect();
+        measured.channels.iter().enumerate().map(|(i, channel)| (channel.id.to_string(), vec![i])).collect();
+    let forces: Vec<usize> =
+        (0..measured.channels.len()).filter(|i| LOADS.contains(&measured.channels[*i].id)).collect();
     if forces.len() > 1 {
-        sets.push((forces.iter().map(|i| measured.channels[*i].name).collect::<Vec<_>>().join(" + "), forces));
+        sets.push((forces.iter().map(|i| measured.channels[*i].id.word()).collect::<Vec<_>>().join(" + "), forces));
     }
     let mut signatures = Vec::new();
     for (name, channels) in &sets {
@@ -38,7 +43,7 @@ pub fn dictionary(model: &dyn Forward, linear: &Linear) -> Vec<Signature> {
             signatures.push(Signature { channel: name.clone(), covariate: covariate.name.clone(), column });
         }
     }
-    let rated = |channel: &super::Channel| channel.name == "flank_wear" && channel.transform == Transform::Linear;
+    let rated = |channel: &super::Channel| channel.id == ChannelId::FlankWear && channel.transform == Transform::Linear;
     if let Some(wear) = measured.channels.iter().position(rated) {
         // What every operation costs, however long it is.
         let mut column = vec![0.0; measured.len()];

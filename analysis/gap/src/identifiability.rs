@@ -1,17 +1,16 @@
 //! What records of a design can show of each effect, before and beside a diagnosis.
 
-use super::catalogue::{entry, report_units};
 use super::constants::{ANYHOW, CONFUSED, CONVINCING, DETECTABLE, LARGE, NEIGHBOURS, PUSHED, UNLUCKY, WHOLLY};
 use super::score::Scores;
 use super::trial::Trial;
-use super::{Basis, Forward, Method};
+use super::{Basis, EffectId, Forward, Method};
 use nalgebra::DVector;
 
 /// What records of such a design can show of one effect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identifiable {
-    /// Word of the catalogue.
-    pub id: &'static str,
+    /// The effect.
+    pub id: EffectId,
     /// Shape; may be empty.
     pub shape: String,
     /// Share of the squared length of its signature that calibration, allowance and group factors take
@@ -23,7 +22,7 @@ pub struct Identifiable {
     /// Unit of that.
     pub unit: &'static str,
     /// Effects with nearly the same signature.
-    pub confused: Vec<&'static str>,
+    pub confused: Vec<EffectId>,
     /// What leaving it out would do to the calibration, at ordinary size.
     pub bias: String,
     /// Experiment that tells it from its worst confounder.
@@ -115,8 +114,7 @@ fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<Shown> {
     (0..nuisance).for_each(|i| matrix[(i, i)] += 1.0);
     let matrix = super::gram::factor(matrix);
     let row = |(index, candidate): (usize, &super::Candidate)| {
-        let entry = entry(model.frame(), candidate.id)?;
-        let (factor, unit) = report_units(model.frame(), candidate.id);
+        let (factor, unit) = candidate.id.report_units();
         let moved = matrix.solve(&super::gram::part_column(&trial.gram.total, &shared, nuisance + index));
         let least = least(model, basis, trial, index, &moved, scores.length[index])
             / between(model, basis, trial, &scores, index);
@@ -125,7 +123,7 @@ fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<Shown> {
             let name = nuisance_name(model, worst);
             format!("at ordinary size it moves `{name}` by {:.1} prior standard deviations", moved[worst])
         });
-        let mut confused: Vec<&'static str> = (0..model.frame().candidates.len())
+        let mut confused: Vec<EffectId> = (0..model.frame().candidates.len())
             .filter(|other| {
                 scores.cosine[(index, *other)] > CONFUSED && model.frame().candidates[*other].id != candidate.id
             })
@@ -140,11 +138,11 @@ fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<Shown> {
             unit,
             confused,
             bias,
-            separating_test: entry.separating_test,
+            separating_test: candidate.id.entry().separating_test,
         };
-        Some(Shown { row, typical: candidate.typical * factor, moves: moved })
+        Shown { row, typical: candidate.typical * factor, moves: moved }
     };
-    model.frame().candidates.iter().enumerate().filter_map(row).collect()
+    model.frame().candidates.iter().enumerate().map(row).collect()
 }
 
 /// Name of a number of the calibration or the form allowance.

@@ -34,12 +34,12 @@
 mod basis;
 mod belief;
 mod budget;
-mod catalogue;
 mod channels;
 mod class;
 mod closure;
 mod constants;
 mod decide;
+mod decision;
 mod diagnose;
 mod diagnosing;
 mod diagnosis;
@@ -60,6 +60,7 @@ mod measures;
 mod method;
 mod narrowed;
 mod noise;
+mod number;
 pub mod plan;
 mod pooled;
 mod processes;
@@ -79,11 +80,10 @@ mod trial;
 mod verdict;
 
 pub use basis::Basis;
-pub use catalogue::report_units;
 pub use channels::diagnose_parts;
 pub use closure::Outside;
 pub use constants::{FEWEST_GROUPS, NINETY};
-pub use decide::Decision;
+pub use decision::Decision;
 pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
     Apart, Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed,
@@ -105,10 +105,10 @@ pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
 pub use toolroom_evidence::{EFFECT_PRIOR, Evidence, Gram};
 pub use toolroom_nominal::{
-    Asked, Candidate, Channel, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EmpiricalSizes,
-    Family, Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel, NominalProcess, Observation, On,
-    Parameter, Point, Settings, Stated, Surface, Transform, Untried, WEAR_RATE, Words, WrittenEffect, cutting,
-    empirical, features, grinding, program, sensor_sheet,
+    Asked, Candidate, Channel, ChannelId, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EffectId,
+    EmpiricalSizes, Family, Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel, NominalProcess,
+    Observation, On, Parameter, Point, Settings, Stated, Surface, Transform, Untried, WEAR_RATE, Words, WrittenEffect,
+    cutting, empirical, features, grinding, program, sensor_sheet,
 };
 pub use trial::Trial;
 

@@ -3,8 +3,8 @@
 //! A sum is what a planner asks for, and one reading may rule it; so the readings that stand far apart are named and the
 //! sum is shown without them, too. A root mean square asks for the spread, a robust loss for the ordinary reading.
 
-use super::diagnosis::number;
 use super::noise::HUBER;
+use super::number::number;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use toolroom_statistics::median;

@@ -6,9 +6,8 @@
 //! (Atkinson & Fedorov 1975, T-optimality); it counts up to the score that an effect needs to be
 //! named. The block that adds most per minute of machine time wins.
 
-use super::catalogue::catalogued;
 use super::constants::DETECTABLE;
-use super::{Basis, Diagnosis, Fit, Forward, GapVerdict, Linear, Method, NominalModel, Point, Trial};
+use super::{Basis, Diagnosis, EffectId, Fit, Forward, GapVerdict, Linear, Method, NominalModel, Point, Trial};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -25,13 +24,20 @@ const SUSPECTS: usize = 8;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Separated {
     /// The suspect.
-    pub a: String,
-    /// What it is mistaken for: another suspect, or what calibration and scatter take up.
-    pub b: String,
+    pub a: EffectId,
+    /// The other suspect that it is mistaken for; `None` where calibration and scatter take it up.
+    pub b: Option<EffectId>,
     /// Score that separates them in the records so far.
     pub before: f64,
     /// Score with the block.
     pub after: f64,
+}
+
+impl Separated {
+    /// What the suspect is mistaken for, in words.
+    fn other(&self) -> &'static str {
+        self.b.map_or("calibration and scatter", EffectId::word)
+    }
 }
 
 /// One block of the menu with what it would do.
@@ -65,17 +71,17 @@ pub fn plan(model: &NominalModel, records: &Records, group: Option<&str>, diagno
     if open.is_empty() {
         return Plan { blocks: Vec::new() };
     }
-    let asked: Vec<&str> = open.iter().flat_map(|(a, b)| std::iter::once(a.as_str()).chain(b.as_deref())).collect();
+    let asked: Vec<EffectId> = open.iter().flat_map(|(a, b)| std::iter::once(*a).chain(*b)).collect();
     let block = |offered: menu::Offered| {
         let mut after = seen(model, &records.followed_by(&offered.runs), group, Some(&asked));
         after.at_sizes_of(&before);
         let pairs: Vec<Separated> = open
             .iter()
             .map(|(a, b)| Separated {
-                a: a.clone(),
-                b: b.clone().unwrap_or_else(|| "calibration and scatter".to_owned()),
-                before: separation(&before, a, b.as_deref()),
-                after: separation(&after, a, b.as_deref()),
+                a: *a,
+                b: *b,
+                before: separation(&before, *a, *b),
+                after: separation(&after, *a, *b),
             })
             .collect();
         let capped = |z: f64| z.min(DETECTABLE).powi(2);
@@ -111,7 +117,7 @@ impl SeenEffects {
 
 /// Score at ordinary size of every suspect and the cosines among them, by the best shape.
 struct SeenEffects {
-    ids: Vec<&'static str>,
+    ids: Vec<EffectId>,
     scores: Vec<f64>,
     /// Ordinary size of each, SI.
     typical: Vec<f64>,
@@ -119,7 +125,7 @@ struct SeenEffects {
 }
 
 /// What records like these would show of the effects `asked` for, of all if `None`.
-fn seen(model: &NominalModel, records: &Records, group: Option<&str>, asked: Option<&[&str]>) -> SeenEffects {
+fn seen(model: &NominalModel, records: &Records, group: Option<&str>, asked: Option<&[EffectId]>) -> SeenEffects {
     let parts = model.asked(records, group, |_, _| false).parts;
     let mut all: Vec<SeenEffects> = parts.iter().map(|part| part_seen(part.as_ref(), asked)).collect();
     let mut seen = all.swap_remove(0);
@@ -141,7 +147,7 @@ fn seen(model: &NominalModel, records: &Records, group: Option<&str>, asked: Opt
 }
 
 /// Ids, scores and cosines of the best shape of each candidate of one model; nought for those not `asked` for.
-fn part_seen(model: &dyn Forward, asked: Option<&[&str]>) -> SeenEffects {
+fn part_seen(model: &dyn Forward, asked: Option<&[EffectId]>) -> SeenEffects {
     let candidates = model.frame().candidates.iter().enumerate();
     let asked = candidates.filter(|(_, own)| asked.is_none_or(|asked| asked.contains(&own.id)));
     let asked: Vec<usize> = asked.map(|(i, _)| i).collect();
@@ -164,8 +170,8 @@ fn part_seen(model: &dyn Forward, asked: Option<&[&str]>) -> SeenEffects {
 }
 
 /// `√T_ab`, or the score of `a` alone.
-fn separation(seen: &SeenEffects, a: &str, b: Option<&str>) -> f64 {
-    let place = |id: &str| seen.ids.iter().position(|known| *known == id);
+fn separation(seen: &SeenEffects, a: EffectId, b: Option<EffectId>) -> f64 {
+    let place = |id: EffectId| seen.ids.iter().position(|known| *known == id);
     let Some(i) = place(a) else { return 0.0 };
     let cosine = b.and_then(place).and_then(|j| seen.cosines.get(i)?.get(j).copied()).unwrap_or(0.0);
     seen.scores[i] * (1.0 - cosine * cosine).max(0.0).sqrt()
@@ -173,11 +179,11 @@ fn separation(seen: &SeenEffects, a: &str, b: Option<&str>) -> f64 {
 
 /// What is open: the class of a named effect; else every effect that the records could hardly show,
 /// and pairs of those that they could.
-fn open(diagnosis: &Diagnosis, seen: &SeenEffects) -> Vec<(String, Option<String>)> {
-    let mut open: Vec<(String, Option<String>)> = Vec::new();
+fn open(diagnosis: &Diagnosis, seen: &SeenEffects) -> Vec<(EffectId, Option<EffectId>)> {
+    let mut open: Vec<(EffectId, Option<EffectId>)> = Vec::new();
     for effect in &diagnosis.effects {
         let others = effect.class.iter().filter(|other| **other != effect.id);
-        open.extend(others.map(|other| (effect.id.to_owned(), Some((*other).to_owned()))));
+        open.extend(others.map(|other| (effect.id, Some(*other))));
     }
     if !open.is_empty() {
         return open;
@@ -186,11 +192,11 @@ fn open(diagnosis: &Diagnosis, seen: &SeenEffects) -> Vec<(String, Option<String
     order.sort_by(|a, b| seen.scores[*a].total_cmp(&seen.scores[*b]));
     if diagnosis.verdict == GapVerdict::Unknown {
         for (a, b) in pairs(seen) {
-            open.push((seen.ids[a].to_owned(), Some(seen.ids[b].to_owned())));
+            open.push((seen.ids[a], Some(seen.ids[b])));
         }
     }
     let hidden = order.iter().filter(|i| seen.scores[**i] < DETECTABLE);
-    open.extend(hidden.map(|i| (seen.ids[*i].to_owned(), None)));
+    open.extend(hidden.map(|i| (seen.ids[*i], None)));
     open.truncate(SUSPECTS);
     open
 }
@@ -210,8 +216,7 @@ impl Plan {
 
     /// For programs.
     pub fn json(&self) -> Value {
-        let pair =
-            |pair: &Separated| json!({ "a": pair.a, "b": pair.b, "z_before": pair.before, "z_after": pair.after });
+        let pair = |pair: &Separated| json!({ "a": pair.a.word(), "b": pair.other(), "z_before": pair.before, "z_after": pair.after });
         let block = |block: &Block| {
             json!({
                 "design": block.design, "edges": REPLICATES, "operations": block.operations,
@@ -230,9 +235,16 @@ impl Plan {
         let mut text = format!("next     {}\n", best.design);
         let _ = writeln!(text, "         {} operations, {:.0} min of machine time", best.operations, best.minutes);
         for pair in best.pairs.iter().filter(|pair| pair.after > pair.before + 0.1) {
-            let _ = writeln!(text, "  {:22} from {:24} score {:5.1} → {:5.1}", pair.a, pair.b, pair.before, pair.after);
-            if let (true, Some(entry)) = (pair.after < DETECTABLE, catalogued(&pair.a)) {
-                let _ = writeln!(text, "    not enough yet: {}", entry.separating_test);
+            let _ = writeln!(
+                text,
+                "  {:22} from {:24} score {:5.1} → {:5.1}",
+                pair.a,
+                pair.other(),
+                pair.before,
+                pair.after
+            );
+            if pair.after < DETECTABLE && !pair.a.entry().separating_test.is_empty() {
+                let _ = writeln!(text, "    not enough yet: {}", pair.a.entry().separating_test);
             }
         }
         let _ = writeln!(text, "else");
@@ -248,6 +260,6 @@ impl Block {
     /// Pairs that it would bring over the score that an effect needs.
     pub fn separates(&self) -> Vec<[String; 2]> {
         let brought = self.pairs.iter().filter(|pair| pair.before < DETECTABLE && pair.after >= DETECTABLE);
-        brought.map(|pair| [pair.a.clone(), pair.b.clone()]).collect()
+        brought.map(|pair| [pair.a.to_string(), pair.other().to_owned()]).collect()
     }
 }

@@ -1,10 +1,9 @@
 //! Closure over several models that were diagnosed by themselves.
 
-use super::catalogue::entry;
 use super::closure::{FITS, Sums, closure, counted, huber, scored, standardised};
 use super::left_out::LeftOut;
 use super::measures::Left;
-use super::{Closure, Diagnosed, Forward};
+use super::{ChannelId, Closure, Diagnosed, Forward};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -18,7 +17,7 @@ pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure
             let residuals_of =
                 |left: &LeftOut| draw.map_or_else(|| left.residual.clone(), |draw| left.drawn(seed, draw));
             let [base, chosen] = [&diagnosed.held_out[0], &diagnosed.held_out[1]].map(residuals_of);
-            let counts = counted(measured, &touched(*model, diagnosed));
+            let counts = counted(measured, &touched(diagnosed));
             for group in scored(measured) {
                 let sum = sums.entry((*process, measured.groups[group].as_str())).or_default();
                 for i in measured.spans[group].clone().filter(|i| counts[measured.observations[*i].channel]) {
@@ -36,14 +35,13 @@ pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure
         .iter()
         .flat_map(|(_, model, diagnosed)| {
             let [base, chosen] = &diagnosed.held_out;
-            standardised(*model, &diagnosed.basis, [base, chosen], &touched(*model, diagnosed))
+            standardised(*model, &diagnosed.basis, [base, chosen], &touched(diagnosed))
         })
         .collect();
     closure(&sums(None), &fits.iter().collect::<Vec<_>>(), &left, seed)
 }
 
 /// Channels that the named effects touch.
-fn touched(model: &dyn Forward, diagnosed: &Diagnosed) -> Vec<&'static str> {
-    let rows = diagnosed.diagnosis.effects.iter().filter_map(|effect| entry(model.frame(), effect.id));
-    rows.flat_map(|entry| entry.channels.iter().map(|own| own.channel)).collect()
+fn touched(diagnosed: &Diagnosed) -> Vec<ChannelId> {
+    diagnosed.diagnosis.effects.iter().flat_map(|effect| effect.id.channels()).collect()
 }

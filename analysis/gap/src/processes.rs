@@ -12,7 +12,7 @@ use super::channels::{diagnose_among, mean_budget};
 use super::diagnose::Diagnosed;
 use super::pooled::pooled;
 use super::summary::{named, named_effect, percent, rounded, verdict, with_unit};
-use super::{Asked, Closure, Diagnosis, Forward, GapVerdict, Untried};
+use super::{Asked, ChannelId, Closure, Diagnosis, EffectId, Forward, GapVerdict, Untried};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -144,14 +144,14 @@ impl Answers {
 
     /// Closures by channel: `process.channel` where two processes have a channel of one name.
     fn channels(&self) -> Map<String, Value> {
-        let mut times: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut times: BTreeMap<ChannelId, usize> = BTreeMap::new();
         for (name, _) in self.processes.iter().flat_map(|(_, own)| &own.channels) {
-            *times.entry(name).or_default() += 1;
+            *times.entry(*name).or_default() += 1;
         }
         let mut channels = Map::new();
         for (process, answer) in &self.processes {
             for (name, closure) in &answer.channels {
-                let key = if times[name] > 1 { format!("{process}.{name}") } else { (*name).to_owned() };
+                let key = if times[name] > 1 { format!("{process}.{name}") } else { name.to_string() };
                 channels.insert(key, closure.json(None));
             }
         }
@@ -163,7 +163,7 @@ impl Answers {
     }
 
     fn untried_json(&self) -> Value {
-        let entry = |(process, untried): &(&str, Untried)| json!({ "process": process, "id": untried.id, "reason": untried.reason });
+        let entry = |(process, untried): &(&str, Untried)| json!({ "process": process, "id": untried.id.word(), "reason": untried.reason });
         self.untried.iter().map(entry).collect()
     }
 
@@ -172,7 +172,7 @@ impl Answers {
         let several = self.processes.len() > 1;
         let mut lines: Vec<String> = Vec::new();
         for (process, _) in &self.processes {
-            let names = self.untried.iter().filter(|(own, _)| own == process).map(|(_, untried)| untried.id);
+            let names = self.untried.iter().filter(|(own, _)| own == process).map(|(_, untried)| untried.id.word());
             let names = names.collect::<Vec<_>>().join(", ");
             if !names.is_empty() {
                 lines.push(if several { format!("{process}: {names}") } else { names });
@@ -203,7 +203,7 @@ impl Answers {
                     effect.probability,
                     match &effect.class[1..] {
                         [] => String::new(),
-                        others => format!(", cannot be told from {}", others.join(", ")),
+                        others => format!(", cannot be told from {}", EffectId::words(others).join(", ")),
                     }
                 );
             }
@@ -272,7 +272,7 @@ impl Answers {
     fn untried_section(&self) -> Option<Section> {
         let mut table = Table::new(["process", "effect", "why it was not tried"]);
         for (process, untried) in &self.untried {
-            table.push([(*process).into(), untried.id.into(), untried.reason.clone().into()]);
+            table.push([(*process).into(), untried.id.word().into(), untried.reason.clone().into()]);
         }
         (!self.untried.is_empty()).then(|| {
             Section::new("What was not tried")

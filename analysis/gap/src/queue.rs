@@ -12,13 +12,13 @@
 //! comparison of queues: Balci & Sargent 1982. First come, first served, on any machine of the pool:
 //! assumption.
 
-use super::{Diagnosis, NamedEffect};
+use super::{Diagnosis, EffectId, NamedEffect};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, BTreeSet};
 use toolroom_nominal::Stated;
 use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score, scope_names};
-use toolroom_scenario::{Deviation, MICRO_STOP, Occasion, Scope, ShopConstant, calibrated};
+use toolroom_scenario::{Deviation, MICRO_STOP, Occasion, Scope, ShopConstant, ShopEffect, calibrated};
 use toolroom_statistics::Moments;
 
 /// Replications of a log.
@@ -188,7 +188,7 @@ struct Occupation<'a> {
 
 /// An effect as it acts on the time of an operation.
 struct Acting {
-    id: &'static str,
+    id: EffectId,
     /// Whether it follows the recorded overrides.
     as_recorded: bool,
     scope: Scope,
@@ -205,7 +205,7 @@ impl Acting {
     fn stated(deviation: &Deviation) -> Self {
         let size = deviation.effect.entry().size.to_display(deviation.size);
         Self {
-            id: deviation.effect.word(),
+            id: deviation.effect.into(),
             as_recorded: deviation.recorded.is_some(),
             scope: deviation.scope.clone(),
             size,
@@ -256,14 +256,14 @@ impl<'a> Occupation<'a> {
             if !effect.scope.holds(&place) {
                 continue;
             }
-            all += match effect.id {
-                "feed_override" if effect.as_recorded => time * visit.override_excess,
-                "feed_override" => time * effect.size,
-                "operator_delay" => effect.size,
-                "tool_change_delay" => changes * effect.size,
-                "feed_hold" => holds * effect.size,
-                "axis_acceleration" => nominal.feed_speeds * effect.size,
-                "micro_stops" => {
+            all += match effect.id.shop() {
+                Some(ShopEffect::FeedOverride) if effect.as_recorded => time * visit.override_excess,
+                Some(ShopEffect::FeedOverride) => time * effect.size,
+                Some(ShopEffect::OperatorDelay) => effect.size,
+                Some(ShopEffect::ToolChangeDelay) => changes * effect.size,
+                Some(ShopEffect::FeedHold) => holds * effect.size,
+                None if effect.id == EffectId::AXIS_ACCELERATION => nominal.feed_speeds * effect.size,
+                Some(ShopEffect::MicroStops) => {
                     // Poisson by inversion, sizes in the display unit 1/h.
                     let mean = effect.size / 3600.0 * time;
                     let (mut probability, mut stopped) = ((-mean).exp(), 0.0);
@@ -277,8 +277,8 @@ impl<'a> Occupation<'a> {
                     stopped
                 }
                 // Neither occupies a machine longer: lives of edges and breakdowns are those of the log.
-                "tool_change_policy" | "breakdown_shape" => 0.0,
-                id => unreachable!("{id} is no effect of a shop's log"),
+                Some(ShopEffect::ToolChangePolicy | ShopEffect::BreakdownShape) => 0.0,
+                None => unreachable!("{} is no effect of a shop's log", effect.id),
             };
         }
         all

@@ -4,7 +4,7 @@
 //! for the scatter of handling.
 
 use super::queue::{QueueScore, occasion, queues};
-use super::{Diagnosis, Fitness, GapVerdict, Part};
+use super::{Diagnosis, EffectId, Fitness, GapVerdict, Part};
 use std::collections::BTreeMap;
 use toolroom_facts::failures::{History, shape, time_between};
 use toolroom_facts::spread::spread;
@@ -31,14 +31,14 @@ const UNEXPLAINED: f64 = 5.0;
 pub fn add_facts(shop: &Shop, records: &Records, stated: &Stated, diagnosis: &mut Diagnosis, seed: u64) {
     let seen = visits(records);
     let scores = queues(shop, &seen, stated, diagnosis, seed);
-    let named = |id: &str| diagnosis.effects.iter().any(|effect| effect.id == id);
+    let named = |id: EffectId| diagnosis.effects.iter().any(|effect| effect.id == id);
     let explained = !diagnosis.effects.is_empty();
-    let mut facts = of_failures(shop, &seen, named("breakdown_shape"), seed);
-    if !named("tool_change_policy") {
+    let mut facts = of_failures(shop, &seen, named(EffectId::BREAKDOWN_SHAPE), seed);
+    if !named(EffectId::TOOL_CHANGE_POLICY) {
         facts.extend(of_edges(shop, &seen));
     }
     // What adds to every handling makes its relative scatter smaller.
-    if !named("operator_delay") {
+    if !named(EffectId::OPERATOR_DELAY) {
         facts.extend(of_handling(shop, &seen, stated));
     }
     facts.extend(scores.iter().filter_map(|score| of_queue(score, explained)));

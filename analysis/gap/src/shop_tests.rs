@@ -1,7 +1,7 @@
 //! What a shop tells of itself.
 
 use super::shop::*;
-use crate::{Diagnosis, GapVerdict, NominalModel, NominalProcess, Settings, Stated, diagnose};
+use crate::{Diagnosis, EffectId, GapVerdict, NominalModel, NominalProcess, Settings, Stated, diagnose};
 use toolroom_facts::{Finding, Quantity};
 use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, Records};
@@ -31,7 +31,7 @@ fn of_shop(seed: u64, changed: &dyn Fn(&mut Scenario)) -> Records {
 #[test]
 fn the_nominal_shop_has_no_gap_to_itself() {
     let (forward, notes) = nominal().over(&recorded(7, &[]), None, |_, _| false);
-    let channels: Vec<&str> = forward.frame().measured.channels.iter().map(|channel| channel.name).collect();
+    let channels: Vec<&str> = forward.frame().measured.channels.iter().map(|channel| channel.id.word()).collect();
     assert!(channels.contains(&"cutting_time") && channels.contains(&"handling_spread"), "{channels:?} {notes:?}");
     let diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
     assert_eq!(diagnosis.verdict, GapVerdict::NoGap, "{}", diagnosis.terminal());
@@ -71,7 +71,7 @@ fn stops_of_the_simulated_shop_are_named_and_close_the_gap_of_its_cycle() {
     let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
     assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
     let named = &diagnosis.effects[0];
-    assert_eq!((named.id, diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
+    assert_eq!((named.id.word(), diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
     assert!((1.8..2.2).contains(&named.size), "{} 1/h", named.size);
     let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
     let seen = visits(&records);
@@ -88,12 +88,12 @@ fn holds_of_the_simulated_shop_are_named_with_their_length() {
     let records = recorded(11, &[Deviation { share: 0.05, ..Deviation::new(ShopEffect::FeedHold, 15.0) }]);
     let model = nominal();
     let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
-    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.word()).collect();
     assert_eq!(named, ["feed_hold"], "{}", diagnosis.terminal());
     assert!((diagnosis.effects[0].size - 15.0).abs() < 0.5, "{}", diagnosis.terminal());
     // Which share of operations is held stands in the diagnosis, so that the shop can be simulated from it.
     let (forward, _) = model.over(&records, None, |_, _| false);
-    let hold = forward.frame().candidates.iter().position(|own| own.id == "feed_hold").expect("holds");
+    let hold = forward.frame().candidates.iter().position(|own| own.id == EffectId::FEED_HOLD).expect("holds");
     let share = forward.written(hold).recorded.expect("a share");
     assert!((share - 0.05).abs() < 0.01, "{share}");
     let seen = visits(&records);
@@ -119,7 +119,8 @@ fn an_effect_of_one_machine_or_part_is_named_there_with_its_size_and_its_queue()
         let id = effect.word();
         let model = nominal();
         let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
-        let named: Vec<(&str, &str)> = diagnosis.effects.iter().map(|own| (own.id, own.shape.as_str())).collect();
+        let named: Vec<(&str, &str)> =
+            diagnosis.effects.iter().map(|own| (own.id.word(), own.shape.as_str())).collect();
         assert_eq!(named, [(id, format!("{key}={name}").as_str())], "{}", diagnosis.terminal());
         let found = diagnosis.effects[0].size;
         assert!((found / size - 1.0).abs() < 0.05, "{found} instead of {size}");
@@ -140,7 +141,7 @@ fn at_machines(effect: ShopEffect, size: f64, machines: &[&str]) -> Deviation {
 /// The named effects, each with where it acts and its size.
 fn named(records: &Records) -> Vec<(&'static str, String, f64)> {
     let diagnosis = diagnose(nominal().over(records, None, |_, _| false).0.as_ref(), 1).diagnosis;
-    diagnosis.effects.into_iter().map(|own| (own.id, own.shape, own.size)).collect()
+    diagnosis.effects.into_iter().map(|own| (own.id.word(), own.shape, own.size)).collect()
 }
 
 #[test]
@@ -377,7 +378,7 @@ fn holds_of_any_length_are_named_with_their_mean_length() {
         }
         records.set_numbers("time", times);
         let diagnosis = diagnose(nominal().over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
-        assert_eq!(diagnosis.effects[0].id, "feed_hold", "{}", diagnosis.terminal());
+        assert_eq!(diagnosis.effects[0].id, EffectId::FEED_HOLD, "{}", diagnosis.terminal());
         sizes.push(diagnosis.effects[0].size);
     }
     let mean = sizes.iter().sum::<f64>() / 3.0;

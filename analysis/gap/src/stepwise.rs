@@ -1,14 +1,14 @@
 //! Which models get the chance to be named: single effects, and step by step further ones beside them.
 
-use super::Forward;
 use super::constants::{
     DETECTABLE, EARLY, FURTHER, GATE, PAIRED, PAIRED_LEAD, PAIRED_SCORE, REFITTED, REFITTED_SCORE, SHAPES, STRAINED,
 };
-use super::decide::{Decision, Single};
+use super::decision::{Decision, Single};
 use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain};
 use super::rules::strain;
 use super::trial::{Remainder, Trial};
+use super::{EffectId, Forward};
 use rayon::prelude::*;
 
 /// What the dictionary finds beside the nominal model, single effects by falling gain, and the refitted ones.
@@ -54,7 +54,7 @@ fn early(context: Diagnosing<'_>, base: &Trial, singles: &mut [Single], trials: 
     let scores = context.trial_of(unbent).strengths();
     let mut order: Vec<usize> = (0..singles.len()).collect();
     order.sort_by(|a, b| scores[singles[*b].candidate].total_cmp(&scores[singles[*a].candidate]));
-    let mut tried: Vec<&'static str> = Vec::new();
+    let mut tried: Vec<EffectId> = Vec::new();
     let mut refitted: Vec<usize> = Vec::new();
     for place in order {
         let single = &mut singles[place];

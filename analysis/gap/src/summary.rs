@@ -1,6 +1,6 @@
 //! A diagnosis in ten lines for the terminal, and as a report.
 
-use super::{Diagnosis, GapVerdict, NamedEffect};
+use super::{Diagnosis, EffectId, GapVerdict, NamedEffect};
 use std::fmt::Write;
 use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Estimate, Intervals, Table, Waterfall};
@@ -18,8 +18,8 @@ pub(super) fn percent(share: f64) -> String {
     if share.is_finite() { format!("{:.0} %", 100.0 * share) } else { "–".to_owned() }
 }
 
-pub(super) fn named(id: &str, shape: &str) -> String {
-    if shape.is_empty() { id.to_owned() } else { format!("{id} ({shape})") }
+pub(super) fn named(id: EffectId, shape: &str) -> String {
+    if shape.is_empty() { id.to_string() } else { format!("{id} ({shape})") }
 }
 
 /// A named effect in words, with the warning that a description is no cause.
@@ -75,8 +75,12 @@ impl Diagnosis {
                 effect.z
             );
             if effect.class.len() > 1 {
-                let _ =
-                    writeln!(text, "    cannot be told from {}: {}", effect.class[1..].join(", "), effect.class_reason);
+                let _ = writeln!(
+                    text,
+                    "    cannot be told from {}: {}",
+                    EffectId::words(&effect.class[1..]).join(", "),
+                    effect.class_reason
+                );
             }
         }
         for finding in &self.findings {
@@ -209,7 +213,7 @@ impl Diagnosis {
             section = section.warning(format!(
                 "{} cannot be told from {}: {}",
                 effect.id,
-                effect.class[1..].join(", "),
+                EffectId::words(&effect.class[1..]).join(", "),
                 effect.class_reason
             ));
         }

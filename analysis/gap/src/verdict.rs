@@ -15,7 +15,7 @@
 //! rejects nothing.
 
 use super::constants::{FAR_CONSTANT, LEAST_CLOSED};
-use super::decide::Mapped;
+use super::decision::Mapped;
 use super::{Closure, Diagnosis, Fitness, GapVerdict, Structure};
 
 /// Share of a channel's value below which structure does not matter (1). Assumption:
@@ -180,12 +180,12 @@ impl Diagnosis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Part;
+    use crate::{ChannelId, Part};
 
     /// A diagnosis whose rules kept an effect from being named, with a test of this probability.
     fn abstained(p: f64, upper: f64) -> Diagnosis {
         let part = Part { what: "cutting_time", test: "groups", follows: String::new(), p, statistic: 2.0 };
-        let structure = Structure { channel: "cutting_time", upper, level: 1.0, sensor: 0.01, scatter: 0.01 };
+        let structure = Structure { channel: ChannelId::CuttingTime, upper, level: 1.0, sensor: 0.01, scatter: 0.01 };
         let fit = Fitness { p, level: 0.01, parts: vec![part], least_seen: Vec::new(), structure: vec![structure] };
         Diagnosis {
             verdict: GapVerdict::Unknown,

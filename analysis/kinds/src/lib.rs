@@ -20,6 +20,7 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod checked;
 mod diagnosis;
 mod empirical;
 mod error;
@@ -87,8 +88,8 @@ pub const CODES: &[(&str, &str)] = &[
     ),
 ];
 
+pub use checked::{Checked, Reader, checked};
 pub use error::KindError;
-pub use readers::{Checked, Reader, checked};
 pub use samples::Sample;
 pub use warning::Warning;
 pub use workload::overloads;

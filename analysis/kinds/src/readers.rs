@@ -1,11 +1,12 @@
 //! The reader of each kind: what its verb would refuse before it begins is refused here.
 
 use crate::KindError;
+use crate::checked::{Checked, checked};
 use crate::empirical::empirical;
 use crate::places::{header, nominal as nominal_place, parameter, refused};
 use crate::warning::{Warning, unusual};
 use crate::workload::workload;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, json};
 use std::path::Path;
 use toolroom_cutting::{MILLING_CATALOGUE, Milling};
 use toolroom_effects::{EFFECTS_FILE, read_definitions};
@@ -17,32 +18,6 @@ use toolroom_records::import::Mapping;
 use toolroom_scenario_file::{self as file, ScenarioFile};
 use toolroom_shop_import::ShopMapping;
 use toolroom_wear::{Origin, Pair, ParameterSet, SetError, TURNING_SETS};
-
-/// Reads a file with the values of `--set`.
-pub type Reader = fn(&Path, &[String]) -> Result<Checked, KindError>;
-
-/// A file that its reader accepts.
-#[derive(Clone, Debug)]
-pub struct Checked {
-    /// Its values as they were understood, where the reader tells them.
-    pub echo: Vec<Echo>,
-    /// What programs are told beside file and verdict.
-    pub result: Map<String, Value>,
-    /// What people are told.
-    pub summary: String,
-}
-
-/// What a reader found in a file of a kind: `name` is its own, if it has one.
-pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> Checked {
-    let mut result = Map::new();
-    result.insert("kind".to_owned(), json!(word));
-    result.extend(name.map(|name| ("name".to_owned(), json!(name))));
-    if !echo.is_empty() {
-        result.insert("values".to_owned(), json!(echo));
-    }
-    let warnings = unusual(&echo);
-    Checked { echo, result, summary: format!("valid: {more}") }.warned(&warnings)
-}
 
 pub fn program_setup(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     let file = toolroom_stock::Setup::read(path, set)?;

@@ -1,8 +1,5 @@
 //! What is admitted and yet rarely meant: warnings beside a verdict.
 
-use crate::Checked;
-use serde_json::json;
-use std::fmt::Write as _;
 use toolroom_form::Echo;
 use toolroom_process::unit;
 
@@ -49,23 +46,6 @@ pub(crate) fn unusual(echo: &[Echo]) -> Vec<Warning> {
         Some(Warning { code: "unusual", message })
     };
     echo.iter().filter_map(strange).collect()
-}
-
-impl Checked {
-    /// The same with warnings, for people and programs.
-    pub(crate) fn warned(mut self, warnings: &[Warning]) -> Self {
-        if warnings.is_empty() {
-            return self;
-        }
-        for warning in warnings {
-            let _ = write!(self.summary, "\nwarning[{}]: {}", warning.code, warning.message);
-        }
-        let texts: Vec<&str> = warnings.iter().map(|warning| warning.message.as_str()).collect();
-        let codes: Vec<&str> = warnings.iter().map(|warning| warning.code).collect();
-        self.result.insert("warnings".to_owned(), json!(texts));
-        self.result.insert("warning_codes".to_owned(), json!(codes));
-        self
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! A predicted tip beside the same assembly as it was measured, and the springs of its joint.
 
-use super::swap::SwapError;
+use super::swap_error::SwapError;
 use super::tip::Tip;
 use nalgebra::{Complex, Matrix3, Vector3};
 use serde_json::{Value, json};
@@ -313,14 +313,10 @@ mod tests {
         [[680.0, 0.045, 42e6, -9.0], [1420.0, 0.03, 65e6, -14.0], [2950.0, 0.025, 90e6, -22.0]].map(mode)
     }
 
-    fn rod(length: f64, diameter: f64, factor: f64, material: Material) -> Segment {
-        Segment { length, diameter, inner_diameter: 0.0, bending_factor: factor, inertia_factor: factor, material }
-    }
-
     /// The end mill of `scenarios/chatter`.
     fn mill(joint: Option<Joint>) -> Tool {
         let carbide = Material { youngs_modulus: 580e9, density: 14_500.0, poisson_ratio: 0.24, loss_factor: 0.004 };
-        let segments = vec![rod(0.026, 0.012, 0.8, carbide), rod(0.014, 0.012, 1.0, carbide)];
+        let segments = vec![Segment::rod(0.026, 0.012, 0.8, carbide), Segment::rod(0.014, 0.012, 1.0, carbide)];
         Tool { name: "mill".to_owned(), segments, joint, damper: None }
     }
 
@@ -367,9 +363,9 @@ mod tests {
     fn taps_on_a_blank_give_the_modes_that_the_spindle_gives() {
         let steel = Material { youngs_modulus: 205e9, density: 7_850.0, poisson_ratio: 0.29, loss_factor: 0.004 };
         let at = |w: f64| {
-            let front = rod(0.025, 0.016, 1.0, steel).body(w).unwrap();
+            let front = Segment::rod(0.025, 0.016, 1.0, steel).body(w).unwrap();
             let spindle = base(&modes(), w);
-            let behind = rod(0.015, 0.016, 1.0, steel).body(w).unwrap().on(&spindle, None).unwrap();
+            let behind = Segment::rod(0.015, 0.016, 1.0, steel).body(w).unwrap().on(&spindle, None).unwrap();
             let coupling = (front.r22 + behind).try_inverse().unwrap();
             let tip: Receptance = front.r11 - front.r12 * coupling * front.r21;
             [tip, behind * coupling * front.r21, behind * coupling * front.r22].map(|all| all[(0, 0)]).to_vec()

@@ -1,6 +1,6 @@
 //! A tool on a spindle of which taps at two points of a blank are known.
 
-use super::swap::SwapError;
+use super::swap_error::SwapError;
 use super::tip::Tip;
 use super::tool::{MATERIALS, Tool};
 use nalgebra::Complex;
@@ -32,14 +32,7 @@ pub fn blank(text: &str, second: &str) -> Result<Blank, SwapError> {
     let Some((diameter, reach)) = dimensions else {
         return Err(refused(format!("--blank: `{text}` lacks d= and L= in this order")));
     };
-    let segment = Segment {
-        length: length("--blank L", reach)?,
-        diameter: length("--blank d", diameter)?,
-        inner_diameter: 0.0,
-        bending_factor: 1.0,
-        inertia_factor: 1.0,
-        material: known.1,
-    };
+    let segment = Segment::rod(length("--blank L", reach)?, length("--blank d", diameter)?, 1.0, known.1);
     let second = length("--second", second)?;
     if second > segment.length {
         let [second, length] = [second, segment.length].map(|length| 1e3 * length);

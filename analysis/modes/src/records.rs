@@ -2,9 +2,9 @@
 
 use super::UpdateError;
 use std::collections::BTreeSet;
-use toolroom_dynamics::ShopCut;
+use toolroom_dynamics::{ShopCut, ShopCutError, read_shop_cuts};
 use toolroom_lobes::{LobesCut, LobesFile};
-use toolroom_records::Records;
+use toolroom_records::{RecordError, RecordKind, Records, parse_csv};
 
 /// Land up to which an edge counts as sharp (m). Assumption: the indentation of such a land damps no more than the scatter of
 /// damping ratios from mounting to mounting; a lobes file does not say how wear changes the force.
@@ -36,13 +36,50 @@ impl RecordedCuts {
     }
 }
 
+/// Why a table gives no cuts.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CutsError {
+    /// A machine of a table that names none.
+    #[error("--machine: a plain table of cuts names no machine")]
+    NamesNoMachine,
+    /// A plain table that cannot be read.
+    #[error(transparent)]
+    Plain(#[from] ShopCutError),
+    /// Records that cannot be read.
+    #[error(transparent)]
+    Unreadable(#[from] RecordError),
+    /// Records without such cuts.
+    #[error(transparent)]
+    Records(#[from] UpdateError),
+}
+
+/// Cuts of the table in the file `name`: a plain table of cuts, or the records of a shop, of `machine` where several are in
+/// them. `file` tells the process.
+///
+/// # Errors
+/// [`CutsError`]: a table that cannot be read, or records that do not tell which cuts are meant.
+pub fn read_cuts(name: &str, bytes: &[u8], file: &LobesFile, machine: Option<&str>) -> Result<RecordedCuts, CutsError> {
+    let text = String::from_utf8_lossy(bytes);
+    if !is_records(&text) {
+        if machine.is_some() {
+            return Err(CutsError::NamesNoMachine);
+        }
+        return Ok(RecordedCuts { cuts: read_shop_cuts(name, &text)?, silent: 0, worn: 0 });
+    }
+    let milling = matches!(file.cut, LobesCut::Milling(_));
+    let kind = if milling { RecordKind::Milling } else { RecordKind::Turning };
+    let (records, _) = parse_csv(name, bytes, kind)?;
+    Ok(recorded_cuts(&records, file, machine)?)
+}
+
 /// Cuts of the records of one machine: `chatter` (0 or 1), `depth_of_cut`, `spindle_speed` (of milling it may follow from
 /// `cutting_speed` and the diameter of the cutter), `width_of_cut` in milling, and where it was read `chatter_frequency`.
 ///
 /// # Errors
 /// [`UpdateError`]: a lobes file of another process, records without `chatter` or spindle speed, machines among which nothing
 /// was chosen, and a machine that is not in the records.
-pub fn recorded_cuts(records: &Records, file: &LobesFile, machine: Option<&str>) -> Result<RecordedCuts, UpdateError> {
+fn recorded_cuts(records: &Records, file: &LobesFile, machine: Option<&str>) -> Result<RecordedCuts, UpdateError> {
     let diameter = match &file.cut {
         LobesCut::Milling(milling) => Some(milling.cutter.diameter),
         LobesCut::Turning { .. } => None,
@@ -94,7 +131,7 @@ pub fn recorded_cuts(records: &Records, file: &LobesFile, machine: Option<&str>)
 }
 
 /// Whether the header of a table is that of records, and not of a plain table of cuts.
-pub fn is_records(text: &str) -> bool {
+fn is_records(text: &str) -> bool {
     text.lines().next().is_some_and(|header| header.contains("operation_id"))
 }
 
@@ -102,7 +139,6 @@ pub fn is_records(text: &str) -> bool {
 mod tests {
     use super::*;
     use std::f64::consts::TAU;
-    use toolroom_records::{RecordKind, parse_csv};
 
     const CHART: &str = include_str!("../../../scenarios/chatter/endmill.toml");
     const RECORDS: &str = "operation_id,machine,tool_id,sequence,cutting_speed [m/min],feed_per_tooth [mm],\

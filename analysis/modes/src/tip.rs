@@ -1,6 +1,6 @@
 //! The tip of a tool at a number of lines, over any joint.
 
-use super::swap::SwapError;
+use super::swap_error::SwapError;
 use super::tool::Tool;
 use nalgebra::Complex;
 use std::f64::consts::TAU;

@@ -4,16 +4,14 @@
 //! has broken, and nothing about the equations before. A few such readings would decide a fit.
 
 use super::constants::{BREAKING, BROKEN};
-use super::{Channel, Measured};
+use super::{Channel, ChannelId, Measured};
 
 /// Share of the growth since the reading before by which growth scatters (assumption).
 const RAPID: f64 = 0.1;
-/// The channel of the land.
-const WEAR: &str = "flank_wear";
 
 /// Takes out what was read while an edge broke and after, times beside; how many rows those are.
 pub(super) fn take_out(channels: &mut [(Channel, Vec<f64>)], groups: &[usize]) -> usize {
-    let Some((_, wear)) = channels.iter().find(|(channel, _)| channel.name == WEAR) else { return 0 };
+    let Some((_, wear)) = channels.iter().find(|(channel, _)| channel.id == ChannelId::FlankWear) else { return 0 };
     let count = groups.iter().max().map_or(0, |last| last + 1);
     let (mut before, mut broken) = (vec![0.0; count], vec![false; count]);
     let mut rows = Vec::new();
@@ -28,7 +26,7 @@ pub(super) fn take_out(channels: &mut [(Channel, Vec<f64>)], groups: &[usize]) -
     if 2 * rows.len() > groups.len() {
         return 0;
     }
-    for (_, values) in channels.iter_mut().filter(|(channel, _)| channel.name != "cycle_time") {
+    for (_, values) in channels.iter_mut().filter(|(channel, _)| channel.id != ChannelId::CycleTime) {
         rows.iter().for_each(|row| values[*row] = f64::NAN);
     }
     rows.len()
@@ -36,7 +34,7 @@ pub(super) fn take_out(channels: &mut [(Channel, Vec<f64>)], groups: &[usize]) -
 
 /// Adds the scatter of growth to the errors of wear readings.
 pub(super) fn widen(measured: &mut Measured) {
-    let Some(wear) = measured.channels.iter().position(|channel| channel.name == WEAR) else { return };
+    let Some(wear) = measured.channels.iter().position(|channel| channel.id == ChannelId::FlankWear) else { return };
     for run in &measured.runs {
         let mut before = 0.0;
         for observation in measured.observations[run.clone()].iter_mut().filter(|each| each.channel == wear) {

@@ -1,11 +1,11 @@
 //! Effects of turning and milling that the diagnosis tries, with the shapes that the data ask for.
 
 use super::features::{self, standardised};
-use super::search::{self, Rows, Shape, Sought, Untried, Way};
-use super::{Candidate, Channel};
+use super::search::{self, Rows, Shape, Sought, Way};
+use super::{Candidate, Channel, ChannelId, EffectId, Untried};
 use toolroom_effects::{Definition, Effect, Search};
 use toolroom_records::Records;
-use toolroom_scenario::{MICRO_STOP, SCOPE_NAMES, Scope};
+use toolroom_scenario::{MICRO_STOP, SCOPE_NAMES, Scope, ShopEffect};
 
 /// Which prior a constant has.
 pub(super) enum Prior {
@@ -69,7 +69,7 @@ pub(super) struct Seen<'a> {
 /// Candidates of a process that can show in the recorded channels at all, and effects that are not tried.
 pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candidate, Action)>, Vec<Untried>) {
     let (mut list, mut untried) = (Vec::new(), Vec::new());
-    let measured = |name: &str| seen.channels.iter().any(|channel| channel.name == name);
+    let measured = |name: &str| seen.channels.iter().any(|channel| channel.id.word() == name);
     let greatest = |quantity: &str| match quantity {
         // Sensor and machine are as old as the records.
         "sensor_time" | "machine_time" => {
@@ -80,7 +80,7 @@ pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candid
     };
     let sought = Sought { process, records: seen.records, greatest: &greatest, ways: &[Way::Lots] };
     for effect in &search::effects_of(process, seen.defined) {
-        let entry = effect.entry();
+        let (effect_id, entry) = (EffectId::from(effect), effect.entry());
         let touched: Vec<&str> = entry.channels.iter().map(|touched| touched.channel).collect();
         let shapes = match entry.search(process) {
             Some(Search::Untried(reason)) => Err(reason.to_owned()),
@@ -97,12 +97,12 @@ pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candid
                     Rows::All => Action::Effect(effect),
                     Rows::Coolant(_) | Rows::SinceDressing => unreachable!("only the way of lots is offered"),
                 };
-                (Candidate { id: entry.id, shape: name, typical, greatest, least: entry.size.min.min(0.0) }, action)
+                (Candidate { id: effect_id, shape: name, typical, greatest, least: entry.size.min.min(0.0) }, action)
             })),
-            Err(reason) => untried.push(Untried { id: entry.id, reason }),
+            Err(reason) => untried.push(Untried { id: effect_id, reason }),
         }
     }
-    if let Some(channel) = seen.channels.iter().position(|channel| channel.name == "cycle_time") {
+    if let Some(channel) = seen.channels.iter().position(|channel| channel.id == ChannelId::CycleTime) {
         list.extend(cycle(channel, seen));
     }
     (list, untried)
@@ -116,10 +116,17 @@ fn cycle(channel: usize, seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
             Some(Scope { names: vec![(*key, vec![name.to_owned()])], ..Scope::default() })
         });
         let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
-        let recorded = match candidate.id {
-            "feed_override" => Some(mean(&column) / mean(seen.durations)),
-            "feed_hold" => Some(mean(&column)),
-            _ => None,
+        let recorded = match candidate.id.shop() {
+            Some(ShopEffect::FeedOverride) => Some(mean(&column) / mean(seen.durations)),
+            Some(ShopEffect::FeedHold) => Some(mean(&column)),
+            Some(
+                ShopEffect::MicroStops
+                | ShopEffect::OperatorDelay
+                | ShopEffect::ToolChangeDelay
+                | ShopEffect::ToolChangePolicy
+                | ShopEffect::BreakdownShape,
+            )
+            | None => None,
         };
         let scope = scope.unwrap_or_default();
         (candidate, Action::Reading { channel, column, scope, recorded })
@@ -130,26 +137,26 @@ fn cycle(channel: usize, seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
 /// Delays by what is recorded, with what each adds to the time of a row per size.
 pub(super) fn delays(records: &Records, groups: &[usize], durations: &[f64]) -> Vec<(Candidate, Vec<f64>)> {
     let mut list = Vec::new();
-    let mut add = |id: &'static str, shape: String, typical: f64, column: Vec<f64>| {
+    let mut add = |id: EffectId, shape: String, typical: f64, column: Vec<f64>| {
         if standardised(&column).is_some() {
             list.push((Candidate { id, shape, typical, greatest: f64::INFINITY, least: 0.0 }, column));
         }
     };
-    add("tool_change_delay", String::new(), 30.0, features::first_of_group(groups));
+    add(EffectId::TOOL_CHANGE_DELAY, String::new(), 30.0, features::first_of_group(groups));
     for (column, name, rows) in features::indicators(records, &["shift", "operator"]) {
-        add("operator_delay", format!("{column} {name}"), 30.0, rows);
+        add(EffectId::OPERATOR_DELAY, format!("{column} {name}"), 30.0, rows);
     }
     if let Some(overrides) = records.numbers("feed_override") {
         let column = overrides
             .iter()
             .zip(durations)
             .map(|(share, time)| if *share > 0.0 { time * (share.recip() - 1.0) } else { 0.0 });
-        add("feed_override", String::new(), 1.0, column.collect());
+        add(EffectId::FEED_OVERRIDE, String::new(), 1.0, column.collect());
     }
     if let Some(stops) = records.numbers("stop_count") {
         let known = |stops: &f64| if stops.is_finite() { *stops } else { 0.0 };
-        add("feed_hold", String::new(), 20.0, stops.iter().map(known).collect());
+        add(EffectId::FEED_HOLD, String::new(), 20.0, stops.iter().map(known).collect());
     }
-    add("micro_stops", String::new(), 1.0 / 600.0, durations.iter().map(|time| time * MICRO_STOP).collect());
+    add(EffectId::MICRO_STOPS, String::new(), 1.0 / 600.0, durations.iter().map(|time| time * MICRO_STOP).collect());
     list
 }

@@ -1,6 +1,6 @@
 //! What a smooth error of the equations is a function of, and on what it acts.
 
-use super::{Frame, Surface};
+use super::{Measured, Surface};
 
 /// What a discrepancy is a function of, and which channels may have one.
 #[derive(Clone, Debug)]
@@ -37,11 +37,11 @@ pub enum On {
 
 impl Discrepant {
     /// Surfaces of unit amplitude.
-    pub fn surfaces(&self, frame: &Frame, features: &[Vec<f64>]) -> Vec<Surface> {
+    pub fn surfaces(&self, measured: &Measured, features: &[Vec<f64>]) -> Vec<Surface> {
         let surface = |(index, feature): (usize, &Vec<f64>)| Surface {
             name: format!("{}, discrepancy {}", self.name, index + 1),
             channels: self.channels.clone(),
-            feature: self.acting(frame, feature),
+            feature: self.acting(measured, feature),
             deviation: self.scale,
             allowance: true,
             absolute: !matches!(self.on, On::Value),
@@ -49,13 +49,13 @@ impl Discrepant {
         features.iter().enumerate().map(surface).collect()
     }
 
-    fn acting(&self, frame: &Frame, feature: &[f64]) -> Vec<f64> {
+    fn acting(&self, measured: &Measured, feature: &[f64]) -> Vec<f64> {
         match &self.on {
             On::Value => feature.to_vec(),
             On::Quantity(quantity) => feature.iter().zip(quantity).map(|(a, b)| a * b).collect(),
             On::Growth(growth) => {
-                let groups = &frame.measured.group_of_row;
-                let mut sums = vec![0.0; frame.measured.groups.len()];
+                let groups = &measured.group_of_row;
+                let mut sums = vec![0.0; measured.groups.len()];
                 let rows = feature.iter().zip(growth).zip(groups);
                 rows.map(|((feature, growth), group)| {
                     sums[*group] += feature * growth;

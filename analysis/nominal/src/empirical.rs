@@ -4,11 +4,14 @@
 //! `ln y = a + Σ b ln c + curvature + level of the group`; flank wear grows besides with the age t of
 //! its edge, `y ∝ t` or `t^p`. Each channel is a model of its own.
 
-use super::empirical_effects::{self, Action};
+use super::empirical_catalogue::EMPIRICAL_EFFECTS;
+use super::empirical_effects::{self, Action, LAND};
 use super::features::{self, standardised};
 use super::search;
 use super::settings::Settings;
-use super::{Channel, Covariate, Forward, Frame, Local, Measured, Parameter, Point, Transform, WrittenEffect};
+use super::{
+    Channel, ChannelId, Covariate, Forward, Frame, Local, Measured, Parameter, Point, Transform, WrittenEffect,
+};
 use toolroom_innovations::Chain;
 use toolroom_records::{ColumnKind, RecordColumn, Records};
 use toolroom_statistics::median;
@@ -17,7 +20,7 @@ use toolroom_statistics::median;
 const CONDITIONS: [&str; 6] =
     ["cutting_speed", "spindle_speed", "feed_per_rev", "feed_per_tooth", "depth_of_cut", "width_of_cut"];
 /// Channels that depend on the time in cut of the operation.
-const TIMED: [&str; 4] = ["cycle_time", "temperature", "thermo_emf", "stop_time"];
+const TIMED: [ChannelId; 4] = [ChannelId::CycleTime, ChannelId::Temperature, ChannelId::ThermoEmf, ChannelId::StopTime];
 /// Prior standard deviation of a response per spread of a condition: all but free.
 const FREE: f64 = 1.0;
 /// Prior standard deviation of the level of a response: free.
@@ -33,10 +36,6 @@ const COURSE: [f64; 3] = [0.15, 0.10, 0.05];
 const YOUNG: f64 = 0.1;
 /// Age below which it counts as this, relative to the median.
 const YOUNGEST: f64 = 1e-3;
-/// Argument of the tangent beyond which an edge has run away.
-const RUNAWAY: f64 = 1.45;
-/// Land to which the size of wear effects refers, m.
-pub(super) const LAND: f64 = 0.3e-3;
 
 /// Power law of one channel over [`Records`].
 pub struct Empirical {
@@ -52,17 +51,19 @@ pub struct Empirical {
 }
 
 /// Channels of `records` that an empirical model can answer for, in the order of their columns.
-pub fn channels(records: &Records, settings: &Settings) -> Vec<&'static RecordColumn> {
+pub fn channels(records: &Records, settings: &Settings) -> Vec<(ChannelId, &'static RecordColumn)> {
     let columns = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
+    let columns = columns.filter_map(|column| Some((ChannelId::of(column)?, column)));
     let wanted = |name: &str| settings.channels.is_empty() || settings.channels.iter().any(|own| own == name);
-    let measured = columns.filter(|column| {
+    let measured = columns.filter(|(_, column)| {
         wanted(column.name)
             && records.numbers(column.name).is_some_and(|values| values.iter().any(|value| *value > 0.0))
     });
-    let mut channels: Vec<&'static RecordColumn> = measured.collect();
+    let mut channels: Vec<(ChannelId, &'static RecordColumn)> = measured.collect();
     if channels.is_empty() {
         // Nothing is measured: a model without observations says so.
-        channels.extend(records.kind.column("flank_wear"));
+        let wear = ChannelId::FlankWear;
+        channels.extend(records.kind.column(wear.word()).map(|column| (wear, column)));
     }
     channels
 }
@@ -71,21 +72,21 @@ impl Empirical {
     /// The model of one channel of `records`, whose groups and their part in the fit are given.
     pub fn new(
         records: &Records,
-        column: &'static RecordColumn,
+        (id, column): (ChannelId, &'static RecordColumn),
         groups: (Vec<String>, Vec<usize>, Vec<bool>),
         settings: &Settings,
     ) -> Self {
         let (names, group_of_row, fitted) = groups;
         let values = records.numbers(column.name).map_or_else(|| vec![f64::NAN; records.len()], <[f64]>::to_vec);
         let channel = Channel {
-            name: column.name,
+            id,
             display: column.display,
             unit: column.unit,
             transform: Transform::Log,
             sensor: settings.sensor(column.name),
         };
         let level = median(&mut values.iter().copied().filter(|value| *value > 0.0).collect::<Vec<f64>>());
-        let is_wear = column.name == "flank_wear";
+        let is_wear = id == ChannelId::FlankWear;
         let wear = records.numbers("flank_wear").filter(|_| !is_wear);
         let age = age(records, &group_of_row);
         // Edges differ in level and in the course of their life: what all of them have in common counts.
@@ -104,22 +105,22 @@ impl Empirical {
             laws: Vec::new(),
             actions: Vec::new(),
         };
-        let known = known(column.name, settings);
+        let known = known(id, settings);
         if is_wear {
             model.grow(&age, settings.constant_rate);
         }
-        model.laws(records, column.name, &known);
-        model.course_of_life(column.name, &age);
+        model.laws(records, id, &known);
+        model.course_of_life(id, &age);
         model.covariates(records, &known, wear, &age);
         let seen = empirical_effects::Seen {
             records,
-            channel: column.name,
+            channel: id,
             groups: &model.frame.measured.group_of_row,
             age: &age,
             known: &known,
         };
         (model.frame.candidates, model.actions) = empirical_effects::candidates(&seen).into_iter().unzip();
-        model.frame.untried = search::missing(empirical_effects::EMPIRICAL_EFFECTS, &model.frame.candidates);
+        model.frame.untried = search::missing(EMPIRICAL_EFFECTS, &model.frame.candidates);
         model
     }
 
@@ -137,7 +138,7 @@ impl Empirical {
         self.law("flank_wear, ln age".to_owned(), self.growth.clone(), deviation, allowance);
     }
 
-    fn laws(&mut self, records: &Records, channel: &str, known: &[String]) {
+    fn laws(&mut self, records: &Records, channel: ChannelId, known: &[String]) {
         self.law(format!("{channel}, level"), vec![1.0; records.len()], LEVEL, false);
         let conditions: Vec<&str> = known.iter().map(String::as_str).collect();
         for (term, feature, linear) in features::surface(records, &conditions) {
@@ -154,12 +155,14 @@ impl Empirical {
     }
 
     /// What all edges may have in common over their life without that an effect is missing.
-    fn course_of_life(&mut self, channel: &str, age: &[f64]) {
+    fn course_of_life(&mut self, channel: ChannelId, age: &[f64]) {
         let life = empirical_effects::life(age, &self.frame.measured.group_of_row);
-        let deviation = match channel {
-            "flank_wear" => COURSE[0],
-            name if empirical_effects::presses(name) => COURSE[1],
-            _ => COURSE[2],
+        let deviation = if channel == ChannelId::FlankWear {
+            COURSE[0]
+        } else if empirical_effects::presses(channel) {
+            COURSE[1]
+        } else {
+            COURSE[2]
         };
         let passed = |shape: fn(f64) -> f64| age.iter().map(|age| shape(age / life)).collect::<Vec<f64>>();
         self.law(format!("{channel}, young edge"), passed(|share| (-share / YOUNG).exp()), deviation, true);
@@ -180,7 +183,7 @@ impl Empirical {
 }
 
 /// Conditions that the nominal response of a channel knows: those of the file, or all.
-fn known(channel: &str, settings: &Settings) -> Vec<String> {
+fn known(channel: ChannelId, settings: &Settings) -> Vec<String> {
     let timed = TIMED.contains(&channel).then(|| "cutting_time".to_owned());
     let named = settings.conditions.clone();
     named.unwrap_or_else(|| CONDITIONS.iter().map(|name| (*name).to_owned()).chain(timed).collect())
@@ -236,29 +239,5 @@ impl Forward for Empirical {
             *value *= (level + slope * course).exp();
         }
         measured.observations.iter().map(|observation| value[observation.row]).collect()
-    }
-}
-
-/// Growth of wear that feeds itself, `dW/dW₀ = 1 + φ (W/L)²` along the wear W₀ without it:
-/// `W = (L/√φ) tan(√φ W₀/L)`.
-pub(super) fn accelerated(wear: f64, size: f64) -> f64 {
-    let x = (size.sqrt() * wear / LAND).min(RUNAWAY);
-    if x > 1e-6 { wear * x.tan() / x } else { wear }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn acceleration_solves_its_equation() {
-        // Euler with small steps.
-        let (size, end) = (0.8, 0.25e-3);
-        let mut wear = 0.0;
-        let steps = 200_000;
-        for _ in 0..steps {
-            wear += end / f64::from(steps) * (1.0 + size * (wear / LAND).powi(2));
-        }
-        assert!((accelerated(end, size) / wear - 1.0).abs() < 1e-4);
     }
 }

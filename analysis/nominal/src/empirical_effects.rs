@@ -1,38 +1,14 @@
 //! Candidates of an empirical response: effects of the catalogue by what is recorded.
 
-use super::empirical::{LAND, accelerated};
 use super::features::{self, standardised};
-use super::{Candidate, cutting_effects};
-use toolroom_effects::{CatalogueEntry, Search, Sign, Touched};
-use toolroom_process::{Record, record};
+use super::{Candidate, ChannelId, EffectId, cutting_effects};
 use toolroom_records::Records;
 use toolroom_statistics::median;
 
-record! {
-    /// Sizes of the effects of empirical responses.
-    pub struct EmpiricalSizes {
-        /// Exponent of the condition that the nominal response does not know.
-        condition_response: Real = 0.0, 0.0..=10.0;
-    }
-}
-
-/// Effects of empirical responses beside those of processes and shop.
-pub const EMPIRICAL_EFFECTS: &[CatalogueEntry] = &[CatalogueEntry {
-    id: "condition_response",
-    title: "a channel responds to a recorded condition that the model leaves out",
-    size: &EmpiricalSizes::<f64>::FIELDS[0],
-    channels: &[
-        Touched { channel: "flank_wear", sign: Sign::Rises },
-        Touched { channel: "cutting_force", sign: Sign::Rises },
-        Touched { channel: "feed_force", sign: Sign::Rises },
-        Touched { channel: "spindle_power", sign: Sign::Rises },
-    ],
-    regime: "the condition",
-    confounder: "lot_hardness",
-    separating_test: "vary the condition on one edge and one lot",
-    source: "power law of the response, as in handbooks",
-    processes: &[("empirical", Search::Shaped)],
-}];
+/// Argument of the tangent beyond which an edge has run away.
+const RUNAWAY: f64 = 1.45;
+/// Land to which the size of wear effects refers, m.
+pub(super) const LAND: f64 = 0.3e-3;
 
 /// What a candidate does to the values of its channel, row by row.
 pub(super) enum Action {
@@ -64,7 +40,7 @@ fn each(values: &mut [f64], slope: &[f64], change: impl Fn(f64, f64) -> f64) {
 /// What the choice of candidates looks at.
 pub(super) struct Seen<'a> {
     pub records: &'a Records,
-    pub channel: &'static str,
+    pub channel: ChannelId,
     pub groups: &'a [usize],
     /// Age of the edge at each row.
     pub age: &'a [f64],
@@ -72,10 +48,16 @@ pub(super) struct Seen<'a> {
     pub known: &'a [String],
 }
 
-const FORCES: [&str; 3] = ["cutting_force", "feed_force", "passive_force"];
-const LOADS: [&str; 6] =
-    ["cutting_force", "feed_force", "passive_force", "spindle_power", "spindle_torque", "vibration_rms"];
-const HEAT: [&str; 2] = ["temperature", "thermo_emf"];
+const FORCES: [ChannelId; 3] = [ChannelId::CuttingForce, ChannelId::FeedForce, ChannelId::PassiveForce];
+const LOADS: [ChannelId; 6] = [
+    ChannelId::CuttingForce,
+    ChannelId::FeedForce,
+    ChannelId::PassiveForce,
+    ChannelId::SpindlePower,
+    ChannelId::SpindleTorque,
+    ChannelId::VibrationRms,
+];
+const HEAT: [ChannelId; 2] = [ChannelId::Temperature, ChannelId::ThermoEmf];
 /// Conditions that a response may depend on.
 const CONDITIONS: [&str; 6] =
     ["cutting_speed", "spindle_speed", "feed_per_rev", "feed_per_tooth", "depth_of_cut", "width_of_cut"];
@@ -87,7 +69,7 @@ type Offered = Vec<(Candidate, Action)>;
 /// Candidates that the records of a channel can show.
 pub(super) fn candidates(seen: &Seen<'_>) -> Offered {
     let mut list = Vec::new();
-    if seen.channel == "flank_wear" {
+    if seen.channel == ChannelId::FlankWear {
         growth(seen, &mut list);
     } else {
         wear(seen, &mut list);
@@ -97,11 +79,11 @@ pub(super) fn candidates(seen: &Seen<'_>) -> Offered {
     }
     levels(seen, &mut list);
     conditions(seen, &mut list);
-    if seen.channel == "flank_wear" {
+    if seen.channel == ChannelId::FlankWear {
         // After all that makes the land what it is.
-        offer(&mut list, "wear_acceleration", String::new(), 1.0, Action::Acceleration);
+        offer(&mut list, EffectId::WEAR_ACCELERATION, String::new(), 1.0, Action::Acceleration);
     }
-    if seen.channel == "cycle_time" {
+    if seen.channel == ChannelId::CycleTime {
         let ones = vec![1.0; seen.records.len()];
         let durations = seen.records.numbers("cutting_time").unwrap_or(&ones);
         for (candidate, column) in cutting_effects::delays(seen.records, seen.groups, durations) {
@@ -111,7 +93,7 @@ pub(super) fn candidates(seen: &Seen<'_>) -> Offered {
     list
 }
 
-fn offer(list: &mut Offered, id: &'static str, shape: String, typical: f64, action: Action) {
+fn offer(list: &mut Offered, id: EffectId, shape: String, typical: f64, action: Action) {
     let varies = match &action {
         Action::Factor(slope) | Action::Power(slope) | Action::Add(slope) => standardised(slope).is_some(),
         Action::Acceleration => true,
@@ -144,14 +126,14 @@ fn growth(seen: &Seen<'_>, list: &mut Offered) {
         let slope =
             or_zero(seen.age.iter().map(|age| if *age > 0.0 { -(-age / time).exp_m1() * time / age } else { 1.0 }));
         let shape = if timed { format!("over {:.1} min", time / 60.0) } else { format!("over {time:.1} operations") };
-        offer(list, "run_in", shape, 1.5, Action::Factor(slope));
+        offer(list, EffectId::RUN_IN, shape, 1.5, Action::Factor(slope));
     }
     ageing(seen, list);
 }
 
 /// Whether a worn land presses harder on a channel than it drags.
-pub(super) fn presses(channel: &str) -> bool {
-    matches!(channel, "feed_force" | "passive_force")
+pub(super) fn presses(channel: ChannelId) -> bool {
+    matches!(channel, ChannelId::FeedForce | ChannelId::PassiveForce)
 }
 
 /// What grows with the land.
@@ -164,19 +146,25 @@ fn wear(seen: &Seen<'_>, list: &mut Offered) {
     if LOADS.contains(&seen.channel) {
         // Dorigueto's turning set: at 0.3 mm the main force is half as great again, the others treble.
         let typical = if presses(seen.channel) { 1.5 } else { 0.3 };
-        offer(list, "wear_force", String::new(), typical, Action::Factor(slope(1)));
-        offer(list, "wear_force", "square of the land".to_owned(), typical, Action::Factor(slope(2)));
+        offer(list, EffectId::WEAR_FORCE, String::new(), typical, Action::Factor(slope(1)));
+        offer(list, EffectId::WEAR_FORCE, "square of the land".to_owned(), typical, Action::Factor(slope(2)));
     } else if HEAT.contains(&seen.channel) {
-        offer(list, "wear_temperature", String::new(), 0.1, Action::Factor(slope(1)));
+        offer(list, EffectId::WEAR_TEMPERATURE, String::new(), 0.1, Action::Factor(slope(1)));
     }
     ageing(seen, list);
 }
 
 fn ageing(seen: &Seen<'_>, list: &mut Offered) {
-    let touched = HEAT.contains(&seen.channel) || seen.channel == "flank_wear";
+    let touched = HEAT.contains(&seen.channel) || seen.channel == ChannelId::FlankWear;
     if let Some(age) = seen.records.numbers("coolant_age").filter(|_| touched) {
         let greatest = age.iter().copied().filter(|age| age.is_finite()).fold(0.0, f64::max);
-        offer(list, "coolant_ageing", String::new(), 0.1 / greatest, Action::Factor(or_zero(age.iter().copied())));
+        offer(
+            list,
+            EffectId::COOLANT_AGEING,
+            String::new(),
+            0.1 / greatest,
+            Action::Factor(or_zero(age.iter().copied())),
+        );
     }
 }
 
@@ -185,7 +173,7 @@ fn drift(seen: &Seen<'_>, list: &mut Offered) {
     let mut add = |shape: &str, times: &[f64]| {
         let latest = times.iter().copied().filter(|time| time.is_finite()).fold(0.0, f64::max);
         let slope = or_zero(times.iter().copied());
-        offer(list, "force_drift", shape.to_owned(), 0.1 / latest, Action::Factor(slope));
+        offer(list, EffectId::FORCE_DRIFT, shape.to_owned(), 0.1 / latest, Action::Factor(slope));
     };
     if let Some(elapsed) = features::elapsed(seen.records) {
         add("calendar", &elapsed);
@@ -198,13 +186,13 @@ fn levels(seen: &Seen<'_>, list: &mut Offered) {
     let unknown: Vec<&str> =
         ["coolant_id", "lot", "material"].into_iter().filter(|name| seen.known.iter().all(|own| own != name)).collect();
     for (column, level, rows) in features::indicators(seen.records, &unknown) {
-        let hard = LOADS.contains(&seen.channel) || seen.channel == "flank_wear";
+        let hard = LOADS.contains(&seen.channel) || seen.channel == ChannelId::FlankWear;
         match column.as_str() {
-            "coolant_id" if seen.channel != "cycle_time" => {
-                offer(list, "coolant_change", format!("coolant_id {level}"), 0.2, Action::Factor(rows));
+            "coolant_id" if seen.channel != ChannelId::CycleTime => {
+                offer(list, EffectId::COOLANT_CHANGE, format!("coolant_id {level}"), 0.2, Action::Factor(rows));
             }
             "lot" | "material" if hard => {
-                offer(list, "lot_hardness", format!("{column} {level}"), 0.2, Action::Factor(rows));
+                offer(list, EffectId::LOT_HARDNESS, format!("{column} {level}"), 0.2, Action::Factor(rows));
             }
             _ => {}
         }
@@ -218,7 +206,31 @@ fn conditions(seen: &Seen<'_>, list: &mut Offered) {
         let middle = median(&mut values.iter().copied().filter(|value| *value > 0.0).collect::<Vec<f64>>());
         for (sign, word) in [(1.0, "rises"), (-1.0, "falls")] {
             let slope = or_zero(values.iter().map(|value| sign * (value / middle).ln()));
-            offer(list, "condition_response", format!("{word} with {name}"), 0.3, Action::Power(slope));
+            offer(list, EffectId::CONDITION_RESPONSE, format!("{word} with {name}"), 0.3, Action::Power(slope));
         }
+    }
+}
+
+/// Growth of wear that feeds itself, `dW/dW₀ = 1 + φ (W/L)²` along the wear W₀ without it:
+/// `W = (L/√φ) tan(√φ W₀/L)`.
+fn accelerated(wear: f64, size: f64) -> f64 {
+    let x = (size.sqrt() * wear / LAND).min(RUNAWAY);
+    if x > 1e-6 { wear * x.tan() / x } else { wear }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn acceleration_solves_its_equation() {
+        // Euler with small steps.
+        let (size, end) = (0.8, 0.25e-3);
+        let mut wear = 0.0;
+        let steps = 200_000;
+        for _ in 0..steps {
+            wear += end / f64::from(steps) * (1.0 + size * (wear / LAND).powi(2));
+        }
+        assert!((accelerated(end, size) / wear - 1.0).abs() < 1e-4);
     }
 }

@@ -1,85 +1,10 @@
 //! What the diagnosis asks of a nominal model.
 
-use super::{Discrepancy, Measured, Untried, Words};
+use super::Frame;
 use rayon::prelude::*;
 use toolroom_effects::{Definition, Effect};
 use toolroom_innovations::Chain;
 use toolroom_scenario::Scope;
-
-/// A constant of the nominal model that calibration may move. Its value counts in prior standard
-/// deviations from nominal.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    /// Name.
-    pub name: String,
-    /// Prior standard deviation, mostly of the logarithm.
-    pub deviation: f64,
-    /// Whether it is part of the form allowance rather than of the calibration.
-    pub allowance: bool,
-}
-
-/// A correction `deviation · x · feature` of one channel (of its logarithm, or relative), needing
-/// no simulation; x counts in prior standard deviations.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Surface {
-    /// Name.
-    pub name: String,
-    /// Channels that it moves.
-    pub channels: Vec<usize>,
-    /// One number a row.
-    pub feature: Vec<f64>,
-    /// Prior standard deviation.
-    pub deviation: f64,
-    /// Whether it is part of the form allowance rather than of the calibration.
-    pub allowance: bool,
-    /// Whether the feature is in SI units of the channel instead of relative to its value.
-    pub absolute: bool,
-}
-
-/// Constants of one kind, of which records with many of them show how well they are known.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Family {
-    /// What they are, in words.
-    pub name: &'static str,
-    /// Names of their surfaces.
-    pub surfaces: Vec<String>,
-}
-
-/// A factor that differs from group to group, mean 1; counts in prior standard deviations.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Local {
-    /// Name.
-    pub name: &'static str,
-    /// Prior standard deviation of the logarithm, or scale of its half-normal prior.
-    pub deviation: f64,
-    /// Whether the standard deviation is estimated from the data.
-    pub estimated: bool,
-    /// Whether it is scatter and nothing else, which closes no gap; false where what differs from
-    /// group to group (a coolant, a material) acts through it.
-    pub scatter: bool,
-}
-
-/// An effect with a shape, which the data may ask for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Candidate {
-    /// Word of the catalogue.
-    pub id: &'static str,
-    /// What distinguishes this shape from others of the same id: a lot, a speed; may be empty.
-    pub shape: String,
-    /// An ordinary size, SI: scale of steps and priors.
-    pub typical: f64,
-    /// Greatest admissible size, SI.
-    pub greatest: f64,
-    /// Least admissible size, SI: zero for an effect of one sign.
-    pub least: f64,
-}
-
-impl Candidate {
-    /// Whether its size may have either sign.
-    pub fn two_sided(&self) -> bool {
-        self.least < 0.0
-    }
-}
 
 /// Where a model is evaluated.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,89 +60,6 @@ impl Direction {
             Self::Local(i) => ahead.locals[i].iter_mut().for_each(|x| *x += STEP),
         }
         (ahead, STEP)
-    }
-}
-
-/// A covariate by which the dictionary of generic signatures looks for structure.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Covariate {
-    /// What it is called in the localisation map.
-    pub name: String,
-    /// One number a row, about unit spread.
-    pub values: Vec<f64>,
-}
-
-/// What a nominal model states beside its predictions.
-#[derive(Clone, Debug)]
-pub struct Frame {
-    /// What was measured.
-    pub measured: Measured,
-    /// Constants that calibration may move by simulation.
-    pub parameters: Vec<Parameter>,
-    /// Corrections without simulation.
-    pub surfaces: Vec<Surface>,
-    /// Calibration that was stated alike: surfaces whose common spread the records may show to be smaller.
-    pub families: Vec<Family>,
-    /// Factors of the groups.
-    pub locals: Vec<Local>,
-    /// Effects that may be missing.
-    pub candidates: Vec<Candidate>,
-    /// Effects that a user has defined, whether or not they are among the candidates.
-    pub defined: Vec<&'static Definition>,
-    /// Effects of the process that are not among them, and why.
-    pub untried: Vec<Untried>,
-    /// Covariates of the generic dictionary.
-    pub covariates: Vec<Covariate>,
-    /// What had to be assumed because it was not recorded.
-    pub notes: Vec<String>,
-    /// Where fits start, and what a scenario calls what they move.
-    pub words: Words,
-    /// How its equations may be off beyond the form allowance; `None` where nothing is known of it.
-    pub discrepancy: Option<Discrepancy>,
-    /// Row of the records behind each row; empty where they are the same.
-    pub order: Vec<usize>,
-    /// Kind of each row, among whose readings one may stand apart; empty where all are of one kind.
-    pub kinds: Vec<usize>,
-    /// What each row times once more, such as a stretch of a program in another piece; empty where nothing is repeated.
-    pub repeats: Vec<Option<usize>>,
-}
-
-impl Frame {
-    /// A frame around what was measured, all else empty.
-    pub fn new(measured: Measured) -> Self {
-        Self {
-            measured,
-            parameters: Vec::new(),
-            surfaces: Vec::new(),
-            families: Vec::new(),
-            locals: Vec::new(),
-            candidates: Vec::new(),
-            defined: Vec::new(),
-            untried: Vec::new(),
-            covariates: Vec::new(),
-            notes: Vec::new(),
-            words: Words::default(),
-            discrepancy: None,
-            order: Vec::new(),
-            kinds: Vec::new(),
-            repeats: Vec::new(),
-        }
-    }
-
-    /// The row of the records behind `row`.
-    pub fn record_of(&self, row: usize) -> usize {
-        self.order.get(row).copied().unwrap_or(row)
-    }
-
-    /// The kind of `row`.
-    pub fn kind_of(&self, row: usize) -> usize {
-        self.kinds.get(row).copied().unwrap_or(0)
-    }
-
-    /// Whether each parameter, then each surface, is part of the form allowance rather than of the calibration.
-    pub fn allowances(&self) -> Vec<bool> {
-        let parameters = self.parameters.iter().map(|own| own.allowance);
-        parameters.chain(self.surfaces.iter().map(|own| own.allowance)).collect()
     }
 }
 

@@ -7,22 +7,29 @@
 //! | [`NominalModel`] | a nominal model as a file describes it, to be held over records |
 //! | [`cutting`], [`grinding`], [`program`], [`shop`], [`empirical`] | the models |
 //! | [`Settings`] | what is believed before any measurement |
+//! | [`EffectId`], [`ChannelId`] | what effects and channels are told apart by |
 //!
 //! Nothing here fits or decides: that is the room `gap`.
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod broken;
+mod channel_id;
 mod constants;
 pub mod cutting;
 mod cutting_effects;
 mod discrepancy;
+mod effect_id;
 pub mod empirical;
+mod empirical_catalogue;
 mod empirical_effects;
 pub mod features;
 mod forward;
+mod frame;
+mod given;
 pub mod grinding;
 mod measured;
+mod movable;
 mod nominal;
 mod parts;
 mod plausible;
@@ -33,19 +40,24 @@ mod settings;
 pub mod shop;
 mod stability;
 mod stated;
+mod surface;
 mod units;
+mod untried;
 
+pub use channel_id::ChannelId;
 pub use constants::{HUBER, MAD};
 pub use discrepancy::{Discrepancy, Discrepant, On};
-pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
-pub use forward::{
-    Candidate, Covariate, Direction, Family, Forward, Frame, Local, Parameter, Point, Surface, WrittenEffect,
-};
+pub use effect_id::{EffectId, WEAR_RATE};
+pub use empirical_catalogue::{EMPIRICAL_EFFECTS, EmpiricalSizes};
+pub use forward::{Direction, Forward, Point, WrittenEffect};
+pub use frame::{Candidate, Covariate, Family, Frame, Local, Parameter};
 pub use measured::{Channel, Measured, Observation, Transform};
 pub use nominal::{Asked, ModelFileError, NominalModel, NominalProcess, sensor_sheet};
-pub use parts::WEAR_RATE;
 pub use predict::{correct, predict, touches, transformed};
-pub use search::Untried;
+
+pub use movable::{Movable, Words};
 pub use settings::Settings;
 pub use stability::{HeardCut, StructurePrior};
-pub use stated::{Movable, Stated, Words};
+pub use stated::Stated;
+pub use surface::Surface;
+pub use untried::Untried;

@@ -1,5 +1,6 @@
 //! What was measured, in the order that the statistics need: by group, channel and sequence.
 
+use super::ChannelId;
 use std::ops::Range;
 use toolroom_records::Sensor;
 
@@ -15,8 +16,8 @@ pub enum Transform {
 /// A measured channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// Column name.
-    pub name: &'static str,
+    /// What is measured.
+    pub id: ChannelId,
     /// Unit in which people are answered.
     pub display: &'static str,
     /// SI unit.

@@ -2,11 +2,11 @@
 
 use super::cutting::Cutting;
 use super::empirical::{self, Empirical};
+use super::given::Given;
 use super::grinding::Grinding;
 use super::program::{self, ProgramModel, Stretches};
 use super::shop::{Shop, ShopModel};
-use super::stated::Given;
-use super::{Forward, Settings, Stated};
+use super::{EffectId, Forward, Settings, Stated};
 use std::path::Path;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_effects::Definition;
@@ -118,7 +118,7 @@ impl NominalModel {
     /// level of a column. Turning and milling only: shops try them
     /// always, other processes never.
     #[must_use]
-    pub fn splitting(mut self, effects: Vec<(String, String)>, places: Vec<(String, String)>) -> Self {
+    pub fn splitting(mut self, effects: Vec<(EffectId, String)>, places: Vec<(String, String)>) -> Self {
         (self.stated.split, self.stated.places) = (effects, places);
         self
     }
@@ -285,7 +285,7 @@ impl NominalModel {
             suspicious = super::plausible::suspicious(records);
         }
         let mut possible = records.clone();
-        suspicious.iter().for_each(|(channel, _)| possible.remove(channel));
+        suspicious.iter().for_each(|(channel, _)| possible.remove(channel.word()));
         let parts = if suspicious.is_empty() { all } else { self.parts_of_all(&possible, group, &held) };
         let impossible = suspicious.len();
         let assumed = parts.iter().flat_map(|part| part.frame().notes.clone());

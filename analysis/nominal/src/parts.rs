@@ -1,14 +1,12 @@
 //! Parts of records in which an effect may act alone: machines, parts, materials, lots, shifts, operators, and from a
 //! date on.
 
-use crate::stated::Stated;
+use crate::EffectId;
 use toolroom_effects::{Definition, parse_definitions};
 use toolroom_records::Records;
 use toolroom_scenario::Scope;
 
-/// Id of a rate of wear that is another one on a part of the records: no cause, but a constant that is not the same everywhere.
-pub const WEAR_RATE: &str = "constant.wear_rate";
-/// Its definition, in the words of a user. Another batch or grade of inserts wears at another rate from a date on, on one
+/// Definition of a rate of wear of its own, in the words of a user. Another batch or grade of inserts wears at another rate from a date on, on one
 /// machine or in one material, and no cause of the catalogue says so: where it is not tried, an effect on the wear of new or
 /// of worn edges is named in its place. Everywhere the constant `wear_rate` says the same.
 const WEAR_RATE_TEXT: &str = r#"
@@ -44,8 +42,8 @@ pub(crate) const MOST: usize = 48;
 pub(crate) const MOST_RATES: usize = 20;
 
 /// A rate of wear that is another one, as the file defines it or as it is known here; `None` where it cannot be.
-pub(crate) fn wear_rate(stated: &Stated) -> Option<&'static Definition> {
-    let written = stated.defined.iter().copied().find(|own| own.entry().id == WEAR_RATE);
+pub(crate) fn wear_rate(defined: &[&'static Definition]) -> Option<&'static Definition> {
+    let written = defined.iter().copied().find(|own| EffectId::from(*own).is_wear_rate());
     written.or_else(|| parse_definitions("catalogue", WEAR_RATE_TEXT).ok()?.first().copied())
 }
 
@@ -56,14 +54,11 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// Whether every effect is tried here, since the strongest structure follows this level.
-    pub fn is_asked_for(&self, stated: &Stated) -> bool {
-        let here = |(column, name): &(String, String)| {
-            let key = COLUMNS.iter().find(|(_, own)| own == column).map(|(key, _)| *key);
-            let own = |key: &'static str| Scope { names: vec![(key, vec![name.clone()])], ..Scope::default() };
-            key.is_some_and(|key| self.scope == own(key))
-        };
-        stated.places.iter().any(here)
+    /// Whether it is the level `name` of the column `column`.
+    pub fn is_level(&self, column: &str, name: &str) -> bool {
+        let key = COLUMNS.iter().find(|(_, own)| *own == column).map(|(key, _)| *key);
+        let level = |key: &'static str| Scope { names: vec![(key, vec![name.to_owned()])], ..Scope::default() };
+        key.is_some_and(|key| self.scope == level(key))
     }
 
     /// The shape of a candidate on this part, for people.

@@ -1,5 +1,6 @@
 //! Channels whose numbers no cut gives, for models that have no nominal value to compare with.
 
+use super::ChannelId;
 use super::constants::{ODD, ODD_NEAR, POWER, SPECIFIC_FORCE, SPECIFIC_PRESS};
 use toolroom_records::{ColumnKind, RecordColumn, Records};
 use toolroom_statistics::median;
@@ -14,14 +15,16 @@ const SLIPS: [(f64, &str); 5] = [
 ];
 
 /// Columns that cannot be what they say, with what to say about them.
-pub fn suspicious(records: &Records) -> Vec<(&'static str, String)> {
+pub fn suspicious(records: &Records) -> Vec<(ChannelId, String)> {
     let mut list = Vec::new();
     let area = product(records, &["feed_per_rev", "depth_of_cut"])
         .or_else(|| product(records, &["feed_per_tooth", "depth_of_cut"]));
     if let Some(area) = area {
-        for (channel, range) in
-            [("cutting_force", SPECIFIC_FORCE), ("feed_force", SPECIFIC_PRESS), ("passive_force", SPECIFIC_PRESS)]
-        {
+        for (channel, range) in [
+            (ChannelId::CuttingForce, SPECIFIC_FORCE),
+            (ChannelId::FeedForce, SPECIFIC_PRESS),
+            (ChannelId::PassiveForce, SPECIFIC_PRESS),
+        ] {
             let Some(ratio) = ratio(records, channel, &area) else { continue };
             if outside(ratio, range) {
                 let value = ratio * 1e-6;
@@ -31,18 +34,19 @@ pub fn suspicious(records: &Records) -> Vec<(&'static str, String)> {
         }
     }
     if let Some(work) = product(records, &["cutting_force", "cutting_speed"])
-        && let Some(ratio) = ratio(records, "spindle_power", &work)
+        && let Some(ratio) = ratio(records, ChannelId::SpindlePower, &work)
         && outside(ratio, POWER)
         && list.is_empty()
     {
         let note = format!("spindle_power is {ratio:.3} times cutting force × speed");
-        list.push(("spindle_power", with_slip(note, ratio, POWER)));
+        list.push((ChannelId::SpindlePower, with_slip(note, ratio, POWER)));
     }
-    for column in records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel) {
-        if list.iter().all(|(channel, _)| *channel != column.name)
+    let columns = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
+    for (column, id) in columns.filter_map(|column| Some((column, ChannelId::of(column)?))) {
+        if list.iter().all(|(channel, _)| *channel != id)
             && let Some(note) = beyond(records, column).or_else(|| odd_groups(records, column.name))
         {
-            list.push((column.name, note));
+            list.push((id, note));
         }
     }
     list
@@ -58,8 +62,8 @@ fn product(records: &Records, names: &[&str]) -> Option<Vec<f64>> {
 }
 
 /// Median of a channel over `by`.
-fn ratio(records: &Records, channel: &str, by: &[f64]) -> Option<f64> {
-    let values = records.numbers(channel)?;
+fn ratio(records: &Records, channel: ChannelId, by: &[f64]) -> Option<f64> {
+    let values = records.numbers(channel.word())?;
     let ratios = values.iter().zip(by).map(|(value, by)| value / by).filter(|ratio| ratio.is_finite() && *ratio > 0.0);
     let mut ratios: Vec<f64> = ratios.collect();
     (!ratios.is_empty()).then(|| median(&mut ratios))

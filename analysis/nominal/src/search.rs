@@ -1,35 +1,26 @@
 //! Shapes in which an effect is tried on records, by its row of the catalogue; or why it is not tried.
 
-use super::Candidate;
 use super::features::{self, standardised};
+use super::{Candidate, EffectId, Untried};
 use toolroom_effects::{CatalogueEntry, Definition, Effect, Effects, Search, UserEffect};
 use toolroom_records::Records;
 use toolroom_statistics::median;
-
-/// An effect of the process that the diagnosis did not try.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Untried {
-    /// Word of the catalogue.
-    pub id: &'static str,
-    /// Why.
-    pub reason: String,
-}
 
 /// Effects of the catalogue that act on a process, then those that a user has defined for it.
 pub(super) fn effects_of(process: &'static str, defined: &[&'static Definition]) -> Vec<Effect> {
     let every = Effects::every(process);
     // What is a constant everywhere is an effect on parts of the records only.
     let is_searched = |effect: &&&'static Definition| {
-        effect.entry().search(process).is_some() && effect.entry().id != super::parts::WEAR_RATE
+        effect.entry().search(process).is_some() && !EffectId::from(**effect).is_wear_rate()
     };
     let searched = defined.iter().filter(is_searched);
     every.iter().copied().chain(searched.map(|effect| Effect::User(UserEffect::new(effect)))).collect()
 }
 
 /// Effects of a catalogue that are not among the candidates, each with what the records lack.
-pub(super) fn missing(catalogue: &[CatalogueEntry], candidates: &[Candidate]) -> Vec<Untried> {
-    let absent = catalogue.iter().filter(|entry| candidates.iter().all(|candidate| candidate.id != entry.id));
-    absent.map(|entry| Untried { id: entry.id, reason: format!("the records do not show {}", entry.regime) }).collect()
+pub(super) fn missing(catalogue: &'static [CatalogueEntry], candidates: &[Candidate]) -> Vec<Untried> {
+    let absent = catalogue.iter().map(EffectId::from).filter(|id| candidates.iter().all(|own| own.id != *id));
+    absent.map(|id| Untried { id, reason: format!("the records do not show {}", id.entry().regime) }).collect()
 }
 
 /// Rows on which a shape acts, where it is not all of them.

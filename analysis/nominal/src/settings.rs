@@ -1,5 +1,6 @@
 //! Priors and sensors of a diagnosis, with the defaults of the records contract.
 
+use super::ChannelId;
 use super::stated::STAYS;
 use toolroom_records::Sensor;
 use toolroom_scenario::Spreads;
@@ -88,15 +89,17 @@ impl Settings {
 
     /// Whether nobody states how much a channel scatters beside its sensor: the cycle time, where the file gives loading one
     /// time and `[[gap.sensor]]` says nothing of it.
-    pub fn leaves_unstated(&self, channel: &str) -> bool {
-        channel == "cycle_time" && self.handling == 0.0 && self.sensors.iter().all(|(name, _)| name != channel)
+    pub fn leaves_unstated(&self, channel: ChannelId) -> bool {
+        channel == ChannelId::CycleTime
+            && self.handling == 0.0
+            && self.sensors.iter().all(|(name, _)| name != channel.word())
     }
 
-    /// The sensor of a channel; handling scatters like an error of the cycle time.
-    pub fn sensor(&self, channel: &str) -> Sensor {
-        let given = self.sensors.iter().find(|(name, _)| name == channel);
-        let mut sensor = given.map_or_else(|| Sensor::usual(channel), |(_, sensor)| *sensor);
-        if channel == "cycle_time" {
+    /// The sensor of a column; handling scatters like an error of the cycle time.
+    pub fn sensor(&self, column: &str) -> Sensor {
+        let given = self.sensors.iter().find(|(name, _)| name == column);
+        let mut sensor = given.map_or_else(|| Sensor::usual(column), |(_, sensor)| *sensor);
+        if column == ChannelId::CycleTime.word() {
             sensor.absolute = sensor.absolute.hypot(self.handling);
         }
         sensor

@@ -1,11 +1,10 @@
 //! What a model file states beside its parameter sets, and how a fit starts from there.
 
 use super::parts::Part;
-use super::{Candidate, Direction, Forward, Frame, Point, Transform, WrittenEffect};
+use super::{Candidate, EffectId, Frame, Movable, Words};
 use toolroom_effects::Definition;
-use toolroom_innovations::Chain;
 use toolroom_records::Records;
-use toolroom_scenario::{Calibration, Deviation, Moved, Occasion, Scenario, Scope, SwitchedEffect, Target};
+use toolroom_scenario::{Calibration, Deviation, Moved, Occasion, Scenario, Scope, SwitchedEffect};
 
 /// Effects, deviations and calibration of a model file. Fits count from what they say: the nominal model is that
 /// which `run` simulates.
@@ -28,7 +27,7 @@ pub struct Stated {
     /// Hashes of the records that the calibration has seen.
     pub seen: Vec<String>,
     /// Effects by id and shape that are tried on parts of the records, too.
-    pub split: Vec<(String, String)>,
+    pub split: Vec<(EffectId, String)>,
     /// Levels of columns on which every effect is tried, too.
     pub places: Vec<(String, String)>,
 }
@@ -61,7 +60,9 @@ impl Stated {
 
     /// Whether an effect is tried on this part of the records.
     pub(crate) fn tries(&self, effect: &Candidate, part: &Part) -> bool {
-        part.is_asked_for(self) || self.split.iter().any(|(id, shape)| effect.id == id && effect.shape == *shape)
+        // Where the strongest structure follows a level, every effect is tried there.
+        self.places.iter().any(|(column, name)| part.is_level(column, name))
+            || self.split.iter().any(|(id, shape)| effect.id == *id && effect.shape == *shape)
     }
 
     /// Rows of `records` on which something with this scope acts, 1 or 0 each.
@@ -125,62 +126,7 @@ pub(crate) fn occasion<'a>(records: &'a Records, row: usize, tool: Option<&str>)
     Occasion::recorded(&text, records.numbers("start_time").map(|times| times[row]), tool)
 }
 
-/// How a scenario says that a parameter or a surface of a frame has moved.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Movable {
-    /// `parameter` of its `[[calibration]]`.
-    pub parameter: String,
-    /// Its target.
-    pub target: Target,
-    /// Its scope.
-    pub scope: Scope,
-    /// Whether it is a summand, SI, instead of a factor.
-    pub summand: bool,
-    /// Whether the factor of the file is the inverse of that of the frame: a life against a rate.
-    pub inverse: bool,
-    /// Least and greatest factor of the file on the value of the parameter set, by the range of the constant (1).
-    pub range: [f64; 2],
-}
-
-/// Relative distance to the end of a range at which a constant stays, so that rounding does not take it beyond (1).
-const WITHIN: f64 = 1e-12;
-
-impl Movable {
-    /// A factor everywhere.
-    pub fn factor(parameter: impl Into<String>, target: Target) -> Self {
-        let (scope, range) = (Scope::default(), [0.0, f64::INFINITY]);
-        Self { parameter: parameter.into(), target, scope, summand: false, inverse: false, range }
-    }
-
-    /// The same for a constant whose value in the parameter set is `value` and whose range is `least` to `greatest`.
-    #[must_use]
-    pub fn between(self, value: f64, least: f64, greatest: f64) -> Self {
-        if !(value > 0.0 && least <= value && value <= greatest) {
-            return self;
-        }
-        Self { range: [least / value * (1.0 + WITHIN), greatest / value * (1.0 - WITHIN)], ..self }
-    }
-}
-
-/// Where fits start, and the words of a scenario for what they may move.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Words {
-    /// Parameters and surfaces by name.
-    pub movable: Vec<(String, Movable)>,
-    /// Values of parameters that the file states, in prior standard deviations.
-    pub parameters: Vec<(usize, f64)>,
-    /// Of surfaces.
-    pub surfaces: Vec<(usize, f64)>,
-    /// Sizes of candidates, SI.
-    pub effects: Vec<(usize, f64)>,
-}
-
 impl Words {
-    /// How a scenario says the parameter or surface called `name`.
-    pub fn of(&self, name: &str) -> Option<&Movable> {
-        self.movable.iter().find(|(own, _)| own == name).map(|(_, movable)| movable)
-    }
-
     /// Finds what the file states of the parameters and surfaces of a frame; their spread becomes the file's.
     pub(super) fn settle(frame: &mut Frame, stated: &mut Stated) {
         let words = std::mem::take(&mut frame.words);
@@ -204,105 +150,5 @@ impl Words {
             frame.notes.push(format!("[[calibration]] {parameter} of {target} says nothing about these records"));
         }
         frame.words = Self { movable: words.movable, ..found };
-    }
-}
-
-/// A model whose nominal point is what its file states.
-pub(super) struct Given {
-    model: Box<dyn Forward>,
-    frame: Frame,
-    base: Point,
-}
-
-impl Given {
-    /// The model counted from what its file states; the model itself where that is nothing.
-    pub fn around(model: Box<dyn Forward>) -> Box<dyn Forward> {
-        let words = &model.frame().words;
-        if words.parameters.is_empty() && words.surfaces.is_empty() && words.effects.is_empty() {
-            return model;
-        }
-        let mut base = Point::nominal(model.as_ref());
-        words.parameters.iter().for_each(|(i, x)| base.parameters[*i] = *x);
-        words.surfaces.iter().for_each(|(i, x)| base.surfaces[*i] = *x);
-        words.effects.iter().for_each(|(i, size)| base.effects[*i] = *size);
-        let mut frame = model.frame().clone();
-        words.effects.iter().for_each(|(i, size)| frame.candidates[*i].greatest -= size);
-        Box::new(Self { model, frame, base })
-    }
-
-    fn from(&self, at: &Point) -> Point {
-        let mut point = at.clone();
-        point.parameters.iter_mut().zip(&self.base.parameters).for_each(|(x, base)| *x += base);
-        point.effects.iter_mut().zip(&self.base.effects).for_each(|(size, base)| *size += base);
-        point
-    }
-
-    /// Factor and summand that the stated surfaces give each observation.
-    fn surfaces(&self) -> Vec<(f64, f64)> {
-        let measured = &self.frame.measured;
-        let mut both = vec![(0.0_f64, 0.0); measured.len()];
-        for (surface, x) in self.frame.surfaces.iter().zip(&self.base.surfaces).filter(|(_, x)| **x != 0.0) {
-            for (observation, (relative, absolute)) in measured.observations.iter().zip(&mut both) {
-                if surface.channels.contains(&observation.channel) {
-                    let value = surface.deviation * x * surface.feature[observation.row];
-                    *(if surface.absolute { absolute } else { relative }) += value;
-                }
-            }
-        }
-        both.iter_mut().for_each(|(relative, _)| *relative = relative.exp());
-        both
-    }
-}
-
-impl Forward for Given {
-    fn frame(&self) -> &Frame {
-        &self.frame
-    }
-
-    fn simulate(&self, at: &Point) -> Vec<f64> {
-        let mut raw = self.model.simulate(&self.from(at));
-        raw.iter_mut().zip(self.surfaces()).for_each(|(raw, (factor, summand))| *raw = *raw * factor + summand);
-        raw
-    }
-
-    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
-        let surfaces = self.surfaces();
-        let inner: Vec<f64> = raw.iter().zip(&surfaces).map(|(raw, (factor, add))| (raw - add) / factor).collect();
-        let mut slopes = self.model.slopes(&self.from(at), &inner, along);
-        for slope in &mut slopes {
-            slope.iter_mut().zip(&surfaces).for_each(|(slope, (factor, _))| *slope *= factor);
-        }
-        slopes
-    }
-
-    fn scatter_is_known(&self, channel: usize) -> bool {
-        self.model.scatter_is_known(channel)
-    }
-
-    fn chains(&self, at: &Point) -> Vec<Chain> {
-        let from = self.from(at);
-        let mut chains = self.model.chains(&from);
-        if chains.is_empty() || self.base.surfaces.iter().all(|x| *x == 0.0) {
-            return chains;
-        }
-        // What a stated surface does to a value it does to its scatter.
-        let (raw, surfaces) = (self.model.simulate(&from), self.surfaces());
-        let measured = &self.frame.measured;
-        let readings = chains.iter_mut().flat_map(|chain| &mut chain.rows).flat_map(|row| &mut row.readings);
-        for reading in readings {
-            let (factor, summand) = surfaces[reading.place];
-            let value = raw[reading.place] * factor;
-            let scale = match measured.channels[measured.observations[reading.place].channel].transform {
-                Transform::Linear => factor,
-                Transform::Log if value + summand > 0.0 => value / (value + summand),
-                Transform::Log => 0.0,
-            };
-            reading.by = reading.by.map(|slope| slope * scale);
-        }
-        chains
-    }
-
-    fn written(&self, candidate: usize) -> WrittenEffect {
-        self.model.written(candidate)
     }
 }

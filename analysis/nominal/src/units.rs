@@ -1,7 +1,7 @@
 //! Channels and conditions in a wrong unit.
 
 use super::constants::{HANDLING, IMPOSSIBLE, NEAR};
-use super::{Forward, Point, Transform};
+use super::{ChannelId, Forward, Point, Transform};
 use toolroom_statistics::median;
 
 /// Factors that slips of units leave, and what they are.
@@ -35,9 +35,9 @@ pub fn ratios(model: &dyn Forward) -> Vec<f64> {
 }
 
 /// What to say about a channel whose ratio is impossible; `None` where it is possible.
-pub fn suspicion(channel: &str, ratio: f64) -> Option<String> {
+pub fn suspicion(channel: ChannelId, ratio: f64) -> Option<String> {
     // Handling may take several times as long as cutting.
-    let impossible = if channel == "cycle_time" { IMPOSSIBLE * HANDLING } else { IMPOSSIBLE };
+    let impossible = if channel == ChannelId::CycleTime { IMPOSSIBLE * HANDLING } else { IMPOSSIBLE };
     if ratio.is_nan() || ratio <= 0.0 || ratio.ln().abs() < impossible.ln() {
         return None;
     }
@@ -74,13 +74,13 @@ fn reach(model: &dyn Forward, channel: usize) -> f64 {
 
 /// Channels whose ratio is impossible, with what to say about them. An effect that changes a
 /// channel by so much saves it.
-pub fn suspicious(model: &dyn Forward) -> Vec<(&'static str, String)> {
+pub fn suspicious(model: &dyn Forward) -> Vec<(ChannelId, String)> {
     let channels = model.frame().measured.channels.iter().zip(ratios(model)).enumerate();
-    let mut list: Vec<(&'static str, f64, String)> = channels
+    let mut list: Vec<(ChannelId, f64, String)> = channels
         .filter_map(|(index, (channel, ratio))| {
-            let note = suspicion(channel.name, ratio)?;
+            let note = suspicion(channel.id, ratio)?;
             let possible = !slips(ratio) && ratio.ln().abs() < IMPOSSIBLE.ln() + reach(model, index);
-            (!possible).then_some((channel.name, ratio, note))
+            (!possible).then_some((channel.id, ratio, note))
         })
         .collect();
     let common = |ratio: f64| list.iter().filter(|(_, other, _)| (other / ratio).ln().abs() < NEAR).count() > 1;
@@ -90,5 +90,5 @@ pub fn suspicious(model: &dyn Forward) -> Vec<(&'static str, String)> {
             note.push_str("; other channels are off alike: a condition may be in a wrong unit");
         }
     }
-    list.into_iter().map(|(name, _, note)| (name, note)).collect()
+    list.into_iter().map(|(channel, _, note)| (channel, note)).collect()
 }

@@ -108,7 +108,7 @@ fn readings(part: &dyn Forward) -> Vec<Vec<(String, f64)>> {
                 (sum + residuals[i], deviation + measured.observations[i].deviation)
             });
             if deviation > 0.0 {
-                readings.push((channel.name.to_owned(), resolved(sum / deviation)));
+                readings.push((channel.id.to_string(), resolved(sum / deviation)));
             }
         }
         for (candidate, slopes) in frame.candidates.iter().zip(&slopes) {

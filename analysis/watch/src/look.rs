@@ -73,7 +73,7 @@ fn since_change(model: &NominalModel, records: &Records, group: Option<&str>, al
         return "too few groups since then for a diagnosis".to_owned();
     }
     let diagnosis = diagnose_parts(&asked.parts, 1);
-    let names: Vec<String> = diagnosis.effects.iter().map(|effect| effect.id.to_owned()).collect();
+    let names: Vec<String> = diagnosis.effects.iter().map(|effect| effect.id.to_string()).collect();
     match &names[..] {
         [] => format!("the rows since then are `{}` by themselves", diagnosis.verdict.name()),
         names => format!("the rows since then show {}", names.join(" and ")),

@@ -98,7 +98,7 @@ fn synthesised(front: &Body, response: &BlankResponse) -> Option<Receptance> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::coupling::tests::{CARBIDE, STEEL, rod};
+    use crate::coupling::tests::{CARBIDE, STEEL};
     use crate::coupling::{BaseMode, Joint, base, chain};
     use std::f64::consts::TAU;
 
@@ -114,10 +114,10 @@ mod tests {
 
     /// What taps on a steel blank of 16 mm and 40 mm in the spindle show, computed from the forces in the second section.
     fn tapped(second: f64, w: f64) -> (Blank, BlankResponse) {
-        let blank = Blank { segment: rod(0.04, 0.016, 1.0, STEEL), second };
-        let front = rod(second, 0.016, 1.0, STEEL).body(w).unwrap();
+        let blank = Blank { segment: Segment::rod(0.04, 0.016, 1.0, STEEL), second };
+        let front = Segment::rod(second, 0.016, 1.0, STEEL).body(w).unwrap();
         let behind = if second < 0.04 {
-            rod(0.04 - second, 0.016, 1.0, STEEL).body(w).unwrap().on(&spindle(w), None).unwrap()
+            Segment::rod(0.04 - second, 0.016, 1.0, STEEL).body(w).unwrap().on(&spindle(w), None).unwrap()
         } else {
             spindle(w)
         };
@@ -147,7 +147,7 @@ mod tests {
     fn two_taps_give_the_tip_of_a_tool_up_to_the_highest_mode_of_the_spindle() {
         // A carbide mill of 12 mm over a joint, against the spindle itself, whose highest mode is at 2950 Hz.
         let joint = Joint { radial: 2e8, angular: 2.5e4, loss_factor: 0.02 };
-        let tool = [rod(0.026, 0.012, 0.8, CARBIDE), rod(0.014, 0.012, 1.0, CARBIDE)];
+        let tool = [Segment::rod(0.026, 0.012, 0.8, CARBIDE), Segment::rod(0.014, 0.012, 1.0, CARBIDE)];
         let error = |frequency: f64| {
             let w = TAU * frequency;
             let (blank, response) = tapped(0.025, w);

@@ -102,6 +102,11 @@ fn section(outer: f64, inner: f64) -> (f64, f64) {
 }
 
 impl Segment {
+    /// A solid rod of a length and diameter (m), of which the share `factor` of the diameter bends and moves: 1 for a plain one.
+    pub const fn rod(length: f64, diameter: f64, factor: f64, material: Material) -> Self {
+        Self { length, diameter, inner_diameter: 0.0, bending_factor: factor, inertia_factor: factor, material }
+    }
+
     /// Its receptances with free ends at `w` (rad/s, positive); none where a frequency of the free body makes them infinite.
     pub fn body(&self, w: f64) -> Option<Body> {
         let Material { youngs_modulus, density, poisson_ratio: nu, loss_factor } = self.material;
@@ -247,10 +252,6 @@ pub(crate) mod tests {
     pub(crate) const CARBIDE: Material =
         Material { youngs_modulus: 580e9, density: 14_500.0, poisson_ratio: 0.24, loss_factor: 0.004 };
 
-    pub(crate) fn rod(length: f64, diameter: f64, factor: f64, material: Material) -> Segment {
-        Segment { length, diameter, inner_diameter: 0.0, bending_factor: factor, inertia_factor: factor, material }
-    }
-
     /// Peaks of |H| up to a frequency (Hz): frequency (Hz) and height.
     fn peaks(h: impl Fn(f64) -> Complex<f64>, last: u32) -> Vec<(f64, f64)> {
         let size = |frequency: f64| h(TAU * frequency).norm();
@@ -276,7 +277,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_clamped_steel_rod_has_its_published_peaks() {
-        let rod = rod(0.125, 0.01, 1.0, STEEL);
+        let rod = Segment::rod(0.125, 0.01, 1.0, STEEL);
         let tip = |w: f64| rod.body(w).unwrap().on(&Receptance::zeros(), None).unwrap()[(0, 0)];
         let found = peaks(tip, 12_000);
         let expected = [(451.786, 645.495e-6), (2774.11, 16.646e-6), (7531.96, 2.1633e-6)];
@@ -293,7 +294,7 @@ pub(crate) mod tests {
     #[test]
     fn a_slender_rod_is_one_of_euler() {
         // Without shear and rotary inertia: 453.376 Hz of 125 mm scale with the square of the length.
-        let rod = rod(5.0, 0.01, 1.0, Material { loss_factor: 1e-4, ..STEEL });
+        let rod = Segment::rod(5.0, 0.01, 1.0, Material { loss_factor: 1e-4, ..STEEL });
         let tip = |w: f64| rod.body(w).unwrap().on(&Receptance::zeros(), None).unwrap()[(0, 0)].norm();
         let euler = 453.376 * (0.125f64 / 5.0).powi(2);
         let near = |factor: f64| tip(TAU * euler * factor);
@@ -311,7 +312,7 @@ pub(crate) mod tests {
     }
 
     fn tool(overhang: f64) -> [Segment; 2] {
-        [rod(0.026, 0.012, 0.8, CARBIDE), rod(overhang - 0.026, 0.012, 1.0, CARBIDE)]
+        [Segment::rod(0.026, 0.012, 0.8, CARBIDE), Segment::rod(overhang - 0.026, 0.012, 1.0, CARBIDE)]
     }
 
     #[test]
@@ -354,7 +355,7 @@ pub(crate) mod tests {
             damping_ratio: (3.0 * ratio / (8.0 * (1.0 + ratio).powi(3))).sqrt(),
         };
         let light = Material { youngs_modulus: 2e12, density: 1.0, poisson_ratio: 0.3, loss_factor: 1e-4 };
-        let rod = rod(0.005, 0.05, 1.0, light);
+        let rod = Segment::rod(0.005, 0.05, 1.0, light);
         let mode = BaseMode { natural_frequency: frequency, damping_ratio: 1e-6, stiffness, rotation: 0.0 };
         let tip =
             |w: f64| rod.body(w).unwrap().damped(&damper, w).unwrap().on(&base(&[mode], w), None).unwrap()[(0, 0)];
@@ -374,7 +375,7 @@ pub(crate) mod tests {
     fn a_blank_that_is_removed_and_put_on_again_changes_nothing() {
         for frequency in [150.0, 700.0, 1500.0, 4000.0] {
             let w = TAU * frequency;
-            let blank = rod(0.04, 0.016, 1.0, STEEL).body(w).unwrap();
+            let blank = Segment::rod(0.04, 0.016, 1.0, STEEL).body(w).unwrap();
             let measured = blank.on(&spindle(w), None).unwrap();
             let again = blank.on(&blank.removed(&measured).unwrap(), None).unwrap();
             assert!((again - measured).norm() < 1e-9 * measured.norm());

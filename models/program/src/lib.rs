@@ -32,9 +32,7 @@
 
 mod block;
 mod control;
-mod dialect;
 mod error;
-mod expression;
 mod frame;
 mod hole;
 mod iso;
@@ -51,10 +49,10 @@ mod stretch;
 
 pub use block::{Action, Block, Blocks, Program};
 pub use control::{Control, Units};
-pub use dialect::{Conflict, Dialect};
 pub use error::ProgramError;
 pub use kernel::FeedMode;
 pub use motion::{AXES, Arc, Axes, Event, EventKind, Motion, Offset, PLANES, Path, Purpose, Sense, plane_code};
 pub use run::{ModalState, Run};
 pub use stretch::{Stretch, StretchKind};
+pub use toolroom_dialect::{Conflict, Dialect};
 pub use toolroom_pages::Source;

@@ -1,7 +1,6 @@
 //! Runs a program: its blocks one by one, as a stream of events in bounded memory.
 
 use crate::control::Control;
-use crate::dialect::{Detector, Dialect};
 use crate::error::{Fault, ProgramError};
 use crate::iso::Iso;
 use crate::kernel::{FeedMode, Kernel};
@@ -10,6 +9,7 @@ use crate::library::Library;
 use crate::motion::{Event, Sense, plane_code};
 use crate::siemens::Siemens;
 use std::ops::Range;
+use toolroom_dialect::{Detector, Dialect};
 use toolroom_pages::Source;
 
 /// Whether a program goes on.

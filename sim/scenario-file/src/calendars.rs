@@ -1,7 +1,7 @@
 //! Working time, and the dates from which it counts.
 
 use super::fault::ScenarioFault;
-use super::resolve::{Names, named};
+use super::names::{Names, named};
 use toml::de::{DeTable, DeValue};
 use toolroom_form::{Fault, Section, Span, Value, Walk};
 use toolroom_scenario::{

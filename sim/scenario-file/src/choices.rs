@@ -8,6 +8,9 @@
 use toolroom_form::vocabulary;
 use toolroom_scenario::MachineType;
 
+/// The word of a tool of which only the life of its edges is known.
+pub(super) const LIFE_ONLY: &str = "life_only";
+
 vocabulary! {
     /// Processes that a machine can run.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +37,7 @@ impl ProcessKind {
     };
     /// Words of what a tool can do: a process, or nothing of which more is known than how long its edges last.
     pub const OF_TOOLS: &'static [&'static str] = &{
-        let mut words = [super::keys::LIFE_ONLY; Self::WORDS.len() + 1];
+        let mut words = [LIFE_ONLY; Self::WORDS.len() + 1];
         let mut i = 0;
         while i < Self::WORDS.len() {
             words[i] = Self::WORDS[i];

@@ -2,8 +2,8 @@
 
 use super::choices::{DueWord, ReleaseWord};
 use super::fault::ScenarioFault;
-use super::resolve::{Names, named, reference};
-use super::rules::queue_rules;
+use super::names::{Names, named, reference};
+use super::queue_rules::{queue_rules, rules_under};
 use std::collections::BTreeMap;
 use toolroom_form::{Fault, Section, Walk, nearest};
 use toolroom_scenario::{
@@ -120,7 +120,7 @@ fn release(walk: &mut Walk, root: &Section<'_>) -> ReleaseRule {
 }
 
 fn sequence(walk: &mut Walk, section: &Section<'_>) -> Vec<DispatchRule> {
-    super::rules::rules_under(walk, section, "sequence").unwrap_or(vec![DispatchRule::EarliestDueDate])
+    rules_under(walk, section, "sequence").unwrap_or(vec![DispatchRule::EarliestDueDate])
 }
 
 /// The key `due` of a source.

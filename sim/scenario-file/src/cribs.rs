@@ -1,8 +1,8 @@
 //! Tool cribs, planned maintenance, and tools of which only the life of their edges is known.
 
 use super::fault::ScenarioFault;
+use super::names::{Names, machine_indices, reference};
 use super::random::distribution;
-use super::resolve::{Names, machine_indices, reference};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use toolroom_form::{Fault, Section, Walk};

@@ -1,7 +1,7 @@
 //! Buffers, and what can never work with them.
 
 use super::fault::ScenarioFault;
-use super::resolve::{Names, machine_indices, named};
+use super::names::{Names, machine_indices, named};
 use super::rules::Dispatch;
 use toolroom_form::{Fault, Section, Walk};
 use toolroom_scenario::{BatchUnit, Blocking, Buffer, Deadlock, MachineType, Operation, Order, Part};

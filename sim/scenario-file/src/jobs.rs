@@ -1,7 +1,7 @@
 //! What the flow of jobs asks for beside machines and work: batches, inspections, components, priorities.
 
 use super::fault::ScenarioFault;
-use super::resolve::{Names, reference};
+use super::names::{Names, reference};
 use toolroom_form::{Fault, Section, Walk, nearest};
 use toolroom_scenario::{
     Arrival, Batch, BatchFamily, BatchUnit, Blocking, Buffer, Component, DispatchRule, DrawUnit, InspectedTo,

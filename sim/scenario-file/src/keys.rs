@@ -7,6 +7,7 @@ mod gap;
 mod order;
 mod part;
 mod policy;
+pub(super) mod quantity;
 mod resource;
 mod shared;
 mod transport;
@@ -24,93 +25,19 @@ use shared::FIXTURE;
 use toolroom_effects::{Effect, USER_EFFECT};
 use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
 
-use super::choices::{FamilyWord, FormatWord, IsolationWord, PatternWord, ProcessKind};
-use super::fitted;
+use super::choices::{FormatWord, IsolationWord, PatternWord, ProcessKind};
 use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
 use super::tune::TUNE;
 use policy::POLICY;
-use toolroom_scenario::{BatchUnit, FailureClock, Interruption, MachineType};
-pub(super) use toolroom_scenario::{PATH, SPEED, WEAR};
+use quantity::{COST, DECADE, DEVIATION, DURATION, LONG_DURATION, PLAIN, RANDOM_TIME, RATE, TIME};
+use toolroom_scenario::{BatchUnit, FailureClock, Interruption};
 use toolroom_wear::{Scatter, ScatterWord};
 use transport::{CREW, TRANSPORT};
 
-/// The case of a machine or operation without a process.
-const PLAIN: &[&str] = &[MachineType::PLAIN];
-/// The word of a tool of which only the life of its edges is known.
-pub(super) const LIFE_ONLY: &str = "life_only";
-
-/// Ten years, s: longer times are slips of the unit.
-pub(super) const DECADE: f64 = 10.0 * 365.0 * 86400.0;
-const TIME: Kind = Kind::quantity("s", "min", 0.0, DECADE, "1.5 min");
-pub(super) const DURATION: Kind = Kind::positive("s", "min", DECADE, "1.5 min");
-const LONG_DURATION: Kind = Kind::positive("s", "h", DECADE, "8 h");
-const COST: Kind = Kind::quantity("EUR", "EUR", 0.0, 1e9, "12 EUR");
-const RATE: Kind = Kind::quantity("EUR/s", "EUR/h", 0.0, 1e6, "60 EUR/h");
 /// What a spindle is able to; above 6000 m/min nothing is cut.
 const SPINDLE: Kind = Kind::positive("m/s", "m/min", 100.0, "60 m/min");
-/// A factor on a commanded speed.
-pub(super) const FACTOR: Kind = Kind::positive("1", "1", 10.0, "1.1");
-pub(super) const SHARE: Kind = Kind::quantity("1", "1", 0.0, 1.0, "0.5");
-const DEVIATION: Kind = Kind::quantity("1", "1", 0.0, 0.5, "2 %");
-const BIAS: Kind = Kind::quantity("1", "1", -0.9, 10.0, "0.05");
-
 /// What may become of a part in a machine that breaks down: nobody can finish it first.
 const AFTER_FAILURE: &[&str] = &[Interruption::Resume.word(), Interruption::Repeat.word(), Interruption::Scrap.word()];
-
-/// A random time; a plain duration in its place is a constant.
-pub(super) static DISTRIBUTION: Form = Form {
-    title: "distribution",
-    doc: "A random time, 0 or longer, drawn by inversion of one random number",
-    keys: &[
-        Key::required("distribution", Kind::Choice(FamilyWord::WORDS), "Family"),
-        Key::required("mean", DURATION, "Mean; of `normal` that of the whole distribution, before it is cut off")
-            .when("distribution", &["constant", "exponential", "erlang", "gamma", "lognormal", "weibull", "normal"]),
-        Key::required("cv", Kind::positive("1", "1", 10.0, "0.3"), "Standard deviation over mean")
-            .when("distribution", &["gamma", "lognormal"]),
-        Key::required("k", Kind::Count { min: 1, max: 10_000 }, "Number of phases").when("distribution", &["erlang"]),
-        Key::required("shape", Kind::quantity("1", "1", 0.2, 50.0, "1.5"), "Weibull shape")
-            .when("distribution", &["weibull"]),
-        Key::required("sd", DURATION, "Standard deviation of the whole distribution").when("distribution", &["normal"]),
-        Key::required("low", TIME, "Least")
-            .when("distribution", &["triangular", "beta", "uniform", "discrete_uniform"]),
-        Key::default("low", TIME, "0 min", "Least").when("distribution", &["normal"]),
-        Key::required("mode", TIME, "Most likely").when("distribution", &["triangular", "beta"]),
-        Key::required("high", DURATION, "Greatest")
-            .when("distribution", &["triangular", "beta", "uniform", "discrete_uniform"]),
-        Key::optional("high", DURATION, "Greatest; left out: as long as it comes").when("distribution", &["normal"]),
-        Key::default("step", DURATION, "1 min", "Distance of neighbouring times")
-            .when("distribution", &["discrete_uniform"]),
-        Key::optional("values", Kind::List(&TIME), "Times, of which no others occur; due unless `file` is given")
-            .when("distribution", &["empirical"]),
-        Key::optional("weights", Kind::List(&WEIGHT), "How often each of them occurs; left out: all alike")
-            .when("distribution", &["empirical"]),
-        Key::required("from", Kind::Text, "summary.json of `toolroom life`; its path from this file")
-            .when("distribution", &["fitted"]),
-        Key::optional(
-            "law",
-            Kind::Choice(fitted::LAWS),
-            "Law of the summary; left out: the first one, which is the most credible",
-        )
-        .when("distribution", &["fitted"]),
-        Key::optional("group", Kind::Name, "Group of the summary; left out: all lives")
-            .when("distribution", &["fitted"]),
-        Key::optional(
-            "file",
-            Kind::Text,
-            "Observed times in a column of a table, a CSV file beside this one; times between neighbouring ones occur, too",
-        )
-        .when("distribution", &["empirical"]),
-        Key::optional("column", Kind::Text, "Its column; left out: the first")
-            .when("distribution", &["empirical"]),
-        Key::optional("unit", Kind::Text, "Unit of its numbers, where neither they nor their header say one: \"min\"")
-            .when("distribution", &["empirical"]),
-    ],
-};
-
-/// How often a value occurs against others.
-const WEIGHT: Kind = Kind::quantity("1", "1", 0.0, 1e9, "0.3");
-
-const RANDOM_TIME: Kind = Kind::Shorthand { word: &TIME, form: &DISTRIBUTION };
 
 static SHOP: Form = Form {
     title: "[shop]",
@@ -560,7 +487,7 @@ mod tests {
 
     #[test]
     fn speeds_of_a_cut_have_the_range_of_the_models() {
-        let Kind::Quantity(speed) = SPEED else { panic!("a quantity") };
+        let Kind::Quantity(speed) = toolroom_scenario::SPEED else { panic!("a quantity") };
         for fields in [TurningInput::<f64>::FIELDS, MillingInput::<f64>::FIELDS] {
             let field = fields.iter().find(|field| field.name == "cutting_speed").expect("a speed");
             assert_eq!((field.unit, field.max), (speed.unit, speed.max));

@@ -1,7 +1,7 @@
 //! What measurements say of a shop: scopes, effects of tools, calibration, deviations.
 
 use super::fault::ScenarioFault;
-use super::resolve::Names;
+use super::names::Names;
 use toml::de::DeValue;
 use toolroom_effects::{EffectList, Effects};
 use toolroom_form::{Fault, Form, Key, Kind, Quantity, Section, Span, Value, Walk, nearest};

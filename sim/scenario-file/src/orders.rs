@@ -2,8 +2,8 @@
 
 use super::calendars::moment;
 use super::fault::ScenarioFault;
+use super::names::{Names, reference};
 use super::order_columns::Columns;
-use super::resolve::{Names, reference};
 use super::table::{Table, form_of};
 use std::collections::BTreeSet;
 use toolroom_form::{Fault, Section, Span, Walk, nearest};

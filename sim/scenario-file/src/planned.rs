@@ -29,7 +29,7 @@ pub(super) fn cycle(walk: &mut Walk, section: &Section<'_>, model: Option<&Proce
             let mut limits = CycleLimits::default();
             let noted = walk.problems.len();
             set_record(walk, &format!("{}, cycle", section.path), table, &mut limits);
-            let work_rotation_speed = super::routing::due(walk, section, section, "work_rotation_speed", "292 rpm");
+            let work_rotation_speed = super::required::due(walk, section, section, "work_rotation_speed", "292 rpm");
             let Some(ProcessModel::Infeed(wheel)) = model else { return None };
             if walk.problems.len() > noted || work_rotation_speed.is_nan() {
                 return None;
@@ -144,7 +144,7 @@ fn contour_passes(walk: &mut Walk, section: &Section<'_>, content: &ContourFile)
     let named = section.list("contour_passes");
     let found: Vec<usize> = named
         .iter()
-        .filter_map(|got| super::resolve::reference(walk, "pass of the contour", Some(got), names()))
+        .filter_map(|got| super::names::reference(walk, "pass of the contour", Some(got), names()))
         .collect();
     (found.len() == named.len() && !found.is_empty()).then_some(found)
 }

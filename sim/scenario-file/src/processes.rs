@@ -3,7 +3,7 @@
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::imported;
-use super::resolve::NamedTool;
+use super::names::NamedTool;
 use super::stability;
 use std::fmt::Display;
 use std::sync::Arc;

@@ -174,7 +174,7 @@ fn empirical(walk: &mut Walk, table: &Section<'_>) -> Distribution {
 }
 
 /// Longest time of a table, s, as in the keys of times.
-const LONGEST: f64 = super::keys::DECADE;
+const LONGEST: f64 = super::keys::quantity::DECADE;
 
 /// The times in a column of a table, s; none after a fault. Its first line is a header where it is no time.
 fn observed(walk: &mut Walk, table: &Section<'_>, file: &str, text: &str) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! People and setup matrices.
 
 use super::fault::ScenarioFault;
-use super::resolve::{Names, named, reference};
+use super::names::{Names, named, reference};
 use toolroom_form::{Fault, Got, Section, Value, Walk, nearest};
 use toolroom_scenario::{Attendance, MachineType, Operator, Part, Presence, SetupMatrix, Ways};
 

@@ -5,9 +5,10 @@ use super::control;
 use super::cribs;
 use super::fault::ScenarioFault;
 use super::jobs;
+use super::names::{NamedTool, Names, machine_indices, named, reference};
 use super::planned::{contour, cycle, program};
 use super::random::distribution;
-use super::resolve::{NamedTool, Names, machine_indices, named, reference};
+use super::required::due;
 use super::resources::attendance;
 use super::{shared, stocks};
 use std::f64::consts::PI;
@@ -304,22 +305,6 @@ fn cut(walk: &mut Walk, pass: &Section<'_>, operation: &Section<'_>, process: Pr
     let optional = |key| pass.si(key).or_else(|| operation.si(key)).unwrap_or(0.0);
     let (diameter, position) = if turning { (optional("diameter"), optional("position")) } else { (0.0, 0.0) };
     Cut { cutting_speed, feed, depth_of_cut, width_of_cut, path_length, diameter, position }
-}
-
-/// A value of the pass, or else of its operation; NaN only where a problem is noted.
-pub(super) fn due(
-    walk: &mut Walk,
-    pass: &Section<'_>,
-    operation: &Section<'_>,
-    key: &'static str,
-    example: &str,
-) -> f64 {
-    if pass.got(key).or_else(|| operation.got(key)).is_none() {
-        let fault =
-            Fault::MissingKey { section: operation.form.title.to_owned(), key, example: format!("\"{example}\"") };
-        walk.fault(pass.span.clone(), fault);
-    }
-    pass.si(key).or_else(|| operation.si(key)).unwrap_or(f64::NAN)
 }
 
 /// A pass against the speed range of its machines and the ranges of its process model.

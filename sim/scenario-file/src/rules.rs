@@ -2,18 +2,19 @@
 
 use super::choices::{FormatWord, GrowthWord, PatternWord, ToolChangeWord};
 use super::keys::SENSORS;
+use super::names::{Names, named};
 use super::planned::{dressing_rule, grinding_rule};
 use super::processes;
+use super::queue_rules::queue_rules;
 use super::random::distribution;
-use super::resolve::{Names, named};
 use super::speed::speed_rule;
 use super::{Output, SelectSection, Statistics};
 use super::{control, stability, stocks, tune};
 use toml::de::DeTable;
-use toolroom_form::{Fault, Got, Section, Span, Value, Walk};
+use toolroom_form::{Fault, Section, Span, Value, Walk};
 use toolroom_scenario::{
-    Arrival, ArrivalPattern, Blocking, ContourRule, Deadlock, DispatchRule, GapSection, Knowledge, MOST_RULES,
-    MachineChoice, MachineType, PolicyRule, Preemption, SensorErrors, SensorSheet, ToolChangeRule,
+    Arrival, ArrivalPattern, Blocking, ContourRule, Deadlock, DispatchRule, GapSection, Knowledge, MachineChoice,
+    MachineType, PolicyRule, Preemption, SensorErrors, SensorSheet, ToolChangeRule,
 };
 use toolroom_wear::{Pair, TURNING_SETS};
 
@@ -92,27 +93,6 @@ pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> Dispatch {
         deadlock: deadlock.unwrap_or(Deadlock::Stop),
         preemption: preemption.unwrap_or_default(),
     }
-}
-
-/// Rules under the key `rule`; `None` where there are none.
-pub(super) fn queue_rules(walk: &mut Walk, section: &Section<'_>) -> Option<Vec<DispatchRule>> {
-    rules_under(walk, section, "rule")
-}
-
-/// Rules under a key; `None` where there are none.
-pub(super) fn rules_under(walk: &mut Walk, section: &Section<'_>, key: &str) -> Option<Vec<DispatchRule>> {
-    let rule = |got: &Got<'_>| if let Value::Text(word) = &got.value { DispatchRule::named(word) } else { None };
-    let rules: Vec<DispatchRule> = section.list(key).iter().filter_map(rule).collect();
-    if rules.len() > MOST_RULES {
-        let fault = Fault::WrongType {
-            key: key.to_owned(),
-            read: format!("{} rules", rules.len()),
-            expected: format!("at most {MOST_RULES} rules"),
-            example: "[\"edd\", \"spt\"]".to_owned(),
-        };
-        walk.fault(section.span_of(key), fault);
-    }
-    (!rules.is_empty()).then_some(rules)
 }
 
 pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineType]) -> Vec<(PolicyRule, Span)> {

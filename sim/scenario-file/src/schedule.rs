@@ -2,9 +2,9 @@
 
 use super::calendars::moment;
 use super::fault::ScenarioFault;
+use super::names::reference;
 use super::order_columns::Columns;
 use super::orders::Around;
-use super::resolve::reference;
 use super::table::Table;
 use std::collections::BTreeMap;
 use toolroom_form::{Section, Span, Walk};

@@ -2,7 +2,7 @@
 
 use super::fault::ScenarioFault;
 use super::jobs::Around;
-use super::resolve::{named, reference};
+use super::names::{named, reference};
 use toolroom_form::{Fault, Section, Walk, nearest};
 use toolroom_scenario::{Distribution, Fixture, Hold, MachineType, Operator, Part, Presence, ShiftCalendar, Work};
 

@@ -1,7 +1,7 @@
 //! How a file chooses the cutting speed: the keys of a policy beside those of its rule, their reader.
 
 use super::choices::ProcessKind;
-use super::keys::FACTOR;
+use super::keys::quantity::FACTOR;
 use toolroom_form::{Fault, Key, Kind, Section, Walk, joined, significant};
 use toolroom_scenario::{Knowledge, MachineType, SpeedRule};
 

@@ -2,7 +2,7 @@
 
 use super::fault::ScenarioFault;
 use super::jobs::Around;
-use super::resolve::{Names, reference};
+use super::names::{Names, reference};
 use std::sync::Arc;
 use toolroom_form::{Fault, Section, Value, Walk, nearest};
 use toolroom_scenario::{

@@ -1,7 +1,7 @@
 //! Crews and vehicles.
 
 use super::fault::ScenarioFault;
-use super::resolve::{Names, named, reference};
+use super::names::{Names, named, reference};
 use toolroom_form::{Fault, Section, Value, Walk, nearest};
 use toolroom_scenario::{Buffer, Crew, MachineType, Parking, Part, Transport, TransportRule};
 

@@ -1,8 +1,8 @@
 //! How a file says what is tuned: `tune` of a policy, and the section `[tune]`.
 
-use super::keys::{DURATION, FACTOR, PATH, SHARE, SPEED, WEAR};
+use super::keys::quantity::{DURATION, FACTOR, SHARE};
 use toolroom_form::{Fault, Form, Key, Kind, Section, Value, Walk, example};
-use toolroom_scenario::{PRICE, PolicyRule, Setting, SettingRange, Tunable, TuneRequest};
+use toolroom_scenario::{PATH, PRICE, PolicyRule, SPEED, Setting, SettingRange, Tunable, TuneRequest, WEAR};
 
 /// Whether the rule of tool change is tuned.
 const CHANGE: &str = "change";

@@ -2,7 +2,7 @@
 
 use super::calendars::moment;
 use super::fault::ScenarioFault;
-use super::resolve::named;
+use super::names::named;
 use toml::de::DeValue;
 use toolroom_form::{Section, Value, Walk};
 

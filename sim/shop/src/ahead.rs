@@ -67,9 +67,9 @@ impl<R: Recorder> Shop<'_, R> {
         let stand_in = Job { operation, waiting: false, queued: now, handling: None, stand_in: true, ..job.clone() };
         let slot = self.world.jobs.insert_beside(stand_in, of);
         self.world.keep_ahead((order, operation), KeptMachine::new(machine as u32));
-        let asked = self.asked(machine, slot);
+        let scoped = self.scoped_operation(machine, slot);
         let setup = self.drawn_setup(machine, slot, setup);
-        let left = asked.calibrated(self.scenario, ShopConstant::SetupTime, setup);
+        let left = scoped.calibrated(self.scenario, ShopConstant::SetupTime, setup);
         self.world.machines[machine].task = Some(Task {
             slot,
             begun: now,

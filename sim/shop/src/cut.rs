@@ -21,7 +21,7 @@ pub struct Segment {
     /// Output at the end.
     pub output: Vec<f64>,
     /// Duration requested, s.
-    pub asked: f64,
+    pub requested: f64,
     /// Time between samples, s; `None` where nobody watches.
     pub sampling_period: Option<f64>,
     /// Duration, s; shorter than requested where the edge is lost.
@@ -78,7 +78,7 @@ impl Segment {
         self.energy = 0.0;
         self.engaged_time = 0.0;
         self.cutting_length = 0.0;
-        self.asked = duration;
+        self.requested = duration;
         self.sampling_period = sampling_period;
         // A process that counts its energy does so better than samples of its power.
         let counted = ports.energy_state.map(|i| self.state[i]);
@@ -155,7 +155,7 @@ impl Segment {
     /// Share of the path of the whole segment as requested that is behind after `elapsed`
     /// seconds, the speed going linearly from that of the start input.
     pub(super) fn share(&self, ports: &Ports, elapsed: f64) -> f64 {
-        let whole = self.asked;
+        let whole = self.requested;
         let speed = read(&self.start_input, ports.cutting_speed, 0.0);
         let acceleration = read(&self.start_input, ports.cutting_acceleration, 0.0);
         let path = |t: f64| speed * t + 0.5 * acceleration * t * t;

@@ -24,11 +24,11 @@ pub struct Moved {
 }
 
 /// An operation that is about to begin, as scopes see it; nothing where there are no scopes.
-pub(super) struct Asked {
+pub(super) struct ScopedOperation {
     occasion: Option<Box<Occasion<'static>>>,
 }
 
-impl Asked {
+impl ScopedOperation {
     pub fn calibrated(&self, scenario: &Scenario, constant: ShopConstant, value: f64) -> f64 {
         self.occasion.as_ref().map_or(value, |occasion| calibrated(&scenario.calibrations, constant, occasion, value))
     }
@@ -91,9 +91,9 @@ impl<'a, R: Recorder> Shop<'a, R> {
     }
 
     /// The next operation of a job on a machine.
-    pub(super) fn asked(&self, machine: usize, slot: u32) -> Asked {
+    pub(super) fn scoped_operation(&self, machine: usize, slot: u32) -> ScopedOperation {
         if self.layout.as_planned {
-            return Asked { occasion: None };
+            return ScopedOperation { occasion: None };
         }
         let mut occasion = self.machine_occasion(machine);
         let job = self.world.jobs.at(slot);
@@ -114,14 +114,14 @@ impl<'a, R: Recorder> Shop<'a, R> {
                 occasion.set("tool_id", format!("E{}", edge.number));
             }
         }
-        Asked { occasion: Some(Box::new(occasion)) }
+        ScopedOperation { occasion: Some(Box::new(occasion)) }
     }
 
     /// The operation in a machine, or the machine alone.
-    fn occupied(&self, machine: usize) -> Asked {
+    fn occupied(&self, machine: usize) -> ScopedOperation {
         match &self.world.machines[machine].task {
-            Some(task) => self.asked(machine, task.slot),
-            None => Asked { occasion: Some(Box::new(self.machine_occasion(machine))) },
+            Some(task) => self.scoped_operation(machine, task.slot),
+            None => ScopedOperation { occasion: Some(Box::new(self.machine_occasion(machine))) },
         }
     }
 
@@ -162,27 +162,27 @@ impl<'a, R: Recorder> Shop<'a, R> {
     }
 
     /// A drawn time of plain work as calibration has moved it, s.
-    pub(super) fn plain_time(&self, asked: &Asked, drawn: f64) -> f64 {
-        asked.calibrated(self.scenario, ShopConstant::ProgrammedTime, drawn).max(0.0)
+    pub(super) fn plain_time(&self, scoped: &ScopedOperation, drawn: f64) -> f64 {
+        scoped.calibrated(self.scenario, ShopConstant::ProgrammedTime, drawn).max(0.0)
     }
 
     /// Time of plain work with what the shop does otherwise than planned, s.
-    pub(super) fn deviating(&self, asked: &Asked, slot: u32, planned: f64) -> f64 {
+    pub(super) fn deviating(&self, scoped: &ScopedOperation, slot: u32, planned: f64) -> f64 {
         if self.scenario.deviations.is_empty() {
             return planned;
         }
-        let faster = asked.deviation(self.scenario, ShopEffect::FeedOverride).min(0.0);
-        (planned * (1.0 + faster)).max(LEAST_PACE * planned) + self.delay(asked, slot, planned)
+        let faster = scoped.deviation(self.scenario, ShopEffect::FeedOverride).min(0.0);
+        (planned * (1.0 + faster)).max(LEAST_PACE * planned) + self.delay(scoped, slot, planned)
     }
 
     /// Time that the program of a job's operation takes beyond its passes, s; `programmed` is that of the
     /// passes.
-    pub(super) fn delay(&self, asked: &Asked, slot: u32, programmed: f64) -> f64 {
+    pub(super) fn delay(&self, scoped: &ScopedOperation, slot: u32, programmed: f64) -> f64 {
         if self.scenario.deviations.is_empty() {
             return 0.0;
         }
-        let slower = asked.deviation(self.scenario, ShopEffect::FeedOverride).max(0.0);
-        let rate = asked.deviation(self.scenario, ShopEffect::MicroStops);
+        let slower = scoped.deviation(self.scenario, ShopEffect::FeedOverride).max(0.0);
+        let rate = scoped.deviation(self.scenario, ShopEffect::MicroStops);
         if slower == 0.0 && rate == 0.0 {
             return 0.0;
         }
@@ -203,11 +203,11 @@ impl<'a, R: Recorder> Shop<'a, R> {
     }
 
     /// Time for which the feed of a job's operation is held, s.
-    pub(super) fn hold(&self, asked: &Asked, slot: u32) -> f64 {
+    pub(super) fn hold(&self, scoped: &ScopedOperation, slot: u32) -> f64 {
         if self.scenario.deviations.is_empty() {
             return 0.0;
         }
-        let Some(occasion) = &asked.occasion else { return 0.0 };
+        let Some(occasion) = &scoped.occasion else { return 0.0 };
         let job = self.world.jobs.at(slot);
         let owner: Entity = job.entity.part(u64::from(job.operation)).part(HOLDS);
         let mut stream = self.streams.open(owner, Purpose::Processing);

@@ -44,14 +44,14 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// A machine has a job when the run begins.
     fn take_at_start(&mut self, machine: usize, slot: u32, inside: &InProcess) -> Result<(), ShopError> {
-        let asked = self.asked(machine, slot);
+        let scoped = self.scoped_operation(machine, slot);
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let (plan, operation) = (self.layout.operations[part][index], &self.scenario.parts[part].operations[index]);
         if self.world.machines[machine].task.is_some() {
             return self.ride_at_start(machine, slot, inside);
         }
-        let mut task = self.task_of(machine, slot, Vec::new(), &asked);
+        let mut task = self.task_of(machine, slot, Vec::new(), &scoped);
         let mut begins_within = false;
         if inside.setup_left > 0.0 {
             task.left = inside.setup_left;
@@ -104,12 +104,12 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// A job is in a machine beside others, which are there already; all are done when the longest work is.
     fn ride_at_start(&mut self, machine: usize, slot: u32, inside: &InProcess) -> Result<(), ShopError> {
-        let asked = self.asked(machine, slot);
+        let scoped = self.scoped_operation(machine, slot);
         self.stop_clocks(machine);
         self.halt(machine)?;
         self.release_operator(machine);
         let batches = std::mem::take(&mut self.world.machines[machine].batch.begun);
-        let plan = self.task_of(machine, slot, Vec::new(), &asked);
+        let plan = self.task_of(machine, slot, Vec::new(), &scoped);
         let state = &mut self.world.machines[machine];
         state.batch.begun = batches;
         let task = state.task.as_mut().expect(IN_WORK);

@@ -1,6 +1,6 @@
 //! An operation step by step: setup, load, passes with edge changes, unload, inspection.
 
-use super::deviation::Asked;
+use super::deviation::ScopedOperation;
 use super::inspection::Verdict;
 use super::layout::ContentPlan;
 use super::machine::{Content, IN_WORK, Machining, Piece, Readiness, Step, Task};
@@ -66,8 +66,8 @@ impl<R: Recorder> Shop<'_, R> {
             self.look_ahead(slot);
             return Ok(());
         }
-        let asked = self.asked(machine, slot);
-        let task = self.task_of(machine, slot, riders, &asked);
+        let scoped = self.scoped_operation(machine, slot);
+        let task = self.task_of(machine, slot, riders, &scoped);
         let job = self.world.jobs.at(slot);
         let (number, origin) = (job.number, job.origin);
         let plan = &self.layout.operations[job.row.part as usize][job.operation as usize];
@@ -78,7 +78,7 @@ impl<R: Recorder> Shop<'_, R> {
         let again = std::mem::replace(&mut state.set_up, kept) && kept;
         let needed = self.layout.setup(self.scenario, machine, state.ready, plan.setup_group, setup).filter(|_| !again);
         let needed = needed.map(|time| self.drawn_setup(machine, slot, time));
-        let setup = asked.calibrated(self.scenario, ShopConstant::SetupTime, needed.unwrap_or(0.0));
+        let setup = scoped.calibrated(self.scenario, ShopConstant::SetupTime, needed.unwrap_or(0.0));
         let state = &mut self.world.machines[machine];
         state.task = Some(Task { left: if needed.is_some() { setup } else { 0.0 }, ..task });
         if needed.is_some() {
@@ -90,35 +90,35 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// An operation in a machine as it begins, without setup.
-    pub(super) fn task_of(&mut self, machine: usize, slot: u32, riders: Vec<u32>, asked: &Asked) -> Task {
+    pub(super) fn task_of(&mut self, machine: usize, slot: u32, riders: Vec<u32>, scoped: &ScopedOperation) -> Task {
         let now = self.now();
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let plan = self.layout.operations[part][index];
-        let [mut load_time, mut unload_time] = self.handling(machine, slot, asked);
+        let [mut load_time, mut unload_time] = self.handling(machine, slot, scoped);
         for &rider in &riders {
-            let handling = self.handling(machine, rider, asked);
+            let handling = self.handling(machine, rider, scoped);
             load_time += handling[0];
             unload_time += handling[1];
         }
         let content = match plan.content {
             ContentPlan::Plain => {
                 // All that is worked on together is done when the longest work is.
-                let work_of = |slot: u32| self.whole_work(machine, slot, asked);
+                let work_of = |slot: u32| self.whole_work(machine, slot, scoped);
                 let whole = riders.iter().map(|rider| work_of(*rider)).fold(work_of(slot), f64::max);
-                let moved = self.deviating(asked, slot, whole);
+                let moved = self.deviating(scoped, slot, whole);
                 let time = self.world.jobs.at_mut(slot).rest.take().unwrap_or(moved);
                 self.plain_content(slot, !riders.is_empty(), time)
             }
             ContentPlan::Machining { tool, .. } => {
                 let cutting_time = self.layout.cutting_times[part][index];
-                let moved = asked.moved(self.scenario, cutting_time);
+                let moved = scoped.moved(self.scenario, cutting_time);
                 Content::Machining(Box::new(Machining {
                     tool,
-                    delay: self.delay(asked, slot, moved.pace * cutting_time),
-                    hold: self.hold(asked, slot),
+                    delay: self.delay(scoped, slot, moved.pace * cutting_time),
+                    hold: self.hold(scoped, slot),
                     moved,
-                    acting: asked.acting(self.scenario, tool as usize),
+                    acting: scoped.acting(self.scenario, tool as usize),
                     lost_edges: 0,
                     piece: Piece::default(),
                 }))
@@ -144,13 +144,13 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// All of the plain work of a job in a machine, s.
-    pub(super) fn whole_work(&self, machine: usize, slot: u32, asked: &Asked) -> f64 {
+    pub(super) fn whole_work(&self, machine: usize, slot: u32, scoped: &ScopedOperation) -> f64 {
         let (times, drawn) = self.plain_work(machine, slot);
-        times * self.plain_time(asked, drawn)
+        times * self.plain_time(scoped, drawn)
     }
 
     /// Times of loading and unloading a job, s.
-    fn handling(&mut self, machine: usize, slot: u32, asked: &Asked) -> [f64; 2] {
+    fn handling(&mut self, machine: usize, slot: u32, scoped: &ScopedOperation) -> [f64; 2] {
         let (now, kind) = (self.now(), &self.scenario.machines[machine]);
         let job = self.world.jobs.at_mut(slot);
         if job.row.start.is_nan() {
@@ -163,7 +163,7 @@ impl<R: Recorder> Shop<'_, R> {
             None => self.layout.handling[machine],
         };
         let pieces = f64::from(job.row.quantity);
-        asked.handling(self.scenario, times).map(|time| pieces * time)
+        scoped.handling(self.scenario, times).map(|time| pieces * time)
     }
 
     /// Goes through steps without duration and schedules the end of the first that takes time.

@@ -165,7 +165,7 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         let task = state.task.as_mut().expect(IN_WORK);
         if matches!(task.step, Step::Pass(_)) {
-            task.left = state.segment.asked; // the pass is planned again when somebody is there
+            task.left = state.segment.requested; // the pass is planned again when somebody is there
         }
         self.await_operator(machine);
         false

@@ -77,7 +77,7 @@ impl<R: Recorder> Shop<'_, R> {
         let Some(tool) = operation.tool_of_pass(machining.piece.pass as usize) else { return };
         if machining.tool as usize != tool {
             machining.tool = tool as u32;
-            let acting = self.asked(machine, slot).acting(self.scenario, tool);
+            let acting = self.scoped_operation(machine, slot).acting(self.scenario, tool);
             self.world.machines[machine].task.as_mut().expect(IN_WORK).machining_mut().acting = acting;
         }
     }

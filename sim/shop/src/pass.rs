@@ -316,9 +316,9 @@ impl<R: Recorder> Shop<'_, R> {
         }
         let InCut { left, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let segment = &mut state.segment;
-        let asked = segment.asked;
+        let requested = segment.requested;
         let share = segment.share(&tool.ports, elapsed);
-        *left = (asked - elapsed).max(0.0);
+        *left = (requested - elapsed).max(0.0);
         let sampling = segment.sampling_period;
         let planned = segment.plan(process, &tool.ports, &edge.state, elapsed, sampling);
         if let Err(fault) = planned {

@@ -12,8 +12,8 @@ use toolroom_scenario::Blocking;
 pub struct Followed {
     /// Operations that it has begun: place of the next one.
     pub place: u32,
-    /// The time until which it has been told to wait, s.
-    told: f64,
+    /// The time until which it waits for its next operation, s; an event is scheduled then.
+    waits_until: f64,
 }
 
 impl<R: Recorder> Shop<'_, R> {
@@ -23,8 +23,8 @@ impl<R: Recorder> Shop<'_, R> {
         let followed = self.world.sequences[machine];
         let Some(next) = schedule.machines[machine].get(followed.place as usize) else { return Ok(None) };
         if self.now().seconds() < next.not_before {
-            if followed.told < next.not_before {
-                self.world.sequences[machine].told = next.not_before;
+            if followed.waits_until < next.not_before {
+                self.world.sequences[machine].waits_until = next.not_before;
                 self.schedule(SimTime::from_seconds(next.not_before)?, Event::Planned { machine: machine as u32 })?;
             }
             return Ok(None);

@@ -1,6 +1,7 @@
 //! Turning and milling as nominal models of recorded operations.
 
 mod chains;
+mod channels;
 mod heat;
 mod nominal;
 mod run;
@@ -16,12 +17,13 @@ use super::features::{self, standardised};
 use super::settings::Settings;
 use super::stated::Stated;
 use super::{
-    Channel, Discrepancy, Discrepant, Forward, Frame, Local, Measured, On, Parameter, Point, Surface, Transform, broken,
+    ChannelId, Discrepancy, Discrepant, Forward, Frame, Local, Measured, On, Parameter, Point, Surface, broken,
 };
+use channels::{Source, channels, source};
 use run::Step;
 use scattered::Scattered;
 use toolroom_process::Record;
-use toolroom_records::{Records, Sensor};
+use toolroom_records::Records;
 use toolroom_scenario::Moved;
 
 /// What a parameter of the fit does to the simulation.
@@ -108,17 +110,6 @@ struct Fixed {
     rows: Option<Vec<f64>>,
 }
 
-/// Where a channel's prediction comes from.
-#[derive(Clone, Copy)]
-enum Source {
-    /// Wear at the end of the operation.
-    Wear,
-    /// Mean of an output over the cut.
-    Output(usize),
-    /// Programmed time of the operation.
-    Duration,
-}
-
 /// The same process without the hazard of chipping: it costs a power in every rate, and no reading tells of it.
 fn unbroken<P: Nominal>(mut process: P) -> P {
     for (_, record) in process.parameters_mut().into_iter().filter(|(group, _)| *group == "chipping") {
@@ -177,18 +168,18 @@ impl<P: Nominal> Cutting<P> {
         let mut channels = channels::<P>(records, settings);
         let broken = broken::take_out(&mut channels, &group_of_row);
         let mut measured = Measured::new(channels, names, group_of_row, fitted);
-        measured.unstated = measured.channels.iter().map(|own| settings.leaves_unstated(own.name)).collect();
+        measured.unstated = measured.channels.iter().map(|own| settings.leaves_unstated(own.id)).collect();
         if settings.scatter.is_none() {
             broken::widen(&mut measured);
         }
         let measured_channels = measured.channels.len();
-        let outputs: Vec<Source> = measured.channels.iter().map(|channel| source::<P>(channel.name)).collect();
+        let outputs: Vec<Source> = measured.channels.iter().map(|channel| source::<P>(channel.id)).collect();
         let mean = |(channel, source): (usize, &Source)| match source {
             Source::Output(output) => Some((channel, *output)),
             Source::Wear | Source::Duration => None,
         };
-        let known = |name: &str| P::READINGS.contains(&name) || !matches!(source::<P>(name), Source::Output(_));
-        let readings = measured.channels.iter().all(|channel| known(channel.name));
+        let known = |id: ChannelId| P::READINGS.contains(&id.word()) || !matches!(source::<P>(id), Source::Output(_));
+        let readings = measured.channels.iter().all(|channel| known(channel.id));
         let mut locals = vec![
             Local { name: "wear of the edge", deviation: settings.edge_wear, estimated: true, scatter: true },
             Local { name: "force of the edge", deviation: settings.edge_force, estimated: false, scatter: true },
@@ -252,7 +243,7 @@ impl<P: Nominal> Cutting<P> {
     /// Takes signed channels in the sign in which they are recorded.
     fn orient(&mut self) {
         let signed: Vec<usize> = (0..self.signs.len())
-            .filter(|channel| P::SIGNED.contains(&self.frame.measured.channels[*channel].name))
+            .filter(|channel| P::SIGNED.contains(&self.frame.measured.channels[*channel].id))
             .collect();
         if signed.is_empty() {
             return;
@@ -263,7 +254,7 @@ impl<P: Nominal> Cutting<P> {
             let of_channel = observations.filter(|(observation, _)| observation.channel == channel);
             if of_channel.map(|(observation, raw)| observation.value * raw).sum::<f64>() < 0.0 {
                 self.signs[channel] = -1.0;
-                let name = self.frame.measured.channels[channel].name;
+                let name = self.frame.measured.channels[channel].id;
                 self.frame.notes.push(format!("{name} has the opposite sign to the model's: compared so"));
             }
         }
@@ -332,9 +323,9 @@ impl<P: Nominal> Cutting<P> {
     }
 
     fn allowance(&mut self, records: &Records, wear: &[f64]) {
-        let find = |names: &[&str]| -> Vec<usize> {
+        let find = |wanted: &[ChannelId]| -> Vec<usize> {
             let channels = self.frame.measured.channels.iter().enumerate();
-            channels.filter(|(_, channel)| names.contains(&channel.name)).map(|(i, _)| i).collect()
+            channels.filter(|(_, channel)| wanted.contains(&channel.id)).map(|(i, _)| i).collect()
         };
         let mut surfaces = Vec::new();
         let mut add = |name: String,
@@ -350,12 +341,18 @@ impl<P: Nominal> Cutting<P> {
         let ones = || vec![1.0; records.len()];
         // Relative to the absolute temperature, of which the rise is about three quarters.
         let classes = [
-            ("force", find(&["cutting_force", "spindle_power"]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.03),
-            ("feed force", find(&["feed_force"]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.05),
-            ("temperature", find(&["temperature"]), 0.015, 0.0075, 0.0075),
-            ("thermo-EMF", find(&["thermo_emf"]), 0.02, 0.01, 0.01),
-            ("form error", find(&["form_error"]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.03),
-            ("roughness", find(&["roughness_ra"]), 0.15, 0.08, 0.1),
+            (
+                "force",
+                find(&[ChannelId::CuttingForce, ChannelId::SpindlePower]),
+                0.04 * P::FORCE_FORM,
+                0.02 * P::FORCE_FORM,
+                0.03,
+            ),
+            ("feed force", find(&[ChannelId::FeedForce]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.05),
+            ("temperature", find(&[ChannelId::Temperature]), 0.015, 0.0075, 0.0075),
+            ("thermo-EMF", find(&[ChannelId::ThermoEmf]), 0.02, 0.01, 0.01),
+            ("form error", find(&[ChannelId::FormError]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.03),
+            ("roughness", find(&[ChannelId::RoughnessRa]), 0.15, 0.08, 0.1),
         ];
         let land: Vec<f64> = wear.iter().map(|wear| wear / LAND).collect();
         let signed = find(P::SIGNED);
@@ -378,28 +375,35 @@ impl<P: Nominal> Cutting<P> {
             }
             allow("land", land.clone(), *by_land);
         }
-        add("feed force level".to_owned(), &find(&["feed_force"]), ones(), 0.08, false, false);
-        add("thermo-EMF level".to_owned(), &find(&["thermo_emf"]), ones(), 0.05, false, false);
-        add("roughness level".to_owned(), &find(&["roughness_ra"]), ones(), P::ROUGHNESS, false, false);
-        add("form error level".to_owned(), &find(&["form_error"]), ones(), 0.1, false, false);
+        add("feed force level".to_owned(), &find(&[ChannelId::FeedForce]), ones(), 0.08, false, false);
+        add("thermo-EMF level".to_owned(), &find(&[ChannelId::ThermoEmf]), ones(), 0.05, false, false);
+        add("roughness level".to_owned(), &find(&[ChannelId::RoughnessRa]), ones(), P::ROUGHNESS, false, false);
+        add("form error level".to_owned(), &find(&[ChannelId::FormError]), ones(), 0.1, false, false);
         for (_, part, feature) in features::indicators(records, &["part_type"]) {
-            add(format!("form error, fixture of {part}"), &find(&["form_error"]), feature, FIXTURE, false, false);
+            add(
+                format!("form error, fixture of {part}"),
+                &find(&[ChannelId::FormError]),
+                feature,
+                FIXTURE,
+                false,
+                false,
+            );
         }
-        let cycle = find(&["cycle_time"]);
+        let cycle = find(&[ChannelId::CycleTime]);
         add("handling time".to_owned(), &cycle, ones(), 120.0, false, true);
         add("programmed time".to_owned(), &cycle, self.durations.clone(), 0.05, true, true);
         for (_, machine, feature) in features::indicators(records, &["machine"]) {
             let Some(feature) = standardised(&feature).map(|_| feature) else { continue };
             for (i, channel) in self.frame.measured.channels.iter().enumerate() {
                 // A caliper is no part of the machine, its clock does not gain.
-                if !matches!(channel.name, "flank_wear" | "cycle_time") {
-                    let name = format!("gain of {}, machine {machine}", channel.name);
+                if !matches!(channel.id, ChannelId::FlankWear | ChannelId::CycleTime) {
+                    let name = format!("gain of {}, machine {machine}", channel.id);
                     add(name, &[i], feature.clone(), super::settings::MACHINE_GAIN, false, false);
                 }
             }
         }
         self.frame.surfaces = surfaces;
-        let readings = self.frame.measured.channels.iter().position(|channel| channel.name == "flank_wear");
+        let readings = self.frame.measured.channels.iter().position(|channel| channel.id == ChannelId::FlankWear);
         discrepant.extend(readings.map(|channel| Discrepant {
             name: "wear rate",
             channels: vec![channel],
@@ -429,41 +433,6 @@ impl<P: Nominal> Cutting<P> {
         let points = (0..records.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
         (!columns.is_empty()).then_some(Discrepancy { points, classes })
     }
-}
-
-fn source<P: Nominal>(channel: &str) -> Source {
-    match channel {
-        "flank_wear" => Source::Wear,
-        "cycle_time" => Source::Duration,
-        name => Source::Output(P::Output::index_of(name).unwrap_or(0)),
-    }
-}
-
-/// Channels that the process predicts and the records hold.
-fn channels<P: Nominal>(records: &Records, settings: &Settings) -> Vec<(Channel, Vec<f64>)> {
-    let columns = records.kind.columns().iter();
-    let known = columns.filter(|column| {
-        P::Output::index_of(column.name).is_some() || column.name == "cycle_time" || column.name == "flank_wear"
-    });
-    let measured = known.filter(|column| column.kind == toolroom_records::ColumnKind::Channel);
-    let with_values = measured.filter_map(|column| {
-        let values = records.numbers(column.name)?;
-        values.iter().any(|value| value.is_finite()).then(|| (column, values.to_vec()))
-    });
-    with_values
-        .map(|(column, values)| {
-            let linear = matches!(column.name, "flank_wear" | "temperature" | "cycle_time" | "form_error");
-            let signed = P::SIGNED.contains(&column.name);
-            let transform = if linear || signed { Transform::Linear } else { Transform::Log };
-            let mut sensor: Sensor = settings.sensor(column.name);
-            if signed {
-                // Relative errors vanish where the sign turns; those of the sensor do not.
-                let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).filter(|v| v.is_finite()).collect();
-                sensor.absolute += sensor.relative * toolroom_statistics::median(&mut sizes);
-            }
-            (Channel { name: column.name, display: column.display, unit: column.unit, transform, sensor }, values)
-        })
-        .collect()
 }
 
 /// A condition of which servo lag needs to know.

@@ -1,5 +1,6 @@
 //! What turning and milling offer to a fit.
 
+use crate::ChannelId;
 use toolroom_cutting::{HeldMilling, HeldTurning, Milling, Turning};
 use toolroom_effects::Effects;
 use toolroom_process::Process;
@@ -17,7 +18,7 @@ pub trait Nominal: Process + Clone {
     /// Prior standard deviation of the logarithm of roughness over that of ideal edges (assumption).
     const ROUGHNESS: f64;
     /// Channels whose sign depends on the cut: climb milling pulls the table along.
-    const SIGNED: &'static [&'static str];
+    const SIGNED: &'static [ChannelId];
     /// Outputs that [`Nominal::readings`] gives.
     const READINGS: &'static [&'static str];
     /// The process under an input that stays.
@@ -49,7 +50,7 @@ impl Nominal for Turning {
     const WEAR_CURVE: f64 = 1.0;
     const FORCE_FORM: f64 = 1.0;
     const ROUGHNESS: f64 = 0.3;
-    const SIGNED: &'static [&'static str] = &[];
+    const SIGNED: &'static [ChannelId] = &[];
     const READINGS: &'static [&'static str] = HeldTurning::READINGS;
     type Held<'a> = HeldTurning<'a>;
     fn with_effects(&self, effects: Effects) -> Self {
@@ -87,7 +88,7 @@ impl Nominal for Milling {
     const FORCE_FORM: f64 = 1.5;
     // A micrometre of runout makes a wall many times as rough as ideal teeth would.
     const ROUGHNESS: f64 = 1.0;
-    const SIGNED: &'static [&'static str] = &["feed_force"];
+    const SIGNED: &'static [ChannelId] = &[ChannelId::FeedForce];
     const READINGS: &'static [&'static str] = HeldMilling::READINGS;
     type Held<'a> = HeldMilling<'a>;
     fn with_effects(&self, effects: Effects) -> Self {

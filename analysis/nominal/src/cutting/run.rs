@@ -441,7 +441,7 @@ impl<P: Nominal> Forward for Cutting<P> {
     }
     fn scatter_is_known(&self, channel: usize) -> bool {
         // The error of a signed channel is bounded from below, so that it is not that of the sheet.
-        self.scattered.is_some() && !P::SIGNED.contains(&self.frame.measured.channels[channel].name)
+        self.scattered.is_some() && !P::SIGNED.contains(&self.frame.measured.channels[channel].id)
     }
     fn chains(&self, at: &Point) -> Vec<Chain> {
         self.chains_at(at)

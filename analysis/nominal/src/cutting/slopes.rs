@@ -314,7 +314,7 @@ mod tests {
         point.parameters.iter_mut().enumerate().for_each(|(i, x)| *x = 0.3 - 0.1 * (i % 7) as f64);
         point.locals.iter_mut().flatten().enumerate().for_each(|(i, x)| *x = 0.4 - 0.2 * (i % 5) as f64);
         for (candidate, size) in model.frame().candidates.iter().zip(&mut point.effects) {
-            if candidate.id == effect {
+            if candidate.id.word() == effect {
                 *size = candidate.typical;
             }
         }
@@ -351,7 +351,7 @@ mod tests {
             } else {
                 there.iter().zip(&here).map(|(there, here)| (there - here) / step).collect()
             };
-            for (channel, name) in frame.measured.channels.iter().enumerate().map(|(i, channel)| (i, channel.name)) {
+            for (channel, name) in frame.measured.channels.iter().enumerate().map(|(i, channel)| (i, channel.id)) {
                 let of_channel = |i: &usize| frame.measured.observations[*i].channel == channel;
                 let inside: Vec<usize> = (0..here.len()).filter(of_channel).collect();
                 let scale = inside.iter().map(|i| difference[*i].abs().max(1e-6 * here[*i].abs())).fold(0.0, f64::max);

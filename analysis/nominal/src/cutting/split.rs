@@ -1,9 +1,9 @@
 //! Effects, and a rate of wear of its own, on parts of the records.
 
 use super::{Action, Cutting, Nominal};
-use crate::Candidate;
 use crate::parts::{MOST, MOST_RATES, Part, parts, wear_rate};
 use crate::stated::Stated;
+use crate::{Candidate, ChannelId, EffectId};
 use toolroom_effects::{Effect, Search, UserEffect};
 use toolroom_records::Records;
 
@@ -35,8 +35,8 @@ impl<P: Nominal> Cutting<P> {
     /// Adds a rate of wear that is another one on a part of the records, where wear is measured: first of all, since an effect
     /// on a part may only stand for that.
     fn rate(&mut self, parts: &[Part], stated: &Stated) {
-        let read = self.frame.measured.channels.iter().any(|channel| channel.name == "flank_wear");
-        let Some(definition) = wear_rate(stated).filter(|_| read) else { return };
+        let read = self.frame.measured.channels.iter().any(|channel| channel.id == ChannelId::FlankWear);
+        let Some(definition) = wear_rate(&stated.defined).filter(|_| read) else { return };
         let entry = definition.entry();
         let Some(Search::Size(typical)) = entry.search(P::NAME) else { return };
         if !self.frame.defined.contains(&definition) {
@@ -48,7 +48,7 @@ impl<P: Nominal> Cutting<P> {
         for part in dates.into_iter().chain(others).take(MOST_RATES) {
             let shape = part.words("");
             let (greatest, least) = (entry.size.max, entry.size.min);
-            self.frame.candidates.push(Candidate { id: entry.id, shape, typical, greatest, least });
+            self.frame.candidates.push(Candidate { id: EffectId::from(definition), shape, typical, greatest, least });
             self.actions.push(Action::Scoped(effect, part.scope.clone(), part.rows.clone()));
         }
     }
@@ -62,10 +62,9 @@ impl<P: Nominal> Cutting<P> {
                 // What is recorded is the mean over the rows of the part.
                 let within = |of: &[f64]| of.iter().zip(&part.rows).map(|(value, on)| value * on).sum::<f64>();
                 let rows: f64 = part.rows.iter().sum();
-                let recorded = recorded.map(|_| match self.frame.candidates[candidate].id {
-                    "feed_override" => within(&column) / within(&self.durations),
-                    _ => within(&column) / rows,
-                });
+                let overridden = self.frame.candidates[candidate].id == EffectId::FEED_OVERRIDE;
+                let whole = if overridden { within(&self.durations) } else { rows };
+                let recorded = recorded.map(|_| within(&column) / whole);
                 Some(Action::Reading { channel: *channel, column, scope: part.scope.clone(), recorded })
             }
             Action::Reading { .. } | Action::Scoped(..) | Action::Lot(..) => None,

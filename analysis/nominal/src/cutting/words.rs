@@ -2,8 +2,8 @@
 
 use super::{Action, Change, Cutting, Fixed, Nominal};
 use crate::features::first_of_group;
-use crate::stated::{Movable, Stated, Words, occasion};
-use crate::{Candidate, Parameter, Surface, WrittenEffect};
+use crate::stated::{Stated, occasion};
+use crate::{Candidate, ChannelId, EffectId, Movable, Parameter, Surface, Words, WrittenEffect};
 use toolroom_effects::Effect;
 use toolroom_records::Records;
 use toolroom_scenario::{MICRO_STOP, Moved, Scope, ShopEffect, Target};
@@ -44,7 +44,7 @@ impl<P: Nominal> Cutting<P> {
         }
         for surface in self.frame.surfaces.iter().filter(|surface| !surface.allowance) {
             let name = &surface.name;
-            let channel = surface.channels.first().map_or("", |index| self.frame.measured.channels[*index].name);
+            let channel = surface.channels.first().map_or("", |index| self.frame.measured.channels[*index].id.word());
             let gain = |target: Target| Movable::factor(format!("gain.{channel}"), target);
             // Machines and parts that the scenario does not know have no words in it.
             let machine = name.split_once(", machine ").map(|(_, machine)| machine);
@@ -89,7 +89,7 @@ impl<P: Nominal> Cutting<P> {
                 Action::Effect(other) => scope.is_everywhere() && other.with_size(0.0) == effect.with_size(0.0),
                 Action::Scoped(other, at, _) => *at == scope && other.with_size(0.0) == effect.with_size(0.0),
                 Action::Lot(..) => {
-                    effect.entry().id == candidate.id && Some(candidate.shape.as_str()) == lot(&scope).as_deref()
+                    candidate.id == EffectId::from(&effect) && Some(candidate.shape.as_str()) == lot(&scope).as_deref()
                 }
                 Action::Reading { .. } => false,
             };
@@ -104,7 +104,7 @@ impl<P: Nominal> Cutting<P> {
                 let typical = if effect.size() > 0.0 { effect.size() } else { 1e-3 * entry.size.max };
                 self.append(
                     Candidate {
-                        id: entry.id,
+                        id: EffectId::from(&effect),
                         shape: words(effect, &scope),
                         typical,
                         greatest: entry.size.max,
@@ -125,7 +125,8 @@ impl<P: Nominal> Cutting<P> {
 
     /// Effects of the shop that show in the time of an operation.
     fn deviate(&mut self, records: &Records, stated: &Stated) {
-        let Some(channel) = self.frame.measured.channels.iter().position(|channel| channel.name == "cycle_time") else {
+        let Some(channel) = self.frame.measured.channels.iter().position(|channel| channel.id == ChannelId::CycleTime)
+        else {
             return;
         };
         let firsts = first_of_group(&self.frame.measured.group_of_row);
@@ -133,7 +134,7 @@ impl<P: Nominal> Cutting<P> {
             let scope = stated.normal(&deviation.scope);
             let same = |(i, candidate): (usize, &Candidate)| {
                 matches!(self.actions[i], Action::Reading { .. })
-                    && candidate.id == deviation.effect.word()
+                    && candidate.id == deviation.effect.into()
                     && self.written_effect(i).scope == scope
                     && (deviation.effect == ShopEffect::FeedHold
                         || self.written_effect(i).recorded.is_some() == deviation.recorded.is_some())
@@ -152,7 +153,7 @@ impl<P: Nominal> Cutting<P> {
                 };
                 let column: Option<Vec<f64>> =
                     rows.iter().enumerate().map(|(row, on)| Some(on * value(row)?)).collect();
-                let (id, column) = (deviation.effect.word(), column?);
+                let (id, column) = (EffectId::from(deviation.effect), column?);
                 let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
                 let shape = if scope.is_everywhere() { "planned times".to_owned() } else { scope.words() };
                 let recorded = deviation.recorded;
@@ -170,7 +171,7 @@ impl<P: Nominal> Cutting<P> {
         let known = |own: &Movable, parameter: &str, target: &Target, scope: &Scope, summand: bool| {
             own.parameter == parameter && own.target == *target && own.scope == *scope && own.summand == summand
         };
-        let cycle = self.frame.measured.channels.iter().position(|channel| channel.name == "cycle_time");
+        let cycle = self.frame.measured.channels.iter().position(|channel| channel.id == ChannelId::CycleTime);
         for (number, calibration) in stated.calibrations.clone().into_iter().enumerate() {
             let scope = stated.normal(&calibration.scope);
             let summand = matches!(calibration.moved, Moved::Summand(_));
@@ -195,7 +196,8 @@ impl<P: Nominal> Cutting<P> {
                 ..Movable::factor(calibration.parameter.clone(), calibration.target.clone())
             };
             let spread = calibration.prior.unwrap_or(UNKNOWN);
-            let channel = |name: &str| self.frame.measured.channels.iter().position(|channel| channel.name == name);
+            let channel =
+                |name: &str| self.frame.measured.channels.iter().position(|channel| channel.id.word() == name);
             let mut surface = |channel: Option<usize>, feature: Vec<f64>, absolute: bool| {
                 let Some(channel) = channel else { return false };
                 let (name, channels) = (name.clone(), vec![channel]);

@@ -1,10 +1,10 @@
 //! Effects of grinding that the diagnosis tries.
 
 use super::Grinding;
-use crate::Candidate;
 use crate::parts::{MOST, parts};
-use crate::search::{self, Rows, Shape, Sought, Untried, Way};
+use crate::search::{self, Rows, Shape, Sought, Way};
 use crate::stated::Stated;
+use crate::{Candidate, EffectId, Untried};
 use toolroom_effects::{Definition, Effect};
 use toolroom_infeed::Infeed;
 use toolroom_process::Process;
@@ -39,7 +39,7 @@ impl Grinding {
         let ways = &[Way::Coolants, Way::WheelPosition];
         let sought = Sought { process: Infeed::NAME, records, greatest: &greatest, ways };
         for effect in search::effects_of(Infeed::NAME, defined) {
-            let id = effect.entry().id;
+            let id = EffectId::from(&effect);
             let shapes = match sought.shapes(effect) {
                 Ok(shapes) => shapes,
                 Err(reason) => {

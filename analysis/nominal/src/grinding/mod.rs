@@ -18,7 +18,7 @@ pub use conditions::dressings;
 use super::features;
 use super::settings::{MACHINE_GAIN, Settings};
 use super::stated::Stated;
-use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform, WrittenEffect};
+use super::{Channel, ChannelId, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform, WrittenEffect};
 use catalogue::Action;
 use conditions::Conditions;
 use plunge::{Plunge, Stage, plunge};
@@ -121,10 +121,10 @@ impl Grinding {
     }
 
     fn allowance(&mut self, records: &Records) {
-        let find = |name: &str| self.frame.measured.channels.iter().position(|channel| channel.name == name);
+        let find = |id: ChannelId| self.frame.measured.channels.iter().position(|channel| channel.id == id);
         let mut surfaces = Vec::new();
         let mut add = |name: String,
-                       channel: &str,
+                       channel: ChannelId,
                        feature: Option<Vec<f64>>,
                        deviation: f64,
                        allowance: bool,
@@ -134,18 +134,18 @@ impl Grinding {
             }
         };
         let ones = || Some(vec![1.0; records.len()]);
-        add("friction".to_owned(), "tangential_force", ones(), 0.08, false, false);
-        add("start of the rise".to_owned(), "rise_revolutions", ones(), 1.0, true, true);
-        add("rise, level".to_owned(), "rise_revolutions", ones(), 0.05, true, false);
-        add("force after spark-out, level".to_owned(), "force_after_spark_out", ones(), 0.10, true, false);
-        for channel in ["normal_force", "tangential_force", "force_after_spark_out"] {
+        add("friction".to_owned(), ChannelId::TangentialForce, ones(), 0.08, false, false);
+        add("start of the rise".to_owned(), ChannelId::RiseRevolutions, ones(), 1.0, true, true);
+        add("rise, level".to_owned(), ChannelId::RiseRevolutions, ones(), 0.05, true, false);
+        add("force after spark-out, level".to_owned(), ChannelId::ForceAfterSparkOut, ones(), 0.10, true, false);
+        for channel in [ChannelId::NormalForce, ChannelId::TangentialForce, ChannelId::ForceAfterSparkOut] {
             for condition in ["infeed_per_rev", "work_rotation_speed", "revolutions"] {
                 let feature = features::logarithm(records, condition);
                 add(format!("{channel}, ln {condition}"), channel, feature, 0.03, true, false);
             }
         }
         let infeed = features::logarithm(records, "infeed_per_rev");
-        add("rise, ln infeed_per_rev".to_owned(), "rise_revolutions", infeed, 0.05, true, false);
+        add("rise, ln infeed_per_rev".to_owned(), ChannelId::RiseRevolutions, infeed, 0.05, true, false);
         self.frame.surfaces = surfaces;
     }
 
@@ -251,15 +251,15 @@ impl Grinding {
 fn channels(records: &Records, settings: &Settings) -> Vec<(Channel, Vec<f64>)> {
     let columns = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
     let with_values = columns.filter_map(|column| {
-        let values = records.numbers(column.name)?.to_vec();
-        values.iter().any(|value| value.is_finite()).then_some((column, values))
+        let (id, values) = (ChannelId::of(column)?, records.numbers(column.name)?.to_vec());
+        values.iter().any(|value| value.is_finite()).then_some((id, column, values))
     });
     with_values
-        .map(|(column, values)| {
-            let steady = matches!(column.name, "normal_force" | "tangential_force");
+        .map(|(id, column, values)| {
+            let steady = matches!(id, ChannelId::NormalForce | ChannelId::TangentialForce);
             let transform = if steady { Transform::Log } else { Transform::Linear };
             let sensor = settings.sensor(column.name);
-            (Channel { name: column.name, display: column.display, unit: column.unit, transform, sensor }, values)
+            (Channel { id, display: column.display, unit: column.unit, transform, sensor }, values)
         })
         .collect()
 }
@@ -286,7 +286,7 @@ impl Forward for Grinding {
                 self.rows[group].iter().enumerate().map(|(place, row)| (*row, place)).collect();
             let span = &measured.observations[measured.spans[group].clone()];
             let value = |observation: &super::Observation| {
-                readings[place[&observation.row]].channel(measured.channels[observation.channel].name)
+                readings[place[&observation.row]].channel(measured.channels[observation.channel].id)
             };
             span.iter().map(value).collect::<Vec<f64>>()
         };

@@ -1,5 +1,6 @@
 //! What one trial reads.
 
+use crate::ChannelId;
 use toolroom_infeed::{Infeed, Input, State};
 use toolroom_process::Process;
 
@@ -18,14 +19,16 @@ pub(super) struct Plunge {
 }
 
 impl Plunge {
-    /// The reading of a channel.
-    pub fn channel(&self, name: &str) -> f64 {
-        match name {
-            "stock_removed" => self.stock_removed,
-            "normal_force" => self.normal_force,
-            "tangential_force" => self.tangential_force,
-            "rise_revolutions" => self.rise_revolutions,
-            _ => self.force_after_spark_out,
+    /// The reading of a channel; NaN of one that a trial does not read.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "a trial reads these of all channels")]
+    pub fn channel(&self, id: ChannelId) -> f64 {
+        match id {
+            ChannelId::StockRemoved => self.stock_removed,
+            ChannelId::NormalForce => self.normal_force,
+            ChannelId::TangentialForce => self.tangential_force,
+            ChannelId::RiseRevolutions => self.rise_revolutions,
+            ChannelId::ForceAfterSparkOut => self.force_after_spark_out,
+            _ => f64::NAN,
         }
     }
 }
@@ -179,11 +182,11 @@ mod tests {
             stock += depth;
         }
         let two = ground([12.0, 4.0], Stage { infeed_per_rev: 1e-6, revolutions: 8.0 });
-        let (found, force) = (two.channel("stock_removed"), two.channel("normal_force"));
+        let (found, force) = (two.channel(ChannelId::StockRemoved), two.channel(ChannelId::NormalForce));
         // The shipped process wears its wheel by a little of the stock.
         assert!((found / stock - 1.0).abs() < 5e-3, "{found} {stock}");
         let one = ground([12.0, 4.0], Stage { infeed_per_rev: 0.0, revolutions: 0.0 });
-        assert_eq!(force, one.channel("normal_force"));
-        assert!(two.channel("force_after_spark_out") > 0.0 && one.channel("stock_removed") < found);
+        assert_eq!(force, one.channel(ChannelId::NormalForce));
+        assert!(two.channel(ChannelId::ForceAfterSparkOut) > 0.0 && one.channel(ChannelId::StockRemoved) < found);
     }
 }

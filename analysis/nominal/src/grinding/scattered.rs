@@ -45,7 +45,7 @@ impl Grinding {
                 let observation = &measured.observations[i];
                 let channel = &measured.channels[observation.channel];
                 let index = place[&observation.row];
-                let [here, there] = [&nominal, &harder].map(|all| all[index].channel(channel.name));
+                let [here, there] = [&nominal, &harder].map(|all| all[index].channel(channel.id));
                 let slope = match channel.transform {
                     Transform::Linear => (there - here) / SMALL,
                     Transform::Log => (there / here).ln() / SMALL,

@@ -2,8 +2,8 @@
 
 use super::catalogue::Action;
 use super::{Change, Grinding};
-use crate::stated::{Movable, Stated, Words};
-use crate::{Candidate, WrittenEffect};
+use crate::stated::Stated;
+use crate::{Candidate, EffectId, Movable, Words, WrittenEffect};
 use toolroom_records::Records;
 use toolroom_scenario::{Scope, Target, move_constant};
 
@@ -31,7 +31,7 @@ impl Grinding {
             list.push((parameter.name.clone(), movable));
         }
         for surface in self.frame.surfaces.iter().filter(|surface| !surface.allowance) {
-            let channel = surface.channels.first().map_or("", |index| self.frame.measured.channels[*index].name);
+            let channel = surface.channels.first().map_or("", |index| self.frame.measured.channels[*index].id.word());
             list.push((surface.name.clone(), Movable::factor(format!("gain.{channel}"), tool())));
         }
         self.switch_on(records, stated);
@@ -60,7 +60,7 @@ impl Grinding {
             let (effect, scope) = (entry.effect, stated.normal(&entry.scope));
             let same = |index: usize| {
                 let written = self.written_effect(index);
-                self.frame.candidates[index].id == effect.entry().id
+                self.frame.candidates[index].id == EffectId::from(&effect)
                     && written == WrittenEffect { recorded: written.recorded, ..WrittenEffect::of(&effect, &scope) }
             };
             let found = (0..self.actions.len()).find(|index| same(*index));
@@ -71,7 +71,7 @@ impl Grinding {
                     let typical = if effect.size() > 0.0 { effect.size() } else { 1e-3 * entry.size.max };
                     let everywhere = scope.is_everywhere();
                     self.frame.candidates.push(Candidate {
-                        id: entry.id,
+                        id: EffectId::from(&effect),
                         shape: if everywhere { "of the file".to_owned() } else { scope.words() },
                         typical,
                         greatest: entry.size.max,

@@ -19,9 +19,9 @@ pub(super) use file::{FORM, section};
 use super::features::{self, standardised};
 use super::search;
 use super::settings::Settings;
-use super::stated::Movable;
 use super::{
-    Candidate, Channel, Covariate, Forward, Frame, Measured, Parameter, Point, Surface, Transform, WrittenEffect,
+    Candidate, Channel, ChannelId, Covariate, EffectId, Forward, Frame, Measured, Movable, Parameter, Point, Surface,
+    Transform, WrittenEffect,
 };
 use rows::{Rows, rows};
 use toolroom_drives::{Drives, times};
@@ -147,15 +147,17 @@ impl Stretches {
         let inside: Vec<bool> = group_of_row.iter().map(|group| fitted[*group]).collect();
         let rows = rows(&model, &records, &inside);
         let whole = rows.of_program.iter().all(Option::is_none);
-        let sensor = settings.sensors.iter().find(|(name, _)| name == "cycle_time").map(|(_, sensor)| *sensor);
+        let sensor =
+            settings.sensors.iter().find(|(name, _)| name == ChannelId::CycleTime.word()).map(|(_, sensor)| *sensor);
         let channel = Channel {
-            name: "cycle_time",
+            id: ChannelId::CycleTime,
             display: "s",
             unit: "s",
             transform: if whole { Transform::Log } else { Transform::Linear },
             sensor: sensor.unwrap_or(if whole { WHOLE } else { STRETCH }),
         };
-        let times = records.numbers("cycle_time").map_or_else(|| vec![f64::NAN; records.len()], <[f64]>::to_vec);
+        let times =
+            records.numbers(ChannelId::CycleTime.word()).map_or_else(|| vec![f64::NAN; records.len()], <[f64]>::to_vec);
         // A row without nominal time says nothing.
         let times = times.iter().zip(&rows.known).map(|(time, known)| if *known { *time } else { f64::NAN }).collect();
         let mut frame = Frame::new(Measured::new(vec![(channel, times)], names, group_of_row, fitted));
@@ -206,19 +208,18 @@ impl Stretches {
     }
 
     fn catalogue(&mut self, whole: bool) {
-        let mut add = |id: &'static str, shape: String, typical: f64, action: Action| {
-            let greatest = SHOP_EFFECTS.iter().chain(PROGRAM_EFFECTS).find(|entry| entry.id == id);
-            let greatest = greatest.map_or(f64::INFINITY, |entry| entry.size.max);
+        let mut add = |id: EffectId, shape: String, typical: f64, action: Action| {
+            let greatest = id.entry().size.max;
             self.frame.candidates.push(Candidate { id, shape, typical, greatest, least: 0.0 });
             self.actions.push(action);
         };
         let rows = &self.rows;
         let known = [
-            ("feed_override", "as logged", 1.0, rows.overridden.clone()),
-            ("tool_change_delay", "", 5.0, rows.changes.clone()),
-            ("canned_cycle_dwell", "", 1.0, rows.holes.clone()),
-            ("feed_hold", "each alike", 10.0, rows.holds.clone()),
-            ("feed_hold", "as long as logged", 10.0, rows.hold_share.clone()),
+            (EffectId::FEED_OVERRIDE, "as logged", 1.0, rows.overridden.clone()),
+            (EffectId::TOOL_CHANGE_DELAY, "", 5.0, rows.changes.clone()),
+            (EffectId::CANNED_CYCLE_DWELL, "", 1.0, rows.holes.clone()),
+            (EffectId::FEED_HOLD, "each alike", 10.0, rows.holds.clone()),
+            (EffectId::FEED_HOLD, "as long as logged", 10.0, rows.hold_share.clone()),
         ];
         for (id, shape, typical, feature) in known {
             if feature.iter().any(|value| *value != 0.0) {
@@ -238,7 +239,7 @@ impl Stretches {
                 if jerk > 0.0 {
                     shape += &format!(", jerk time {} ms", rounded(jerk * 1e3));
                 }
-                add("axis_acceleration", shape, 0.5, Action::Acceleration(corner, jerk));
+                add(EffectId::AXIS_ACCELERATION, shape, 0.5, Action::Acceleration(corner, jerk));
             }
             let drives = &self.model.drives;
             if let Some(reference) = self.model.greatest_speed() {
@@ -248,12 +249,12 @@ impl Stretches {
                 for base in known.map_or_else(all, |base| vec![base.min(reference)]) {
                     let rpm = |speed: f64| rounded(speed * 60.0 / std::f64::consts::TAU);
                     let shape = format!("from rest to {} rpm, base speed {} rpm", rpm(reference), rpm(base));
-                    add("spindle_ramp", shape, 3.0, Action::Spindle { base, reference });
+                    add(EffectId::SPINDLE_RAMP, shape, 3.0, Action::Spindle { base, reference });
                 }
             }
             for share in BEHIND_RAPID {
                 let shape = format!("{} of it behind rapid motions", rounded(share));
-                add("stop_settling", shape, 0.2, Action::Settling(share));
+                add(EffectId::STOP_SETTLING, shape, 0.2, Action::Settling(share));
             }
         }
         let mut untried = search::missing(SHOP_EFFECTS, &self.frame.candidates);

@@ -1,5 +1,6 @@
 //! Operations gathered in blocks, and what is measured of a block.
 
+use super::figure::{Figure, Figures};
 use super::nominal::Shop;
 use super::stops::{FAR, Shape, class, lower_deviation};
 use super::visit::{Visit, Visits};
@@ -7,20 +8,6 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 use toolroom_statistics::median;
 
-/// Channels of a block, in the order of [`Block::values`].
-pub const CHANNELS: [&str; 11] = [
-    "cutting_time",
-    "cutting_tail",
-    "cutting_excess",
-    "cutting_spread",
-    "handling_time",
-    "handling_spread",
-    "tool_change_time",
-    "feed_hold_time",
-    "stop_count",
-    "edge_life",
-    "failure_interval",
-];
 /// Share of outliers to which the difference of both tails is added, so that it has a size to which
 /// deviations can refer.
 pub const TAIL: f64 = 0.05;
@@ -55,10 +42,10 @@ pub struct Block {
     /// Middle, s.
     pub time: f64,
     /// Measured values, NaN where there are none.
-    pub values: [f64; CHANNELS.len()],
+    pub values: Figures,
     /// Their standard deviations by the scatter of single operations, of the logarithm where the
     /// channel is compared so.
-    pub deviations: [f64; CHANNELS.len()],
+    pub deviations: Figures,
     /// Programmed over actual feed of each operation, less one, ascending; empty where nothing was
     /// overridden.
     pub excesses: Vec<f64>,
@@ -186,8 +173,8 @@ impl Blocks {
             program,
             shift,
             time,
-            values: [f64::NAN; CHANNELS.len()],
-            deviations: [1.0; CHANNELS.len()],
+            values: Figures::all(f64::NAN),
+            deviations: Figures::all(1.0),
             excesses: Vec::new(),
             cutting: 0.0,
             class: 0,
@@ -208,12 +195,12 @@ impl Blocks {
             let clock = CLOCK / blocks.times[program];
             block.class = class(pooled_visits.len());
             let mut cut = logarithms(&at, &|visit| visit.cutting);
-            block.values[0] = median(&mut cut).exp();
-            block.deviations[0] = of_median(cut.len()) * blocks.scatter[program].hypot(0.3 * clock);
+            block.values[Figure::CuttingTime] = median(&mut cut).exp();
+            block.deviations[Figure::CuttingTime] = of_median(cut.len()) * blocks.scatter[program].hypot(0.3 * clock);
             let mut handling = logarithms(&at, &|visit| visit.handling);
             if !handling.is_empty() {
-                block.values[4] = median(&mut handling).exp();
-                block.deviations[4] = of_median(handling.len()) * handling_scatter[&machine];
+                block.values[Figure::HandlingTime] = median(&mut handling).exp();
+                block.deviations[Figure::HandlingTime] = of_median(handling.len()) * handling_scatter[&machine];
             }
             if pooled_visits.iter().any(|visit| visit.override_excess > 0.0) {
                 block.excesses = pooled_visits.iter().map(|visit| visit.override_excess).collect();
@@ -236,25 +223,25 @@ impl Blocks {
             if pooled_visits.len() >= SHAPED {
                 let scatter = blocks.scatter[*program];
                 let shape = Shape::of(&mut logarithms(at, &full_feed), scatter);
-                block.values[1] = TAIL + shape.tail;
-                block.deviations[1] = (outliers[*program].0 / count).sqrt();
-                block.values[2] = shape.excess.exp();
-                block.deviations[2] = outliers[*program].1 / count.sqrt();
+                block.values[Figure::CuttingTail] = TAIL + shape.tail;
+                block.deviations[Figure::CuttingTail] = (outliers[*program].0 / count).sqrt();
+                block.values[Figure::CuttingExcess] = shape.excess.exp();
+                block.deviations[Figure::CuttingExcess] = outliers[*program].1 / count.sqrt();
                 if !blocks.exact[*program] {
-                    block.values[3] = shape.spread;
+                    block.values[Figure::CuttingSpread] = shape.spread;
                 }
-                block.deviations[3] = (2.0 * (count - 1.0)).sqrt().recip();
+                block.deviations[Figure::CuttingSpread] = (2.0 * (count - 1.0)).sqrt().recip();
                 let handling = logarithms(at, &|visit| visit.handling);
                 if let Some(spread) = shop
                     .station(&seen.machines[*machine])
                     .and_then(|station| normal_spread(&station.handling, &handling))
                 {
-                    block.values[5] = spread;
-                    block.deviations[5] = (2.0 * (count - 1.0)).sqrt().recip();
+                    block.values[Figure::HandlingSpread] = spread;
+                    block.deviations[Figure::HandlingSpread] = (2.0 * (count - 1.0)).sqrt().recip();
                 }
             }
             let stops: usize = pooled_visits.iter().map(|visit| visit.stops.len()).sum();
-            block.values[8] = stops as f64;
+            block.values[Figure::StopCount] = stops as f64;
             blocks.list.push(block);
         }
         // What belongs to a machine and day as a whole, or to a shift of it.
@@ -265,13 +252,13 @@ impl Blocks {
             let mut block = empty(machine, None, shift, time, group);
             let changes: Vec<f64> = pooled_visits.iter().flat_map(|visit| visit.changes.iter().copied()).collect();
             if !changes.is_empty() {
-                block.values[6] = median(&mut changes.clone());
-                block.deviations[6] = of_median(changes.len());
+                block.values[Figure::ToolChangeTime] = median(&mut changes.clone());
+                block.deviations[Figure::ToolChangeTime] = of_median(changes.len());
             }
             let holds: Vec<f64> = pooled_visits.iter().flat_map(|visit| visit.holds.iter().copied()).collect();
             if !holds.is_empty() {
-                block.values[7] = holds.iter().sum::<f64>() / holds.len() as f64;
-                block.deviations[7] = (holds.len() as f64).sqrt().recip();
+                block.values[Figure::FeedHoldTime] = holds.iter().sum::<f64>() / holds.len() as f64;
+                block.deviations[Figure::FeedHoldTime] = (holds.len() as f64).sqrt().recip();
             }
             blocks.list.push(block);
         }
@@ -315,12 +302,12 @@ impl Blocks {
             let mut block = empty(machine, None, String::new(), time, group);
             let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
             if !lives.is_empty() {
-                block.values[9] = mean(&lives).exp();
-                block.deviations[9] = (lives.len() as f64).sqrt().recip();
+                block.values[Figure::EdgeLife] = mean(&lives).exp();
+                block.deviations[Figure::EdgeLife] = (lives.len() as f64).sqrt().recip();
             }
             if !scores.is_empty() {
-                block.values[10] = mean(&scores);
-                block.deviations[10] = ROOT_SCORE.1 / (scores.len() as f64).sqrt();
+                block.values[Figure::FailureInterval] = mean(&scores);
+                block.deviations[Figure::FailureInterval] = ROOT_SCORE.1 / (scores.len() as f64).sqrt();
             }
             self.list.push(block);
         }
@@ -328,32 +315,33 @@ impl Blocks {
 
     /// Scatter of single changes, edges and counts, which only all blocks together show.
     fn scales(&mut self) {
-        for (channel, least) in [(6, 0.01), (9, 0.05)] {
-            let values = self.list.iter().map(|block| block.values[channel]).filter(|value| *value > 0.0);
+        for (figure, least) in [(Figure::ToolChangeTime, 0.01), (Figure::EdgeLife, 0.05)] {
+            let values = self.list.iter().map(|block| block.values[figure]).filter(|value| *value > 0.0);
             let logarithms: Vec<f64> = values.map(f64::ln).collect();
             let middle = median(&mut logarithms.clone());
             let scatter = 1.4826 * median(&mut logarithms.iter().map(|y| (y - middle).abs()).collect::<Vec<f64>>());
             let scatter = if scatter.is_finite() { scatter.max(least) } else { least };
-            self.list.iter_mut().for_each(|block| block.deviations[channel] *= scatter);
+            self.list.iter_mut().for_each(|block| block.deviations[figure] *= scatter);
         }
         // Holds last exponentially (assumption), so that one scatters by the mean of all. The mean of the block itself
         // would weigh short blocks most: of n holds the weighted mean would be (n − 2)/n of the true one.
-        let held = self.list.iter().filter(|block| block.values[7].is_finite());
+        let held = self.list.iter().filter(|block| block.values[Figure::FeedHoldTime].is_finite());
         let (sum, count) = held.fold((0.0, 0.0), |(sum, count), block| {
-            let holds = block.deviations[7].powi(-2);
-            (sum + holds * block.values[7], count + holds)
+            let holds = block.deviations[Figure::FeedHoldTime].powi(-2);
+            (sum + holds * block.values[Figure::FeedHoldTime], count + holds)
         });
         let hold = if count > 0.0 { (sum / count).max(CLOCK) } else { CLOCK };
-        self.list.iter_mut().for_each(|block| block.deviations[7] *= hold);
-        let counted = || self.list.iter().filter(|block| block.values[8].is_finite());
-        let (stops, time) = counted().fold((0.0, 0.0), |(n, t), block| (n + block.values[8], t + block.cutting));
+        self.list.iter_mut().for_each(|block| block.deviations[Figure::FeedHoldTime] *= hold);
+        let counted = || self.list.iter().filter(|block| block.values[Figure::StopCount].is_finite());
+        let (stops, time) =
+            counted().fold((0.0, 0.0), |(n, t), block| (n + block.values[Figure::StopCount], t + block.cutting));
         let rate = if time > 0.0 { stops / time } else { 0.0 };
-        for block in self.list.iter_mut().filter(|block| block.values[8].is_finite()) {
+        for block in self.list.iter_mut().filter(|block| block.values[Figure::StopCount].is_finite()) {
             if stops > 0.0 {
-                block.deviations[8] = (rate * block.cutting).max(0.25).sqrt();
+                block.deviations[Figure::StopCount] = (rate * block.cutting).max(0.25).sqrt();
             } else {
                 // A log that books no stops at all says nothing about them.
-                block.values[8] = f64::NAN;
+                block.values[Figure::StopCount] = f64::NAN;
             }
         }
     }

@@ -1,13 +1,13 @@
 //! What may be missing from a shop, as candidates over the blocks of its log.
 
 use super::super::constants::BROKEN;
-use super::super::{Candidate, search};
+use super::super::{Candidate, EffectId, search};
 use super::block::Block;
+use super::figure::Figure;
 use super::model::ShopModel;
 use super::nominal::Shop;
 use super::scopes::parts;
 use super::visit::Visits;
-use toolroom_effects::CatalogueEntry;
 use toolroom_scenario::effects::SHOP_EFFECTS;
 
 /// What a candidate does to a block.
@@ -48,20 +48,25 @@ impl ShopModel {
     /// Every effect that the log can show, with the parts of it on which one may act alone.
     pub(super) fn catalogue(&mut self, shop: &Shop, seen: &Visits) {
         let blocks = &self.blocks.list;
-        let has = |kind: usize| self.place(kind).len() == 1;
+        let has = |figure: Figure| self.place(figure).len() == 1;
         let scopes = parts(shop, seen, blocks);
-        let mut list: Vec<(&'static str, String, f64, Action)> = Vec::new();
-        if has(0) {
+        let mut list: Vec<(EffectId, String, f64, Action)> = Vec::new();
+        if has(Figure::CuttingTime) {
             let everywhere = vec![1.0; blocks.len()];
-            list.push(("feed_override", String::new(), 0.1, Action::Slower(everywhere)));
+            list.push((EffectId::FEED_OVERRIDE, String::new(), 0.1, Action::Slower(everywhere)));
             for (scope, on) in &scopes {
-                list.push(("feed_override", scope.clone(), 0.1, Action::Slower(on.clone())));
+                list.push((EffectId::FEED_OVERRIDE, scope.clone(), 0.1, Action::Slower(on.clone())));
             }
             if seen.overridden {
                 let all = blocks.iter().flat_map(|block| block.excesses.iter()).filter(|excess| **excess > 1e-3);
                 let (sum, count) = all.fold((0.0, 0.0), |(sum, count), excess| (sum + excess, count + 1.0));
                 if sum > 0.0 {
-                    list.push(("feed_override", "as recorded".to_owned(), 0.1, Action::Overridden(sum / count)));
+                    list.push((
+                        EffectId::FEED_OVERRIDE,
+                        "as recorded".to_owned(),
+                        0.1,
+                        Action::Overridden(sum / count),
+                    ));
                 }
             }
             let speeds: Vec<f64> = seen
@@ -71,48 +76,47 @@ impl ShopModel {
                 .collect();
             let of_block = |block: &Block| block.program.map_or(0.0, |program| speeds[program]);
             list.push((
-                "axis_acceleration",
+                EffectId::AXIS_ACCELERATION,
                 String::new(),
                 1.0,
                 Action::Acceleration(blocks.iter().map(of_block).collect()),
             ));
         }
-        if has(1) {
-            list.push(("micro_stops", String::new(), 1.0 / 3600.0, Action::Stops(vec![1.0; blocks.len()])));
+        if has(Figure::CuttingTail) {
+            list.push((EffectId::MICRO_STOPS, String::new(), 1.0 / 3600.0, Action::Stops(vec![1.0; blocks.len()])));
             for (scope, on) in &scopes {
-                list.push(("micro_stops", scope.clone(), 1.0 / 3600.0, Action::Stops(on.clone())));
+                list.push((EffectId::MICRO_STOPS, scope.clone(), 1.0 / 3600.0, Action::Stops(on.clone())));
             }
         }
-        if has(8) {
-            list.push(("micro_stops", "booked".to_owned(), 1.0 / 3600.0, Action::Booked));
+        if has(Figure::StopCount) {
+            list.push((EffectId::MICRO_STOPS, "booked".to_owned(), 1.0 / 3600.0, Action::Booked));
         }
-        if has(4) {
-            list.push(("operator_delay", String::new(), 20.0, Action::Delay(vec![1.0; blocks.len()])));
+        if has(Figure::HandlingTime) {
+            list.push((EffectId::OPERATOR_DELAY, String::new(), 20.0, Action::Delay(vec![1.0; blocks.len()])));
             for (scope, on) in &scopes {
-                list.push(("operator_delay", scope.clone(), 20.0, Action::Delay(on.clone())));
+                list.push((EffectId::OPERATOR_DELAY, scope.clone(), 20.0, Action::Delay(on.clone())));
             }
         }
-        if has(6) {
-            list.push(("tool_change_delay", String::new(), 20.0, Action::Change(vec![1.0; blocks.len()])));
+        if has(Figure::ToolChangeTime) {
+            list.push((EffectId::TOOL_CHANGE_DELAY, String::new(), 20.0, Action::Change(vec![1.0; blocks.len()])));
             // A change belongs to no program.
             for (scope, on) in scopes.iter().filter(|(scope, _)| !scope.starts_with("part=")) {
-                list.push(("tool_change_delay", scope.clone(), 20.0, Action::Change(on.clone())));
+                list.push((EffectId::TOOL_CHANGE_DELAY, scope.clone(), 20.0, Action::Change(on.clone())));
             }
         }
-        if has(7) {
+        if has(Figure::FeedHoldTime) {
             let holds: usize = seen.list.iter().map(|visit| visit.holds.len()).sum();
             let share = holds as f64 / seen.list.len().max(1) as f64;
-            list.push(("feed_hold", String::new(), 10.0, Action::Hold(share)));
+            list.push((EffectId::FEED_HOLD, String::new(), 10.0, Action::Hold(share)));
         }
-        if has(9) {
-            list.push(("tool_change_policy", String::new(), 0.1e-3, Action::Policy));
+        if has(Figure::EdgeLife) {
+            list.push((EffectId::TOOL_CHANGE_POLICY, String::new(), 0.1e-3, Action::Policy));
         }
-        if has(10) {
-            list.push(("breakdown_shape", String::new(), 2.0, Action::Breakdowns));
+        if has(Figure::FailureInterval) {
+            list.push((EffectId::BREAKDOWN_SHAPE, String::new(), 2.0, Action::Breakdowns));
         }
         for (id, shape, typical, action) in list {
-            let entry: Option<&CatalogueEntry> = SHOP_EFFECTS.iter().find(|entry| entry.id == id);
-            let greatest = entry.map_or(f64::INFINITY, |entry| entry.size.max);
+            let greatest = id.entry().size.max;
             let greatest = if matches!(action, Action::Policy) { greatest.min(later(shop)) } else { greatest };
             let least = if matches!(action, Action::Slower(_)) { FASTEST } else { 0.0 };
             self.frame.candidates.push(Candidate { id, shape, typical, greatest, least });

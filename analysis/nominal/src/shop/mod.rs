@@ -19,6 +19,7 @@
 mod block;
 mod catalogue;
 mod constant;
+mod figure;
 mod kpi;
 mod logs;
 mod model;

@@ -3,11 +3,12 @@
 use super::super::features::standardised;
 use super::super::{
     Channel, Covariate, Direction, Family, Forward, Frame, Local, Measured, Point, Settings, Stated, Surface,
-    Transform, WrittenEffect,
+    WrittenEffect,
 };
-use super::block::{Block, Blocks, CHANNELS, ROOT_SCORE, TAIL};
+use super::block::{Block, Blocks, ROOT_SCORE, TAIL};
 use super::catalogue::Action;
-use super::constant::Constant;
+use super::constant::{Constant, Label};
+use super::figure::{Figure, Figures};
 use super::nominal::Shop;
 use super::stopped::{Shapes, Stopped};
 use super::stops::Shape;
@@ -43,22 +44,19 @@ const DAILY: f64 = 0.01;
 /// Booked short stops that every shop has, 1/s (assumption).
 const BOOKED: f64 = 0.2 / 3600.0;
 
-/// Channels that live on the few operations of a block that were stopped.
-const RARE: [&str; 5] = ["cutting_tail", "cutting_excess", "cutting_spread", "feed_hold_time", "stop_count"];
-
 /// The nominal shop over [`Records`] of events.
 pub struct ShopModel {
     pub(super) frame: Frame,
     pub(super) blocks: Blocks,
     /// Nominal value of each block by channel.
-    nominal: Vec<[f64; CHANNELS.len()]>,
+    nominal: Vec<Figures>,
     /// Growth of the life of edges with the wear limit, 1/m, by block.
     life_slope: Vec<f64>,
     pub(super) actions: Vec<Action>,
     /// What stops that nobody books do to blocks.
     pub(super) stopped: Stopped,
-    /// Channel of [`CHANNELS`] by channel of the frame.
-    kinds: Vec<usize>,
+    /// Figure of the blocks by channel of the frame.
+    figures: Vec<Figure>,
 }
 
 impl ShopModel {
@@ -98,13 +96,13 @@ impl ShopModel {
             blocks,
             actions: Vec::new(),
             stopped: Stopped::default(),
-            kinds: Vec::new(),
+            figures: Vec::new(),
         };
         model.measure((names, of_row, fitted), settings);
         model.calibration(shop, &seen);
         model.catalogue(shop, &seen);
         model.covariates(&seen);
-        model.state(shop, &seen, &mut stated.clone());
+        model.state(&seen, &mut stated.clone());
         notes.extend(std::mem::take(&mut model.frame.notes));
         (model, notes)
     }
@@ -112,32 +110,31 @@ impl ShopModel {
     fn measure(&mut self, groups: (Vec<String>, Vec<usize>, Vec<bool>), settings: &Settings) {
         let blocks = &self.blocks.list;
         let mut channels = Vec::new();
-        for (kind, name) in CHANNELS.iter().enumerate() {
-            let usable = |row: usize| blocks[row].values[kind].is_finite() && self.nominal[row][kind].is_finite();
+        for figure in Figure::ALL {
+            let usable = |row: usize| blocks[row].values[figure].is_finite() && self.nominal[row][figure].is_finite();
             let values: Vec<f64> =
-                (0..blocks.len()).map(|row| if usable(row) { blocks[row].values[kind] } else { f64::NAN }).collect();
+                (0..blocks.len()).map(|row| if usable(row) { blocks[row].values[figure] } else { f64::NAN }).collect();
             if values.iter().all(|value| value.is_nan()) {
                 continue;
             }
-            self.kinds.push(kind);
-            let timed = name.ends_with("_time") || *name == "edge_life";
-            let transform = if matches!(kind, 1 | 7 | 8 | 10) { Transform::Linear } else { Transform::Log };
-            let unit = if timed { "s" } else { "1" };
-            let sensor = settings.sensors.iter().find(|(channel, _)| channel == name).map(|(_, sensor)| *sensor);
+            self.figures.push(figure);
+            let (id, unit, transform) = (figure.channel(), figure.unit(), figure.transform());
+            let sensor = settings.sensors.iter().find(|(name, _)| name == id.word()).map(|(_, sensor)| *sensor);
             let sensor = sensor.unwrap_or(Sensor { absolute: 0.0, relative: 0.0, resolution: 0.0 });
-            channels.push((Channel { name, display: unit, unit, transform, sensor }, values));
+            channels.push((Channel { id, display: unit, unit, transform, sensor }, values));
         }
         let mut measured = Measured::new(channels, groups.0, groups.1, groups.2);
-        measured.rare = self.kinds.iter().map(|kind| RARE.contains(&CHANNELS[*kind])).collect();
+        measured.rare = self.figures.iter().map(|figure| figure.is_rare()).collect();
         for observation in &mut measured.observations {
-            let scatter = blocks[observation.row].deviations[self.kinds[observation.channel]];
+            let scatter = blocks[observation.row].deviations[self.figures[observation.channel]];
             observation.deviation = observation.deviation.hypot(scatter);
         }
         self.frame.measured = measured;
     }
 
-    pub(super) fn place(&self, kind: usize) -> Vec<usize> {
-        self.kinds.iter().position(|own| *own == kind).into_iter().collect()
+    /// The channel of a figure, where it was measured.
+    pub(super) fn place(&self, figure: Figure) -> Vec<usize> {
+        self.figures.iter().position(|own| *own == figure).into_iter().collect()
     }
 
     fn shifts(&self) -> Vec<String> {
@@ -151,9 +148,11 @@ impl ShopModel {
     fn calibration(&mut self, shop: &Shop, seen: &Visits) {
         let rows = self.blocks.list.len();
         let blocks = &self.blocks.list;
-        let mut surfaces = Vec::new();
-        let mut add = |name: String, channels: Vec<usize>, feature: Vec<f64>, deviation: f64, absolute: bool| {
+        let (mut surfaces, mut movable) = (Vec::new(), Vec::new());
+        let mut add = |label: Label<'_>, channels: Vec<usize>, feature: Vec<f64>, deviation: f64, absolute: bool| {
             if !channels.is_empty() && feature.iter().any(|value| *value != 0.0) {
+                let name = label.to_string();
+                movable.extend(label.movable(shop).map(|movable| (name.clone(), movable)));
                 surfaces.push(Surface { name, channels, feature, deviation, allowance: false, absolute });
             }
         };
@@ -161,54 +160,73 @@ impl ShopModel {
             blocks.iter().map(|block| f64::from(u8::from(test(block)))).collect()
         };
         let ones = || vec![1.0; rows];
-        let (time, handling, change) = (self.place(0), self.place(4), self.place(6));
-        add(Constant::ProgrammedTimes.to_string(), time.clone(), ones(), PROGRAM, false);
-        add(Constant::Handling.to_string(), handling.clone(), ones(), HANDLING, false);
-        add(Constant::Change.to_string(), change.clone(), ones(), CHANGE, false);
+        let (time, handling, change) =
+            (self.place(Figure::CuttingTime), self.place(Figure::HandlingTime), self.place(Figure::ToolChangeTime));
+        add(Constant::ProgrammedTimes.into(), time.clone(), ones(), PROGRAM, false);
+        add(Constant::Handling.into(), handling.clone(), ones(), HANDLING, false);
+        add(Constant::Change.into(), change.clone(), ones(), CHANGE, false);
         let scatter = |block: &Block| block.program.map_or(0.0, |program| self.blocks.scatter[program]);
         let scatters: Vec<f64> = blocks.iter().map(scatter).collect();
         for (program, name) in seen.programs.iter().enumerate() {
             let of_program = on(&|block| block.program == Some(program));
             let level = if self.blocks.known[program] { PROGRAM } else { UNKNOWN };
-            add(Constant::ProgrammedTime(name).to_string(), time.clone(), of_program.clone(), level, false);
+            add(Constant::ProgrammedTime(name).into(), time.clone(), of_program.clone(), level, false);
+            add(Constant::HandlingOfProgram(name).into(), handling.clone(), of_program.clone(), 0.5 * HANDLING, false);
             add(
-                Constant::HandlingOfProgram(name).to_string(),
-                handling.clone(),
+                format!("scatter of {name}").into(),
+                self.place(Figure::CuttingSpread),
                 of_program.clone(),
-                0.5 * HANDLING,
+                SCATTER,
                 false,
             );
-            add(format!("scatter of {name}"), self.place(3), of_program.clone(), SCATTER, false);
             // What adds to every handling makes its relative scatter smaller.
-            add(format!("scatter of handling for {name}"), self.place(5), of_program.clone(), 0.5 * SCATTER, false);
+            add(
+                format!("scatter of handling for {name}").into(),
+                self.place(Figure::HandlingSpread),
+                of_program.clone(),
+                0.5 * SCATTER,
+                false,
+            );
             let skew: Vec<f64> = of_program.iter().map(|share| share * self.blocks.scatter[program]).collect();
-            add(format!("skewness of {name}"), self.place(2), skew, SKEW, true);
-            add(format!("tails of {name}"), self.place(1), of_program, TAILS, false);
+            add(format!("skewness of {name}").into(), self.place(Figure::CuttingExcess), skew, SKEW, true);
+            add(format!("tails of {name}").into(), self.place(Figure::CuttingTail), of_program, TAILS, false);
         }
-        add("scatter of handling".to_owned(), self.place(5), ones(), SCATTER, false);
-        add("tails of all".to_owned(), self.place(1), ones(), 2.0 * TAILS, false);
-        add("skewness of all".to_owned(), self.place(2), scatters, 2.0 * SKEW, true);
-        add("wear rate level".to_owned(), self.place(9), ones(), 0.15, false);
-        add("rate of booked stops".to_owned(), self.place(8), ones(), SCATTER, false);
-        add("scores of breakdowns".to_owned(), self.place(10), ones(), 0.02, false);
+        add("scatter of handling".to_owned().into(), self.place(Figure::HandlingSpread), ones(), SCATTER, false);
+        add("tails of all".to_owned().into(), self.place(Figure::CuttingTail), ones(), 2.0 * TAILS, false);
+        add("skewness of all".to_owned().into(), self.place(Figure::CuttingExcess), scatters, 2.0 * SKEW, true);
+        add(Constant::Lives.into(), self.place(Figure::EdgeLife), ones(), 0.15, false);
+        add("rate of booked stops".to_owned().into(), self.place(Figure::StopCount), ones(), SCATTER, false);
+        add("scores of breakdowns".to_owned().into(), self.place(Figure::FailureInterval), ones(), 0.02, false);
         for (machine, name) in seen.machines.iter().enumerate() {
             let of_machine = on(&|block| block.machine == machine);
-            add(Constant::MachineGain(name).to_string(), time.clone(), of_machine.clone(), MACHINE, false);
+            add(Constant::MachineGain(name).into(), time.clone(), of_machine.clone(), MACHINE, false);
             let stranger = shop.station(name).is_none();
             let level = |known: f64| if stranger { UNKNOWN } else { known };
             add(
-                Constant::HandlingAtMachine(name).to_string(),
+                Constant::HandlingAtMachine(name).into(),
                 handling.clone(),
                 of_machine.clone(),
                 level(0.5 * HANDLING),
                 false,
             );
-            add(Constant::ChangeAtMachine(name).to_string(), change.clone(), of_machine.clone(), level(CHANGE), false);
-            add(format!("scatter of handling at {name}"), self.place(5), of_machine.clone(), 0.5 * SCATTER, false);
-            add(format!("scatter at {name}"), self.place(3), of_machine.clone(), 0.5 * SCATTER, false);
-            add(format!("lives of edges at {name}"), self.place(9), of_machine, 0.1, false);
+            add(Constant::ChangeAtMachine(name).into(), change.clone(), of_machine.clone(), level(CHANGE), false);
+            add(
+                format!("scatter of handling at {name}").into(),
+                self.place(Figure::HandlingSpread),
+                of_machine.clone(),
+                0.5 * SCATTER,
+                false,
+            );
+            add(
+                format!("scatter at {name}").into(),
+                self.place(Figure::CuttingSpread),
+                of_machine.clone(),
+                0.5 * SCATTER,
+                false,
+            );
+            add(Constant::LivesAtMachine(name).into(), self.place(Figure::EdgeLife), of_machine, 0.1, false);
         }
-        let spread = self.place(5);
+        let spread = self.place(Figure::HandlingSpread);
         for shift in self.shifts() {
             for (name, channels, deviation) in [
                 ("cutting time", &time, SHIFT_CUTTING),
@@ -223,10 +241,15 @@ impl ShopModel {
         surfaces.retain(|surface| !surface.channels.is_empty());
         self.frame.families = families(
             &surfaces,
-            &[(0, "times in cut"), (4, "handling times"), (6, "change times")]
-                .map(|(kind, name)| (self.place(kind), name)),
+            &[
+                (Figure::CuttingTime, "times in cut"),
+                (Figure::HandlingTime, "handling times"),
+                (Figure::ToolChangeTime, "change times"),
+            ]
+            .map(|(figure, name)| (self.place(figure), name)),
         );
         self.frame.surfaces = surfaces;
+        self.frame.words.movable = movable;
         self.frame.locals = vec![
             Local { name: "cutting time of the day", deviation: DAILY, estimated: true, scatter: false },
             Local { name: "handling time of the day", deviation: 3.0 * DAILY, estimated: true, scatter: false },
@@ -280,9 +303,9 @@ impl ShopModel {
         let regular = breakdown_scores(of(&|action| matches!(action, Action::Breakdowns)));
         let measured = &self.frame.measured;
         let value = |observation: &super::super::Observation| {
-            let (row, kind) = (observation.row, self.kinds[observation.channel]);
+            let (row, figure) = (observation.row, self.figures[observation.channel]);
             let block = &self.blocks.list[row];
-            let nominal = self.nominal[row][kind];
+            let nominal = self.nominal[row][figure];
             let known = block.program.and_then(|program| of_program[program]?.get(&rates[row].to_bits()));
             let shape = known.and_then(|classes| classes.get(block.class)).copied().unwrap_or_default();
             let group = measured.group_of_row[row];
@@ -299,18 +322,20 @@ impl ShopModel {
                     Action::Stops(_) | Action::Booked | Action::Hold(_) | Action::Policy | Action::Breakdowns => {} // acts on the channel that logs it
                 }
             }
-            match kind {
-                0 => (nominal * slower * block.slowed(overridden) + blocks) * shape.location.exp() * local(0),
-                1 => nominal + shape.tail,
-                2 => nominal * shape.excess.exp(),
-                3 => nominal * shape.spread.exp(),
-                4 => (nominal + delay) * local(1),
-                6 => nominal + change,
-                7 => nominal + hold,
-                8 => nominal + booked * block.cutting,
-                9 => nominal * (1.0 + self.life_slope[row] * policy),
-                10 => regular,
-                _ => nominal,
+            match figure {
+                Figure::CuttingTime => {
+                    (nominal * slower * block.slowed(overridden) + blocks) * shape.location.exp() * local(0)
+                }
+                Figure::CuttingTail => nominal + shape.tail,
+                Figure::CuttingExcess => nominal * shape.excess.exp(),
+                Figure::CuttingSpread => nominal * shape.spread.exp(),
+                Figure::HandlingTime => (nominal + delay) * local(1),
+                Figure::HandlingSpread => nominal,
+                Figure::ToolChangeTime => nominal + change,
+                Figure::FeedHoldTime => nominal + hold,
+                Figure::StopCount => nominal + booked * block.cutting,
+                Figure::EdgeLife => nominal * (1.0 + self.life_slope[row] * policy),
+                Figure::FailureInterval => regular,
             }
         };
         measured.observations.iter().map(value).collect()
@@ -374,13 +399,13 @@ impl Forward for ShopModel {
 }
 
 /// The constants of each kind of time, whose spread a shop with many of them shows.
-fn families(surfaces: &[Surface], kinds: &[(Vec<usize>, &'static str)]) -> Vec<Family> {
+fn families(surfaces: &[Surface], times: &[(Vec<usize>, &'static str)]) -> Vec<Family> {
     let family = |(channels, name): &(Vec<usize>, &'static str)| {
         let own = surfaces.iter().filter(|surface| !surface.allowance && surface.deviation < UNKNOWN);
         let own = own.filter(|surface| surface.channels == *channels);
         Family { name, surfaces: own.map(|surface| surface.name.clone()).collect() }
     };
-    kinds.iter().filter(|(channels, _)| !channels.is_empty()).map(family).collect()
+    times.iter().filter(|(channels, _)| !channels.is_empty()).map(family).collect()
 }
 
 /// Groups of blocks and the group of each.
@@ -400,31 +425,34 @@ pub(super) fn groups(blocks: &Blocks, seen: &Visits, by: Option<&str>) -> (Vec<S
 }
 
 /// What the nominal shop expects of a block; NaN where it has no opinion.
-fn nominal(shop: &Shop, seen: &Visits, blocks: &Blocks, block: &Block) -> [f64; CHANNELS.len()] {
+fn nominal(shop: &Shop, seen: &Visits, blocks: &Blocks, block: &Block) -> Figures {
     let station = shop.station(&seen.machines[block.machine]);
     // A machine that the nominal shop does not know is compared with itself.
-    let of_channel = |channel: usize| {
-        let of_machine = blocks.list.iter().filter(|other| other.machine == block.machine);
-        let values = of_machine.map(|other| other.values[channel]).filter(|value| value.is_finite());
+    let of_machine = |figure: Figure| {
+        let others = blocks.list.iter().filter(|other| other.machine == block.machine);
+        let values = others.map(|other| other.values[figure]).filter(|value| value.is_finite());
         median(&mut values.collect::<Vec<f64>>())
     };
-    let handling = station.map_or_else(|| of_channel(4), |station| station.handling[station.handling.len() / 2]);
+    let handling = station
+        .map_or_else(|| of_machine(Figure::HandlingTime), |station| station.handling[station.handling.len() / 2]);
     // What the file itself says of the times: plain work may be skewed.
     let known = block.program.and_then(|program| shop.programs.get(&seen.programs[program]));
     let planned = known.map_or(Shape::SYMMETRIC, |program| program.planned);
-    [
-        block.program.map_or(f64::NAN, |program| blocks.times[program]),
-        TAIL + planned.tail,
-        planned.excess.exp(),
-        planned.spread,
-        handling,
-        1.0,
-        station.map_or_else(|| of_channel(6), |station| station.tool_change),
-        0.0,
-        BOOKED * block.cutting,
-        station.and_then(|station| station.edge_life).map_or(f64::NAN, |life| life.logarithm.exp()),
-        ROOT_SCORE.0,
-    ]
+    let mut figures = Figures::all(f64::NAN);
+    figures[Figure::CuttingTime] = block.program.map_or(f64::NAN, |program| blocks.times[program]);
+    figures[Figure::CuttingTail] = TAIL + planned.tail;
+    figures[Figure::CuttingExcess] = planned.excess.exp();
+    figures[Figure::CuttingSpread] = planned.spread;
+    figures[Figure::HandlingTime] = handling;
+    figures[Figure::HandlingSpread] = 1.0;
+    figures[Figure::ToolChangeTime] =
+        station.map_or_else(|| of_machine(Figure::ToolChangeTime), |station| station.tool_change);
+    figures[Figure::FeedHoldTime] = 0.0;
+    figures[Figure::StopCount] = BOOKED * block.cutting;
+    let life = station.and_then(|station| station.edge_life);
+    figures[Figure::EdgeLife] = life.map_or(f64::NAN, |life| life.logarithm.exp());
+    figures[Figure::FailureInterval] = ROOT_SCORE.0;
+    figures
 }
 
 fn life_slope(shop: &Shop, seen: &Visits, block: &Block) -> f64 {

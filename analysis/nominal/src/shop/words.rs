@@ -2,20 +2,18 @@
 
 use super::catalogue::Action;
 use super::model::ShopModel;
-use super::nominal::Shop;
 use super::visit::Visits;
-use crate::stated::{Movable, Stated, Words};
-use crate::{Candidate, WrittenEffect};
-use toolroom_scenario::{Calibration, Occasion, Scope, ShopEffect, Target};
+use crate::stated::Stated;
+use crate::{Candidate, EffectId, Words, WrittenEffect};
+use toolroom_scenario::{Calibration, Occasion, Scope, ShopEffect};
 
 impl ShopModel {
     /// Takes over what the file states about these blocks.
-    pub(super) fn state(&mut self, shop: &Shop, seen: &Visits, stated: &mut Stated) {
-        self.frame.words.movable = movable(shop, self.frame.surfaces.iter().map(|surface| surface.name.as_str()));
+    pub(super) fn state(&mut self, seen: &Visits, stated: &mut Stated) {
         for deviation in stated.deviations.clone() {
             let same = |index: usize| {
                 let written = self.written_effect(index);
-                self.frame.candidates[index].id == deviation.effect.word()
+                self.frame.candidates[index].id == deviation.effect.into()
                     && written.scope == deviation.scope
                     && (deviation.effect == ShopEffect::FeedHold
                         || written.recorded.is_some() == deviation.recorded.is_some())
@@ -25,7 +23,7 @@ impl ShopModel {
                 Some(index) => index,
                 None => match self.scoped(seen, deviation.effect, &deviation.scope) {
                     Some(action) => {
-                        let id = deviation.effect.word();
+                        let id = EffectId::from(deviation.effect);
                         let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
                         let shape = deviation.scope.words();
                         self.frame.candidates.push(Candidate {
@@ -105,35 +103,4 @@ pub fn scope_names(shape: &str) -> Vec<(&'static str, Vec<String>)> {
         Some((*key, list.split('|').map(str::to_owned).collect::<Vec<_>>()))
     };
     shape.split(", ").filter_map(names).collect()
-}
-
-/// The words of a scenario for surfaces; those that no scenario can hold have none.
-fn movable<'a>(shop: &Shop, names: impl Iterator<Item = &'a str>) -> Vec<(String, Movable)> {
-    let machine = |name: &str| shop.station(name).map(|_| Target::Machine(name.to_owned()));
-    let program = |name: &str| shop.programs.get(name).map(|_| Target::Operation(name.to_owned()));
-    let movable_of = |name: &str| -> Option<Movable> {
-        let whole = match name {
-            "programmed times" => Some("programmed_time"),
-            "handling time" => Some("handling_time"),
-            "change time" => Some("tool_change_time"),
-            _ => None,
-        };
-        if let Some(word) = whole {
-            return Some(Movable::factor(word, Target::Shop));
-        }
-        if name == "wear rate level" {
-            return Some(Movable { inverse: true, ..Movable::factor("wear_rate", Target::Shop) });
-        }
-        let rest = |start: &str| name.strip_prefix(start);
-        None.or_else(|| Some(Movable::factor("programmed_time", program(rest("programmed time of ")?)?)))
-            .or_else(|| Some(Movable::factor("handling_time", program(rest("handling time of ")?)?)))
-            .or_else(|| Some(Movable::factor("programmed_time", machine(rest("times in cut at ")?)?)))
-            .or_else(|| Some(Movable::factor("handling_time", machine(rest("handling at ")?)?)))
-            .or_else(|| Some(Movable::factor("tool_change_time", machine(rest("changes at ")?)?)))
-            .or_else(|| {
-                let target = machine(rest("lives of edges at ")?)?;
-                Some(Movable { inverse: true, ..Movable::factor("wear_rate", target) })
-            })
-    };
-    names.filter_map(|name| Some((name.to_owned(), movable_of(name)?))).collect()
 }

@@ -3,8 +3,8 @@
 use super::words::{ANGLE, CHAMFER, DISTANCE, ROUNDING};
 use crate::Dialect;
 use crate::error::Fault;
-use crate::expression::{Expression, Parser};
 use std::ops::ControlFlow;
+use toolroom_dialect::{Expression, Parser};
 use toolroom_pages::{Kept, Reader};
 
 /// A letter with its value.

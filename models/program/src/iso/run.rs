@@ -8,13 +8,13 @@ use super::variables::{Locals, Store};
 use super::words::Words;
 use crate::Dialect;
 use crate::error::Fault;
-use crate::expression::Expression;
 use crate::kernel::Kernel;
 use crate::library::Library;
 use crate::motion::EventKind;
 use crate::run::{Flow, Interpreter, Place, between};
 use std::collections::HashMap;
 use std::ops::Range;
+use toolroom_dialect::Expression;
 use toolroom_pages::{Pages, Source};
 
 /// A call that has not returned.

@@ -1,9 +1,9 @@
 //! Variables of macros and of LinuxCNC.
 
 use crate::Dialect;
-use crate::expression::Variables;
 use crate::motion::Axes;
 use std::collections::{BTreeMap, HashMap};
+use toolroom_dialect::Variables;
 
 /// Variables of one level of calls.
 #[derive(Clone, Debug)]

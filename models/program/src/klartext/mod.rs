@@ -8,7 +8,6 @@ mod line;
 mod pattern;
 
 use crate::error::Fault;
-use crate::expression::{Parser, Variables, equal};
 use crate::frame::Frame;
 use crate::kernel::Kernel;
 use crate::library::Library;
@@ -20,6 +19,7 @@ use contour::Corner;
 use cycles::Cycle;
 use line::{LineReader, Statement};
 use std::collections::{BTreeMap, HashMap};
+use toolroom_dialect::{Parser, Variables, equal};
 use toolroom_pages::{Pages, Source};
 
 #[derive(Clone, Debug, Default)]

@@ -4,10 +4,10 @@ use super::Siemens;
 use super::modes::Move;
 use super::parse::{Count, Item};
 use crate::error::Fault;
-use crate::expression::Expression;
 use crate::kernel::Kernel;
 use crate::motion::{AXES, EventKind, Sense};
 use crate::run::Flow;
+use toolroom_dialect::Expression;
 
 /// The value of an address.
 #[derive(Clone, Debug)]

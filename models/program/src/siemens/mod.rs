@@ -9,7 +9,6 @@ mod polar;
 
 use crate::Dialect;
 use crate::error::Fault;
-use crate::expression::{Expression, Variables};
 use crate::frame::Frame;
 use crate::kernel::Kernel;
 use crate::library::Library;
@@ -20,6 +19,7 @@ use modes::Modes;
 use parse::{Code, Direction, Item, LineReader, Statement, link};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
+use toolroom_dialect::{Expression, Variables};
 use toolroom_pages::{Pages, Source};
 
 /// Variables: R parameters and names.

@@ -2,8 +2,8 @@
 
 use crate::Dialect;
 use crate::error::Fault;
-use crate::expression::{Expression, Parser};
 use std::ops::ControlFlow;
+use toolroom_dialect::{Expression, Parser};
 use toolroom_pages::{Kept, Reader};
 
 /// How a value of an axis counts.

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::keys::SCENARIO;
+use crate::names::Names;
 use crate::random::distribution;
-use crate::resolve::Names;
 use crate::speed::speed_rule;
 use crate::{planned, processes, rules, stability};
 use toml::de::DeTable;

@@ -1,6 +1,6 @@
 //! How work is chosen and let in: dispatching, loops of cards, release, due dates of sources.
 
-use super::{LONG_DURATION, TIME};
+use super::quantity::{LONG_DURATION, RANDOM_TIME, TIME};
 use crate::choices::{DueWord, ReleaseWord};
 use toolroom_form::{Form, Key, Kind};
 use toolroom_scenario::{
@@ -142,7 +142,7 @@ pub(super) static DUE: Form = Form {
         Key::required("k", Kind::positive("1", "1", 1e4, "4"), "Multiple of the total work of the job")
             .when("rule", &["TWK"]),
         Key::required("slack", TIME, "Time beyond the total work of the job").when("rule", &["slack"]),
-        Key::required("allowance", super::RANDOM_TIME, "Time from arrival to due date, drawn for each job")
+        Key::required("allowance", RANDOM_TIME, "Time from arrival to due date, drawn for each job")
             .when("rule", &["random"]),
     ],
 };

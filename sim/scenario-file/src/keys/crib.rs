@@ -1,6 +1,7 @@
 //! Tool cribs and planned maintenance.
 
-use super::{COST, DURATION, LONG_DURATION, RANDOM_TIME, TIME};
+use super::quantity::{COST, DURATION, LONG_DURATION, RANDOM_TIME, TIME};
+use crate::choices::LIFE_ONLY;
 use toolroom_form::{Form, Key, Kind};
 use toolroom_scenario::FailureClock;
 
@@ -86,8 +87,8 @@ pub(super) static MAINTENANCE: Form = Form {
 };
 
 /// Life of the edges of a tool of which nothing else is known.
-pub(super) const LIFE: Key = Key::required("life", RANDOM_TIME, "Working time of an edge until it is changed")
-    .when("process", &[super::LIFE_ONLY]);
+pub(super) const LIFE: Key =
+    Key::required("life", RANDOM_TIME, "Working time of an edge until it is changed").when("process", &[LIFE_ONLY]);
 
 /// Time at the beginning of a piece.
 pub(super) const FIRST: Kind = DURATION;

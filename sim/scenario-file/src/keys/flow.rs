@@ -1,6 +1,6 @@
 //! How jobs flow: machines that take several at once, inspections, components, variants of the shop.
 
-use super::{DURATION, SHARE};
+use super::quantity::{DURATION, LONG_DURATION, SHARE, WEIGHT};
 use serde_json::json;
 use toolroom_form::{Content, Form, Key, Kind};
 use toolroom_scenario::{BatchFamily, BatchUnit, OutsideSample};
@@ -87,7 +87,7 @@ static REORDER: Form = Form {
     keys: &[
         Key::required("below", COUNT, "Pieces in stock and on order below which a lot is ordered"),
         Key::required("lot", COUNT, "Pieces of a lot"),
-        Key::optional("lead", super::LONG_DURATION, "Time until bought pieces come; left out: the shop makes them"),
+        Key::optional("lead", LONG_DURATION, "Time until bought pieces come; left out: the shop makes them"),
         super::order::PRIORITY,
     ],
 };
@@ -99,7 +99,7 @@ pub(super) static QUANTITY: Form = Form {
         Key::optional("low", COUNT, "Least, with `high`"),
         Key::optional("high", COUNT, "Greatest"),
         Key::optional("values", Kind::List(&COUNT), "Numbers, of which no others occur"),
-        Key::optional("weights", Kind::List(&super::WEIGHT), "How often each of them occurs; left out: all alike"),
+        Key::optional("weights", Kind::List(&WEIGHT), "How often each of them occurs; left out: all alike"),
     ],
 };
 

@@ -1,9 +1,9 @@
 //! Orders, tables, and the calendars by which they are worked off.
 
-use super::{LONG_DURATION, TIME, WEAR};
+use super::quantity::{DECADE, LONG_DURATION, TIME};
 use serde_json::json;
 use toolroom_form::{Content, Form, Key, Kind};
-use toolroom_scenario::Interruption;
+use toolroom_scenario::{Interruption, WEAR};
 
 pub(super) static CALENDAR: Form = Form {
     title: "[[calendar]]",
@@ -58,7 +58,7 @@ static SHIFT: Form = Form {
     doc: "One working interval, counted from the start of the period",
     keys: &[
         Key::required("start", TIME, "Start"),
-        Key::required("end", Kind::positive("s", "min", super::DECADE, "8 h"), "End"),
+        Key::required("end", Kind::positive("s", "min", DECADE, "8 h"), "End"),
         Key::default(
             "factor",
             Kind::positive("1", "1", 10.0, "0.8"),

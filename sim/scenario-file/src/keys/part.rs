@@ -1,14 +1,14 @@
 //! Parts: their routing, its operations, and the passes and phases of an operation.
 
 use super::flow::{COMPONENT, ON_REJECT, OUTCOME, OVERRUN, SAMPLE};
+use super::quantity::{COST, LONG_DURATION, PLAIN, RANDOM_TIME, SHARE};
 use super::resource::ATTENDANCE;
-use super::{COST, LONG_DURATION, PATH, PLAIN, RANDOM_TIME, SHARE, SPEED};
 use crate::choices::{ProcessKind, RoutingWord};
 use serde_json::json;
 use toolroom_form::{Content, Form, Key, Kind};
 use toolroom_infeed::CycleLimits;
 use toolroom_process::Record;
-use toolroom_scenario::{ContourRule, DrawUnit, InspectedUnit, MachineChoice, Pegging, WorkPer};
+use toolroom_scenario::{ContourRule, DrawUnit, InspectedUnit, MachineChoice, PATH, Pegging, SPEED, WorkPer};
 
 const FEED: Kind = Kind::positive("m", "mm", 20e-3, "0.12 mm/rev");
 const FEED_PER_TOOTH: Kind = Kind::positive("m", "mm", 5e-3, "0.1 mm/tooth");

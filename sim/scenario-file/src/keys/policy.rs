@@ -1,10 +1,10 @@
 //! The sections of a policy: speed, chatter, tool change, grinding, dressing, sensors.
 
-use super::{BIAS, DEVIATION, DURATION, TIME, WEAR};
+use super::quantity::{BIAS, DEVIATION, DURATION, TIME};
 use crate::choices::{ChatterWord, DressingWord, GrindingWord, ToolChangeWord};
 use crate::{speed, tune};
 use toolroom_form::{Form, Key, Kind, joined};
-use toolroom_scenario::ContourRule;
+use toolroom_scenario::{ContourRule, WEAR};
 
 /// Rules of tool change that need no number of their own.
 const TOOL_CHANGES_BY_WORD: &[&str] = &[ToolChangeWord::WearLimit.word(), ToolChangeWord::Predicted.word()];

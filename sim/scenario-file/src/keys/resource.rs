@@ -1,6 +1,6 @@
 //! People, setup matrices, buffers.
 
-use super::{RATE, SHARE, TIME};
+use super::quantity::{RATE, SHARE, TIME};
 use toolroom_form::{Form, Key, Kind};
 use toolroom_scenario::BatchUnit;
 

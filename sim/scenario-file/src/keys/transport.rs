@@ -1,6 +1,6 @@
 //! Crews and vehicles.
 
-use super::RATE;
+use super::quantity::RATE;
 use super::resource::ROW;
 use toolroom_form::{Form, Key, Kind};
 use toolroom_scenario::{Parking, TransportRule};

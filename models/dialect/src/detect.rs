@@ -31,7 +31,7 @@ impl Dialect {
     }
 
     /// Whether it has Custom Macro of Fanuc: variables by number, bitwise AND and OR, G65.
-    pub(crate) fn has_macros(self) -> bool {
+    pub fn has_macros(self) -> bool {
         match self {
             Self::Fanuc | Self::FanucLathe | Self::Haas => true,
             Self::Siemens | Self::Heidenhain | Self::LinuxCnc => false,
@@ -50,7 +50,7 @@ impl Dialect {
     /// Two lines that stand for different controls, with both.
     ///
     /// ```
-    /// use toolroom_program::Dialect;
+    /// use toolroom_dialect::Dialect;
     /// assert_eq!(Dialect::detect("0 BEGIN PGM A MM\n", None).unwrap().0, Dialect::Heidenhain);
     /// assert_eq!(Dialect::detect("G21\nG0 X0\n", None).unwrap().0, Dialect::Fanuc);
     /// assert!(Dialect::detect("o<a> sub\no<a> endsub\nG3 X1 Y1 CR=5\n", None).is_err());
@@ -68,13 +68,16 @@ impl Dialect {
 
 /// Finds the language of a program line by line.
 #[derive(Default)]
-pub(crate) struct Detector {
+pub struct Detector {
     found: Option<(Dialect, usize, &'static str)>,
     signs: Signs,
 }
 
 impl Detector {
     /// As [`Dialect::detect`], of a text that may stay in its file.
+    ///
+    /// # Errors
+    /// A file that cannot be read; within that, two lines that stand for different controls.
     pub fn detect(text: &Source, extension: Option<&str>) -> Result<Result<(Dialect, String), Conflict>, ReadError> {
         let (mut detector, mut lines) = (Self::default(), text.lines());
         while let Some((number, line)) = lines.next()? {

@@ -1,8 +1,7 @@
 //! Reads expressions in the words of each language.
 
 use super::{Expression, Function, Operator};
-use crate::Dialect;
-use crate::error::Fault;
+use crate::{Dialect, Fault};
 
 /// Nesting beyond this is refused: a bound against texts without end (assumption).
 const DEPTH: u32 = 60;
@@ -50,22 +49,28 @@ const SIEMENS: Words = &[
 ];
 
 /// Reads expressions out of a line in capitals.
-pub(crate) struct Parser<'t> {
+pub struct Parser<'t> {
+    /// The line.
     pub text: &'t [u8],
+    /// Place of the next byte.
     pub at: usize,
+    /// The language of the line.
     pub dialect: Dialect,
     depth: u32,
 }
 
 impl<'t> Parser<'t> {
+    /// A parser of `text` from the byte `at` on.
     pub fn new(text: &'t str, at: usize, dialect: Dialect) -> Self {
         Self { text: text.as_bytes(), at, dialect, depth: 0 }
     }
 
+    /// A fault at the place that was reached.
     pub fn fault(&self, message: impl Into<String>) -> Fault {
         Fault::at(self.at + 1, message)
     }
 
+    /// Passes over white space.
     pub fn blank(&mut self) {
         while self.text.get(self.at).is_some_and(|b| b.is_ascii_whitespace()) {
             self.at += 1;
@@ -78,12 +83,17 @@ impl<'t> Parser<'t> {
         self.text.get(self.at).copied().unwrap_or(0)
     }
 
+    /// Passes over `wanted`, where it stands next behind blanks; whether it does.
     pub fn eat(&mut self, wanted: u8) -> bool {
         let found = self.peek() == wanted;
         self.at += usize::from(found);
         found
     }
 
+    /// Passes over `wanted`.
+    ///
+    /// # Errors
+    /// Another byte stands there.
     pub fn expect(&mut self, wanted: u8) -> Result<(), Fault> {
         if self.eat(wanted) { Ok(()) } else { Err(self.fault(format!("`{}` is missing here", char::from(wanted)))) }
     }
@@ -108,12 +118,16 @@ impl<'t> Parser<'t> {
         std::str::from_utf8(&self.text[start..self.at]).unwrap_or_default()
     }
 
+    /// Whether `word` stands next behind blanks.
     pub fn starts(&mut self, word: &str) -> bool {
         self.blank();
         self.text[self.at.min(self.text.len())..].starts_with(word.as_bytes())
     }
 
     /// Digits with at most one point; the number and whether it has a point.
+    ///
+    /// # Errors
+    /// No number stands there.
     pub fn number(&mut self) -> Result<(f64, bool), Fault> {
         self.blank();
         let start = self.at;
@@ -134,6 +148,10 @@ impl<'t> Parser<'t> {
         })
     }
 
+    /// An expression.
+    ///
+    /// # Errors
+    /// What is missing, unknown or nested too deeply, with its column.
     pub fn expression(&mut self) -> Result<Expression, Fault> {
         self.level(0)
     }
@@ -185,6 +203,9 @@ impl<'t> Parser<'t> {
     }
 
     /// The value behind a word's letter: a number, a variable or an expression in brackets.
+    ///
+    /// # Errors
+    /// What is missing, unknown or nested too deeply, with its column.
     pub fn prefix(&mut self) -> Result<Expression, Fault> {
         self.depth += 1;
         if self.depth > DEPTH {
@@ -225,6 +246,9 @@ impl<'t> Parser<'t> {
     }
 
     /// What stands behind `#`.
+    ///
+    /// # Errors
+    /// No number or name of a variable stands there.
     pub fn hash(&mut self) -> Result<Expression, Fault> {
         match self.peek() {
             b'<' => {

@@ -2,74 +2,119 @@
 
 mod parser;
 
-use crate::Dialect;
-use crate::error::Fault;
-pub(crate) use parser::Parser;
+use crate::{Dialect, Fault};
+pub use parser::Parser;
 
 /// Functions of expressions; angles are degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Function {
+pub enum Function {
+    /// Sine.
     Sin,
+    /// Cosine.
     Cos,
+    /// Tangent.
     Tan,
+    /// Angle of a sine.
     Asin,
+    /// Angle of a cosine.
     Acos,
+    /// Angle of a tangent.
     Atan,
+    /// Angle of the point (x, y), given y and x.
     Atan2,
+    /// Square root.
     Sqrt,
+    /// Square.
     Square,
+    /// Amount.
     Abs,
+    /// Nearest whole number.
     Round,
+    /// Whole part.
     Fix,
+    /// Next whole number.
     Up,
+    /// What is behind the point.
     Fraction,
+    /// Natural logarithm.
     Ln,
+    /// Power of e.
     Exp,
+    /// Sign, 0 of 0.
     Sign,
+    /// Whether it is 0.
     Not,
+    /// Power.
     Power,
+    /// Whether a variable has a value.
     Exists,
 }
 
 /// Operators between two values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Operator {
+pub enum Operator {
+    /// Sum.
     Add,
+    /// Difference.
     Subtract,
+    /// Product.
     Multiply,
+    /// Quotient.
     Divide,
+    /// Remainder.
     Modulo,
+    /// Whole part of the quotient.
     Whole,
+    /// Power.
     Power,
+    /// Whether both are equal.
     Equal,
+    /// Whether they differ.
     NotEqual,
+    /// Whether the first is greater.
     Greater,
+    /// Whether the first is not less.
     GreaterEqual,
+    /// Whether the first is less.
     Less,
+    /// Whether the first is not greater.
     LessEqual,
+    /// Both, bit by bit on controls with macros.
     And,
+    /// Either, bit by bit on controls with macros.
     Or,
+    /// One of them, bit by bit on controls with macros.
     ExclusiveOr,
 }
 
 /// An expression.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Expression {
+pub enum Expression {
+    /// A number.
     Number(f64),
     /// A variable by number, such as `#5`, `R5` or `Q5`.
     Variable(Box<Self>),
     /// A variable by name.
     Named(String),
+    /// The other sign.
     Negate(Box<Self>),
+    /// A function of its arguments.
     Call(Function, Vec<Self>),
+    /// An operator between two values.
     Binary(Operator, Box<(Self, Self)>),
 }
 
 /// Where variables stand.
-pub(crate) trait Variables {
+pub trait Variables {
     /// Value of a numbered variable; `None` is vacant.
+    ///
+    /// # Errors
+    /// Why the variable cannot be read.
     fn number(&self, index: u32) -> Result<Option<f64>, String>;
     /// Value of a named variable; `None` where there is none.
+    ///
+    /// # Errors
+    /// Why the variable cannot be read.
     fn named(&self, name: &str) -> Result<Option<f64>, String>;
 }
 
@@ -77,7 +122,7 @@ pub(crate) trait Variables {
 const EQUAL: f64 = 1e-9;
 
 /// Whether two values are equal as controls compare them.
-pub(crate) fn equal(a: f64, b: f64) -> bool {
+pub fn equal(a: f64, b: f64) -> bool {
     (a - b).abs() <= EQUAL * a.abs().max(b.abs()).max(1.0)
 }
 
@@ -98,6 +143,9 @@ impl Expression {
     }
 
     /// Value; `None` is vacant.
+    ///
+    /// # Errors
+    /// A variable that has no value or cannot be read, a division by zero, a result that is no number.
     pub fn value(&self, variables: &dyn Variables, dialect: Dialect) -> Result<Option<f64>, Fault> {
         let part = |own: &Self| own.value(variables, dialect);
         Ok(Some(match self {

@@ -1,0 +1,60 @@
+//! Channels of turning and milling: which the process predicts and the records hold, and how each is compared.
+
+use super::Nominal;
+use crate::settings::Settings;
+use crate::{Channel, ChannelId, Transform};
+use toolroom_process::Record;
+use toolroom_records::{ColumnKind, Records, Sensor};
+
+/// Where a channel's prediction comes from.
+#[derive(Clone, Copy)]
+pub(super) enum Source {
+    /// Wear at the end of the operation.
+    Wear,
+    /// Mean of an output over the cut.
+    Output(usize),
+    /// Programmed time of the operation.
+    Duration,
+}
+
+/// Where the prediction of a channel comes from.
+pub(super) fn source<P: Nominal>(channel: ChannelId) -> Source {
+    if channel == ChannelId::FlankWear {
+        Source::Wear
+    } else if channel == ChannelId::CycleTime {
+        Source::Duration
+    } else {
+        Source::Output(P::Output::index_of(channel.word()).unwrap_or(0))
+    }
+}
+
+/// Channels that the process predicts and the records hold.
+pub(super) fn channels<P: Nominal>(records: &Records, settings: &Settings) -> Vec<(Channel, Vec<f64>)> {
+    let columns = records.kind.columns().iter();
+    let measured = columns.filter(|column| column.kind == ColumnKind::Channel);
+    let measured = measured.filter_map(|column| Some((ChannelId::of(column)?, column)));
+    let known = measured.filter(|(id, column)| {
+        P::Output::index_of(column.name).is_some() || matches!(id, ChannelId::CycleTime | ChannelId::FlankWear)
+    });
+    let with_values = known.filter_map(|(id, column)| {
+        let values = records.numbers(column.name)?;
+        values.iter().any(|value| value.is_finite()).then(|| (id, column, values.to_vec()))
+    });
+    with_values
+        .map(|(id, column, values)| {
+            let linear = matches!(
+                id,
+                ChannelId::FlankWear | ChannelId::Temperature | ChannelId::CycleTime | ChannelId::FormError
+            );
+            let signed = P::SIGNED.contains(&id);
+            let transform = if linear || signed { Transform::Linear } else { Transform::Log };
+            let mut sensor: Sensor = settings.sensor(column.name);
+            if signed {
+                // Relative errors vanish where the sign turns; those of the sensor do not.
+                let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).filter(|v| v.is_finite()).collect();
+                sensor.absolute += sensor.relative * toolroom_statistics::median(&mut sizes);
+            }
+            (Channel { id, display: column.display, unit: column.unit, transform, sensor }, values)
+        })
+        .collect()
+}
