@@ -105,10 +105,10 @@ pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
 pub use toolroom_evidence::{EFFECT_PRIOR, Evidence, Gram};
 pub use toolroom_nominal::{
-    Asked, Candidate, Channel, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EmpiricalSizes,
-    Family, Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel, NominalProcess, Observation, On,
-    Parameter, Point, Settings, Stated, Surface, Transform, Untried, WEAR_RATE, Words, WrittenEffect, cutting,
-    empirical, features, grinding, program, sensor_sheet,
+    Asked, Candidate, Channel, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EffectRefusal,
+    EmpiricalSizes, Family, Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel, NominalProcess,
+    Observation, On, Parameter, Point, Settings, Stated, Surface, Transform, Untried, WEAR_RATE, Words, WrittenEffect,
+    cutting, empirical, features, grinding, program, sensor_sheet,
 };
 pub use trial::Trial;
 

@@ -8,7 +8,9 @@ use super::empirical_effects::{self, Action};
 use super::features::{self, standardised};
 use super::search;
 use super::settings::Settings;
-use super::{Channel, Covariate, Forward, Frame, Local, Measured, Parameter, Point, Transform, WrittenEffect};
+use super::{
+    Channel, Covariate, EffectRefusal, Forward, Frame, Local, Measured, Parameter, Point, Transform, WrittenEffect,
+};
 use toolroom_innovations::Chain;
 use toolroom_records::{ColumnKind, RecordColumn, Records};
 use toolroom_statistics::median;
@@ -206,6 +208,10 @@ impl Forward for Empirical {
 
     fn written(&self, _candidate: usize) -> WrittenEffect {
         WrittenEffect::default()
+    }
+
+    fn refusal(&self, _at: &Point) -> Option<EffectRefusal> {
+        None // no effect of a user acts here
     }
 
     fn scatter_is_known(&self, _channel: usize) -> bool {

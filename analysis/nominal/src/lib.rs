@@ -39,7 +39,8 @@ pub use constants::{HUBER, MAD};
 pub use discrepancy::{Discrepancy, Discrepant, On};
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use forward::{
-    Candidate, Covariate, Direction, Family, Forward, Frame, Local, Parameter, Point, Surface, WrittenEffect,
+    Candidate, Covariate, Direction, EffectRefusal, Family, Forward, Frame, Local, Parameter, Point, Surface,
+    WrittenEffect,
 };
 pub use measured::{Channel, Measured, Observation, Transform};
 pub use nominal::{Asked, ModelFileError, NominalModel, NominalProcess, sensor_sheet};

@@ -1,7 +1,7 @@
 //! What a model file states beside its parameter sets, and how a fit starts from there.
 
 use super::parts::Part;
-use super::{Candidate, Direction, Forward, Frame, Point, Transform, WrittenEffect};
+use super::{Candidate, Direction, EffectRefusal, Forward, Frame, Point, Transform, WrittenEffect};
 use toolroom_effects::Definition;
 use toolroom_innovations::Chain;
 use toolroom_records::Records;
@@ -273,6 +273,10 @@ impl Forward for Given {
             slope.iter_mut().zip(&surfaces).for_each(|(slope, (factor, _))| *slope *= factor);
         }
         slopes
+    }
+
+    fn refusal(&self, at: &Point) -> Option<EffectRefusal> {
+        self.model.refusal(&self.from(at))
     }
 
     fn scatter_is_known(&self, channel: usize) -> bool {

@@ -21,7 +21,8 @@ use super::search;
 use super::settings::Settings;
 use super::stated::Movable;
 use super::{
-    Candidate, Channel, Covariate, Forward, Frame, Measured, Parameter, Point, Surface, Transform, WrittenEffect,
+    Candidate, Channel, Covariate, EffectRefusal, Forward, Frame, Measured, Parameter, Point, Surface, Transform,
+    WrittenEffect,
 };
 use rows::{Rows, rows};
 use toolroom_drives::{Drives, times};
@@ -338,6 +339,10 @@ fn clock(program: &Program, drives: &Drives) -> Vec<f64> {
 impl Forward for Stretches {
     fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    fn refusal(&self, _at: &Point) -> Option<EffectRefusal> {
+        None // no effect of a user acts here
     }
 
     fn scatter_is_known(&self, _channel: usize) -> bool {
