@@ -4,7 +4,7 @@ use crate::args::PointArgs;
 use crate::effects::defined;
 use crate::failure::Failure;
 use crate::speak::Voice;
-use toolroom_planning::point::{Point, PointOptions};
+use toolroom_planning::point::{Point, PointError, PointOptions};
 
 pub fn run(args: &PointArgs, voice: &Voice) -> Result<(), Failure> {
     let options = PointOptions {
@@ -15,6 +15,14 @@ pub fn run(args: &PointArgs, voice: &Voice) -> Result<(), Failure> {
         advance: args.advance.clone(),
         life_model: args.life_model.into(),
     };
-    let point = Point::new(args.process.into(), &options).map_err(|error| Failure::argument(&error, error.fix()))?;
+    let point = Point::new(args.process.into(), &options).map_err(refused)?;
     if voice.json { voice.json(&point.json()) } else { voice.data(point.text()) }
+}
+
+/// An effect that gives no value at a point is work that failed; the rest is input.
+fn refused(error: PointError) -> Failure {
+    match error.code() {
+        Some(code) => Failure::Refused { code, message: error.to_string(), help: None },
+        None => Failure::argument(&error, error.fix()),
+    }
 }

@@ -1,14 +1,14 @@
 //! Running a scenario's policies and writing the results: what run, compare and demo share.
 
 use crate::args::{Changes, LogFormat, ReportArgs, StudyArgs};
-use crate::failure::Failure;
+use crate::failure::{Failure, refusal_behind};
 use crate::progress::Bar;
 use crate::report;
 use crate::speak::Voice;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
-use toolroom_gap_study::{RECORDED, recorded};
+use toolroom_gap_study::{GapStudyError, RECORDED, recorded};
 use toolroom_output::signals as stop;
 use toolroom_output::{Files, OutputDir, quoted};
 use toolroom_records::{RecordKind, write_csv};
@@ -188,7 +188,7 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
             let message = format!("{error}; what was written stays in {} and is not complete", kept.display());
             return Err(Failure::Work { message });
         }
-        Err(error) => return Err(Failure::Work { message: error.to_string() }),
+        Err(error) => return Err(Failure::work(&error)),
     };
     let study = &recorded.study;
     if study.replications == 0 && recorded.stopped.is_none() && runs.exists() {
@@ -264,8 +264,10 @@ fn record_first(
     voice: &Voice,
 ) -> Result<(), Failure> {
     let Some(log) = log else { return Ok(()) };
-    let measured = recorded(&request.input, &request.file, log)
-        .map_err(|error| Failure::argument(error, "give the sensor in the unit of its channel"))?;
+    let measured = recorded(&request.input, &request.file, log).map_err(|error| match error {
+        GapStudyError::Model(error) => Failure::argument(error, "give the sensor in the unit of its channel"),
+        other => other.into(),
+    })?;
     std::fs::create_dir_all(dir).map_err(|source| Failure::Unwritable { path: dir.to_owned(), source })?;
     let mut names = Vec::new();
     for records in measured {
@@ -292,9 +294,11 @@ fn stopped_short(stopped: &StoppedShop, replications: u32, target: &Path) -> Fai
     } else {
         String::new()
     };
-    Failure::Stopped {
-        message: stopped.to_string(),
-        help: format!("{complete}: toolroom report {}{tables}", quoted(&target.display().to_string())),
+    let message = stopped.to_string();
+    let help = format!("{complete}: toolroom report {}{tables}", quoted(&target.display().to_string()));
+    match refusal_behind(stopped) {
+        Some(code) => Failure::Refused { code, message, help: Some(help) },
+        None => Failure::Stopped { message, help },
     }
 }
 

@@ -96,6 +96,58 @@ fn a_file_of_effects_is_checked_and_its_faults_have_their_place() {
     assert!(done(&["effects", "--context"]).contains("depth_of_cut"));
 }
 
+/// An effect without a value from 20 to 80 s in cut: the check asks at 0 and from 100 s on, by the decades of the range.
+const EARLY: &str = r#"
+[[effect]]
+id = "my.early"
+process = ["turning"]
+size = { ordinary = 0.1, range = [0, 2] }
+changes = [{ term = "cutting_force", factor = "1 + size * sqrt(abs(cutting_time / 1 s - 50) - 30)" }]
+"#;
+
+/// What a command says whose work fails, on either stream.
+fn failed(arguments: &[&str]) -> String {
+    let output = toolroom(arguments);
+    let said = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
+    said
+}
+
+#[test]
+fn an_effect_without_a_value_ends_the_work_with_its_code_and_the_operation() {
+    let folder = Folder::new();
+    let file = folder.put("early.toml", &format!("schema = 1\n{EARLY}"));
+    assert!(done(&["check", &file]).contains("my.early"));
+    let says = |said: &str, words: &[&str]| {
+        let all = ["effect-value", "`my.early`", "cutting_force no number", "size 1.0000e-1", "cutting_time "];
+        all.iter().chain(words).for_each(|word| assert!(said.contains(word), "{word}: {said}"));
+    };
+    let point = ["point", "turning", "--effects", &file, "--effect", "my.early=0.1"];
+    says(&failed(&[&point[..], &["--set", "cutting_time=50 s"]].concat()), &[]);
+    // Within the window from the first instant on, a step of the integrator once never ended.
+    says(&failed(&[&point[..], &["--set", "cutting_time=50 s", "--advance", "30 s"]].concat()), &[]);
+    let said = json(&toolroom_output(&[&point[..], &["--set", "cutting_time=50 s", "--json"]].concat()));
+    assert_eq!(said["error"]["code"], "effect-value", "{said}");
+    let plain = shop(8);
+    let data = records(&folder, &plain, 3);
+    let truth = with(&plain, "id = \"my.early\", size = 0.1") + EARLY;
+    let truth = folder.put("early-shop.toml", &truth);
+    let out = folder.at("o2");
+    let said = failed(&["run", &truth, "--out", &out, "--force"]);
+    says(&said, &["machine `L1`", "part `part`", "operation `turn`", "pass 0", "stopped"]);
+    let model = folder.put("plain.toml", &plain);
+    for verb in ["diagnose", "identifiability", "plan", "predict"] {
+        // As the file states it, and as it is tried: every edge begins with such an operation.
+        says(&failed(&["gap", verb, "--model", &truth, "--data", &data]), &["operation J"]);
+        says(&failed(&["gap", verb, "--model", &model, "--data", &data, "--effects", &file]), &["operation J"]);
+    }
+    assert!(done(&["explain", "effect-value"]).contains("min and max"));
+}
+
+fn toolroom_output(arguments: &[&str]) -> String {
+    String::from_utf8(toolroom(arguments).stdout).expect("text")
+}
+
 /// The shipped turning shop with three machines over this time.
 fn shop(hours: u32) -> String {
     let path = format!("{}/scenarios/gap/turning.toml", env!("CARGO_MANIFEST_DIR"));
@@ -277,4 +329,35 @@ fn a_gap_without_a_cause_is_described_by_terms_that_can_be_applied_and_predict()
     let truth = folder.put("hidden.toml", &truth);
     let [before, after, least] = [&model, &better, &truth].map(|model| off(model));
     assert!(before - after > 0.5 * (before - least), "{before} {after} {least}");
+}
+
+#[test]
+fn what_a_cutting_process_lacks_closes_the_key_figures_of_its_shop() {
+    let folder = Folder::new();
+    let plain = shop(24);
+    let model = folder.put("model.toml", &plain);
+    let delay = "\n[[deviation]]\nid = \"operator_delay\"\nsize = \"25 s\"\nscope = { machine = \"L2\" }\n";
+    let operations = records(&folder, &format!("{plain}{delay}"), 5);
+    let data = folder.at("r");
+    done(&["gap", "diagnose", "--model", &model, "--data", &data, "--out", &folder.at("d")]);
+    let document = folder.at("d/diagnosis.json");
+    let diagnosis = json(&fs::read_to_string(&document).expect("a diagnosis"));
+    let named = &diagnosis["effects"][0];
+    assert_eq!(named["id"], "operator_delay", "{}", diagnosis["notes"]);
+    assert_eq!(named["scope"], serde_json::json!({ "machine": ["L2"] }), "{named}");
+    let size = named["size"]["value"].as_f64().expect("a size");
+    assert!((24.0..26.0).contains(&size), "{size}");
+    let better = folder.at("better.toml");
+    let applying = ["gap", "apply", "--model", &model, "--diagnosis", &document, "--out", &better];
+    let applied = json(&done(&[&applying[..], &["--data", &data, "--json"]].concat()));
+    let closed = |name: &str| {
+        let figures = applied["kpi"].as_array().expect("key figures");
+        figures.iter().find(|own| own["kpi"] == name).expect(name)["closed"].as_f64()
+    };
+    for name in ["cycle_time", "throughput", "effectiveness"] {
+        assert!(closed(name).is_some_and(|closed| closed > 0.9), "{name}: {}", applied["kpi"]);
+    }
+    // A table of operations alone tells no lead times.
+    let said = refused(&[&applying[..], &["--data", &operations, "--force"]].concat());
+    assert!(said.contains("events of the machines") && said.contains("events.csv"), "{said}");
 }

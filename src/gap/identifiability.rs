@@ -7,11 +7,14 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::fmt::Write;
 use toolroom_gap::{EffectId, identifiability};
+use toolroom_gap_study::usable;
 
 pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
     let model = nominal(&args.data)?;
     let records = recorded(&args.data.data, &model, voice)?;
-    let parts = model.asked(&records, args.data.group.as_deref(), |_, _| false).parts;
+    let asked = model.asked(&records, args.data.group.as_deref(), |_, _| false);
+    usable(&asked, &records)?;
+    let parts = asked.parts;
     let mut list = Vec::new();
     for part in &parts {
         let channel = part.frame().measured.channels.first().filter(|_| parts.len() > 1);

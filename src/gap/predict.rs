@@ -9,7 +9,7 @@ use serde_json::json;
 use std::collections::BTreeMap;
 use toolroom_apply::{Prediction, predictions};
 use toolroom_gap::ChannelId;
-use toolroom_gap_study::{GapStudyError, tables};
+use toolroom_gap_study::{GapStudyError, tables, usable};
 use toolroom_output::Files;
 use toolroom_process::table::{Cell, csv_text};
 use toolroom_process::unit;
@@ -27,6 +27,7 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
         if asked.parts.iter().all(|part| part.frame().measured.observations.is_empty()) {
             return Err(lacking(GapStudyError::NothingMeasured { notes: asked.notes }));
         }
+        usable(&asked, &records)?;
         for note in &asked.notes {
             voice.say(note);
         }

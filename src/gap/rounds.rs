@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use toolroom_gap::NominalProcess;
 use toolroom_gap_study::{Figure, figures, table};
+use toolroom_records::RecordKind;
 
 pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
     let mut model = args.model.clone();
@@ -63,9 +64,19 @@ pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
     compared(args, &model, voice)
 }
 
-/// Key figures of the recorded shop, of the model before the first round and of the last one; other processes have none.
+/// Key figures of the recorded shop, of the model before the first round and of the last one, where there are the events of
+/// its machines.
 fn compared(args: &LoopArgs, model: &Path, voice: &Voice) -> Result<(), Failure> {
-    let NominalProcess::Shop(_) = nominal_of(&args.model, &[])?.process else { return Ok(()) };
+    let kept = match nominal_of(&args.model, &[])?.process {
+        NominalProcess::Shop(_) => true,
+        NominalProcess::Turning(_) | NominalProcess::Milling(_) | NominalProcess::Grinding(_) => {
+            toolroom_records::tables(&args.data).contains(&RecordKind::Shop)
+        }
+        NominalProcess::Empirical | NominalProcess::Program(_) => false,
+    };
+    if !kept {
+        return Ok(());
+    }
     let figures = reading(voice, |reading| figures(&args.model, model, &args.data, reading))?;
     for warning in figures.iter().filter_map(Figure::warning) {
         voice.say(format_args!("warning: {warning}"));

@@ -5,6 +5,7 @@ use crate::args::WatchArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use std::path::Path;
+use toolroom_gap_study::usable;
 use toolroom_output::Files;
 use toolroom_process::unit::quantity;
 use toolroom_records::Records;
@@ -17,6 +18,9 @@ pub fn run(args: &WatchArgs, voice: &Voice) -> Result<(), Failure> {
     let mut records = recorded(&args.data.data, &model, voice)?;
     if let Some(since) = &args.since {
         records = since_rows(&records, since)?;
+    }
+    if !model.stated.defined.is_empty() {
+        usable(&model.asked(&records, args.data.group.as_deref(), |_, _| false), &records)?;
     }
     let key = key(&args.data.model, &args.data.set)?;
     let kept = args.state.as_deref().filter(|path| path.exists()).map(|path| resumed(path, &key)).transpose()?;

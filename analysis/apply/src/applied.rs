@@ -36,6 +36,8 @@ pub struct Found {
     pub size: f64,
     /// Standard error, SI.
     pub standard_error: f64,
+    /// Whether it is no effect but a constant of a part of the records, which stands among the calibration.
+    pub is_constant: bool,
 }
 
 /// Calibration and effects that a scenario can hold, refitted without form allowance.
@@ -114,7 +116,7 @@ pub fn applied_to(
         let prior = before.and_then(|own| own.prior).unwrap_or(*deviation);
         (shift != 0.0).then_some(Constant { movable, value, standard_error, prior, moved: moved[i] })
     };
-    let calibration: Vec<Constant> = names.iter().enumerate().filter_map(constant).collect();
+    let mut calibration: Vec<Constant> = names.iter().enumerate().filter_map(constant).collect();
     let base = |index: usize| frame.words.effects.iter().find(|(own, _)| *own == index).map_or(0.0, |(_, size)| *size);
     let effect = |(place, index): (usize, &usize)| Found {
         id: frame.candidates[*index].id,
@@ -122,8 +124,15 @@ pub fn applied_to(
         written: model.written(*index),
         size: base(*index) + point.effects[*index],
         standard_error: covariance[(names.len() + place, names.len() + place)].max(0.0).sqrt(),
+        is_constant: false,
     };
-    let effects: Vec<Found> = active.iter().enumerate().map(effect).collect();
+    let mut effects: Vec<Found> = active.iter().enumerate().map(effect).collect();
+    for found in &mut effects {
+        // A file that says it as an effect keeps it there.
+        let rate = rate_of_part(frame, found).filter(|_| base(found.candidate) == 0.0);
+        found.is_constant = rate.is_some();
+        calibration.extend(rate);
+    }
     let mut words: Vec<String> = names
         .iter()
         .map(|(name, _)| frame.words.of(name).map_or_else(|| (*name).to_owned(), |own| own.parameter.clone()))
@@ -140,6 +149,22 @@ pub fn applied_to(
     let predictions =
         [at(nominal, &Point::nominal(nominal)), at(model, &bare.whole(&calibrated)), at(model, &bare.whole(&point))];
     Applied { calibration, effects, names: words, covariance, predictions, left }
+}
+
+/// The rate of wear that is another one on a part of the records, as the constant `wear_rate` of the tool with that scope.
+fn rate_of_part(frame: &toolroom_gap::Frame, found: &Found) -> Option<Constant> {
+    const RATE: &str = "wear_rate";
+    let everywhere = |own: &&Movable| own.parameter == RATE && own.scope.is_everywhere();
+    let target = frame.words.movable.iter().map(|(_, movable)| movable).find(everywhere)?.target.clone();
+    let factor = 1.0 + found.size;
+    if !found.id.is_wear_rate() || factor <= 0.0 {
+        return None;
+    }
+    // What is believed of it before any data is its ordinary size.
+    let prior = frame.candidates[found.candidate].typical.ln_1p();
+    let movable = Movable { scope: found.written.scope.clone(), ..Movable::factor(RATE, target) };
+    let standard_error = found.standard_error / factor;
+    Some(Constant { movable, value: factor, standard_error, prior, moved: factor.ln() / prior })
 }
 
 /// A factor within a range.

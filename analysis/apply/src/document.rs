@@ -4,7 +4,7 @@ use crate::applied::{Applied, Constant, Found};
 use crate::grew::grew;
 use serde_json::{Map, Value, json};
 use std::path::Path;
-use toolroom_gap::{NINETY, WrittenEffect};
+use toolroom_gap::{NINETY, WEAR_RATE, WrittenEffect};
 use toolroom_process::table::{Cell, csv_text};
 use toolroom_process::unit;
 use toolroom_records::Records;
@@ -87,6 +87,10 @@ fn constant_json(constant: &Constant, process: &str) -> Value {
     } else {
         value["factor"] = number(constant.value);
     }
+    if constant.movable.parameter == "wear_rate" && !constant.movable.scope.is_everywhere() {
+        // What it was named as, so that it can be chosen.
+        value["id"] = json!(WEAR_RATE);
+    }
     value
 }
 
@@ -109,7 +113,10 @@ pub fn applied_json(parts: &[Applied], target: &str, process: &str) -> Value {
     let covariance: Vec<Value> = parts.iter().map(|own| json!({ "names": own.names, "matrix": matrix(own) })).collect();
     json!({
         "calibration": all(&|own| own.calibration.iter().map(|each| constant_json(each, process)).collect()),
-        "effects": all(&|own| own.effects.iter().map(|each| found_json(each, target, process)).collect()),
+        "effects": all(&|own| {
+            let effects = own.effects.iter().filter(|each| !each.is_constant);
+            effects.map(|each| found_json(each, target, process)).collect()
+        }),
         "covariance": covariance.first().cloned().unwrap_or(Value::Null),
         "left": all(&|own| own.left.iter().map(|name| json!(name)).collect()),
         "grew": grew(parts).iter().map(|own| own.json(process)).collect::<Vec<Value>>(),

@@ -74,7 +74,9 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
     };
     let effects = list("effects");
     let effects: Vec<&Value> = effects.iter().filter(wanted).copied().collect();
-    let constants = if request.calibration { list("calibration") } else { Vec::new() };
+    let mut constants = if request.calibration { list("calibration") } else { Vec::new() };
+    // A constant that was named is chosen by its name, as effects are.
+    constants.retain(|own| own["id"].is_null() || wanted(&own));
     if effects.is_empty() && constants.is_empty() {
         return Err(ApplyError::Nothing);
     }

@@ -4,8 +4,9 @@
 use serde_json::{Value, json};
 use std::path::Path;
 use toolroom_apply::{Applied, Process, Request, applied_to, apply, document, model_hash, point_json, predictions};
-use toolroom_gap::{Basis, Forward, Method, NominalModel};
+use toolroom_gap::{Basis, Forward, Method, NominalModel, WEAR_RATE};
 use toolroom_records::{Records, parse_csv};
+use toolroom_scenario::{Calibration, Moved};
 use toolroom_truth::Case;
 
 const TURNING: &str = include_str!("../../../scenarios/gap/turning.toml");
@@ -278,4 +279,67 @@ changes = [{ term = \"temperature_rise\", factor = \"exp(size * (min(cutting_spe
     };
     let with = apply(request).expect("applicable").text;
     assert!(with.contains("kind = \"empirical\"") && difference(&with, &records, &described) <= 1e-9, "{with}");
+}
+
+#[test]
+fn a_rate_of_wear_of_a_part_is_written_as_the_constant_that_it_is_and_counted_from() {
+    let records = records("turning", TURNING);
+    let split = |text: &str, column: &str| {
+        let places = vec![(column.to_owned(), String::new())];
+        model(text).splitting(Vec::new(), places).over(&records, None, |_, _| false).0
+    };
+    let forward = split(TURNING, "start_time");
+    let frame = forward.frame();
+    let index = (0..frame.candidates.len())
+        .find(|own| frame.candidates[*own].id.is_wear_rate() && forward.written(*own).scope.from.is_some())
+        .expect("a date");
+    let basis = Basis::of_sheet(forward.as_ref(), Method::default());
+    let named = applied_to(forward.as_ref(), forward.as_ref(), &[], &basis, &[index], None);
+    let size = named.effects[0].size;
+    assert!(size.abs() > 1e-4, "{size}");
+    let text_of = |text: &str, applied: &Applied, only: &[String]| {
+        let hash = model_hash(text, &[]).expect("TOML");
+        let (target, path) = (model(text).target(), Path::new("m"));
+        let process = Process { name: "turning", path, hash, target, parts: std::slice::from_ref(applied) };
+        let entry = json!({ "id": WEAR_RATE, "process": "turning", "size": size, "ci90": [0.0, 0.0], "unit": "1" });
+        let diagnosis = document(json!({ "effects": [entry] }), &[process], ("d".to_owned(), records.len(), None));
+        assert_eq!(diagnosis["effects"][0]["kind"], "constant", "{:#}", diagnosis["effects"]);
+        let request = Request {
+            text,
+            overrides: &[],
+            diagnosis: &diagnosis,
+            process: "turning",
+            only,
+            calibration: true,
+            empirical: false,
+        };
+        apply(request).expect("applicable").text
+    };
+    let rates = |text: &str| -> Vec<Calibration> {
+        let all = model(text).stated.calibrations;
+        all.into_iter().filter(|own| own.parameter == "wear_rate" && !own.scope.is_everywhere()).collect()
+    };
+    let better = text_of(TURNING, &named, &[]);
+    assert!(!better.contains("[[effect]]") && !better.contains("effects ="), "{better}");
+    let [rate] = &rates(&better)[..] else { panic!("{better}") };
+    assert_eq!((rate.moved, rate.scope.from), (Moved::Factor(1.0 + size), forward.written(index).scope.from));
+    assert!(difference(&better, &records, &named) <= 1e-9, "{better}");
+    // Chosen by its name, or left out by another one.
+    assert_eq!(rates(&text_of(TURNING, &named, &[WEAR_RATE.to_owned()])).len(), 1);
+    assert!(rates(&text_of(TURNING, &named, &["wear_force".to_owned()])).is_empty());
+    // Records that it has seen count from it: nothing is left to be named a second time.
+    let (aside, set_aside) = model(&better).set_aside();
+    assert!(aside.stated.calibrations.contains(rate) && !set_aside.is_empty());
+    // A second diagnosis states the rate relative to the model that it read: factors multiply.
+    let again = over(&better, &records);
+    let basis = Basis::of_sheet(again.as_ref(), Method::default());
+    let second = applied_to(again.as_ref(), again.as_ref(), &[], &basis, &[], None);
+    let path = Path::new("m");
+    let hash = model_hash(&better, &[]).expect("TOML");
+    let target = model(&better).target();
+    let process = Process { name: "turning", path, hash, target, parts: std::slice::from_ref(&second) };
+    let diagnosis = document(json!({ "effects": [] }), &[process], ("e".to_owned(), records.len(), None));
+    let best = written(&better, &diagnosis);
+    assert_eq!(rates(&best).len(), 1, "{best}");
+    assert!(difference(&best, &records, &second) <= 1e-9, "{best}");
 }

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use toolroom_apply::ApplyError;
 use toolroom_gap::ModelFileError;
+use toolroom_process::ModelError;
 use toolroom_records::RecordError;
+use toolroom_shop::{Refusal, ShopError};
 
 /// Why there is no diagnosis of a data set.
 #[derive(Debug, thiserror::Error)]
@@ -90,12 +92,41 @@ pub enum GapStudyError {
         /// What was noted while reading.
         notes: Vec<String>,
     },
+    /// An effect of a user that gives no value in a recorded operation.
+    #[error("operation {operation}: {source}")]
+    EffectValue {
+        /// The operation, or the number of its row where it has no name.
+        operation: String,
+        /// Effect, term, value and context.
+        source: ModelError,
+    },
+    /// A simulated shop in which a process refuses an operation.
+    #[error("{0}")]
+    Refused(#[source] Box<Refusal>),
     /// Key figures of a model that is no shop.
-    #[error("key figures are those of a shop, but the model diagnoses one process")]
+    #[error("key figures are those of a shop, but the model is none")]
     NoShop,
+    /// Key figures without the events of the shop.
+    #[error("key figures follow from the events of the machines: {source}")]
+    NoEvents {
+        /// Why they were not read.
+        source: RecordError,
+    },
     /// The work could not be done although the input is right.
     #[error("{0}")]
     Work(String),
+}
+
+impl From<Box<Refusal>> for GapStudyError {
+    fn from(refusal: Box<Refusal>) -> Self {
+        Self::Refused(refusal)
+    }
+}
+
+impl From<ShopError> for GapStudyError {
+    fn from(error: ShopError) -> Self {
+        if let ShopError::Model(refusal) = error { refusal.into() } else { Self::Work(error.to_string()) }
+    }
 }
 
 impl GapStudyError {
@@ -121,7 +152,11 @@ impl GapStudyError {
                 "`toolroom gap` compares forces, wear, power, temperature, stock, …".to_owned()
             }
             Self::NoShop => "leave --data out".to_owned(),
-            Self::Work(_) => return None,
+            Self::NoEvents { .. } => {
+                "give the folder that holds events.csv, as `toolroom run --records` writes it, or leave --data out"
+                    .to_owned()
+            }
+            Self::EffectValue { .. } | Self::Refused(_) | Self::Work(_) => return None,
         })
     }
 }

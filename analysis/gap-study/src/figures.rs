@@ -100,14 +100,28 @@ pub(crate) fn compared<const N: usize>(
     reading: &Reading<'_>,
 ) -> Result<[Vec<Figure>; N], GapStudyError> {
     let nominal = NominalModel::read(model, set)?;
-    let NominalProcess::Shop(shop) = &nominal.process else { return Err(GapStudyError::NoShop) };
-    let seen = visits(&reading.records(data, &nominal)?);
-    let mix = mix(&seen);
-    let rates: BTreeMap<String, f64> = {
-        let scenario = read(model, set).map_err(ModelFileError::from)?.scenario;
-        scenario.machines.iter().map(|machine| (machine.name.clone(), machine.rate)).collect()
+    let scenario = || read(model, set).map(|file| file.scenario).map_err(ModelFileError::from);
+    let (nominal, shop) = match nominal.process {
+        NominalProcess::Shop(ref shop) => {
+            let shop = (**shop).clone();
+            (nominal, shop)
+        }
+        // What a process is missing shows in the shop that its file describes.
+        NominalProcess::Turning(_) | NominalProcess::Milling(_) | NominalProcess::Grinding(_) => {
+            let shop = Shop::of(&scenario()?);
+            (NominalModel { process: NominalProcess::Shop(Box::new(shop.clone())), ..nominal }, shop)
+        }
+        NominalProcess::Empirical | NominalProcess::Program(_) => return Err(GapStudyError::NoShop),
     };
-    let of_log = |seen: &Visits| Figures::of(shop, seen, &mix, &rates);
+    let events = reading.records(data, &nominal).map_err(|error| match error {
+        GapStudyError::Records(source) => GapStudyError::NoEvents { source },
+        other => other,
+    })?;
+    let seen = visits(&events);
+    let mix = mix(&seen);
+    let rates: BTreeMap<String, f64> =
+        scenario()?.machines.iter().map(|machine| (machine.name.clone(), machine.rate)).collect();
+    let of_log = |seen: &Visits| Figures::of(&shop, seen, &mix, &rates);
     // Days are batches of all figures but the availability, whose batches are machines.
     let (recorded, days) = (of_log(&seen), by_day(&seen).iter().map(of_log).collect::<Vec<Figures>>());
     let nominal_logs = runs(model, set)?;
@@ -243,8 +257,8 @@ fn runs(model: &Path, set: &[String]) -> Result<Vec<Visits>, GapStudyError> {
 }
 
 fn run(scenario: &Scenario, replication: u32) -> Result<Visits, GapStudyError> {
-    let log = toolroom_shop::run(scenario, 0, replication).map_err(|error| GapStudyError::Work(error.to_string()))?;
-    let all = simulated(scenario, &log, &|_, channel| Settings::default().sensor(channel));
+    let log = toolroom_shop::run(scenario, 0, replication)?;
+    let all = simulated(scenario, &log, &|_, channel| Settings::default().sensor(channel))?;
     let events = all.iter().find(|records: &&Records| records.kind == RecordKind::Shop);
     Ok(events.map(visits).unwrap_or_default())
 }

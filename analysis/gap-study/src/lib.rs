@@ -15,7 +15,7 @@
 //! | [`Replicated`], [`Closed`] | how far a key figure closes, with its interval |
 //! | [`recorded()`] | a simulated run as the sensors of its file would have recorded it |
 //! | [`recovery()`], [`rates()`] | whether what simulated shops hide is found again, counted over many runs |
-//! | [`user_effects()`] | effects of users from their files |
+//! | [`user_effects()`], [`usable()`] | effects of users from their files; that they give values in recorded operations |
 //! | [`GapStudyError`] | why there is none, and the likely fix |
 //!
 //! # What is not modelled
@@ -46,4 +46,4 @@ pub use recovery::{ClosedFigure, Finding, GivenName, HiddenEntry, Put, Recovered
 pub use request::{GapRequest, Reading};
 pub use study::{GapStudy, NAMES};
 pub use tables::{Table, tables};
-pub use user_effects::{UserEffectsError, user_effects};
+pub use user_effects::{UserEffectsError, usable, user_effects};

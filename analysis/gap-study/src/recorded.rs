@@ -1,5 +1,6 @@
 //! A simulated run as the sensors of its file would have recorded it.
 
+use crate::GapStudyError;
 use toolroom_gap::{ModelFileError, Settings, sensor_sheet};
 use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, Records};
@@ -15,13 +16,14 @@ pub const RECORDED: [RecordKind; 5] =
 /// of the file in messages.
 ///
 /// # Errors
-/// [`ModelFileError::Sensor`]: a quantity that does not fit its channel.
-pub fn recorded(name: &str, file: &ScenarioFile, log: &RunLog) -> Result<Vec<Records>, ModelFileError> {
+/// [`ModelFileError::Sensor`]: a quantity that does not fit its channel. [`GapStudyError::Refused`]: an effect of a user
+/// gives no value at a state between those of the run.
+pub fn recorded(name: &str, file: &ScenarioFile, log: &RunLog) -> Result<Vec<Records>, GapStudyError> {
     let sheet = |kind| Ok((kind, sensor_sheet(name, file.gap.as_ref(), kind)?));
     let sheets = RECORDED.into_iter().map(sheet).collect::<Result<Vec<(RecordKind, Settings)>, ModelFileError>>()?;
     let sensor = |kind: RecordKind, channel: &str| {
         let settings = sheets.iter().find(|(other, _)| *other == kind).map(|(_, settings)| settings.clone());
         settings.unwrap_or_default().sensor(channel)
     };
-    Ok(simulated(&file.scenario, log, &sensor))
+    Ok(simulated(&file.scenario, log, &sensor)?)
 }

@@ -271,10 +271,10 @@ fn simulated<E: From<GapStudyError>>(
 ) -> Result<(), E> {
     let mut file = read(truth, request.set).map_err(ModelFileError::from).map_err(GapStudyError::from)?;
     file.scenario.seed = seed;
-    let log = toolroom_shop::run(&file.scenario, 0, 0).map_err(|error| GapStudyError::Work(error.to_string()))?;
+    let log = toolroom_shop::run(&file.scenario, 0, 0).map_err(GapStudyError::from)?;
     let unwritable = |source| GapStudyError::Unwritable { path: folder.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(unwritable)?;
-    for records in recorded(&truth.display().to_string(), &file, &log).map_err(GapStudyError::from)? {
+    for records in recorded(&truth.display().to_string(), &file, &log)? {
         let mut csv = Vec::new();
         write_csv(&records, &mut csv).map_err(|error| GapStudyError::Work(error.to_string()))?;
         put(&folder.join(records.kind.file_stem()).with_extension("csv"), &csv)?;

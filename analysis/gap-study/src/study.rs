@@ -2,7 +2,8 @@
 
 use crate::constants::constants_of_facts;
 use crate::known::{self, Known};
-use crate::{GapRequest, GapStudyError, Reading, Table, tables};
+use crate::user_effects::refused_in;
+use crate::{GapRequest, GapStudyError, Reading, Table, tables, usable};
 use serde_json::Value;
 use std::path::Path;
 use toolroom_apply::{Applied, Grew, PredictionRow, Process, document, grew, point_json, predictions_of};
@@ -12,8 +13,8 @@ use toolroom_effects::Definition;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{
-    Answers, Asked, Diagnosed, Diagnosis, EffectId, GapVerdict, NextExperiment, NominalModel, NominalProcess,
-    add_dynamics, diagnosed_processes, joined,
+    Answers, Asked, Diagnosed, Diagnosis, EffectId, EffectRefusal, Forward, GapVerdict, NextExperiment, NominalModel,
+    NominalProcess, Point, add_dynamics, diagnosed_processes, joined,
 };
 use toolroom_gap_proposals::{Asking, NOTHING, Proposed, is_open, proposed};
 use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
@@ -69,6 +70,12 @@ impl GapStudy {
             }
         }
         let points = points(&stated, &asked, &diagnosed);
+        for ((own, points), known) in asked.iter().zip(&points).zip(&stated) {
+            let refused = own.parts.iter().zip(points).find_map(|(part, own)| refused_at(part.as_ref(), own));
+            if let (Some(records), Some(refusal)) = (&known.records, refused) {
+                return Err(refused_in(records, refusal));
+            }
+        }
         for ((_, diagnosis), own) in answers.processes.iter_mut().zip(&points) {
             diagnosis.notes.extend(grew(own).iter().map(Grew::words));
         }
@@ -147,6 +154,7 @@ fn prepared(
     {
         return Err(GapStudyError::NothingMeasured { notes: asked.notes });
     }
+    usable(&asked, &records)?;
     Ok(Prepared { asked, known, table: Some((model, records)) })
 }
 
@@ -301,6 +309,17 @@ fn only_values_are_missing(model: &NominalModel, records: &Records, asked: &Aske
     asked.impossible == 0 && channels.any(|column| records.numbers(column.name).is_some())
 }
 
+/// The first row in which an effect of a user gives no value at the size that was found.
+fn refused_at(part: &dyn Forward, applied: &Applied) -> Option<EffectRefusal> {
+    let (frame, mut point) = (part.frame(), Point::nominal(part));
+    for found in &applied.effects {
+        let stated = frame.words.effects.iter().find(|(own, _)| *own == found.candidate);
+        point.effects[found.candidate] = found.size - stated.map_or(0.0, |(_, size)| *size);
+    }
+    let refusal = part.refusal(&point)?;
+    Some(EffectRefusal { row: frame.record_of(refusal.row), ..refusal })
+}
+
 /// The applied point of each part of each process.
 fn points(stated: &[Known], asked: &[Asked], diagnosed: &[Vec<Diagnosed>]) -> Vec<Vec<Applied>> {
     let all = stated.iter().zip(asked).zip(diagnosed);
@@ -353,7 +372,7 @@ mod tests {
     use super::*;
     use crate::recovery::no_other_table;
     use std::fmt::Write;
-    use toolroom_gap::{ChannelId, Point};
+    use toolroom_gap::ChannelId;
 
     /// Edges of the table, the first half of them of another delivery than the second, and operations of each.
     const EDGES: usize = 32;

@@ -1,8 +1,11 @@
 //! Effects that users define in files of their own.
 
+use crate::GapStudyError;
 use std::path::Path;
 use toolroom_effects::{Definition, read_effects_file};
 use toolroom_form::ReadError;
+use toolroom_gap::{Asked, EffectRefusal};
+use toolroom_records::Records;
 
 /// Why the effects of a user were not read.
 #[derive(Debug, thiserror::Error)]
@@ -29,6 +32,22 @@ impl UserEffectsError {
             Self::Twice { .. } => "give each effect an id of its own",
         }
     }
+}
+
+/// That every effect of a user gives a value in every recorded operation, in the model as its file states it and at the
+/// sizes that are tried.
+///
+/// # Errors
+/// [`GapStudyError::EffectValue`] with the first operation in which one does not.
+pub fn usable(asked: &Asked, records: &Records) -> Result<(), GapStudyError> {
+    asked.refusal().map_or(Ok(()), |refusal| Err(refused_in(records, refusal)))
+}
+
+/// The refusal of an operation of the records.
+pub(crate) fn refused_in(records: &Records, EffectRefusal { row, source }: EffectRefusal) -> GapStudyError {
+    let ids = ["operation_id", "trial_id"].iter().find_map(|name| records.texts(name));
+    let operation = ids.and_then(|ids| ids.get(row)).cloned().unwrap_or_else(|| format!("of row {}", row + 1));
+    GapStudyError::EffectValue { operation, source }
 }
 
 /// Effects that files of a user define, those of several files together.

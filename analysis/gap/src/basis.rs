@@ -2,7 +2,7 @@
 
 use super::fit::{Fit, fit, offset_residual};
 use super::gram::{factor, inverse_diagonal, part, part_column};
-use super::{ChannelId, Forward, Gram, Linear, Method, Noise, Point, evidence, generic};
+use super::{ChannelId, Forward, Gram, Linear, Measured, Method, Noise, Point, evidence, generic};
 use rayon::prelude::*;
 
 /// Factors on the scale of an estimated local scatter that are tried.
@@ -92,6 +92,13 @@ impl Basis {
             floor: vec![0.0; model.frame().measured.len()],
             nominal,
         }
+    }
+
+    /// The same with these factors on the sensors, by channel.
+    #[must_use]
+    pub(super) fn scaled(mut self, measured: &Measured, scale: &[f64]) -> Self {
+        self.noise = self.noise.scaled(measured, scale);
+        self
     }
 
     /// Fits the nominal model from the nominal point.

@@ -1,6 +1,7 @@
 //! What records of a design can show of each effect, before and beside a diagnosis.
 
 use super::constants::{ANYHOW, CONFUSED, CONVINCING, DETECTABLE, LARGE, NEIGHBOURS, PUSHED, UNLUCKY, WHOLLY};
+use super::noise::unstated_scales;
 use super::score::Scores;
 use super::trial::Trial;
 use super::{Basis, EffectId, Forward, Method};
@@ -36,8 +37,8 @@ impl Identifiable {
     }
 }
 
-/// What records of the design of `model` could show, by the sensor sheet alone: no measured value
-/// counts.
+/// What records of the design of `model` could show, by the sensor sheet and the scatter of the scenario: no measured value
+/// counts, but where nobody states how much a channel scatters. That is read off its readings, as a diagnosis does.
 pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
     let mut linear = super::Linear::new(model, super::Point::nominal(model));
     // An effect promises no more than it shows at its ordinary size and at twice that: its slope at
@@ -59,7 +60,9 @@ pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
             }
         }
     }
-    let basis = Basis::unmeasured(model, Method::default(), linear.clone());
+    let measured = &model.frame().measured;
+    let scale = unstated_scales(measured, &linear.residual);
+    let basis = Basis::unmeasured(model, Method::default(), linear.clone()).scaled(measured, &scale);
     let trial = Trial::of(model, &basis, &[], super::Fit::at(linear, 0.0));
     identified(model, &basis, &trial).into_iter().map(|shown| shown.row).collect()
 }
@@ -203,6 +206,10 @@ fn between(model: &dyn Forward, basis: &Basis, trial: &Trial, scores: &Scores, i
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settle::{settled, stated};
+    use crate::{Linear, NominalModel, Point};
+    use toolroom_records::parse_csv;
+    use toolroom_truth::Case;
 
     #[test]
     fn the_least_size_convinces_in_spite_of_noise_and_form() {
@@ -212,6 +219,44 @@ mod tests {
             assert!((left - CONVINCING).abs() < 1e-9, "{left} at {size}");
         }
         assert!((convincing(1.0, 0.0) - CONVINCING - UNLUCKY).abs() < 1e-12);
+    }
+
+    /// Loading scatters by 2 s in these shops, and their file gives it one time.
+    #[test]
+    fn a_design_is_judged_by_the_scatter_that_a_diagnosis_reads_off_its_records() {
+        let text = include_str!("../../../scenarios/gap/turning.toml");
+        let nominal = NominalModel::parse("turning.toml", text, &[]).expect("a shipped model");
+        let over = |csv: &str| {
+            let (records, _) = parse_csv("truth", csv.as_bytes(), nominal.kind()).expect("records");
+            nominal.over(&records, None, |_, _| false).0
+        };
+        let csv = Case::null("turning", 3_000_100_214).records();
+        let model = over(&csv);
+        let measured = &model.frame().measured;
+        let (basis, fit) = settled(model.as_ref(), Method::default());
+        let (stated, _) = stated(model.as_ref(), &basis, &fit);
+        let linear = Linear::new(model.as_ref(), Point::nominal(model.as_ref()));
+        let scale = unstated_scales(measured, &linear.residual);
+        for (channel, (scale, diagnosed)) in measured.channels.iter().zip(scale.iter().zip(&stated.noise.scale)) {
+            assert!((scale / diagnosed - 1.0).abs() < 0.15, "{}: {scale} {diagnosed}", channel.name);
+            assert_eq!(*scale > 3.0, channel.name == "cycle_time", "{}: {scale}", channel.name);
+        }
+        // So less is promised of a time than the clock alone would show.
+        let least = |model: &dyn Forward| {
+            let rows = identifiability(model);
+            rows.iter().find(|own| own.id == "operator_delay").expect("a delay").minimal_detectable
+        };
+        let head = csv.lines().next().expect("a header").split(',').position(|own| own.starts_with("cycle_time"));
+        let planned = |(row, line): (usize, &str)| {
+            let mut cells: Vec<&str> = line.split(',').collect();
+            if let (Some(column), true) = (head, row > 0) {
+                cells[column] = "100";
+            }
+            cells.join(",") + "\n"
+        };
+        let planned: String = csv.lines().enumerate().map(planned).collect();
+        let (known, clock) = (least(model.as_ref()), least(over(&planned).as_ref()));
+        assert!(known > 2.0 * clock, "{known} {clock}");
     }
 
     #[test]

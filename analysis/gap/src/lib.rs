@@ -106,9 +106,9 @@ pub use score::Scores;
 pub use toolroom_evidence::{EFFECT_PRIOR, Evidence, Gram};
 pub use toolroom_nominal::{
     Asked, Candidate, Channel, ChannelId, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EffectId,
-    EmpiricalSizes, Family, Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel, NominalProcess,
-    Observation, On, Parameter, Point, Settings, Stated, Surface, Transform, Untried, WEAR_RATE, Words, WrittenEffect,
-    cutting, empirical, features, grinding, program, sensor_sheet,
+    EffectRefusal, EmpiricalSizes, Family, Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel,
+    NominalProcess, Observation, On, Parameter, Point, Settings, Stated, Surface, Transform, Untried, WEAR_RATE, Words,
+    WrittenEffect, cutting, empirical, features, grinding, program, sensor_sheet,
 };
 pub use trial::Trial;
 

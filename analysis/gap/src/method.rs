@@ -2,7 +2,7 @@
 
 use super::{Direction, Forward, Frame, Point};
 use toolroom_innovations::Chain;
-use toolroom_nominal::WrittenEffect;
+use toolroom_nominal::{EffectRefusal, WrittenEffect};
 
 /// Which parts of the method take part. The diagnosis uses all of them; the blind benchmark leaves
 /// them out one after the other.
@@ -99,6 +99,10 @@ impl Forward for Bare<'_> {
 
     fn simulate(&self, at: &Point) -> Vec<f64> {
         self.model.simulate(&self.whole(at))
+    }
+
+    fn refusal(&self, at: &Point) -> Option<EffectRefusal> {
+        self.model.refusal(&self.whole(at))
     }
 
     fn scatter_is_known(&self, channel: usize) -> bool {

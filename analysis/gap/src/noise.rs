@@ -66,6 +66,14 @@ impl Noise {
         self
     }
 
+    /// The same with these factors on the sensors, by channel.
+    #[must_use]
+    pub(super) fn scaled(mut self, measured: &Measured, scale: &[f64]) -> Self {
+        self.scale.copy_from_slice(scale);
+        self.filter(measured);
+        self
+    }
+
     fn of_deviations(measured: &Measured, deviations: Vec<f64>, chains: Vec<Chain>) -> Self {
         let channels = measured.channels.len();
         let mut noise = Self {
@@ -208,6 +216,34 @@ impl Noise {
     pub fn deviation(&self, measured: &Measured, i: usize) -> f64 {
         self.deviations[i] * self.scale[measured.observations[i].channel]
     }
+}
+
+/// Factors on the sensor sheet, by channel, for a design that is judged before it is diagnosed: 1, but where nobody states
+/// how much a channel scatters and its readings show it. They are held against what the model leaves of them, `residual`,
+/// about the median of each run, so that neither a constant that is off nor an effect of some operations counts.
+pub(super) fn unstated_scales(measured: &Measured, residual: &[f64]) -> Vec<f64> {
+    let scale = |channel: usize| {
+        // One value throughout is the place of readings that are yet to come.
+        let mut values = measured.observations.iter().filter(|own| own.channel == channel).map(|own| own.value);
+        let first = values.next();
+        if values.all(|value| Some(value) == first) {
+            return 1.0;
+        }
+        let runs = measured.runs.iter().filter(|run| measured.observations[run.start].channel == channel);
+        let (mut far, mut medians) = (Vec::new(), 0.0);
+        for run in runs {
+            let mut of_run: Vec<f64> =
+                run.clone().map(|place| residual[place] / measured.observations[place].deviation).collect();
+            let middle = median(&mut of_run);
+            far.extend(of_run.iter().map(|value| (value - middle).abs()));
+            medians += 1.0;
+        }
+        let count = far.len() as f64;
+        // Every median takes a degree of freedom.
+        let freedom = (count / (count - medians)).sqrt();
+        if far.len() < FEW || !freedom.is_finite() { 1.0 } else { (MAD * freedom * median(&mut far)).max(1.0) }
+    };
+    (0..measured.channels.len()).map(|own| if measured.unstated[own] { scale(own) } else { 1.0 }).collect()
 }
 
 /// Outliers may not decide about memory.

@@ -7,7 +7,10 @@
 //! named. The block that adds most per minute of machine time wins.
 
 use super::constants::DETECTABLE;
-use super::{Basis, Diagnosis, EffectId, Fit, Forward, GapVerdict, Linear, Method, NominalModel, Point, Trial};
+use super::noise::unstated_scales;
+use super::{
+    Basis, ChannelId, Diagnosis, EffectId, Fit, Forward, GapVerdict, Linear, Method, NominalModel, Point, Trial,
+};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -66,14 +69,15 @@ pub struct Plan {
 
 /// Plans the next experiment after `records`, of which `diagnosis` says what is open.
 pub fn plan(model: &NominalModel, records: &Records, group: Option<&str>, diagnosis: &Diagnosis) -> Plan {
-    let before = seen(model, records, group, None);
+    let (before, scatter) = seen(model, records, group, None, None);
     let open = open(diagnosis, &before);
     if open.is_empty() {
         return Plan { blocks: Vec::new() };
     }
     let asked: Vec<EffectId> = open.iter().flat_map(|(a, b)| std::iter::once(*a).chain(*b)).collect();
     let block = |offered: menu::Offered| {
-        let mut after = seen(model, &records.followed_by(&offered.runs), group, Some(&asked));
+        // Runs that are only planned have no readings: they scatter as the records do.
+        let (mut after, _) = seen(model, &records.followed_by(&offered.runs), group, Some(&asked), Some(&scatter));
         after.at_sizes_of(&before);
         let pairs: Vec<Separated> = open
             .iter()
@@ -124,10 +128,21 @@ struct SeenEffects {
     cosines: Vec<Vec<f64>>,
 }
 
-/// What records like these would show of the effects `asked` for, of all if `None`.
-fn seen(model: &NominalModel, records: &Records, group: Option<&str>, asked: Option<&[EffectId]>) -> SeenEffects {
+/// Factors on the sensors of channels.
+type Scatter = Vec<(ChannelId, f64)>;
+
+/// What records like these would show of the effects `asked` for, of all if `None`, and how channels scatter of which nobody
+/// states it: by `scatter`, or as the records show it.
+fn seen(
+    model: &NominalModel,
+    records: &Records,
+    group: Option<&str>,
+    asked: Option<&[EffectId]>,
+    scatter: Option<&Scatter>,
+) -> (SeenEffects, Scatter) {
     let parts = model.asked(records, group, |_, _| false).parts;
-    let mut all: Vec<SeenEffects> = parts.iter().map(|part| part_seen(part.as_ref(), asked)).collect();
+    let each = parts.iter().map(|part| part_seen(part.as_ref(), asked, scatter));
+    let (mut all, scatter): (Vec<SeenEffects>, Vec<Scatter>) = each.unzip();
     let mut seen = all.swap_remove(0);
     for other in all {
         // Channels that know nothing of each other add up, and tell no pair apart by their signature.
@@ -143,16 +158,25 @@ fn seen(model: &NominalModel, records: &Records, group: Option<&str>, asked: Opt
             }
         }
     }
-    seen
+    (seen, scatter.concat())
 }
 
-/// Ids, scores and cosines of the best shape of each candidate of one model; nought for those not `asked` for.
-fn part_seen(model: &dyn Forward, asked: Option<&[EffectId]>) -> SeenEffects {
+/// Ids, scores and cosines of the best shape of each candidate of one model, nought for those not `asked` for; and how its
+/// channels scatter.
+fn part_seen(model: &dyn Forward, asked: Option<&[EffectId]>, scatter: Option<&Scatter>) -> (SeenEffects, Scatter) {
     let candidates = model.frame().candidates.iter().enumerate();
     let asked = candidates.filter(|(_, own)| asked.is_none_or(|asked| asked.contains(&own.id)));
     let asked: Vec<usize> = asked.map(|(i, _)| i).collect();
     let linear = Linear::with(model, Point::nominal(model), &asked);
-    let basis = Basis::unmeasured(model, Method::default(), linear.clone());
+    let measured = &model.frame().measured;
+    let scale = match scatter {
+        Some(known) => {
+            let factor = |id: ChannelId| known.iter().find(|(own, _)| *own == id).map_or(1.0, |(_, factor)| *factor);
+            measured.channels.iter().map(|channel| factor(channel.id)).collect()
+        }
+        None => unstated_scales(measured, &linear.residual),
+    };
+    let basis = Basis::unmeasured(model, Method::default(), linear.clone()).scaled(measured, &scale);
     let trial = Trial::of(model, &basis, &[], Fit::at(linear, 0.0));
     let scores = trial.scores();
     let mut best: Vec<usize> = Vec::new();
@@ -166,7 +190,8 @@ fn part_seen(model: &dyn Forward, asked: Option<&[EffectId]>) -> SeenEffects {
     let ids = best.iter().map(|i| model.frame().candidates[*i].id).collect();
     let cosines = best.iter().map(|a| best.iter().map(|b| scores.cosine[(*a, *b)]).collect()).collect();
     let typical = best.iter().map(|i| model.frame().candidates[*i].typical).collect();
-    SeenEffects { ids, typical, scores: best.iter().map(|i| scores.length[*i]).collect(), cosines }
+    let seen = SeenEffects { ids, typical, scores: best.iter().map(|i| scores.length[*i]).collect(), cosines };
+    (seen, measured.channels.iter().map(|channel| channel.id).zip(scale).collect())
 }
 
 /// `√T_ab`, or the score of `a` alone.

@@ -2,7 +2,7 @@
 
 use super::{Direction, Forward, Frame, Point};
 use toolroom_innovations::Chain;
-use toolroom_nominal::WrittenEffect;
+use toolroom_nominal::{EffectRefusal, WrittenEffect};
 
 /// A model with another frame: the same parameters and effects in the same order, over the same rows.
 pub(super) struct Reframed<'a> {
@@ -17,6 +17,10 @@ impl Forward for Reframed<'_> {
 
     fn simulate(&self, at: &Point) -> Vec<f64> {
         self.model.simulate(at)
+    }
+
+    fn refusal(&self, at: &Point) -> Option<EffectRefusal> {
+        self.model.refusal(at)
     }
 
     fn scatter_is_known(&self, channel: usize) -> bool {

@@ -24,7 +24,7 @@ fn of_shop(seed: u64, changed: &dyn Fn(&mut Scenario)) -> Records {
     scenario.seed = seed;
     changed(&mut scenario);
     let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");
-    let all = simulated(&scenario, &log, &|_, channel| Settings::default().sensor(channel));
+    let all = simulated(&scenario, &log, &|_, channel| Settings::default().sensor(channel)).expect("records");
     all.into_iter().find(|records| records.kind == RecordKind::Shop).expect("events")
 }
 

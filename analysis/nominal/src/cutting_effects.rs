@@ -143,7 +143,7 @@ pub(super) fn delays(records: &Records, groups: &[usize], durations: &[f64]) -> 
         }
     };
     add(EffectId::TOOL_CHANGE_DELAY, String::new(), 30.0, features::first_of_group(groups));
-    for (column, name, rows) in features::indicators(records, &["shift", "operator"]) {
+    for (column, name, rows) in features::indicators(records, &["machine", "shift", "operator"]) {
         add(EffectId::OPERATOR_DELAY, format!("{column} {name}"), 30.0, rows);
     }
     if let Some(overrides) = records.numbers("feed_override") {

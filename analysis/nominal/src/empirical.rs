@@ -10,7 +10,8 @@ use super::features::{self, standardised};
 use super::search;
 use super::settings::Settings;
 use super::{
-    Channel, ChannelId, Covariate, Forward, Frame, Local, Measured, Parameter, Point, Transform, WrittenEffect,
+    Channel, ChannelId, Covariate, EffectRefusal, Forward, Frame, Local, Measured, Parameter, Point, Transform,
+    WrittenEffect,
 };
 use toolroom_innovations::Chain;
 use toolroom_records::{ColumnKind, RecordColumn, Records};
@@ -209,6 +210,10 @@ impl Forward for Empirical {
 
     fn written(&self, _candidate: usize) -> WrittenEffect {
         WrittenEffect::default()
+    }
+
+    fn refusal(&self, _at: &Point) -> Option<EffectRefusal> {
+        None // no effect of a user acts here
     }
 
     fn scatter_is_known(&self, _channel: usize) -> bool {

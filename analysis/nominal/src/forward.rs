@@ -4,6 +4,7 @@ use super::Frame;
 use rayon::prelude::*;
 use toolroom_effects::{Definition, Effect};
 use toolroom_innovations::Chain;
+use toolroom_process::{ModelError, watched};
 use toolroom_scenario::Scope;
 
 /// Where a model is evaluated.
@@ -86,6 +87,37 @@ impl WrittenEffect {
     }
 }
 
+/// An effect of a user that gives no value in a recorded operation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EffectRefusal {
+    /// Row of the records.
+    pub row: usize,
+    /// Effect, term, value and context.
+    pub source: ModelError,
+}
+
+/// The first of what the rows of all groups refuse: `follow` follows the rows of a group in order, handing each row and the
+/// work on it to its argument.
+pub(super) fn first_refusal(groups: usize, follow: impl Fn(usize, &mut RowByRow<'_>) + Sync) -> Option<EffectRefusal> {
+    let of_group = |group: usize| {
+        let mut first = None;
+        follow(group, &mut |row, work| {
+            // Rows behind the first follow from it and say nothing of their own.
+            if first.is_none()
+                && let Err(source) = watched(work)
+            {
+                first = Some(EffectRefusal { row, source });
+            }
+        });
+        first
+    };
+    let all: Vec<Option<EffectRefusal>> = (0..groups).into_par_iter().map(of_group).collect();
+    all.into_iter().flatten().next()
+}
+
+/// Whoever is handed each row with the work on it.
+pub(super) type RowByRow<'a> = dyn FnMut(usize, &mut dyn FnMut()) + 'a;
+
 /// A nominal model over recorded conditions.
 pub trait Forward: Sync {
     /// What the model knows and what may be moved.
@@ -96,6 +128,9 @@ pub trait Forward: Sync {
     fn written(&self, candidate: usize) -> WrittenEffect;
     /// Whether all that the values of a channel scatter by is known beforehand, from the scenario and its sensor sheet.
     fn scatter_is_known(&self, channel: usize) -> bool;
+    /// The first row in which an effect of a user gives no value at `at`, so that no prediction there counts; `None` of a
+    /// model that evaluates no such effects.
+    fn refusal(&self, at: &Point) -> Option<EffectRefusal>;
     /// How the transformed values of each group scatter from row to row about a point, beside the errors of the
     /// sensors; empty where the model does not say.
     fn chains(&self, at: &Point) -> Vec<Chain>;

@@ -1,6 +1,6 @@
 //! A nominal model counted from what its file states.
 
-use super::{Direction, Forward, Frame, Point, Transform, WrittenEffect};
+use super::{Direction, EffectRefusal, Forward, Frame, Point, Transform, WrittenEffect};
 use toolroom_innovations::Chain;
 
 /// A model whose nominal point is what its file states.
@@ -69,6 +69,10 @@ impl Forward for Given {
             slope.iter_mut().zip(&surfaces).for_each(|(slope, (factor, _))| *slope *= factor);
         }
         slopes
+    }
+
+    fn refusal(&self, at: &Point) -> Option<EffectRefusal> {
+        self.model.refusal(&self.from(at))
     }
 
     fn scatter_is_known(&self, channel: usize) -> bool {

@@ -49,13 +49,12 @@ pub use constants::{HUBER, MAD};
 pub use discrepancy::{Discrepancy, Discrepant, On};
 pub use effect_id::{EffectId, WEAR_RATE};
 pub use empirical_catalogue::{EMPIRICAL_EFFECTS, EmpiricalSizes};
-pub use forward::{Direction, Forward, Point, WrittenEffect};
+pub use forward::{Direction, EffectRefusal, Forward, Point, WrittenEffect};
 pub use frame::{Candidate, Covariate, Family, Frame, Local, Parameter};
 pub use measured::{Channel, Measured, Observation, Transform};
+pub use movable::{Movable, Words};
 pub use nominal::{Asked, ModelFileError, NominalModel, NominalProcess, sensor_sheet};
 pub use predict::{correct, predict, touches, transformed};
-
-pub use movable::{Movable, Words};
 pub use settings::Settings;
 pub use stability::{HeardCut, StructurePrior};
 pub use stated::Stated;

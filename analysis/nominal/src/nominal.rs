@@ -6,7 +6,7 @@ use super::given::Given;
 use super::grinding::Grinding;
 use super::program::{self, ProgramModel, Stretches};
 use super::shop::{Shop, ShopModel};
-use super::{EffectId, Forward, Settings, Stated};
+use super::{Candidate, EffectId, EffectRefusal, Forward, Point, Settings, Stated};
 use std::path::Path;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_effects::Definition;
@@ -62,6 +62,31 @@ pub struct Asked {
     pub notes: Vec<String>,
     /// Channels that were left out because no cut gives their numbers.
     pub impossible: usize,
+}
+
+impl Asked {
+    /// The first row of the records in which an effect of a user gives no value, in the model as its file states it or at
+    /// an ordinary size that the diagnosis tries.
+    pub fn refusal(&self) -> Option<EffectRefusal> {
+        let of_part = |part: &dyn Forward| {
+            let frame = part.frame();
+            let nominal = Point::nominal(part);
+            let tried = |(index, own): (usize, &Candidate)| {
+                let defined = frame.defined.iter().any(|definition| EffectId::from(*definition) == own.id);
+                let sizes = [own.typical.min(own.greatest), (-own.typical).max(own.least)];
+                let sized = |size: f64| {
+                    let mut point = nominal.clone();
+                    point.effects[index] = size;
+                    point
+                };
+                sizes.into_iter().filter(|size| defined && *size != 0.0).map(sized).collect::<Vec<_>>()
+            };
+            let points = frame.candidates.iter().enumerate().flat_map(tried);
+            let refusal = std::iter::once(nominal.clone()).chain(points).find_map(|point| part.refusal(&point))?;
+            Some(EffectRefusal { row: frame.record_of(refusal.row), ..refusal })
+        };
+        self.parts.iter().find_map(|part| of_part(part.as_ref()))
+    }
 }
 
 /// Why a nominal model cannot be used.
@@ -226,10 +251,13 @@ impl NominalModel {
     }
 
     /// The same model for records that its calibration has seen: what `gap apply` wrote is not counted, so that the
-    /// records count once. What was set aside comes with it.
+    /// records count once. What was set aside comes with it. A rate of wear of a part of the records was named, and is
+    /// counted from as effects are: such parts are not looked for again in the same records.
     pub fn set_aside(&self) -> (Self, Vec<Calibration>) {
         let mut model = self.clone();
-        let (aside, kept) = model.stated.calibrations.drain(..).partition(|own| own.by.starts_with("diagnosis "));
+        let of_part = |own: &Calibration| own.parameter == "wear_rate" && !own.scope.is_everywhere();
+        let calibrated = |own: &Calibration| own.by.starts_with("diagnosis ") && !of_part(own);
+        let (aside, kept) = model.stated.calibrations.drain(..).partition(calibrated);
         model.stated.calibrations = kept;
         (model, aside)
     }

@@ -4,9 +4,10 @@
 
 use crate::{Run, edge_name};
 use toolroom_kernel::{Entity, Purpose};
-use toolroom_process::{Field, MachineProcess};
+use toolroom_process::{Field, MachineProcess, watched};
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::{Cut, Work, lot_name};
+use toolroom_shop::Refusal;
 use toolroom_shop::runlog::{ChangeReason, LogEvent, PassRow};
 
 /// The start of a cut that means leave out, s.
@@ -21,7 +22,7 @@ const ICE: f64 = 273.15;
 const MEANS: [&str; 5] = ["cutting_force", "feed_force", "spindle_power", "temperature", "thermo_emf"];
 
 /// Rows of turning or milling.
-pub fn records(run: &Run<'_>, kind: RecordKind) -> Records {
+pub fn records(run: &Run<'_>, kind: RecordKind) -> Result<Records, Box<Refusal>> {
     let name = if kind == RecordKind::Milling { "milling" } else { "turning" };
     let mut rows: Vec<usize> = (0..run.log.passes.len()).filter(|at| run.process(*at).name() == name).collect();
     rows.retain(|at| run.log.passes[*at].cutting_time > 0.0 && programmed(run, &run.log.passes[*at]).is_some());
@@ -36,7 +37,7 @@ pub fn records(run: &Run<'_>, kind: RecordKind) -> Records {
     let mut start = 0;
     while start < passes.len() {
         let end = start + passes[start..].iter().take_while(|pass| pass.edge == passes[start].edge).count();
-        for mean in of_edge(run, &passes[start..end], &rows[start..end]) {
+        for mean in of_edge(run, &passes[start..end], &rows[start..end])? {
             means.iter_mut().zip(mean).for_each(|(values, value)| values.push(value));
         }
         start = end;
@@ -54,7 +55,7 @@ pub fn records(run: &Run<'_>, kind: RecordKind) -> Records {
     if passes.iter().any(|pass| !pass.stability_margin.is_nan()) {
         chatter(run, &passes, &mut records);
     }
-    records
+    Ok(records)
 }
 
 /// What was heard of chatter: 1 where it set in, 0 in a stable cut; nothing is known of a cut that was unstable for too short a
@@ -213,7 +214,7 @@ fn place(fields: &[Field], name: &str) -> Option<usize> {
 }
 
 /// Means over each pass of an edge, in order.
-fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEANS.len()]> {
+fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Result<Vec<[f64; MEANS.len()]>, Box<Refusal>> {
     let process = run.process(rows[0]).machine_process();
     let (inputs, outputs) = (process.inputs(), process.outputs());
     let land = place(process.states(), "flank_wear");
@@ -223,8 +224,7 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
     let pair = tool.scatter.sample_pair(&mut run.streams.open(Entity::named(&tool.name), Purpose::Tool));
     let mut x = process.initial();
     let mut clock = f64::NAN;
-    let mut means = Vec::with_capacity(passes.len());
-    for (pass, pass_index) in passes.iter().zip(rows) {
+    let mut of_pass = |pass: &PassRow, pass_index: &usize| {
         let model = run.process(*pass_index);
         let process = model.machine_process();
         let cut = programmed(run, pass).unwrap_or_default();
@@ -315,9 +315,12 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
         clock = pass.end;
         let mut mean = [f64::NAN; MEANS.len()];
         mean.iter_mut().zip(sums).zip(factors).for_each(|((mean, sum), factor)| *mean = sum * factor);
-        means.push(mean);
-    }
-    means
+        mean
+    };
+    let mean = |(pass, index): (&&PassRow, &usize)| {
+        watched(|| of_pass(pass, index)).map_err(|source| run.refusal(pass, source))
+    };
+    passes.iter().zip(rows).map(mean).collect()
 }
 
 /// Rounds in which a hardness is sought.

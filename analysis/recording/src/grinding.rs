@@ -4,9 +4,10 @@
 
 use crate::{Run, edge_name};
 use toolroom_infeed::{Infeed, Input, State};
-use toolroom_process::Process;
+use toolroom_process::{Process, watched};
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::{GrindingPhase, ProcessModel, Work};
+use toolroom_shop::Refusal;
 
 /// Readings of a trial.
 const CHANNELS: [&str; 5] =
@@ -35,7 +36,7 @@ struct Trial<'a> {
 }
 
 /// Rows of grinding.
-pub fn trials(run: &Run<'_>) -> Records {
+pub fn trials(run: &Run<'_>) -> Result<Records, Box<Refusal>> {
     let mut trials: Vec<Trial<'_>> = (0..run.visits.list.len()).filter_map(|visit| trial(run, visit)).collect();
     trials.sort_by(|a, b| a.edge.cmp(&b.edge).then(a.start.total_cmp(&b.start)));
     let mut records = Records::new(RecordKind::Grinding, trials.len());
@@ -48,9 +49,14 @@ pub fn trials(run: &Run<'_>) -> Records {
         if !same {
             wheel = trial.wheel.initial();
         }
-        let nominal = ground(trial, 1.0, &mut wheel.clone())[1];
-        let factor = if nominal > 0.0 && trial.force > 0.0 { trial.force / nominal } else { 1.0 };
-        readings.iter_mut().zip(ground(trial, factor, &mut wheel)).for_each(|(all, reading)| all.push(reading));
+        let followed = watched(|| {
+            let nominal = ground(trial, 1.0, &mut wheel.clone())[1];
+            let factor = if nominal > 0.0 && trial.force > 0.0 { trial.force / nominal } else { 1.0 };
+            ground(trial, factor, &mut wheel)
+        });
+        let first = &run.log.passes[run.visits.list[trial.visit].passes[0]];
+        let followed = followed.map_err(|source| run.refusal(first, source))?;
+        readings.iter_mut().zip(followed).for_each(|(all, reading)| all.push(reading));
     }
     let visit = |trial: &Trial<'_>| &run.visits.list[trial.visit];
     let machine = |trial: &Trial<'_>| run.log.edges[trial.edge as usize].machine;
@@ -78,7 +84,7 @@ pub fn trials(run: &Run<'_>) -> Records {
     for (channel, values) in CHANNELS.iter().zip(&readings) {
         run.channel(&mut records, channel, values);
     }
-    records
+    Ok(records)
 }
 
 /// The trial that a visit is, if it has one or two infeeds before its spark-out and is ground by one dressing of the wheel.

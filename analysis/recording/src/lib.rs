@@ -17,9 +17,11 @@ mod visits;
 
 use rand_distr::{Distribution, StandardNormal};
 use toolroom_kernel::{Entity, Purpose, Streams};
+use toolroom_process::ModelError;
 use toolroom_records::{RecordKind, Records, Sensor};
 use toolroom_scenario::{Occasion, ProcessModel, Scenario, ToolType, calibrated_channel, lot_name};
-use toolroom_shop::RunLog;
+use toolroom_shop::runlog::PassRow;
+use toolroom_shop::{Refusal, RunLog};
 use visits::Visits;
 
 /// Sensor of a channel of a kind of records.
@@ -28,14 +30,18 @@ pub type Sheet<'a> = dyn Fn(RecordKind, &str) -> Sensor + 'a;
 /// What was measured of one run, kind by kind; kinds without rows are left out. Readings carry the
 /// errors of `sheet`, drawn from the seed of the scenario; times of events are those of the control
 /// and have none.
-pub fn simulated(scenario: &Scenario, log: &RunLog, sheet: &Sheet<'_>) -> Vec<Records> {
+///
+/// # Errors
+/// [`Refusal`]: means over a pass ask the process at more states than the run did, and at one of them an effect of a user
+/// gives no value.
+pub fn simulated(scenario: &Scenario, log: &RunLog, sheet: &Sheet<'_>) -> Result<Vec<Records>, Box<Refusal>> {
     let run = Run { scenario, log, visits: Visits::of(scenario, log), sheet, streams: Streams::new(scenario.seed, 0) };
-    let mut all = vec![cutting::records(&run, RecordKind::Turning), cutting::records(&run, RecordKind::Milling)];
-    all.push(grinding::trials(&run));
+    let mut all = vec![cutting::records(&run, RecordKind::Turning)?, cutting::records(&run, RecordKind::Milling)?];
+    all.push(grinding::trials(&run)?);
     all.push(events::events(&run));
     all.push(program::stretches(&run));
     all.retain(|records| !records.is_empty());
-    all
+    Ok(all)
 }
 
 /// A run, and the sensors that see it.
@@ -48,6 +54,20 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
+    /// What a process refuses while a pass is followed for its records.
+    fn refusal(&self, pass: &PassRow, source: ModelError) -> Box<Refusal> {
+        let part = &self.scenario.parts[pass.part as usize];
+        Box::new(Refusal {
+            time: pass.start,
+            machine: self.machine(pass.machine),
+            part: part.name.clone(),
+            operation: part.operations[pass.operation as usize].name.clone(),
+            pass: pass.pass,
+            inputs: Vec::new(),
+            source,
+        })
+    }
+
     /// Readings of a channel, one a row.
     fn readings(&self, kind: RecordKind, channel: &str, values: &[f64]) -> Vec<f64> {
         let sensor = (self.sheet)(kind, channel);

@@ -12,7 +12,7 @@ fn shop(file: &str, overrides: &[&str]) -> (Scenario, RunLog, Vec<Records>) {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
     let scenario = toolroom_scenario_file::read(&path, &overrides).expect("a shipped scenario").scenario;
     let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");
-    let all = simulated(&scenario, &log, &|_, channel| Sensor::usual(channel));
+    let all = simulated(&scenario, &log, &|_, channel| Sensor::usual(channel)).expect("records");
     let again = |records: &Records| {
         let mut bytes = Vec::new();
         write_csv(records, &mut bytes).expect("memory can be written");

@@ -119,6 +119,15 @@ impl Milling {
 
     /// State after `dt` seconds in a cut of the domain, or at the first event.
     fn run(&self, x: &MillingState, u: &MillingInput, dt: f64) -> Result<(MillingState, Advance), ModelError> {
+        self.effects.watched(|| self.run_unwatched(x, u, dt))
+    }
+
+    fn run_unwatched(
+        &self,
+        x: &MillingState,
+        u: &MillingInput,
+        dt: f64,
+    ) -> Result<(MillingState, Advance), ModelError> {
         // Out of cut nothing changes.
         if u.engaged == 0.0 {
             return Ok((*x, Advance { elapsed: dt, event: None }));

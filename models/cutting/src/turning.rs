@@ -94,8 +94,22 @@ impl Turning {
         absolute.map(|scale| relative * scale)
     }
 
-    /// [`Process::advance_watched`] by the adaptive pair.
+    /// [`Process::advance_watched`] by the adaptive pair; what the effects refuse leaves the state as it was.
     fn integrate(
+        &self,
+        x: &mut TurningState,
+        u: &TurningInput,
+        dt: f64,
+        times: &[f64],
+        see: &mut dyn FnMut(usize, &TurningInput, &TurningOutput),
+    ) -> Result<Advance, ModelError> {
+        let mut state = *x;
+        let advance = self.effects.watched(|| self.integrate_unwatched(&mut state, u, dt, times, see))?;
+        *x = state;
+        Ok(advance)
+    }
+
+    fn integrate_unwatched(
         &self,
         x: &mut TurningState,
         u: &TurningInput,

@@ -255,3 +255,25 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn an_effect_of_a_user_without_a_value_ends_a_step_and_leaves_the_state() {
+    let text = "[[effect]]\nid = \"my.root\"\nprocess = [\"turning\"]\nsize = { ordinary = 0.1, range = [0, 2] }\n\
+                changes = [{ term = \"cutting_force\", \
+                factor = \"1 + size * sqrt(1 - 2 * bump(flank_wear, 0.15 mm, 0.0005 mm))\" }]\n";
+    let definition = toolroom_effects::parse_definitions("effects.toml", text).expect("an effect")[0];
+    let effect = Effect::User(toolroom_effects::UserEffect::new(definition)).with_size(0.1);
+    let turning = Turning { effects: Effects::new(vec![effect]).expect("one effect"), ..Turning::default() };
+    let u = TurningInput::default();
+    // Inside the window from the first instant on: the energy has no slope.
+    let worn = TurningState { flank_wear: 0.15e-3, ..TurningState::default() };
+    let mut x = worn;
+    let refused = turning.advance(&mut x, &u, 30.0).expect_err("no force, no energy");
+    assert_eq!((refused.code(), x), (Some("effect-value"), worn));
+    assert!(refused.to_string().contains("flank_wear 1.5000e-1 mm"), "{refused}");
+    let looked = turning.advance_watched(&mut x, &u, 30.0, &[10.0], &mut |_, _, _| ());
+    assert_eq!((looked.map_err(|error| error.code()), x), (Err(Some("effect-value")), worn));
+    // Before it the step is taken.
+    let mut x = TurningState { flank_wear: 0.05e-3, ..TurningState::default() };
+    assert_eq!(turning.advance(&mut x, &u, 1.0).map(|step| step.elapsed), Ok(1.0));
+}

@@ -3,7 +3,7 @@
 use crate::{Context, Effect, EffectError, Terms};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use toolroom_process::{AnyRecord, Number};
+use toolroom_process::{AnyRecord, ModelError, Number};
 
 /// The effects of a process, each shape of one at most once, in the order in which they act.
 ///
@@ -33,6 +33,21 @@ impl<N: Copy> Effects<N> {
     /// Whether there is none: [`Effects::terms`] is neutral whatever the context.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
+    }
+
+    /// Whether an effect that a user has defined is among them.
+    pub fn has_defined(&self) -> bool {
+        self.0.iter().any(|effect| matches!(effect, Effect::User(_)))
+    }
+
+    /// Does `work`, which evaluates these effects on this thread, and refuses its result where one that a user has defined
+    /// gave no number or drove a term out of its range. Effects of the catalogue stay within it; where there are no others
+    /// this is `work` alone.
+    ///
+    /// # Errors
+    /// [`ModelError::EffectValue`], or what `work` refuses.
+    pub fn watched<T>(&self, work: impl FnOnce() -> Result<T, ModelError>) -> Result<T, ModelError> {
+        if self.has_defined() { toolroom_process::watched(work)? } else { work() }
     }
 
     /// The same effects over another number type.

@@ -3,7 +3,7 @@
 use num_dual::Dual64;
 use toolroom_effects::{Context, Definition, Effect, Effects, Terms, UserEffect, parse_definitions, vocabulary};
 use toolroom_form::ReadError;
-use toolroom_process::AnyRecord;
+use toolroom_process::{AnyRecord, EffectValue, ModelError};
 
 /// An effect of these changes.
 fn file(changes: &str) -> String {
@@ -169,6 +169,50 @@ fn an_effect_of_size_zero_is_absent_and_none_leaves_its_range() {
         let definition = factor(formula).unwrap_or_else(|error| panic!("{formula}: {error}"));
         assert_eq!(of(definition, 0.0).terms::<f64>(&worn()), Terms::neutral(), "{formula}");
     }
+}
+
+/// What the effects refuse at a wear of the land, m.
+fn refused(effects: &Effects, flank_wear: f64) -> Option<EffectValue> {
+    let context = Context { flank_wear, ..Context::neutral() };
+    match effects.watched(|| Ok(effects.terms::<f64>(&context))) {
+        Ok(_) => None,
+        Err(ModelError::EffectValue(refused)) => Some(*refused),
+        Err(other) => panic!("{other}"),
+    }
+}
+
+#[test]
+fn a_value_between_the_points_of_the_check_is_refused_while_a_model_runs() {
+    // No number between 0.1494 and 0.1506 mm, where no point of the check lies.
+    let narrow = of(factor("1 + size * sqrt(1 - 2 * bump(flank_wear, 0.15 mm, 0.0005 mm))").unwrap(), 0.1);
+    assert_eq!(refused(&narrow, 0.149e-3), None);
+    let found = refused(&narrow, 0.15e-3).expect("a root of a negative number");
+    assert_eq!(
+        found.to_string(),
+        "effect-value: effect `my.crater` makes cutting_force no number, its range is 0 … 1000000; \
+         with size 1.0000e-1, flank_wear 1.5000e-1 mm"
+    );
+    let pole = of(factor("1 + size * 1e-9 mm / abs(flank_wear - 0.125 mm)").unwrap(), 0.1);
+    assert_eq!(refused(&pole, 0.124e-3), None);
+    assert!(refused(&pole, 0.125e-3).is_some_and(|own| own.value.is_infinite() && own.term == "cutting_force"));
+    // Slopes are refused as values are.
+    let dual = Context { flank_wear: 0.15e-3, ..Context::neutral() }.map(Dual64::from);
+    assert!(narrow.watched(|| Ok(narrow.terms::<Dual64>(&dual))).is_err());
+}
+
+#[test]
+fn effects_that_leave_a_range_together_are_refused_and_a_context_without_numbers_is_no_fault_of_theirs() {
+    let one = "[[effect]]\nid = \"my.one\"\nprocess = [\"turning\"]\n\
+               size = { ordinary = 0.1, range = [0, 2] }\n\
+               changes = [{ term = \"cutting_force\", factor = \"1 + size * 4e5 * flank_wear / 10 mm\" }]\n";
+    let text = format!("{one}{}", one.replace("my.one", "my.two"));
+    let both = parse_definitions("effects.toml", &text).expect("two effects");
+    let effect = |definition| Effect::User(UserEffect::new(definition)).with_size(2.0);
+    let both = Effects::new(both.into_iter().map(effect).collect()).expect("two effects");
+    assert_eq!(refused(&both, 0.0), None);
+    let found = refused(&both, 9e-3).expect("a product of two");
+    assert_eq!((found.effect, found.value > 1e11), ("my.two", true), "{found}");
+    assert_eq!(refused(&both, f64::NAN), None);
 }
 
 #[test]

@@ -313,6 +313,26 @@ impl Process for Infeed {
     /// Events are raised at the end of the revolution in which their limit is passed; where both
     /// are passed in one revolution, burn is raised and the other shows in the indicators.
     fn advance(&self, x: &mut State, u: &Input, dt: f64) -> Result<Advance, ModelError> {
+        let mut state = *x;
+        let advance = self.effects.watched(|| self.advance_unwatched(&mut state, u, dt))?;
+        *x = state;
+        Ok(advance)
+    }
+
+    fn event_indicators(&self, x: &State, _u: &Input, indicators: &mut [f64]) {
+        indicators.copy_from_slice(&self.indicators(x.peak_temperature_rise, x.removed_volume));
+    }
+
+    fn parameters_mut(&mut self) -> Vec<(&'static str, &mut dyn AnyRecord)> {
+        let mut groups: Vec<(&'static str, &mut dyn AnyRecord)> = vec![("infeed", &mut self.parameters)];
+        groups.extend(self.effects.parameters_mut());
+        groups
+    }
+}
+
+impl Infeed {
+    /// [`Process::advance`] where nobody asks what the effects refuse.
+    fn advance_unwatched(&self, x: &mut State, u: &Input, dt: f64) -> Result<Advance, ModelError> {
         u.check()?;
         if !(dt >= 0.0 && dt.is_finite()) {
             return Err(ModelError::Step { seconds: dt });
@@ -353,18 +373,6 @@ impl Process for Infeed {
         Ok(whole)
     }
 
-    fn event_indicators(&self, x: &State, _u: &Input, indicators: &mut [f64]) {
-        indicators.copy_from_slice(&self.indicators(x.peak_temperature_rise, x.removed_volume));
-    }
-
-    fn parameters_mut(&mut self) -> Vec<(&'static str, &mut dyn AnyRecord)> {
-        let mut groups: Vec<(&'static str, &mut dyn AnyRecord)> = vec![("infeed", &mut self.parameters)];
-        groups.extend(self.effects.parameters_mut());
-        groups
-    }
-}
-
-impl Infeed {
     /// Distance past the burn limit and past the dressing limit, relative.
     pub(crate) fn indicators(&self, temperature_rise: f64, removed_volume: f64) -> [f64; 2] {
         [

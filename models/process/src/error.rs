@@ -62,4 +62,56 @@ pub enum ModelError {
         /// What failed, with what the unit says about it.
         reason: String,
     },
+    /// An effect of a user that gives no number, or drives a term out of its range.
+    #[error(transparent)]
+    EffectValue(#[from] Box<EffectValue>),
+}
+
+impl ModelError {
+    /// The code of what has an explanation of its own; `None` of the rest.
+    pub fn code(&self) -> Option<&'static str> {
+        match self {
+            Self::EffectValue(_) => Some("effect-value"),
+            Self::OutOfRange { .. }
+            | Self::Step { .. }
+            | Self::StepTooSmall { .. }
+            | Self::Contradiction { .. }
+            | Self::NoSolution { .. }
+            | Self::Unit { .. } => None,
+        }
+    }
+}
+
+/// The value of an effect of a user with which no model may go on. Numbers are in `unit`.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "effect-value: effect `{effect}` makes {term} {}, its range is {} … {}; with {context}",
+    shown(*value, unit), shown(*min, "1"), shown(*max, unit)
+)]
+pub struct EffectValue {
+    /// Id of the effect.
+    pub effect: &'static str,
+    /// The term that it changes.
+    pub term: &'static str,
+    /// What the term would be; not a number, infinite, or out of range.
+    pub value: f64,
+    /// Least admissible value.
+    pub min: f64,
+    /// Greatest admissible value.
+    pub max: f64,
+    /// Unit for people, `1` of a ratio.
+    pub unit: &'static str,
+    /// Size, shape and quantities of the context that the formula names, with their values.
+    pub context: String,
+}
+
+/// A number with its unit, as a message has it.
+fn shown(value: f64, unit: &str) -> String {
+    let number = match value {
+        _ if value.is_nan() => "no number".to_owned(),
+        _ if value.is_infinite() => "infinite".to_owned(),
+        _ if value != 0.0 && !(1e-3..1e7).contains(&value.abs()) => format!("{value:e}"),
+        _ => value.to_string(),
+    };
+    if unit == "1" || !value.is_finite() { number } else { format!("{number} {unit}") }
 }

@@ -21,6 +21,7 @@
 //! | [`MachineProcess`] | the same by element index, for native models and imported units alike |
 //! | [`Wiring`] | how an imported unit stands in for a native process |
 //! | [`Number`] | `f64` or a dual number: equations are written once |
+//! | [`refuse`], [`watched`] | how an equation that gives numbers refuses a value, and how whoever drives the model learns of it |
 //! | [`mod@unit`] | `"60 m/min"` to SI and back |
 //! | [`ode`] | Runge–Kutta 4, Dormand–Prince 5(4), event location |
 //! | [`table`] | the one writer of CSV files, and the check of their quotes |
@@ -51,12 +52,13 @@ pub mod ode;
 pub mod parameters;
 mod process;
 mod record;
+mod refusal;
 pub mod table;
 pub mod unit;
 mod wiring;
 
 pub use claim::Claim;
-pub use error::ModelError;
+pub use error::{EffectValue, ModelError};
 pub use field::{Field, Kind};
 pub use num_dual;
 pub use number::Number;
@@ -64,4 +66,5 @@ pub use process::{Advance, MachineProcess, Process, ProcessEvent};
 #[doc(hidden)]
 pub use record::Slots;
 pub use record::{AnyRecord, Record};
+pub use refusal::{refuse, watched};
 pub use wiring::{UnitIsolation, Wiring};

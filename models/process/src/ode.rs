@@ -156,7 +156,8 @@ fn integrate_from<const D: usize, const E: usize>(
         if error.is_nan() || error > 1.0 {
             integration.rejected += 1;
             h *= if error.is_nan() { 0.1 } else { (0.9 * error.powf(-0.2)).max(0.2) };
-            if h < least {
+            // A slope that is no number gives a step that is none.
+            if h.is_nan() || h < least {
                 return Err(ModelError::StepTooSmall { time: integration.time, step: least });
             }
             continue;
@@ -574,6 +575,14 @@ mod tests {
         let n = 100_000;
         let time: f64 = (0..n).map(|i| 3.0 / f64::from(n) / rate((f64::from(i) + 0.5) * 3.0 / f64::from(n))).sum();
         assert!((end.time / time - 1.0).abs() < 1e-6, "{end:?}, not {time}");
+    }
+
+    #[test]
+    fn a_right_hand_side_that_is_no_number_at_the_start_ends() {
+        // The state is known by then, so that the first step follows from the slope.
+        let tolerance = Tolerance { relative: 1e-6, absolute: [1e-6; 2] };
+        let end = integrate(|_, _| [1.0, f64::NAN], |_, _: &[f64; 2]| [-1.0], &[1.0, 1.0], 1.0, &tolerance);
+        assert!(matches!(end, Err(ModelError::StepTooSmall { .. })), "{end:?}");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use super::chatter::{self, Vibration};
 use super::ports::{Ports, elements, read, write};
 use super::program::Program;
-use toolroom_process::{MachineProcess, ModelError, ProcessEvent};
+use toolroom_process::{MachineProcess, ModelError, ProcessEvent, watched};
 use toolroom_scenario::policies::Sample;
 
 /// A stretch of cutting under one command: where it starts, where it ends, what happens.
@@ -178,6 +178,11 @@ fn sample(ports: &Ports, input: &[f64], output: &[f64], elapsed: f64) -> Sample 
         thermo_emf: read(output, ports.thermo_emf, 0.0),
         force_ripple: read(output, ports.force_ripple, 0.0),
     }
+}
+
+/// Does `work` and refuses it where an effect of a user gave no value on the way.
+pub(super) fn refusing<T>(work: impl FnOnce() -> Result<T, CutFault>) -> Result<T, CutFault> {
+    watched(work).map_err(CutFault::Model)?
 }
 
 /// Moves an edge that is out of cut, before it cuts under `command`: it cools, nothing else.

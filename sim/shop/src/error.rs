@@ -111,7 +111,7 @@ pub struct Refusal {
     pub operation: String,
     /// Pass within the operation, from 0.
     pub pass: u32,
-    /// Name and SI value of every input element of the process.
+    /// Name and SI value of every input element of the process; none where a finished run is followed for its records.
     pub inputs: Vec<(&'static str, f64)>,
     /// What it refused.
     pub source: ModelError,

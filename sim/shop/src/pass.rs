@@ -1,6 +1,6 @@
 //! Passes: command, plan, interruption, end.
 
-use super::cut::{CutFault, rest};
+use super::cut::{CutFault, refusing, rest};
 use super::draws::{self, owner};
 use super::error::Refusal;
 use super::layout::cut_duration;
@@ -11,7 +11,7 @@ use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, EventRow, LogEvent, PassRow};
 use rand::RngExt;
 use toolroom_kernel::Purpose;
-use toolroom_process::ProcessEvent;
+use toolroom_process::{ProcessEvent, watched};
 use toolroom_scenario::policies::{ForceReading, Observation};
 use toolroom_scenario::{Cut, ShopConstant, ShopEffect, Work};
 
@@ -70,6 +70,10 @@ impl<R: Recorder> Shop<'_, R> {
     /// pass, or the end of cutting.
     pub(super) fn next_pass(&mut self, machine: usize) -> Result<(), ShopError> {
         let place = self.place(machine);
+        self.refused_at(machine, place, |shop| shop.next_pass_of(machine, place))
+    }
+
+    fn next_pass_of(&mut self, machine: usize, place: Place) -> Result<(), ShopError> {
         let plan = self.layout.passes(place.part, place.operation);
         let edge = self.world.machines[machine].edges[place.tool].as_ref();
         if edge.is_some_and(|edge| edge.spent.is_some_and(|reason| reason != ChangeReason::Dressing)) {
@@ -283,12 +287,15 @@ impl<R: Recorder> Shop<'_, R> {
             write(&mut segment.start_input, ports.coolant_changed, 1.0);
         }
         let idle = now - edge.clock;
-        let result =
-            if idle > 0.0 { rest(process, ports, &mut edge.state, &segment.start_input, idle) } else { Ok(()) };
-        edge.clock = now;
         let sampling = edge.observer.as_ref().map(|_| controller.sampling_period());
-        let result = result.and_then(|()| segment.plan(process, ports, &edge.state, *left, sampling));
-        match result {
+        edge.clock = now;
+        let planned = refusing(|| {
+            if idle > 0.0 {
+                rest(process, ports, &mut edge.state, &segment.start_input, idle)?;
+            }
+            segment.plan(process, ports, &edge.state, *left, sampling)
+        });
+        match planned {
             Ok(()) => {
                 let kind = self.controllers.kind_of_pass(machine, plan.first_pass + place.pass as u32);
                 let known = state.reactions.iter().find(|each| each.kind == kind);
@@ -320,7 +327,7 @@ impl<R: Recorder> Shop<'_, R> {
         let share = segment.share(&tool.ports, elapsed);
         *left = (requested - elapsed).max(0.0);
         let sampling = segment.sampling_period;
-        let planned = segment.plan(process, &tool.ports, &edge.state, elapsed, sampling);
+        let planned = refusing(|| segment.plan(process, &tool.ports, &edge.state, elapsed, sampling));
         if let Err(fault) = planned {
             return Err(self.cut_error(machine, place, fault));
         }
@@ -334,6 +341,10 @@ impl<R: Recorder> Shop<'_, R> {
     /// A pass ends, because it is cut or because the edge is lost.
     pub(super) fn end_pass(&mut self, machine: usize) -> Result<(), ShopError> {
         let place = self.place(machine);
+        self.refused_at(machine, place, |shop| shop.end_pass_of(machine, place))
+    }
+
+    fn end_pass_of(&mut self, machine: usize, place: Place) -> Result<(), ShopError> {
         let segment = &self.world.machines[machine].segment;
         if let Some(stop) = segment.stop {
             return self.react(machine, place, stop);
@@ -515,6 +526,20 @@ impl<R: Recorder> Shop<'_, R> {
             edge.spent = Some(ChangeReason::Rule);
         }
         sensors.reading_time
+    }
+
+    /// Does `work` and refuses it where an effect of a user gave no value beside what a planned segment refuses by itself:
+    /// where forces are looked at before infeeds are chosen, or a form error after the cut.
+    fn refused_at(
+        &mut self,
+        machine: usize,
+        place: Place,
+        work: impl FnOnce(&mut Self) -> Result<(), ShopError>,
+    ) -> Result<(), ShopError> {
+        let mut done = Ok(());
+        let watched = watched(|| done = work(self));
+        done?;
+        watched.map_err(|refusal| self.cut_error(machine, place, CutFault::Model(refusal)))
     }
 
     fn cut_error(&self, machine: usize, place: Place, fault: CutFault) -> ShopError {

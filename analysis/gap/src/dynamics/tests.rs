@@ -146,7 +146,7 @@ fn milled(factor: f64) -> Records {
         tool.structure_scatter = StructureScatter::default();
     }
     let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");
-    let all = simulated(&scenario, &log, &|_, channel| Settings::default().sensor(channel));
+    let all = simulated(&scenario, &log, &|_, channel| Settings::default().sensor(channel)).expect("records");
     all.into_iter().find(|records| records.kind == RecordKind::Milling).expect("cuts")
 }
 

@@ -1,7 +1,8 @@
 //! An edge through its operations, in steps that are the same wherever the model is asked.
 
 use super::{Action, Change, Cutting, LAND, LandForm, NARROW, Nominal, Source, scattered};
-use crate::{Direction, Forward, Frame, Point, WrittenEffect};
+use crate::forward::{RowByRow, first_refusal};
+use crate::{Direction, EffectRefusal, Forward, Frame, Point, WrittenEffect};
 use rayon::prelude::*;
 use toolroom_effects::{Effect, Effects};
 use toolroom_innovations::Chain;
@@ -248,39 +249,50 @@ impl<P: Nominal> Cutting<P> {
         process
     }
 
-    /// Values of all observations of a group.
-    fn edge(&self, setting: &Setting<'_, P>, group: usize) -> Vec<f64> {
+    /// Values of all observations of a group, `each` of whose rows is handed the work on it.
+    fn edge(&self, setting: &Setting<'_, P>, group: usize, each: &mut RowByRow<'_>) -> Vec<f64> {
         let parts = Parts::of::<P>();
         let channels = self.outputs.len().max(1);
         let mut values = vec![0.0; channels * self.rows[group].len()];
         let mut y = vec![0.0; P::Output::LEN];
         let mut x = self.fresh(setting.start);
         for (row, values) in self.rows[group].iter().zip(values.chunks_exact_mut(channels)) {
-            let (u, factor) = self.conditions(setting, group, *row);
-            let of_land = setting.of_land(*row);
-            let held = setting.process(*row).held(&u);
-            self.cool(&parts, *row, &mut x);
-            let mut seen = 0.0;
-            for step in &self.steps[*row] {
-                let middle = taken::<P>(&parts, &held, &mut x, step, [factor; 2], &of_land);
-                if step.seen {
-                    self.observe(&held, &middle).write_to(&mut y);
-                    for (channel, output) in &self.means {
-                        values[*channel] += step.length * y[*output];
-                    }
-                    seen += step.length;
-                }
-            }
-            for ((value, source), sign) in values.iter_mut().zip(&self.outputs).zip(&self.signs) {
-                *value = sign
-                    * match source {
-                        Source::Wear => x[parts.land],
-                        Source::Output(_) => *value / seen,
-                        Source::Duration => self.durations[*row] + self.handling[*row],
-                    };
-            }
+            each(*row, &mut || self.follow(setting, (group, *row), (&parts, &mut x, &mut y), values));
         }
         self.observed(group, &values)
+    }
+
+    /// Takes an edge through a row; values of each channel.
+    fn follow(
+        &self,
+        setting: &Setting<'_, P>,
+        (group, row): (usize, usize),
+        (parts, x, y): (&Parts, &mut [f64; MOST], &mut [f64]),
+        values: &mut [f64],
+    ) {
+        let (u, factor) = self.conditions(setting, group, row);
+        let of_land = setting.of_land(row);
+        let held = setting.process(row).held(&u);
+        self.cool(parts, row, x);
+        let mut seen = 0.0;
+        for step in &self.steps[row] {
+            let middle = taken::<P>(parts, &held, x, step, [factor; 2], &of_land);
+            if step.seen {
+                self.observe(&held, &middle).write_to(y);
+                for (channel, output) in &self.means {
+                    values[*channel] += step.length * y[*output];
+                }
+                seen += step.length;
+            }
+        }
+        for ((value, source), sign) in values.iter_mut().zip(&self.outputs).zip(&self.signs) {
+            *value = sign
+                * match source {
+                    Source::Wear => x[parts.land],
+                    Source::Output(_) => *value / seen,
+                    Source::Duration => self.durations[row] + self.handling[row],
+                };
+        }
     }
 
     /// What the channels ask for at a state.
@@ -423,8 +435,10 @@ impl<P: Nominal> Forward for Cutting<P> {
     }
     fn simulate(&self, at: &Point) -> Vec<f64> {
         let setting = self.setting(at);
-        let edges: Vec<Vec<f64>> =
-            (0..self.rows.len()).into_par_iter().map(|group| self.edge(&setting, group)).collect();
+        let edges: Vec<Vec<f64>> = (0..self.rows.len())
+            .into_par_iter()
+            .map(|group| self.edge(&setting, group, &mut |_, work| work()))
+            .collect();
         let mut raw = edges.concat();
         for (action, size) in self.actions.iter().zip(&at.effects) {
             if let Action::Reading { channel, column, .. } = action
@@ -438,6 +452,15 @@ impl<P: Nominal> Forward for Cutting<P> {
             }
         }
         raw
+    }
+    fn refusal(&self, at: &Point) -> Option<EffectRefusal> {
+        let setting = self.setting(at);
+        if !setting.processes.iter().any(|process| process.effects().has_defined()) {
+            return None;
+        }
+        first_refusal(self.rows.len(), |group, each| {
+            self.edge(&setting, group, each);
+        })
     }
     fn scatter_is_known(&self, channel: usize) -> bool {
         // The error of a signed channel is bounded from below, so that it is not that of the sheet.

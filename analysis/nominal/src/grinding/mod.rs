@@ -18,7 +18,11 @@ pub use conditions::dressings;
 use super::features;
 use super::settings::{MACHINE_GAIN, Settings};
 use super::stated::Stated;
-use super::{Channel, ChannelId, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform, WrittenEffect};
+use super::{
+    Channel, ChannelId, EffectRefusal, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform,
+    WrittenEffect,
+};
+use crate::forward::{RowByRow, first_refusal};
 use catalogue::Action;
 use conditions::Conditions;
 use plunge::{Plunge, Stage, plunge};
@@ -190,6 +194,17 @@ impl Grinding {
     /// Readings of all trials after one dressing, each of a workpiece that is harder by the share `harder` than those
     /// before it.
     fn dressing(&self, process: &Infeed, at: &Point, group: usize, harder: f64) -> Vec<Plunge> {
+        self.dressing_by_row(process, at, (group, harder), &mut |_, work| work())
+    }
+
+    /// The same, `each` of whose rows is handed the work on it.
+    fn dressing_by_row(
+        &self,
+        process: &Infeed,
+        at: &Point,
+        (group, harder): (usize, f64),
+        each: &mut RowByRow<'_>,
+    ) -> Vec<Plunge> {
         let c = &self.conditions;
         let mut process = process.clone();
         if let Some(row) = self.rows[group].first() {
@@ -206,7 +221,7 @@ impl Grinding {
         let p = &process.parameters;
         let mut wheel = process.initial();
         let mut readings = Vec::with_capacity(self.rows[group].len());
-        for row in &self.rows[group] {
+        let mut follow = |row: &usize| {
             let scoped = self.process_on(&process, at, *row);
             let process = scoped.as_ref().unwrap_or(&process);
             let worn = process.effects.iter().filter(|effect| matches!(effect, Effect::WheelWear(_))).map(Effect::size);
@@ -243,6 +258,9 @@ impl Grinding {
             } else {
                 ground(&Input { process_stiffness_factor: factor * (1.0 + harder), ..u }).0
             });
+        };
+        for row in &self.rows[group] {
+            each(*row, &mut || follow(row));
         }
         readings
     }
@@ -273,6 +291,20 @@ impl Forward for Grinding {
     }
     fn scatter_is_known(&self, _channel: usize) -> bool {
         self.scattered.is_some()
+    }
+    fn refusal(&self, at: &Point) -> Option<EffectRefusal> {
+        let process = self.process_at(at);
+        let candidates = self.actions.iter().zip(&at.effects);
+        let mut scoped = candidates.filter_map(|(action, size)| match action {
+            Action::Scoped { effect, .. } if *size != 0.0 => Some(effect),
+            Action::Scoped { .. } | Action::Effect { .. } | Action::Coolant(_) => None,
+        });
+        if !(process.effects.has_defined() || scoped.any(|effect| effect.definition().is_some())) {
+            return None;
+        }
+        first_refusal(self.rows.len(), |group, each| {
+            self.dressing_by_row(&process, at, (group, 0.0), each);
+        })
     }
     fn chains(&self, at: &Point) -> Vec<Chain> {
         self.chains_at(at)

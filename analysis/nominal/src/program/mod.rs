@@ -20,8 +20,8 @@ use super::features::{self, standardised};
 use super::search;
 use super::settings::Settings;
 use super::{
-    Candidate, Channel, ChannelId, Covariate, EffectId, Forward, Frame, Measured, Movable, Parameter, Point, Surface,
-    Transform, WrittenEffect,
+    Candidate, Channel, ChannelId, Covariate, EffectId, EffectRefusal, Forward, Frame, Measured, Movable, Parameter,
+    Point, Surface, Transform, WrittenEffect,
 };
 use rows::{Rows, rows};
 use toolroom_drives::{Drives, times};
@@ -339,6 +339,10 @@ fn clock(program: &Program, drives: &Drives) -> Vec<f64> {
 impl Forward for Stretches {
     fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    fn refusal(&self, _at: &Point) -> Option<EffectRefusal> {
+        None // no effect of a user acts here
     }
 
     fn scatter_is_known(&self, _channel: usize) -> bool {

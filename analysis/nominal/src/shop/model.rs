@@ -2,8 +2,8 @@
 
 use super::super::features::standardised;
 use super::super::{
-    Channel, Covariate, Direction, Family, Forward, Frame, Local, Measured, Point, Settings, Stated, Surface,
-    WrittenEffect,
+    Channel, Covariate, Direction, EffectRefusal, Family, Forward, Frame, Local, Measured, Point, Settings, Stated,
+    Surface, WrittenEffect,
 };
 use super::block::{Block, Blocks, ROOT_SCORE, TAIL};
 use super::catalogue::Action;
@@ -349,6 +349,10 @@ impl Forward for ShopModel {
 
     fn simulate(&self, at: &Point) -> Vec<f64> {
         self.simulated(at, &self.shapes(&[at]))
+    }
+
+    fn refusal(&self, _at: &Point) -> Option<EffectRefusal> {
+        None // no effect of a user acts here
     }
 
     fn scatter_is_known(&self, _channel: usize) -> bool {

@@ -88,9 +88,37 @@ pub enum PointError {
     /// The process cannot be advanced.
     #[error("--advance: {0}")]
     Advance(ModelError),
+    /// An effect of a user that gives no value at the point, on the way to it, or in the life of the tool.
+    #[error(transparent)]
+    Value(ModelError),
 }
 
 impl PointError {
+    /// What a process refuses while it is advanced.
+    pub(super) fn of_advance(error: ModelError) -> Self {
+        if error.code().is_some() { Self::Value(error) } else { Self::Advance(error) }
+    }
+
+    /// The code of an effect that gives no value: the input is right as far as it could be checked, and the work fails.
+    pub fn code(&self) -> Option<&'static str> {
+        match self {
+            Self::Value(error) => error.code(),
+            Self::Row { source, .. } => source.code(),
+            Self::Effect(_)
+            | Self::Pair(_)
+            | Self::Set(_)
+            | Self::Change(_)
+            | Self::NoGroup { .. }
+            | Self::NoParameter { .. }
+            | Self::NoValue { .. }
+            | Self::Twice { .. }
+            | Self::Lengths { .. }
+            | Self::AdvanceTime(_)
+            | Self::AdvanceTooLong { .. }
+            | Self::Advance(_) => None,
+        }
+    }
+
     /// The likely way out.
     pub fn fix(&self) -> String {
         match self {
@@ -108,6 +136,7 @@ impl PointError {
             Self::Row { source, .. } => source.fix(),
             Self::AdvanceTime(_) | Self::AdvanceTooLong { .. } => "--advance \"10 s\"".to_owned(),
             Self::Advance(_) => "see the ranges above".to_owned(),
+            Self::Value(_) => "toolroom explain effect-value".to_owned(),
         }
     }
 }

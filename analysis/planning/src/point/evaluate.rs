@@ -3,7 +3,7 @@
 use super::{Point, PointError, PointOptions};
 use crate::change::{ChangeError, assign, parts};
 use serde_json::{Value, json};
-use toolroom_process::{AnyRecord, Process, ProcessEvent, Record, unit};
+use toolroom_process::{AnyRecord, Process, ProcessEvent, Record, unit, watched};
 
 /// Applies every change to input, state or parameters, advances, and reads everything.
 pub fn evaluate<P: Process>(
@@ -16,7 +16,7 @@ pub fn evaluate<P: Process>(
     let (mut input, mut state) = (input, process.initial());
     set_values::<P>(&mut input, &mut state, &changes)?;
     let event = advance(process, &mut input, &mut state, options)?;
-    let output = process.output(&state, &input);
+    let output = watched(|| process.output(&state, &input)).map_err(PointError::Value)?;
     let point =
         Point { process: P::NAME, inputs: values(&input), state: values(&state), outputs: values(&output), event };
     Ok((point, input, state))
@@ -76,7 +76,7 @@ pub fn advance<P: Process>(
     if time > MOST_ADVANCED {
         return Err(PointError::AdvanceTooLong { seconds: time, most: MOST_ADVANCED });
     }
-    let advance = process.advance(state, input, time).map_err(PointError::Advance)?;
+    let advance = process.advance(state, input, time).map_err(PointError::of_advance)?;
     *input = process.input_after(input, advance.elapsed);
     Ok(advance.event)
 }

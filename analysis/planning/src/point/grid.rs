@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use toolroom_cutting::Turning;
 use toolroom_process::unit::{self, Unit};
-use toolroom_process::{Field, Process, Record};
+use toolroom_process::{Field, Process, Record, watched};
 
 /// A quantity that differs from point to point.
 #[derive(Clone, Copy, Debug)]
@@ -179,8 +179,11 @@ fn grid<P: Process + Clone>(
             };
         }
         advance(process, &mut input, &mut state, options)?;
-        let (more, texts) = beside(process, &input, &mut state);
-        let output = process.output(&state, &input);
+        let at_state = || {
+            let beside = beside(process, &input, &mut state);
+            (beside, process.output(&state, &input))
+        };
+        let ((more, texts), output) = watched(at_state).map_err(PointError::Value)?;
         let mut numbers = vec![0.0; width(P::Input::FIELDS) + width(P::State::FIELDS) + width(P::Output::FIELDS)];
         let (inputs, rest) = numbers.split_at_mut(width(P::Input::FIELDS));
         let (states, outputs) = rest.split_at_mut(width(P::State::FIELDS));

@@ -6,7 +6,7 @@ use serde_json::json;
 use std::borrow::Cow;
 use toolroom_cutting::{LifeModel, Turning, TurningInput, TurningState};
 use toolroom_effects::Effects;
-use toolroom_process::Process;
+use toolroom_process::{Process, watched};
 use toolroom_wear::{Cut, Pair};
 
 /// Heads of what is worked out beside the outputs, in the order of [`Beside`].
@@ -71,9 +71,13 @@ pub fn point(options: &PointOptions, effects: Effects) -> Result<Point, PointErr
     let (mut turning, start) = start(options, effects)?;
     let (mut point, input, mut state) = evaluate(&mut turning, start, options)?;
     let model = options.life_model;
-    let Beside { numbers, ends_by } = beside(&turning, &input, &mut state, model, gives_body(options));
+    let at_state = || {
+        let beside = beside(&turning, &input, &mut state, model, gives_body(options));
+        (beside, turning.output(&state, &input))
+    };
+    let (Beside { numbers, ends_by }, output) = watched(at_state).map_err(PointError::Value)?;
     point.state = values(&state);
-    point.outputs = values(&turning.output(&state, &input));
+    point.outputs = values(&output);
     let texts = [json!(ends_by), json!(model.name())];
     let beside = BESIDE.iter().zip(numbers.into_iter().map(|number| json!(number)).chain(texts));
     point.outputs.extend(beside.map(|(head, value)| ((*head).to_owned(), value)));

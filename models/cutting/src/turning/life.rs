@@ -33,7 +33,8 @@ impl Turning {
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for an input outside its range; [`ModelError::NoSolution`]
-    /// where the edge is not in cut or does not wear out.
+    /// where the edge is not in cut or does not wear out; [`ModelError::EffectValue`] where an effect of a user gives no
+    /// value on the way.
     ///
     /// # Examples
     /// ```
@@ -43,6 +44,10 @@ impl Turning {
     /// assert!((life.cutting_time / 60.0 - 14.932164).abs() < 2e-5);
     /// ```
     pub fn life(&self, u: &TurningInput, model: LifeModel) -> Result<(Life, ProcessEvent), ModelError> {
+        self.effects.watched(|| self.life_unwatched(u, model))
+    }
+
+    fn life_unwatched(&self, u: &TurningInput, model: LifeModel) -> Result<(Life, ProcessEvent), ModelError> {
         u.check()?;
         let endless = |reason| ModelError::NoSolution { quantity: "tool_life", reason };
         if u.engaged == 0.0 || u.cutting_speed == 0.0 {

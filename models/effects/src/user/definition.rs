@@ -39,6 +39,8 @@ impl PartialEq for Definition {
 pub(crate) struct Change {
     pub term: Term,
     pub program: Program,
+    /// Least and greatest value of the term, SI.
+    pub range: [f64; 2],
     slots: Vec<usize>,
 }
 
@@ -260,7 +262,8 @@ fn change(
             return Err(whole("effect-unit", format!("{process} has no {}; it has {filled}", quantity.name())));
         }
     }
-    let change = Change { term, program: Program::of(&node), slots };
+    let range = [term.field().min, term.field().max];
+    let change = Change { term, program: Program::of(&node), range, slots };
     neutral(&node, &change, fields)?;
     in_range(&node, &change, fields)?;
     Ok(change)

@@ -125,6 +125,10 @@ pub const CODES: &[(&str, &str)] = &[
         "effect-range",
         "In some context of the documented ranges the formula gives no number, or drives the term out of its range; the message names the context. Bound the formula by min and max, or narrow the range of the size.",
     ),
+    (
+        "effect-value",
+        "While a model ran, the formula of an effect gave no number, an infinite one, or one out of the range of its term, or several effects left that range together. The message names the effect, the term, what the formula was given, and the operation. The points at which the formula was tried before lie beside that one: bound it there by min and max, keep roots and logarithms above zero (sqrt(max(x, 0))) and divisors away from it.",
+    ),
 ];
 
 /// The effects that a file defines under `effect`; a definition with faults is noted and left out.

@@ -17,9 +17,11 @@ pub use expression::FormulaError;
 pub use file::{CODES, EFFECTS_FILE, USER_EFFECT, parse_definitions, read_definitions, read_effects_file};
 
 use crate::{Context, Terms};
+use definition::Change;
+use neutral::Point;
 use program::SHAPES;
 use slots::{Quantity, Term};
-use toolroom_process::{AnyRecord, Field, Number};
+use toolroom_process::{AnyRecord, EffectValue, Field, Number};
 
 /// An effect that a user has defined, with its strength and the numbers of its shape.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +63,32 @@ impl<N: Number> UserEffect<N> {
             let before = change.term.of(terms);
             let after = if change.term.is_factor() { before * value } else { before + value };
             *change.term.of_mut(terms) = after;
+            let [least, greatest] = change.range;
+            let within = |value: N| value.re() >= least && value.re() <= greatest;
+            if !within(value) {
+                self.refuse(change, value, context);
+            } else if within(before) && !within(after) {
+                // Effects that act on one term may leave its range together.
+                self.refuse(change, after, context);
+            }
         }
+    }
+
+    /// Refuses the value of a term. What follows from a context that holds no numbers is no fault of the effect.
+    #[cold]
+    fn refuse(&self, change: &Change, value: N, context: &Context<N>) {
+        let (size, shape, context) = (self.size.re(), self.shape.map(|own| own.re()), context.map(|own| own.re()));
+        let (point, fields) = (Point { size, shape, context }, self.definition.fields);
+        if !point.is_finite(change, fields) {
+            return;
+        }
+        toolroom_process::refuse(|| {
+            let term = change.term.field();
+            let [value, min, max] = [value.re(), term.min, term.max].map(|value| term.to_display(value));
+            let context = point.words(change, fields);
+            let effect = self.definition.entry().id;
+            Box::new(EffectValue { effect, term: term.name, value, min, max, unit: term.display, context }).into()
+        });
     }
 }
 

@@ -123,25 +123,35 @@ fn within(field: &Field, share: f64, by_logarithm: bool) -> f64 {
 }
 
 /// The quantities that a formula names, and shape and context at one point.
-struct Point {
-    size: f64,
-    shape: [f64; SHAPES],
-    context: Context,
+pub(super) struct Point {
+    pub size: f64,
+    pub shape: [f64; SHAPES],
+    pub context: Context,
 }
 
 impl Point {
-    fn words(&self, change: &Change, fields: &[Field]) -> String {
-        let field_of = |place: Place| match place {
+    /// What a change names, with its fields, in the order of its slots.
+    fn named<'a>(&self, change: &Change, fields: &'a [Field]) -> Vec<(&'a Field, f64)> {
+        let one = |slot: &usize| match place(*slot) {
             Place::Size => (&fields[0], self.size),
             Place::Shape(i) => (&fields[i + 1], self.shape[i]),
             Place::Quantity(quantity) => (quantity.field(), quantity.of(&self.context)),
         };
-        let one = |slot: &usize| {
-            let (field, value) = field_of(place(*slot));
+        change.slots().iter().map(one).collect()
+    }
+
+    /// Whether everything that a change names is a finite number.
+    pub fn is_finite(&self, change: &Change, fields: &[Field]) -> bool {
+        self.named(change, fields).iter().all(|(_, value)| value.is_finite())
+    }
+
+    /// What a change names, with its values, for people.
+    pub fn words(&self, change: &Change, fields: &[Field]) -> String {
+        let one = |(field, value): (&Field, f64)| {
             let unit = if field.display == "1" { String::new() } else { format!(" {}", field.display) };
             format!("{} {:.4e}{unit}", field.name, field.to_display(value))
         };
-        change.slots().iter().map(one).collect::<Vec<_>>().join(", ")
+        self.named(change, fields).into_iter().map(one).collect::<Vec<_>>().join(", ")
     }
 }
 
