@@ -206,6 +206,7 @@ fn between(model: &dyn Forward, basis: &Basis, trial: &Trial, scores: &Scores, i
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ChannelId;
     use crate::settle::{settled, stated};
     use crate::{Linear, NominalModel, Point};
     use toolroom_records::parse_csv;
@@ -238,13 +239,13 @@ mod tests {
         let linear = Linear::new(model.as_ref(), Point::nominal(model.as_ref()));
         let scale = unstated_scales(measured, &linear.residual);
         for (channel, (scale, diagnosed)) in measured.channels.iter().zip(scale.iter().zip(&stated.noise.scale)) {
-            assert!((scale / diagnosed - 1.0).abs() < 0.15, "{}: {scale} {diagnosed}", channel.name);
-            assert_eq!(*scale > 3.0, channel.name == "cycle_time", "{}: {scale}", channel.name);
+            assert!((scale / diagnosed - 1.0).abs() < 0.15, "{}: {scale} {diagnosed}", channel.id);
+            assert_eq!(*scale > 3.0, channel.id == ChannelId::CycleTime, "{}: {scale}", channel.id);
         }
         // So less is promised of a time than the clock alone would show.
         let least = |model: &dyn Forward| {
             let rows = identifiability(model);
-            rows.iter().find(|own| own.id == "operator_delay").expect("a delay").minimal_detectable
+            rows.iter().find(|own| own.id == EffectId::OPERATOR_DELAY).expect("a delay").minimal_detectable
         };
         let head = csv.lines().next().expect("a header").split(',').position(|own| own.starts_with("cycle_time"));
         let planned = |(row, line): (usize, &str)| {
