@@ -13,7 +13,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         &["shop.horizon=16 h".to_owned(), "tool.insert.effects=[{ id = \"wear_force\", size = 0.4 }]".to_owned()],
     )?;
     let log = toolroom::run(&truth.scenario, 0, 0)?;
-    let measured = simulated(&truth.scenario, &log, &|_, channel| toolroom::records::Sensor::usual(channel));
+    let measured = simulated(&truth.scenario, &log, &|_, channel| toolroom::records::Sensor::usual(channel))?;
     let file = std::env::temp_dir().join(format!("toolroom-example-{}.csv", std::process::id()));
     toolroom::records::write_csv(&measured[0], fs::File::create(&file)?)?;
     let answers = toolroom::diagnose(model, &file, 1);
