@@ -1,7 +1,7 @@
 //! A calibration from files: what is read, and what it makes.
 
 use crate::base::{Base, Process};
-use crate::calibration::{Calibration, CalibrationError, Request};
+use crate::calibration::{Calibration, CalibrationError, Request, of_channel};
 use crate::drawn::DrawnTable;
 use crate::law::Law;
 use crate::parameter::Prior;
@@ -357,7 +357,7 @@ fn fixed(text: &str) -> Result<(String, f64), Refusal> {
 /// A standard deviation of the set as a prior of the laws in question, around the value of the set.
 fn prior(name: &str, spread: &Spread, laws: &[Law]) -> Option<(String, Prior)> {
     let (group, _) = name.split_once('.')?;
-    (group == "force" || laws.iter().any(|law| law.group() == group)).then(|| {
+    (of_channel(name) || laws.iter().any(|law| law.group() == group)).then(|| {
         let deviation = match spread {
             Spread::Factor(factor) => factor.ln().abs(),
             Spread::Deviation(deviation) => *deviation,
@@ -366,7 +366,8 @@ fn prior(name: &str, spread: &Spread, laws: &[Law]) -> Option<(String, Prior)> {
     })
 }
 
-/// The mapping of a table of lives, or of wear over the path instead of the time: every column by its own header.
+/// The mapping of a table of lives, or of wear over time or path without the names of operations and machines: every column by its own
+/// header.
 fn by_headers(path: &Path) -> Option<Mapping> {
     let text = String::from_utf8(std::fs::read(path).ok()?).ok()?;
     let line =
@@ -385,5 +386,11 @@ fn by_headers(path: &Path) -> Option<Mapping> {
         .collect();
     let has = |wanted: &str| columns.iter().any(|mapped| mapped.column.name == wanted);
     let over_path = has("path_length") && has("flank_wear") && !has("feed_per_tooth");
-    ((has("life") || over_path) && has("tool_id")).then(|| Mapping { kind, columns, keep: Vec::new(), rows: 1 })
+    let over_time = has("cutting_time") && has("flank_wear") && has("cutting_speed");
+    ((has("life") || over_path || over_time) && has("tool_id")).then(|| Mapping {
+        kind,
+        columns,
+        keep: Vec::new(),
+        rows: 1,
+    })
 }

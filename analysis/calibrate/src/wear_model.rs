@@ -70,7 +70,6 @@ pub struct WearModel {
     pub law: Law,
     /// The shape of its wear curve.
     pub shape: Shape,
-    base: Base,
     template: Base,
     parameters: Vec<Parameter>,
     slots: Vec<Slot>,
@@ -120,7 +119,6 @@ impl WearModel {
         let mut model = Self {
             law,
             shape,
-            base,
             template,
             parameters,
             slots,
@@ -243,11 +241,6 @@ impl WearModel {
     /// The edges.
     pub fn measured(&self) -> &[Edge] {
         &self.edges
-    }
-
-    /// The set from which everything comes that the law does not say.
-    pub(crate) fn base(&self) -> &Base {
-        &self.base
     }
 
     /// Curves of all conditions that some edges met.
