@@ -388,7 +388,8 @@ impl Advice {
         let mut section = Section::new("What to measure next");
         let text = self.text(model);
         for line in text.trim().lines().filter(|line| !line.starts_with("next test")) {
-            section = section.paragraph(line.to_owned());
+            let (first, rest) = line.split_at(line.chars().next().map_or(0, char::len_utf8));
+            section = section.paragraph(format!("{}{rest}.", first.to_uppercase()));
         }
         if self.tests.is_empty() {
             return section;

@@ -13,7 +13,7 @@ use crate::profile::profiles;
 use crate::sample::{Method, Posterior, maxima, sample_around};
 use crate::shape::Candidate;
 use crate::treatment::{Clock, End, Measured};
-use crate::wear_model::{EDGE_SCATTER, WearModel};
+use crate::wear_model::{EDGE_SCATTER, READING_NOISE, WearModel};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -177,25 +177,27 @@ impl Calibration {
         let by = request.by.as_deref().unwrap_or("group");
         let groups: Vec<String> = measured.groups.iter().skip(1).map(|word| format!("{by}={word}")).collect();
         let conditions = measured.conditions.clone();
-        let wear = |law, base: &Base| {
-            WearModel::new(law, base.clone(), conditions.clone(), measured.edges.clone(), request.limit)
-                .with_groups(&groups)
+        let models = |base: &Base| -> Result<Vec<WearModel>, CalibrationError> {
+            let model = |candidate: &Candidate| {
+                let (base, edges) = (base.clone(), measured.edges.clone());
+                let model = WearModel::new(*candidate, base, conditions.clone(), edges, request.limit);
+                let model = model.with_groups(&groups);
+                match request.life_noise {
+                    Some(correlation) => model.with_life_noise(correlation),
+                    None => model,
+                }
+            };
+            let mut models: Vec<WearModel> = request.candidates.iter().map(model).collect();
+            apply(&mut models, &request)?;
+            if measured.clock == Clock::Operations {
+                let (life, usual) = (measured.usual_life(request.limit), usual_cut(&measured));
+                models = models.into_iter().map(|model| model.by_operations(life, &usual)).collect();
+            }
+            Ok(models)
         };
         // Wear depends on temperatures, so that these come first.
-        let (base, mut channels) = heat(&stated, &measured, &request, &wear);
-        let mut models = Vec::new();
-        for candidate in &request.candidates {
-            let model = wear(*candidate, &base);
-            models.push(match request.life_noise {
-                Some(correlation) => model.with_life_noise(correlation),
-                None => model,
-            });
-        }
-        if measured.clock == Clock::Operations {
-            let (life, usual) = (measured.usual_life(request.limit), usual_cut(&measured));
-            models = models.into_iter().map(|model| model.by_operations(life, &usual)).collect();
-        }
-        apply(&mut models, &request)?;
+        let (base, mut channels) = heat(&stated, &measured, &request, &models(&stated)?);
+        let models = models(&base)?;
         let all: Vec<usize> = (0..measured.edges.len()).collect();
         let (mut fits, mut around) = (Vec::new(), Vec::new());
         for model in models {
@@ -292,7 +294,7 @@ impl Calibration {
 }
 
 /// Whether a parameter is one of a channel and none of wear.
-pub(crate) fn of_channel(name: &str) -> bool {
+fn of_channel(name: &str) -> bool {
     ["force.", "temperature.", "emf."].iter().any(|group| name.starts_with(group))
 }
 
@@ -304,13 +306,19 @@ fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationE
         known.dedup();
         CalibrationError::Parameter { name: name.to_owned(), known: known.join(", ") }
     };
-    for (name, prior) in request.priors.iter().filter(|(name, _)| !of_channel(name)) {
+    for (name, prior) in request.priors.iter().filter(|(name, _)| !of_channel(name) && name != READING_NOISE) {
         let mut found = false;
         for model in models.iter_mut() {
             found |= model.set_prior(name, *prior) || model.fixed(name);
         }
         if !found {
             return Err(unknown(name, models));
+        }
+    }
+    // Without readings of wear they have no error.
+    for (_, prior) in request.priors.iter().filter(|(name, _)| name == READING_NOISE) {
+        for model in models.iter_mut() {
+            model.set_prior(READING_NOISE, *prior);
         }
     }
     for (name, value) in &request.fixed {

@@ -5,11 +5,9 @@ use crate::calibration::{Calibration, Request};
 use crate::channel::{Channel, ChannelModel, ChannelReading};
 use crate::edge::Edge;
 use crate::identify::Identifiability;
-use crate::law::Law;
 use crate::left_out::leave_edges_out;
 use crate::model::Model;
 use crate::sample::{Posterior, maxima, sample};
-use crate::shape::Candidate;
 use crate::treatment::Measured;
 use crate::wear_model::WearModel;
 use toolroom_wear::{Cut, Pair, WearLaw};
@@ -28,14 +26,14 @@ pub struct ChannelFit {
     pub gain: (f64, f64),
 }
 
-/// The set with the temperatures that were measured, and their fits. The wear of the edges is that of Taylor's law, which needs no
-/// temperature; rates of wear that a law states at a reference temperature stay with the cuts that had it, so that this temperature
-/// moves with the others.
+/// The set with the temperatures that were measured, and their fits. The wear of the edges is that of the model whose curves follow the
+/// readings best under the temperatures of the set. Rates of wear that a law states at a reference temperature stay with the cuts
+/// that had it, so that this temperature moves with the others.
 pub(crate) fn heat(
     stated: &Base,
     measured: &Measured,
     request: &Request,
-    wear: &dyn Fn(Candidate, &Base) -> WearModel,
+    models: &[WearModel],
 ) -> (Base, Vec<ChannelFit>) {
     let nothing = || (stated.clone(), Vec::new());
     let heated = |channel: &Channel| {
@@ -46,14 +44,15 @@ pub(crate) fn heat(
     if !Channel::ALL.iter().any(heated) || measured.readings() == 0 {
         return nothing();
     }
-    let model = wear(Law::ExtendedTaylor.into(), stated);
     let all: Vec<usize> = (0..measured.edges.len()).collect();
-    let Some((maximum, _)) = maxima(&model, &all, request.seed) else { return nothing() };
+    let fits = models.iter().filter_map(|model| Some((model, maxima(model, &all, request.seed)?.0)));
+    let best = fits.max_by(|a, b| a.1.ln_density.total_cmp(&b.1.ln_density));
+    let Some((model, maximum)) = best else { return nothing() };
     let mut pair = pair.as_ref().clone();
     let mut found: Vec<ChannelFit> = Vec::new();
     for channel in Channel::ALL.into_iter().filter(|channel| channel.heats()) {
         let known = !found.is_empty();
-        if let Some(fit) = fitted(channel, (&model, maximum.u.as_slice()), measured, (&pair, known), request) {
+        if let Some(fit) = fitted(channel, (model, maximum.u.as_slice()), measured, (&pair, known), request) {
             pair = fit.model.at(fit.posterior.map.u.as_slice());
             found.push(fit);
         }

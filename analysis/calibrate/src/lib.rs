@@ -54,6 +54,7 @@ mod fit;
 mod identify;
 mod in_life;
 mod joined;
+mod known;
 mod law;
 mod left_out;
 mod level;

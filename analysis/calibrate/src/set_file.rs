@@ -92,9 +92,11 @@ impl Calibration {
             }
         }
         let _ = writeln!(text, "\n[prior]");
-        priors(&mut text, model.parameters(), &self.posterior);
+        let contrast = record.fields().iter().position(|field| field.name == "stage_contrast");
+        let left = 1.0 - contrast.and_then(|place| record.value(place)).unwrap_or(0.0);
+        priors(&mut text, model.parameters(), &self.posterior, left);
         for fit in &self.channels {
-            priors(&mut text, fit.model.parameters(), &fit.posterior);
+            priors(&mut text, fit.model.parameters(), &fit.posterior, left);
         }
         if let Some(index) = model.parameters().iter().position(|parameter| parameter.name == EDGE_SCATTER) {
             let _ = writeln!(text, "\n[scatter]\ncommon_wear = {:?}", rounded(u[index].exp()));
@@ -128,8 +130,9 @@ fn values(fit: &ChannelFit, group: &str) -> Vec<String> {
     fit.model.parameters().iter().zip(fit.posterior.map.u.iter()).filter_map(line).collect()
 }
 
-/// Posterior deviations as priors of the next round; what no set has a name for is left out.
-fn priors(text: &mut String, parameters: &[Parameter], posterior: &Posterior) {
+/// Posterior deviations as priors of the next round, in units of files; what no set has a name for is left out. A tilt is a share of what
+/// the contrast leaves it, `left`.
+fn priors(text: &mut String, parameters: &[Parameter], posterior: &Posterior, left: f64) {
     for (index, parameter) in parameters.iter().enumerate().filter(|(_, parameter)| is_of_set(parameter)) {
         let (u, deviation) = (posterior.map.u[index], posterior.deviation(index));
         let spread = match parameter.scale {
@@ -139,14 +142,16 @@ fn priors(text: &mut String, parameters: &[Parameter], posterior: &Posterior) {
             Scale::Contrast | Scale::Tilt => {
                 let step = 1e-4;
                 let slope = (parameter.scale.value(u + step) - parameter.scale.value(u)) / step;
-                format!("deviation = {:?}", rounded(deviation * slope))
+                let left = if parameter.scale == Scale::Tilt { left } else { 1.0 };
+                format!("deviation = {:?}", rounded(deviation * slope * left))
             }
         };
         let _ = writeln!(text, "\"{}\" = {{ {spread} }}", parameter.name);
     }
 }
 
-/// Whether a parameter set has a name for a parameter: scatter, noise and groups of edges belong to none.
+/// Whether a parameter set has a name for a parameter: noise and groups of edges belong to none, and the scatter of edges is that of
+/// `[scatter]`.
 fn is_of_set(parameter: &Parameter) -> bool {
-    parameter.name.contains('.') && !parameter.name.contains('=')
+    parameter.name == EDGE_SCATTER || parameter.name.contains('.') && !parameter.name.contains('=')
 }
