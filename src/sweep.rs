@@ -11,7 +11,9 @@ use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 use toolroom_output::signals as stop;
+use toolroom_output::{OutputDir, provenance};
 use toolroom_scenario_file::read;
 use toolroom_study::compare::Comparison;
 use toolroom_study::request::policies_named;
@@ -28,6 +30,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     };
     let sweep = Sweep::new(key, low, high, step).map_err(|error| Failure::argument(&error, error.fix()))?;
     let values = &sweep.values;
+    let began = Instant::now();
     let stop = Arc::new(AtomicBool::new(false));
     let _gentle = stop::gently(&stop);
     let mut summaries: Vec<Value> = Vec::new();
@@ -68,6 +71,25 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
             interrupted = Some(study.replications);
             break;
         }
+    }
+    if let Some(target) = &args.study.out {
+        let inputs = [args.scenario.path()];
+        let out = OutputDir::create(target, &["sweep.json", "report.html"], inputs, voice.force)?;
+        let bytes = std::fs::read(args.scenario.path()).unwrap_or_default();
+        let words = std::iter::once("-P").chain(args.sweep.iter().map(String::as_str));
+        let changes = args.scenario.changes.overrides();
+        let changes = changes.iter().flat_map(|change| ["--set", change.as_str()]);
+        let origin = provenance(
+            "compare",
+            &[(args.scenario.path().display().to_string(), &bytes)],
+            words.chain(changes).map(str::to_owned),
+            None,
+        );
+        out.put_json("sweep.json", &sweep.json(&summaries))?;
+        out.put("report.html", &sweep.report(&summaries).provenance(origin.clone()).html())?;
+        out.record(&origin, began.elapsed())?;
+        let target = out.publish()?;
+        voice.say(format_args!("wrote {}", target.join("report.html").display()));
     }
     if voice.json {
         voice.json(&sweep.json(&summaries))?;

@@ -69,7 +69,11 @@ pub fn run(
         words,
         Some(args.seed),
     );
-    files.put(&places[3], calibration.report().provenance(origin).html().as_bytes())?;
+    let mut report = calibration.report();
+    if let Some(advice) = &advice {
+        report = report.section(advice.section(model));
+    }
+    files.put(&places[3], report.provenance(origin).html().as_bytes())?;
     if voice.json {
         voice.json(&json)?;
     } else {

@@ -137,7 +137,7 @@ pub struct CompareArgs {
     pub scenario: StartArgs,
     #[command(flatten)]
     pub study: StudyArgs,
-    /// Repeat the comparison at several values of a key; nothing is written
+    /// Repeat the comparison at several values of a key; files are written only with --out
     #[arg(
         short = 'P',
         num_args = 4,

@@ -11,6 +11,8 @@ use crate::sample::Posterior;
 use crate::wear_model::{EDGE_SCATTER, READING_NOISE, WearModel};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
+use toolroom_chart::Table;
+use toolroom_chart::page::Section;
 
 /// Step of the differences by a working coordinate.
 const STEP: f64 = 1e-4;
@@ -357,6 +359,45 @@ impl Advice {
             }
         }
         text
+    }
+
+    /// The tests as a section of a report.
+    pub fn section(&self, model: &WearModel) -> Section {
+        let mut table = Table::new([
+            "test",
+            "speed, m/min",
+            "minutes",
+            "costs",
+            "deviation before",
+            "deviation after",
+            "worth a km",
+            "pays from km",
+        ]);
+        for test in &self.tests {
+            table.push([
+                edges(test.edges).into(),
+                (test.condition.cut.cutting_speed * 60.0).into(),
+                test.minutes.into(),
+                test.cost.into(),
+                self.deviation.into(),
+                test.deviation_after.into(),
+                test.worth.into(),
+                test.pays_from().into(),
+            ]);
+        }
+        let mut section = Section::new("What to measure next");
+        let text = self.text(model);
+        for line in text.trim().lines().filter(|line| !line.starts_with("next test")) {
+            let (first, rest) = line.split_at(line.chars().next().map_or(0, char::len_utf8));
+            section = section.paragraph(format!("{}{rest}.", first.to_uppercase()));
+        }
+        if self.tests.is_empty() {
+            return section;
+        }
+        section.table(
+            "Tests of new edges, those first that pay for themselves soonest; costs are those of the scenario.",
+            table,
+        )
     }
 
     /// The tests for programs.

@@ -1,24 +1,23 @@
 //! A calibration from data to answers.
 
 use crate::base::{Base, Condition};
+use crate::channels::{ChannelFit, forces, heat};
 use crate::chipping::{ChippingFit, Exposure};
 use crate::choice::{Choice, Verdict};
 use crate::fit::Maximum;
-use crate::force::{Channel, ForceModel, ForceReading};
 use crate::identify::Identifiability;
 use crate::left_out::{Coverage, LeftOut, leave_edges_out, left_out};
 use crate::model::Model;
 use crate::parameter::Prior;
 use crate::profile::profiles;
-use crate::sample::{Method, Posterior, maxima, sample, sample_around};
+use crate::sample::{Method, Posterior, maxima, sample_around};
 use crate::shape::Candidate;
 use crate::treatment::{Clock, End, Measured};
-use crate::wear_model::{EDGE_SCATTER, WearModel};
+use crate::wear_model::{EDGE_SCATTER, READING_NOISE, WearModel};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use toolroom_numerics::order_quantile;
-use toolroom_wear::{Cut, Force};
 
 /// Least edges at which the coverage of left-out readings is judged.
 const JUDGED: usize = 8;
@@ -114,20 +113,6 @@ pub struct LawFit {
     pub left_out: Vec<LeftOut>,
 }
 
-/// A force or the power of the spindle against wear, fitted.
-#[derive(Clone, Debug)]
-pub struct ForceFit {
-    /// The model.
-    pub model: ForceModel,
-    /// Its posterior.
-    pub posterior: Posterior,
-    /// What the data determine of it.
-    pub identifiability: Identifiability,
-    /// By how many logarithms the land predicts forces of edges left out better than forces that know no wear, and the
-    /// standard error from the differences edge by edge.
-    pub gain: (f64, f64),
-}
-
 /// Life at a cut, min.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LifeAt {
@@ -146,6 +131,8 @@ pub struct LifeAt {
 /// The result of a calibration.
 #[derive(Clone, Debug)]
 pub struct Calibration {
+    /// The set as it was given.
+    pub(crate) stated: Base,
     /// The data.
     pub measured: Measured,
     /// What was wanted.
@@ -160,9 +147,9 @@ pub struct Calibration {
     pub identifiability: Identifiability,
     /// How often its predictions of edges left out hold.
     pub coverage: Coverage,
-    /// Forces and power against wear, for each channel that was measured and told something: cutting force, or else spindle
-    /// power, then feed force.
-    pub forces: Vec<ForceFit>,
+    /// Temperatures, forces and power against wear, for each channel that was measured and told something: temperature and
+    /// thermo-EMF, then cutting force, or else spindle power, then feed force.
+    pub channels: Vec<ChannelFit>,
     /// The rate of chipping, where it is reported how edges ended.
     pub chipping: Option<ChippingFit>,
     /// Edges that took no part.
@@ -184,26 +171,33 @@ impl Calibration {
     /// # Panics
     /// Where the request names no law.
     pub fn new(measured: Measured, base: impl Into<Base>, request: Request) -> Result<Self, CalibrationError> {
-        let base = base.into().referred_to(&usual_cut(&measured));
+        let stated = base.into().referred_to(&usual_cut(&measured));
         let whole = measured;
         let measured = whole.without(&request.held_out).map_err(CalibrationError::HeldOut)?;
         let by = request.by.as_deref().unwrap_or("group");
         let groups: Vec<String> = measured.groups.iter().skip(1).map(|word| format!("{by}={word}")).collect();
-        let mut models = Vec::new();
-        for candidate in &request.candidates {
-            let (conditions, edges) = (measured.conditions.clone(), measured.edges.clone());
-            let model = WearModel::new(*candidate, base.clone(), conditions, edges, request.limit);
-            let model = model.with_groups(&groups);
-            models.push(match request.life_noise {
-                Some(correlation) => model.with_life_noise(correlation),
-                None => model,
-            });
-        }
-        if measured.clock == Clock::Operations {
-            let (life, usual) = (measured.usual_life(request.limit), usual_cut(&measured));
-            models = models.into_iter().map(|model| model.by_operations(life, &usual)).collect();
-        }
-        apply(&mut models, &request)?;
+        let conditions = measured.conditions.clone();
+        let models = |base: &Base| -> Result<Vec<WearModel>, CalibrationError> {
+            let model = |candidate: &Candidate| {
+                let (base, edges) = (base.clone(), measured.edges.clone());
+                let model = WearModel::new(*candidate, base, conditions.clone(), edges, request.limit);
+                let model = model.with_groups(&groups);
+                match request.life_noise {
+                    Some(correlation) => model.with_life_noise(correlation),
+                    None => model,
+                }
+            };
+            let mut models: Vec<WearModel> = request.candidates.iter().map(model).collect();
+            apply(&mut models, &request)?;
+            if measured.clock == Clock::Operations {
+                let (life, usual) = (measured.usual_life(request.limit), usual_cut(&measured));
+                models = models.into_iter().map(|model| model.by_operations(life, &usual)).collect();
+            }
+            Ok(models)
+        };
+        // Wear depends on temperatures, so that these come first.
+        let (base, mut channels) = heat(&stated, &measured, &request, &models(&stated)?);
+        let models = models(&base)?;
         let all: Vec<usize> = (0..measured.edges.len()).collect();
         let (mut fits, mut around) = (Vec::new(), Vec::new());
         for model in models {
@@ -224,16 +218,16 @@ impl Calibration {
         let identifiability = Identifiability::of(&carried.model, &posterior);
         let coverage = Coverage::of(&carried.left_out);
         let lives = lives(&carried.model, &posterior, &measured, request.seed);
-        let forces = match &base {
-            Base::Turning(pair) => forces(&carried.model, &posterior, &measured, &pair.force, &request),
-            Base::Milling { .. } => Vec::new(),
-        };
+        if let Base::Turning(pair) = &base {
+            channels.extend(forces(&carried.model, posterior.map.u.as_slice(), &measured, pair, &request));
+        }
         let best_known = best_known(&carried.model, &posterior, &measured);
         let chipping = chipping(&carried.model, &posterior, &measured, &base);
         let held_out =
             (!request.held_out.is_empty()).then(|| held_out(&carried.model, &carried.maximum, &whole, &request));
         let profiles = request.profile.then(|| profiles(&carried.model, &all, &posterior.map));
         Ok(Self {
+            stated,
             measured,
             request,
             choice,
@@ -241,7 +235,7 @@ impl Calibration {
             posterior,
             identifiability,
             coverage,
-            forces,
+            channels,
             chipping,
             held_out,
             profiles,
@@ -280,6 +274,7 @@ impl Calibration {
             }
         }
         warnings.extend(self.far_from_priors());
+        warnings.extend(self.unfitted());
         if !self.posterior.modes.is_empty() {
             let count = self.posterior.modes.len();
             let how = match self.posterior.method {
@@ -298,6 +293,11 @@ impl Calibration {
     }
 }
 
+/// Whether a parameter is one of a channel and none of wear.
+fn of_channel(name: &str) -> bool {
+    ["force.", "temperature.", "emf."].iter().any(|group| name.starts_with(group))
+}
+
 fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationError> {
     let unknown = |name: &str, models: &[WearModel]| {
         let mut known: Vec<String> =
@@ -306,13 +306,19 @@ fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationE
         known.dedup();
         CalibrationError::Parameter { name: name.to_owned(), known: known.join(", ") }
     };
-    for (name, prior) in request.priors.iter().filter(|(name, _)| !name.starts_with("force.")) {
+    for (name, prior) in request.priors.iter().filter(|(name, _)| !of_channel(name) && name != READING_NOISE) {
         let mut found = false;
         for model in models.iter_mut() {
             found |= model.set_prior(name, *prior) || model.fixed(name);
         }
         if !found {
             return Err(unknown(name, models));
+        }
+    }
+    // Without readings of wear they have no error.
+    for (_, prior) in request.priors.iter().filter(|(name, _)| name == READING_NOISE) {
+        for model in models.iter_mut() {
+            model.set_prior(READING_NOISE, *prior);
         }
     }
     for (name, value) in &request.fixed {
@@ -352,74 +358,6 @@ fn held_out(model: &WearModel, maximum: &Maximum, whole: &Measured, request: &Re
     let left_out = left_out(&all, maximum, &group, 0, request.seed);
     let coverage = Coverage::of(&left_out);
     HeldOut { names: group.iter().map(|index| whole.edges[*index].name.clone()).collect(), left_out, coverage }
-}
-
-/// Every channel that was measured, each around what those before it have told of the force group. Power is left out where
-/// the cutting force was measured.
-fn forces(
-    model: &WearModel,
-    posterior: &Posterior,
-    measured: &Measured,
-    base: &Force,
-    request: &Request,
-) -> Vec<ForceFit> {
-    let mut found: Vec<ForceFit> = Vec::new();
-    let mut base = *base;
-    for channel in Channel::ALL {
-        let told = found.iter().any(|fit| fit.model.channel() == Channel::CuttingForce);
-        if channel == Channel::SpindlePower && told {
-            continue;
-        }
-        if let Some(fit) = force(channel, (model, posterior), measured, &base, request) {
-            base = fit.model.force(fit.posterior.map.u.as_slice());
-            found.push(fit);
-        }
-    }
-    found
-}
-
-/// One channel of all edges against their fitted wear; `None` with fewer readings than the model has parameters.
-fn force(
-    channel: Channel,
-    (model, posterior): (&WearModel, &Posterior),
-    measured: &Measured,
-    base: &Force,
-    request: &Request,
-) -> Option<ForceFit> {
-    let u = posterior.map.u.as_slice();
-    let place = Channel::ALL.iter().position(|known| *known == channel)?;
-    let mut edges = Vec::new();
-    for (edge, loads) in measured.edges.iter().zip(&measured.loads).filter(|(edge, _)| edge.readings() > 0) {
-        let loads = &loads[place];
-        let mut read = edge.clone();
-        for (stretch, load) in read.stretches.iter_mut().zip(loads) {
-            stretch.wear = load.map(|_| 0.0);
-        }
-        let wear = model.course(u, &read, model.level(u, edge));
-        let reading =
-            |((cut, force), wear): (&(Cut, f64), &f64)| ForceReading { cut: *cut, wear: *wear, force: *force };
-        let readings: Vec<ForceReading> = loads.iter().flatten().zip(&wear).map(reading).collect();
-        if !readings.is_empty() {
-            edges.push(readings);
-        }
-    }
-    let mut model = ForceModel::of(channel, base, edges, None);
-    request.priors.iter().for_each(|(name, prior)| model.set_prior(name, *prior));
-    let all: Vec<usize> = (0..model.edges()).collect();
-    if all.iter().map(|edge| model.readings(*edge).len()).sum::<usize>() <= model.parameters().len() {
-        return None;
-    }
-    let posterior = sample(&model, &all, request.draws, request.seed)?;
-    let identifiability = Identifiability::of(&model, &posterior);
-    let blind = model.without_land();
-    let (with, (without, _)) = (&posterior.map, maxima(&blind, &all, request.seed)?);
-    let with = leave_edges_out(&model, with, request.seed);
-    let without = leave_edges_out(&blind, &without, request.seed);
-    let differences: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with.score - without.score).collect();
-    let gain = differences.iter().sum::<f64>();
-    let mean = gain / differences.len() as f64;
-    let error = differences.iter().map(|difference| (difference - mean).powi(2)).sum::<f64>().sqrt();
-    Some(ForceFit { model, posterior, identifiability, gain: (gain, error) })
 }
 
 /// Lives at every tested speed and at the middle between neighbours, at the feed and depth cut most often. Of many speeds

@@ -14,7 +14,7 @@ impl Calibration {
     /// What lies far from what the set says: mostly the unit of a column, or another material.
     pub(crate) fn far_from_priors(&self) -> Vec<String> {
         let wear = (self.carried().model.parameters(), &self.posterior);
-        let forces = self.forces.iter().map(|fit| (fit.model.parameters(), &fit.posterior));
+        let channels = self.channels.iter().map(|fit| (fit.model.parameters(), &fit.posterior));
         let far = |(parameters, posterior): (&[Parameter], &Posterior)| {
             let one = |(parameter, u): (&Parameter, &f64)| {
                 let Prior { mean, deviation } = parameter.prior;
@@ -41,6 +41,6 @@ impl Calibration {
             };
             parameters.iter().zip(posterior.map.u.iter()).filter_map(one).collect::<Vec<String>>()
         };
-        std::iter::once(wear).chain(forces).flat_map(far).collect()
+        std::iter::once(wear).chain(channels).flat_map(far).collect()
     }
 }

@@ -27,13 +27,12 @@ pub enum Law {
 const LEVEL: f64 = 0.7;
 /// Standard deviation of the logarithm of an activation energy (assumption: a factor 1.28).
 const ENERGY: f64 = 0.25;
-/// Mean and standard deviation of the exponent of feed.
+/// Exponent of feed where no set states one, and its standard deviation.
 const FEED: (f64, f64) = (ASSUMED_EXPONENTS[0], ASSUMED_DEVIATIONS[0]);
-/// Mean and standard deviation of the exponent of depth of cut.
+/// Exponent of depth of cut where no set states one, and its standard deviation.
 const DEPTH: (f64, f64) = (ASSUMED_EXPONENTS[1], ASSUMED_DEVIATIONS[1]);
-/// Mean and standard deviation of the exponent of width of cut in milling (mean: 0.24/0.37, handbook of Kosilova and
-/// Meshcheryakov, recalled; deviation: assumption).
-const WIDTH: (f64, f64) = (0.65, 0.3);
+/// Standard deviation of the exponent of width of cut in milling (assumption).
+const WIDTH: f64 = 0.3;
 /// Standard deviation of the coordinate of the contrast of the wear stages (assumption: two thirds lie between 0.37 and
 /// 0.78 where 0.6 is the median).
 const CONTRAST: f64 = 1.0;
@@ -119,6 +118,8 @@ impl Law {
                     reference_speed: cut.cutting_speed,
                     reference_feed: cut.feed_per_rev,
                     reference_depth: cut.depth_of_cut,
+                    feed_exponent: FEED.0,
+                    depth_exponent: DEPTH.0,
                     ..ExtendedTaylor::default()
                 })
             }
@@ -167,12 +168,13 @@ impl Law {
             let contrast = Parameter::new(named("stage_contrast"), "1", Scale::Contrast, prior, lift);
             [contrast, Parameter::new(named("stage_tilt"), "1", Scale::Tilt, Prior::new(0.0, TILT), lift)]
         };
-        let of_lives = |life: f64, speed_exponent: f64, feed: &str, contrast: f64| {
+        // Around the exponents of the set, which stay where the data do not vary.
+        let of_lives = |life: f64, exponents: [f64; 3], feed: &str, contrast: f64| {
             let mut parameters = vec![
                 level("reference_life", "min", life / MINUTE),
-                speed(speed_exponent),
-                exponent("feed_exponent", FEED, feed),
-                exponent("depth_exponent", DEPTH, "vary depth_of_cut"),
+                speed(exponents[0]),
+                exponent("feed_exponent", (exponents[1], FEED.1), feed),
+                exponent("depth_exponent", (exponents[2], DEPTH.1), "vary depth_of_cut"),
             ];
             parameters.extend(stages(contrast));
             parameters
@@ -180,15 +182,17 @@ impl Law {
         let law = match template {
             Base::Turning(pair) => &pair.law,
             Base::Milling { life, .. } => {
-                let (level, speed) = (life.reference_life, life.speed_exponent);
-                let mut parameters = of_lives(level, speed, "vary feed_per_tooth", life.stage_contrast);
-                parameters.push(exponent("width_exponent", WIDTH, "vary width_of_cut"));
+                let exponents = [life.speed_exponent, life.feed_exponent, life.depth_exponent];
+                let mut parameters =
+                    of_lives(life.reference_life, exponents, "vary feed_per_tooth", life.stage_contrast);
+                parameters.push(exponent("width_exponent", (life.width_exponent, WIDTH), "vary width_of_cut"));
                 return parameters;
             }
         };
         match law {
             WearLaw::ExtendedTaylor(law) => {
-                of_lives(law.reference_life, law.speed_exponent, "vary feed_per_rev", law.stage_contrast)
+                let exponents = [law.speed_exponent, law.feed_exponent, law.depth_exponent];
+                of_lives(law.reference_life, exponents, "vary feed_per_rev", law.stage_contrast)
             }
             WearLaw::TakeyamaMurata(law) => vec![
                 level("abrasive_wear", "um/m", law.abrasive_wear * MICRO),

@@ -17,7 +17,7 @@
 //! | [`Parameter`], [`Prior`], [`Scale`] | a quantity that the data are to tell, in its working coordinate |
 //! | [`Curve`] | flank wear over time at one condition |
 //! | [`WearModel`] | readings and lives under a law |
-//! | [`ForceModel`] | cutting force, feed force and spindle power against wear |
+//! | [`ChannelModel`], [`ChannelFit`] | cutting force, feed force, spindle power, temperature and thermo-EMF against wear |
 //! | [`ChippingFit`], [`Exposure`] | the rate at which edges chip |
 //! | [`Model`] | what the inference needs of any model |
 //! | [`maximise`], [`sample`], [`Posterior`] | the maximum, draws, and how well they can be relied on |
@@ -40,6 +40,8 @@
 mod advise;
 mod base;
 mod calibration;
+mod channel;
+mod channels;
 mod chipping;
 mod choice;
 mod conflict;
@@ -49,10 +51,10 @@ mod drawn;
 mod edge;
 mod ensemble;
 mod fit;
-mod force;
 mod identify;
 mod in_life;
 mod joined;
+mod known;
 mod law;
 mod left_out;
 mod level;
@@ -74,7 +76,9 @@ mod wear_model;
 
 pub use advise::{Advice, Costs, Test, deviation_after};
 pub use base::{Base, Condition, Process};
-pub use calibration::{Calibration, CalibrationError, ForceFit, HeldOut, LawFit, LifeAt, Request, life_at};
+pub use calibration::{Calibration, CalibrationError, HeldOut, LawFit, LifeAt, Request, life_at};
+pub use channel::{Channel, ChannelModel, ChannelReading, IDLE_POWER};
+pub use channels::ChannelFit;
 pub use chipping::{ChippingFit, Exposure};
 pub use choice::{Choice, Score, Verdict};
 pub use curve::Curve;
@@ -82,7 +86,6 @@ pub use data_error::DataError;
 pub use drawn::DrawnTable;
 pub use edge::{Block, Common, Edge, Life, Stretch};
 pub use fit::{Maximum, maximise};
-pub use force::{Channel, ForceModel, ForceReading, IDLE_POWER};
 pub use identify::{Identifiability, Product, Undetermined};
 pub use in_life::InLife;
 pub use law::Law;

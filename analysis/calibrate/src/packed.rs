@@ -34,7 +34,7 @@ impl Measured {
         let old = std::mem::take(&mut self.edges[place].stretches);
         let loads = std::mem::take(&mut self.loads[place]);
         let mut stretches = Vec::new();
-        let mut means: [Vec<_>; 3] = Default::default();
+        let mut means: [Vec<_>; 5] = Default::default();
         let mut from = 0;
         let mut read = 0;
         for end in 0..old.len() {
@@ -47,8 +47,8 @@ impl Measured {
             }
             let condition = self.mean_condition(&old[from..=end]);
             let whole: f64 = old[from..=end].iter().map(|stretch| stretch.time).sum();
-            let load = loads.each_ref().map(|loads| mean_force(loads.get(from..=end).unwrap_or(&[])));
-            let mut push = |load: [Option<(Cut, f64)>; 3]| {
+            let load = loads.each_ref().map(|loads| mean_reading(loads.get(from..=end).unwrap_or(&[])));
+            let mut push = |load: [Option<(Cut, f64)>; 5]| {
                 means.iter_mut().zip(load).for_each(|(means, load)| means.push(load));
             };
             match block(&old[from..=end]) {
@@ -56,7 +56,7 @@ impl Measured {
                     stretches.push(Stretch { condition, time, wear: Some(wear), block: Some(block) });
                     push(load);
                     stretches.push(Stretch::unread(condition, (whole - time).max(0.0)));
-                    push([None; 3]);
+                    push([None; 5]);
                 }
                 None => {
                     stretches.push(Stretch::unread(condition, whole));
@@ -117,9 +117,9 @@ fn block(stretches: &[Stretch]) -> Option<(f64, f64, Block)> {
     Some((time, wear, block))
 }
 
-/// Mean of the forces, at the mean of their cuts.
-fn mean_force(forces: &[Option<(Cut, f64)>]) -> Option<(Cut, f64)> {
-    let read: Vec<&(Cut, f64)> = forces.iter().flatten().collect();
+/// Mean of the readings of a channel, at the mean of their cuts.
+fn mean_reading(readings: &[Option<(Cut, f64)>]) -> Option<(Cut, f64)> {
+    let read: Vec<&(Cut, f64)> = readings.iter().flatten().collect();
     if read.is_empty() {
         return None;
     }
@@ -129,5 +129,5 @@ fn mean_force(forces: &[Option<(Cut, f64)>]) -> Option<(Cut, f64)> {
         mean(&|(cut, _)| cut.feed_per_rev),
         mean(&|(cut, _)| cut.depth_of_cut),
     );
-    Some((cut, mean(&|(_, force)| *force)))
+    Some((cut, mean(&|(_, value)| *value)))
 }

@@ -1,7 +1,7 @@
 //! What is to be said of data before anything is fitted.
 
 use crate::base::{Base, Condition, Process};
-use crate::edge::Life;
+use crate::edge::{Edge, Life};
 use crate::treatment::{Clock, Measured};
 use crate::wear_model::{ONE_SPEED, ONE_VALUE};
 
@@ -13,6 +13,9 @@ const READING: f64 = 0.011;
 const WORN_ALREADY: f64 = 0.5;
 /// Share of the wear limit that readings have to reach for a life to be measured rather than extrapolated (assumption).
 const REACHED: f64 = 0.8;
+/// Rows of an edge whose times may be compared, and rows of one edge alone that tell a running total (assumption: five times in
+/// rising order are one chance in 120).
+const TIMED: (usize, usize) = (3, 5);
 /// Flank wear in mm below which readings only show the run-in.
 const RUN_IN: f64 = 0.1;
 
@@ -59,8 +62,55 @@ impl Measured {
                  record began, and the time before that is not known; with --start unknown nothing is supposed of it"
             ));
         }
+        notes.extend(self.times_without_cutting());
+        if self.clock == Clock::Minutes && self.times_look_running() {
+            self.refusals.push(
+                "whether the time is counted from the beginning of each edge: it grows from row to row on every edge, and is taken \
+                 as the time of each row alone. If it is a running total, map its column with running = true (--map)"
+                    .to_owned(),
+            );
+        }
         notes.append(&mut self.notes);
         self.notes = notes;
+    }
+
+    /// What is to be said of rows in which nothing was cut though wear was read; the reading of a new edge is as it should be.
+    fn times_without_cutting(&self) -> Option<String> {
+        let (mut count, mut first, mut most) = (0, None, 0.0_f64);
+        for edge in &self.edges {
+            let mut before = 0.0;
+            for stretch in &edge.stretches {
+                let Some(wear) = stretch.wear else { continue };
+                let new = before == 0.0 && wear < FALL * READING;
+                if stretch.time == 0.0 && !new {
+                    count += 1;
+                    first = first.or(Some(edge.name.as_str()));
+                    most = most.max(wear - before);
+                }
+                before = wear;
+            }
+        }
+        let first = first?;
+        let rises = if most > FALL * READING {
+            format!(", though wear rises by up to {most:.3} mm in them: was their time not recorded?")
+        } else {
+            String::new()
+        };
+        Some(format!(
+            "{count} rows have no cutting time, edge {first} first: they are taken as wear that was read again without cutting{rises}"
+        ))
+    }
+
+    /// Whether the times of rows rise on every edge, as a running total does.
+    fn times_look_running(&self) -> bool {
+        let times = |edge: &Edge| -> Vec<f64> {
+            edge.stretches.iter().map(|stretch| stretch.time).filter(|time| *time > 0.0).collect()
+        };
+        let timed: Vec<Vec<f64>> =
+            self.edges.iter().map(times).filter(|times: &Vec<f64>| times.len() >= TIMED.0).collect();
+        let rising = |times: &Vec<f64>| times.windows(2).all(|pair| pair[1] > pair[0]);
+        let many = timed.len() > 1 || timed.first().is_some_and(|times| times.len() >= TIMED.1);
+        many && timed.iter().all(rising)
     }
 
     /// Says where a cut was wider than the cutter of the set, in whose shops such a cut cannot be made.

@@ -45,6 +45,9 @@ impl Calibration {
             report = report.section(self.edges_section());
         }
         report = report.section(self.parameter_section());
+        if !self.channels.is_empty() {
+            report = report.section(self.channels_section());
+        }
         if self.choice.scores.len() > 1 { report.section(self.law_section()) } else { report }
     }
 
@@ -172,6 +175,51 @@ impl Calibration {
             section = section.figure(Figure::new(&plot, format!("Correlation {correlation:.2}.")));
         }
         section
+    }
+
+    /// Every channel against the wear that was fitted, over what a sharp edge shows under the same cut.
+    fn channels_section(&self) -> Section {
+        let mut section = Section::new("Forces and temperatures against wear").paragraph(
+            "Each reading stands over what a sharp edge of usual level shows under the same cut, so that cuts of different speeds and feeds \
+             lie on one picture. The wear is that of the fitted curve and not a reading, whose error would make the land look weaker.",
+        );
+        for fit in &self.channels {
+            let model = &fit.model;
+            let channel = model.channel().column().replace('_', " ");
+            let points = model.over_sharp(fit.posterior.map.u.as_slice());
+            let plot = Plot::new(
+                format!("{channel} against wear"),
+                Axis::linear("Flank wear VB, fitted", "mm"),
+                Axis::linear(format!("{channel} over that of a sharp edge"), ""),
+            )
+            .describe("Readings and model, each over the model of a sharp edge.")
+            .scatter("measured", points.iter().map(|(wear, read, _)| (*wear, *read)), Style::nth(1))
+            .scatter("model", points.iter().map(|(wear, _, model)| (*wear, *model)), Style::nth(0))
+            .horizontal(1.0, "sharp edge");
+            let (gain, error) = fit.gain;
+            let caption = format!(
+                "Wear in the model predicts edges left out better by {} ± {} logarithms.",
+                number(gain, 3),
+                number(error, 2)
+            );
+            section = section.figure(Figure::new(&plot, caption));
+            let mut table = Table::new(["parameter", "maximum", "5 %", "95 %", "prior left"]);
+            for (index, parameter) in model.parameters().iter().enumerate() {
+                let value = |u: f64| Cell::from(parameter.scale.value(u));
+                table.push([
+                    with_unit(parameter).into(),
+                    value(fit.posterior.map.u[index]),
+                    value(fit.posterior.quantile(index, 0.05)),
+                    value(fit.posterior.quantile(index, 0.95)),
+                    fit.identifiability.shrink[index].into(),
+                ]);
+            }
+            section = section.table(format!("From {} edges.", model.edges()), table);
+        }
+        match self.temperatures() {
+            Some(temperatures) => section.note(temperatures),
+            None => section,
+        }
     }
 
     fn law_section(&self) -> Section {

@@ -2,6 +2,7 @@
 
 use crate::base::{Base, Process};
 use crate::calibration::Calibration;
+use crate::channels::ChannelFit;
 use crate::model::Model;
 use crate::parameter::{Parameter, Scale};
 use crate::sample::Posterior;
@@ -40,7 +41,7 @@ impl Calibration {
             let _ = writeln!(text, "law = \"{law}\"");
         }
         let _ = writeln!(text, "\n[parameters.{law}]");
-        let (mut fitted, mut based) = (model.at(u), model.base().clone());
+        let (mut fitted, mut based) = (model.at(u), self.stated.clone());
         let same_law = match (&fitted, &based) {
             (Base::Turning(fitted), Base::Turning(based)) => fitted.law.group() == based.law.group(),
             // Its level is stated at another cut than that of the set.
@@ -73,25 +74,10 @@ impl Calibration {
             // The group `life` holds it.
             Process::Milling => {}
         }
-        if !self.forces.is_empty() {
-            let _ = writeln!(text, "\n[parameters.force]");
-        }
-        for force in &self.forces {
-            let readings: usize = (0..force.model.edges()).map(|edge| force.model.readings(edge).len()).sum();
-            let channel = force.model.channel().column();
-            let source =
-                quoted(&format!("calibrated: {} edges, {readings} readings of {channel}", force.model.edges()));
-            let forces = force.model.parameters().iter().zip(force.posterior.map.u.iter());
-            for (name, parameter, u) in
-                forces.filter_map(|(parameter, u)| Some((parameter.name.strip_prefix("force.")?, parameter, *u)))
-            {
-                let number = rounded(parameter.scale.value(u));
-                let value = if parameter.unit == "1" {
-                    format!("{number:?}")
-                } else {
-                    format!("\"{number:?} {}\"", parameter.unit)
-                };
-                let _ = writeln!(text, "{name} = {{ value = {value}, source = {source} }}");
+        for group in ["temperature", "emf", "force"] {
+            let fitted: Vec<String> = self.channels.iter().flat_map(|fit| values(fit, group)).collect();
+            if !fitted.is_empty() {
+                let _ = writeln!(text, "\n[parameters.{group}]\n{}", fitted.join("\n"));
             }
         }
         if let Some(fit) = self.chips() {
@@ -106,9 +92,11 @@ impl Calibration {
             }
         }
         let _ = writeln!(text, "\n[prior]");
-        priors(&mut text, model.parameters(), &self.posterior);
-        for force in &self.forces {
-            priors(&mut text, force.model.parameters(), &force.posterior);
+        let contrast = record.fields().iter().position(|field| field.name == "stage_contrast");
+        let left = 1.0 - contrast.and_then(|place| record.value(place)).unwrap_or(0.0);
+        priors(&mut text, model.parameters(), &self.posterior, left);
+        for fit in &self.channels {
+            priors(&mut text, fit.model.parameters(), &fit.posterior, left);
         }
         if let Some(index) = model.parameters().iter().position(|parameter| parameter.name == EDGE_SCATTER) {
             let _ = writeln!(text, "\n[scatter]\ncommon_wear = {:?}", rounded(u[index].exp()));
@@ -127,8 +115,24 @@ impl Calibration {
     }
 }
 
-/// Posterior deviations as priors of the next round; what no set has a name for is left out.
-fn priors(text: &mut String, parameters: &[Parameter], posterior: &Posterior) {
+/// Lines of a parameter file with what a channel tells of a group.
+fn values(fit: &ChannelFit, group: &str) -> Vec<String> {
+    let readings: usize = (0..fit.model.edges()).map(|edge| fit.model.readings(edge).len()).sum();
+    let channel = fit.model.channel().column();
+    let source = format!("calibrated: {} edges, {readings} readings of {channel}", fit.model.edges());
+    let line = |(parameter, u): (&Parameter, &f64)| {
+        let name = parameter.name.strip_prefix(group)?.strip_prefix('.')?;
+        let number = rounded(parameter.scale.value(*u));
+        let value =
+            if parameter.unit == "1" { format!("{number:?}") } else { format!("\"{number:?} {}\"", parameter.unit) };
+        Some(format!("{name} = {{ value = {value}, source = \"{source}\" }}"))
+    };
+    fit.model.parameters().iter().zip(fit.posterior.map.u.iter()).filter_map(line).collect()
+}
+
+/// Posterior deviations as priors of the next round, in units of files; what no set has a name for is left out. A tilt is a share of what
+/// the contrast leaves it, `left`.
+fn priors(text: &mut String, parameters: &[Parameter], posterior: &Posterior, left: f64) {
     for (index, parameter) in parameters.iter().enumerate().filter(|(_, parameter)| is_of_set(parameter)) {
         let (u, deviation) = (posterior.map.u[index], posterior.deviation(index));
         let spread = match parameter.scale {
@@ -138,14 +142,16 @@ fn priors(text: &mut String, parameters: &[Parameter], posterior: &Posterior) {
             Scale::Contrast | Scale::Tilt => {
                 let step = 1e-4;
                 let slope = (parameter.scale.value(u + step) - parameter.scale.value(u)) / step;
-                format!("deviation = {:?}", rounded(deviation * slope))
+                let left = if parameter.scale == Scale::Tilt { left } else { 1.0 };
+                format!("deviation = {:?}", rounded(deviation * slope * left))
             }
         };
         let _ = writeln!(text, "\"{}\" = {{ {spread} }}", parameter.name);
     }
 }
 
-/// Whether a parameter set has a name for a parameter: scatter, noise and groups of edges belong to none.
+/// Whether a parameter set has a name for a parameter: noise and groups of edges belong to none, and the scatter of edges is that of
+/// `[scatter]`.
 fn is_of_set(parameter: &Parameter) -> bool {
-    parameter.name.contains('.') && !parameter.name.contains('=')
+    parameter.name == EDGE_SCATTER || parameter.name.contains('.') && !parameter.name.contains('=')
 }

@@ -3,8 +3,8 @@
 use crate::base::{Base, Process};
 use crate::calibration::{Calibration, CalibrationError, Request};
 use crate::drawn::DrawnTable;
+use crate::known::{parameters, prior};
 use crate::law::Law;
-use crate::parameter::Prior;
 use crate::shape::{Candidate, Shape};
 use crate::treatment::{Clock, Measured, Treatment};
 use rand::SeedableRng;
@@ -217,9 +217,15 @@ impl CalibrationStudy {
         })?;
         measured.fit_into(&base);
         let candidates = self.candidates(&laws, measured.clock)?;
-        let of_candidates: Vec<Law> = candidates.iter().map(|candidate| candidate.law).collect();
+        let mut of_candidates: Vec<Law> = candidates.iter().map(|candidate| candidate.law).collect();
+        of_candidates.dedup();
+        let parameters = parameters(&base, &of_candidates, limit);
         let spreads = self.spreads(&set)?;
-        let priors = spreads.iter().filter_map(|(name, spread)| prior(name, spread, &of_candidates)).collect();
+        let known = |(name, spread): (&String, &Spread)| {
+            let parameter = parameters.iter().find(|parameter| parameter.name == *name)?;
+            Some((name.clone(), prior(parameter, *spread, &set)))
+        };
+        let priors = spreads.iter().filter_map(known).collect();
         let by = by.map(|(column, _)| column);
         let held_out = self.held_out(&measured)?;
         let noise_time = set.scatter.unwrap_or_else(Scatter::shop).life_noise_time / 60.0;
@@ -354,19 +360,8 @@ fn fixed(text: &str) -> Result<(String, f64), Refusal> {
         .ok_or_else(|| refuse(format_args!("--fix {text}: a name and a number are due"), "--fix stage_contrast=0.6"))
 }
 
-/// A standard deviation of the set as a prior of the laws in question, around the value of the set.
-fn prior(name: &str, spread: &Spread, laws: &[Law]) -> Option<(String, Prior)> {
-    let (group, _) = name.split_once('.')?;
-    (group == "force" || laws.iter().any(|law| law.group() == group)).then(|| {
-        let deviation = match spread {
-            Spread::Factor(factor) => factor.ln().abs(),
-            Spread::Deviation(deviation) => *deviation,
-        };
-        (name.to_owned(), Prior { mean: f64::NAN, deviation })
-    })
-}
-
-/// The mapping of a table of lives, or of wear over the path instead of the time: every column by its own header.
+/// The mapping of a table of lives, or of wear over time or path without the names of operations and machines: every column by its own
+/// header.
 fn by_headers(path: &Path) -> Option<Mapping> {
     let text = String::from_utf8(std::fs::read(path).ok()?).ok()?;
     let line =
@@ -385,5 +380,11 @@ fn by_headers(path: &Path) -> Option<Mapping> {
         .collect();
     let has = |wanted: &str| columns.iter().any(|mapped| mapped.column.name == wanted);
     let over_path = has("path_length") && has("flank_wear") && !has("feed_per_tooth");
-    ((has("life") || over_path) && has("tool_id")).then(|| Mapping { kind, columns, keep: Vec::new(), rows: 1 })
+    let over_time = has("cutting_time") && has("flank_wear") && has("cutting_speed");
+    ((has("life") || over_path || over_time) && has("tool_id")).then(|| Mapping {
+        kind,
+        columns,
+        keep: Vec::new(),
+        rows: 1,
+    })
 }

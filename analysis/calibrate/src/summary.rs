@@ -1,10 +1,11 @@
 //! A calibration as JSON and as text.
 
 use crate::base::Process;
-use crate::calibration::{Calibration, ForceFit};
+use crate::calibration::Calibration;
+use crate::channel::Channel;
+use crate::channels::ChannelFit;
 use crate::chipping::ChippingFit;
 use crate::choice::Verdict;
-use crate::force::Channel;
 use crate::identify::Identifiability;
 use crate::model::Model;
 use crate::parameter::{Parameter, Scale};
@@ -133,18 +134,18 @@ impl Calibration {
                 value
             })
             .collect();
-        let of_force = |force: &ForceFit| {
+        let of_fit = |fit: &ChannelFit| {
             json!({
-                "channel": force.model.channel().column(),
-                "parameters": listed(force.model.parameters(), &force.posterior, &force.identifiability), "edges": force.model.edges(),
-                "gain_of_wear": { "elpd": force.gain.0, "se": force.gain.1 },
+                "channel": fit.model.channel().column(), "edges": fit.model.edges(),
+                "parameters": listed(fit.model.parameters(), &fit.posterior, &fit.identifiability),
+                "gain_of_wear": { "elpd": fit.gain.0, "se": fit.gain.1 },
             })
         };
-        let of_channel = |feed: bool| {
-            let mut fits = self.forces.iter();
-            fits.find(|fit| (fit.model.channel() == Channel::FeedForce) == feed).map(of_force)
-        };
-        let (force, feed_force) = (of_channel(false), of_channel(true));
+        let of_channel =
+            |channels: &[Channel]| self.channels.iter().find(|fit| channels.contains(&fit.model.channel())).map(of_fit);
+        let force = of_channel(&[Channel::CuttingForce, Channel::SpindlePower]);
+        let feed_force = of_channel(&[Channel::FeedForce]);
+        let (heat, emf) = (of_channel(&[Channel::Temperature]), of_channel(&[Channel::ThermoEmf]));
         let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
         let notes: Vec<&String> = self.measured.notes.iter().collect();
         let worst = self.coverage.worst.map(|edge| self.measured.edges[edge].name.clone());
@@ -171,9 +172,26 @@ impl Calibration {
                 "histogram": self.coverage.histogram, "worst_edge": worst,
             },
             "scatter": { "common_wear": scatter, "chipping_rate [1/km]": self.chipping_json() }, "force": force,
-            "feed_force": feed_force,
+            "feed_force": feed_force, "temperature": heat, "thermo_emf": emf, "temperatures": self.temperatures(),
             "held_out": self.held_out_json(), "profiles": self.profiles_json(),
             "life": life, "refusals": self.measured.refusals, "warnings": self.warnings(), "notes": notes,
+        })
+    }
+
+    /// Under which temperatures activation energies hold, where the law has any.
+    pub(crate) fn temperatures(&self) -> Option<String> {
+        if self.choice.carried.law.states_lives() {
+            return None;
+        }
+        let fitted = self.channels.iter().find(|fit| fit.model.channel().heats());
+        Some(match fitted.map(|fit| fit.model.channel()) {
+            Some(Channel::ThermoEmf) => "activation energies hold under temperatures by the thermo-EMF, whose characteristic (emf) is that \
+                                         of the set"
+                .to_owned(),
+            Some(_) => "activation energies hold under the temperatures that were measured (group temperature of the set)".to_owned(),
+            None => "activation energies hold under the temperatures of the set, which these data do not measure; to tell them: \
+                     temperature or thermo_emf of new and worn edges at two speeds"
+                .to_owned(),
         })
     }
 
@@ -261,11 +279,14 @@ impl Calibration {
             "the life is known best at {speed:.0} m/min, to ±{:.0} % (one deviation)",
             100.0 * deviation
         );
+        if let Some(temperatures) = self.temperatures() {
+            let _ = writeln!(text, "{temperatures}");
+        }
         self.life_table(&mut text);
-        for force in &self.forces {
-            table(&mut text, force.model.parameters(), &force.posterior, &force.identifiability);
-            let (gain, error) = force.gain;
-            let channel = force.model.channel().column();
+        for fit in &self.channels {
+            table(&mut text, fit.model.parameters(), &fit.posterior, &fit.identifiability);
+            let (gain, error) = fit.gain;
+            let channel = fit.model.channel().column();
             let _ =
                 writeln!(text, "wear in {channel} predicts edges left out better by {gain:.1} ± {error:.1} logarithms");
         }
@@ -408,8 +429,8 @@ impl Calibration {
 
     /// Header of the table of draws: one column a parameter in its unit, the law, and the weight.
     pub fn draw_columns(&self) -> Vec<String> {
-        let of_force = self.forces.iter().flat_map(|force| shared_columns(force.model.parameters()));
-        let fitted = self.carried().model.parameters().iter().chain(of_force).map(with_unit);
+        let of_channels = self.channels.iter().flat_map(|fit| shared_columns(fit.model.parameters()));
+        let fitted = self.carried().model.parameters().iter().chain(of_channels).map(with_unit);
         fitted.chain(self.chips().map(|_| "chipping.rate [1/km]".to_owned())).collect()
     }
 
@@ -425,9 +446,9 @@ impl Calibration {
         self.posterior.draws.iter().enumerate().map(|(number, draw)| {
             let value = |(parameter, u): (&Parameter, &f64)| parameter.scale.value(*u);
             let mut values: Vec<f64> = model.parameters().iter().zip(draw.iter()).map(value).collect();
-            for force in &self.forces {
-                let parameters: Vec<&Parameter> = shared_columns(force.model.parameters()).collect();
-                let draw = &force.posterior.draws[number % force.posterior.draws.len()];
+            for fit in &self.channels {
+                let parameters: Vec<&Parameter> = shared_columns(fit.model.parameters()).collect();
+                let draw = &fit.posterior.draws[number % fit.posterior.draws.len()];
                 values.extend(parameters.into_iter().zip(draw.iter()).map(value));
             }
             if let Some(fit) = self.chips() {
@@ -440,7 +461,8 @@ impl Calibration {
     }
 }
 
-/// Parameters of a force model that a parameter set has; scatter and noise come last and belong to none.
+/// Parameters of a channel that draws hold: those of the force group; scatter and noise come last and belong to none. Temperatures
+/// stay as the set has them: the wear was fitted under these, and with others the same rates would not give the lives that were measured.
 fn shared_columns(parameters: &[Parameter]) -> impl Iterator<Item = &Parameter> {
     parameters.iter().filter(|parameter| parameter.name.starts_with("force."))
 }

@@ -1,9 +1,9 @@
 //! From records to edges: what is used.
 
 use crate::base::{Base, Condition, Process};
+use crate::channel::Channel;
 use crate::data_error::{DataError, LEAST, MOST};
 use crate::edge::{Edge, Life, Stretch};
-use crate::force::Channel;
 use std::collections::BTreeMap;
 use toolroom_form::significant;
 use toolroom_records::Records;
@@ -11,8 +11,6 @@ use toolroom_wear::Cut;
 
 /// Flank wear in mm below which no reading of an edge lies: five times the usual error of a reading below zero.
 const BELOW: f64 = -0.055;
-/// Channels of records that speak of wear and are not used here.
-const UNUSED: [&str; 2] = ["temperature", "thermo_emf"];
 
 /// Digits of a cutting speed and of feeds and depths that make two conditions different (assumption: machines hold a speed to
 /// 0.1 % and lengths to 1 %; an exponent of 5 makes 0.3 % of a life of them). Each condition costs a wear curve.
@@ -216,7 +214,7 @@ pub struct Measured {
     /// Edges in the order of the records.
     pub edges: Vec<Edge>,
     /// What was read of each edge, channel by channel in the order of [`Channel::ALL`].
-    pub loads: Vec<[ChannelReadings; 3]>,
+    pub loads: Vec<[ChannelReadings; 5]>,
     /// How each ended.
     pub ends: Vec<End>,
     /// Whether the records tell how edges ended.
@@ -349,7 +347,7 @@ impl Measured {
                 let (Some(speed), Some(feed), Some(depth)) = (speed, feed, depth) else { return None };
                 load.map(|load| (Cut::nominal(speed[row], feed[row], depth[row]), load))
             };
-            let mut loads: [ChannelReadings; 3] = Default::default();
+            let mut loads: [ChannelReadings; 5] = Default::default();
             let edge = if at("life", last).is_finite() {
                 let of_life = |row: &&usize| at("life", **row).is_finite();
                 if let Some(&other) = rows.iter().filter(of_life).find(|row| **row != last) {
@@ -448,6 +446,11 @@ impl Measured {
         if measured.edges.is_empty() {
             return Err(DataError::Nothing);
         }
+        let idle = |edge: &Edge| edge.life.is_none() && edge.stretches.iter().all(|stretch| stretch.time == 0.0);
+        if let Some(edge) = measured.edges.first().filter(|_| measured.edges.iter().all(idle)) {
+            let what = "no edge has cut for any time: every cutting_time is 0".to_owned();
+            return Err(DataError::Value { edge: edge.name.clone(), what });
+        }
         let greatest = measured.greatest();
         if measured.readings() > 0 && !(LEAST..=MOST).contains(&greatest) {
             return Err(DataError::Unit { greatest, unit: treatment.wear_unit.clone() });
@@ -458,12 +461,14 @@ impl Measured {
             }
             measured.notes.push("no flank_wear: the time until edges were worn out is all that is used".to_owned());
         }
-        let unused: Vec<&str> = UNUSED
-            .into_iter()
-            .filter(|name| records.numbers(name).is_some_and(|values| values.iter().any(|value| value.is_finite())))
-            .collect();
+        let unused: Vec<&str> = match process {
+            Process::Turning => Vec::new(),
+            Process::Milling => {
+                Channel::ALL.map(Channel::column).into_iter().filter(|name| there(name).is_some()).collect()
+            }
+        };
         let doubled = there(Channel::CuttingForce.column()).and(there(Channel::SpindlePower.column())).is_some();
-        if doubled {
+        if doubled && process == Process::Turning {
             let note = "spindle_power is not used: cutting_force tells the same without the losses of the drive";
             measured.notes.push(note.to_owned());
         }

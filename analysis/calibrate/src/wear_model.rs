@@ -70,7 +70,6 @@ pub struct WearModel {
     pub law: Law,
     /// The shape of its wear curve.
     pub shape: Shape,
-    base: Base,
     template: Base,
     parameters: Vec<Parameter>,
     slots: Vec<Slot>,
@@ -90,6 +89,15 @@ pub const EDGE_SCATTER: &str = toolroom_wear::EDGE_SCATTER_NAME;
 /// Name of the noise of wear readings among the parameters.
 pub const READING_NOISE: &str = toolroom_wear::READING_NOISE_NAME;
 
+/// What edges have beside the law: their scatter, and the error of a reading.
+pub(crate) fn of_edges() -> [Parameter; 2] {
+    let ln = |(median, deviation): (f64, f64)| Prior::new(f64::ln(median), deviation);
+    [
+        Parameter::new(EDGE_SCATTER, "1", Scale::Logarithm, ln(SCATTER), "measure more edges"),
+        Parameter::new(READING_NOISE, "mm", Scale::Logarithm, ln(NOISE), "read the wear of an edge more than once"),
+    ]
+}
+
 impl WearModel {
     /// The model of `edges`, which were cut at `conditions`. What the law does not say is taken from `base`; `limit` in
     /// mm is the flank wear at which lives end. The tilt of a wear curve is free for [`Shape::Tilted`] only: with the contrast
@@ -105,22 +113,19 @@ impl WearModel {
         let template = law.template(&base, limit);
         let mut parameters = law.parameters(&template);
         let slots = (0..parameters.len()).map(Slot::Free).collect();
-        let ln = |(median, deviation): (f64, f64)| Prior::new(f64::ln(median), deviation);
-        let lift = "measure more edges";
-        parameters.push(Parameter::new(EDGE_SCATTER, "1", Scale::Logarithm, ln(SCATTER), lift));
+        let [scatter, reading] = of_edges();
+        parameters.push(scatter);
         let read = edges.iter().flat_map(|edge| edge.stretches.iter().filter_map(|stretch| stretch.wear));
         let greatest = read.clone().fold(limit, f64::max) * BEYOND;
         let curved = read.count() > 0;
         if curved {
-            let lift = "read the wear of an edge more than once";
-            parameters.push(Parameter::new(READING_NOISE, "mm", Scale::Logarithm, ln(NOISE), lift));
+            parameters.push(reading);
         }
         let conditions = conditions.into_iter().map(Into::into).collect();
         let (groups, in_life) = (Vec::new(), None);
         let mut model = Self {
             law,
             shape,
-            base,
             template,
             parameters,
             slots,
@@ -243,11 +248,6 @@ impl WearModel {
     /// The edges.
     pub fn measured(&self) -> &[Edge] {
         &self.edges
-    }
-
-    /// The set from which everything comes that the law does not say.
-    pub(crate) fn base(&self) -> &Base {
-        &self.base
     }
 
     /// Curves of all conditions that some edges met.

@@ -133,7 +133,7 @@ fn forces_are_fitted_against_the_wear_that_was_fitted() {
     let records = parse_csv("wear.csv", rows.as_bytes(), RecordKind::Turning).expect("records").0;
     let measured = Measured::of(&records, 0.3).expect("edges");
     let found = Calibration::new(measured, &base, request(&[Law::ExtendedTaylor])).expect("a calibration");
-    let force = found.forces.first().expect("forces");
+    let force = found.channels.first().expect("forces");
     let stress = 1.2 * base.force.flank_shear_stress * 1e-6;
     let place = force.model.parameters().iter().position(|parameter| parameter.name == "force.flank_shear_stress");
     let place = place.expect("named");
@@ -177,7 +177,7 @@ fn feed_force_and_power_tell_of_the_land_as_the_cutting_force_does() {
         Calibration::new(measured, &base, request(&[Law::ExtendedTaylor])).expect("a calibration")
     };
     let held = |found: &Calibration, name: &str, truth: f64| {
-        let mut places = found.forces.iter().flat_map(|fit| {
+        let mut places = found.channels.iter().flat_map(|fit| {
             let names = fit.model.parameters().iter().enumerate();
             names.filter(|(_, parameter)| parameter.name == name).map(move |(place, _)| (fit, place))
         });
@@ -186,7 +186,7 @@ fn feed_force_and_power_tell_of_the_land_as_the_cutting_force_does() {
         assert!(low < truth && truth < high, "{name}: {low} … {high} against {truth}");
         assert!(fit.gain.0 > 2.0 * fit.gain.1, "{name}: {:?}", fit.gain);
     };
-    let channels = |found: &Calibration| found.forces.iter().map(|fit| fit.model.channel()).collect::<Vec<_>>();
+    let channels = |found: &Calibration| found.channels.iter().map(|fit| fit.model.channel()).collect::<Vec<_>>();
     let without = found(false);
     assert_eq!(channels(&without), [Channel::SpindlePower, Channel::FeedForce]);
     held(&without, "force.flank_shear_stress", 1.2 * base.force.flank_shear_stress * 1e-6);
@@ -345,4 +345,126 @@ fn falls_of_many_edges_are_told_at_once_and_wear_far_below_zero_is_refused() {
     assert!(matches!(falls.as_slice(), [note] if note.starts_with("3 edges, E0 first")), "{falls:?}");
     let error = Measured::of(&records(&fallen("-0.2")), 0.3).expect_err("no wear");
     assert!(error.to_string().contains("leave the cell empty"), "{error}");
+}
+
+/// Rows of six edges with the temperature and the thermo-EMF of a set, each off by up to 1.5 %.
+fn heated(truth: &Pair, columns: [bool; 2]) -> Records {
+    let mut rows = String::from(HEADER.trim_end());
+    rows.push_str(if columns[0] { ",temperature [degC]" } else { "" });
+    rows.push_str(if columns[1] { ",thermo_emf [mV]\n" } else { "\n" });
+    for (index, row) in made(&[180.0, 180.0, 220.0, 220.0, 300.0, 300.0]).lines().enumerate() {
+        let cells: Vec<&str> = row.split(',').collect();
+        let number = |place: usize| cells[place].parse::<f64>().expect("a number");
+        let point = truth.point(&Cut::nominal(number(4) / 60.0, 0.3e-3, 1.5e-3), number(8).max(0.0) * 1e-3);
+        let error = |shift: usize| 1.0 + [0.015, -0.01, 0.0, 0.008, -0.013][(index + shift) % 5];
+        let temperature = format!(",{:.1}", point.temperature * error(0) - 273.15);
+        let emf = format!(",{:.3}", point.thermo_emf * 1e3 * error(2));
+        let of = |there: bool, cell: String| if there { cell } else { String::new() };
+        let _ = writeln!(rows, "{row}{}{}", of(columns[0], temperature), of(columns[1], emf));
+    }
+    parse_csv("wear.csv", rows.as_bytes(), RecordKind::Turning).expect("records").0
+}
+
+#[test]
+fn temperature_and_thermo_emf_tell_how_the_contact_heats() {
+    let (base, mut truth) = (base(), base());
+    truth.temperature.chip_heating *= 1.06;
+    truth.temperature.flank_heating *= 1.5;
+    truth.emf.sensitivity *= 1.2;
+    let found = |columns: [bool; 2]| {
+        let measured = Measured::of(&heated(&truth, columns), 0.3).expect("edges");
+        Calibration::new(measured, &base, request(&[Law::EnergyBalance])).expect("a calibration")
+    };
+    let rise = |pair: &Pair, speed: f64, wear: f64| {
+        let point = pair.point(&Cut::nominal(speed / 60.0, 0.3e-3, 1.5e-3), wear);
+        point.temperature - pair.temperature.ambient_temperature
+    };
+    for (columns, channels) in
+        [([true, false], vec![Channel::Temperature]), ([true, true], vec![Channel::Temperature, Channel::ThermoEmf])]
+    {
+        let found = found(columns);
+        assert_eq!(found.channels.iter().map(|fit| fit.model.channel()).collect::<Vec<_>>(), channels);
+        let heat = &found.channels[0];
+        let told = heat.model.at(heat.posterior.map.u.as_slice());
+        for (speed, wear) in [(180.0, 0.02e-3), (180.0, 0.25e-3), (300.0, 0.02e-3), (300.0, 0.25e-3)] {
+            let (told, true_rise) = (rise(&told, speed, wear), rise(&truth, speed, wear));
+            assert!((told / true_rise - 1.0).abs() < 0.015, "{speed} {wear}: {told} against {true_rise}");
+        }
+        assert!(heat.gain.0 > 2.0 * heat.gain.1, "{:?}", heat.gain);
+        if let Some(emf) = found.channels.get(1) {
+            // The sensitivity is told under the temperatures that were fitted: rise and sensitivity together are what was measured.
+            let sensitivity = emf.model.at(emf.posterior.map.u.as_slice()).emf.sensitivity;
+            let product = sensitivity * rise(&told, 220.0, 0.1e-3);
+            let due = truth.emf.sensitivity * rise(&truth, 220.0, 0.1e-3);
+            assert!((product / due - 1.0).abs() < 0.01, "{product} V for {due} V");
+        }
+        // The wear was fitted under these temperatures, so that the set has both.
+        let set = found.set_file("ours", "c45_t15k6");
+        assert!(
+            set.contains("[parameters.temperature]\nchip_heating") && set.contains("reference_temperature"),
+            "{set}"
+        );
+        assert!(set.contains("\"temperature.chip_heating\" = { factor"), "{set}");
+        assert!(found.draw_columns().iter().all(|column| !column.starts_with("temperature")));
+        assert!(found.text().contains("under the temperatures that were measured"), "{}", found.text());
+    }
+    let by_emf = found([false, true]);
+    let heat = &by_emf.channels[0];
+    let told = heat.model.at(heat.posterior.map.u.as_slice());
+    // A characteristic a fifth steeper than that of the set is taken for a contact that is so much hotter.
+    assert!(rise(&told, 220.0, 0.1e-3) > 1.1 * rise(&truth, 220.0, 0.1e-3));
+    assert!(by_emf.text().contains("whose characteristic (emf) is that of the set"), "{}", by_emf.text());
+    let without = found([false, false]);
+    assert!(without.text().contains("which these data do not measure"), "{}", without.text());
+}
+
+#[test]
+fn a_reference_temperature_moves_with_measured_ones_and_the_lives_stay_what_was_measured() {
+    let (base, mut truth) = (base(), base());
+    truth.temperature.chip_heating *= 1.12;
+    let life = |columns: [bool; 2]| {
+        let measured = Measured::of(&heated(&truth, columns), 0.3).expect("edges");
+        let found = Calibration::new(measured, &base, request(&[Law::TakeyamaMurata])).expect("a calibration");
+        assert!(
+            found.warnings().iter().all(|warning| !warning.contains("that were expected")),
+            "{:?}",
+            found.warnings()
+        );
+        found
+            .lives
+            .iter()
+            .find(|life| (life.condition.cut.cutting_speed * 60.0 - 220.0).abs() < 0.1)
+            .expect("a speed")
+            .median
+    };
+    let (with, without) = (life([true, false]), life([false, false]));
+    assert!((with / without - 1.0).abs() < 0.1, "{with} against {without} min");
+}
+
+#[test]
+fn rows_that_cut_for_no_time_and_times_that_run_on_are_told() {
+    let changed = |with: &dyn Fn(usize, f64) -> f64| {
+        made(&[180.0, 220.0, 300.0]).lines().fold(String::new(), |mut rows, line| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            let time = with(cells[3].parse().expect("a number"), cells[7].parse().expect("a number"));
+            cells[7] = time.to_string();
+            let _ = writeln!(rows, "{}", cells.join(","));
+            rows
+        })
+    };
+    let of = |with: &dyn Fn(usize, f64) -> f64| Measured::of(&records(&changed(with)), 0.3);
+    let plain = of(&|_, time| time).expect("edges");
+    assert!(plain.notes.iter().all(|note| !note.contains("no cutting time")), "{:?}", plain.notes);
+    assert!(plain.refusals.iter().all(|refusal| !refusal.contains("counted from the beginning")));
+    // The first reading is that of the new edge.
+    let new = of(&|row, time| if row == 1 { 0.0 } else { time });
+    let idle = of(&|row, time| if row == 6 { 0.0 } else { time }).expect("edges");
+    let told = |measured: &Measured| measured.notes.iter().find(|note| note.contains("no cutting time")).cloned();
+    let note = told(&idle).expect("a note");
+    assert!(note.starts_with("3 rows") && note.contains("though wear rises"), "{note}");
+    assert!(new.is_ok());
+    let error = of(&|_, _| 0.0).expect_err("no time");
+    assert!(error.to_string().contains("every cutting_time is 0"), "{error}");
+    let running = of(&|row, time| row as f64 * time).expect("edges");
+    assert!(running.refusals.iter().any(|refusal| refusal.contains("running = true")), "{:?}", running.refusals);
 }

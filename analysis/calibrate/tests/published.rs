@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use std::path::{Path, PathBuf};
 use toolroom_calibrate::{
-    Choice, Coverage, Edge, ForceModel, ForceReading, Identifiability, Law, Life, Model, Prior, Stretch, Verdict,
+    ChannelModel, ChannelReading, Choice, Coverage, Edge, Identifiability, Law, Life, Model, Prior, Stretch, Verdict,
     WearModel, leave_edges_out, maximise, sample,
 };
 use toolroom_wear::{Cut, Pair};
@@ -187,7 +187,7 @@ fn maxima_and_intervals_are_those_computed_independently() {
 #[test]
 fn forces_against_wear_are_those_computed_independently() {
     let Some(text) = text("forces-8.csv") else { return };
-    let mut edges: Vec<(String, Vec<ForceReading>)> = Vec::new();
+    let mut edges: Vec<(String, Vec<ChannelReading>)> = Vec::new();
     for row in rows(&text) {
         let value = |column| number(&row, column).expect("a number");
         let cut =
@@ -196,11 +196,11 @@ fn forces_against_wear_are_those_computed_independently() {
             edges.push((row["tool_id"].clone(), Vec::new()));
         }
         let readings = &mut edges.last_mut().expect("an edge").1;
-        readings.push(ForceReading { cut, wear: value("flank_wear"), force: value("cutting_force") });
+        readings.push(ChannelReading { cut, wear: value("flank_wear"), value: value("cutting_force") });
     }
     let base = Pair::named("c45_t15k6").expect("shipped");
     let readings = edges.into_iter().map(|(_, readings)| readings).collect();
-    let model = ForceModel::new(&base.force, readings, Some((0.02, 0.02)));
+    let model = ChannelModel::new(&base.force, readings, Some((0.02, 0.02)));
     let all: Vec<usize> = (0..model.edges()).collect();
     let found = sample(&model, &all, 6000, 1).expect("draws");
     let expected = [

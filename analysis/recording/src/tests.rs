@@ -90,12 +90,26 @@ fn forces_and_wear_are_those_of_the_log_within_their_sensors() {
     let wear = mean(all[0].numbers("flank_wear").expect("wear").iter().copied());
     let logged = mean(log.passes.iter().map(|pass| pass.flank_wear_end));
     assert!((wear / logged - 1.0).abs() < 0.02, "{wear} m, {logged} m");
-    let cycle = mean(all[0].numbers("cycle_time").expect("cycles").iter().copied());
+    let cycles = all[0].numbers("cycle_time").expect("cycles");
+    let cycle = mean(cycles.iter().copied().filter(|cycle| cycle.is_finite()));
     let handling: f64 =
         log.states.iter().filter(|row| row.state == MachineState::Handling).map(|row| row.end - row.start).sum();
     let cutting: f64 = log.passes.iter().map(|pass| pass.cutting_time).sum();
     let expected = (handling + cutting) / log.passes.len() as f64;
     assert!((cycle / expected - 1.0).abs() < 0.01, "{cycle} s, {expected} s");
+}
+
+/// A shop stops in the middle of what it does: the control has clocked no cycle of it.
+#[test]
+fn an_operation_in_process_at_the_end_has_no_cycle_time() {
+    // Between operations, and in the middle of one on each of both machines.
+    for (horizon, cut_off) in [("shop.horizon=1.02 h", 0), ("shop.horizon=1.03 h", 2)] {
+        let (_, log, all) = shop("turning.toml", &[horizon]);
+        let whole = log.operations.iter().filter(|row| row.end.is_finite()).count();
+        let begun = log.passes.iter().filter(|pass| pass.cutting_time > 0.0).count();
+        let clocked = all[0].numbers("cycle_time").expect("cycles").iter().filter(|cycle| cycle.is_finite()).count();
+        assert_eq!((clocked, begun - whole), (whole, cut_off), "{horizon}");
+    }
 }
 
 #[test]

@@ -39,6 +39,8 @@ pub struct Visit {
     cut: (f64, f64),
     /// Loading and unloading, s.
     pub handling: f64,
+    /// Whether it began and ended within the run: of another one the control has clocked no cycle.
+    pub whole: bool,
     /// Breakdowns in the middle of it.
     pub stops: u32,
     /// Their time, s.
@@ -76,7 +78,10 @@ impl Visits {
         for row in &log.operations {
             let work = &scenario.parts[row.part as usize].operations[row.operation as usize].work;
             match index.get(&(row.machine, row.job, row.operation)) {
-                Some(place) => visits.list[*place].start = row.start,
+                Some(place) => {
+                    let visit = &mut visits.list[*place];
+                    (visit.start, visit.whole) = (row.start, row.end.is_finite() && row.time_before == 0.0);
+                }
                 None if matches!(work, Work::Plain(_)) => {
                     // What is still in process at the end of the run has no end of its own.
                     let end = if row.end.is_finite() { row.end } else { log.horizon };

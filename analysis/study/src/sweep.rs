@@ -2,6 +2,8 @@
 
 use serde_json::{Value, json};
 use std::fmt::Write;
+use toolroom_chart::page::{Figure, Report, Section};
+use toolroom_chart::{Axis, ColourMap, HeatMap, Plot, Style, number};
 use toolroom_form::significant;
 
 /// Points of a sweep; more are a slip of the step.
@@ -131,6 +133,84 @@ impl Sweep {
         text.trim_end().to_owned()
     }
 
+    /// The results as a page: the difference of the decision at each value, and its maps over prices.
+    pub fn report(&self, summaries: &[Value]) -> Report {
+        let unit = self.values.first().and_then(|value| split(value).ok()).map_or("", |(_, unit)| unit);
+        let key = || Axis::linear(self.key.as_str(), unit);
+        let numbers = || self.values.iter().zip(summaries).filter_map(|(value, _)| Some(split(value).ok()?.0));
+        let mut report = Report::new(format!("Comparison over {}", self.key));
+        if let Some(value) = self.turns_at(summaries) {
+            report = report.lead(format!("A line through the differences is zero at {} = {value}.", self.key));
+        }
+        let end = |summary: &Value, place: usize| summary["decision"]["difference"]["ci95"][place].as_f64();
+        let ends: Vec<(f64, f64, f64)> = numbers()
+            .zip(summaries)
+            .filter_map(|(value, summary)| Some((value, end(summary, 0)?, end(summary, 1)?)))
+            .collect();
+        let mean = |summary: &Value| summary["decision"]["difference"]["mean"].as_f64();
+        let means: Vec<(f64, f64)> =
+            numbers().zip(summaries).filter_map(|(value, summary)| Some((value, mean(summary)?))).collect();
+        let plot = Plot::new("Difference of the decision", key(), Axis::linear("Difference of the cost of a part", ""))
+            .describe(
+                "The difference at each value of the key with its 95 % interval; zero is where the decision turns.",
+            )
+            .band("95 %", ends, Style::nth(1))
+            .marked_line("difference", means, Style::nth(0))
+            .horizontal(0.0, "both cost the same");
+        let mut section = Section::new("Each value of the key").figure(Figure::new(
+            &plot,
+            "Below zero the adaptive or later policy is cheaper. Where policies are tuned, each value has settings of its own.",
+        ));
+        for (value, summary) in self.values.iter().zip(summaries) {
+            if let Some(line) = summary["decision"]["line"].as_str() {
+                section = section.paragraph(format!("{} = {value}: {line}", self.key));
+            }
+        }
+        report = report.section(section);
+        let charts = maps(&summaries[..summaries.len().min(self.values.len())]);
+        if charts.is_empty() {
+            return report;
+        }
+        let mut section = Section::new("Prices and the key together").paragraph(
+            "Prices enter cost in proportion, so that the same runs tell what other prices would have made of them. Within a column \
+             the settings of the policies are held.",
+        );
+        for (price, rows) in charts {
+            let columns: Vec<f64> = numbers().collect();
+            // Along a column the difference is a straight line of the factor.
+            let (low, high) = (PRICES[0], PRICES[PRICES.len() - 1]);
+            let turn = |column: usize| {
+                let (below, above) = (rows[0][column], rows[PRICES.len() - 1][column]);
+                let factor = low - below * (high - low) / (above - below);
+                (low..=high).contains(&factor).then_some((columns[column], factor))
+            };
+            let turns: Vec<(f64, f64)> = (0..columns.len()).filter_map(turn).collect();
+            let count = turns.len();
+            let axes = [key(), Axis::log(format!("{price}, times the present"), ""), Axis::linear("Difference", "")];
+            let mut chart = HeatMap::new(
+                format!("Difference over {price} and {}", self.key),
+                axes,
+                columns.iter().copied(),
+                PRICES,
+                rows.iter().flatten().copied(),
+            )
+            .colours(ColourMap::Diverging)
+            .describe("The difference of the decision by price and key; white is no difference.");
+            if count > 0 {
+                chart = chart.scatter("both cost the same", turns, Style::nth(1));
+            }
+            let least = rows.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+            let most = rows.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+            let turned = match count {
+                0 => "nothing turns the decision within the map".to_owned(),
+                _ => "the points are where it turns".to_owned(),
+            };
+            let caption = format!("From {} to {}: {turned}.", number(least, 3), number(most, 3));
+            section = section.figure(Figure::new(&chart, caption).data_in("sweep.json"));
+        }
+        report.section(section)
+    }
+
     /// The value at which a line through the differences of the decision is zero, with its unit; `None` where it lies beyond
     /// the values that were looked at, and with fewer than three of them.
     fn turns_at(&self, summaries: &[Value]) -> Option<String> {
@@ -227,6 +307,9 @@ mod tests {
         let text = sweep.text(&summaries);
         assert!(text.contains("over edge_cost") && text.contains("  2.00     -1.0000      1.0000"), "{text}");
         assert_eq!(sweep.json(&summaries)["maps"][0]["price"], "edge_cost");
+        // At the second value the decision turns at three times the price, beyond the map; at the first at 1.5 times.
+        let page = sweep.report(&summaries).html();
+        assert!(page.contains("Difference over edge_cost") && page.contains("both cost the same"), "{page}");
         assert!(super::maps(&summaries[..1]).is_empty(), "one value is no map");
         let silent = [summary(1.0), serde_json::json!({ "tornado": [] })];
         assert!(super::maps(&silent).is_empty(), "a price that one point does not know");

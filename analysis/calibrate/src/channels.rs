@@ -1,0 +1,178 @@
+//! Every channel of a calibration, fitted around the wear of the edges.
+
+use crate::base::{Base, Process};
+use crate::calibration::{Calibration, Request};
+use crate::channel::{Channel, ChannelModel, ChannelReading};
+use crate::edge::Edge;
+use crate::identify::Identifiability;
+use crate::left_out::leave_edges_out;
+use crate::model::Model;
+use crate::sample::{Posterior, maxima, sample};
+use crate::treatment::Measured;
+use crate::wear_model::WearModel;
+use toolroom_wear::{Cut, Pair, WearLaw};
+
+/// A channel against wear, fitted.
+#[derive(Clone, Debug)]
+pub struct ChannelFit {
+    /// The model.
+    pub model: ChannelModel,
+    /// Its posterior.
+    pub posterior: Posterior,
+    /// What the data determine of it.
+    pub identifiability: Identifiability,
+    /// By how many logarithms the land predicts readings of edges left out better than a model that knows no wear, and the
+    /// standard error from the differences edge by edge.
+    pub gain: (f64, f64),
+}
+
+/// The set with the temperatures that were measured, and their fits. The wear of the edges is that of the model whose curves follow the
+/// readings best under the temperatures of the set. Rates of wear that a law states at a reference temperature stay with the cuts
+/// that had it, so that this temperature moves with the others.
+pub(crate) fn heat(
+    stated: &Base,
+    measured: &Measured,
+    request: &Request,
+    models: &[WearModel],
+) -> (Base, Vec<ChannelFit>) {
+    let nothing = || (stated.clone(), Vec::new());
+    let heated = |channel: &Channel| {
+        let place = place(*channel);
+        channel.heats() && measured.loads.iter().any(|loads| loads[place].iter().any(Option::is_some))
+    };
+    let Base::Turning(pair) = stated else { return nothing() };
+    if !Channel::ALL.iter().any(heated) || measured.readings() == 0 {
+        return nothing();
+    }
+    let all: Vec<usize> = (0..measured.edges.len()).collect();
+    let fits = models.iter().filter_map(|model| Some((model, maxima(model, &all, request.seed)?.0)));
+    let best = fits.max_by(|a, b| a.1.ln_density.total_cmp(&b.1.ln_density));
+    let Some((model, maximum)) = best else { return nothing() };
+    let mut pair = pair.as_ref().clone();
+    let mut found: Vec<ChannelFit> = Vec::new();
+    for channel in Channel::ALL.into_iter().filter(|channel| channel.heats()) {
+        let known = !found.is_empty();
+        if let Some(fit) = fitted(channel, (model, maximum.u.as_slice()), measured, (&pair, known), request) {
+            pair = fit.model.at(fit.posterior.map.u.as_slice());
+            found.push(fit);
+        }
+    }
+    let base = Base::Turning(Box::new(with_reference(pair, stated, request.limit)));
+    (base, found)
+}
+
+/// A set whose reference temperature belongs to the same cut as before.
+fn with_reference(mut pair: Pair, stated: &Base, limit: f64) -> Pair {
+    let Base::Turning(before) = stated else { return pair };
+    let rise = |pair: &Pair| {
+        let half_worn = 0.5e-3 * limit;
+        pair.point(&before.reference_cut(), half_worn).temperature - pair.temperature.ambient_temperature
+    };
+    let room = pair.temperature.ambient_temperature;
+    let hotter = rise(&pair) / rise(before);
+    let moved = |reference: &mut f64| *reference = room + hotter * (*reference - room);
+    match &mut pair.law {
+        WearLaw::EnergyBalance(law) => moved(&mut law.reference_temperature),
+        WearLaw::TakeyamaMurata(law) => moved(&mut law.reference_temperature),
+        WearLaw::Usui(law) => moved(&mut law.reference_temperature),
+        WearLaw::ExtendedTaylor(_) => {}
+    }
+    pair
+}
+
+/// Every force and power that was measured, each around what those before it have told of the force group. Power is left out
+/// where the cutting force was measured.
+pub(crate) fn forces(
+    model: &WearModel,
+    u: &[f64],
+    measured: &Measured,
+    base: &Pair,
+    request: &Request,
+) -> Vec<ChannelFit> {
+    let mut found: Vec<ChannelFit> = Vec::new();
+    let mut base = base.clone();
+    for channel in Channel::ALL.into_iter().filter(|channel| !channel.heats()) {
+        let told = found.iter().any(|fit| fit.model.channel() == Channel::CuttingForce);
+        if channel == Channel::SpindlePower && told {
+            continue;
+        }
+        if let Some(fit) = fitted(channel, (model, u), measured, (&base, false), request) {
+            base = fit.model.at(fit.posterior.map.u.as_slice());
+            found.push(fit);
+        }
+    }
+    found
+}
+
+impl Calibration {
+    /// Channels that were read and could not be fitted.
+    pub(crate) fn unfitted(&self) -> Vec<String> {
+        let fitted = |channel: Channel| self.channels.iter().any(|fit| fit.model.channel() == channel);
+        let read = |channel: &Channel| {
+            let loads = self.measured.loads.iter().map(|loads| &loads[place(*channel)]);
+            loads.flatten().filter(|load| load.is_some()).count()
+        };
+        let told =
+            |channel: Channel| fitted(channel) || channel == Channel::SpindlePower && fitted(Channel::CuttingForce);
+        let unfitted = |channel: Channel| {
+            let count = read(&channel);
+            let column = channel.column();
+            (count > 0 && !told(channel)).then(|| {
+                format!(
+                    "{column} is not used: {count} readings on edges whose wear was read are too few for its parameters"
+                )
+            })
+        };
+        match self.measured.process {
+            Process::Turning => Channel::ALL.into_iter().filter_map(unfitted).collect(),
+            Process::Milling => Vec::new(),
+        }
+    }
+}
+
+/// Where a channel stands among all.
+fn place(channel: Channel) -> usize {
+    Channel::ALL.iter().position(|known| *known == channel).expect("one of all channels")
+}
+
+/// One channel of all edges against their fitted wear; `None` with fewer readings than the model has parameters.
+fn fitted(
+    channel: Channel,
+    (wear_model, u): (&WearModel, &[f64]),
+    measured: &Measured,
+    (base, temperatures_known): (&Pair, bool),
+    request: &Request,
+) -> Option<ChannelFit> {
+    let mut edges = Vec::new();
+    for (edge, loads) in measured.edges.iter().zip(&measured.loads).filter(|(edge, _)| edge.readings() > 0) {
+        let loads = &loads[place(channel)];
+        let mut read: Edge = edge.clone();
+        for (stretch, load) in read.stretches.iter_mut().zip(loads) {
+            stretch.wear = load.map(|_| 0.0);
+        }
+        let wear = wear_model.course(u, &read, wear_model.level(u, edge));
+        let reading =
+            |((cut, value), wear): (&(Cut, f64), &f64)| ChannelReading { cut: *cut, wear: *wear, value: *value };
+        let readings: Vec<ChannelReading> = loads.iter().flatten().zip(&wear).map(reading).collect();
+        if !readings.is_empty() {
+            edges.push(readings);
+        }
+    }
+    let mut model = ChannelModel::of(channel, base, edges, None, temperatures_known);
+    request.priors.iter().for_each(|(name, prior)| model.set_prior(name, *prior));
+    let all: Vec<usize> = (0..model.edges()).collect();
+    if all.iter().map(|edge| model.readings(*edge).len()).sum::<usize>() <= model.parameters().len() {
+        return None;
+    }
+    let posterior = sample(&model, &all, request.draws, request.seed)?;
+    let identifiability = Identifiability::of(&model, &posterior);
+    let blind = model.without_land();
+    let (with, (without, _)) = (&posterior.map, maxima(&blind, &all, request.seed)?);
+    let with = leave_edges_out(&model, with, request.seed);
+    let without = leave_edges_out(&blind, &without, request.seed);
+    let differences: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with.score - without.score).collect();
+    let gain = differences.iter().sum::<f64>();
+    let mean = gain / differences.len() as f64;
+    let error = differences.iter().map(|difference| (difference - mean).powi(2)).sum::<f64>().sqrt();
+    Some(ChannelFit { model, posterior, identifiability, gain: (gain, error) })
+}
