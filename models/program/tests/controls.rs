@@ -220,6 +220,15 @@ fn klartext_programs_do_what_their_words_say() {
     does("L X+10 F600\nCHF 2\nL Y+10", (16.0 + 8.0_f64.sqrt()) / 10.0, 0.2, 0.0, [10.0, 10.0, 0.0]);
     does("CC X+10 Y+0\nCP IPA+720 IZ-4 DR+ F600", (2.0 * tau * 10.0).hypot(4.0) / 10.0, 0.2, 0.0, [0.0, 0.0, -4.0]);
     does("LBL 1\nL IX+10 F600\nCALL LBL 1 REP 2", 3.0, 0.2, 0.0, [30.0, 0.0, 0.0]);
+    // LBL 0 ends a subprogram, not a repeat.
+    does("LBL 1\nL IX+10 F600\nLBL 0\nCALL LBL 1 REP 2", 3.0, 0.2, 0.0, [30.0, 0.0, 0.0]);
+    does(
+        "CALL LBL 5\nL Z+0 FMAX M30\nLBL 5\nLBL 1\nL IX+10 F600\nCALL LBL 1 REP 2\nLBL 0",
+        3.0,
+        0.2,
+        0.0,
+        [30.0, 0.0, 0.0],
+    );
     does("CALL LBL 5\nCALL LBL 5\nL Z+0 FMAX M30\nLBL 5\nL IY+5 F300\nLBL 0", 2.0, 0.2, 0.0, [0.0, 10.0, 0.0]);
     does(
         "Q1 = 2 * ( 3 + 2 )\nLBL 1\nL IX+Q1 F600\nFN 2: Q1 = +Q1 - +5\nFN 11: IF +Q1 GT +0 GOTO LBL 1",
