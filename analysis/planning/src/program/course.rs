@@ -71,12 +71,13 @@ impl Course {
         let (mut index, mut commands) = (0, 0);
         for (block, (moving, other)) in Blocks::new(source.clone(), control)?.zip(times) {
             let block = block?;
-            course.total += other;
             let commanded: f64 = (block.motions.iter().enumerate())
                 .flat_map(|(i, motion)| plan.motion(index + i, motion))
                 .map(|motion| commanded(&motion, drives))
                 .sum();
-            let share = if commanded > 0.0 { moving / commanded } else { 0.0 };
+            // Ways that only the machine knows, as those to the reference point, have no length here.
+            let (share, rest) = if commanded > 0.0 { (moving / commanded, 0.0) } else { (0.0, moving) };
+            course.total += other + rest;
             let mut actions = block.actions.iter().peekable();
             for (count, motion) in block.motions.iter().enumerate() {
                 while let Some((_, action)) = actions.next_if(|(before, _)| *before <= count) {

@@ -38,7 +38,8 @@ pub fn report(
     let as_programmed = FeedPlan::default();
     let plan = known.feeds.map_or(&as_programmed, Feeds::plan);
     let course = Course::new(source, control, drives, known.setup, plan)?;
-    let mut report = Report::new(name).lead(lead(known, &course));
+    let title = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let mut report = Report::new(title).lead(lead(known, &course));
     for tile in tiles(known) {
         report = report.tile(tile);
     }
