@@ -72,6 +72,13 @@ impl Map {
         Point { x: at(self.low.x, column), y: at(self.low.y, row) }
     }
 
+    /// Whether the square around a place reaches the grid.
+    fn is_near(&self, centre: Point, reach: f64) -> bool {
+        let within =
+            |at: f64, low: f64, count: usize| at + reach >= low && at - reach <= low + self.cell * count as f64;
+        within(centre.x, self.low.x, self.columns) && within(centre.y, self.low.y, self.rows)
+    }
+
     /// Height of the material at a place, m; that of the base outside the stock.
     fn height(&self, x: f64, y: f64) -> f64 {
         let (column, row) = (((x - self.low.x) / self.cell).floor(), ((y - self.low.y) / self.cell).floor());
@@ -118,7 +125,7 @@ impl Map {
     pub fn sweep(&mut self, tool: &Tool, at: impl Fn(f64) -> (Point, f64), (from, to): (f64, f64), way: f64) -> f64 {
         let stamps = (way / (PITCH * self.cell)).ceil().max(1.0) as u32;
         let place = |i: u32| at(from + (to - from) * f64::from(i) / f64::from(stamps));
-        (1..=stamps).map(|i| place(i)).map(|(centre, tip)| self.stamp(tool, centre, tip)).sum()
+        (1..=stamps).map(place).map(|(centre, tip)| self.stamp(tool, centre, tip)).sum()
     }
 
     /// Greatest height of material above `tip` and within `radius` of a place, m, over it: what a holder meets.
@@ -139,7 +146,7 @@ impl Map {
     /// taken to be deeper in material by `slack`, m.
     pub fn engaged(&self, tool: &Tool, place: &Place, slack: f64) -> Engaged {
         let &Place { centre, radius, bottom, heading } = place;
-        if bottom >= self.top {
+        if bottom >= self.top || !self.is_near(centre, radius + slack + self.cell) {
             return Engaged::default();
         }
         let whole = tool.end.height(radius);
