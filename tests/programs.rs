@@ -335,7 +335,7 @@ fn a_report_shows_path_and_loads_and_a_drawing_holds_the_path() {
     assert!(html.contains("--speeds") && !html.contains("no data") && !html.contains("left out"), "{html}");
     let drawing = fs::read_to_string(&dxf).expect("a drawing");
     let count = |word: &str| drawing.lines().filter(|line| *line == word).count();
-    assert!(count("ARC") > 0 && count("FEED-T2") > 10 && count("RAPID") > 10, "{drawing}");
+    assert!(count("CIRCLE") > 0 && count("FEED-T2") > 10 && count("RAPID") > 10, "{drawing}");
     // Without a setup there is no load, and the feed colours the path.
     assert!(toolroom(&["program", &nc, "--report", &page]).status.success());
     assert!(fs::read_to_string(&page).expect("a report").contains("coloured by feed"));

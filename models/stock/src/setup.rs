@@ -310,9 +310,9 @@ fn end(walk: &mut Walk, section: &Section<'_>, radius: f64) -> Option<End> {
     };
     for key in keys {
         match (section.si(key), due.contains(&key)) {
-            (None, true) => return wrong(key, "nothing", &format!("a value, since the end is a {shape}"), "\"1 mm\""),
+            (None, true) => return wrong(key, "nothing", &format!("a value for a {shape} end"), "\"1 mm\""),
             (Some(_), false) => {
-                return wrong(key, "a value", &format!("none, since the end is {shape}"), "shape = \"bull\"");
+                return wrong(key, "a value", &format!("no value for a {shape} end"), "shape = \"bull\"");
             }
             (Some(_), true) | (None, false) => {}
         }
