@@ -5,13 +5,15 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use std::fs;
 use std::path::{Path, PathBuf};
+use toolroom_chart::page::Provenance;
 use toolroom_drives::{Drives, Machine};
-use toolroom_output::Files;
+use toolroom_output::{Files, provenance};
 use toolroom_planning::engagement::Engagement;
 use toolroom_planning::explain::Explanation;
 use toolroom_planning::feeds::Feeds;
 use toolroom_planning::folders::programs;
-use toolroom_planning::program::{CycleTime, overview_json, overview_text, set_drive};
+use toolroom_planning::program::report::{Known, report};
+use toolroom_planning::program::{CycleTime, drawing, overview_json, overview_text, set_drive};
 use toolroom_post::post;
 use toolroom_program::{Control, Dialect, ProgramError, Source, Units};
 use toolroom_stock::{FeedLimit, FeedObjective, FollowError, Setup};
@@ -37,6 +39,8 @@ fn many(list: &[PathBuf], args: &ProgramArgs, voice: &Voice) -> Result<(), Failu
         ("--post", args.post.is_some()),
         ("--setup", args.setup.is_some()),
         ("--explain", args.explain.is_some()),
+        ("--report", args.report.is_some()),
+        ("--drawing", args.drawing.is_some()),
     ];
     if let Some((option, _)) = single.iter().find(|(_, given)| *given) {
         return Err(Failure::argument(format!("{option} is of one program"), "give one program"));
@@ -93,7 +97,7 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let name = file.display().to_string();
     let text = open(file)?;
     let files = Files::new([file], voice.force);
-    for path in args.blocks.iter().chain(&args.out).chain(&args.motions) {
+    for path in [&args.blocks, &args.out, &args.motions, &args.report, &args.drawing].into_iter().flatten() {
         files.check(path)?;
     }
     let setup = args.setup.as_deref().map(|path| Setup::read(path, &[])).transpose()?.map(|file| file.content);
@@ -112,13 +116,27 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
     let feeds = feeds(&text, &control, &drives, setup.as_ref(), args)
         .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
-    if let (Some(path), Some(engagement)) = (&args.motions, &engagement) {
-        files.put(path, engagement.table().as_bytes())?;
+    let put = |path: &Path, bytes: &[u8]| -> Result<(), Failure> {
+        files.put(path, bytes)?;
         voice.say(format_args!("wrote {}", path.display()));
+        Ok(())
+    };
+    if let (Some(path), Some(engagement)) = (&args.motions, &engagement) {
+        put(path, engagement.table().as_bytes())?;
     }
     if let Some(path) = &args.blocks {
-        files.put(path, cycle.table().as_bytes())?;
-        voice.say(format_args!("wrote {}", path.display()));
+        put(path, cycle.table().as_bytes())?;
+    }
+    if let Some(path) = &args.report {
+        let known =
+            Known { cycle: &cycle, setup: setup.as_ref(), engagement: engagement.as_ref(), feeds: feeds.as_ref() };
+        let page = report(&name, (&text, &control, &drives), &known, origin(file, args)?)
+            .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
+        put(path, page.html().as_bytes())?;
+    }
+    if let Some(path) = &args.drawing {
+        let drawing = drawing(&text, &control).map_err(|error| refused(&name, &error))?;
+        put(path, drawing.text().as_bytes())?;
     }
     if let (Some(target), Some(path)) = (args.post.as_deref().and_then(Dialect::named), &args.out) {
         let written = match &feeds {
@@ -126,8 +144,7 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
             None => post(text, &control, target),
         };
         let written = written.map_err(|error| refused(&name, &error))?;
-        files.put(path, written.text.as_bytes())?;
-        voice.say(format_args!("wrote {}", path.display()));
+        put(path, written.text.as_bytes())?;
         if let [first, ..] = written.left_out[..] {
             voice.say(format_args!(
                 "{} blocks have no place in it: motions in machine coordinates, functions of the machine, exact stops (first: line {first})",
@@ -187,6 +204,13 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     }
 }
 
+/// Command and input files of a report, but for the text of the setup.
+fn origin(file: &Path, args: &ProgramArgs) -> Result<Provenance, Failure> {
+    let bytes =
+        fs::read(file).map_err(|error| Failure::argument(format!("{}: {error}", file.display()), "check the path"))?;
+    Ok(provenance("program", &[(file.display().to_string(), &bytes)], args.words(), None))
+}
+
 /// Use of the limits and planned feeds, where either is requested.
 fn feeds(
     text: &Source,
@@ -198,7 +222,7 @@ fn feeds(
     let Some(setup) = setup.filter(|_| args.objective.is_some() || args.limits.is_some()) else { return Ok(None) };
     let objective = args.objective.as_deref().and_then(FeedObjective::from_word);
     let limits: Vec<FeedLimit> = args.limits.iter().flatten().filter_map(|word| FeedLimit::from_word(word)).collect();
-    Feeds::new(text, control, drives, setup, (objective, &limits)).map(Some)
+    Feeds::new(text, control, drives, setup, (objective, args.speeds, &limits)).map(Some)
 }
 
 /// A refused program, with all words of it that are refused.

@@ -406,6 +406,13 @@ fn a_contour_in_a_drawing_gives_the_plan_of_the_same_contour_in_sections() {
     );
     let path = written("dxf-drawing", "part.dxf", &drawing);
     is_the_fresh_plan(&result("dxf", "contour", &setup, &["--dxf", &path, "--layer", "WALL", "--draws", "0"]), 1e-4);
+    // The drawing that a plan leaves holds the contour again, and the centre paths of its programs.
+    let left = directory("planning", "dxf-left").join("contour.dxf");
+    fs::copy(Path::new(env!("CARGO_TARGET_TMPDIR")).join("planning-dxf-out/contour.dxf"), &left).expect("a drawing");
+    let text = fs::read_to_string(&left).expect("a drawing");
+    assert!(text.lines().filter(|line| line.ends_with("-TIME")).count() > 5, "{text}");
+    let again = ["--dxf", &left.display().to_string(), "--layer", "CONTOUR", "--draws", "0"];
+    is_the_fresh_plan(&result("dxf-again", "contour", &setup, &again), 1e-4);
     let found = problems("contour", &setup, &["--dxf", &path]);
     assert!(found[0].0 == "dxf" && found[0].1.ends_with("part.dxf") && found[0].2 > 1, "{found:?}");
 }

@@ -317,6 +317,57 @@ fn a_setup_follows_the_stock_through_the_program() {
 }
 
 #[test]
+fn a_report_shows_path_and_loads_and_a_drawing_holds_the_path() {
+    let shipped = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join(name).display().to_string();
+    let (nc, setup) = (shipped("scenarios/programs/plate.nc"), shipped("scenarios/programs/plate-setup.toml"));
+    let dir = directory("programs", "report");
+    let [page, dxf] = ["plate.html", "plate.dxf"].map(|name| dir.join(name).display().to_string());
+    let base = ["program", &nc, "--setup", &setup, "--objective", "time", "--speeds", "--limits"];
+    let output =
+        toolroom(&[&base[..], &["power,chip_thickness,tool_life", "--report", &page, "--drawing", &dxf]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let html = fs::read_to_string(&page).expect("a report");
+    for shown in
+        ["coloured by cutting power", "Deflection of the tip", "Time by tool", "Use of the limits", "planned time"]
+    {
+        assert!(html.contains(shown), "{shown}");
+    }
+    assert!(html.contains("--speeds") && !html.contains("no data") && !html.contains("left out"), "{html}");
+    let drawing = fs::read_to_string(&dxf).expect("a drawing");
+    let count = |word: &str| drawing.lines().filter(|line| *line == word).count();
+    assert!(count("CIRCLE") > 0 && count("FEED-T2") > 10 && count("RAPID") > 10, "{drawing}");
+    // Without a setup there is no load, and the feed colours the path.
+    assert!(toolroom(&["program", &nc, "--report", &page]).status.success());
+    assert!(fs::read_to_string(&page).expect("a report").contains("coloured by feed"));
+}
+
+#[test]
+fn a_ball_cutter_goes_through_a_grid_of_heights() {
+    let dir = directory("programs", "ball");
+    let [nc, setup] = ["part.nc", "setup.toml"].map(|name| dir.join(name).display().to_string());
+    fs::write(&nc, "G21 G90\nT1 M6\nS8000 M3\nG0 X-10. Y20. Z5.\nZ-2.\nG1 X70. F800.\nG0 Z50.\nM30\n")
+        .expect("writable");
+    let text = |shape: &str| {
+        format!(
+            "schema = 1\n[stock]\nbox = [[\"0 mm\", \"0 mm\", \"-20 mm\"], [\"60 mm\", \"40 mm\", \"0 mm\"]]\n[[tool]]\nnumber = 1\n\
+             diameter = \"10 mm\"\nteeth = 2\nlength = \"40 mm\"\nparameter_set = \"mill_t15k6_d32\"\nshape = \"{shape}\"\n"
+        )
+    };
+    let engagement = |shape: &str| {
+        fs::write(&setup, text(shape)).expect("writable");
+        json(&toolroom(&["program", &nc, "--setup", &setup, "--json"]))["engagement"].clone()
+    };
+    let (ball, flat) = (engagement("ball"), engagement("flat"));
+    // A segment of a circle of 5 mm, 2 mm high, over 60 mm; of the flat end a slot.
+    let segment = 25.0 * 0.6f64.acos() - 3.0 * 4.0;
+    let number = |of: &Value, key: &str| of[key].as_f64().unwrap_or_else(|| panic!("{key} in {of}"));
+    assert!((number(&ball, "removed [cm3]") / (0.06 * segment) - 1.0).abs() < 0.01, "{ball}");
+    assert!((number(&flat, "removed [cm3]") - 1.2).abs() < 1e-3, "{flat}");
+    assert!((number(&ball, "resolution [mm]") - 0.2).abs() < 1e-9, "{ball}");
+    assert!(number(&ball, "peak_power [kW]") < number(&flat, "peak_power [kW]"), "{ball}");
+}
+
+#[test]
 fn planned_feeds_are_faster_inside_the_limits_and_are_what_the_post_writes() {
     let shipped = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join(name).display().to_string();
     let (nc, setup) = (shipped("scenarios/programs/plate.nc"), shipped("scenarios/programs/plate-setup.toml"));

@@ -25,6 +25,22 @@ size = { unit = "1", ordinary = 0.1, range = [0.0, 2.0] }
 shape = { reference_speed = { value = "200 m/min", range = ["60 m/min", "400 m/min"], fit = true } }
 changes = [{ term = "cutting_force", factor = "1 + size * (flank_wear / 0.3 mm) * (cutting_speed / reference_speed)^1.5" }]
 """
+BALL = (
+    b"G21 G90\nT1 M6\nS8000 M3\nG0 X-10. Y20. Z5.\nZ-2.\nG1 X70. F800.\nG3 X60. Y30. I-10. Z-1.\nG0 Z50.\nM30\n",
+    b"""schema = 1
+[stock]
+box = [["0 mm", "0 mm", "-20 mm"], ["60 mm", "40 mm", "0 mm"]]
+resolution = "0.5 mm"
+[[tool]]
+number = 1
+diameter = "10 mm"
+teeth = 2
+length = "40 mm"
+parameter_set = "mill_t15k6_d32"
+shape = "bull"
+corner_radius = "2 mm"
+""",
+)
 NASA = b"""case,run,VB,time,DOC,feed,material,cut_no
 1,1,0.1,2,1.5,0.5,1,0
 1,2,,4,1.5,0.5,1,1
@@ -249,6 +265,9 @@ SHIPPED = [
     case("program-stock", ["program", "p.nc", "--setup", "s.toml"], ("p.nc", "programs/plate.nc"), ("s.toml", "programs/plate-setup.toml")),
     case("program-feeds", ["program", "p.nc", "--setup", "s.toml", "--objective", "cost", "--post", "haas", "--out", "o.nc"],
          ("p.nc", "programs/plate.nc"), ("s.toml", "programs/plate-setup.toml")),
+    case("program-report", ["program", "p.nc", "--setup", "s.toml", "--objective", "time", "--speeds", "--report", "r.html", "--drawing", "d.dxf"],
+         ("p.nc", "programs/plate.nc"), ("s.toml", "programs/plate-setup.toml")),
+    case("program-ball", ["program", "p.nc", "--setup", "s.toml"], ("p.nc", BALL[0]), ("s.toml", BALL[1])),
     case("program-several", ["program", "p.nc", "q.nc", "--json"], ("p.nc", "programs/plate.nc"), ("q.nc", "programs/housing.nc")),
     case("program-post", ["program", "p.nc", "--post", "siemens", "--out", "o.mpf"], ("p.nc", "programs/plate.nc")),
     case("effects", ["effects", "--effects", "e.toml"], ("e.toml", EFFECTS)),

@@ -63,12 +63,21 @@ pub struct ProgramArgs {
     /// Plan the feeds inside the limits of setup and parameter sets; --post writes the program with them
     #[arg(long, value_name = "OBJECTIVE", value_parser = FeedObjective::WORDS.to_vec(), requires = "setup")]
     pub objective: Option<String>,
+    /// Plan the spindle speeds, too: one for every spindle command, among those of the machine of the tool's set
+    #[arg(long, requires = "objective")]
+    pub speeds: bool,
     /// Limits that count, by commas, or all: without --objective how much of each the program uses
     #[arg(long, value_name = "LIMITS", value_delimiter = ',', value_parser = limits(), requires = "setup")]
     pub limits: Option<Vec<String>>,
     /// Table of every motion with its engagement (CSV)
     #[arg(long, value_name = "CSV", requires = "setup")]
     pub motions: Option<PathBuf>,
+    /// Report with pictures: the path coloured by load, feed, power, force and deflection over time, time by tool (HTML)
+    #[arg(long, value_name = "HTML")]
+    pub report: Option<PathBuf>,
+    /// Drawing of the path of the tool, a layer for every tool at feed and one for rapid motions (DXF)
+    #[arg(long, value_name = "DXF")]
+    pub drawing: Option<PathBuf>,
     /// End with an error where a rapid motion or the holder meets material, or a limit is broken
     #[arg(long, requires = "setup")]
     pub strict: bool,
@@ -78,4 +87,32 @@ pub struct ProgramArgs {
     /// Tell what this line of the file did: its motions, modes, variables and time
     #[arg(long, value_name = "LINE", value_parser = clap::value_parser!(u64).range(1..))]
     pub explain: Option<u64>,
+}
+
+impl ProgramArgs {
+    /// The options that decide what is told of a program, as they have to be typed.
+    pub fn words(&self) -> Vec<String> {
+        let path = |path: &Option<PathBuf>| path.as_ref().map(|path| path.display().to_string());
+        let limits = self.limits.as_ref().map(|limits| limits.join(","));
+        let single = [
+            ("--setup", path(&self.setup)),
+            ("--drives", path(&self.drives)),
+            ("--dialect", self.dialect.clone()),
+            ("--units", self.units.clone()),
+            ("--start", self.start.clone()),
+            ("--objective", self.objective.clone()),
+            ("--limits", limits),
+        ];
+        let single = single.into_iter().filter_map(|(option, value)| Some((option, value?)));
+        let repeated = [("--set", &self.set), ("--tool", &self.tool)];
+        let repeated =
+            repeated.into_iter().flat_map(|(option, list)| list.iter().map(move |value| (option, value.clone())));
+        let skip = self.skip.iter().map(|number| ("--skip", number.to_string()));
+        single
+            .chain(repeated)
+            .chain(skip)
+            .flat_map(|(option, value)| [option.to_owned(), value])
+            .chain(self.speeds.then(|| "--speeds".to_owned()))
+            .collect()
+    }
 }

@@ -12,6 +12,8 @@ use std::fmt::Write;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
     Line,
+    /// A line that may run back on itself and begins anew behind what is not finite.
+    Path,
     Step,
     Scatter,
     LineOfPoints,
@@ -58,6 +60,7 @@ impl Layer {
     /// Rows of data that an axis has no place for.
     pub fn omitted(&self, x: &Axis, y: &Axis) -> usize {
         match self {
+            Self::Points { form: Form::Path, .. } => 0,
             Self::Points { points, .. } => points.iter().filter(|p| !(x.holds(p.0) && y.holds(p.1))).count(),
             Self::Band { points, .. } => {
                 points.iter().filter(|p| !(x.holds(p.0) && y.holds(p.1) && y.holds(p.2))).count()
@@ -89,7 +92,7 @@ impl Layer {
         let (label, style, sample) = match self {
             Self::Points { label, style, form, .. } => {
                 let sample = match form {
-                    Form::Line | Form::Step => Sample::Line,
+                    Form::Line | Form::Path | Form::Step => Sample::Line,
                     Form::LineOfPoints => Sample::LineOfPoints,
                     Form::Scatter => Sample::Points,
                 };
@@ -108,7 +111,10 @@ impl Layer {
             table.push([label.into(), x.into(), y.into(), upper.map_or(Cell::Text(String::new()), Cell::Number)]);
         };
         match self {
-            Self::Points { label, points, .. } => points.iter().for_each(|p| row(label, p.0, p.1, None)),
+            Self::Points { label, points, form, .. } => {
+                let shown = |p: &&(f64, f64)| *form != Form::Path || (p.0.is_finite() && p.1.is_finite());
+                points.iter().filter(shown).for_each(|p| row(label, p.0, p.1, None));
+            }
             Self::Band { label, points, .. } => points.iter().for_each(|p| row(label, p.0, p.1, Some(p.2))),
             Self::Columns { label, columns, .. } => {
                 for c in columns {
@@ -238,6 +244,20 @@ pub(crate) fn thin(run: &[(f64, f64)]) -> Vec<(f64, f64)> {
     out
 }
 
+/// Leaves out points of a path that lie within this many pixels of the last one drawn.
+const NEAR: f64 = 0.3;
+
+fn sparse(run: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut out: Vec<(f64, f64)> = Vec::new();
+    for (i, point) in run.iter().enumerate() {
+        let far = out.last().is_none_or(|last| (last.0 - point.0).hypot(last.1 - point.1) > NEAR);
+        if far || i + 1 == run.len() {
+            out.push(*point);
+        }
+    }
+    out
+}
+
 fn polyline(run: &[(f64, f64)]) -> String {
     let mut d = String::new();
     for (i, &(x, y)) in run.iter().enumerate() {
@@ -259,8 +279,11 @@ fn draw_points(canvas: &mut Canvas, frame: &Frame, data: &[(f64, f64)], form: Fo
     let mut line = String::new();
     if form != Form::Scatter {
         for run in &runs {
-            let run = thin(run);
-            line.push_str(&if form == Form::Step { staircase(&run) } else { polyline(&run) });
+            line.push_str(&match form {
+                Form::Step => staircase(&thin(run)),
+                Form::Path => polyline(&sparse(run)),
+                Form::Line | Form::LineOfPoints | Form::Scatter => polyline(&thin(run)),
+            });
         }
     }
     // A single point draws no line; it gets its marker so that it does not vanish.

@@ -67,6 +67,13 @@ impl Plot {
         self.points(label, points.into_iter().collect(), Form::Line, style)
     }
 
+    /// Adds a path: a line that may run back, drawn through all points that can be told apart. A point that is not finite begins it
+    /// anew and is not counted as left out.
+    #[must_use]
+    pub fn path(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>, style: Style) -> Self {
+        self.points(label, points.into_iter().collect(), Form::Path, style)
+    }
+
     /// Adds a line with a marker at each point.
     #[must_use]
     pub fn marked_line(

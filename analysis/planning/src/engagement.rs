@@ -24,7 +24,7 @@ struct Share {
 }
 
 /// Where something is greatest: its value and the line.
-type Peak = (f64, usize);
+pub(crate) type Peak = (f64, usize);
 
 /// A program that has run through its stock.
 #[derive(Clone, Debug)]
@@ -107,6 +107,7 @@ impl Engagement {
             }
         }
         study.removed = follower.cutting().removed();
+        study.resolution = follower.cutting().cell().unwrap_or(study.resolution);
         Ok(study)
     }
 
@@ -163,6 +164,26 @@ impl Engagement {
     /// Lines of motions in which the holder of the tool meets material; the first thousand.
     pub fn holders(&self) -> &[usize] {
         &self.holders
+    }
+
+    /// Time at feed in material and in air, s.
+    pub(crate) fn times(&self) -> (f64, f64) {
+        (self.sum(|share| share.cutting), self.sum(|share| share.air))
+    }
+
+    /// Greatest angle of engagement, rad, and its line.
+    pub(crate) fn bound(&self) -> Peak {
+        self.bound
+    }
+
+    /// Greatest power, W, and its line.
+    pub(crate) fn power(&self) -> Option<Peak> {
+        self.power
+    }
+
+    /// Greatest deflection of the tip, m, and its line.
+    pub(crate) fn deflection(&self) -> Option<Peak> {
+        self.deflection
     }
 
     fn sum(&self, of: impl Fn(&Share) -> f64) -> f64 {

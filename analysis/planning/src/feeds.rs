@@ -2,9 +2,10 @@
 
 use serde_json::{Value, json};
 use std::fmt::Write;
+use toolroom_chart::Table;
 use toolroom_drives::{Drives, Timer};
 use toolroom_post::{Post, post_as};
-use toolroom_program::{Action, Block, Blocks, Control, Dialect, ProgramError, Source};
+use toolroom_program::{Action, Block, Blocks, Control, Dialect, ProgramError, Sense, Source};
 pub use toolroom_stock::{FeedLimit, FeedObjective};
 use toolroom_stock::{FeedPlan, FollowError, LimitUse, Setup};
 
@@ -18,7 +19,7 @@ pub struct Feeds {
 }
 
 impl Feeds {
-    /// Plans a program; `limits` are those that count, all where there is none.
+    /// Plans a program, with `speeds` its spindle speeds, too; `limits` are those that count, all where there is none.
     ///
     /// # Errors
     /// [`FollowError`]: the program is refused, or cuts with a tool that the setup does not have.
@@ -27,9 +28,9 @@ impl Feeds {
         control: &Control,
         drives: &Drives,
         setup: &Setup,
-        (objective, limits): (Option<FeedObjective>, &[FeedLimit]),
+        (objective, speeds, limits): (Option<FeedObjective>, bool, &[FeedLimit]),
     ) -> Result<Self, FollowError> {
-        let plan = FeedPlan::new(source.clone(), control, setup, objective, limits)?;
+        let plan = FeedPlan::new(source.clone(), control, setup, (objective, speeds), limits)?;
         let before = time(source, control, drives, &FeedPlan::default())?;
         let after = if objective.is_some() { time(source, control, drives, &plan)? } else { before };
         Ok(Self { plan, objective, times: (before, after) })
@@ -40,7 +41,34 @@ impl Feeds {
     /// # Errors
     /// As [`toolroom_post::post()`].
     pub fn post(&self, source: Source, control: &Control, dialect: Dialect) -> Result<Post, ProgramError> {
-        post_as(source, control, dialect, |index, motion| self.plan.motion(index, motion))
+        let mut commands = 0;
+        let speed = |speed: f64, sense: Sense| match self.plan.action(&mut commands, Action::Spindle(speed, sense)) {
+            Action::Spindle(speed, _) => speed,
+            Action::Change(_) | Action::Home(_) | Action::Coolant(_) | Action::Stop | Action::End => speed,
+        };
+        post_as(source, control, dialect, |index, motion| self.plan.motion(index, motion), speed)
+    }
+
+    /// The plan; empty without an objective.
+    pub(crate) fn plan(&self) -> &FeedPlan {
+        &self.plan
+    }
+
+    /// Time of the program on the machine as programmed and as planned, s; `None` without an objective.
+    pub(crate) fn planned_times(&self) -> Option<(f64, f64)> {
+        self.objective.map(|_| self.times)
+    }
+
+    /// Use of every limit.
+    pub(crate) fn limits_table(&self) -> Table {
+        let planned: &[&str] = if self.objective.is_some() { &["planned", "its line", "binds [s]"] } else { &[] };
+        let mut table = Table::new(["limit", "programmed", "line"].iter().chain(planned).copied());
+        for (limit, used) in &self.plan.limits {
+            let line = |(_, line): (f64, usize)| line.to_string().into();
+            let cells = [limit.word().into(), used.programmed.0.into(), line(used.programmed)];
+            table.push(cells.into_iter().chain([used.planned.0.into(), line(used.planned), used.binds.into()]));
+        }
+        table
     }
 
     /// Limits that are broken, with the use of each that stays in the end, and its line.
@@ -71,6 +99,14 @@ impl Feeds {
             let kept: Vec<Value> = (self.plan.kept.iter())
                 .map(|(why, motions)| json!({ "motions": motions, "reason": why.reason() }))
                 .collect();
+            let speeds: Vec<Value> = (self.plan.speeds.iter())
+                .map(|change| {
+                    json!({
+                        "line": change.line, "tool": change.tool,
+                        "programmed [rpm]": rpm(change.programmed), "planned [rpm]": rpm(change.planned),
+                    })
+                })
+                .collect();
             json!({
                 "objective": objective.word(),
                 "time [s]": self.times.1,
@@ -81,6 +117,7 @@ impl Feeds {
                 "limits": limits,
                 "loss_by_blocks [s]": self.plan.stepped - self.plan.continuous,
                 "thin_chips [mm]": self.plan.thin * 1e3,
+                "spindle_speeds": speeds,
                 "as_programmed": kept,
             })
         });
@@ -121,6 +158,10 @@ impl Feeds {
                 let _ = write!(text, "\n{motions} motions at feed as programmed: {}", why.reason());
             }
         }
+        for change in &self.plan.speeds {
+            let (tool, from, to) = (change.tool, rpm(change.programmed), rpm(change.planned));
+            let _ = write!(text, "\nT{tool} turns at {to:.0} rpm instead of {from:.0} (line {})", change.line);
+        }
         if self.plan.thin > 0.0 {
             let _ = write!(text, "\nchips are thinner than the least on {:.1} mm", self.plan.thin * 1e3);
         }
@@ -134,15 +175,20 @@ impl Feeds {
     }
 }
 
+/// A speed, rad/s, in rpm.
+fn rpm(speed: f64) -> f64 {
+    speed * 60.0 / std::f64::consts::TAU
+}
+
 /// Ratio up to which a limit counts as kept: rounding of feeds.
 const KEPT: f64 = 1.001;
 
 /// Time of a program on a machine, s, with planned motions.
 fn time(source: &Source, control: &Control, drives: &Drives, plan: &FeedPlan) -> Result<f64, ProgramError> {
     let (mut timer, mut done) = (Timer::new(drives), Vec::new());
-    let (mut index, mut total) = (0, 0.0);
+    let (mut places, mut total) = (Places::default(), 0.0);
     for (key, block) in Blocks::new(source.clone(), control)?.enumerate() {
-        let block = planned(block?, plan, &mut index);
+        let block = planned(block?, plan, &mut places);
         timer.block(key, &block, &mut done);
         total += done.drain(..).map(|spent| spent.seconds).sum::<f64>();
     }
@@ -150,16 +196,24 @@ fn time(source: &Source, control: &Control, drives: &Drives, plan: &FeedPlan) ->
     Ok(total + done.iter().map(|spent| spent.seconds).sum::<f64>())
 }
 
-/// A block with its planned motions; `index` is the place of its first motion among all, and then that of the next one.
-fn planned(block: Block, plan: &FeedPlan, index: &mut usize) -> Block {
+/// Places of the next motion and of the next spindle command among all of a program.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Places {
+    motion: usize,
+    command: usize,
+}
+
+/// A block with its planned motions and spindle speeds.
+pub(crate) fn planned(block: Block, plan: &FeedPlan, places: &mut Places) -> Block {
     let mut motions = Vec::with_capacity(block.motions.len());
     // Number of planned motions before each.
     let mut before = vec![0];
     for motion in &block.motions {
-        motions.extend(plan.motion(*index, motion));
+        motions.extend(plan.motion(places.motion, motion));
         before.push(motions.len());
-        *index += 1;
+        places.motion += 1;
     }
-    let actions: Vec<(usize, Action)> = block.actions.iter().map(|(count, action)| (before[*count], *action)).collect();
+    let mut action = |action: Action| plan.action(&mut places.command, action);
+    let actions = block.actions.iter().map(|(count, each)| (before[*count], action(*each))).collect();
     Block { motions, actions, ..block }
 }

@@ -1,10 +1,14 @@
 //! The nominal cycle time of a part program, by tool and by block.
 
+mod course;
+pub mod report;
+
 use crate::change::{ChangeError, assign, parts};
 use crate::tables::table;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use toolroom_drives::{Drives, Part, Spent, Timer};
+use toolroom_post::Drawing;
 use toolroom_process::Record;
 use toolroom_process::table::Cell;
 use toolroom_program::{AXES, Block, Blocks, Control, ProgramError, Source};
@@ -346,6 +350,22 @@ pub fn overview_json(programs: &[Timed]) -> Value {
     });
     let total: f64 = programs.iter().flat_map(|(_, timed)| timed).map(|cycle| cycle.sum(|share| share.total)).sum();
     json!({ "schema": 1, "programs": rows.collect::<Vec<_>>(), "cycle_time [s]": total })
+}
+
+/// The path of a program as a drawing: a layer for the rapid motions, and one for the motions at feed of every tool.
+///
+/// # Errors
+/// [`ProgramError`]: the program is refused.
+pub fn drawing(source: &Source, control: &Control) -> Result<Drawing, ProgramError> {
+    let mut drawing = Drawing::default();
+    for block in Blocks::new(source.clone(), control)? {
+        let block = block?;
+        let layer = block.tool.map_or_else(|| "FEED".to_owned(), |tool| format!("FEED-T{tool}"));
+        for motion in &block.motions {
+            drawing.motion(if motion.rapid { "RAPID" } else { &layer }, motion);
+        }
+    }
+    Ok(drawing)
 }
 
 /// Time of a block's rapid motions, s.

@@ -107,7 +107,9 @@ impl Detector {
         if let Some((dialect, line, sign)) = found {
             return (dialect, format!("{sign} in line {line}"));
         }
-        if let Some(line) = signs.lathe.filter(|_| signs.g17.is_none()) {
+        // On a mill G76 bores, and G73 and G74 drill, with P and Q as well.
+        let lathe = signs.lathe.or(signs.cycle.filter(|_| !signs.mill));
+        if let Some(line) = lathe.filter(|_| signs.g17.is_none()) {
             return (Dialect::FanucLathe, format!("words of a lathe in line {line}, and no G17"));
         }
         if let Some(line) =
@@ -152,6 +154,8 @@ fn is_plain(extension: &str) -> bool {
 #[derive(Default)]
 struct Signs {
     lathe: Option<usize>,
+    /// G70 to G76 with P and Q.
+    cycle: Option<usize>,
     /// A tool of four digits, two of them its offset.
     turret: Option<usize>,
     /// A tool change by M6, a length offset or an axis Y.
@@ -252,8 +256,11 @@ fn strong(line: &str, signs: &mut Signs) -> Option<(Dialect, &'static str)> {
         (70..=76).any(|code| has(&compact, &format!("G{code}"))) && compact.contains('P') && compact.contains('Q');
     let increments =
         compact.contains('X') && (compact.contains('U') || compact.contains('W')) && !compact.contains('#');
-    if clamp || has(&compact, "G96") || contour || increments {
+    if clamp || has(&compact, "G96") || increments {
         signs.lathe = signs.lathe.or(Some(signs.seen));
+    }
+    if contour {
+        signs.cycle = signs.cycle.or(Some(signs.seen));
     }
     None
 }

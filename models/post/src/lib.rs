@@ -5,6 +5,7 @@
 //! | [`post()`] | follows a program and writes its motions in the words of another control |
 //! | [`post_as()`] | the same with planned motions in place of those of the program |
 //! | [`Post`] | what was written, and the lines of what has no place in it |
+//! | [`Drawing`] | paths as a drawing in DXF |
 //!
 //! # Units
 //! As in `toolroom-program`: mm, degrees and s; the programs that are written are metric.
@@ -13,6 +14,10 @@
 //! Canned cycles, subprograms and compensation of the target control: they are worked out. Programs of lathes.
 
 #![deny(clippy::wildcard_enum_match_arm)] // a kind of event that comes has to be thought of here too
+
+mod drawing;
+
+pub use drawing::Drawing;
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -50,11 +55,12 @@ const DECIMALS: usize = 4;
 /// assert!(klartext.contains("CC X+0 Y+10\nC X+10 Y+10 DR+"), "{klartext}");
 /// ```
 pub fn post(text: impl Into<Source>, control: &Control, dialect: Dialect) -> Result<Post, ProgramError> {
-    post_as(text, control, dialect, |_, motion| vec![*motion])
+    post_as(text, control, dialect, |_, motion| vec![*motion], |speed, _| speed)
 }
 
 /// [`post()`] with other motions in place of those of the program: `planned` gets each with its place among all motions, from 0, and
-/// gives what is written instead, which has to begin and end where the motion does.
+/// gives what is written instead, which has to begin and end where the motion does. `speeds` gets the speed of each spindle command,
+/// rpm, and its sense, and gives the speed that is written.
 ///
 /// # Errors
 /// As [`post()`].
@@ -63,6 +69,7 @@ pub fn post_as(
     control: &Control,
     dialect: Dialect,
     mut planned: impl FnMut(usize, &Motion) -> Vec<Motion>,
+    mut speeds: impl FnMut(f64, Sense) -> f64,
 ) -> Result<Post, ProgramError> {
     let mut count = 0;
     let mut run = Run::new(text, control)?;
@@ -73,7 +80,10 @@ pub fn post_as(
         return Err(refused(1, "programs of lathes are not translated"));
     }
     while let Some(event) = run.next() {
-        let event = event?;
+        let mut event = event?;
+        if let EventKind::Spindle { speed, sense } = &mut event.kind {
+            *speed = speeds(*speed, *sense);
+        }
         if let Some(line) = run.blind_step() {
             return Err(refused(
                 line,

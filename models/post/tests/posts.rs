@@ -199,3 +199,20 @@ fn an_arc_from_a_place_that_only_the_machine_knows_is_not_posted() {
     }
     assert!(post(text, &control(Dialect::Fanuc), Dialect::Siemens).is_ok());
 }
+
+#[test]
+fn a_path_is_drawn_as_lines_arcs_and_circles_of_its_layers() {
+    let text = "G21 G90\nG0 X0 Y0 Z5\nG1 Z-1 F100\nX10\nG3 X10 Y20 J10\nG2 X10 Y20 I-5\nG3 X0 Y30 Z-3 I-10\nM30\n";
+    let (list, _) = motions(text, &control(Dialect::Fanuc));
+    let mut drawing = toolroom_post::Drawing::default();
+    for motion in &list {
+        drawing.motion(if motion.rapid { "rapid" } else { "Feed 1" }, motion);
+    }
+    let text = drawing.text();
+    let count = |word: &str| text.lines().filter(|line| *line == word).count();
+    // The helix of a quarter turn is a line a degree.
+    assert_eq!((count("LINE"), count("ARC"), count("CIRCLE")), (3 + 90, 1, 1), "{text}");
+    assert_eq!((count("RAPID"), count("FEED_1")), (2, 95), "{text}");
+    // From 270° to 90° around (10, 10), at Z −1.
+    assert!(text.contains(" 10\n10.0\n 20\n10.0\n 30\n-1.0\n 40\n10.0\n 50\n270.0\n 51\n90.0\n"), "{text}");
+}

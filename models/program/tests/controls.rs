@@ -179,6 +179,9 @@ fn haas_siemens_and_linuxcnc_programs_do_what_their_words_say() {
     does(Siemens, text, (10.0, (90.0 + 2.0 * (10.0 + 8.0 + 13.0) + 20.0) / 500.0, 1.0, [0.0, 0.0, 10.0]));
     let text = "G17 G71 G90\nG0 X0 Y0 Z0\nAA1: G91 G1 X5 F300\nBB1: Y5\nREPEAT AA1 BB1 P=2\nG90\nIF R1==0 GOTOF ENDE\nG1 X500\nENDE: M30";
     does(Siemens, text, (6.0, 0.2, 0.0, [15.0, 15.0, 0.0]));
+    // A variable with the name of an axis and a number is one where DEF says so.
+    let text = "DEF REAL A1=5, B1\nG17 G71 G90\nG0 X0 Y0 Z0\nB1=A1*2+SQRT(9)\nG1 X=B1 F300\nM30";
+    does(Siemens, text, (2.6, 0.2, 0.0, [13.0, 0.0, 0.0]));
     let text = "%_N_MAIN_MPF\nG17 G71 G90\nG0 X0 Y0 Z0\nTRANS X10\nAROT RPL=90\nSUB1 P2\nTRANS\nM30\n%_N_SUB1_SPF\nG1 G91 X5 F300\nG90\nM17";
     // From X0 of the workpiece, which is -10 before the turn, 5 mm along the turned X twice.
     does(Siemens, text, (2.0, 0.2, 0.0, [0.0, 10.0, 0.0]));
@@ -220,6 +223,15 @@ fn klartext_programs_do_what_their_words_say() {
     does("L X+10 F600\nCHF 2\nL Y+10", (16.0 + 8.0_f64.sqrt()) / 10.0, 0.2, 0.0, [10.0, 10.0, 0.0]);
     does("CC X+10 Y+0\nCP IPA+720 IZ-4 DR+ F600", (2.0 * tau * 10.0).hypot(4.0) / 10.0, 0.2, 0.0, [0.0, 0.0, -4.0]);
     does("LBL 1\nL IX+10 F600\nCALL LBL 1 REP 2", 3.0, 0.2, 0.0, [30.0, 0.0, 0.0]);
+    // LBL 0 ends a subprogram, not a repeat.
+    does("LBL 1\nL IX+10 F600\nLBL 0\nCALL LBL 1 REP 2", 3.0, 0.2, 0.0, [30.0, 0.0, 0.0]);
+    does(
+        "CALL LBL 5\nL Z+0 FMAX M30\nLBL 5\nLBL 1\nL IX+10 F600\nCALL LBL 1 REP 2\nLBL 0",
+        3.0,
+        0.2,
+        0.0,
+        [30.0, 0.0, 0.0],
+    );
     does("CALL LBL 5\nCALL LBL 5\nL Z+0 FMAX M30\nLBL 5\nL IY+5 F300\nLBL 0", 2.0, 0.2, 0.0, [0.0, 10.0, 0.0]);
     does(
         "Q1 = 2 * ( 3 + 2 )\nLBL 1\nL IX+Q1 F600\nFN 2: Q1 = +Q1 - +5\nFN 11: IF +Q1 GT +0 GOTO LBL 1",
@@ -286,6 +298,7 @@ fn whatever_is_not_understood_is_refused_with_its_place() {
         (LinuxCnc, "G21 G0 X0\nG38.2 X1 F9", 2, "touches"),
         (LinuxCnc, "G21 G0 X0\no1 while [1]\no1 endwhile", 3, "step limit"),
         (Siemens, "G71 G0 X0\nPOCKET3(1,2)", 2, "POCKET3"),
+        (Siemens, "G71 G0 X0\nCYCLE800(1,\"X\",0,57)", 2, "CYCLE800 with a text"),
         (Siemens, "G71 G0 X0\nG1 X1 F9 FRC=2", 2, "FRC"),
         (Siemens, "G71 G0 X0\nG4 S10", 2, "no speed"),
         (Heidenhain, "BEGIN PGM A MM\nL X+1 FMAX\nFK X+1", 3, "FK"),

@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::path::Path;
 use toolroom_drives::{Drives, Machine, Part, Timer};
 use toolroom_form::ReadError;
-use toolroom_program::{Action, Control, Program, ProgramError};
+use toolroom_program::{Control, Program, ProgramError};
 
 /// Why a program has no sequence of tool calls.
 #[derive(Debug, thiserror::Error)]
@@ -142,7 +142,7 @@ impl Calls {
             let mut idle = *other;
             for (count, motion) in block.motions.iter().enumerate() {
                 while let Some((_, action)) = actions.next_if(|(before, _)| *before <= count) {
-                    act(&mut follower, *action);
+                    follower.act(*action);
                 }
                 let cut = follower.motion(motion).map_err(|reason| CallError::NoTool { line: block.line, reason })?;
                 let time = if programmed > 0.0 { feed * motion.time / programmed } else { 0.0 };
@@ -165,7 +165,7 @@ impl Calls {
                 }
             }
             for (_, action) in actions {
-                act(&mut follower, *action);
+                follower.act(*action);
             }
             call.push(Span { time: idle, cut: None });
             call.tool = call.tool.or(follower.tool().filter(|_| block.tool.is_some() || !block.motions.is_empty()));
@@ -235,15 +235,6 @@ fn stretches(program: &Program, spent: &[(f64, f64)], rapid_speed: f64) -> Vec<T
     list
 }
 
-fn act(follower: &mut Follower<'_>, action: Action) {
-    match action {
-        Action::Spindle(speed, sense) => follower.spindle(speed, sense),
-        Action::Change(number) => follower.change(number),
-        Action::Home(z) => follower.home(z),
-        Action::Coolant(_) | Action::Stop | Action::End => {}
-    }
-}
-
 /// Conditions of a cut at a feed, mm/s, and a spindle speed, rad/s; `None` where nothing is cut.
 fn conditions(cut: &Cut, feed: f64, speed: f64, tool: &Tool) -> Option<Conditions> {
     if speed <= 0.0 {
@@ -252,7 +243,7 @@ fn conditions(cut: &Cut, feed: f64, speed: f64, tool: &Tool) -> Option<Condition
     let feed_per_tooth = 1e-3 * feed * TAU / (speed * tool.teeth);
     let (depth_of_cut, width_of_cut) = (cut.mean.depth, cut.mean.width);
     let cuts = cut.air < 1.0 && feed_per_tooth.min(depth_of_cut).min(width_of_cut) >= LEAST;
-    let cutting_speed = speed * tool.radius;
+    let cutting_speed = speed * cut.mean.radius;
     cuts.then_some(Conditions { cutting_speed, feed_per_tooth, depth_of_cut, width_of_cut, down: cut.mean.side <= 0.0 })
 }
 

@@ -2,6 +2,7 @@
 
 use crate::engaged::{Engaged, Place, Stock};
 use crate::load::{Load, Tool, wear_rate};
+use crate::map::Map;
 use crate::swath::{Index, Swath};
 use std::f64::consts::{PI, TAU};
 use toolroom_contour::{Point, Section, Track};
@@ -42,7 +43,7 @@ pub(crate) type Look<'l> = dyn FnMut(f64, f64, Seen<'_>) + 'l;
 type Among<'r, 'l> = (&'r mut Look<'l>, f64, f64);
 
 /// Distance, m, from material within which a way is not in air for those who look (assumption).
-const MARGIN: f64 = 1e-3;
+pub(crate) const MARGIN: f64 = 1e-3;
 
 /// What a motion does to the stock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -78,25 +79,74 @@ pub struct Mean {
     pub width: f64,
     /// Axial depth of cut, m.
     pub depth: f64,
+    /// Greatest radius of the cutter that is engaged, m: less than its own where only a rounded end cuts.
+    pub radius: f64,
     /// Angle of the middle of the chips from the direction of travel, rad; below 0 a clockwise cutter mills down.
     pub side: f64,
 }
 
 /// Sums along the way of a motion.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
+pub(crate) struct Sums {
     /// Way in air, m.
-    air: f64,
+    pub air: f64,
     /// Way in material, m.
-    way: f64,
+    pub way: f64,
     /// Section of the chips, m³.
     area: f64,
     /// Depth, m².
     depth: f64,
+    /// Greatest radius that is engaged, m.
+    radius: f64,
     /// Angle of the middle of the chips, m³.
     side: f64,
     /// Share of a life times the feed, 1/s·m.
     wear: Option<f64>,
+}
+
+impl Cut {
+    /// Takes what is engaged on a step: at its samples, and at the bound.
+    pub(crate) fn take(&mut self, samples: &[Engaged; 3], bound: &Engaged) {
+        self.sampled = samples.iter().map(Engaged::angle).fold(self.sampled, f64::max);
+        self.bound = self.bound.max(bound.angle());
+        self.depth = self.depth.max(bound.depth());
+    }
+}
+
+impl Sums {
+    /// Adds a step of this length, m, from what is engaged at its ends and its middle, by Simpson's rule; `wear_rate` is the share of a
+    /// life that a second uses.
+    pub(crate) fn take(&mut self, samples: &[Engaged; 3], step: f64, wear_rate: impl Fn(&Engaged) -> Option<f64>) {
+        if samples.iter().all(|engaged| engaged.angle() == 0.0) {
+            self.air += step;
+        } else {
+            self.way += step;
+        }
+        for (engaged, share) in samples.iter().zip([1.0, 4.0, 1.0]) {
+            let weight = share * step / 6.0;
+            let area = engaged.area();
+            self.area += weight * area;
+            self.depth += weight * engaged.depth();
+            self.side += weight * area * engaged.side();
+            self.radius = self.radius.max(engaged.radius());
+            if let Some(rate) = wear_rate(engaged) {
+                *self.wear.get_or_insert(0.0) += weight * rate;
+            }
+        }
+    }
+
+    /// The means and shares of a motion whose way in the plane and in space are these, m, at a feed, m/s.
+    pub(crate) fn settle(&self, cut: &mut Cut, length: f64, way: f64, feed: f64) {
+        if self.way > 0.0 {
+            cut.mean.depth = self.depth / self.way;
+            cut.mean.radius = self.radius;
+            (cut.mean.width, cut.mean.side) = (self.area / self.depth, self.side / self.area);
+        }
+        // Time is way over feed; a motion without feed has no wear. Ramps are longer than their way in the plane.
+        let slant = if length > 0.0 { way / length } else { 1.0 };
+        cut.wear = self.wear.map(|wear| wear * slant / feed);
+        cut.air = if length > 0.0 { self.air / length } else { 1.0 };
+    }
 }
 
 /// Stock, and what of it is gone.
@@ -104,10 +154,10 @@ struct Sums {
 /// ```
 /// use toolroom_contour::Point;
 /// use toolroom_program::{Control, EventKind, Run};
-/// use toolroom_stock::{Cutting, Outline, Stock, Tool};
+/// use toolroom_stock::{Cutting, End, Outline, Stock, Tool};
 /// let corner = |x, y| Point { x, y };
 /// let stock = Stock { outline: Outline::Box(corner(0.0, 0.0), corner(0.1, 0.05)), base: -0.02, top: 0.0 };
-/// let tool = Tool { radius: 5e-3, teeth: 4.0, force: None, holder: None };
+/// let tool = Tool { radius: 5e-3, end: End::Flat, teeth: 4.0, force: None, holder: None };
 /// let mut cutting = Cutting::new(stock, tool.radius);
 /// let text = "G21 G90 G0 X-10 Y-4 Z-5\nG1 X110 F500\n"; // a shoulder of 1 mm
 /// for event in Run::new(text, &Control::default()).unwrap() {
@@ -124,6 +174,8 @@ struct Sums {
 pub struct Cutting {
     stock: Stock,
     index: Index,
+    /// What is left as heights, where a cutter has an end that is not flat.
+    map: Option<Map>,
     removed: f64,
 }
 
@@ -138,7 +190,18 @@ pub(crate) struct Piece {
 impl Cutting {
     /// Stock of which nothing is gone; `radius` is that of the usual cutter, m, and decides how fast places are found.
     pub fn new(stock: Stock, radius: f64) -> Self {
-        Self { stock, index: Index::new(radius), removed: 0.0 }
+        Self { stock, index: Index::new(radius), map: None, removed: 0.0 }
+    }
+
+    /// Stock of which nothing is gone, as heights over a grid of this cell, m, which cutters of any end may cut. A larger cell is
+    /// taken where there would be more than 25 million.
+    pub fn mapped(stock: Stock, cell: f64) -> Self {
+        Self { map: Some(Map::new(&stock, cell)), ..Self::new(stock, 1.0) }
+    }
+
+    /// Side of a cell of its grid, m; `None` where the stock is followed by closed forms.
+    pub fn cell(&self) -> Option<f64> {
+        self.map.as_ref().map(Map::cell)
     }
 
     /// The stock as it was.
@@ -177,6 +240,11 @@ impl Cutting {
             // It comes from or goes to a place that only the machine knows.
             return Cut { air: 1.0, ..cut };
         }
+        if let Some(map) = &mut self.map {
+            let cut = map.motion(motion, tool, speed, look);
+            self.removed += cut.removed;
+            return cut;
+        }
         let pieces = pieces(motion, &self.stock);
         let length: f64 = pieces.iter().map(|piece| piece.path.length).sum();
         let feed = if motion.rapid || motion.time <= 0.0 { 0.0 } else { 1e-3 * motion.length / motion.time };
@@ -194,14 +262,10 @@ impl Cutting {
         if pieces.is_empty() {
             self.straight_down(motion, tool, &mut cut);
         }
-        if sums.way > 0.0 {
-            cut.mean.depth = sums.depth / sums.way;
-            (cut.mean.width, cut.mean.side) = (sums.area / sums.depth, sums.side / sums.area);
+        sums.settle(&mut cut, length, 1e-3 * motion.length, feed);
+        if length == 0.0 {
+            cut.air = f64::from(u8::from(!cut.plunge));
         }
-        // Time is way over feed; a motion without feed has no wear. Ramps are longer than their way in the plane.
-        let slant = if length > 0.0 { 1e-3 * motion.length / length } else { 1.0 };
-        cut.wear = sums.wear.map(|wear| wear * slant / feed);
-        cut.air = if length > 0.0 { sums.air / length } else { f64::from(u8::from(!cut.plunge)) };
         if let Some(holder) = &tool.holder {
             let end = Point { x: 1e-3 * motion.end[0], y: 1e-3 * motion.end[1] };
             cut.holder = self.holder_meets(holder, &pieces, (end, 1e-3 * motion.start[2].min(motion.end[2])));
@@ -306,8 +370,7 @@ impl Cutting {
             }
             let samples = [from, middle, to].map(|way| engaged_at(&around, way, middle_height, 0.0));
             let sampled = samples.iter().map(Engaged::angle).fold(0.0, f64::max);
-            let [first, second, third] =
-                [&samples[0], &samples[1], &samples[2]].map(|engaged| engaged.area(tool.radius));
+            let [first, second, third] = samples.each_ref().map(Engaged::area);
             let [most, least] = [first.max(second).max(third), first.min(second).min(third)];
             // The angle needs its bound close; volume and air need sections of chips that are alike, and near each other.
             let coarse = bound.angle() - sampled > FINE || most - least > ALIKE * most;
@@ -319,31 +382,15 @@ impl Cutting {
                 let share = |way: f64| (*before + way) / *length;
                 look(share(from), share(to), Seen::Cut(&bound, &samples, tool));
             }
-            cut.sampled = cut.sampled.max(sampled);
-            cut.bound = cut.bound.max(bound.angle());
-            cut.depth = cut.depth.max(bound.depth());
+            cut.take(&samples, &bound);
             // Simpson's rule over the step.
             let [first, second, third] = if ramp {
-                [from, middle, to].map(|way| engaged_at(&around, way, floor, 0.0).area(tool.radius))
+                [from, middle, to].map(|way| engaged_at(&around, way, floor, 0.0).area())
             } else {
                 [first, second, third]
             };
             cut.removed += (to - from) * (first + 4.0 * second + third) / 6.0;
-            if sampled == 0.0 {
-                sums.air += to - from;
-            } else {
-                sums.way += to - from;
-            }
-            for (engaged, share) in samples.iter().zip([1.0, 4.0, 1.0]) {
-                let weight = share * (to - from) / 6.0;
-                let area = engaged.area(tool.radius);
-                sums.area += weight * area;
-                sums.depth += weight * engaged.depth();
-                sums.side += weight * area * engaged.side();
-                if let Some(rate) = wear_rate(engaged, tool, feed, speed) {
-                    *sums.wear.get_or_insert(0.0) += weight * rate;
-                }
-            }
+            sums.take(&samples, to - from, |engaged| wear_rate(engaged, tool, feed, speed));
             if let Some(load) = Load::of(&bound, tool, feed, speed) {
                 cut.load = Some(cut.load.map_or(load, |before| before.max(load)));
             }

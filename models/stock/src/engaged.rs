@@ -29,6 +29,10 @@ pub struct Stock {
 pub(crate) struct Layer {
     /// m.
     pub height: f64,
+    /// Radius of the cutter there, m.
+    pub radius: f64,
+    /// Sine of the angle between its axis and the normal of its surface there: 1 on a cylinder.
+    pub slope: f64,
     /// Start and end of each interval, rad from the direction of travel, between minus and plus a right angle.
     pub angles: Vec<(f64, f64)>,
 }
@@ -62,7 +66,7 @@ impl Stock {
     }
 
     /// Whether a point lies inside the outline grown by `slack`, m.
-    fn holds(&self, point: Point, slack: f64) -> bool {
+    pub(crate) fn holds(&self, point: Point, slack: f64) -> bool {
         match self.outline {
             Outline::Box(low, high) => {
                 (low.x - slack..=high.x + slack).contains(&point.x)
@@ -129,7 +133,7 @@ impl Stock {
                 // Nor is there anything higher up.
                 break;
             }
-            layers.push(Layer { height: floor - from, angles });
+            layers.push(Layer { height: floor - from, radius, slope: 1.0, angles });
             from = floor;
         }
         Engaged { layers }
@@ -266,8 +270,13 @@ impl Engaged {
     }
 
     /// Section of the chips that a way along the path takes off, m²: volume per way.
-    pub fn area(&self, radius: f64) -> f64 {
+    pub fn area(&self) -> f64 {
         let width = |layer: &Layer| layer.angles.iter().map(|(from, to)| to.sin() - from.sin()).sum::<f64>();
-        self.layers.iter().map(|layer| layer.height * radius * width(layer)).sum()
+        self.layers.iter().map(|layer| layer.height * layer.radius * width(layer)).sum()
+    }
+
+    /// Greatest radius of the cutter that is engaged, m: the one that cuts fastest.
+    pub fn radius(&self) -> f64 {
+        self.layers.iter().map(|layer| layer.radius).fold(0.0, f64::max)
     }
 }

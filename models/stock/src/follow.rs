@@ -1,9 +1,10 @@
 //! What a program's events mean for the stock: tool, spindle and height as the program goes on.
 
-use crate::cutting::{Cut, Cutting, Look};
+use crate::cutting::{Cut, Cutting, Look, Seen};
+use crate::load::Load;
 use crate::setup::Setup;
 use std::f64::consts::TAU;
-use toolroom_program::{Motion, ProgramError, Sense};
+use toolroom_program::{Action, Motion, ProgramError, Sense};
 
 /// A program cuts with a tool that the setup does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -48,7 +49,10 @@ impl<'a> Follower<'a> {
     /// Begins with whole stock, and a tool only where the setup has a single one.
     pub fn new(setup: &'a Setup) -> Self {
         let only = if setup.tools.len() == 1 { setup.tools.keys().next().copied() } else { None };
-        let cutting = Cutting::new(setup.stock, setup.radius());
+        let cutting = match setup.cell() {
+            Some(cell) => Cutting::mapped(setup.stock, cell),
+            None => Cutting::new(setup.stock, setup.radius()),
+        };
         Self { setup, cutting, only, tool: only, speed: 0.0, lifted: true }
     }
 
@@ -82,12 +86,43 @@ impl<'a> Follower<'a> {
         self.lifted |= z;
     }
 
+    /// What a block does beside its motions.
+    pub fn act(&mut self, action: Action) {
+        match action {
+            Action::Spindle(speed, sense) => self.spindle(speed, sense),
+            Action::Change(number) => self.change(number),
+            Action::Home(z) => self.home(z),
+            Action::Coolant(_) | Action::Stop | Action::End => {}
+        }
+    }
+
     /// The tool moves; `None` where the motion is above everything.
     ///
     /// # Errors
     /// [`NoTool`] for a cut with a tool that the setup does not have.
     pub fn motion(&mut self, motion: &Motion) -> Result<Option<Cut>, NoTool> {
         self.motion_seen(motion, None)
+    }
+
+    /// [`motion`](Self::motion), told stretch by stretch: the shares of the motion between which each lies, the engagement angle that
+    /// is exceeded nowhere on it, rad, and the load at it.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn motion_traced(
+        &mut self,
+        motion: &Motion,
+        trace: &mut dyn FnMut(f64, f64, f64, Option<Load>),
+    ) -> Result<Option<Cut>, NoTool> {
+        let feed = if motion.rapid || motion.time <= 0.0 { 0.0 } else { 1e-3 * motion.length / motion.time };
+        let speed = self.speed;
+        let mut look = |from: f64, to: f64, seen: Seen<'_>| match seen {
+            Seen::Air | Seen::Near => trace(from, to, 0.0, None),
+            Seen::Cut(bound, _, tool) => {
+                trace(from, to, bound.angle(), Load::of(bound, tool, feed, speed));
+            }
+        };
+        self.motion_seen(motion, Some(&mut look))
     }
 
     /// [`motion`](Self::motion), looked at stretch by stretch.

@@ -12,20 +12,23 @@
 //! engaged angles follow in closed form from the crossings of the rim with their boundaries, for each height between the
 //! floors near by; no polygon is cut, so none can fail.
 //!
+//! Where a tool has a ball, a rounded corner or a cone at its end, the stock is a grid of heights instead: what of the surface of the
+//! cutter lies below them is engaged, to within three quarters of a cell.
+//!
 //! | item | what it is |
 //! |---|---|
 //! | [`Setup`], [`SETUP`] | a file that describes stock and tools |
-//! | [`Stock`], [`Outline`], [`Tool`], [`Holder`], [`ToolForce`] | what is cut and with what |
+//! | [`Stock`], [`Outline`], [`Tool`], [`End`], [`Holder`], [`ToolForce`] | what is cut and with what |
 //! | [`Cutting`], [`Cut`], [`Load`], [`Mean`] | stock that is cut motion by motion, and what each does |
 //! | [`Follower`] | tool, spindle and height of a program as it goes on |
-//! | [`FeedPlan`], [`FeedLimits`], [`FeedLimit`], [`LimitUse`] | feeds of a program inside the limits of its tools |
+//! | [`FeedPlan`], [`FeedLimits`], [`FeedLimit`], [`LimitUse`], [`SpeedChange`] | feeds and spindle speeds of a program inside the limits of its tools |
 //! | [`Calls`], [`Call`], [`Span`] | a program as tool calls with time and conditions: what a shop does with it |
 //!
 //! # Units
 //! SI, but for the motions, which are those of the crate `program`: mm and s.
 //!
 //! # What is not modelled
-//! Cutters that are not cylinders with flat ends; the tool along another axis than Z; fixtures, holders that are more than a cylinder; stock of other forms
+//! The tool along another axis than Z; undercuts; fixtures, holders that are more than a cylinder; stock of other forms
 //! than boxes and cylinders. What a bent cutter leaves. Chips thinner than the edge radius. Wear by
 //! plunging and drilling.
 
@@ -33,21 +36,25 @@
 
 mod call;
 mod cutting;
+mod end;
 mod engaged;
 mod follow;
 mod holder;
 mod limits;
 mod load;
+mod map;
+mod mapped;
 mod plan;
 mod setup;
 mod swath;
 
 pub use call::{Call, CallError, Calls, Conditions, Span, TimedStretch};
 pub use cutting::{Cut, Cutting, Mean};
+pub use end::End;
 pub use engaged::{Outline, Stock};
 pub use follow::{FollowError, Follower, NoTool};
 pub use holder::Holder;
 pub use limits::{FeedLimit, FeedLimits};
 pub use load::{Load, Tool, ToolForce};
-pub use plan::{AsProgrammed, FeedObjective, FeedPiece, FeedPlan, LimitUse};
+pub use plan::{AsProgrammed, FeedObjective, FeedPiece, FeedPlan, LimitUse, SpeedChange};
 pub use setup::{SETUP, Setup};

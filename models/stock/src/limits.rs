@@ -1,6 +1,6 @@
 //! What bounds the feed of a cutter that is engaged: each limit as a share of what it allows.
 
-use crate::engaged::Engaged;
+use crate::engaged::{Engaged, Layer};
 use crate::load::{Tool, forces};
 use std::f64::consts::TAU;
 use toolroom_contour::{MillLife, Parameters};
@@ -144,6 +144,8 @@ pub(crate) struct Demand {
     /// Mean radial width and whole depth of cut, m, for the life.
     mean_width: f64,
     depth: f64,
+    /// Greatest radius that is engaged, m, for the life.
+    radius: f64,
     /// Whether the forces of the tool are known.
     pub known: bool,
 }
@@ -159,14 +161,15 @@ impl Demand {
         let thickest = |(from, to): &(f64, f64)| {
             if *from <= 0.0 && *to >= 0.0 { 1.0 } else { from.cos().max(to.cos()) }
         };
-        let chip = engaged.layers.iter().flat_map(|layer| &layer.angles).map(thickest).fold(0.0, f64::max);
-        let width = |angles: &[(f64, f64)]| angles.iter().map(|(a, b)| b.sin() - a.sin()).sum::<f64>() * tool.radius;
-        let widest = engaged.layers.iter().map(|layer| width(&layer.angles)).fold(0.0, f64::max);
+        let chip = |layer: &Layer| layer.slope * layer.angles.iter().map(thickest).fold(0.0, f64::max);
+        let chip = engaged.layers.iter().map(chip).fold(0.0, f64::max);
+        let width = |layer: &Layer| layer.angles.iter().map(|(a, b)| b.sin() - a.sin()).sum::<f64>() * layer.radius;
+        let widest = engaged.layers.iter().map(width).fold(0.0, f64::max);
         let depth = engaged.depth();
-        let mean_width = if depth > RUBS { engaged.area(tool.radius) / depth } else { 0.0 };
-        let mut demand = Self { chip, width: widest, mean_width, depth, ..Self::default() };
+        let mean_width = if depth > RUBS { engaged.area() / depth } else { 0.0 };
+        let mut demand = Self { chip, width: widest, mean_width, depth, radius: engaged.radius(), ..Self::default() };
         if let Some(force) = &tool.force {
-            let [edge, ahead] = [0.0, UNIT_FEED].map(|feed| forces(engaged, &force.edge, tool.teeth, feed));
+            let [edge, ahead] = [0.0, UNIT_FEED].map(|feed| forces(engaged, &force.edge, tool, feed));
             let line = |i: usize| (edge[i], (ahead[i] - edge[i]) / UNIT_FEED);
             (demand.along, demand.across, demand.tangential) = (line(0), line(1), line(2));
             demand.known = true;
@@ -215,10 +218,15 @@ impl AtWork<'_> {
         if demand.depth < RUBS || demand.mean_width < RUBS || feed <= 0.0 {
             return None;
         }
-        let (teeth, diameter) = (self.tool.teeth, 2.0 * self.tool.radius);
+        let (teeth, diameter) = (self.tool.teeth, 2.0 * demand.radius);
         let lasts =
             life.tool_life(self.speed, self.feed_per_tooth(feed), demand.mean_width, demand.depth, teeth, diameter);
         Some((lasts, life))
+    }
+
+    /// Edges that a second uses up at a feed, m/s, 1/s; 0 where their life is not known.
+    pub fn edge_rate(&self, demand: &Demand, feed: f64) -> f64 {
+        self.life(demand, feed).map_or(0.0, |(lasts, _)| 1.0 / lasts)
     }
 
     /// What a limit is used by at a feed, m/s, above 0, over what it allows; `None` where it does not limit.

@@ -1,15 +1,18 @@
 //! What an engagement asks of spindle and cutter.
 
+use crate::end::End;
 use crate::engaged::Engaged;
 use crate::holder::Holder;
 use std::f64::consts::TAU;
 use toolroom_contour::{EdgeForce, MillLife};
 
-/// A cylindrical cutter with a flat end.
+/// A cylindrical cutter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tool {
     /// m.
     pub radius: f64,
+    /// The form of its end.
+    pub end: End,
     /// Teeth.
     pub teeth: f64,
     /// Forces on its edges, how it bends and how long it lasts, where that is known.
@@ -43,15 +46,20 @@ pub(crate) fn wear_rate(engaged: &Engaged, tool: &Tool, feed: f64, speed: f64) -
     if depth < RUBS {
         return Some(0.0);
     }
-    let width = (engaged.area(tool.radius) / depth).max(RUBS);
+    let width = (engaged.area() / depth).max(RUBS);
     let feed_per_tooth = feed * TAU / (speed * tool.teeth);
-    Some(1.0 / life.tool_life(speed, feed_per_tooth, width, depth, tool.teeth, 2.0 * tool.radius))
+    Some(1.0 / life.tool_life(speed, feed_per_tooth, width, depth, tool.teeth, 2.0 * engaged.radius()))
 }
 
-/// Forces on a clockwise cutter along its path, across it, and around it, which make the torque, N: the linear edge-force model,
-/// integrated over the engaged angles at a feed per tooth, m.
-pub(crate) fn forces(engaged: &Engaged, edge: &EdgeForce, teeth: f64, feed_per_tooth: f64) -> [f64; 3] {
-    // Chip thickness is feed·cos θ.
+/// Forces on a clockwise cutter along its path, across it, and, at its whole radius, around it, which make the torque, N: the linear
+/// edge-force model, integrated over the engaged angles at a feed per tooth, m. On a rounded or conical end the chip is thinner and
+/// the edge longer than on a cylinder, by the sine of the angle between axis and normal, and the normal force leans out of the plane
+/// by it; the coefficients are taken to hold there, too (an assumption).
+///
+/// # Source
+/// Altintas, "Manufacturing Automation": the mechanics of end mills, and of ball end mills by elements of the edge.
+pub(crate) fn forces(engaged: &Engaged, edge: &EdgeForce, tool: &Tool, feed_per_tooth: f64) -> [f64; 3] {
+    // Chip thickness is feed·cos θ·slope, the length of the edge height/slope.
     let (mut along, mut across, mut tangential) = (0.0, 0.0, 0.0);
     for layer in &engaged.layers {
         for (from, to) in &layer.angles {
@@ -60,15 +68,17 @@ pub(crate) fn forces(engaged: &Engaged, edge: &EdgeForce, teeth: f64, feed_per_t
             let cos = to.cos() - from.cos();
             let sin2 = 0.5 * (to.sin().powi(2) - from.sin().powi(2));
             let cos2 = 0.5 * whole + 0.25 * ((2.0 * to).sin() - (2.0 * from).sin());
-            let (kt, kr) = (edge.tangential_cutting * feed_per_tooth, edge.radial_cutting * feed_per_tooth);
+            let kt = edge.tangential_cutting * feed_per_tooth;
+            let kr = edge.radial_cutting * feed_per_tooth * layer.slope;
+            let (te, re) = (edge.tangential_edge / layer.slope, edge.radial_edge);
             let height = layer.height;
-            tangential += height * (edge.tangential_edge * whole + kt * sin);
+            tangential += height * (te * whole + kt * sin) * layer.radius / tool.radius;
             // The tangential force on the cutter points a right angle ahead of the rim point, the radial one to the axis.
-            along += height * (edge.tangential_edge * cos - kt * sin2 - edge.radial_edge * sin - kr * cos2);
-            across += height * (edge.tangential_edge * sin + kt * cos2 + edge.radial_edge * cos - kr * sin2);
+            along += height * (te * cos - kt * sin2 - re * sin - kr * cos2);
+            across += height * (te * sin + kt * cos2 + re * cos - kr * sin2);
         }
     }
-    let share = teeth / TAU;
+    let share = tool.teeth / TAU;
     [along, across, tangential].map(|sum| sum * share)
 }
 
@@ -103,7 +113,7 @@ impl Load {
         if speed <= 0.0 || feed <= 0.0 {
             return None;
         }
-        let [along, across, tangential] = forces(engaged, &edge, tool.teeth, feed * TAU / (speed * tool.teeth));
+        let [along, across, tangential] = forces(engaged, &edge, tool, feed * TAU / (speed * tool.teeth));
         Some(Self {
             power: tangential * speed * tool.radius,
             normal_force: across.abs(),
@@ -125,7 +135,8 @@ mod tests {
         let edge = EdgeForce::default();
         let (radius, depth, teeth, immersion) = (0.016, 0.03, 4.0, 0.003);
         let angle = (1.0f64 - immersion / radius).acos();
-        let tool = Tool { radius, teeth, force: Some(ToolForce { edge, ..ToolForce::default() }), holder: None };
+        let force = Some(ToolForce { edge, ..ToolForce::default() });
+        let tool = Tool { radius, end: End::Flat, teeth, force, holder: None };
         let (feed_per_tooth, speed) = (0.1e-3, 200.0);
         let feed = feed_per_tooth * teeth * speed / TAU;
         for (milling, angles) in [
@@ -133,7 +144,8 @@ mod tests {
             (Milling::Down, (-FRAC_PI_2, -FRAC_PI_2 + angle)),
             (Milling::Up, (FRAC_PI_2 - angle, FRAC_PI_2)),
         ] {
-            let engaged = Engaged { layers: vec![Layer { height: depth, angles: vec![angles] }] };
+            let layer = Layer { height: depth, radius, slope: 1.0, angles: vec![angles] };
+            let engaged = Engaged { layers: vec![layer] };
             let load = Load::of(&engaged, &tool, feed, speed).expect("a load");
             let forces = edge.mean(angle, depth, teeth, milling).at(feed_per_tooth);
             assert!((load.power - forces.tangential * speed * radius).abs() < 1e-9 * load.power, "{milling:?}");

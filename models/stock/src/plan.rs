@@ -4,8 +4,13 @@ use crate::cutting::Seen;
 use crate::follow::{FollowError, Follower};
 use crate::limits::{AtWork, Demand, FeedLimit, FeedLimits};
 use crate::setup::Setup;
+use speeds::{Commands, rpm};
 use std::collections::BTreeMap;
-use toolroom_program::{Arc, Control, EventKind, Motion, Path, Purpose, Run, Source};
+use toolroom_program::{Action, Arc, Control, EventKind, Motion, Path, Purpose, Run, Source};
+
+mod speeds;
+
+pub use speeds::SpeedChange;
 
 toolroom_form::vocabulary! {
     /// What planned feeds make least.
@@ -81,6 +86,10 @@ pub struct FeedPlan {
     pub stepped: f64,
     /// Way with chips thinner than the tools allow, m, at the planned feeds.
     pub thin: f64,
+    /// Spindle commands with another speed than the programmed one, in order.
+    pub speeds: Vec<SpeedChange>,
+    /// Planned speed of every spindle command, rad/s; none where it stays as programmed.
+    commands: Vec<Option<f64>>,
 }
 
 /// A stretch of a motion between two samples.
@@ -108,7 +117,10 @@ struct Open {
     index: usize,
     line: usize,
     tool: u32,
-    /// rad/s.
+    /// Place of its spindle command among all of them.
+    command: Option<usize>,
+    /// rad/s, as programmed and as planned.
+    programmed: f64,
     speed: f64,
     /// m.
     length: f64,
@@ -131,8 +143,9 @@ const BLOCKS: f64 = 3.0;
 const AIR: f64 = 5.0 / 60.0;
 
 impl FeedPlan {
-    /// Plans the feeds of a program through the stock of a setup. Without an objective nothing is planned, and only the use of the
-    /// limits at the programmed feeds is worked out. `names` are the limits that count, all where there is none.
+    /// Plans the feeds of a program through the stock of a setup, and with `speeds` the spindle speeds as well. Without an objective
+    /// nothing is planned, and only the use of the limits at the programmed feeds is worked out. `names` are the limits that count, all
+    /// where there is none.
     ///
     /// Every part of a motion gets the greatest feed at which all limits hold at the bound of the engagement on it and at the sample
     /// with the greatest force. A tool whose chip thickness is not limited cuts no thicker chips than it does as programmed.
@@ -145,13 +158,13 @@ impl FeedPlan {
         text: impl Into<Source>,
         control: &Control,
         setup: &Setup,
-        objective: Option<FeedObjective>,
+        (objective, speeds): (Option<FeedObjective>, bool),
         names: &[FeedLimit],
     ) -> Result<Self, FollowError> {
         let mut limits: BTreeMap<u32, FeedLimits> =
             setup.limits.iter().map(|(number, limits)| (*number, limits.only(names))).collect();
         let mut plan = Self::default();
-        let open = plan.follow(text, control, setup)?;
+        let (mut open, commands) = plan.follow(text, control, setup)?;
         // A tool without a limit of its chips keeps to those that the program cuts.
         let mut thickest: BTreeMap<u32, f64> = BTreeMap::new();
         for motion in &open {
@@ -162,6 +175,9 @@ impl FeedPlan {
         }
         for (number, limits) in &mut limits {
             limits.chip_thickness = limits.chip_thickness.or(thickest.get(number).copied().filter(|most| *most > 0.0));
+        }
+        if let Some(objective) = objective.filter(|_| speeds) {
+            plan.choose_speeds(&mut open, &commands, setup, &limits, objective);
         }
         let mut saves = SAVES;
         loop {
@@ -180,14 +196,23 @@ impl FeedPlan {
     }
 
     /// Follows the program and gathers what every motion meets.
-    fn follow(&mut self, text: impl Into<Source>, control: &Control, setup: &Setup) -> Result<Vec<Open>, FollowError> {
+    fn follow(
+        &mut self,
+        text: impl Into<Source>,
+        control: &Control,
+        setup: &Setup,
+    ) -> Result<(Vec<Open>, Commands), FollowError> {
         let mut follower = Follower::new(setup);
+        let mut commands = Commands::default();
         let mut list = Vec::new();
         for event in Run::new(text, control)? {
             let event = event?;
             match event.kind {
                 EventKind::ToolChange(number) => follower.change(number),
-                EventKind::Spindle { speed, sense } => follower.spindle(speed, sense),
+                EventKind::Spindle { speed, sense } => {
+                    commands.push(event.line);
+                    follower.spindle(speed, sense);
+                }
                 EventKind::Home(axes) => follower.home(axes[2]),
                 EventKind::Motion(motion) => {
                     let mut steps = Vec::new();
@@ -204,6 +229,7 @@ impl FeedPlan {
                     let Some((number, tool)) =
                         follower.tool().and_then(|number| Some((number, setup.tools.get(&number)?)))
                     else {
+                        commands.fix();
                         continue;
                     };
                     let cuts = steps.iter().any(|step| matches!(step.kind, Way::Cut(_)));
@@ -216,9 +242,11 @@ impl FeedPlan {
                     };
                     if let Some(reason) = reason {
                         *self.kept.entry(reason).or_default() += 1;
+                        commands.fix();
                         continue;
                     }
                     if cuts && tool.force.is_none() {
+                        commands.fix();
                         *self.kept.entry(AsProgrammed::Tool).or_default() += 1;
                     }
                     let in_plane = match motion.path {
@@ -229,6 +257,8 @@ impl FeedPlan {
                         index,
                         line: event.line,
                         tool: number,
+                        command: commands.current(),
+                        programmed: follower.speed(),
                         speed: follower.speed(),
                         length: 1e-3 * motion.length,
                         feed: 1e-3 * motion.length / motion.time,
@@ -248,7 +278,7 @@ impl FeedPlan {
                 | EventKind::End => {}
             }
         }
-        Ok(list)
+        Ok((list, commands))
     }
 
     /// Plans one motion.
@@ -258,7 +288,8 @@ impl FeedPlan {
         for (demand, share) in motion.demands() {
             for limit in FeedLimit::ALL {
                 let ratio = |feed: f64| at_work.ratio(limit, demand, feed);
-                let Some(programmed) = ratio(motion.feed) else { continue };
+                let before = AtWork { speed: motion.programmed, ..*at_work };
+                let Some(programmed) = before.ratio(limit, demand, motion.feed) else { continue };
                 let entry = self.limits.entry(limit).or_default();
                 if programmed > entry.programmed.0 {
                     entry.programmed = (programmed, motion.line);
@@ -310,6 +341,14 @@ impl FeedPlan {
         }
     }
 
+    /// An action of the program as it is planned; `commands` is the place of the next spindle command among all of them.
+    pub fn action(&self, commands: &mut usize, action: Action) -> Action {
+        let Action::Spindle(speed, sense) = action else { return action };
+        let planned = self.commands.get(*commands).copied().flatten();
+        *commands += 1;
+        Action::Spindle(planned.map_or(speed, rpm), sense)
+    }
+
     /// Parts of the motion with this place; none where it goes as programmed.
     pub fn pieces(&self, index: usize) -> &[FeedPiece] {
         self.motions.get(index).map_or(&[], Vec::as_slice)
@@ -352,6 +391,16 @@ fn part(motion: &Motion, from: f64, to: f64, feed: f64) -> Motion {
     }
 }
 
+impl Step {
+    /// At the bound, and at the sample that bends the cutter most; nothing in air.
+    fn demands(&self) -> &[Demand] {
+        match &self.kind {
+            Way::Cut(demands) => demands,
+            Way::Air | Way::Near => &[],
+        }
+    }
+}
+
 impl Open {
     fn cuts(&self) -> impl Iterator<Item = (&Step, &Demand)> {
         self.steps.iter().filter_map(|step| match &step.kind {
@@ -362,13 +411,7 @@ impl Open {
 
     /// What it meets, with the share of the motion where that is.
     fn demands(&self) -> impl Iterator<Item = (&Demand, f64)> {
-        self.steps.iter().flat_map(|step| {
-            let demands: &[Demand] = match &step.kind {
-                Way::Cut(demands) => demands,
-                Way::Air | Way::Near => &[],
-            };
-            demands.iter().map(|demand| (demand, 0.5 * (step.from + step.to)))
-        })
+        self.steps.iter().flat_map(|step| step.demands().iter().map(|demand| (demand, 0.5 * (step.from + step.to))))
     }
 
     /// The feed of every step, m/s, in steps that a program can name, and what binds it.

@@ -1,12 +1,13 @@
 //! Setup files: stock and tools of a part program.
 
+use crate::end::End;
 use crate::engaged::{Outline, Stock};
 use crate::holder::Holder;
 use crate::limits::FeedLimits;
 use crate::load::{Tool, ToolForce};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use toolroom_contour::{Cutter, PARAMETER_SETS, Parameters, Point};
+use toolroom_contour::{Cutter, Machine, PARAMETER_SETS, Parameters, Point};
 use toolroom_form::{Fault, Form, FormFile, Key, Kind, ReadError, Section, Value, Walk, parse, read};
 
 /// Stock and tools of a part program.
@@ -35,14 +36,22 @@ pub struct Setup {
     pub names: BTreeMap<u32, String>,
     /// What the feed of each tool has to keep, by its number: the limits of its parameter set with those of the file.
     pub limits: BTreeMap<u32, FeedLimits>,
+    /// Spindle speeds that a plan may choose for each tool, rad/s, by its number: those of the machine of its parameter set.
+    pub speeds: BTreeMap<u32, Vec<f64>>,
     /// Machine file or preset that the file names.
     pub drives: Option<String>,
+    /// Cell of a grid of heights that the file gives, m.
+    pub resolution: Option<f64>,
 }
+
+/// Cell of the grid over the smallest diameter where none is given (assumption; spec of this project).
+const CELL: f64 = 0.02;
 
 const FARTHEST: f64 = 100.0;
 const PLACE: Kind = Kind::quantity("m", "mm", -FARTHEST, FARTHEST, "0 mm");
 const CORNER: Kind = Kind::List(&PLACE);
 const FEED: Kind = Kind::positive("m/s", "mm/min", 10.0, "2000 mm/min");
+const SPEED: Kind = Kind::positive("rad/s", "rpm", 1e5, "8000 rpm");
 const SMALL: Kind = Kind::positive("m", "um", 0.1, "50 um");
 const LENGTH: Kind = Kind::positive("m", "mm", FARTHEST, "50 mm");
 
@@ -63,6 +72,11 @@ static STOCK: Form = Form {
     keys: &[
         Key::optional("box", Kind::List(&CORNER), "Least and greatest corner, X, Y and Z of each"),
         Key::optional("cylinder", Kind::Table(&CYLINDER), "A round stock"),
+        Key::optional(
+            "resolution",
+            Kind::positive("m", "mm", 0.1, "0.1 mm"),
+            "Cell of the grid of heights where a tool has an end that is not flat, and for all tools where it is given; left out: a fiftieth of the smallest diameter",
+        ),
     ],
 };
 
@@ -86,6 +100,12 @@ static LIMITS: Form = Form {
             FEED,
             "Highest feed of the path; left out: that of the set, else that of the program",
         ),
+        Key::optional(
+            "highest_spindle_speed",
+            SPEED,
+            "Highest spindle speed that a plan with speeds commands; left out: that of the set",
+        ),
+        Key::optional("lowest_spindle_speed", SPEED, "Lowest such speed; left out: that of the set"),
         Key::optional("lowest_feed", FEED, "Lowest feed that a plan commands; left out: that of the set"),
         Key::optional("air_feed", FEED, "Feed where no material is within 1 mm; left out: the highest feed"),
         Key::optional(
@@ -120,9 +140,12 @@ static HOLDER: Form = Form {
     keys: &[Key::required("diameter", LENGTH, "Diameter")],
 };
 
+/// Forms of an end, in the order in which they are read.
+const SHAPES: [&str; 4] = ["flat", "bull", "ball", "taper"];
+
 static TOOL: Form = Form {
     title: "[[tool]]",
-    doc: "A cylindrical end mill with a flat end",
+    doc: "An end mill",
     keys: &[
         Key::required("number", Kind::Count { min: 0, max: 99_999_999 }, "T of the program"),
         Key::optional("name", Kind::Name, "Name; in a shop that of the scenario's tool, whose edges it wears"),
@@ -136,9 +159,20 @@ static TOOL: Form = Form {
         ),
         Key::default(
             "shape",
-            Kind::Choice(&["flat"]),
+            Kind::Choice(&SHAPES),
             "flat",
-            "Form of the end; ball, bull and tapered ends are not modelled: their engagement depends on the height",
+            "Form of the end: flat, bull with corner_radius, ball, or taper with tip_diameter and taper_angle",
+        ),
+        Key::optional(
+            "corner_radius",
+            LENGTH,
+            "Radius of the corner of a bull end, no greater than that of the cutter",
+        ),
+        Key::optional("tip_diameter", LENGTH, "Diameter of a tapered end at its tip, less than that of the cutter"),
+        Key::optional(
+            "taper_angle",
+            Kind::quantity("rad", "deg", 0.001, 1.5, "5 deg"),
+            "Angle of a tapered end between its axis and its side",
         ),
         Key::optional(
             "holder",
@@ -184,6 +218,13 @@ impl Setup {
         let name = self.drives.as_deref()?;
         let beside = file.with_file_name(name);
         Some(if beside.exists() { beside } else { name.into() })
+    }
+
+    /// Cell of the grid of heights that the stock has to be, m; `None` where all tools are flat and no cell is given.
+    pub fn cell(&self) -> Option<f64> {
+        let flat = self.tools.values().all(|tool| tool.end.is_flat());
+        let least = self.tools.values().map(|tool| 2.0 * tool.radius).reduce(f64::min);
+        self.resolution.or(least.filter(|_| !flat).map(|diameter| CELL * diameter))
     }
 
     /// Greatest radius of a tool, m; 5 mm where there is none.
@@ -252,10 +293,51 @@ fn limited(mut limits: FeedLimits, table: Option<&Section<'_>>, floor: f64) -> F
     limits
 }
 
+/// The form of the end of a tool of this radius, m; `None` where a problem was noted.
+fn end(walk: &mut Walk, section: &Section<'_>, radius: f64) -> Option<End> {
+    let mut wrong = |key: &str, read: &str, expected: &str, example: &str| {
+        let [key, read, expected, example] = [key, read, expected, example].map(str::to_owned);
+        let at = if section.given(&key) { key.as_str() } else { "shape" };
+        walk.fault(section.span_of(at), Fault::WrongType { key: key.clone(), read, expected, example });
+        None
+    };
+    let shape = section.text("shape").unwrap_or(SHAPES[0]);
+    let keys = ["corner_radius", "tip_diameter", "taper_angle"];
+    let due: &[&str] = match shape {
+        "bull" => &keys[..1],
+        "taper" => &keys[1..],
+        _ => &[],
+    };
+    for key in keys {
+        match (section.si(key), due.contains(&key)) {
+            (None, true) => return wrong(key, "nothing", &format!("a value for a {shape} end"), "\"1 mm\""),
+            (Some(_), false) => {
+                return wrong(key, "a value", &format!("no value for a {shape} end"), "shape = \"bull\"");
+            }
+            (Some(_), true) | (None, false) => {}
+        }
+    }
+    match shape {
+        "ball" => Some(End::Corner(radius)),
+        "bull" => match section.si("corner_radius")? {
+            corner if corner <= radius => Some(End::Corner(corner)),
+            _ => wrong("corner_radius", "more than the radius of the cutter", "at most that radius", "\"1 mm\""),
+        },
+        "taper" => match 0.5 * section.si("tip_diameter")? {
+            tip if tip < radius => Some(End::Taper(tip, section.si("taper_angle")?)),
+            _ => wrong("tip_diameter", "no less than the diameter", "a diameter below that of the cutter", "\"2 mm\""),
+        },
+        _ => Some(End::Flat),
+    }
+}
+
 fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
-    let stock = walk.table(root, "stock").and_then(|section| stock(walk, &section));
+    let blank = walk.table(root, "stock");
+    let resolution = blank.as_ref().and_then(|section| section.si("resolution"));
+    let stock = blank.and_then(|section| stock(walk, &section));
     let shared = walk.table(root, "limits");
-    let (mut tools, mut names, mut limits) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
+    let (mut tools, mut names) = (BTreeMap::new(), BTreeMap::new());
+    let (mut limits, mut speeds) = (BTreeMap::new(), BTreeMap::new());
     for section in walk.sections(root, "tool", None) {
         let set = section.text("parameter_set").and_then(|name| Parameters::named(name).ok());
         let of_tool = walk.table(&section, "limits");
@@ -279,6 +361,16 @@ fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
         let floor = set.as_ref().map_or(0.0, |set| set.cutter.roughness_floor);
         let base = limited(base, shared.as_ref(), floor);
         limits.insert(number as u32, limited(base, of_tool.as_ref(), floor));
+        if let Some(set) = &set {
+            let of = |table: Option<&Section<'_>>, key: &str| table.and_then(|table| table.si(key));
+            let given = |key: &str| of(of_tool.as_ref(), key).or(of(shared.as_ref(), key));
+            let machine = Machine {
+                lowest_spindle_speed: given("lowest_spindle_speed").unwrap_or(set.machine.lowest_spindle_speed),
+                highest_spindle_speed: given("highest_spindle_speed").unwrap_or(set.machine.highest_spindle_speed),
+                ..set.machine
+            };
+            speeds.insert(number as u32, machine.spindle_speeds());
+        }
         let force = set.map(|set| {
             let overhang = overhang.unwrap_or(set.cutter.overhang);
             let cutter = Cutter { diameter, teeth: teeth as f64, overhang, ..set.cutter };
@@ -289,8 +381,47 @@ fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
         }
         let holder = holder.zip(section.si("length"));
         let holder = holder.map(|(diameter, overhang)| Holder { radius: 0.5 * diameter, overhang });
-        tools.insert(number as u32, Tool { radius: 0.5 * diameter, teeth: teeth as f64, force, holder });
+        let Some(end) = end(walk, &section, 0.5 * diameter) else { continue };
+        tools.insert(number as u32, Tool { radius: 0.5 * diameter, end, teeth: teeth as f64, force, holder });
     }
     let drives = root.text("drives").map(str::to_owned);
-    Some(Setup { stock: stock?, tools, names, limits, drives })
+    Some(Setup { stock: stock?, tools, names, limits, speeds, drives, resolution })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(tool: &str) -> Result<Setup, String> {
+        let text = format!(
+            "schema = 1\n[stock]\nbox = [[\"0 mm\", \"0 mm\", \"-20 mm\"], [\"60 mm\", \"40 mm\", \"0 mm\"]]\n\
+             [[tool]]\nnumber = 1\ndiameter = \"10 mm\"\nteeth = 2\n{tool}\n"
+        );
+        Setup::parse("setup.toml", &text, &[]).map(|file| file.content).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn ends_are_read_with_what_they_need_and_nothing_else() {
+        let end = |tool: &str| read(tool).expect("a setup").tools[&1].end;
+        assert_eq!(end(""), End::Flat);
+        assert_eq!(end("shape = \"ball\""), End::Corner(5e-3));
+        assert_eq!(end("shape = \"bull\"\ncorner_radius = \"1 mm\""), End::Corner(1e-3));
+        assert_eq!(
+            end("shape = \"taper\"\ntip_diameter = \"4 mm\"\ntaper_angle = \"45 deg\""),
+            End::Taper(2e-3, 0.25 * std::f64::consts::PI)
+        );
+        assert_eq!(read("shape = \"ball\"").expect("a setup").cell(), Some(0.2e-3));
+        assert_eq!(read("").expect("a setup").cell(), None);
+        for (tool, key) in [
+            ("shape = \"bull\"", "corner_radius"),
+            ("shape = \"bull\"\ncorner_radius = \"6 mm\"", "corner_radius"),
+            ("corner_radius = \"1 mm\"", "corner_radius"),
+            ("shape = \"taper\"\ntip_diameter = \"10 mm\"\ntaper_angle = \"5 deg\"", "tip_diameter"),
+            ("shape = \"taper\"\ntip_diameter = \"4 mm\"", "taper_angle"),
+            ("shape = \"ball\"\ntaper_angle = \"5 deg\"", "taper_angle"),
+        ] {
+            let error = read(tool).expect_err("a fault");
+            assert!(error.contains(key), "{tool}: {error}");
+        }
+    }
 }

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 use toolroom_contour::Point;
 use toolroom_program::{Control, EventKind, Run};
-use toolroom_stock::{Cut, Cutting, Holder, Outline, Stock, Tool};
+use toolroom_stock::{Cut, Cutting, End, Holder, Outline, Stock, Tool, ToolForce};
 
 fn block(x: f64, y: f64) -> Stock {
     Stock { outline: Outline::Box(Point { x: 0.0, y: 0.0 }, Point { x, y }), base: -0.02, top: 0.0 }
@@ -12,7 +12,7 @@ fn block(x: f64, y: f64) -> Stock {
 
 /// The cuts of a program's motions at feed, and the stock behind them.
 fn run(text: &str, stock: Stock, radius: f64) -> (Vec<Cut>, Cutting) {
-    let tool = Tool { radius, teeth: 4.0, force: None, holder: None };
+    let tool = Tool { radius, end: End::Flat, teeth: 4.0, force: None, holder: None };
     let mut cutting = Cutting::new(stock, radius);
     let mut cuts = Vec::new();
     for event in Run::new(&format!("G21 G90\n{text}"), &Control::default()).expect("a program") {
@@ -121,7 +121,7 @@ fn a_helix_of_short_lines_removes_its_prism() {
 
 #[test]
 fn rapids_through_stock_are_told() {
-    let tool = Tool { radius: 5e-3, teeth: 4.0, force: None, holder: None };
+    let tool = Tool { radius: 5e-3, end: End::Flat, teeth: 4.0, force: None, holder: None };
     let mut cutting = Cutting::new(block(0.1, 0.05), 5e-3);
     let mut crashes = Vec::new();
     for event in Run::new("G21 G90 G0 X-20 Y25 Z-5\nX50\nZ10\nX80\nZ-1\n", &Control::default()).expect("a program") {
@@ -144,7 +144,7 @@ proptest! {
         places in proptest::collection::vec((0.0..60.0f64, 0.0..40.0f64, 1.0..8.0f64), 3..9),
     ) {
         let (radius, stock) = (5e-3, block(0.06, 0.04));
-        let tool = Tool { radius, teeth: 4.0, force: None, holder: None };
+        let tool = Tool { radius, end: End::Flat, teeth: 4.0, force: None, holder: None };
         let mut text = "G21 G90 G0 X-20 Y-20 Z5\n".to_owned();
         for (i, (x, y, depth)) in places.iter().enumerate() {
             text += &if i % 3 == 2 {
@@ -181,7 +181,7 @@ proptest! {
 #[test]
 fn a_holder_is_reported_where_it_meets_a_wall_and_not_above_the_stock() {
     let holder = Some(Holder { radius: 20e-3, overhang: 12e-3 });
-    let tool = Tool { radius: 5e-3, teeth: 4.0, force: None, holder };
+    let tool = Tool { radius: 5e-3, end: End::Flat, teeth: 4.0, force: None, holder };
     let meets = |text: &str| {
         let mut cutting = Cutting::new(block(0.1, 0.05), 5e-3);
         let mut lines = Vec::new();
@@ -207,4 +207,119 @@ fn a_holder_is_reported_where_it_meets_a_wall_and_not_above_the_stock() {
     assert!(!meets(&pocket(36.0)).is_empty());
     // Straight down onto whole material.
     assert_eq!(meets("G0 X50 Y25 Z10\nG1 Z-11 F100\nZ-13\n"), [4]);
+}
+
+/// Volume, mm³, and the cuts of a program whose stock is a grid of heights.
+fn on_a_grid(text: &str, tool: &Tool, cell: f64) -> (Vec<Cut>, Cutting) {
+    let mut cutting = Cutting::mapped(block(0.06, 0.04), cell);
+    let mut cuts = Vec::new();
+    for event in Run::new(&format!("G21 G90\n{text}"), &Control::default()).expect("a program") {
+        if let EventKind::Motion(motion) = event.expect("an event").kind {
+            let cut = cutting.motion(&motion, tool, 100.0 * PI);
+            if !motion.rapid {
+                cuts.push(cut);
+            }
+        }
+    }
+    (cuts, cutting)
+}
+
+/// A slot along X through the block of 60 mm, `depth` mm deep.
+fn slot(depth: f64) -> String {
+    format!("G0 X-10 Y20 Z5\nZ-{depth}\nG1 X70 F600\n")
+}
+
+#[test]
+fn ends_of_every_form_remove_the_section_of_their_closed_form() {
+    let (radius, cell) = (5e-3, 0.1e-3);
+    let taper = |depth: f64| depth * (4.0 + depth * 0.2f64.tan());
+    let corner = |depth: f64| {
+        // The flat middle, and a quarter of a circle of 1 mm on both sides.
+        2.0 * (5.0 * depth - (1.0 - 0.25 * PI))
+    };
+    let ball = |depth: f64| {
+        let over: f64 = 5.0 - depth;
+        25.0 * (over / 5.0).acos() - over * (25.0 - over * over).sqrt()
+    };
+    for (end, depth, section) in [
+        (End::Corner(5e-3), 2.0, ball(2.0)),
+        (End::Corner(5e-3), 5.0, ball(5.0)),
+        (End::Corner(1e-3), 3.0, corner(3.0)),
+        (End::Taper(2e-3, 0.2), 3.0, taper(3.0)),
+        (End::Flat, 3.0, 30.0),
+    ] {
+        let tool = Tool { radius, end, teeth: 2.0, force: None, holder: None };
+        let inside = slot(depth).replace("G1 X70", "G1 X20 F600\nX40\nX70");
+        let (cuts, cutting) = on_a_grid(&inside, &tool, cell);
+        let volume = cutting.removed() * 1e9;
+        assert!((volume / (60.0 * section) - 1.0).abs() < 0.01, "{end:?} {depth}: {volume} {}", 60.0 * section);
+        // What is engaged sweeps the same section, to three quarters of a cell on both sides.
+        let swept = cuts[1].mean.width * cuts[1].mean.depth * 1e6;
+        assert!((swept - section).abs() < 0.01 * section + depth * 0.15, "{end:?} {depth}: {swept} {section}");
+        let reach = end.at(radius, 1e-3 * depth).0;
+        assert!((cuts[1].mean.radius - reach).abs() < 0.05 * radius, "{end:?}: {}", cuts[1].mean.radius);
+    }
+}
+
+#[test]
+fn a_way_that_is_run_again_is_air_and_a_step_beside_it_takes_a_crescent() {
+    let (radius, depth) = (5e-3, 1.0);
+    let tool = Tool { radius, end: End::Corner(radius), teeth: 2.0, force: None, holder: None };
+    let again = format!("{}G0 Z5\nX-10\nZ-{depth}\nG1 X70\n", slot(depth));
+    let (cuts, cutting) = on_a_grid(&again, &tool, 0.1e-3);
+    assert!(cuts[1].air > 0.99 && cuts[1].removed < 1e-3 * cutting.removed(), "{:?}", cuts[1]);
+    // A step of 0.8 mm beside it: two circles of 5 mm below the surface, less what both have.
+    let beside = format!("{}G0 Z5\nX-10 Y20.8\nZ-{depth}\nG1 X70\n", slot(depth));
+    let (cuts, _) = on_a_grid(&beside, &tool, 0.1e-3);
+    let height = |y: f64| (depth - (5.0 - (25.0 - y * y).max(0.0).sqrt())).max(0.0);
+    let steps = 100_000;
+    let crescent: f64 = (0..steps)
+        .map(|i| -4.0 + 9.0 * (f64::from(i) + 0.5) / f64::from(steps))
+        .map(|y| (height(y - 0.8) - height(y)).max(0.0) * 9.0 / f64::from(steps))
+        .sum();
+    let section = cuts[1].removed * 1e9 / 60.0;
+    assert!((section / crescent - 1.0).abs() < 0.01, "{section} {crescent}");
+    // Through the same slot at rapid speed nothing is met; through the wall something is.
+    let rapid = |y: f64| format!("{}G0 Z5\nX-10 Y{y}\nZ-{depth}\nG0 X70\nG1 X71\n", slot(depth));
+    let crashes = |text: &str| {
+        let mut cutting = Cutting::mapped(block(0.06, 0.04), 0.1e-3);
+        let events = Run::new(&format!("G21 G90\n{text}"), &Control::default()).expect("a program");
+        let cut = events.map(|event| match event.expect("an event").kind {
+            EventKind::Motion(motion) => cutting.motion(&motion, &tool, 0.0).crash,
+            _ => false,
+        });
+        cut.filter(|crash| *crash).count()
+    };
+    assert_eq!((crashes(&rapid(20.0)), crashes(&rapid(22.0))), (0, 1));
+}
+
+#[test]
+fn the_power_of_a_ball_in_a_slot_is_that_of_its_integral() {
+    // Over the whole front half: P = ω·z/2π·(2·K·f·∫r dh + π·k·∫r ds), with ∫r ds = R·depth.
+    let (radius, depth, speed) = (5e-3, 2e-3, 100.0 * PI);
+    let force = ToolForce::default();
+    let tool = Tool { radius, end: End::Corner(radius), teeth: 2.0, force: Some(force), holder: None };
+    let (cuts, _) = on_a_grid(&slot(2.0), &tool, 0.05e-3);
+    let feed_per_tooth = 0.01 * 2.0 * PI / (speed * 2.0);
+    let steps = 10_000;
+    let radii: f64 = (0..steps)
+        .map(|i| depth * (f64::from(i) + 0.5) / f64::from(steps))
+        .map(|h| (2.0 * radius * h - h * h).sqrt() * depth / f64::from(steps))
+        .sum();
+    let (cutting, edge) = (force.edge.tangential_cutting, force.edge.tangential_edge);
+    let torque = 2.0 * cutting * feed_per_tooth * radii + PI * edge * radius * depth;
+    let power = speed * 2.0 / (2.0 * PI) * torque;
+    let load = cuts[0].load.expect("a load");
+    assert!((load.power / power - 1.0).abs() < 0.05, "{} {power}", load.power);
+}
+
+#[test]
+fn a_shoulder_on_a_grid_has_its_angle_within_a_cell() {
+    let (radius, cell) = (5e-3, 0.05e-3);
+    let tool = Tool { radius, end: End::Flat, teeth: 2.0, force: None, holder: None };
+    let (cuts, _) = on_a_grid("G0 X-10 Y-4 Z-5\nG1 X70 F500\n", &tool, cell);
+    // A cell of width, and a direction.
+    let angle = |width: f64| (1.0 - width / radius).acos();
+    let (exact, most) = (angle(1e-3), angle(1e-3 + cell) + cell / radius);
+    assert!(cuts[0].sampled <= most && cuts[0].sampled > angle(1e-3 - cell) - cell / radius, "{:?} {exact}", cuts[0]);
 }

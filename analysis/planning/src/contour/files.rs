@@ -9,18 +9,19 @@ use serde_json::{Value, json};
 use toolroom_chart::ResultFiles;
 use toolroom_chart::page::Provenance;
 use toolroom_contour::{Constraint, ContourError, ContourFile, Piece, Plan, PlannedSection, Sensitivity};
-use toolroom_post::post;
+use toolroom_post::{Drawing, post};
 use toolroom_process::table::Cell;
-use toolroom_program::{Control, Dialect};
+use toolroom_program::{Blocks, Control, Dialect};
 
 const MM: f64 = 1e3;
 const UM: f64 = 1e6;
 
 /// The files of a plan but for its part programs; `draws.csv` where there are draws.
-pub const NAMES: &[&str] = &["sections.csv", "conditions.csv", "draws.csv", "contour.json", "report.html"];
+pub const NAMES: &[&str] =
+    &["sections.csv", "conditions.csv", "draws.csv", "contour.dxf", "contour.json", "report.html"];
 
 /// `sections.csv`, `conditions.csv`, `draws.csv` where there are draws, a part program for every pass and objective in the
-/// language of a control, `contour.json` and `report.html`.
+/// language of a control, `contour.dxf`, `contour.json` and `report.html`.
 ///
 /// # Errors
 /// [`RefusedPass`]: a plan that cannot be written as a part program.
@@ -39,6 +40,7 @@ pub fn files(
     for (name, program) in programs(file, studies, dialect)? {
         files.push(name, program);
     }
+    files.push("contour.dxf", drawing(file, studies)?.text());
     files.push("contour.json", format!("{:#}\n", summary(file, studies)));
     files.push("report.html", report(file, studies, provenance).html());
     Ok(files)
@@ -87,6 +89,24 @@ pub fn summary(file: &ContourFile, studies: &[PassStudy<'_>]) -> Value {
     })
 }
 
+/// A part program of this project for every pass and objective, each with the name of both.
+fn plain<'a>(
+    file: &'a ContourFile,
+    studies: &'a [PassStudy<'a>],
+) -> impl Iterator<Item = Result<(&'a str, String, String), RefusedPass>> {
+    studies.iter().flat_map(move |study| {
+        OBJECTIVES.iter().zip(&study.plans).map(move |((objective, _), plan)| {
+            let title = format!("{} {} least {objective}", file.name, study.name);
+            let program = study.planner.part_program_leaving(plan, &title, left(file, study, plan));
+            let fit = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '-' };
+            let name: String = study.name.chars().map(fit).collect();
+            program
+                .map(|program| (study.name, format!("{name}-{objective}"), program))
+                .map_err(|error| RefusedPass::new(study.name, error))
+        })
+    })
+}
+
 /// A part program for every pass and objective, each with the name of its file.
 ///
 /// # Errors
@@ -96,19 +116,47 @@ pub(super) fn programs(
     studies: &[PassStudy<'_>],
     dialect: Dialect,
 ) -> Result<Vec<(String, String)>, RefusedPass> {
-    let mut list = Vec::new();
-    for study in studies {
-        let refused = |error| RefusedPass::new(study.name, error);
-        for ((objective, _), plan) in OBJECTIVES.iter().zip(&study.plans) {
-            let title = format!("{} {} least {objective}", file.name, study.name);
-            let program = study.planner.part_program_leaving(plan, &title, left(file, study, plan)).map_err(refused)?;
-            let fit = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '-' };
-            let name: String = study.name.chars().map(fit).collect();
-            let program = written(&program, dialect).map_err(refused)?;
-            list.push((format!("{name}-{objective}.{}", ending(dialect)), program));
+    let program = |made: Result<(&str, String, String), RefusedPass>| {
+        let (pass, name, program) = made?;
+        let program = written(&program, dialect).map_err(|error| RefusedPass::new(pass, error))?;
+        Ok((format!("{name}.{}", ending(dialect)), program))
+    };
+    plain(file, studies).map(program).collect()
+}
+
+/// The contour in the layer `CONTOUR`, and the path of the cutter's centre of every part program in a layer of its name.
+///
+/// # Errors
+/// [`RefusedPass`]: a plan that cannot be written as a part program.
+fn drawing(file: &ContourFile, studies: &[PassStudy<'_>]) -> Result<Drawing, RefusedPass> {
+    let mut drawing = Drawing::default();
+    for section in &file.contour.sections {
+        let [from, to] = [section.start, section.end()].map(|point| [point.x * MM, point.y * MM, 0.0]);
+        if section.curvature == 0.0 {
+            drawing.line("CONTOUR", from, to);
+            continue;
+        }
+        // The centre lies a right angle to the left of the heading, at a radius with the sign of the curvature.
+        let radius = MM / section.curvature;
+        let (sin, cos) = section.heading.sin_cos();
+        let centre = [from[0] - radius * sin, from[1] + radius * cos, 0.0];
+        let angle = |place: [f64; 3]| (place[1] - centre[1]).atan2(place[0] - centre[0]).to_degrees();
+        let begin = angle(if section.curvature > 0.0 { from } else { to });
+        drawing.arc("CONTOUR", centre, radius.abs(), (begin, begin + section.sweep().abs().to_degrees()));
+    }
+    for made in plain(file, studies) {
+        let (pass, name, program) = made?;
+        let refused = |message: String| RefusedPass::new(pass, ContourError::Program { message });
+        let blocks =
+            Blocks::new(&program[..], &Control::of(Dialect::Fanuc)).map_err(|error| refused(error.to_string()))?;
+        for block in blocks {
+            let block = block.map_err(|error| refused(error.to_string()))?;
+            for motion in block.motions.iter().filter(|motion| !motion.rapid) {
+                drawing.motion(&name, motion);
+            }
         }
     }
-    Ok(list)
+    Ok(drawing)
 }
 
 /// What a pass leaves of the wall, m: what the passes behind it in the file remove, and what the cutter that bends would cut

@@ -2,6 +2,7 @@
 
 use super::study::{PassStudy, Scattered};
 use super::{Gain, OBJECTIVES, REPORTED_COST, REPORTED_PRODUCTIVITY};
+use crate::plane::in_proportion;
 use std::ops::Range;
 use toolroom_chart::{Axis, Colour, Dash, Estimate, Hatch, Intervals, Marker, Plot, Style};
 use toolroom_contour::{Constraint, Contour, Plan};
@@ -114,8 +115,6 @@ pub fn form_errors(contour: &Contour, study: &PassStudy<'_>) -> Plot {
 
 /// The contour with the active constraint of the plan of least cost, in true proportion.
 pub fn map(contour: &Contour, study: &PassStudy<'_>) -> Plot {
-    /// Width of a plot area with short tick labels, pixels.
-    const WIDTH: f64 = 705.0;
     let step = contour.length() / POINTS;
     let course = |section: &toolroom_contour::Section| {
         let parts = if section.curvature == 0.0 { 1.0 } else { (section.length / step).ceil().max(2.0) };
@@ -128,26 +127,11 @@ pub fn map(contour: &Contour, study: &PassStudy<'_>) -> Plot {
     };
     let (left, right) = (bound(|p| p.0, f64::min, f64::INFINITY), bound(|p| p.0, f64::max, f64::NEG_INFINITY));
     let (low, high) = (bound(|p| p.1, f64::min, f64::INFINITY), bound(|p| p.1, f64::max, f64::NEG_INFINITY));
-    let margin = 0.05 * (right - left).max(high - low);
-    let (tall, mut wide) = (high - low + 2.0 * margin, right - left + 2.0 * margin);
-    let height = (WIDTH * tall / wide).clamp(150.0, 420.0);
-    // Too tall or too flat for the page: the shorter axis gets more room, the proportion stays.
-    let (mut y_span, middle) = (tall, [0.5 * (left + right), 0.5 * (low + high)]);
-    let proportion = WIDTH / height;
-    if wide / tall < proportion {
-        wide = tall * proportion
-    } else {
-        y_span = wide / proportion
-    }
-    let around = |axis: Axis, middle: f64, span: f64| axis.range(middle - 0.5 * span, middle + 0.5 * span);
+    let (x, y, height) = in_proportion((Axis::linear("X", "mm"), left, right), (Axis::linear("Y", "mm"), low, high));
     let plan = &study.plans[1];
-    let mut plot = Plot::new(
-        format!("What limits the feed where, pass {}, least cost", study.name),
-        around(Axis::linear("X", "mm"), middle[0], wide),
-        around(Axis::linear("Y", "mm"), middle[1], y_span),
-    )
-    .height(height)
-    .describe("The wall from above, each section in the colour of the limit that refuses more feed.");
+    let mut plot = Plot::new(format!("What limits the feed where, pass {}, least cost", study.name), x, y)
+        .height(height)
+        .describe("The wall from above, each section in the colour of the limit that refuses more feed.");
     let kinds = kinds();
     let mut labelled = vec![false; kinds.len()];
     // Neighbours with one limit are one line, so that its dashes run on.

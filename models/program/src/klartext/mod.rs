@@ -238,13 +238,12 @@ impl Klartext {
 
     /// The end of the innermost subprogram or called program; false in the main program.
     fn back(&mut self, label: bool) -> bool {
-        while self.calls.last().is_some_and(|call| call.end.is_some()) {
-            self.calls.pop();
-        }
-        match self.calls.last() {
-            Some(call) if call.label == label => {
+        // Repeats are no calls: LBL 0 within one is passed over, and with a subprogram the repeats in it end.
+        let innermost = self.calls.iter().rposition(|call| call.end.is_none());
+        match innermost.map(|place| (place, &self.calls[place])) {
+            Some((place, call)) if call.label == label => {
                 self.pc = call.back;
-                self.calls.pop();
+                self.calls.truncate(place);
                 true
             }
             // LBL 0 outside of a call is passed over; a program that ends within a subprogram ends altogether.

@@ -72,6 +72,11 @@ impl Siemens {
                 }
                 Item::Keyword(word, column) => keywords.push((word, *column)),
                 Item::Call(word, arguments, column) => calls.push((word, arguments, *column)),
+                // A variable may have the name of an axis with a number.
+                Item::Word { address, value, .. } if self.is_defined(address) => {
+                    let value = self.value(value)?;
+                    self.assign(&Expression::Named(address.clone()), value)?;
+                }
                 Item::Word { address, count, value, column } => {
                     let value = self.value(value).map_err(|fault| fault.or_at(*column))?;
                     let code = |limit: f64| {

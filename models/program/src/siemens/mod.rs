@@ -165,6 +165,11 @@ impl Siemens {
         Ok(expression.value(&self.store, Dialect::Siemens)?.unwrap_or(0.0))
     }
 
+    /// Whether DEF has given a name with a number a value.
+    fn is_defined(&self, name: &str) -> bool {
+        name.len() > 1 && self.store.named.contains_key(name)
+    }
+
     fn assign(&mut self, target: &Expression, value: f64) -> Result<(), Fault> {
         match target {
             Expression::Named(name) if name.starts_with('$') => {

@@ -427,6 +427,10 @@ fn block(parser: &mut Parser<'_>) -> Result<Vec<Item>, Fault> {
                         continue;
                     }
                     b')' => break,
+                    b'"' => {
+                        let message = format!("{word} with a text among its values is not followed; post its motions");
+                        return Err(Fault::at(column, message).refusing());
+                    }
                     _ => arguments.push(Some(parser.expression()?)),
                 }
                 if !parser.eat(b',') {

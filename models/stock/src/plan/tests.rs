@@ -44,8 +44,8 @@ fn every_limit_is_kept_wherever_a_planned_program_is_sampled() {
         let setup = setup(limits);
         // The body of a cutter of 10 mm is weaker than any of these limits, but for its own.
         let names = [named, FeedLimit::ChipThickness, FeedLimit::ToolLife];
-        let plan =
-            FeedPlan::new(POCKET, &Control::default(), &setup, Some(FeedObjective::Time), &names).expect("a plan");
+        let plan = FeedPlan::new(POCKET, &Control::default(), &setup, (Some(FeedObjective::Time), false), &names)
+            .expect("a plan");
         let kept = setup.limits[&1].only(&names);
         assert!(plan.limits[&named].binds > 1.0, "{limits}: {:?}", plan.limits);
         let tool = setup.tools[&1];
@@ -88,7 +88,8 @@ fn a_shoulder_gets_the_feed_of_its_closed_form() {
     let setup = setup("chip_thickness = \"80 um\"");
     let text = "G21 G90 G0 X-10 Y-4 Z5\nT1 M6\nS3000 M3\nG0 Z-5\nG1 X110 F500\nM30\n";
     let names = [FeedLimit::HighestFeed, FeedLimit::ChipThickness];
-    let plan = FeedPlan::new(text, &Control::default(), &setup, Some(FeedObjective::Time), &names).expect("a plan");
+    let plan =
+        FeedPlan::new(text, &Control::default(), &setup, (Some(FeedObjective::Time), false), &names).expect("a plan");
     let index = motions(text).iter().position(|(motion, _)| !motion.rapid).expect("a cut");
     let pieces = plan.pieces(index);
     // A shoulder of 1 mm: 36.87°, of which the sine is 0.6. In air the highest feed.
@@ -105,8 +106,9 @@ fn a_shoulder_gets_the_feed_of_its_closed_form() {
 #[test]
 fn a_limit_that_no_feed_keeps_is_reported_and_makes_nothing_faster() {
     let setup = setup("power = \"1 W\"");
-    let plan = FeedPlan::new(POCKET, &Control::default(), &setup, Some(FeedObjective::Time), &[FeedLimit::Power])
-        .expect("a plan");
+    let plan =
+        FeedPlan::new(POCKET, &Control::default(), &setup, (Some(FeedObjective::Time), false), &[FeedLimit::Power])
+            .expect("a plan");
     assert!(plan.limits[&FeedLimit::Power].planned.0 > 1.0, "{:?}", plan.limits);
     for (index, (motion, _)) in motions(POCKET).iter().enumerate() {
         for piece in plan.pieces(index).iter().filter(|piece| piece.limit == Some(FeedLimit::Power)) {
@@ -118,10 +120,11 @@ fn a_limit_that_no_feed_keeps_is_reported_and_makes_nothing_faster() {
 #[test]
 fn nothing_is_planned_without_an_objective_or_for_a_tool_that_only_drills() {
     let setup = setup("");
-    let used = FeedPlan::new(POCKET, &Control::default(), &setup, None, &[]).expect("a use of limits");
+    let used = FeedPlan::new(POCKET, &Control::default(), &setup, (None, false), &[]).expect("a use of limits");
     assert!(used.motions.iter().all(Vec::is_empty) && used.limits[&FeedLimit::Power].programmed.0 > 0.0);
     let drilled = "G21 G90 G0 X10 Y10 Z5\nT1 M6\nS3000 M3\nG81 Z-5 R1 F100\nG80\nM30\n";
-    let plan = FeedPlan::new(drilled, &Control::default(), &setup, Some(FeedObjective::Time), &[]).expect("a plan");
+    let plan =
+        FeedPlan::new(drilled, &Control::default(), &setup, (Some(FeedObjective::Time), false), &[]).expect("a plan");
     assert!(plan.motions.iter().all(Vec::is_empty) && plan.kept[&AsProgrammed::Motion] > 0, "{:?}", plan.kept);
 }
 
@@ -130,7 +133,7 @@ fn cost_slows_down_only_where_edges_wear_faster_than_time_is_saved() {
     let setup = setup("chip_thickness = \"200 um\"");
     let names = [FeedLimit::HighestFeed, FeedLimit::ChipThickness];
     let [time, cost] = [FeedObjective::Time, FeedObjective::Cost].map(|objective| {
-        FeedPlan::new(POCKET, &Control::default(), &setup, Some(objective), &names).expect("a plan").stepped
+        FeedPlan::new(POCKET, &Control::default(), &setup, (Some(objective), false), &names).expect("a plan").stepped
     });
     // The life of the handbook falls with the feed to the power 0.26/0.37 below 1: the fastest feed is the cheapest.
     assert_eq!(time, cost);
@@ -142,7 +145,49 @@ fn cost_slows_down_only_where_edges_wear_faster_than_time_is_saved() {
     let limits = worn.limits.get_mut(&1).expect("limits");
     (limits.tool_life, limits.chip_thickness) = (None, Some(200e-6));
     let [time, cost] = [FeedObjective::Time, FeedObjective::Cost].map(|objective| {
-        FeedPlan::new(POCKET, &Control::default(), &worn, Some(objective), &names).expect("a plan").stepped
+        FeedPlan::new(POCKET, &Control::default(), &worn, (Some(objective), false), &names).expect("a plan").stepped
     });
     assert!(cost > 1.01 * time, "{cost} {time}");
+}
+
+#[test]
+fn the_spindle_goes_as_fast_as_the_life_of_the_edge_allows() {
+    // Life falls with speed^(1/m) and grows with the feed's exponent: of all speeds the one with the greatest feed at 60 min.
+    let setup = setup("chip_thickness = \"80 um\"\ntool_life = \"60 min\"\nhighest_spindle_speed = \"8000 rpm\"");
+    let text = "G21 G90 G0 X-10 Y-4 Z5\nT1 M6\nS300 M3\nG0 Z-5\nG1 X110 F50\nM30\n";
+    let names = [FeedLimit::ChipThickness, FeedLimit::ToolLife];
+    let plan = |speeds| {
+        FeedPlan::new(text, &Control::default(), &setup, (Some(FeedObjective::Time), speeds), &names).expect("a plan")
+    };
+    let (kept, planned) = (plan(false), plan(true));
+    let [change] = planned.speeds[..] else { panic!("{:?}", planned.speeds) };
+    assert!(kept.speeds.is_empty() && change.line == 3 && change.tool == 1, "{change:?}");
+    assert!(planned.stepped < 0.9 * kept.stepped, "{} {}", planned.stepped, kept.stepped);
+    assert!(planned.limits[&FeedLimit::ToolLife].planned.0 <= 1.001, "{:?}", planned.limits);
+    // Against every speed of the machine by itself.
+    let least = setup.speeds[&1]
+        .iter()
+        .map(|speed| {
+            let text = text.replace("S300", &format!("S{}", speed * 60.0 / TAU));
+            let time = (Some(FeedObjective::Time), false);
+            let plan = FeedPlan::new(&text[..], &Control::default(), &setup, time, &names).expect("a plan");
+            let keeps = plan.limits.values().all(|used| used.planned.0 <= 1.001);
+            if keeps { plan.continuous } else { f64::INFINITY }
+        })
+        .fold(f64::INFINITY, f64::min);
+    assert!((planned.continuous / least - 1.0).abs() < 1e-3, "{} {least}", planned.continuous);
+    // The command is the one that is written.
+    let mut commands = 0;
+    let action = planned.action(&mut commands, Action::Spindle(300.0, toolroom_program::Sense::Clockwise));
+    let expected = Action::Spindle(change.planned * 60.0 / TAU, toolroom_program::Sense::Clockwise);
+    assert_eq!((action, commands), (expected, 1));
+}
+
+#[test]
+fn a_speed_stays_where_holes_are_drilled_under_it() {
+    let setup = setup("chip_thickness = \"80 um\"\nhighest_spindle_speed = \"8000 rpm\"");
+    let text = "G21 G90 G0 X-10 Y-4 Z5\nT1 M6\nS300 M3\nG0 Z-5\nG1 X110 F50\nG0 Z5\nG81 X50 Y50 Z-5 R2 F50\nG80\nM30\n";
+    let names = [FeedLimit::ChipThickness];
+    let plan = FeedPlan::new(text, &Control::default(), &setup, (Some(FeedObjective::Time), true), &names);
+    assert!(plan.expect("a plan").speeds.is_empty());
 }
