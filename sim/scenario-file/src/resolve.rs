@@ -7,8 +7,8 @@ use super::keys::LIFE_ONLY;
 use super::random::distribution;
 use super::variants::{ShopVariant, variants};
 use super::{
-    Output, Statistics, control, cribs, flow, jobs, measured, orders, planned, processes, resources, routing, rules,
-    schedule, shared, stability, stocks, transport, tune,
+    Output, Statistics, control, cribs, failures, flow, jobs, measured, orders, planned, processes, resources, routing,
+    rules, schedule, shared, stability, stocks, transport, tune,
 };
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
@@ -16,8 +16,8 @@ use toolroom_effects::{Definition, read_definitions};
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
 use toolroom_scenario::{
-    BatchUnit, Buffer, Calibration, FailureClock, FailureMode, Fixture, GapSection, Interruption, MachineType, Moved,
-    Scenario, Shared, Target, ToolType, TuneRequest, Variants,
+    BatchUnit, Buffer, Calibration, Distribution, Fixture, GapSection, MachineType, Moved, Scenario, Shared, Target,
+    ToolType, TuneRequest, Variants,
 };
 
 /// Machines, tools and calendars under their names, as references see them.
@@ -105,6 +105,10 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     names.skills = skills;
     let crews = transport::crews(walk, root, &mut names);
     let transports = transport::transports(walk, root, &machines);
+    let move_time = match &shop {
+        Some(shop) if shop.given("move_time") => distribution(walk, shop, "move_time"),
+        Some(_) | None => Distribution::Constant(0.0),
+    };
     names.fixtures = shared::fixtures(walk, root);
     names.defined = read_definitions(walk, root);
     let tools = tools(walk, root, &mut names);
@@ -114,15 +118,18 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let cribs = cribs::cribs(walk, root, (&names, &machines), &known, &mut parts);
     let maintenance = cribs::maintenance(walk, root, &names);
     let arrivals = rules::arrivals(walk, root, &names);
-    let around = orders::Around { names: &names, machines: &machines, parts: &parts, start, horizon };
-    let orders = orders::orders(walk, root, &around);
+    let tables = walk.table(root, "tables");
+    let tables = tables.as_ref();
+    let around = orders::Around { names: &names, machines: &machines, parts: &parts, tables, start, horizon };
+    let (orders, order_places) = orders::orders(walk, root, &around);
     let stocks = stocks::stocks(walk, root, &names, &parts);
     stocks::check_parents(walk, root, &parts, (&orders, &arrivals));
-    let dispatch = rules::dispatch(walk, root);
-    let mut control = control::control(walk, root, &names, (&parts, &orders));
+    let ruled = walk.table(root, "dispatch");
+    let dispatch = rules::dispatch(walk, ruled.as_ref());
+    let mut control = control::control(walk, (root, ruled.as_ref()), &names, (&parts, &orders));
     let planned = (orders.as_slice(), arrivals.len());
     control.schedule = schedule::schedule(walk, root, &around, planned, dispatch.preemption);
-    let failures = failures(walk, root, &names);
+    let failures = failures::failures(walk, root, &names);
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
     let gap = rules::gap(walk, root);
@@ -134,7 +141,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let tools = tools.into_iter().map(|tool| varied(walk, tool, &calibrations)).collect();
     let calibrations = calibrations.into_iter().map(|(calibration, _)| calibration).collect();
     resources::check_pairs(walk, root, &machines, &parts, &setup_matrices);
-    flow::check(walk, root, &dispatch, &machines, &buffers, (&parts, &orders));
+    flow::check(walk, root, &dispatch, &machines, &buffers, (&parts, &orders, &order_places));
     let around = jobs::Around {
         machines: &machines,
         buffers: &buffers,
@@ -147,7 +154,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         preemption: dispatch.preemption,
     };
     jobs::check(walk, root, &around);
-    transport::check(walk, root, &transports, &machines, &parts, &buffers);
+    transport::check(walk, root, (&transports, &move_time), &machines, &parts, &buffers);
     shared::check(walk, root, &names.fixtures, &around);
     shared::check_shift_ends(walk, root, (&machines, &parts), &calendars);
     stocks::check(walk, root, &around, &control);
@@ -192,6 +199,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         operators,
         crews,
         transports,
+        move_time,
         shared,
         setup_matrices,
         machine_choice: dispatch.choice,
@@ -472,23 +480,6 @@ fn scatter_moved(walk: &mut Walk, tool: &mut ToolType, calibrations: &[(Calibrat
             Err(error) => walk.fault(place.clone(), ScenarioFault::Calibration { reason: error.to_string() }),
         }
     }
-}
-
-fn failures(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<FailureMode> {
-    let mut failures = Vec::new();
-    for section in walk.sections(root, "failure", None) {
-        let time_between = distribution(walk, &section, "time_between");
-        let time_to_repair = distribution(walk, &section, "time_to_repair");
-        // Without a word a problem was noted.
-        let clock = section.chosen("clock", FailureClock::from_word).unwrap_or(FailureClock::Busy);
-        let part = section.chosen("part", Interruption::from_word).unwrap_or(Interruption::Resume);
-        let crew = reference(walk, "crew", section.got("crew"), names.crews.iter().map(String::as_str));
-        for machine in machine_indices(walk, &section, "machines", names) {
-            let (time_between, time_to_repair) = (time_between.clone(), time_to_repair.clone());
-            failures.push(FailureMode { machine, time_between, time_to_repair, clock, crew, part });
-        }
-    }
-    failures
 }
 
 /// The machines under a key, each once, in the order of the file.
