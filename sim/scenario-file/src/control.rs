@@ -14,14 +14,14 @@ use toolroom_scenario::{
 /// Loops, release and options of the rules of a file whose parts and orders are known.
 pub(super) fn control(
     walk: &mut Walk,
-    root: &Section<'_>,
+    (root, dispatch): (&Section<'_>, Option<&Section<'_>>),
     names: &Names,
     (parts, orders): (&[Part], &[Order]),
 ) -> Control {
     let mut control =
         Control { loops: loops(walk, root, names, parts), release: release(walk, root), ..Control::default() };
-    if let Some(section) = walk.table(root, "dispatch") {
-        control.keys = keys(&section);
+    if let Some(section) = dispatch {
+        control.keys = keys(section);
         control.assign = section.chosen("assign", Assignment::from_word).unwrap_or_default();
         control.queue_choice = section.chosen("queue_choice", QueueChoice::from_word).unwrap_or_default();
         if section.given("queue_choice") && control.assign == Assignment::AtStart {
@@ -130,6 +130,9 @@ pub(super) fn due(walk: &mut Walk, arrivals: &Section<'_>) -> DueRule {
         Some(DueWord::TotalWork) => DueRule::TotalWork { k: section.required("k") },
         Some(DueWord::Slack) => DueRule::Slack { slack: section.required("slack") },
         Some(DueWord::Random) => DueRule::Random(super::random::distribution(walk, &section, "allowance")),
+        Some(DueWord::Constant) if section.given("allowance") => {
+            DueRule::Random(super::random::distribution(walk, &section, "allowance"))
+        }
         Some(DueWord::Constant) | None => DueRule::Allowance,
     }
 }

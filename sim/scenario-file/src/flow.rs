@@ -2,6 +2,7 @@
 
 use super::fault::ScenarioFault;
 use super::names::{Names, machine_indices, named};
+use super::orders::Places;
 use super::rules::Dispatch;
 use toolroom_form::{Fault, Section, Walk};
 use toolroom_scenario::{BatchUnit, Blocking, Buffer, Deadlock, MachineType, Operation, Order, Part};
@@ -42,7 +43,7 @@ pub(super) fn check(
     dispatch: &Dispatch,
     machines: &[MachineType],
     buffers: &[Buffer],
-    (parts, orders): (&[Part], &[Order]),
+    (parts, orders, places): (&[Part], &[Order], &Places),
 ) {
     let before = dispatch.blocking == Blocking::BeforeService;
     let word = Blocking::BeforeService.word();
@@ -85,7 +86,7 @@ pub(super) fn check(
             }
         }
     }
-    for order in orders {
+    for (index, order) in orders.iter().enumerate() {
         // What moves together has to fit into every buffer on its way that counts pieces.
         let Some(part) = parts.get(order.part) else { continue };
         let (size, machines_of) = (order.job_size(part), |own: &Operation| own.machines.clone());
@@ -98,17 +99,17 @@ pub(super) fn check(
                 order.id, buffers[buffer].name, buffers[buffer].places
             );
             let fix = "give the buffer more places, or the order a smaller quantity".to_owned();
-            walk.fault(root.span_of("order"), ScenarioFault::Arrangement { reason, fix });
+            places.fault(walk, index, ScenarioFault::Arrangement { reason, fix });
         }
     }
-    for order in orders {
+    for (index, order) in orders.iter().enumerate() {
         let Some(part) = parts.get(order.part).filter(|part| order.keeps_machines(part)) else { continue };
         let visited = part.operations.iter().flat_map(|operation| &operation.machines);
         let limited =
             visited.filter_map(|machine| machines[*machine].input_buffer.or(machines[*machine].output_buffer));
         if let Some(buffer) = limited.min() {
             let fault = ScenarioFault::BufferLot { order: order.id.clone(), buffer: buffers[buffer].name.clone() };
-            walk.fault(root.span_of("order"), fault);
+            places.fault(walk, index, fault);
         }
     }
 }

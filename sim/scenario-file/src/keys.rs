@@ -70,6 +70,12 @@ static SHOP: Form = Form {
             "8 h",
             "Length of the shift to which rates refer (parts per shift)",
         ),
+        Key::default(
+            "move_time",
+            RANDOM_TIME,
+            "0 min",
+            "Time of a move from the `location` of a machine to another one, where no [[transport]] knows both",
+        ),
         Key::default("currency", Kind::Choice(CURRENCIES), "EUR", "Currency of every amount"),
     ],
 };
@@ -307,6 +313,11 @@ static FAILURE: Form = Form {
     title: "[[failure]]",
     doc: "A way for machines to break down",
     keys: &[
+        Key::optional(
+            "name",
+            Kind::Name,
+            "Unique name: what it draws stays the same whatever other breakdowns there are; left out: it draws by its mean times",
+        ),
         Key::required("machines", Kind::List(&Kind::Reference("machine")), "Machines; each breaks down by itself"),
         Key::required("time_between", RANDOM_TIME, "Time to failure on its clock"),
         Key::required("time_to_repair", RANDOM_TIME, "Time to repair"),

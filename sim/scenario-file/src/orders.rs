@@ -17,6 +17,8 @@ pub(super) struct Around<'a> {
     pub names: &'a Names,
     pub machines: &'a [MachineType],
     pub parts: &'a [Part],
+    /// The section `[tables]`.
+    pub tables: Option<&'a Section<'a>>,
     /// The date of second 0.
     pub start: Option<f64>,
     pub horizon: f64,
@@ -37,19 +39,45 @@ struct Reader<'a> {
 
 /// A place in the scenario, or a row of a table that it names there.
 struct Place {
+    /// Where its release stands.
     span: Span,
+    /// Its section, or where its table is named.
+    section: Span,
     row: Option<(String, u64)>,
 }
 
+impl Place {
+    /// A fault with the row of the table, where there is one.
+    fn in_row(&self, fault: Fault) -> Fault {
+        match &self.row {
+            None => fault,
+            Some((file, line)) => {
+                let (reason, fix) = (fault.to_string(), fault.fix());
+                ScenarioFault::TableCell { file: file.clone(), line: *line, reason, fix }.into()
+            }
+        }
+    }
+}
+
+/// Where every order stands.
+pub(super) struct Places(Vec<Place>);
+
+impl Places {
+    /// Notes a fault of an order at its section or row.
+    pub fn fault(&self, walk: &mut Walk, order: usize, fault: impl Into<Fault>) {
+        let place = &self.0[order];
+        walk.fault(place.section.clone(), place.in_row(fault.into()));
+    }
+}
+
 /// All orders: those of `[[order]]` first, then those of the table.
-pub(super) fn orders(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) -> Vec<Order> {
+pub(super) fn orders(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) -> (Vec<Order>, Places) {
     let (orders, places, seen) = (Vec::new(), Vec::new(), BTreeSet::new());
     let mut reader = Reader { around, orders, places, seen, parents: Vec::new(), taken: Vec::new() };
     for section in walk.sections(root, "order", None) {
         reader.order(walk, &section, None);
     }
-    let tables = walk.table(root, "tables");
-    if let Some(tables) = &tables
+    if let Some(tables) = around.tables
         && let Some(file) = tables.text("orders")
         && let Some(text) = walk.file(tables, "orders", file)
     {
@@ -61,7 +89,7 @@ pub(super) fn orders(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) -
     for section in walk.sections(root, "wip", None) {
         reader.in_process(walk, &section);
     }
-    if let Some(tables) = &tables
+    if let Some(tables) = around.tables
         && let Some(file) = tables.text("wip")
         && let Some(text) = walk.file(tables, "wip", file)
     {
@@ -69,7 +97,7 @@ pub(super) fn orders(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) -
         table.rows(walk, |walk, section, _| reader.in_process(walk, section));
     }
     reader.check_releases(walk);
-    reader.orders
+    (reader.orders, Places(reader.places))
 }
 
 impl Reader<'_> {
@@ -97,7 +125,7 @@ impl Reader<'_> {
             };
             walk.fault(section.span_of("due"), fault);
         }
-        self.places.push(Place { span: section.span_of("release"), row });
+        self.places.push(Place { span: section.span_of("release"), section: section.span.clone(), row });
         let quantity = section.count32("quantity");
         self.orders.push(Order {
             id,
@@ -138,20 +166,9 @@ impl Reader<'_> {
                     nearest: nearest(name, known()).map(str::to_owned),
                     known: known().take(MOST_KNOWN).collect::<Vec<_>>().join(", "),
                 };
-                walk.fault(span.clone(), self.in_row(index, fault));
+                walk.fault(span.clone(), self.places[index].in_row(fault));
             }
             self.orders[index].parent = found;
-        }
-    }
-
-    /// A fault of an order with the row of its table, where it stands in one.
-    fn in_row(&self, order: usize, fault: Fault) -> Fault {
-        match &self.places[order].row {
-            None => fault,
-            Some((file, line)) => {
-                let (reason, fix) = (fault.to_string(), fault.fix());
-                ScenarioFault::TableCell { file: file.clone(), line: *line, reason, fix }.into()
-            }
         }
     }
 
@@ -237,7 +254,7 @@ impl Reader<'_> {
     /// An order is released in the run, or is in the shop when it begins.
     fn check_releases(&self, walk: &mut Walk) {
         let horizon = self.around.horizon;
-        for (index, (order, Place { span, .. })) in self.orders.iter().zip(&self.places).enumerate() {
+        for (order, place) in self.orders.iter().zip(&self.places) {
             let from = if order.in_process.is_some() { f64::NEG_INFINITY } else { 0.0 };
             let to = if order.in_process.is_some() { 0.0 } else { horizon };
             if (from..=to).contains(&order.release) {
@@ -254,8 +271,8 @@ impl Reader<'_> {
             } else {
                 ScenarioFault::OrderOutside { id, release, run }
             };
-            let fault = self.in_row(index, fault.into());
-            walk.fault(span.clone(), fault);
+            let fault = place.in_row(fault.into());
+            walk.fault(place.span.clone(), fault);
         }
     }
 

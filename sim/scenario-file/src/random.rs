@@ -262,7 +262,7 @@ fn observed(walk: &mut Walk, table: &Section<'_>, file: &str, text: &str) -> Vec
 }
 
 /// A header without its unit, and the unit in its square brackets.
-fn bare(header: &str) -> (&str, Option<&str>) {
+pub(super) fn bare(header: &str) -> (&str, Option<&str>) {
     match header.strip_suffix(']').and_then(|text| text.rsplit_once('[')) {
         Some((name, unit)) => (name.trim(), Some(unit.trim())),
         None => (header.trim(), None),

@@ -3,21 +3,21 @@
 use super::calendars::{calendars, start};
 use super::choices::{LIFE_ONLY, ProcessKind};
 use super::fault::ScenarioFault;
-use super::names::{NamedTool, Names, machine_indices, named, reference};
+use super::names::{NamedTool, Names, named, reference};
 use super::queue_rules::queue_rules;
 use super::random::distribution;
 use super::variants::{ShopVariant, variants};
 use super::{
-    Output, Statistics, control, cribs, flow, jobs, measured, orders, planned, processes, resources, routing, rules,
-    schedule, shared, stability, stocks, transport, tune,
+    Output, Statistics, control, cribs, failures, flow, jobs, measured, orders, planned, processes, resources, routing,
+    rules, schedule, shared, stability, stocks, transport, tune,
 };
 use std::sync::Arc;
 use toolroom_effects::read_definitions;
 use toolroom_form::{Fault, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
 use toolroom_scenario::{
-    BatchUnit, Buffer, Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario,
-    Shared, Target, ToolType, TuneRequest, Variants,
+    BatchUnit, Buffer, Calibration, Distribution, GapSection, MachineType, Moved, Scenario, Shared, Target, ToolType,
+    TuneRequest, Variants,
 };
 
 /// What a file says.
@@ -46,6 +46,10 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     names.skills = skills;
     let crews = transport::crews(walk, root, &mut names);
     let transports = transport::transports(walk, root, &machines);
+    let move_time = match &shop {
+        Some(shop) if shop.given("move_time") => distribution(walk, shop, "move_time"),
+        Some(_) | None => Distribution::Constant(0.0),
+    };
     names.fixtures = shared::fixtures(walk, root);
     names.defined = read_definitions(walk, root);
     let tools = tools(walk, root, &mut names);
@@ -55,15 +59,18 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let cribs = cribs::cribs(walk, root, (&names, &machines), &known, &mut parts);
     let maintenance = cribs::maintenance(walk, root, &names);
     let arrivals = rules::arrivals(walk, root, &names);
-    let around = orders::Around { names: &names, machines: &machines, parts: &parts, start, horizon };
-    let orders = orders::orders(walk, root, &around);
+    let tables = walk.table(root, "tables");
+    let tables = tables.as_ref();
+    let around = orders::Around { names: &names, machines: &machines, parts: &parts, tables, start, horizon };
+    let (orders, order_places) = orders::orders(walk, root, &around);
     let stocks = stocks::stocks(walk, root, &names, &parts);
     stocks::check_parents(walk, root, &parts, (&orders, &arrivals));
-    let dispatch = rules::dispatch(walk, root);
-    let mut control = control::control(walk, root, &names, (&parts, &orders));
+    let ruled = walk.table(root, "dispatch");
+    let dispatch = rules::dispatch(walk, ruled.as_ref());
+    let mut control = control::control(walk, (root, ruled.as_ref()), &names, (&parts, &orders));
     let planned = (orders.as_slice(), arrivals.len());
     control.schedule = schedule::schedule(walk, root, &around, planned, dispatch.preemption);
-    let failures = failures(walk, root, &names);
+    let failures = failures::failures(walk, root, &names);
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
     let gap = rules::gap(walk, root);
@@ -75,7 +82,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let tools = tools.into_iter().map(|tool| varied(walk, tool, &calibrations)).collect();
     let calibrations = calibrations.into_iter().map(|(calibration, _)| calibration).collect();
     resources::check_pairs(walk, root, &machines, &parts, &setup_matrices);
-    flow::check(walk, root, &dispatch, &machines, &buffers, (&parts, &orders));
+    flow::check(walk, root, &dispatch, &machines, &buffers, (&parts, &orders, &order_places));
     let around = jobs::Around {
         machines: &machines,
         buffers: &buffers,
@@ -88,7 +95,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         preemption: dispatch.preemption,
     };
     jobs::check(walk, root, &around);
-    transport::check(walk, root, &transports, &machines, &parts, &buffers);
+    transport::check(walk, root, (&transports, &move_time), &machines, &parts, &buffers);
     shared::check(walk, root, &names.fixtures, &around);
     shared::check_shift_ends(walk, root, (&machines, &parts), &calendars);
     stocks::check(walk, root, &around, &control);
@@ -133,6 +140,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         operators,
         crews,
         transports,
+        move_time,
         shared,
         setup_matrices,
         machine_choice: dispatch.choice,
@@ -355,21 +363,4 @@ fn scatter_moved(walk: &mut Walk, tool: &mut ToolType, calibrations: &[(Calibrat
             Err(error) => walk.fault(place.clone(), ScenarioFault::Calibration { reason: error.to_string() }),
         }
     }
-}
-
-fn failures(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<FailureMode> {
-    let mut failures = Vec::new();
-    for section in walk.sections(root, "failure", None) {
-        let time_between = distribution(walk, &section, "time_between");
-        let time_to_repair = distribution(walk, &section, "time_to_repair");
-        // Without a word a problem was noted.
-        let clock = section.chosen("clock", FailureClock::from_word).unwrap_or(FailureClock::Busy);
-        let part = section.chosen("part", Interruption::from_word).unwrap_or(Interruption::Resume);
-        let crew = reference(walk, "crew", section.got("crew"), names.crews.iter().map(String::as_str));
-        for machine in machine_indices(walk, &section, "machines", names) {
-            let (time_between, time_to_repair) = (time_between.clone(), time_to_repair.clone());
-            failures.push(FailureMode { machine, time_between, time_to_repair, clock, crew, part });
-        }
-    }
-    failures
 }

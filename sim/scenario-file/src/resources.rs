@@ -1,8 +1,9 @@
 //! People and setup matrices.
 
 use super::fault::ScenarioFault;
+use super::matrix::{Matrix, matrix};
 use super::names::{Names, named, reference};
-use toolroom_form::{Fault, Got, Section, Value, Walk, nearest};
+use toolroom_form::{Fault, Section, Walk, nearest};
 use toolroom_scenario::{Attendance, MachineType, Operator, Part, Presence, SetupMatrix, Ways};
 
 /// Operators, and the words for what they can do.
@@ -84,7 +85,8 @@ pub(super) fn attendance(walk: &mut Walk, operation: &Section<'_>, names: &Names
 /// Ways of a person between machines.
 fn ways(walk: &mut Walk, section: &Section<'_>, name: &str, machines: &[MachineType]) -> Option<Ways> {
     let table = walk.table(section, "walk")?;
-    let ways = Ways { locations: table.texts("locations"), times: table.list("times").iter().map(row).collect() };
+    let Matrix { names: locations, times } = matrix(walk, &table, "locations", false)?;
+    let ways = Ways { locations, times };
     let count = ways.locations.len();
     let mut refuse = |key: &str, reason: String, fix: &str| {
         walk.fault(table.span_of(key), ScenarioFault::Arrangement { reason, fix: fix.to_owned() });
@@ -106,15 +108,18 @@ pub(super) fn setup_matrices(walk: &mut Walk, root: &Section<'_>, names: &mut Na
     let mut matrices = Vec::new();
     for (name, section) in named(walk, root, "setup_matrix", None) {
         names.setup_matrices.push(name.clone());
-        let groups = section.texts("groups");
+        let Some(Matrix { names: groups, mut times }) = matrix(walk, &section, "groups", true) else {
+            // Left as it is known, so that references to it hold.
+            matrices.push(SetupMatrix { name, groups: Vec::new(), first: None, times: Vec::new() });
+            continue;
+        };
         for (i, group) in groups.iter().enumerate().filter(|(i, group)| groups[..*i].contains(group)) {
             let place = section.list("groups").get(i).map_or(section.span.clone(), |got| got.span.clone());
             walk.fault(place, Fault::DuplicateName { kind: "setup group", name: group.clone() });
         }
         let rows = section.list("times");
-        let mut times: Vec<Vec<f64>> = rows.iter().map(row).collect();
-        if ![groups.len(), groups.len() + 1].contains(&rows.len()) {
-            refuse(walk, section.span_of("times"), ("times", rows.len(), "rows"), groups.len());
+        if ![groups.len(), groups.len() + 1].contains(&times.len()) {
+            refuse(walk, section.span_of("times"), ("times", times.len(), "rows"), groups.len());
         }
         for (got, times) in rows.iter().zip(&times).filter(|(_, times)| times.len() != groups.len()) {
             refuse(walk, got.span.clone(), ("times", times.len(), "entries in a row"), groups.len());
@@ -123,11 +128,6 @@ pub(super) fn setup_matrices(walk: &mut Walk, root: &Section<'_>, names: &mut Na
         matrices.push(SetupMatrix { name, groups, first, times });
     }
     matrices
-}
-
-fn row(got: &Got<'_>) -> Vec<f64> {
-    let Value::List(cells) = &got.value else { return Vec::new() };
-    cells.iter().map(|cell| if let Value::Si(time) = cell.value { time } else { f64::NAN }).collect()
 }
 
 fn refuse(walk: &mut Walk, span: toolroom_form::Span, (key, count, of): (&'static str, usize, &str), groups: usize) {
@@ -152,6 +152,9 @@ pub(super) fn check_pairs(
     let place = root.span_of("setup_matrix");
     for (index, machine) in machines.iter().enumerate() {
         let Some(matrix) = machine.setup_matrix.and_then(|matrix| matrices.get(matrix)) else { continue };
+        if matrix.groups.is_empty() {
+            continue; // a problem was noted
+        }
         let mut missing: Vec<&str> = Vec::new();
         let here = parts.iter().flat_map(|part| &part.operations).filter(|own| own.machines.contains(&index));
         let groups = here.map(|operation| operation.setup_group.as_str());

@@ -77,10 +77,8 @@ pub(super) struct Dispatch {
     pub preemption: Preemption,
 }
 
-pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> Dispatch {
-    // Left out with the whole section, all are the defaults of their keys.
-    let section = walk.table(root, "dispatch");
-    let given = section.as_ref();
+/// What `[dispatch]` says; left out with the whole section, all are the defaults of their keys.
+pub(super) fn dispatch(walk: &mut Walk, given: Option<&Section<'_>>) -> Dispatch {
     let rules = given.and_then(|section| queue_rules(walk, section)).unwrap_or(vec![DispatchRule::Fifo]);
     let choice = given.and_then(|section| section.chosen("machine_choice", MachineChoice::from_word));
     let blocking = given.and_then(|section| section.chosen("blocking", Blocking::from_word));

@@ -31,8 +31,7 @@ pub(super) fn schedule(
     for section in walk.sections(root, "schedule", None) {
         row(walk, &section, around, orders, &mut rows, &mut seen);
     }
-    let tables = walk.table(root, "tables");
-    if let Some(tables) = &tables
+    if let Some(tables) = around.tables
         && let Some(file) = tables.text("schedule")
         && let Some(text) = walk.file(tables, "schedule", file)
     {

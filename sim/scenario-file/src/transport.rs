@@ -1,9 +1,10 @@
 //! Crews and vehicles.
 
 use super::fault::ScenarioFault;
+use super::matrix::{Matrix, matrix};
 use super::names::{Names, named, reference};
-use toolroom_form::{Fault, Section, Value, Walk, nearest};
-use toolroom_scenario::{Buffer, Crew, MachineType, Parking, Part, Transport, TransportRule};
+use toolroom_form::{Fault, Section, Walk, nearest};
+use toolroom_scenario::{Buffer, Crew, Distribution, MachineType, Parking, Part, Transport, TransportRule};
 
 /// Crews.
 pub(super) fn crews(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Crew> {
@@ -20,7 +21,7 @@ pub(super) fn crews(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> V
 pub(super) fn transports(walk: &mut Walk, root: &Section<'_>, machines: &[MachineType]) -> Vec<Transport> {
     let mut transports = Vec::new();
     for (name, section) in named(walk, root, "transport", None) {
-        let locations = section.texts("locations");
+        let Some(Matrix { names: locations, mut times }) = matrix(walk, &section, "locations", false) else { continue };
         for (i, location) in locations.iter().enumerate() {
             let place = section.list("locations").get(i).map_or(section.span.clone(), |got| got.span.clone());
             if locations[..i].contains(location) {
@@ -36,13 +37,6 @@ pub(super) fn transports(walk: &mut Walk, root: &Section<'_>, machines: &[Machin
                 };
                 walk.fault(place, fault);
             }
-        }
-        let mut times = Vec::new();
-        for got in section.list("times") {
-            let Value::List(cells) = &got.value else { continue };
-            let row: Vec<f64> =
-                cells.iter().map(|cell| if let Value::Si(time) = cell.value { time } else { f64::NAN }).collect();
-            times.push(row);
         }
         let count = locations.len();
         if times.len() != count || times.iter().any(|row| row.len() != count) {
@@ -68,11 +62,16 @@ pub(super) fn transports(walk: &mut Walk, root: &Section<'_>, machines: &[Machin
 pub(super) fn check(
     walk: &mut Walk,
     root: &Section<'_>,
-    transports: &[Transport],
+    (transports, move_time): (&[Transport], &Distribution),
     machines: &[MachineType],
     parts: &[Part],
     buffers: &[Buffer],
 ) {
+    if move_time.mean() > 0.0 && !buffers.is_empty() {
+        let reason = "moves take time in a shop with limited buffers".to_owned();
+        let fix = "take out the limits of the buffers, or `move_time`: together they are not modelled".to_owned();
+        walk.fault(root.span_of("shop"), ScenarioFault::Arrangement { reason, fix });
+    }
     if transports.is_empty() {
         return;
     }

@@ -80,11 +80,12 @@ pub const MOST_RULES: usize = 3;
 
 impl DispatchRule {
     /// Other words for some of the rules.
-    const LONG: [(&'static str, Self); 4] = [
+    const LONG: [(&'static str, Self); 5] = [
         ("shortest_processing_time", Self::ShortestProcessingTime),
         ("earliest_due_date", Self::EarliestDueDate),
         ("critical_ratio", Self::CriticalRatio),
         ("sst", Self::LeastSetup),
+        ("mwkr", Self::LongestRemaining),
     ];
 
     /// All words in files.

@@ -1,6 +1,6 @@
 //! The shop in which there is nothing.
 
-use crate::{Blocking, Control, Deadlock, DispatchRule, MachineChoice, Preemption, Scenario, Shared};
+use crate::{Blocking, Control, Deadlock, DispatchRule, Distribution, MachineChoice, Preemption, Scenario, Shared};
 
 impl Scenario {
     /// A shop in which there is nothing and no policy runs: one replication of eight hours that are one shift, first in first
@@ -31,6 +31,7 @@ impl Scenario {
             operators: Vec::new(),
             crews: Vec::new(),
             transports: Vec::new(),
+            move_time: Distribution::Constant(0.0),
             shared: Shared::default(),
             setup_matrices: Vec::new(),
             machine_choice: MachineChoice::LeastSetup,

@@ -71,7 +71,7 @@ pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use inspection::{InspectedTo, InspectedUnit, Inspection, InspectionOutcome, OutsideSample, Replenish, Sample};
 pub use life_only::LifeOnly;
 pub use maintenance::Maintenance;
-pub use order::{InProcess, MachineChoice, Order};
+pub use order::{InProcess, MachineChoice, Order, by_id};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
 pub use policy::{Knowledge, PolicyRule, SensorSheet, ToolChangeRule};
 pub use posterior::{DrawReader, DrawTable, Posterior, read_posterior, read_posterior_of_pair, set_draw_reader};
@@ -136,6 +136,8 @@ pub struct Scenario {
     pub crews: Vec<Crew>,
     /// Vehicles; of several kinds that could carry a job the first does.
     pub transports: Vec<Transport>,
+    /// Time of a move from one place to another between which no vehicle drives.
+    pub move_time: Distribution,
     /// Fixtures, pallets: what operations need beside their machines.
     pub shared: Shared,
     /// Times of changing over between setup groups.

@@ -1,6 +1,7 @@
 //! Orders: a quantity of one part with dates, and who takes them.
 
 use super::{Part, Urgency, Work};
+use std::cmp::Ordering;
 use toolroom_form::vocabulary;
 
 /// A quantity of one part that is released together and due together.
@@ -49,6 +50,41 @@ pub struct InProcess {
     pub setup_left: f64,
     /// When it came to where it is, s, not after 0: who came first stands in front.
     pub since: f64,
+}
+
+/// Names in the order in which people count them: digits by the number that they make, so that O2 is before O10.
+///
+/// # Examples
+/// ```
+/// use toolroom_scenario::by_id;
+/// let mut ids = ["O10", "O2", "A7-11", "A7-9", "O2b"];
+/// ids.sort_by(|a, b| by_id(a, b));
+/// assert_eq!(ids, ["A7-9", "A7-11", "O2", "O2b", "O10"]);
+/// ```
+pub fn by_id(a: &str, b: &str) -> Ordering {
+    let (mut left, mut right) = (a, b);
+    while let (Some(first), Some(other)) = (left.chars().next(), right.chars().next()) {
+        let order = if first.is_ascii_digit() && other.is_ascii_digit() {
+            let (number, other);
+            (number, left) = digits(left);
+            (other, right) = digits(right);
+            number.len().cmp(&other.len()).then(number.cmp(other))
+        } else {
+            (left, right) = (&left[first.len_utf8()..], &right[other.len_utf8()..]);
+            first.cmp(&other)
+        };
+        if order.is_ne() {
+            return order;
+        }
+    }
+    // O02 and O2 are two names.
+    left.len().cmp(&right.len()).then(a.cmp(b))
+}
+
+/// The digits at the beginning, without leading zeros, and what follows.
+fn digits(text: &str) -> (&str, &str) {
+    let end = text.find(|letter: char| !letter.is_ascii_digit()).unwrap_or(text.len());
+    (text[..end].trim_start_matches('0'), &text[end..])
 }
 
 impl Order {

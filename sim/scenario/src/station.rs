@@ -271,6 +271,9 @@ impl ToolType {
 /// A way for a machine to break down.
 #[derive(Clone, Debug)]
 pub struct FailureMode {
+    /// Name, owner of its random numbers; `None`: they belong to its place among those of the machine without a name, by
+    /// their mean times.
+    pub name: Option<String>,
     /// Index of the machine.
     pub machine: usize,
     /// Time to failure on its clock.

@@ -9,7 +9,7 @@ use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, JobRow, LogEvent};
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose, SimTime, Stream};
-use toolroom_scenario::{ArrivalPattern, Distribution, DrawUnit, DueRule, InProcess, Work};
+use toolroom_scenario::{ArrivalPattern, Distribution, DrawUnit, DueRule, InProcess, Work, by_id};
 
 impl<R: Recorder> Shop<'_, R> {
     /// Schedules the first release of every source; constant work enters at once.
@@ -144,9 +144,13 @@ impl<R: Recorder> Shop<'_, R> {
         (part, (quantity.round() as u32).max(1))
     }
 
-    /// Schedules the release of every order; those that are in the shop already come to their places first.
+    /// Schedules the release of every order; those that are in the shop already come to their places first. What comes in the
+    /// same instant does so in the order of the names: where a row stands in its table decides nothing.
     pub(super) fn open_orders(&mut self) -> Result<(), ShopError> {
-        let all = || (0..).zip(&self.scenario.orders);
+        let orders = &self.scenario.orders;
+        let mut by_name: Vec<u32> = (0..orders.len() as u32).collect();
+        by_name.sort_by(|a, b| by_id(&orders[*a as usize].id, &orders[*b as usize].id));
+        let all = || by_name.iter().map(|order| (*order, &orders[*order as usize]));
         let mut inside: Vec<(u32, f64)> =
             all().filter_map(|(order, own)| Some((order, own.in_process.as_ref()?.since))).collect();
         inside.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -260,8 +264,8 @@ impl<R: Recorder> Shop<'_, R> {
             self.wait_quick(slot, only as usize);
             return Ok(());
         }
-        if let Some(machine) = machine.filter(|_| !self.scenario.transports.is_empty())
-            && self.call_vehicle(slot, machine)
+        if let Some(machine) = machine.filter(|_| !self.layout.bare)
+            && (self.call_vehicle(slot, machine) || self.begin_move(slot, machine)?)
         {
             return Ok(());
         }

@@ -354,7 +354,9 @@ impl<R: Recorder> Shop<'_, R> {
 
     pub(super) fn choose(&mut self, machine: usize) -> Option<Waiting> {
         let jobs = &self.world.jobs;
-        if let Some(first) = self.world.machines[machine].queue.take_standing(|waiting| is_here(jobs, waiting)) {
+        let queue = &mut self.world.machines[machine].queue;
+        if let Some(first) = queue.take_standing(|waiting| is_here(jobs, waiting)) {
+            queue.soon().for_each(|slot| jobs.call(slot));
             return first;
         }
         let (queue, look) = self.look(machine);

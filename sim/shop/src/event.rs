@@ -51,6 +51,11 @@ pub enum Event {
         /// Vehicle among those of its kind.
         vehicle: u16,
     },
+    /// A job has moved to where its next operation is done.
+    Moved {
+        /// Where the job is kept.
+        slot: u32,
+    },
     /// A lot that was ordered for a stock comes or is let in.
     Restock {
         /// Index into the stocks of the scenario.
@@ -152,6 +157,7 @@ impl Event {
             | Self::Walked { .. }
             | Self::Planned { .. }
             | Self::PickUp { .. }
+            | Self::Moved { .. }
             | Self::Restock { .. }
             | Self::MakeUp { .. }
             | Self::Delivery { .. } => Class::Arrive,
@@ -187,6 +193,7 @@ impl Event {
             Self::Planned { machine } => (19, machine),
             Self::Crew { crew } => (20, crew),
             Self::PickUp { transport, vehicle } => (21, u32::from(transport) << 16 | u32::from(vehicle)),
+            Self::Moved { slot } => (25, slot),
             Self::Restock { stock } => (22, stock),
             Self::MakeUp { order } => (23, order),
             Self::Pace { machine } => (24, machine),

@@ -49,10 +49,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     fn failure_stream(&self, mode: usize, purpose: Purpose) -> toolroom_kernel::Stream {
-        // Numbered within the machine: another machine's failures change nothing here.
-        let machine = self.scenario.failures[mode].machine;
-        let place = self.layout.modes_of[machine].iter().position(|&each| each as usize == mode).unwrap_or(0);
-        self.streams.at(self.layout.machines[machine].part(place as u64), purpose, self.world.modes[mode].count)
+        self.streams.at(self.layout.mode_owners[mode], purpose, self.world.modes[mode].count)
     }
 
     /// Lets the busy clocks of a machine run, if it works.

@@ -3,6 +3,7 @@
 use super::flow::Place;
 use super::pieces::PieceTimes;
 use crate::runlog::JobRow;
+use std::hint::black_box;
 use toolroom_kernel::{Entity, SimTime, Stream};
 
 /// Where a job came from.
@@ -248,6 +249,14 @@ impl Jobs {
     #[inline]
     pub(super) fn at_mut(&mut self, slot: u32) -> &mut Job {
         self.slots[slot as usize].0.as_mut().expect("a job in work is in the shop")
+    }
+
+    /// Reads what the next operation of a job looks at, so that memory has it at hand when that begins.
+    #[inline]
+    pub(super) fn call(&self, slot: u32) {
+        if let Some(job) = self.get(slot) {
+            black_box((job.row.part, job.operation, self.drawn.get(slot as usize * self.stride).copied()));
+        }
     }
 
     /// Number of places, free ones included.

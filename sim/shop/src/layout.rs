@@ -4,6 +4,7 @@ use super::error::ShopError;
 use super::job::Jobs;
 use super::machine::Readiness;
 use super::machine_plan::MachinePlan;
+use super::owners;
 use super::ports::{Ports, read, start_values, write};
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
@@ -35,8 +36,12 @@ pub(super) struct Layout {
     pub takes: Vec<Vec<u32>>,
     /// Failure modes of every machine.
     pub modes_of: Vec<Vec<u32>>,
+    /// Who draws for every failure mode.
+    pub mode_owners: Vec<Entity>,
     /// Planned maintenance of every machine.
     pub upkeep_of: Vec<Vec<u32>>,
+    /// Who draws for every planned maintenance.
+    pub upkeep_owners: Vec<Entity>,
     /// Crib of every tool.
     pub crib_of: Vec<Option<usize>>,
     /// Names of setup groups, by number.
@@ -198,14 +203,9 @@ impl Layout {
         let queues = (0..scenario.machines.len()).flat_map(|machine| scenario.rules(machine));
         let mut rules = queues.chain(before).chain(cards).chain(sequence);
         let looks_ahead = rules.any(|rule| rule.looks_ahead());
-        let mut modes_of = vec![Vec::new(); scenario.machines.len()];
-        for (mode, failure) in scenario.failures.iter().enumerate() {
-            modes_of[failure.machine].push(mode as u32);
-        }
-        let mut upkeep_of = vec![Vec::new(); scenario.machines.len()];
-        for (plan, own) in scenario.maintenance.iter().enumerate() {
-            upkeep_of[own.machine].push(plan as u32);
-        }
+        let machines: Vec<Entity> = scenario.machines.iter().map(|machine| Entity::named(&machine.name)).collect();
+        let (modes_of, mode_owners) = owners::of_failures(scenario, &machines);
+        let (upkeep_of, upkeep_owners) = owners::of_maintenance(scenario, &machines);
         let crib_of = (0..scenario.tools.len()).map(|tool| scenario.shared.crib_of(tool)).collect();
         let mut assembles = vec![false; scenario.machines.len()];
         let components = (0..scenario.parts.len()).map(|part| scenario.is_component(part)).collect();
@@ -216,7 +216,6 @@ impl Layout {
                 part.components.iter().for_each(|component| takes[component.part].push(machine as u32));
             }
         }
-        let machines = scenario.machines.iter().map(|machine| Entity::named(&machine.name)).collect();
         let sources = (0..scenario.arrivals.len()).map(|source| source_entity(scenario, "job", source)).collect();
         let as_planned = scenario.deviations.is_empty()
             && scenario.calibrations.is_empty()
@@ -254,7 +253,9 @@ impl Layout {
             components,
             takes,
             modes_of,
+            mode_owners,
             upkeep_of,
+            upkeep_owners,
             crib_of,
             matrix_places,
             groups,
@@ -441,6 +442,7 @@ pub(super) fn phase_duration(phase: &GrindingPhase, work_rotation_speed: f64) ->
 /// Whether a shop has none of what is looked at beside queues when an instant is settled.
 fn is_bare(scenario: &Scenario) -> bool {
     scenario.transports.is_empty()
+        && scenario.move_time.mean() == 0.0
         && scenario.operators.is_empty()
         && scenario.buffers.is_empty()
         && scenario.control.loops.is_empty()

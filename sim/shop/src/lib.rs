@@ -70,6 +70,7 @@ mod machine_plan;
 mod maintenance;
 mod operation;
 mod operator;
+mod owners;
 mod part_program;
 mod pass;
 mod pieces;
@@ -452,6 +453,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
             Event::Operator { operator, comes } => self.operator_shift(operator as usize, comes),
             Event::Pace { machine } => self.pace_changes(machine as usize),
             Event::PickUp { transport, vehicle } => self.picks_up(transport as usize, vehicle as usize),
+            Event::Moved { slot } => {
+                self.moved_to(slot);
+                Ok(())
+            }
             Event::Restock { stock } => self.restock(stock as usize),
             Event::MakeUp { order } => self.begin_anew(order),
             Event::Edges { crib, number } => self.consigned(crib as usize, number),

@@ -13,7 +13,6 @@ use toolroom_kernel::{EventKey, Purpose, SimTime};
 use toolroom_scenario::FailureClock;
 
 /// Owner of the durations of a machine's maintenance, part of the name of the machine.
-const UPKEEP: u64 = 1 << 45;
 
 /// Planned maintenance on its way to the next time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,8 +162,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn begin_maintenance(&mut self, index: usize) -> Result<(), ShopError> {
         let plan = &self.scenario.maintenance[index];
         let machine = plan.machine;
-        let place = self.layout.upkeep_of[machine].iter().position(|own| *own as usize == index).unwrap_or(0);
-        let owner = self.layout.machines[machine].part(UPKEEP + place as u64);
+        let owner = self.layout.upkeep_owners[index];
         let count = self.world.upkeep[index].count;
         let time = plan.duration.sample(&mut self.streams.at(owner, Purpose::Repair, count));
         self.world.upkeep[index].waiting = false;

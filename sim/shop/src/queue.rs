@@ -204,6 +204,17 @@ impl Queue {
         }
     }
 
+    /// Where jobs are kept that are likely to be taken soon, where the queue is so long that its jobs are not in the nearest
+    /// memory.
+    #[inline]
+    pub(super) fn soon(&self) -> impl Iterator<Item = u32> + '_ {
+        let sorted = match &self.0 {
+            Order::Heap { jobs, .. } => Some(jobs.soon()),
+            Order::Line { .. } | Order::Scan { .. } | Order::Kinetic(_) => None,
+        };
+        sorted.into_iter().flatten()
+    }
+
     /// Takes out the job that goes first at time `now`, s. `here` tells whether a job is still to be had; `keys` gives its
     /// keys at this moment, from the means over all that are of what `measures` gives. Only a queue whose keys change asks for
     /// them.
@@ -314,7 +325,35 @@ mod tests {
         }
     }
 
+    /// The same where jobs come and go in turns: after each of `bursts` so many are taken.
+    fn in_turns(kind: QueueKind, bursts: &[(usize, usize)], keys: u32) -> Vec<u32> {
+        let (mut queue, mut number, mut taken) = (Queue::of(kind), 0u32, Vec::new());
+        let here = |waiting: &Waiting| waiting.number % 7 != 3;
+        for &(come, go) in bursts {
+            for _ in 0..come {
+                let since = SimTime::from_seconds(f64::from(number / 5)).unwrap();
+                let time = f64::from(number.wrapping_mul(2_654_435_761) >> 8 & keys);
+                let waiting = Waiting { since, number, slot: number, operation: 0 };
+                queue.join(waiting, || Facts { time, ..Facts::default() }, |facts| key(facts.time), here);
+                number += 1;
+            }
+            for _ in 0..go {
+                let next = queue.take(0.0, here, |_| Measures::default(), |_, facts, _| key(facts.time));
+                taken.extend(next.map(|own| own.number));
+            }
+        }
+        taken
+    }
+
     proptest! {
+        #[test]
+        fn long_queues_in_turns_give_the_same_order(
+            bursts in prop::collection::vec((0usize..150, 0usize..120), 1..6), keys in prop::sample::select(vec![3u32, 63, u32::MAX])
+        ) {
+            let heap = in_turns(QueueKind::Heap, &bursts, keys);
+            prop_assert_eq!(heap, in_turns(QueueKind::Scan, &bursts, keys));
+        }
+
         #[test]
         fn a_heap_and_a_scan_give_the_same_order(
             times in prop::collection::vec(0u32..5, 1..300), gone in 0u32..300

@@ -9,7 +9,11 @@ use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::LogEvent;
 use std::collections::VecDeque;
+use toolroom_kernel::Purpose;
 use toolroom_scenario::{Parking, Transport, TransportRule};
+
+/// Owner of the moves of a job, part of its own name; operations are counted from it.
+const MOVE: u64 = 1 << 47;
 
 /// Vehicles of one kind.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -69,6 +73,31 @@ impl<R: Recorder> Shop<'_, R> {
             }
         }
         false
+    }
+
+    /// A job without a vehicle begins to move from a machine to another place; false where its next operation is done here.
+    pub(super) fn begin_move(&mut self, slot: u32, machine: usize) -> Result<bool, ShopError> {
+        let scenario = self.scenario;
+        if scenario.move_time.mean() == 0.0 {
+            return Ok(false);
+        }
+        let here = &scenario.machines[machine].location;
+        if self.next_machines(slot).iter().any(|next| scenario.machines[*next].location == *here) {
+            return Ok(false);
+        }
+        let job = self.world.jobs.at(slot);
+        let owner = job.entity.part(MOVE + u64::from(job.operation));
+        let time = scenario.move_time.sample(&mut self.streams.at(owner, Purpose::Transport, u64::from(job.visits)));
+        self.log_event(LogEvent::Move, None, Some(self.world.jobs.at(slot).number), None);
+        let there = self.now().after(time)?;
+        self.schedule(there, Event::Moved { slot })?;
+        Ok(true)
+    }
+
+    /// A job has come to the place of its next operation.
+    pub(super) fn moved_to(&mut self, slot: u32) {
+        self.log_event(LogEvent::Delivery, None, Some(self.world.jobs.at(slot).number), None);
+        self.come(slot, None);
     }
 
     /// Free vehicles take the jobs that wait for them.

@@ -56,6 +56,8 @@ const URGENT: &str = include_str!("../../../../scenarios/shop/urgent.toml");
 const REWORK: &str = include_str!("../../../../scenarios/shop/rework.toml");
 const CARDS: &str = include_str!("../../../../scenarios/shop/cards.toml");
 const FT06: &str = include_str!("../../../../scenarios/shop/ft06.toml");
+const FT10: &str = include_str!("../../../../scenarios/shop/ft10.toml");
+const FT20: &str = include_str!("../../../../scenarios/shop/ft20.toml");
 
 /// A server that breaks down while it works.
 const BREAKING: &str = r#"
@@ -252,6 +254,8 @@ rate = "0.6 1/h"
 "#;
 
 const JASIMA: &str = "jasima, testInstances/js06x06.txt (FT06) under the same rule";
+const JASIMA_10: &str = "jasima, testInstances, FT10 under the same rule";
+const JASIMA_20: &str = "jasima, testInstances, FT20 under the same rule";
 const CHAIN: &str = "stationary distribution of its Markov chain";
 const CLASSES: [&str; 4] = [
     "part.urgent.operation.do.work.mean=\"1 min\"",
@@ -321,6 +325,26 @@ const CASES: &[Case] = &[
     Case { claim: "FT06, last come: sum of flow times", source: JASIMA, text: FT06, changes: &["dispatch.rule=\"lifo\""], hours: 0, measure: Measure::Flow, known: 325.0, tolerance: 1e-9 },
     Case { claim: "FT06, least slack: makespan", source: JASIMA, text: FT06, changes: &["dispatch.rule=\"slack\""], hours: 0, measure: Measure::Makespan, known: 61.0, tolerance: 1e-9 },
     Case { claim: "FT06, least slack: sum of flow times", source: JASIMA, text: FT06, changes: &["dispatch.rule=\"slack\""], hours: 0, measure: Measure::Flow, known: 335.0, tolerance: 1e-9 },
+    Case { claim: "FT10, first come: makespan", source: JASIMA_10, text: FT10, changes: &["dispatch.rule=\"fifo\""], hours: 0, measure: Measure::Makespan, known: 1184.0, tolerance: 1e-9 },
+    Case { claim: "FT10, first come: sum of flow times", source: JASIMA_10, text: FT10, changes: &["dispatch.rule=\"fifo\""], hours: 0, measure: Measure::Flow, known: 9782.0, tolerance: 1e-9 },
+    Case { claim: "FT10, shortest time: makespan", source: JASIMA_10, text: FT10, changes: &["dispatch.rule=\"spt\""], hours: 0, measure: Measure::Makespan, known: 1074.0, tolerance: 1e-9 },
+    Case { claim: "FT10, shortest time: sum of flow times", source: JASIMA_10, text: FT10, changes: &["dispatch.rule=\"spt\""], hours: 0, measure: Measure::Flow, known: 8343.0, tolerance: 1e-9 },
+    Case { claim: "FT10, longest time: makespan", source: JASIMA_10, text: FT10, changes: &["dispatch.rule=\"lpt\""], hours: 0, measure: Measure::Makespan, known: 1295.0, tolerance: 1e-9 },
+    Case { claim: "FT10, longest time: sum of flow times", source: JASIMA_10, text: FT10, changes: &["dispatch.rule=\"lpt\""], hours: 0, measure: Measure::Flow, known: 11_034.0, tolerance: 1e-9 },
+    Case { claim: "FT10, last come: makespan", source: JASIMA_10, text: FT10, changes: &["dispatch.rule=\"lifo\""], hours: 0, measure: Measure::Makespan, known: 1393.0, tolerance: 1e-9 },
+    Case { claim: "FT10, last come: sum of flow times", source: JASIMA_10, text: FT10, changes: &["dispatch.rule=\"lifo\""], hours: 0, measure: Measure::Flow, known: 9978.0, tolerance: 1e-9 },
+    Case { claim: "FT10, least slack: makespan", source: JASIMA_10, text: FT10, changes: &["dispatch.rule=\"slack\""], hours: 0, measure: Measure::Makespan, known: 1108.0, tolerance: 1e-9 },
+    Case { claim: "FT10, least slack: sum of flow times", source: JASIMA_10, text: FT10, changes: &["dispatch.rule=\"slack\""], hours: 0, measure: Measure::Flow, known: 10_105.0, tolerance: 1e-9 },
+    Case { claim: "FT20, first come: makespan", source: JASIMA_20, text: FT20, changes: &["dispatch.rule=\"fifo\""], hours: 0, measure: Measure::Makespan, known: 1645.0, tolerance: 1e-9 },
+    Case { claim: "FT20, first come: sum of flow times", source: JASIMA_20, text: FT20, changes: &["dispatch.rule=\"fifo\""], hours: 0, measure: Measure::Flow, known: 25_542.0, tolerance: 1e-9 },
+    Case { claim: "FT20, shortest time: makespan", source: JASIMA_20, text: FT20, changes: &["dispatch.rule=\"spt\""], hours: 0, measure: Measure::Makespan, known: 1267.0, tolerance: 1e-9 },
+    Case { claim: "FT20, shortest time: sum of flow times", source: JASIMA_20, text: FT20, changes: &["dispatch.rule=\"spt\""], hours: 0, measure: Measure::Flow, known: 15_705.0, tolerance: 1e-9 },
+    Case { claim: "FT20, longest time: makespan", source: JASIMA_20, text: FT20, changes: &["dispatch.rule=\"lpt\""], hours: 0, measure: Measure::Makespan, known: 1631.0, tolerance: 1e-9 },
+    Case { claim: "FT20, longest time: sum of flow times", source: JASIMA_20, text: FT20, changes: &["dispatch.rule=\"lpt\""], hours: 0, measure: Measure::Flow, known: 24_430.0, tolerance: 1e-9 },
+    Case { claim: "FT20, last come: makespan", source: JASIMA_20, text: FT20, changes: &["dispatch.rule=\"lifo\""], hours: 0, measure: Measure::Makespan, known: 1365.0, tolerance: 1e-9 },
+    Case { claim: "FT20, last come: sum of flow times", source: JASIMA_20, text: FT20, changes: &["dispatch.rule=\"lifo\""], hours: 0, measure: Measure::Flow, known: 16_314.0, tolerance: 1e-9 },
+    Case { claim: "FT20, least slack: makespan", source: JASIMA_20, text: FT20, changes: &["dispatch.rule=\"slack\""], hours: 0, measure: Measure::Makespan, known: 1501.0, tolerance: 1e-9 },
+    Case { claim: "FT20, least slack: sum of flow times", source: JASIMA_20, text: FT20, changes: &["dispatch.rule=\"slack\""], hours: 0, measure: Measure::Flow, known: 24_258.0, tolerance: 1e-9 },
 ];
 
 /// Facts of a run as they come.

@@ -144,5 +144,11 @@ pub(super) static DUE: Form = Form {
         Key::required("slack", TIME, "Time beyond the total work of the job").when("rule", &["slack"]),
         Key::required("allowance", RANDOM_TIME, "Time from arrival to due date, drawn for each job")
             .when("rule", &["random"]),
+        Key::optional(
+            "allowance",
+            Kind::positive("s", "h", super::DECADE, "8 h"),
+            "Time from arrival to due date, the same for all; left out: the part's flow_allowance",
+        )
+        .when("rule", &["constant"]),
     ],
 };

@@ -22,17 +22,31 @@ pub(super) static OPERATOR: Form = Form {
     ],
 };
 
+/// Places of ways.
+pub(super) const LOCATIONS: Key = Key::optional(
+    "locations",
+    Kind::List(&Kind::Name),
+    "Places, by `location` of machines or the name of their section; the start is at the first; due unless `file` is given",
+);
+
+/// Times of ways.
+pub(super) const WAY_TIMES: Key = Key::optional(
+    "times",
+    Kind::List(&ROW),
+    "Times of the ways: a row is the place from, a column the place to; due unless `file` is given",
+);
+
+/// Places and times in a file.
+pub(super) const WAYS_FILE: Key = Key::optional(
+    "file",
+    Kind::Text,
+    "CSV file beside this one with the times: places in the first line, a row for every place with its name in front",
+);
+
 static WALK: Form = Form {
     title: "walk",
     doc: "How long a person walks from one place to another",
-    keys: &[
-        Key::required(
-            "locations",
-            Kind::List(&Kind::Name),
-            "Places, by `location` of machines or the name of their section; they stand at the first at the start",
-        ),
-        Key::required("times", Kind::List(&ROW), "Times of the ways: a row is the place from, a column the place to"),
-    ],
+    keys: &[LOCATIONS, WAY_TIMES, WAYS_FILE],
 };
 
 pub(super) static ATTENDANCE: Form = Form {
@@ -72,11 +86,20 @@ pub(super) static SETUP_MATRIX: Form = Form {
     doc: "Times of changing over: a row is the group before, a column the group after",
     keys: &[
         Key::required("name", Kind::Name, "Unique name"),
-        Key::required("groups", Kind::List(&Kind::Name), "Setup groups, of rows and columns"),
-        Key::required(
+        Key::optional(
+            "groups",
+            Kind::List(&Kind::Name),
+            "Setup groups, of rows and columns; due unless `file` is given",
+        ),
+        Key::optional(
             "times",
             Kind::List(&ROW),
-            "A row for every group; one more in front is for a machine that was never set up",
+            "A row for every group; one more in front is for a machine that was never set up; due unless `file` is given",
+        ),
+        Key::optional(
+            "file",
+            Kind::Text,
+            "CSV file beside this one with the times: groups in the first line, a row for every group with its name in front, empty for a machine that was never set up",
         ),
     ],
 };

@@ -1,7 +1,7 @@
 //! Crews and vehicles.
 
 use super::quantity::RATE;
-use super::resource::ROW;
+use super::resource::{LOCATIONS, WAY_TIMES, WAYS_FILE};
 use toolroom_form::{Form, Key, Kind};
 use toolroom_scenario::{Parking, TransportRule};
 
@@ -26,12 +26,9 @@ pub(super) static TRANSPORT: Form = Form {
     keys: &[
         Key::required("name", Kind::Name, "Unique name"),
         Key::default("count", Kind::Count { min: 1, max: 1000 }, "1", "Number of vehicles"),
-        Key::required(
-            "locations",
-            Kind::List(&Kind::Name),
-            "Places, by `location` of machines or the name of their section; they stand at the first at the start",
-        ),
-        Key::required("times", Kind::List(&ROW), "Times of the ways: a row is the place from, a column the place to"),
+        LOCATIONS,
+        WAY_TIMES,
+        WAYS_FILE,
         Key::default("park", Kind::Choice(Parking::WORDS), Parking::Stay.word(), "Where a vehicle waits without a job"),
         Key::default(
             "rule",

@@ -1,6 +1,7 @@
 //! Good files are understood, bad ones are answered with every fault in its place.
 
 mod flow;
+mod matrices;
 mod measured;
 mod mills;
 mod orders;

@@ -15,6 +15,7 @@ fn failing_server(part: Interruption) -> Scenario {
     shop.parts[0].operations[0].work = Work::Cutting(Vec::new());
     shop.arrivals = vec![Arrival::of(0, ArrivalPattern::Poisson { rate: 0.6 })];
     shop.failures = vec![FailureMode {
+        name: None,
         machine: 0,
         time_between: Distribution::Exponential { mean: 20.0 },
         time_to_repair: Distribution::Exponential { mean: 2.0 },
@@ -53,6 +54,7 @@ fn a_calendar_clock_gives_the_availability_of_an_alternating_process() {
     let mut shop = scenarios::scenario();
     shop.arrivals.clear();
     shop.failures = vec![FailureMode {
+        name: None,
         machine: 0,
         time_between: Distribution::Weibull { mean: 300.0, shape: 2.0 },
         time_to_repair: Distribution::Lognormal { mean: 30.0, cv: 1.0 },
@@ -77,6 +79,7 @@ fn a_calendar_clock_gives_the_availability_of_an_alternating_process() {
 fn failures_do_not_depend_on_what_else_the_shop_does() {
     let mut shop = scenarios::scenario();
     shop.failures = vec![FailureMode {
+        name: None,
         machine: 0,
         time_between: Distribution::Exponential { mean: 100.0 },
         time_to_repair: Distribution::Exponential { mean: 10.0 },

@@ -43,6 +43,7 @@ fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: 
         )],
         failures: vec![
             FailureMode {
+                name: None,
                 machine: 0,
                 time_between: Distribution::Exponential { mean: 150.0 },
                 time_to_repair: Distribution::Exponential { mean: 15.0 },
@@ -51,6 +52,7 @@ fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: 
                 part: part_rule,
             },
             FailureMode {
+                name: None,
                 machine: 1,
                 time_between: Distribution::Weibull { mean: 300.0, shape: 1.5 },
                 time_to_repair: Distribution::Exponential { mean: 40.0 },
@@ -59,6 +61,7 @@ fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: 
                 part: part_rule,
             },
             FailureMode {
+                name: None,
                 machine: 1,
                 time_between: Distribution::Exponential { mean: 100.0 },
                 time_to_repair: Distribution::Constant(25.0),

@@ -183,6 +183,7 @@ fn a_pass_that_is_interrupted_is_the_same_pass() {
     let whole = shop(MC1, &[0, 1], ContourRule::Cost, 6);
     let mut broken = whole.clone();
     broken.failures = vec![FailureMode {
+        name: None,
         machine: 0,
         time_between: Distribution::Constant(7.77),
         time_to_repair: Distribution::Constant(50.0),

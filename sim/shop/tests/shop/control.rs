@@ -207,7 +207,7 @@ fn work_is_released_by_date_and_by_load() {
         log.jobs.iter().map(|job| job.start / 60.0).collect::<Vec<f64>>()
     };
     let order = |id: &str, due: &str| format!("[[order]]\nid = \"{id}\"\npart = \"p\"\ndue = \"{due}\"\n");
-    let orders = order("one", "5 h") + &order("two", "2 h") + &order("three", "30 min");
+    let orders = order("1", "5 h") + &order("2", "2 h") + &order("3", "30 min");
     assert_eq!(starts(&format!("{orders}[release]\nrule = \"at_date\"\nlead = \"1 h\"\n")), [240.0, 60.0, 0.0]);
     // A job adds 10 to A and 10/2 to B. With a norm of 15 min the next one fits when A is done with the one before.
     let load = |norm: u32| {

@@ -103,6 +103,38 @@ fn vehicles_park_and_choose_as_they_are_told() {
 }
 
 #[test]
+fn moves_without_a_vehicle_take_their_time() {
+    let log = |move_time: &str, locations: [&str; 3]| {
+        let machine = |(name, location): (&str, &str)| {
+            format!("[[machine]]\nname = \"{name}\"\nprocess = \"plain\"\nlocation = \"{location}\"\n")
+        };
+        let machines: String = ["P", "Q", "R"].into_iter().zip(locations).map(machine).collect();
+        let text = format!(
+            "schema = 1\n[shop]\nname = \"moves\"\nhorizon = \"60 h\"\nmove_time = {move_time}\n{machines}\
+             [[part]]\nname = \"job\"\noperation = [{{ name = \"first\", machines = \"P\", work = \"1 min\" }}, \
+             {{ name = \"second\", machines = [\"Q\", \"R\"], work = \"5 min\" }}]\n\
+             [[arrivals]]\npart = \"job\"\npattern = \"schedule\"\nlot = [{{ time = \"0 min\", size = 3 }}]\n"
+        );
+        run(&parsed(&text), 0, 0).unwrap()
+    };
+    let ends = |log: &RunLog| -> Vec<f64> { log.jobs.iter().map(|job| job.finish / 60.0).collect() };
+    // Done at 1, 2 and 3, there at 5, 6 and 7; the third waits for Q.
+    let moved = log("\"4 min\"", ["here", "there", "there"]);
+    assert_eq!(ends(&moved), [10.0, 11.0, 15.0]);
+    let at = |event| -> Vec<f64> {
+        moved.events.iter().filter(|row| row.event == event).map(|row| row.time / 60.0).collect()
+    };
+    assert_eq!((at(LogEvent::Move), at(LogEvent::Delivery)), (vec![1.0, 2.0, 3.0], vec![5.0, 6.0, 7.0]));
+    // Where one of its machines stands here, a job stays.
+    assert_eq!(ends(&log("\"4 min\"", ["here", "there", "here"])), ends(&log("\"0 min\"", ["here", "there", "there"])));
+    // A random move is that of the job, whatever else moves.
+    let random = "{ distribution = \"exponential\", mean = \"4 min\" }";
+    let [all, again] = [0, 1].map(|_| ends(&log(random, ["here", "there", "there"])));
+    assert_eq!(all, again);
+    assert!(all.iter().all(|end| end.fract() != 0.0), "{all:?}");
+}
+
+#[test]
 fn what_vehicles_cannot_do_is_refused() {
     let text = "schema = 1\n[shop]\nname = \"agv\"\nhorizon = \"1 h\"\n\
          [[machine]]\nname = \"P\"\nprocess = \"plain\"\n[[machine]]\nname = \"Q\"\nprocess = \"plain\"\n\

@@ -120,6 +120,7 @@ fn a_cycle_that_is_interrupted_is_the_same_cycle() {
         let whole = grinder(dulling(), rule, DressingRule::Dulling { ratio: 1.1 }, 12);
         let mut broken = whole.clone();
         broken.failures = vec![FailureMode {
+            name: None,
             machine: 0,
             time_between: Distribution::Constant(1.234),
             time_to_repair: Distribution::Constant(50.0),

@@ -78,6 +78,7 @@ fn an_interrupted_phase_gives_the_same_part() {
     let whole = run(&grinder(Infeed::default(), 1));
     let mut shop = grinder(Infeed::default(), 1);
     shop.failures = vec![FailureMode {
+        name: None,
         machine: 0,
         time_between: Distribution::Constant(1.234),
         time_to_repair: Distribution::Constant(50.0),

@@ -12,6 +12,7 @@ fn shop(part: Interruption) -> Scenario {
     shop.tools = vec![tool(Rubbing { wear_per_path: 0.001, wear_limit: 1.0, breaks_at: 2.0 })];
     shop.parts[0].operations = vec![operation(&[0], &[10.0, 20.0])];
     shop.failures = vec![FailureMode {
+        name: None,
         machine: 0,
         time_between: Distribution::Constant(22.0),
         time_to_repair: Distribution::Constant(100.0),

@@ -23,6 +23,7 @@ mod instances;
 mod interruptions;
 mod jobs_flow;
 mod lots;
+mod names;
 mod operators;
 mod orders;
 mod paces;

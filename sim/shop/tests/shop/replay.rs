@@ -18,6 +18,7 @@ fn shop() -> Scenario {
     shop.parts[0].operations = vec![operation(&[0, 1], &[10.0, 5.0]), operation(&[1], &[8.0])];
     shop.arrivals[0].pattern = ArrivalPattern::Poisson { rate: 0.02 };
     shop.failures = vec![FailureMode {
+        name: None,
         machine: 0,
         time_between: Distribution::Exponential { mean: 200.0 },
         time_to_repair: Distribution::Exponential { mean: 20.0 },

@@ -80,6 +80,7 @@ fn a_part_may_be_lost_at_the_end_of_a_shift() {
 fn broken(at_end: Interruption, repair: f64) -> RunLog {
     let mut shop = shop(at_end);
     shop.failures = vec![FailureMode {
+        name: None,
         machine: 0,
         time_between: Distribution::Constant(180.0),
         time_to_repair: Distribution::Constant(repair),
@@ -122,6 +123,7 @@ fn a_machine_that_fails_in_overtime_takes_no_other_part() {
     let mut shop = shop(Interruption::Finish);
     shop.arrivals[0] = jobs_at(&[(150.0, 2)]);
     shop.failures = vec![FailureMode {
+        name: None,
         machine: 0,
         time_between: Distribution::Constant(210.0),
         time_to_repair: Distribution::Constant(5.0),

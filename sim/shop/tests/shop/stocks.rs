@@ -64,8 +64,8 @@ fn a_stock_is_filled_when_few_are_left() {
 #[test]
 fn what_is_made_for_an_order_goes_into_no_other() {
     let text = "[[order]]\nid = \"P1\"\npart = \"box\"\n[[order]]\nid = \"P2\"\npart = \"box\"\n\
-        [[order]]\nid = \"c2\"\npart = \"gear\"\nquantity = 2\nparent = \"P2\"\n\
-        [[order]]\nid = \"c1\"\npart = \"gear\"\nquantity = 2\nparent = \"P1\"\n";
+        [[order]]\nid = \"c1\"\npart = \"gear\"\nquantity = 2\nparent = \"P2\"\n\
+        [[order]]\nid = \"c2\"\npart = \"gear\"\nquantity = 2\nparent = \"P1\"\n";
     let shop = |pegged: bool| {
         let mut shop = boxes("", "[[order]]\nid = \"x\"\npart = \"box\"\n[[order]]\nid = \"y\"\npart = \"gear\"\n");
         let file = format!(
@@ -88,7 +88,7 @@ fn what_is_made_for_an_order_goes_into_no_other() {
         let at = |order: u32| log.jobs.iter().find(|job| job.order == Some(order)).map(|job| job.start / 60.0);
         (at(0), at(1))
     };
-    // The gears of c2 are done at 10, those of c1 at 20.
+    // The gears of c1 are done at 10, those of c2 at 20.
     assert_eq!(begun(&shop(true)), (Some(20.0), Some(10.0)));
     assert_eq!(begun(&shop(false)), (Some(10.0), Some(20.0)));
 }
