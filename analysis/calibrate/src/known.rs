@@ -48,7 +48,11 @@ pub(crate) fn prior(parameter: &Parameter, spread: Spread, set: &ParameterSet) -
     };
     let u = mean.unwrap_or(parameter.prior.mean);
     let scale = parameter.scale;
-    let slope = (scale.value(u + STEP) - scale.value(u - STEP)) / (2.0 * STEP);
+    let slope = match scale {
+        Scale::Plain => 1.0,
+        Scale::Logarithm => scale.value(u),
+        Scale::Contrast | Scale::Tilt => (scale.value(u + STEP) - scale.value(u - STEP)) / (2.0 * STEP),
+    };
     let deviation = match spread {
         Spread::Factor(factor) => factor.ln().abs() * scale.value(u).abs() / slope,
         // The coordinate counts a tilt in shares of what the contrast leaves it.
