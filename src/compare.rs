@@ -1,7 +1,7 @@
 //! `toolroom compare FILE`: every policy on common random numbers.
 
 use crate::args::{Axis, Changes, CompareArgs, StudyArgs};
-use crate::failure::{Failure, refusal_behind};
+use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::shard::leave;
 use crate::snapshot::{from_snapshot, origin};
@@ -212,7 +212,7 @@ fn without_guard(
     let bar = Bar::new(voice);
     let verdict = guardless(&file.scenario, freed, policies, args.study.threads, &|at| bar.at(at), interrupted);
     bar.finish();
-    let verdict = verdict.map_err(|error| Failure::work(&error))?;
+    let verdict = verdict.map_err(|error| Failure::Work { message: error.to_string() })?;
     verdict.ok_or_else(|| TuneError::Stopped.into())
 }
 
@@ -221,10 +221,7 @@ impl From<TuneError> for Failure {
         let help = error.fix();
         match error {
             TuneError::Stopped => Self::Interrupted { message: error.to_string(), help },
-            TuneError::Shop { .. } | TuneError::Threads { .. } => match refusal_behind(&error) {
-                Some(code) => Self::Refused { code, message: error.to_string(), help: Some(help) },
-                None => Self::Work { message: format!("{error}; {help}") },
-            },
+            TuneError::Shop { .. } | TuneError::Threads { .. } => Self::Work { message: format!("{error}; {help}") },
             TuneError::Objective { .. }
             | TuneError::Seed { .. }
             | TuneError::Budget { .. }
@@ -263,7 +260,7 @@ impl From<PlannedError> for Failure {
             PlannedError::Scenario(error) => error.into(),
             PlannedError::Policy(error) => error.into(),
             PlannedError::Shard(error) => error.into(),
-            PlannedError::Study(error) => Self::work(&error),
+            PlannedError::Study(error) => Self::Work { message: error.to_string() },
         }
     }
 }

@@ -11,7 +11,6 @@ use toolroom_gap_study::GapStudyError;
 use toolroom_kinds::KindError;
 use toolroom_output::signals as stop;
 use toolroom_output::{OutputError, json_faults, shown_faults};
-use toolroom_process::ModelError;
 use toolroom_shards::ShardError;
 use toolroom_shop_import::{ShopImportError, TableFault};
 use toolroom_study::request::{RequestError, UnknownPolicy};
@@ -40,15 +39,6 @@ pub enum Failure {
     Work {
         /// Why.
         message: String,
-    },
-    /// A model met a value with which it cannot go on although the input is right as far as it can be checked.
-    Refused {
-        /// The code that `toolroom explain` knows.
-        code: &'static str,
-        /// What was refused, and where.
-        message: String,
-        /// What is there all the same.
-        help: Option<String>,
     },
     /// The work went as far as it could; what was complete is written.
     Stopped {
@@ -86,21 +76,14 @@ impl Failure {
         Self::Argument { message: message.to_string(), help: Some(help.to_string()) }
     }
 
-    /// Work that could not be done although the input is right, with the code of a model's refusal where one is behind it.
-    pub fn work(error: &(dyn std::error::Error + 'static)) -> Self {
-        let message = error.to_string();
-        match refusal_behind(error) {
-            Some(code) => Self::Refused { code, message, help: None },
-            None => Self::Work { message },
-        }
-    }
-
-    /// A word for programs.
+    /// A word for programs; what a model refuses has its code in its message, whoever hands it on.
     fn code(&self) -> &'static str {
         match self {
+            Self::Work { message } | Self::Stopped { message, .. } if message.contains("effect-value: ") => {
+                "effect-value"
+            }
             Self::File(_) | Self::Tables { .. } => "unreadable",
             Self::Argument { .. } => "argument",
-            Self::Refused { code, .. } => code,
             Self::Work { .. } | Self::Json(_) => "work",
             Self::Stopped { .. } => "stopped",
             Self::TooLittle { .. } => "too-little",
@@ -118,11 +101,6 @@ impl Failure {
             Self::Tables { faults, more } => refuse_tables(voice, faults, *more),
             Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
             Self::Work { message } => self.plain(voice, message, None, 1),
-            Self::Refused { code, message, help } => {
-                let explain = format!("`toolroom explain {code}` says more");
-                let help = help.as_ref().map_or(explain.clone(), |help| format!("{explain}; {help}"));
-                self.plain(voice, message, Some(&help), 1)
-            }
             Self::Stopped { message, help } => self.plain(voice, message, Some(help), 1),
             Self::TooLittle { message } => {
                 voice.error(format_args!("warning: too little data for an answer: {message}"));
@@ -154,7 +132,7 @@ impl Failure {
             return refused_file(list);
         }
         let (message, help) = match self {
-            Self::Argument { message, help } | Self::Refused { message, help, .. } => (message.clone(), help.clone()),
+            Self::Argument { message, help } => (message.clone(), help.clone()),
             Self::File(error) => (error.to_string(), None),
             Self::Work { message } | Self::TooLittle { message } | Self::Alarm { message } => (message.clone(), None),
             Self::Stopped { message, help } | Self::Interrupted { message, help } => {
@@ -224,7 +202,7 @@ impl From<GapStudyError> for Failure {
         }
         match error.fix() {
             Some(fix) => Self::argument(error, fix),
-            None => Self::work(&error),
+            None => Self::Work { message: error.to_string() },
         }
     }
 }
@@ -258,12 +236,6 @@ impl From<KindError> for Failure {
     fn from(error: KindError) -> Self {
         if let KindError::Read(error) = error { error.into() } else { Self::argument(&error, error.fix()) }
     }
-}
-
-/// The code of what a model refused behind an error.
-pub fn refusal_behind(error: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
-    let mut all = std::iter::successors(Some(error), |error| error.source());
-    all.find_map(|error| error.downcast_ref::<ModelError>().and_then(ModelError::code))
 }
 
 /// Tells a program that asked for JSON why there is no result, unless one was printed before.

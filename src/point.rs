@@ -21,8 +21,8 @@ pub fn run(args: &PointArgs, voice: &Voice) -> Result<(), Failure> {
 
 /// An effect that gives no value at a point is work that failed; the rest is input.
 fn refused(error: PointError) -> Failure {
-    match error.code() {
-        Some(code) => Failure::Refused { code, message: error.to_string(), help: None },
-        None => Failure::argument(&error, error.fix()),
+    if error.code().is_some() {
+        return Failure::Work { message: error.to_string() };
     }
+    Failure::argument(&error, error.fix())
 }

@@ -1,7 +1,7 @@
 //! Running a scenario's policies and writing the results: what run, compare and demo share.
 
 use crate::args::{Changes, LogFormat, ReportArgs, StudyArgs};
-use crate::failure::{Failure, refusal_behind};
+use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::report;
 use crate::speak::Voice;
@@ -188,7 +188,7 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
             let message = format!("{error}; what was written stays in {} and is not complete", kept.display());
             return Err(Failure::Work { message });
         }
-        Err(error) => return Err(Failure::work(&error)),
+        Err(error) => return Err(Failure::Work { message: error.to_string() }),
     };
     let study = &recorded.study;
     if study.replications == 0 && recorded.stopped.is_none() && runs.exists() {
@@ -294,11 +294,9 @@ fn stopped_short(stopped: &StoppedShop, replications: u32, target: &Path) -> Fai
     } else {
         String::new()
     };
-    let message = stopped.to_string();
-    let help = format!("{complete}: toolroom report {}{tables}", quoted(&target.display().to_string()));
-    match refusal_behind(stopped) {
-        Some(code) => Failure::Refused { code, message, help: Some(help) },
-        None => Failure::Stopped { message, help },
+    Failure::Stopped {
+        message: stopped.to_string(),
+        help: format!("{complete}: toolroom report {}{tables}", quoted(&target.display().to_string())),
     }
 }
 

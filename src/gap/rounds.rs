@@ -64,17 +64,12 @@ pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
     compared(args, &model, voice)
 }
 
-/// Key figures of the recorded shop, of the model before the first round and of the last one, where there are the events of
-/// its machines.
+/// Key figures of the recorded shop, of the first model and of the last one, where events of its machines are recorded.
 fn compared(args: &LoopArgs, model: &Path, voice: &Voice) -> Result<(), Failure> {
-    let kept = match nominal_of(&args.model, &[])?.process {
-        NominalProcess::Shop(_) => true,
-        NominalProcess::Turning(_) | NominalProcess::Milling(_) | NominalProcess::Grinding(_) => {
-            toolroom_records::tables(&args.data).contains(&RecordKind::Shop)
-        }
-        NominalProcess::Empirical | NominalProcess::Program(_) => false,
-    };
-    if !kept {
+    let process = nominal_of(&args.model, &[])?.process;
+    let is_shop = matches!(process, NominalProcess::Shop(_));
+    let has_none = matches!(process, NominalProcess::Empirical | NominalProcess::Program(_));
+    if has_none || !is_shop && !toolroom_records::tables(&args.data).contains(&RecordKind::Shop) {
         return Ok(());
     }
     let figures = reading(voice, |reading| figures(&args.model, model, &args.data, reading))?;

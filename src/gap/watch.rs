@@ -19,9 +19,7 @@ pub fn run(args: &WatchArgs, voice: &Voice) -> Result<(), Failure> {
     if let Some(since) = &args.since {
         records = since_rows(&records, since)?;
     }
-    if !model.stated.defined.is_empty() {
-        usable(&model.asked(&records, args.data.group.as_deref(), |_, _| false), &records)?;
-    }
+    usable(&model.asked(&records, args.data.group.as_deref(), |_, _| false), &records)?;
     let key = key(&args.data.model, &args.data.set)?;
     let kept = args.state.as_deref().filter(|path| path.exists()).map(|path| resumed(path, &key)).transpose()?;
     let mut watch = kept.unwrap_or_else(|| Watch::new(key.clone()));
