@@ -6,10 +6,10 @@
 
 use super::dispatch::Weighing;
 use super::event::Event;
-use super::queue::Waiting;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use toolroom_kernel::{Entity, EventKey, Purpose, SimTime};
+use toolroom_queues::Waiting;
 use toolroom_scenario::{Batch, BatchFamily, BatchUnit, Work, WorkPer};
 
 /// What a machine that makes batches remembers.

@@ -6,10 +6,10 @@
 
 use super::dispatch::queue_kind;
 use super::job::Origin;
-use super::queue::{Queue, QueueKind};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use toolroom_kernel::SimTime;
+use toolroom_queues::{Queue, QueueKind};
 use toolroom_scenario::{Branch, DispatchRule, MachineChoice, Scenario, Urgency};
 
 /// The queue of a machine under its rules.

@@ -7,12 +7,12 @@
 //! divided from one another, have one card together.
 
 use super::dispatch::{facts, queue_kind};
-use super::keys::{Moment, keys};
-use super::queue::{Queue, Waiting};
 use super::recorder::Recorder;
 use super::world::World;
 use super::{Shop, ShopError};
 use crate::runlog::LogEvent;
+use toolroom_queues::{Moment, keys};
+use toolroom_queues::{Queue, Waiting};
 use toolroom_scenario::{CardLoop, DispatchRule, Scenario};
 
 /// Cards of all loops.

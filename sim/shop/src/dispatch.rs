@@ -2,15 +2,15 @@
 
 use super::branch;
 use super::job::Jobs;
-use super::keys::{Measures, Moment, keys};
-use super::kinetic::Plan;
 use super::layout::Layout;
 use super::machine::Readiness;
-use super::queue::{Facts, Keys, Queue, QueueKind, Waiting};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use rand::RngExt;
 use toolroom_kernel::{Purpose, Streams};
+use toolroom_queues::Plan;
+use toolroom_queues::{Facts, Keys, Queue, QueueKind, Waiting};
+use toolroom_queues::{Measures, Moment, keys};
 use toolroom_scenario::{Assignment, Blocking, DispatchRule, KeyOptions, Preemption, Scenario, SlackBy};
 
 /// How the queue of rules has to be kept.

@@ -7,9 +7,9 @@ use super::deviation::Moved;
 use super::draws::Blank;
 use super::edge::Edge;
 use super::job::Origin;
-use super::queue::Queue;
 use crate::runlog::{MachineState, PassRow};
 use toolroom_kernel::{EventKey, SimTime};
+use toolroom_queues::Queue;
 use toolroom_scenario::MachineType;
 use toolroom_scenario::policies::{ForceReading, Observer};
 

@@ -9,12 +9,12 @@
 use super::dispatch::keys_of;
 use super::event::Event;
 use super::machine::{IN_WORK, Step, Task};
-use super::queue::Keys;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::AttendanceRow;
 use std::cmp::Ordering;
 use toolroom_kernel::{EventKey, SimTime};
+use toolroom_queues::Keys;
 
 /// A person in the shop.
 #[derive(Clone, Copy, Debug, PartialEq)]

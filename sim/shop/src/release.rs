@@ -6,11 +6,11 @@
 use super::dispatch::{Look, facts};
 use super::event::Event;
 use super::job::Origin;
-use super::queue::{Keys, Ranked, Waiting};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::LogEvent;
 use toolroom_kernel::SimTime;
+use toolroom_queues::{Keys, Ranked, Waiting};
 use toolroom_scenario::{DispatchRule, ReleaseRule};
 
 /// Share of a norm that sums of times may be off by rounding.

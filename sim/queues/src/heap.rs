@@ -35,7 +35,7 @@ struct Knot {
 
 /// Jobs by keys that stand, the least on top.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Heap {
+pub struct Heap {
     /// The newer ones, none before the one above it.
     order: Vec<Knot>,
     /// The others, the least last.
@@ -46,7 +46,7 @@ pub(super) struct Heap {
 }
 
 /// A number as bits that compare as whole numbers do, in the order of [`f64::total_cmp`].
-pub(super) fn ordered(key: f64) -> u64 {
+pub fn ordered(key: f64) -> u64 {
     let bits = key.to_bits();
     bits ^ (((bits as i64 >> 63) as u64) | 1 << 63)
 }

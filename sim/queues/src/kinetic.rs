@@ -23,7 +23,7 @@ use toolroom_scenario::{DispatchRule, KeyOptions, MOST_RULES};
 
 /// Which of the rules of a queue the tournaments are played for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Plan {
+pub struct Plan {
     /// Rules before it whose keys stand: jobs with the same keys under them are a level.
     ahead: usize,
     /// A rule between them under which all jobs of a tournament have the same key.
@@ -55,7 +55,7 @@ impl Plan {
 
 /// The jobs of a queue.
 #[derive(Clone, Debug)]
-pub(super) struct Kinetic {
+pub struct Kinetic {
     plan: Plan,
     /// A tournament for each kind of jobs.
     groups: Vec<Tournament<Name>>,

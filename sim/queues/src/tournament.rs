@@ -10,7 +10,7 @@ use toolroom_scenario::{DispatchRule, KeyOptions};
 
 /// A job in a tournament.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
+pub struct Entry {
     pub waiting: Waiting,
     pub facts: Facts,
     /// Keys under the rules; only those behind that of the tournament are used.
@@ -18,7 +18,7 @@ pub(super) struct Entry {
 }
 
 /// What a tournament is played for.
-pub(super) struct Game {
+pub struct Game {
     pub rule: DispatchRule,
     /// Number of rules up to and with it.
     pub played: usize,
@@ -155,7 +155,7 @@ const HEAT: usize = u16::BITS as usize;
 
 /// The best of jobs, and until when each match has its result.
 #[derive(Clone, Debug)]
-pub(super) struct Tournament<N> {
+pub struct Tournament<N> {
     /// What its jobs have in common; `None` while it has none.
     pub name: Option<N>,
     /// Jobs by place.

@@ -23,11 +23,11 @@ pub struct Waiting {
 }
 
 /// Keys under the rules of a queue, the first one deciding; rules that it does not have are 0.
-pub(super) type Keys = [f64; MOST_RULES];
+pub type Keys = [f64; MOST_RULES];
 
 /// What the rules look at beside the clock and the queues.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Facts {
+pub struct Facts {
     /// When the job entered the shop, s.
     pub release: f64,
     /// The smaller, the more urgent.
@@ -58,8 +58,10 @@ pub(super) struct Facts {
 
 /// A job with its keys: the least goes first, ties by arrival at the queue, then job number.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ranked {
+pub struct Ranked {
+    /// Its keys.
     pub keys: Keys,
+    /// Its place.
     pub waiting: Waiting,
 }
 
@@ -116,7 +118,7 @@ enum Order {
 
 /// How a queue has to be kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum QueueKind {
+pub enum QueueKind {
     /// In the order of arrival.
     Line,
     /// By keys that stand while a job waits.
@@ -132,7 +134,8 @@ pub(super) enum QueueKind {
 const FULL: usize = 64;
 
 impl Queue {
-    pub(super) fn of(kind: QueueKind) -> Self {
+    /// An empty queue of a kind.
+    pub fn of(kind: QueueKind) -> Self {
         Self(match kind {
             QueueKind::Line => Order::Line { jobs: VecDeque::new(), full: FULL },
             QueueKind::Heap => Order::Heap { jobs: Heap::default(), full: FULL },
@@ -143,7 +146,7 @@ impl Queue {
 
     /// Puts a job in its place. `facts` gives what its rules look at, `keys` its keys where they stand;
     /// `here` tells whether a job still waits for what its place says.
-    pub(super) fn join(
+    pub fn join(
         &mut self,
         waiting: Waiting,
         facts: impl FnOnce() -> Facts,
@@ -187,7 +190,7 @@ impl Queue {
     }
 
     /// A job is gone to another machine: only queues that cannot see that have to be told.
-    pub(super) fn leave(&mut self, slot: u32) {
+    pub fn leave(&mut self, slot: u32) {
         match &mut self.0 {
             Order::Line { .. } | Order::Heap { .. } | Order::Scan { .. } => {}
             Order::Kinetic(jobs) => _ = jobs.leave(slot),
@@ -196,7 +199,7 @@ impl Queue {
 
     /// Takes out the job that goes first where keys stand, so that neither clock nor machine counts; `None` where they do not.
     #[inline]
-    pub(super) fn take_standing(&mut self, here: impl Fn(&Waiting) -> bool) -> Option<Option<Waiting>> {
+    pub fn take_standing(&mut self, here: impl Fn(&Waiting) -> bool) -> Option<Option<Waiting>> {
         match &mut self.0 {
             Order::Line { jobs, .. } => Some(std::iter::from_fn(|| jobs.pop_front()).find(here)),
             Order::Heap { jobs, .. } => Some(std::iter::from_fn(|| jobs.pop()).find(here)),
@@ -207,7 +210,7 @@ impl Queue {
     /// Where jobs are kept that are likely to be taken soon, where the queue is so long that its jobs are not in the nearest
     /// memory.
     #[inline]
-    pub(super) fn soon(&self) -> impl Iterator<Item = u32> + '_ {
+    pub fn soon(&self) -> impl Iterator<Item = u32> + '_ {
         let sorted = match &self.0 {
             Order::Heap { jobs, .. } => Some(jobs.soon()),
             Order::Line { .. } | Order::Scan { .. } | Order::Kinetic(_) => None,
@@ -218,7 +221,7 @@ impl Queue {
     /// Takes out the job that goes first at time `now`, s. `here` tells whether a job is still to be had; `keys` gives its
     /// keys at this moment, from the means over all that are of what `measures` gives. Only a queue whose keys change asks for
     /// them.
-    pub(super) fn take(
+    pub fn take(
         &mut self,
         now: f64,
         here: impl Fn(&Waiting) -> bool,
@@ -245,7 +248,7 @@ impl Queue {
 
     /// Jobs that are still to be had, the one that goes first in front; they stay. Those that are gone are
     /// forgotten. Only a queue whose keys may change is asked.
-    pub(super) fn in_order(
+    pub fn in_order(
         &mut self,
         here: impl Fn(&Waiting) -> bool,
         measures: impl Fn(&Facts) -> Measures,

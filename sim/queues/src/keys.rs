@@ -15,7 +15,7 @@ static USUAL: KeyOptions = KeyOptions {
 
 /// What changes while jobs wait.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Moment<'a> {
+pub struct Moment<'a> {
     /// Time, s.
     pub now: f64,
     /// Means of what waits in the queue.
@@ -36,7 +36,7 @@ impl Default for Moment<'_> {
 
 /// Times of an operation at a machine, or their means over a queue.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Measures {
+pub struct Measures {
     /// Of the operation, s.
     pub time: f64,
     /// Of the setup that the machine would need, s; 0 where no rule looks at its mean.
@@ -44,7 +44,7 @@ pub(super) struct Measures {
 }
 
 /// Key of a job under a rule: the job with the least key goes first.
-pub(super) fn key(rule: DispatchRule, since: f64, facts: &Facts, moment: &Moment<'_>) -> f64 {
+pub fn key(rule: DispatchRule, since: f64, facts: &Facts, moment: &Moment<'_>) -> f64 {
     let &Facts { time, work_left, operations_left, due, .. } = facts;
     let (options, mean) = (moment.options, moment.mean);
     let slack = due - moment.now - work_left;
@@ -95,7 +95,7 @@ pub(super) fn key(rule: DispatchRule, since: f64, facts: &Facts, moment: &Moment
 }
 
 /// Keys of a job under several rules.
-pub(super) fn keys(rules: &[DispatchRule], since: f64, facts: &Facts, moment: &Moment<'_>) -> Keys {
+pub fn keys(rules: &[DispatchRule], since: f64, facts: &Facts, moment: &Moment<'_>) -> Keys {
     let mut keys = [0.0; MOST_RULES];
     keys.iter_mut().zip(rules).for_each(|(each, rule)| *each = key(*rule, since, facts, moment));
     keys
