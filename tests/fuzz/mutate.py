@@ -226,14 +226,20 @@ def main():
         sys.exit(f"no case for {', '.join([*verbs, *(f'files of the kind {kind}' for kind in kinds)])}: see tests/fuzz/cases.py")
     numbers = [i for i in range(options.first, options.first + options.count)
                if not options.only or options.only in options.cases[i % len(options.cases)][0]]
-    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+    pool = concurrent.futures.ThreadPoolExecutor(options.jobs)
+    try:
         for label, found, tail, code, _ in pool.map(lambda number: tried(program, number, options), numbers):
             codes[code] += 1
             if found:
                 faults += 1
                 print(f"{label}: {'; '.join(found)}\n    {tail}", flush=True)
+    except KeyboardInterrupt:
+        print("interrupted")
+    pool.shutdown(cancel_futures=True)
+    done = sum(codes.values())
+    rest = f", --from {numbers[done]} goes on" if done < len(numbers) else ""
     summary = ", ".join(f"{count} × exit {code}" for code, count in sorted(codes.items(), key=str))
-    print(f"{len(numbers)} mutations of {len(options.cases)} commands, seed {options.seed}: {summary}; {faults} faults")
+    print(f"{done} mutations of {len(options.cases)} commands, seed {options.seed}: {summary}; {faults} faults{rest}")
     sys.exit(1 if faults else 0)
 
 
