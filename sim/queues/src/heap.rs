@@ -112,7 +112,7 @@ impl Heap {
     #[inline]
     pub fn soon(&self) -> impl Iterator<Item = u32> + '_ {
         let count = self.sorted.len();
-        let first = if count % SOON == 0 { count.saturating_sub(SOON) } else { count };
+        let first = if count.is_multiple_of(SOON) { count.saturating_sub(SOON) } else { count };
         self.sorted[first..].iter().map(|knot| knot.slot)
     }
 
