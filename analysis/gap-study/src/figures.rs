@@ -113,9 +113,8 @@ pub(crate) fn compared<const N: usize>(
         }
         NominalProcess::Empirical | NominalProcess::Program(_) => return Err(GapStudyError::NoShop),
     };
-    let events = reading.records(data, &nominal).map_err(|error| match error {
-        GapStudyError::Records(source) => GapStudyError::NoEvents { source },
-        other => other,
+    let events = reading.records(data, &nominal).map_err(|error| {
+        if let GapStudyError::Records(source) = error { GapStudyError::NoEvents { source } } else { error }
     })?;
     let seen = visits(&events);
     let mix = mix(&seen);

@@ -12,8 +12,6 @@ use crate::runlog::LogEvent;
 use toolroom_kernel::{EventKey, Purpose, SimTime};
 use toolroom_scenario::FailureClock;
 
-/// Owner of the durations of a machine's maintenance, part of the name of the machine.
-
 /// Planned maintenance on its way to the next time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UpkeepState {
