@@ -264,9 +264,9 @@ fn record_first(
     voice: &Voice,
 ) -> Result<(), Failure> {
     let Some(log) = log else { return Ok(()) };
-    let measured = recorded(&request.input, &request.file, log).map_err(|error| match error {
-        GapStudyError::Model(error) => Failure::argument(error, "give the sensor in the unit of its channel"),
-        other => other.into(),
+    let measured = recorded(&request.input, &request.file, log).map_err(|error| {
+        let GapStudyError::Model(sensor) = error else { return error.into() };
+        Failure::argument(sensor, "give the sensor in the unit of its channel")
     })?;
     std::fs::create_dir_all(dir).map_err(|source| Failure::Unwritable { path: dir.to_owned(), source })?;
     let mut names = Vec::new();
