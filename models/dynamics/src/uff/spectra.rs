@@ -45,8 +45,9 @@ pub(super) fn to_responses(sets: &mut Sets, estimator: Estimator) -> Result<Vec<
                 (Estimator::H1, Some(h1), _) => h1,
                 (Estimator::H2, _, Some(h2)) => h2,
                 (Estimator::Hv, Some(h1), Some(h2)) => h1 * (h2.norm() / h1.norm().max(f64::MIN_POSITIVE)).sqrt(),
-                // The spectra that the estimator needs are there.
-                (Estimator::H1 | Estimator::H2 | Estimator::Hv, ..) => Complex::from(f64::NAN),
+                (Estimator::H1 | Estimator::H2 | Estimator::Hv, ..) => {
+                    unreachable!("the spectra that the estimator needs were looked for above")
+                }
             }
         });
         let values = values.collect();
