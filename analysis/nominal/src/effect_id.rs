@@ -5,6 +5,7 @@ use super::ChannelId;
 use super::empirical_catalogue::EMPIRICAL_EFFECTS;
 use std::fmt;
 use toolroom_effects::{CatalogueEntry, Definition, Effect};
+use toolroom_form::same;
 use toolroom_scenario::ShopEffect;
 use toolroom_scenario::effects::{PROGRAM_EFFECTS, SHOP_EFFECTS};
 
@@ -34,20 +35,6 @@ const fn row(catalogue: &'static [CatalogueEntry], word: &str) -> EffectId {
         index += 1;
     }
     panic!("no row of the catalogue has this id")
-}
-
-const fn same(a: &[u8], b: &[u8]) -> bool {
-    if a.len() != b.len() {
-        return false;
-    }
-    let mut index = 0;
-    while index < a.len() {
-        if a[index] != b[index] {
-            return false;
-        }
-        index += 1;
-    }
-    true
 }
 
 /// Effects that a model looks for by their name.

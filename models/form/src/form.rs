@@ -189,8 +189,8 @@ pub const fn record_keys<const N: usize>(fields: &'static [Field]) -> [Key; N] {
     keys
 }
 
-/// Whether two texts are the same.
-const fn same(one: &[u8], other: &[u8]) -> bool {
+/// Whether the bytes of two texts are the same, also where constants are worked out.
+pub const fn same(one: &[u8], other: &[u8]) -> bool {
     if one.len() != other.len() {
         return false;
     }

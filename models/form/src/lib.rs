@@ -50,7 +50,7 @@ mod words;
 pub use codes::CODES;
 pub use error::{FaultList, Origin, Place, ReadError};
 pub use fault::{ContentFault, Fault, nearest};
-pub use form::{CURRENCIES, Content, Form, Key, Kind, Need, Quantity, When, joined, record_keys};
+pub use form::{CURRENCIES, Content, Form, Key, Kind, Need, Quantity, When, joined, record_keys, same};
 pub use outline::Outline;
 pub use record::{fill_record, set_parameters, set_record};
 pub use reference::reference;
