@@ -5,9 +5,9 @@
 //! bring is measured on the rim, at samples, and between them bounded: a point of the rim at a fixed angle to the direction
 //! of travel moves by no more than the way of the step, and the distance from the wall by no more than the point.
 
-use crate::rim::{Rim, opposite, within};
+use crate::rim::{Rim, SLIVER, opposite};
 use crate::{Contour, Corner, CutterSide, Engagement, Section, Track};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 // Chosen so that plans of random contours are less than 2 % slower than the optimum over pieces of 20 um (tests/contour/gate.rs;
 // with a degree, 50 um, 3 % and 0.2 mm some were up to 9 % slower).
@@ -100,27 +100,28 @@ impl<'a> Along<'a> {
         if reach <= 0.0 {
             return 0.0;
         }
-        let near: Vec<&Track> = (self.tracks.iter().enumerate())
-            .filter(|(other, track)| *other != section && track.reaches(rim.centre, rim.radius + reach))
-            .map(|(_, track)| track)
-            .collect();
-        if near.is_empty() {
-            return 0.0;
-        }
         let ahead = if self.backwards { opposite(heading) } else { heading };
         let contact = heading - side * FRAC_PI_2;
         // From the contact with the wall towards the direction of travel.
         let steady = self.steady(section);
         let left = (self.contour.side == CutterSide::Left) != self.backwards;
         let start = if left { contact } else { contact - steady };
-        let mut angles = vec![start, start + steady];
-        for track in &near {
+        let front = ahead - FRAC_PI_2;
+        let free = free_of((start - front).rem_euclid(TAU), steady);
+        let (mut angles, mut parts) = (Vec::new(), Vec::new());
+        for (other, track) in self.tracks.iter().enumerate() {
+            if other == section || !track.reaches(rim.centre, rim.radius + reach) {
+                continue;
+            }
             rim.crossings(track, reach, &mut angles);
+            rim.parts(front, PI, &mut angles, |low, high| {
+                if track.reaches(rim.at(front + 0.5 * (low + high)), reach) {
+                    let free_parts = free.iter().map(|(from, to)| (low.max(*from), high.min(*to)));
+                    parts.extend(free_parts.filter(|(from, to)| to - from > SLIVER));
+                }
+            });
         }
-        rim.measure(ahead - FRAC_PI_2, PI, &mut angles, |angle| {
-            let point = rim.at(angle);
-            !within(angle, start, steady) && near.iter().any(|track| track.reaches(point, reach))
-        })
+        measure_of_union(&mut parts)
     }
 
     /// Pieces of all sections in the order of the contour, on each of which one engagement is never exceeded.
@@ -136,17 +137,20 @@ impl<'a> Along<'a> {
         let moves = centre + self.radius * shape.curvature.abs();
         let shortest = SHORTEST.max(0.5 * shape.length * moves / MOST_STEPS);
         let mut steps: Vec<(f64, f64, f64, f64)> = Vec::new();
-        let mut open = vec![(0.0, shape.length)];
+        let sampled = |way: f64| self.others(section, way, 0.0);
+        // Each with the angles that are sampled at its two ends, which neighbours share.
+        let mut open = vec![((0.0, sampled(0.0)), (shape.length, sampled(shape.length)))];
         while let Some((from, to)) = open.pop() {
-            let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-            let bound = self.others(section, middle, half * moves);
-            let fine = bound == 0.0 || half * moves <= shortest || {
-                let sampled = [from, middle, to].map(|way| self.others(section, way, 0.0));
-                bound - sampled.into_iter().fold(0.0, f64::max) <= FINE
-            };
-            if fine {
-                let under = if bound == 0.0 { 0.0 } else { self.others(section, middle, -half * moves) };
-                steps.push((from, to, steady + bound, steady + under));
+            let (way, half) = (0.5 * (from.0 + to.0), 0.5 * (to.0 - from.0));
+            let bound = self.others(section, way, half * moves);
+            if bound == 0.0 {
+                steps.push((from.0, to.0, steady, steady));
+                continue;
+            }
+            let middle = (way, sampled(way));
+            if half * moves <= shortest || bound - middle.1.max(from.1).max(to.1) <= FINE {
+                let under = self.others(section, way, -half * moves);
+                steps.push((from.0, to.0, steady + bound, steady + under));
             } else {
                 // The first half comes first.
                 open.extend([(middle, to), (from, middle)]);
@@ -176,6 +180,25 @@ impl<'a> Along<'a> {
         }
         pieces
     }
+}
+
+/// What is left of the front half of a rim, rad from 0 to π, without the `steady` angle, rad, from `start`, rad in [0, 2π).
+fn free_of(start: f64, steady: f64) -> [(f64, f64); 2] {
+    // What passes a full turn begins the half.
+    let before = (start + steady - TAU).max(0.0);
+    [(before, start.min(PI)), (start + steady, PI)]
+}
+
+/// Measure of the union of intervals, each with its start and end.
+fn measure_of_union(parts: &mut [(f64, f64)]) -> f64 {
+    parts.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let mut reached = f64::NEG_INFINITY;
+    let grown = |&(low, high): &(f64, f64)| {
+        let more = (high - low.max(reached)).max(0.0);
+        reached = reached.max(high);
+        more
+    };
+    parts.iter().map(grown).sum()
 }
 
 /// Every section as one piece.

@@ -4,6 +4,9 @@ use crate::geometry::wrapped;
 use crate::{Point, Track};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+/// Angle, rad, below which a part of the rim is rounding.
+pub(crate) const SLIVER: f64 = 1e-13;
+
 /// The rim of a cutter seen along its axis; angles on it are rad from the X axis.
 ///
 /// ```
@@ -12,8 +15,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// // In front of a shoulder of 1 mm: all that lies beyond 4 mm to the left.
 /// let mut angles = vec![(0.8f64).asin(), std::f64::consts::PI - (0.8f64).asin()];
 /// let front = (-std::f64::consts::FRAC_PI_2, std::f64::consts::PI);
-/// let engaged = rim.measure(front.0, front.1, &mut angles, |angle| rim.at(angle).y > 0.004);
-/// assert!((engaged.to_degrees() - 36.869898).abs() < 1e-6);
+/// let engaged = rim.intervals(front.0, front.1, &mut angles, |angle| rim.at(angle).y > 0.004);
+/// let [(from, to)] = engaged[..] else { panic!("one interval") };
+/// assert!(((to - from).to_degrees() - 36.869898).abs() < 1e-6);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rim {
@@ -84,6 +88,7 @@ impl Rim {
     ) -> Vec<(f64, f64)> {
         let mut list: Vec<(f64, f64)> = Vec::new();
         self.parts(from, span, angles, |low, high| {
+            let (low, high) = (from + low, from + high);
             if inside(0.5 * (low + high)) {
                 match list.last_mut() {
                     Some(last) if low - last.1 < 1e-12 => last.1 = high,
@@ -94,20 +99,8 @@ impl Rim {
         list
     }
 
-    /// Measure of the angles from `from` over `span`, rad, at which `inside` holds; it changes only at `angles`, which are
-    /// used up.
-    pub fn measure(&self, from: f64, span: f64, angles: &mut Vec<f64>, inside: impl Fn(f64) -> bool) -> f64 {
-        let mut sum = 0.0;
-        self.parts(from, span, angles, |low, high| {
-            if inside(0.5 * (low + high)) {
-                sum += high - low;
-            }
-        });
-        sum
-    }
-
-    /// Hands on the parts between neighbouring `angles`, from `from` over `span`.
-    fn parts(&self, from: f64, span: f64, angles: &mut Vec<f64>, mut part: impl FnMut(f64, f64)) {
+    /// Hands on the parts between neighbouring `angles`, from `from` over `span`, each by its start and end after `from`.
+    pub(crate) fn parts(&self, from: f64, span: f64, angles: &mut Vec<f64>, mut part: impl FnMut(f64, f64)) {
         for angle in angles.iter_mut() {
             *angle = (*angle - from).rem_euclid(TAU);
         }
@@ -115,17 +108,12 @@ impl Rim {
         angles.extend([0.0, span]);
         angles.sort_by(f64::total_cmp);
         for pair in angles.windows(2) {
-            if pair[1] - pair[0] > 1e-13 {
-                part(from + pair[0], from + pair[1]);
+            if pair[1] - pair[0] > SLIVER {
+                part(pair[0], pair[1]);
             }
         }
         angles.clear();
     }
-}
-
-/// Whether an angle lies within `span` of `from`, turning to the left.
-pub(crate) fn within(angle: f64, from: f64, span: f64) -> bool {
-    (angle - from).rem_euclid(TAU) <= span
 }
 
 /// The direction against another one, rad in (−π, π].
