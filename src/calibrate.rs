@@ -52,7 +52,7 @@ pub fn run(args: &CalibrateArgs, voice: &Voice) -> Result<(), Failure> {
     files.put(&args.out, text.as_bytes())?;
     // What one life leaves open, for scenarios that name the draws.
     let set = ParameterSet::parse(&args.out.display().to_string(), &text, &TURNING_SETS)
-        .map_err(|error| Failure::Work { message: error.to_string() })?;
+        .map_err(|error| Failure::work_error(&error))?;
     let (count, seed) = (args.measured.draws, args.measured.seed);
     data::write_draws(
         &files,

@@ -212,7 +212,7 @@ fn without_guard(
     let bar = Bar::new(voice);
     let verdict = guardless(&file.scenario, freed, policies, args.study.threads, &|at| bar.at(at), interrupted);
     bar.finish();
-    let verdict = verdict.map_err(|error| Failure::Work { message: error.to_string() })?;
+    let verdict = verdict.map_err(|error| Failure::work_error(&error))?;
     verdict.ok_or_else(|| TuneError::Stopped.into())
 }
 
@@ -221,7 +221,7 @@ impl From<TuneError> for Failure {
         let help = error.fix();
         match error {
             TuneError::Stopped => Self::Interrupted { message: error.to_string(), help },
-            TuneError::Shop { .. } | TuneError::Threads { .. } => Self::Work { message: format!("{error}; {help}") },
+            TuneError::Shop { .. } | TuneError::Threads { .. } => Self::work_error_with(&error, help),
             TuneError::Objective { .. }
             | TuneError::Seed { .. }
             | TuneError::Budget { .. }
@@ -260,7 +260,7 @@ impl From<PlannedError> for Failure {
             PlannedError::Scenario(error) => error.into(),
             PlannedError::Policy(error) => error.into(),
             PlannedError::Shard(error) => error.into(),
-            PlannedError::Study(error) => Self::Work { message: error.to_string() },
+            PlannedError::Study(error) => Self::work_error(&error),
         }
     }
 }

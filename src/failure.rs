@@ -1,6 +1,7 @@
 //! What can go wrong, in words, with the exit code.
 
 use crate::speak::Voice;
+use std::error::Error;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use toolroom_gap_study::GapStudyError;
 use toolroom_kinds::KindError;
 use toolroom_output::signals as stop;
 use toolroom_output::{OutputError, json_faults, shown_faults};
+use toolroom_process::ModelError;
 use toolroom_shards::ShardError;
 use toolroom_shop_import::{ShopImportError, TableFault};
 use toolroom_study::request::{RequestError, UnknownPolicy};
@@ -37,11 +39,17 @@ pub enum Failure {
     },
     /// The work could not be done although the input is right.
     Work {
+        /// A word for programs.
+        code: &'static str,
         /// Why.
         message: String,
+        /// The likely way out.
+        help: Option<String>,
     },
     /// The work went as far as it could; what was complete is written.
     Stopped {
+        /// A word for programs.
+        code: &'static str,
         /// Why it went no further.
         message: String,
         /// What is there.
@@ -76,16 +84,35 @@ impl Failure {
         Self::Argument { message: message.to_string(), help: Some(help.to_string()) }
     }
 
-    /// A word for programs; what a model refuses has its code in its message, whoever hands it on.
+    /// Work that could not be done, in words.
+    pub fn work(message: impl fmt::Display) -> Self {
+        Self::Work { code: "work", message: message.to_string(), help: None }
+    }
+
+    /// Work that could not be done, by an error; with the code of the model that refused, where one did.
+    pub fn work_error(error: &(dyn Error + 'static)) -> Self {
+        let code = code_of_model(error).unwrap_or("work");
+        Self::Work { code, message: error.to_string(), help: None }
+    }
+
+    /// The same with the likely way out.
+    pub fn work_error_with(error: &(dyn Error + 'static), help: String) -> Self {
+        let code = code_of_model(error).unwrap_or("work");
+        Self::Work { code, message: error.to_string(), help: Some(help) }
+    }
+
+    /// Work that went as far as it could before an error, with what is there.
+    pub fn stopped(error: &(dyn Error + 'static), help: String) -> Self {
+        Self::Stopped { code: code_of_model(error).unwrap_or("stopped"), message: error.to_string(), help }
+    }
+
+    /// A word for programs.
     fn code(&self) -> &'static str {
         match self {
-            Self::Work { message } | Self::Stopped { message, .. } if message.contains("effect-value: ") => {
-                "effect-value"
-            }
+            Self::Work { code, .. } | Self::Stopped { code, .. } => code,
             Self::File(_) | Self::Tables { .. } => "unreadable",
             Self::Argument { .. } => "argument",
-            Self::Work { .. } | Self::Json(_) => "work",
-            Self::Stopped { .. } => "stopped",
+            Self::Json(_) => "work",
             Self::TooLittle { .. } => "too-little",
             Self::Alarm { .. } => "alarm",
             Self::Interrupted { .. } => "interrupted",
@@ -100,8 +127,8 @@ impl Failure {
             Self::File(error) => self.plain(voice, error, None, 2),
             Self::Tables { faults, more } => refuse_tables(voice, faults, *more),
             Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
-            Self::Work { message } => self.plain(voice, message, None, 1),
-            Self::Stopped { message, help } => self.plain(voice, message, Some(help), 1),
+            Self::Work { message, help, .. } => self.plain(voice, message, help.as_deref(), 1),
+            Self::Stopped { message, help, .. } => self.plain(voice, message, Some(help), 1),
             Self::TooLittle { message } => {
                 voice.error(format_args!("warning: too little data for an answer: {message}"));
                 ExitCode::from(3)
@@ -132,10 +159,10 @@ impl Failure {
             return refused_file(list);
         }
         let (message, help) = match self {
-            Self::Argument { message, help } => (message.clone(), help.clone()),
+            Self::Argument { message, help } | Self::Work { message, help, .. } => (message.clone(), help.clone()),
             Self::File(error) => (error.to_string(), None),
-            Self::Work { message } | Self::TooLittle { message } | Self::Alarm { message } => (message.clone(), None),
-            Self::Stopped { message, help } | Self::Interrupted { message, help } => {
+            Self::TooLittle { message } | Self::Alarm { message } => (message.clone(), None),
+            Self::Stopped { message, help, .. } | Self::Interrupted { message, help } => {
                 (message.clone(), Some(help.clone()))
             }
             Self::Unwritable { source, .. } => (source.to_string(), None),
@@ -202,7 +229,7 @@ impl From<GapStudyError> for Failure {
         }
         match error.fix() {
             Some(fix) => Self::argument(error, fix),
-            None => Self::Work { message: error.to_string() },
+            None => Self::work_error(&error),
         }
     }
 }
@@ -214,7 +241,7 @@ impl From<OutputError> for Failure {
             OutputError::Unwritable { path, source } => Self::Unwritable { path, source },
             OutputError::Json(error) => Self::Json(error),
             OutputError::Shard(error) => error.into(),
-            work @ OutputError::Work { .. } => Self::Work { message: work.to_string() },
+            work @ OutputError::Work { .. } => Self::work_error(&work),
         }
     }
 }
@@ -226,7 +253,7 @@ impl From<ShardError> for Failure {
             return Self::Unwritable { path, source };
         }
         if let ShardError::Rows { .. } = error {
-            return Self::Work { message: format!("{error}; shards that were complete stay, go on with --resume") };
+            return Self::work(format_args!("{error}; shards that were complete stay, go on with --resume"));
         }
         Self::argument(&error, error.fix())
     }
@@ -235,6 +262,14 @@ impl From<ShardError> for Failure {
 impl From<KindError> for Failure {
     fn from(error: KindError) -> Self {
         if let KindError::Read(error) = error { error.into() } else { Self::argument(&error, error.fix()) }
+    }
+}
+
+/// The code of the refusal of a model that an error comes from, where it has one.
+fn code_of_model(error: &(dyn Error + 'static)) -> Option<&'static str> {
+    match error.downcast_ref::<ModelError>() {
+        Some(refusal) => refusal.code(),
+        None => error.source().and_then(code_of_model),
     }
 }
 

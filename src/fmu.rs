@@ -22,9 +22,9 @@ pub fn run(command: &FmuCommand, voice: &Voice) -> Result<(), Failure> {
         FmuCommand::Sim(args) => sim::run(args, voice),
         #[cfg(all(feature = "fmu-import", unix))]
         FmuCommand::Worker => toolroom_fmu_import::worker::serve()
-            .map_err(|error| Failure::Work { message: format!("the program that uses this worker is gone: {error}") }),
+            .map_err(|error| Failure::work(format_args!("the program that uses this worker is gone: {error}"))),
         #[cfg(all(feature = "fmu-import", not(unix)))]
-        FmuCommand::Worker => Err(Failure::Work { message: "worker processes are for Linux and macOS".to_owned() }),
+        FmuCommand::Worker => Err(Failure::work("worker processes are for Linux and macOS")),
         #[cfg(not(feature = "fmu-import"))]
         FmuCommand::Sim(_) | FmuCommand::Worker => Err(no_import()),
     }

@@ -175,7 +175,7 @@ fn workbench(study: &mut ChartStudy<'_>, requested: &LobesArgs, voice: &Voice) -
 /// What the stability model refuses: an iteration without result is no fault of the input.
 fn refused(error: ChatterError) -> Failure {
     if matches!(error, ChatterError::NotConverged { .. }) {
-        return Failure::Work { message: error.to_string() };
+        return Failure::work_error(&error);
     }
     Failure::argument(error, "see the values of the file")
 }

@@ -271,7 +271,7 @@ impl<'a> Target<'a> {
         match fit.quality.refusals.first().filter(|_| !self.accept_refused) {
             Some(refusal) => {
                 let message = format!("refused ({}): {refusal}; {}", refusal.code(), refusal.fix());
-                Err(Failure::Work { message })
+                Err(Failure::work(message))
             }
             None => Ok(()),
         }

@@ -21,8 +21,8 @@ pub fn run(args: &PointArgs, voice: &Voice) -> Result<(), Failure> {
 
 /// An effect that gives no value at a point is work that failed; the rest is input.
 fn refused(error: PointError) -> Failure {
-    if error.code().is_some() {
-        return Failure::Work { message: error.to_string() };
+    if let PointError::Value(refusal) = &error {
+        return Failure::work_error(refusal);
     }
     Failure::argument(&error, error.fix())
 }

@@ -191,15 +191,17 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     }
     if let Some((limit, ratio, line)) = feeds.iter().flat_map(Feeds::broken).next().filter(|_| args.strict) {
         let message = format!("{name}:{line}: {} is {ratio:.2} times what is allowed", limit.word());
-        return Err(Failure::Work { message });
+        return Err(Failure::work(message));
     }
     let Some(engagement) = engagement.filter(|_| args.strict) else { return Ok(()) };
     let faults = [
-        (engagement.crashes(), "a rapid motion meets material"),
-        (engagement.holders(), "the holder of the tool meets material"),
+        (engagement.crashes().first(), "a rapid motion meets material"),
+        (engagement.holders().first(), "the holder of the tool meets material"),
+        (engagement.hollow_plunges().first(), "a tool that does not cut at its centre plunges"),
+        (engagement.gouges().first().map(|(line, _)| line), "the motion cuts into the part"),
     ];
-    match faults.into_iter().find_map(|(lines, fault)| Some((lines.first()?, fault))) {
-        Some((line, fault)) => Err(Failure::Work { message: format!("{name}:{line}: {fault}") }),
+    match faults.into_iter().find_map(|(line, fault)| Some((line?, fault))) {
+        Some((line, fault)) => Err(Failure::work(format_args!("{name}:{line}: {fault}"))),
         None => Ok(()),
     }
 }

@@ -33,7 +33,7 @@ pub fn run(args: &ReportArgs, voice: &Voice) -> Result<(), Failure> {
     if args.open {
         let opener = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
         let opened = Command::new(opener).arg(&report).stdin(Stdio::null()).stdout(Stdio::null()).spawn();
-        opened.map_err(|error| Failure::Work { message: format!("{opener} does not start: {error}") })?;
+        opened.map_err(|error| Failure::work(format_args!("{opener} does not start: {error}")))?;
     }
     Ok(())
 }
@@ -53,7 +53,7 @@ fn draw(dir: &Path, results: &FinishedRun) -> Result<(), Failure> {
     let stopped = results.run["stopped"]["reason"].as_str().map(str::to_owned);
     let information = RunInfo { stopped, ..requested.information(command).map_err(Failure::Json)? };
     redraw(dir, &file.scenario, &options, &information).map_err(|error| match error.path() {
-        Some(_) => Failure::Work { message: error.to_string() },
+        Some(_) => Failure::work_error(&error),
         None => Failure::argument(error, help),
     })
 }

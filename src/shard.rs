@@ -69,5 +69,5 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
-        .map_err(|error| Failure::Work { message: format!("no threads: {error}") })
+        .map_err(|error| Failure::work(format_args!("no threads: {error}")))
 }

@@ -142,7 +142,7 @@ impl From<SnapshotError> for Failure {
         let fix = error.fix();
         match error {
             SnapshotError::Read(error) => error.into(),
-            SnapshotError::Shop(error) => Self::Work { message: error.to_string() },
+            SnapshotError::Shop(error) => Self::work_error(&error),
             wrong @ (SnapshotError::NoSnapshot { .. }
             | SnapshotError::Version { .. }
             | SnapshotError::Changed { .. }

@@ -45,7 +45,7 @@ fn export(args: &SspExportArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let bytes = cell
         .in_form(form, version, &binaries(&args.platforms, args.libraries.as_deref(), voice)?, stop)
-        .map_err(|error| Failure::Work { message: error.to_string() })?;
+        .map_err(|error| Failure::work_error(&error))?;
     files.put(&args.out, &bytes)?;
     if voice.json {
         return voice.json(&json!({
@@ -94,7 +94,7 @@ fn sim(args: &crate::args::SspSimArgs, voice: &Voice) -> Result<(), Failure> {
     // A system that cannot run is an argument, one that failed on the way is work that failed.
     let failed = |error: MasterError| {
         if matches!(error, MasterError::Unit { .. } | MasterError::Output(_) | MasterError::Folder(_)) {
-            return Failure::Work { message: error.to_string() };
+            return Failure::work_error(&error);
         }
         Failure::argument(error, "`toolroom ssp info` shows units, signals and start values")
     };

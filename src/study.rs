@@ -186,9 +186,9 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
             // What is readable stays, under a name that nobody takes for a result.
             let kept = out.keep();
             let message = format!("{error}; what was written stays in {} and is not complete", kept.display());
-            return Err(Failure::Work { message });
+            return Err(Failure::work(message));
         }
-        Err(error) => return Err(Failure::Work { message: error.to_string() }),
+        Err(error) => return Err(Failure::work_error(&error)),
     };
     let study = &recorded.study;
     if study.replications == 0 && recorded.stopped.is_none() && runs.exists() {
@@ -273,7 +273,7 @@ fn record_first(
     for records in measured {
         let path = records_file(dir, records.kind);
         let mut csv = Vec::new();
-        write_csv(&records, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
+        write_csv(&records, &mut csv).map_err(|error| Failure::work_error(&error))?;
         files.put(&path, &csv)?;
         names.push(path.display().to_string());
     }
@@ -294,10 +294,8 @@ fn stopped_short(stopped: &StoppedShop, replications: u32, target: &Path) -> Fai
     } else {
         String::new()
     };
-    Failure::Stopped {
-        message: stopped.to_string(),
-        help: format!("{complete}: toolroom report {}{tables}", quoted(&target.display().to_string())),
-    }
+    let help = format!("{complete}: toolroom report {}{tables}", quoted(&target.display().to_string()));
+    Failure::stopped(stopped, help)
 }
 
 /// The request of the study in a folder, complete or not, where there is one.

@@ -60,7 +60,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         let bar = Bar::new(voice);
         let study = run_study(scenario, &options, None, &|at| bar.at(at), &stop);
         bar.finish();
-        let study = study.map_err(|error| Failure::Work { message: error.to_string() })?;
+        let study = study.map_err(|error| Failure::work_error(&error))?;
         if !study.complete {
             interrupted = Some(study.replications);
             break;

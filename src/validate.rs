@@ -10,7 +10,7 @@ pub fn run(voice: &Voice) -> Result<(), Failure> {
     let bar = Bar::of(voice, "models");
     let claims = Claims::new(&|done, total| bar.at(Progress { done, total }));
     bar.finish();
-    let claims = claims.map_err(|error| Failure::Work { message: error.to_string() })?;
+    let claims = claims.map_err(|error| Failure::work_error(&error))?;
     if voice.json {
         voice.json(&claims.json())?;
     } else {
@@ -18,5 +18,5 @@ pub fn run(voice: &Voice) -> Result<(), Failure> {
     }
     let (all, failed) = (claims.count(), claims.failed());
     voice.say(format_args!("{} of {all} claims hold", all - failed));
-    if failed == 0 { Ok(()) } else { Err(Failure::Work { message: format!("{failed} claims do not hold") }) }
+    if failed == 0 { Ok(()) } else { Err(Failure::work(format_args!("{failed} claims do not hold"))) }
 }

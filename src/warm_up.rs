@@ -54,6 +54,6 @@ fn sought(
     found.map_err(|error| match error {
         SteadyError::Stopped => Failure::Interrupted { message: error.to_string(), help: error.fix().to_owned() },
         SteadyError::TooShort { .. } => Failure::argument(&error, error.fix()),
-        SteadyError::Shop { .. } | SteadyError::Threads { .. } => Failure::Work { message: error.to_string() },
+        SteadyError::Shop { .. } | SteadyError::Threads { .. } => Failure::work_error(&error),
     })
 }

@@ -149,6 +149,31 @@ fn no_crate_outgrows_what_one_reader_can_hold() {
     }
 }
 
+/// Whether a file below a folder holds unit tests.
+fn has_unit_tests(folder: &Path) -> bool {
+    std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).any(|path| {
+        if path.is_dir() {
+            return has_unit_tests(&path);
+        }
+        let is_rust = path.extension().is_some_and(|extension| extension == "rs");
+        is_rust && std::fs::read_to_string(&path).expect("text").contains("#[test]")
+    })
+}
+
+/// `test = false` saves compiling a crate twice, and would pass over a unit test that somebody adds to it.
+#[test]
+fn a_crate_that_is_not_compiled_for_unit_tests_has_none() {
+    let mut without = 0;
+    for [folder, name, ..] in rows().iter().filter(|[_, name, ..]| name != "–" && name != "toolroom") {
+        let manifest = std::fs::read_to_string(root().join(folder).join("Cargo.toml")).expect("a manifest");
+        if manifest.contains("[lib]\ntest = false") {
+            without += 1;
+            assert!(!has_unit_tests(&root().join(folder).join("src")), "{name} has unit tests that never run");
+        }
+    }
+    assert!(without > 0, "no crate leaves its unit tests out");
+}
+
 /// Licences under which others may build on toolroom without opening their own code; deny.toml has the same ones.
 const PERMISSIVE: [&str; 14] = [
     "0BSD",

@@ -1,6 +1,6 @@
 //! Real programs: from logs of machines and G-code to a diagnosis.
 
-use crate::command_line::{directory, json, stderr, toolroom};
+use crate::command_line::{directory, json, stderr, stdout, toolroom};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -314,6 +314,101 @@ fn a_setup_follows_the_stock_through_the_program() {
     assert_eq!(toolroom(&["program", &bad, "--setup", &setup, "--strict"]).status.code(), Some(1));
     let nameless = toolroom(&["program", &bad.replace("part.nc", "none.nc"), "--setup", &setup]);
     assert_eq!(nameless.status.code(), Some(2));
+}
+
+#[test]
+fn a_stock_is_what_a_drawing_or_a_contour_file_outlines() {
+    let shipped = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join(name).display().to_string();
+    let nc = shipped("scenarios/programs/plate.nc");
+    let text = fs::read_to_string(shipped("scenarios/programs/plate-setup.toml")).expect("a setup");
+    let of_box = r#"box = [["0 mm", "0 mm", "-20 mm"], ["80 mm", "54 mm", "0 mm"]]"#;
+    assert!(text.contains(of_box));
+    let dir = directory("programs", "drawn-stock");
+    let path = |name: &str| dir.join(name).display().to_string();
+    let corners = [(0, 0), (80, 0), (80, 54), (0, 54), (0, 0)];
+    let line = |pair: &[(i32, i32)]| {
+        let [(x0, y0), (x1, y1)] = pair else { panic!("two corners") };
+        format!("0\nLINE\n8\nBLANK\n10\n{x0}\n20\n{y0}\n11\n{x1}\n21\n{y1}\n")
+    };
+    let lines: String = corners.windows(2).map(line).collect();
+    fs::write(path("blank.dxf"), format!("0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n")).expect("writable");
+    let contour = fs::read_to_string(shipped("scenarios/contour/mc1.toml")).expect("a contour");
+    fs::write(path("mc1.toml"), contour).expect("writable");
+    let result = |stock: &str| {
+        fs::write(path("setup.toml"), text.replace(of_box, stock)).expect("writable");
+        toolroom(&["program", &nc, "--setup", &path("setup.toml"), "--json"])
+    };
+    let number = |output: &std::process::Output, key: &str| {
+        let told = json(output);
+        told["engagement"][key].as_f64().unwrap_or_else(|| panic!("{key} in {told}"))
+    };
+    let drawn = "dxf = \"blank.dxf\"\nlayer = \"BLANK\"\nunits = \"mm\"\nbase = \"-20 mm\"\nheight = \"20 mm\"";
+    let [boxed, lines] = [result(of_box), result(drawn)];
+    for key in ["removed [cm3]", "peak_power [kW]", "air_time [s]", "peak_engagement [deg]"] {
+        let (one, other) = (number(&boxed, key), number(&lines, key));
+        assert!((one - other).abs() <= 1e-6 * one.abs(), "{key}: {one} and {other}");
+    }
+    let of_contour = result("contour = \"mc1.toml\"\noffset = \"3 mm\"\nbase = \"-20 mm\"\nheight = \"20 mm\"");
+    assert!(of_contour.status.success(), "{}", stderr(&of_contour));
+    // What cannot be a stock is refused with its place.
+    for (stock, told) in [
+        ("dxf = \"none.dxf\"\nbase = \"-20 mm\"\nheight = \"20 mm\"", "none.dxf"),
+        ("dxf = \"blank.dxf\"\nbase = \"-20 mm\"\nheight = \"20 mm\"", "units"),
+        ("dxf = \"blank.dxf\"\nunits = \"mm\"", "height"),
+        ("dxf = \"blank.dxf\"\ncontour = \"mc1.toml\"", "one of a box"),
+        (&format!("{of_box}\noffset = \"1 mm\""), "offset"),
+    ] {
+        let refused = result(stock);
+        assert_eq!(refused.status.code(), Some(2), "{stock}");
+        assert!(
+            stdout(&refused).contains(told) && stdout(&refused).contains("setup.toml"),
+            "{stock}: {}",
+            stdout(&refused)
+        );
+    }
+}
+
+#[test]
+fn motions_that_cut_into_the_part_are_reported_with_line_depth_place_and_length() {
+    let dir = directory("programs", "gouge");
+    let path = |name: &str| dir.join(name).display().to_string();
+    let square = "0\nLWPOLYLINE\n8\n0\n90\n4\n70\n1\n10\n0\n20\n0\n10\n40\n20\n0\n10\n40\n20\n40\n10\n0\n20\n40\n";
+    fs::write(path("part.dxf"), format!("0\nSECTION\n2\nENTITIES\n{square}0\nENDSEC\n0\nEOF\n")).expect("writable");
+    let setup = "schema = 1\n[stock]\nbox = [[\"-5 mm\", \"-5 mm\", \"-20 mm\"], [\"45 mm\", \"45 mm\", \"0 mm\"]]\n\
+        [part]\ndxf = \"part.dxf\"\nunits = \"mm\"\ntop = \"-1 mm\"\n[[tool]]\nnumber = 1\ndiameter = \"10 mm\"\nteeth = 4\n";
+    fs::write(path("setup.toml"), setup).expect("writable");
+    // Around the part, on its last side 20 um too near.
+    let around = |last: f64| {
+        format!("G21 G90\nT1 M6\nS3000 M3\nG0 X-15 Y-5 Z5\nG0 Z-5\nG1 X45 F500\nY45\nX{last}\nY-15\nG0 Z50\nM30\n")
+    };
+    let run = |last: f64, more: &[&str]| {
+        fs::write(path("part.nc"), around(last)).expect("writable");
+        toolroom(&[&["program", &path("part.nc"), "--setup", &path("setup.toml")], more].concat())
+    };
+    assert_eq!(json(&run(-5.0, &["--json", "--strict"]))["engagement"]["gouges"], serde_json::json!([]));
+    let told = json(&run(-4.98, &["--json"]));
+    let gouges = told["engagement"]["gouges"].as_array().expect("a list");
+    assert_eq!(gouges.len(), 1, "{told}");
+    let number = |value: &Value| value.as_f64().expect("a number");
+    assert_eq!(gouges[0]["line"], 9);
+    assert!((number(&gouges[0]["depth [um]"]) - 20.0).abs() < 0.3, "{told}");
+    assert!((number(&gouges[0]["place [mm]"][0]) + 4.98).abs() < 1e-9, "{told}");
+    assert!((number(&gouges[0]["length [mm]"]) - 40.0).abs() < 1.2, "{told}");
+    let text = run(-4.98, &[]);
+    assert!(stdout(&text).contains("1 motion cuts into the part"), "{}", stdout(&text));
+    let strict = run(-4.98, &["--strict"]);
+    assert_eq!(strict.status.code(), Some(1));
+    assert!(stderr(&strict).contains("part.nc:9"), "{}", stderr(&strict));
+    // An end that does not cut at its centre goes straight down into material.
+    fs::write(path("setup.toml"), format!("{setup}centre_cutting = false\n")).expect("writable");
+    assert_eq!(json(&run(-5.0, &["--json"]))["engagement"]["plunges_without_centre"], serde_json::json!([]));
+    let text = "G21 G90\nT1 M6\nS3000 M3\nG0 X-2 Y-2 Z5\nG1 Z-0.5 F100\nM30\n";
+    fs::write(path("down.nc"), text).expect("writable");
+    let down = toolroom(&["program", &path("down.nc"), "--setup", &path("setup.toml"), "--json", "--strict"]);
+    assert_eq!(
+        (json(&down)["engagement"]["plunges_without_centre"].clone(), down.status.code()),
+        (serde_json::json!([5]), Some(1))
+    );
 }
 
 #[test]

@@ -92,7 +92,7 @@ pub fn run(
             Verdict::CannotTell => "the law",
             Verdict::Chosen | Verdict::Given => "a parameter",
         };
-        return Err(Failure::Work { message: format!("--strict: {what} is not determined by these data") });
+        return Err(Failure::work(format_args!("--strict: {what} is not determined by these data")));
     }
     Ok(())
 }
@@ -102,6 +102,6 @@ pub fn write_draws(files: &Files, place: &Path, table: &DrawnTable) -> Result<()
     let begun = files.begin(place)?;
     let file = begun.file.try_clone().map_err(|source| Failure::Unwritable { path: place.to_owned(), source })?;
     let written = table.write(file, &toolroom_parquet::create);
-    written.map_err(|error| Failure::Work { message: format!("{}: {error}", place.display()) })?;
+    written.map_err(|error| Failure::work(format_args!("{}: {error}", place.display())))?;
     Ok(files.end(begun)?)
 }

@@ -25,8 +25,7 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
     let binaries = binaries(&args.platforms, args.libraries.as_deref(), voice)?;
     let mut written = Vec::new();
     for (version, path) in places {
-        let bytes =
-            package(unit, version, &binaries, &sets).map_err(|error| Failure::Work { message: error.to_string() })?;
+        let bytes = package(unit, version, &binaries, &sets).map_err(|error| Failure::work_error(&error))?;
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)
                 .map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
@@ -95,7 +94,7 @@ pub(crate) fn binaries(wanted: &[String], folder: Option<&Path>, voice: &Voice) 
     let sources = Sources { folder, own: &own_library, say: &|line| voice.say(line) };
     sources.libraries(wanted).map_err(|error| match error.fix() {
         Some(fix) => Failure::argument(error, fix),
-        None => Failure::Work { message: error.to_string() },
+        None => Failure::work_error(&error),
     })
 }
 

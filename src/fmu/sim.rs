@@ -142,10 +142,10 @@ fn not_loaded(error: LoadError) -> Failure {
 fn failed(error: SimulateError, output: Option<&PathBuf>) -> Failure {
     if matches!(error, SimulateError::Call { .. } | SimulateError::Value { .. } | SimulateError::Discarded { .. }) {
         let kept = output.map_or(String::new(), |path| format!("; {} holds what came before", path.display()));
-        return Failure::Work { message: format!("{error}{kept}") };
+        return Failure::work(format_args!("{error}{kept}"));
     }
     if let SimulateError::Output(_) = error {
-        return Failure::Work { message: error.to_string() };
+        return Failure::work_error(&error);
     }
     Failure::argument(error, "see toolroom fmu sim --help")
 }

@@ -62,7 +62,7 @@ fn refused(error: BlindError) -> Failure {
             Failure::argument(error, "give directories that `toolroom gap blind --out` wrote")
         }
         BlindError::Twice { .. } => Failure::argument(error, "give runs of other seeds, processes or parts"),
-        BlindError::Model { .. } | BlindError::Records { .. } => Failure::Work { message: error.to_string() },
+        BlindError::Model { .. } | BlindError::Records { .. } => Failure::work_error(&error),
     }
 }
 

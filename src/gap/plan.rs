@@ -32,7 +32,7 @@ pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {
         out.put_json("plan.json", &plan.json())?;
         if let Some(best) = plan.best() {
             let mut csv = Vec::new();
-            write_csv(&best.runs, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
+            write_csv(&best.runs, &mut csv).map_err(|error| Failure::work_error(&error))?;
             out.put("runs.csv", &String::from_utf8_lossy(&csv))?;
         }
         let name = args.data.model.display().to_string();

@@ -73,7 +73,7 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
 
 fn put(out: &OutputDir, name: &str, records: &Records) -> Result<(), Failure> {
     let mut csv = Vec::new();
-    write_csv(records, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
+    write_csv(records, &mut csv).map_err(|error| Failure::work_error(&error))?;
     Ok(out.put(name, &String::from_utf8_lossy(&csv))?)
 }
 

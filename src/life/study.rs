@@ -156,7 +156,7 @@ fn finish(
 ) -> Result<(), Failure> {
     let merged = shard::merge(plan, parsed.content.study.cells.len(), parts)?;
     let inputs = Inputs { plan, parsed, merged: &merged, request };
-    let result = results(&inputs).map_err(|error| Failure::Work { message: error.to_string() })?;
+    let result = results(&inputs).map_err(|error| Failure::work_error(&error))?;
     out.put_all(&result.files)?;
     out.put_json(
         "run.json",

@@ -32,6 +32,39 @@ pub fn catalogue_json(defined: &[&'static Definition]) -> Value {
     json!({ "schema": 1, "effects": catalogue(defined).map(entry).collect::<Vec<_>>() })
 }
 
+/// The page of the reference on every effect, as Markdown.
+pub fn catalogue_page() -> String {
+    let mut text = "# Effects\n\nWhat a nominal model may leave out. A tool of a scenario switches one on by \
+        `effects = [{ id = \"wear_force\", size = 0.2 }]`; the diagnosis looks for those of the process.\n\n\
+        | id | what it is | size | processes | shows in | source |\n|---|---|---|---|---|---|\n"
+        .to_owned();
+    let word = |value: &Value| value.as_str().unwrap_or_default().replace('|', "\\|");
+    for effect in catalogue_json(&[])["effects"].as_array().into_iter().flatten() {
+        let list = |value: &Value, word_of: &dyn Fn(&Value) -> String| {
+            value.as_array().into_iter().flatten().map(word_of).collect::<Vec<_>>().join(", ")
+        };
+        let size = &effect["size"];
+        let unit = if size["unit"] == "1" { String::new() } else { format!(" {}", word(&size["unit"])) };
+        let _ = writeln!(
+            text,
+            "| `{}` | {}; {} | {} to {}{unit} | {} | {} | {} |",
+            word(&effect["id"]),
+            word(&effect["title"]),
+            word(&size["meaning"]),
+            size["min"],
+            size["max"],
+            list(&effect["processes"], &word),
+            list(&effect["channels"], &|channel| format!(
+                "{} {}",
+                word(&channel["channel"]),
+                word(&channel["direction"])
+            )),
+            word(&effect["source"]),
+        );
+    }
+    text
+}
+
 /// Effects of the processes, then those of the shop, of part programs, of empirical responses, and of a user.
 fn catalogue<'a>(defined: &'a [&'static Definition]) -> impl Iterator<Item = &'static CatalogueEntry> + 'a {
     let defined_entries = defined.iter().map(|effect| effect.entry());

@@ -27,7 +27,7 @@ mod places;
 mod readings;
 mod sentence;
 
-pub use catalogue::{catalogue_json, catalogue_text, vocabulary_json, vocabulary_text};
+pub use catalogue::{catalogue_json, catalogue_page, catalogue_text, vocabulary_json, vocabulary_text};
 pub use forms::{Page, html, json, markdown};
 pub use minutes::{Minutes, Rates, Step};
 pub use readings::{Place, ReadChannel, Reading, Readings};

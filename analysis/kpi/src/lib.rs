@@ -41,11 +41,13 @@
 mod counting;
 mod definition;
 mod machine;
+mod reference;
 mod runs;
 mod tally;
 
 pub use counting::Counting;
 pub use definition::{Better, CURRENCY, Definition, Kpi};
+pub use reference::reference;
 pub use runs::{Progress, unless_stopped};
 
 use definition::SHOP;

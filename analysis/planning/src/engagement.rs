@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use toolroom_process::table::Cell;
 use toolroom_program::{Control, EventKind, Run, Source};
-use toolroom_stock::{Cut, FollowError, Follower, Load, Setup};
+use toolroom_stock::{Cut, FollowError, Follower, Gouge, Load, Setup};
 
 /// What one tool does.
 #[derive(Clone, Debug, Default)]
@@ -38,8 +38,12 @@ pub struct Engagement {
     /// Lines of rapid motions through material and of plunges, the first of each kind first.
     crashes: Vec<usize>,
     plunges: Vec<usize>,
+    /// Those of them by tools whose end does not cut at its centre.
+    hollow_plunges: Vec<usize>,
     /// Lines of motions in which the holder meets material.
     holders: Vec<usize>,
+    /// Motions that cut into the part, with their lines; `None` where the setup has none.
+    gouges: Option<Vec<(usize, Gouge)>>,
     removed: f64,
     stock: f64,
     resolution: f64,
@@ -60,6 +64,16 @@ const MM: f64 = 1e3;
 /// Lines that are kept of motions through material (assumption).
 const LINES: usize = 1000;
 
+/// A gouge for programs.
+fn gouge_json((line, gouge): &(usize, Gouge)) -> Value {
+    json!({
+        "line": line,
+        "depth [um]": gouge.depth * 1e6,
+        "place [mm]": [gouge.place.x * MM, gouge.place.y * MM],
+        "length [mm]": gouge.length * MM,
+    })
+}
+
 impl Engagement {
     /// Follows a program through the stock of a setup; `motions` keeps a row of each motion.
     ///
@@ -76,7 +90,9 @@ impl Engagement {
             deflection: None,
             crashes: Vec::new(),
             plunges: Vec::new(),
+            hollow_plunges: Vec::new(),
             holders: Vec::new(),
+            gouges: setup.part.as_ref().map(|_| Vec::new()),
             removed: 0.0,
             stock: setup.stock.volume(),
             resolution: 0.02 * setup.radius(),
@@ -92,6 +108,10 @@ impl Engagement {
                     let cut =
                         follower.motion(&motion).map_err(|reason| FollowError::NoTool { line: event.line, reason })?;
                     if let Some(cut) = cut {
+                        let hollow = follower.tool().is_some_and(|tool| setup.hollow.contains(&tool));
+                        if hollow && cut.plunge && study.hollow_plunges.len() < LINES {
+                            study.hollow_plunges.push(event.line);
+                        }
                         study.take(event.line, follower.tool(), motion.rapid, motion.time, cut);
                     }
                 }
@@ -125,6 +145,11 @@ impl Engagement {
         }
         if cut.holder {
             keep(&mut self.holders);
+        }
+        if let (Some(gouges), Some(gouge)) = (&mut self.gouges, cut.gouge)
+            && gouges.len() < LINES
+        {
+            gouges.push((line, gouge));
         }
         if !rapid {
             let share = self.tools.entry(tool.unwrap_or(0)).or_default();
@@ -164,6 +189,16 @@ impl Engagement {
     /// Lines of motions in which the holder of the tool meets material; the first thousand.
     pub fn holders(&self) -> &[usize] {
         &self.holders
+    }
+
+    /// Lines of plunges into material by tools whose end does not cut at its centre; the first thousand.
+    pub fn hollow_plunges(&self) -> &[usize] {
+        &self.hollow_plunges
+    }
+
+    /// Motions that cut into the part that should be left, with their lines; the first thousand.
+    pub fn gouges(&self) -> &[(usize, Gouge)] {
+        self.gouges.as_deref().unwrap_or_default()
     }
 
     /// Time at feed in material and in air, s.
@@ -224,7 +259,9 @@ impl Engagement {
             "resolution [mm]": self.resolution * MM,
             "rapids_through_material": self.crashes,
             "plunges": self.plunges,
+            "plunges_without_centre": self.hollow_plunges,
             "holder_in_material": self.holders,
+            "gouges": self.gouges.as_ref().map(|list| list.iter().map(gouge_json).collect::<Vec<_>>()),
             "tools": tools,
         })
     }
@@ -269,6 +306,26 @@ impl Engagement {
         if let [first, ..] = self.holders[..] {
             let count = self.holders.len();
             let _ = write!(text, "\n! the holder meets material in {count} blocks (first: line {first})");
+        }
+        if let [first, ..] = self.hollow_plunges[..] {
+            let count = self.hollow_plunges.len();
+            let _ = write!(
+                text,
+                "\n! a tool that does not cut at its centre plunges in {count} blocks (first: line {first})"
+            );
+        }
+        if let Some((line, gouge)) = self.gouges().iter().reduce(|a, b| if b.1.depth > a.1.depth { b } else { a }) {
+            let Gouge { depth, place, length } = gouge;
+            let count = self.gouges().len();
+            let cut = if count == 1 { "motion cuts" } else { "motions cut" };
+            let _ = write!(
+                text,
+                "\n! {count} {cut} into the part (deepest: line {line}, {:.1} um at X{:.3} Y{:.3} mm, over {:.3} mm)",
+                depth * 1e6,
+                place.x * MM,
+                place.y * MM,
+                length * MM
+            );
         }
         text
     }

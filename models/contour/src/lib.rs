@@ -92,7 +92,7 @@ pub use claims::claims;
 pub use constraint::{Constraint, Ratios};
 pub use contour::Contour;
 pub use corner::{CornerMove, CornerPolicy, loop_length};
-pub use dxf::read as read_dxf;
+pub use dxf::{read as read_dxf, read_outline as read_dxf_outline};
 pub use edge_life::EdgeLife;
 pub use engagement::Engagement;
 pub use error::{ContourError, FileError};

@@ -220,9 +220,8 @@ impl Trace {
         let (Some(first), Some(last)) = (self.sections.first(), self.sections.last()) else {
             return Err(ContourError::Empty);
         };
-        let gap = self.pen.distance(first.start);
-        if closed && misses(gap) {
-            return Err(ContourError::Open { gap });
+        if closed {
+            self.closes(first)?;
         }
         let mut joints: Vec<(usize, f64)> = (self.sections.windows(2).enumerate())
             .map(|(i, pair)| (i, wrapped(pair[1].heading - pair[0].end_heading())))
@@ -246,6 +245,21 @@ impl Trace {
         let mut sections = self.sections;
         merge_arcs(&mut sections, &joints);
         Ok(Contour { sections, corners, side, closed })
+    }
+
+    /// The closed outline drawn, along which no cutter runs: its corners may be of any kind.
+    ///
+    /// # Errors
+    /// [`ContourError::Empty`], and [`ContourError::Open`] where it does not come back to its start.
+    pub fn outline(self) -> Result<Vec<Section>, ContourError> {
+        self.closes(self.sections.first().ok_or(ContourError::Empty)?)?;
+        Ok(self.sections)
+    }
+
+    /// Refuses what does not come back to its first section.
+    fn closes(&self, first: &Section) -> Result<(), ContourError> {
+        let gap = self.pen.distance(first.start);
+        if misses(gap) { Err(ContourError::Open { gap }) } else { Ok(()) }
     }
 }
 

@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// assert_eq!(track.distance(Point { x: 0.05, y: -0.002 }), 0.002);
 /// assert!(track.reaches(Point { x: 0.103, y: 0.0 }, 0.004) && !track.reaches(Point { x: 0.105, y: 0.0 }, 0.004));
 /// ```
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
     section: Section,
     end: Point,
@@ -24,7 +24,7 @@ pub struct Track {
 }
 
 /// The circle of an arc.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Circle {
     pub centre: Point,
     /// m.

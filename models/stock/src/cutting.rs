@@ -1,6 +1,7 @@
 //! Stock that is cut motion by motion.
 
 use crate::engaged::{Engaged, Place, Stock};
+use crate::gouge::Gouge;
 use crate::load::{Load, Tool, wear_rate};
 use crate::map::Map;
 use crate::swath::{Index, Swath};
@@ -70,6 +71,8 @@ pub struct Cut {
     pub plunge: bool,
     /// Whether the holder of the tool meets material.
     pub holder: bool,
+    /// What it cuts into the part that should be left, where the setup has one.
+    pub gouge: Option<Gouge>,
 }
 
 /// The engagement of a motion in the mean of its way in material; 0 where there is none.
@@ -398,8 +401,9 @@ impl Cutting {
     }
 }
 
-/// The path of a motion in the plane XY, cut where it turns round or its height changes too much; nothing where only Z moves.
-fn pieces(motion: &Motion, stock: &Stock) -> Vec<Piece> {
+/// The path of a motion in the plane XY, cut where it turns round: sections with the heights at their ends, m; nothing where only Z
+/// moves.
+pub(crate) fn paths(motion: &Motion) -> Vec<(Section, f64, f64)> {
     let point = |axes: &[f64; 9]| Point { x: 1e-3 * axes[0], y: 1e-3 * axes[1] };
     let (start, end) = (point(&motion.start), point(&motion.end));
     let (from, to) = (1e-3 * motion.start[2], 1e-3 * motion.end[2]);
@@ -410,7 +414,7 @@ fn pieces(motion: &Motion, stock: &Stock) -> Vec<Piece> {
         curvature: 0.0,
         arc_angle: 0.0,
     };
-    let whole: Vec<(Section, f64, f64)> = match motion.path {
+    match motion.path {
         Path::Line => {
             if start.distance(end) < 1e-9 {
                 return Vec::new();
@@ -447,9 +451,13 @@ fn pieces(motion: &Motion, stock: &Stock) -> Vec<Piece> {
             };
             places.windows(2).filter_map(chord).collect()
         }
-    };
+    }
+}
+
+/// [`paths`], cut also where the height changes too much.
+fn pieces(motion: &Motion, stock: &Stock) -> Vec<Piece> {
     let mut list = Vec::new();
-    for (section, from, to) in whole {
+    for (section, from, to) in paths(motion) {
         let depth = (stock.top - from.min(to)).max(1e-4);
         let parts = ((to - from).abs() / (RAMP * depth)).ceil().clamp(1.0, RAMP_PIECES);
         for i in 0..parts as u32 {

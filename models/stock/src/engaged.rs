@@ -1,20 +1,24 @@
 //! The engaged part of the rim at one position.
 
+use crate::profile::Profile;
 use crate::swath::Swath;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
 use toolroom_contour::{Point, Rim, Track};
 
 /// Outline of a stock seen along Z.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Outline {
     /// A rectangle by its least and greatest corner.
     Box(Point, Point),
     /// A circle by its centre and radius, m.
     Circle(Point, f64),
+    /// Lines and arcs.
+    Profile(Arc<Profile>),
 }
 
 /// What is cut.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Stock {
     /// Seen along Z.
     pub outline: Outline,
@@ -58,34 +62,37 @@ const GRAZE: f64 = 1e-4;
 impl Stock {
     /// Volume, m³.
     pub fn volume(&self) -> f64 {
-        let area = match self.outline {
+        let area = match &self.outline {
             Outline::Box(low, high) => (high.x - low.x) * (high.y - low.y),
             Outline::Circle(_, radius) => PI * radius * radius,
+            Outline::Profile(profile) => profile.area(),
         };
         area * (self.top - self.base)
     }
 
     /// Whether a point lies inside the outline grown by `slack`, m.
     pub(crate) fn holds(&self, point: Point, slack: f64) -> bool {
-        match self.outline {
+        match &self.outline {
             Outline::Box(low, high) => {
                 (low.x - slack..=high.x + slack).contains(&point.x)
                     && (low.y - slack..=high.y + slack).contains(&point.y)
             }
-            Outline::Circle(centre, radius) => centre.distance(point) <= radius + slack,
+            Outline::Circle(centre, radius) => centre.distance(point) <= *radius + slack,
+            Outline::Profile(profile) => profile.holds(point, slack),
         }
     }
 
     fn crossings(&self, rim: &Rim, slack: f64, angles: &mut Vec<f64>) {
-        match self.outline {
-            Outline::Box(low, high) => {
+        match &self.outline {
+            &Outline::Box(low, high) => {
                 for (point, heading) in [(low, 0.0), (low, FRAC_PI_2), (high, 0.0), (high, FRAC_PI_2)] {
                     let outwards = if point == low { -slack } else { slack };
                     let grown = Point { x: point.x + outwards, y: point.y + outwards };
                     rim.line(grown, heading, angles);
                 }
             }
-            Outline::Circle(centre, radius) => rim.circle(centre, radius + slack, angles),
+            Outline::Circle(centre, radius) => rim.circle(*centre, radius + slack, angles),
+            Outline::Profile(profile) => profile.crossings(rim, slack, angles),
         }
     }
 
@@ -145,13 +152,13 @@ struct Front {
     rim: Rim,
     /// Angle at which the front half begins, rad.
     begin: f64,
-    parts: Vec<Arc>,
+    parts: Vec<Part>,
     angles: Vec<f64>,
 }
 
 /// A part of the rim in material.
 #[derive(Clone, Copy, Debug)]
-struct Arc {
+struct Part {
     /// From the begin of the front half, rad.
     from: f64,
     to: f64,
@@ -169,9 +176,9 @@ impl Front {
         front
     }
 
-    fn arc(&self, from: f64, to: f64) -> Arc {
+    fn arc(&self, from: f64, to: f64) -> Part {
         let reach = 2.0 * self.rim.radius * (0.25 * (to - from)).sin();
-        Arc { from, to, middle: self.rim.at(self.begin + 0.5 * (from + to)), reach }
+        Part { from, to, middle: self.rim.at(self.begin + 0.5 * (from + to)), reach }
     }
 
     /// Takes the region within `reach` of a track out.
@@ -200,7 +207,7 @@ impl Front {
         }
         angles.retain(|angle| *angle < PI);
         angles.sort_by(f64::total_cmp);
-        let mut left: Vec<Arc> = Vec::with_capacity(self.parts.len() + 2);
+        let mut left: Vec<Part> = Vec::with_capacity(self.parts.len() + 2);
         for arc in &self.parts {
             let inner = angles.iter().copied().filter(|angle| *angle > arc.from && *angle < arc.to);
             let (mut from, mut kept): (f64, Option<(f64, f64)>) = (arc.from, None);

@@ -50,8 +50,8 @@ impl<'a> Follower<'a> {
     pub fn new(setup: &'a Setup) -> Self {
         let only = if setup.tools.len() == 1 { setup.tools.keys().next().copied() } else { None };
         let cutting = match setup.cell() {
-            Some(cell) => Cutting::mapped(setup.stock, cell),
-            None => Cutting::new(setup.stock, setup.radius()),
+            Some(cell) => Cutting::mapped(setup.stock.clone(), cell),
+            None => Cutting::new(setup.stock.clone(), setup.radius()),
         };
         Self { setup, cutting, only, tool: only, speed: 0.0, lifted: true }
     }
@@ -132,7 +132,11 @@ impl<'a> Follower<'a> {
         }
         self.lifted = false;
         match self.tool.and_then(|number| self.setup.tools.get(&number)) {
-            Some(tool) => Ok(Some(self.cutting.motion_seen(motion, tool, self.speed, look))),
+            Some(tool) => {
+                let cut = self.cutting.motion_seen(motion, tool, self.speed, look);
+                let gouge = self.setup.part.as_ref().and_then(|part| part.gouge(motion, tool));
+                Ok(Some(Cut { gouge, ..cut }))
+            }
             None if motion.rapid => Ok(None),
             None => Err(NoTool { tool: self.tool }),
         }

@@ -18,7 +18,8 @@
 //! | item | what it is |
 //! |---|---|
 //! | [`Setup`], [`SETUP`] | a file that describes stock and tools |
-//! | [`Stock`], [`Outline`], [`Tool`], [`End`], [`Holder`], [`ToolForce`] | what is cut and with what |
+//! | [`Part`], [`Gouge`] | what should be left, and what cuts into it |
+//! | [`Stock`], [`Outline`], [`Profile`], [`Tool`], [`End`], [`Holder`], [`ToolForce`] | what is cut and with what |
 //! | [`Cutting`], [`Cut`], [`Load`], [`Mean`] | stock that is cut motion by motion, and what each does |
 //! | [`Follower`] | tool, spindle and height of a program as it goes on |
 //! | [`FeedPlan`], [`FeedLimits`], [`FeedLimit`], [`LimitUse`], [`SpeedChange`] | feeds and spindle speeds of a program inside the limits of its tools |
@@ -28,23 +29,26 @@
 //! SI, but for the motions, which are those of the crate `program`: mm and s.
 //!
 //! # What is not modelled
-//! The tool along another axis than Z; undercuts; fixtures, holders that are more than a cylinder; stock of other forms
-//! than boxes and cylinders. What a bent cutter leaves. Chips thinner than the edge radius. Wear by
+//! The tool along another axis than Z; undercuts; fixtures, holders that are more than a cylinder; stock and parts that are
+//! no prisms. What a bent cutter leaves. Chips thinner than the edge radius. Wear by
 //! plunging and drilling.
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod call;
 mod cutting;
+mod drawn;
 mod end;
 mod engaged;
 mod follow;
+mod gouge;
 mod holder;
 mod limits;
 mod load;
 mod map;
 mod mapped;
 mod plan;
+mod profile;
 mod setup;
 mod swath;
 
@@ -53,8 +57,10 @@ pub use cutting::{Cut, Cutting, Mean};
 pub use end::End;
 pub use engaged::{Outline, Stock};
 pub use follow::{FollowError, Follower, NoTool};
+pub use gouge::{Gouge, Part};
 pub use holder::Holder;
 pub use limits::{FeedLimit, FeedLimits};
 pub use load::{Load, Tool, ToolForce};
 pub use plan::{AsProgrammed, FeedObjective, FeedPiece, FeedPlan, LimitUse, SpeedChange};
+pub use profile::Profile;
 pub use setup::{SETUP, Setup};

@@ -32,8 +32,9 @@ const PITCH: f64 = 0.5;
 impl Map {
     /// A whole stock in columns of about `cell`, m.
     pub fn new(stock: &Stock, cell: f64) -> Self {
-        let (low, high) = match stock.outline {
-            Outline::Box(low, high) => (low, high),
+        let (low, high) = match &stock.outline {
+            Outline::Box(low, high) => (*low, *high),
+            Outline::Profile(profile) => profile.bounds(),
             Outline::Circle(centre, radius) => (
                 Point { x: centre.x - radius, y: centre.y - radius },
                 Point { x: centre.x + radius, y: centre.y + radius },

@@ -1,12 +1,16 @@
 //! Setup files: stock and tools of a part program.
 
+use crate::drawn::{CONTOUR, DXF, LAYER, PART, UNIT, not_of_contour, outline, part};
 use crate::end::End;
 use crate::engaged::{Outline, Stock};
+use crate::gouge::Part;
 use crate::holder::Holder;
 use crate::limits::FeedLimits;
 use crate::load::{Tool, ToolForce};
-use std::collections::BTreeMap;
+use crate::profile::Profile;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use toolroom_contour::{Cutter, Machine, PARAMETER_SETS, Parameters, Point};
 use toolroom_form::{Fault, Form, FormFile, Key, Kind, ReadError, Section, Value, Walk, parse, read};
 
@@ -30,10 +34,14 @@ use toolroom_form::{Fault, Form, FormFile, Key, Kind, ReadError, Section, Value,
 pub struct Setup {
     /// What is cut.
     pub stock: Stock,
+    /// The part that should be left, where the file has one.
+    pub part: Option<Part>,
     /// Tools by their number in the program.
     pub tools: BTreeMap<u32, Tool>,
     /// Names of the tools that have one, by their number: those of a scenario, whose edges they wear.
     pub names: BTreeMap<u32, String>,
+    /// Numbers of the tools whose end does not cut at its centre.
+    pub hollow: BTreeSet<u32>,
     /// What the feed of each tool has to keep, by its number: the limits of its parameter set with those of the file.
     pub limits: BTreeMap<u32, FeedLimits>,
     /// Spindle speeds that a plan may choose for each tool, rad/s, by its number: those of the machine of its parameter set.
@@ -53,6 +61,7 @@ const CORNER: Kind = Kind::List(&PLACE);
 const FEED: Kind = Kind::positive("m/s", "mm/min", 10.0, "2000 mm/min");
 const SPEED: Kind = Kind::positive("rad/s", "rpm", 1e5, "8000 rpm");
 const SMALL: Kind = Kind::positive("m", "um", 0.1, "50 um");
+const OFFSET: Kind = Kind::quantity("m", "mm", 0.0, FARTHEST, "2 mm");
 const LENGTH: Kind = Kind::positive("m", "mm", FARTHEST, "50 mm");
 
 static CYLINDER: Form = Form {
@@ -66,12 +75,26 @@ static CYLINDER: Form = Form {
     ],
 };
 
+/// Keys of a stock that is drawn.
+const DRAWN: [&str; 3] = ["offset", "base", "height"];
+
 static STOCK: Form = Form {
     title: "[stock]",
-    doc: "What is cut, in the coordinates of the program: a box or a cylinder",
+    doc: "What is cut, in the coordinates of the program: a box, a cylinder, or what a contour file or a drawing outlines",
     keys: &[
         Key::optional("box", Kind::List(&CORNER), "Least and greatest corner, X, Y and Z of each"),
         Key::optional("cylinder", Kind::Table(&CYLINDER), "A round stock"),
+        CONTOUR,
+        DXF,
+        LAYER,
+        UNIT,
+        Key::optional(
+            "offset",
+            OFFSET,
+            "How far the stock reaches beyond the contour or drawing; left out: not at all",
+        ),
+        Key::optional("base", PLACE, "Height of the lower face of such a stock in the coordinates of the program"),
+        Key::optional("height", LENGTH, "Height of such a stock"),
         Key::optional(
             "resolution",
             Kind::positive("m", "mm", 0.1, "0.1 mm"),
@@ -174,6 +197,12 @@ static TOOL: Form = Form {
             Kind::quantity("rad", "deg", 0.001, 1.5, "5 deg"),
             "Angle of a tapered end between its axis and its side",
         ),
+        Key::default(
+            "centre_cutting",
+            Kind::Flag,
+            "true",
+            "Whether its end cuts at its centre; plunges of a tool that does not are reported",
+        ),
         Key::optional(
             "holder",
             Kind::Table(&HOLDER),
@@ -191,6 +220,7 @@ pub static SETUP: Form = Form {
         Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
         Key::optional("drives", Kind::Text, "Machine file, from the folder of this file, or a preset"),
         Key::required("stock", Kind::Table(&STOCK), "What is cut"),
+        Key::optional("part", Kind::Table(&PART), "The part that should be left"),
         Key::optional("limits", Kind::Table(&LIMITS), "What planned feeds have to keep"),
         Key::optional("tool", Kind::Tables(&TOOL), "Tools of the program"),
     ],
@@ -239,14 +269,26 @@ fn numbers(value: &Value<'_>) -> Option<Vec<f64>> {
     list.iter().map(|got| if let Value::Si(value) = got.value { Some(value) } else { None }).collect()
 }
 
+/// What is cut; `None` where a problem was noted.
 fn stock(walk: &mut Walk, section: &Section<'_>) -> Option<Stock> {
     let wrong = |walk: &mut Walk, key: &str, expected: &str, example: &str| {
         let (read, expected, example) = ("other values".to_owned(), expected.to_owned(), example.to_owned());
         walk.fault(section.span_of(key), Fault::WrongType { key: key.to_owned(), read, expected, example });
     };
     let example = "[[\"0 mm\", \"0 mm\", \"-20 mm\"], [\"60 mm\", \"40 mm\", \"0 mm\"]]";
-    match (section.given("box"), walk.table(section, "cylinder")) {
-        (true, None) => {
+    let given: Vec<&str> = ["box", "cylinder", "contour", "dxf"].into_iter().filter(|key| section.given(key)).collect();
+    let [kind] = given[..] else {
+        wrong(walk, given.get(1).unwrap_or(&"box"), "one of a box, a cylinder, a contour and a drawing", example);
+        return None;
+    };
+    let drawn = kind == "contour" || kind == "dxf";
+    not_of_contour(walk, section, kind);
+    for key in DRAWN.into_iter().filter(|key| !drawn && section.given(key)) {
+        let (case, applicable) = (format!("a stock with `{kind}`"), "a stock with `contour` or `dxf`".to_owned());
+        walk.fault(section.span_of(key), Fault::NotApplicable { key, case, applicable });
+    }
+    match kind {
+        "box" => {
             let corners: Option<Vec<Vec<f64>>> = section.list("box").iter().map(|got| numbers(&got.value)).collect();
             if let [low, high] = corners?.as_slice()
                 && let ([x0, y0, z0], [x1, y1, z1]) = (low.as_slice(), high.as_slice())
@@ -260,7 +302,8 @@ fn stock(walk: &mut Walk, section: &Section<'_>) -> Option<Stock> {
             wrong(walk, "box", "the least and the greatest corner, X, Y and Z of each", example);
             None
         }
-        (false, Some(table)) => {
+        "cylinder" => {
+            let table = walk.table(section, "cylinder")?;
             let (diameter, height, base) = (table.si("diameter")?, table.si("height")?, table.si("base")?);
             if let [x, y] = table.numbers("centre")?[..] {
                 let outline = Outline::Circle(Point { x, y }, 0.5 * diameter);
@@ -269,9 +312,17 @@ fn stock(walk: &mut Walk, section: &Section<'_>) -> Option<Stock> {
             wrong(walk, "cylinder", "a centre of X and Y", "[\"0 mm\", \"0 mm\"]");
             None
         }
-        (true, Some(_)) | (false, None) => {
-            wrong(walk, "box", "either a box or a cylinder", example);
-            None
+        _ => {
+            for (key, example) in [("base", "\"-20 mm\""), ("height", "\"20 mm\"")] {
+                if !section.given(key) {
+                    let (section_path, example) = (section.path.clone(), example.to_owned());
+                    walk.fault(section.span_of(kind), Fault::MissingKey { section: section_path, key, example });
+                }
+            }
+            let sections = outline(walk, section, kind)?;
+            let (base, height) = (section.si("base")?, section.si("height")?);
+            let profile = Profile::new(&sections, section.si("offset").unwrap_or(0.0));
+            Some(Stock { outline: Outline::Profile(Arc::new(profile)), base, top: base + height })
         }
     }
 }
@@ -335,8 +386,9 @@ fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
     let blank = walk.table(root, "stock");
     let resolution = blank.as_ref().and_then(|section| section.si("resolution"));
     let stock = blank.and_then(|section| stock(walk, &section));
+    let part = walk.table(root, "part").and_then(|section| part(walk, &section));
     let shared = walk.table(root, "limits");
-    let (mut tools, mut names) = (BTreeMap::new(), BTreeMap::new());
+    let (mut tools, mut names, mut hollow) = (BTreeMap::new(), BTreeMap::new(), BTreeSet::new());
     let (mut limits, mut speeds) = (BTreeMap::new(), BTreeMap::new());
     for section in walk.sections(root, "tool", None) {
         let set = section.text("parameter_set").and_then(|name| Parameters::named(name).ok());
@@ -381,11 +433,14 @@ fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
         }
         let holder = holder.zip(section.si("length"));
         let holder = holder.map(|(diameter, overhang)| Holder { radius: 0.5 * diameter, overhang });
+        if section.flag("centre_cutting") == Some(false) {
+            hollow.insert(number as u32);
+        }
         let Some(end) = end(walk, &section, 0.5 * diameter) else { continue };
         tools.insert(number as u32, Tool { radius: 0.5 * diameter, end, teeth: teeth as f64, force, holder });
     }
     let drives = root.text("drives").map(str::to_owned);
-    Some(Setup { stock: stock?, tools, names, limits, speeds, drives, resolution })
+    Some(Setup { stock: stock?, part, tools, names, hollow, limits, speeds, drives, resolution })
 }
 
 #[cfg(test)]

@@ -2,9 +2,10 @@
 
 use proptest::prelude::*;
 use std::f64::consts::PI;
-use toolroom_contour::Point;
+use std::sync::Arc;
+use toolroom_contour::{Point, Trace};
 use toolroom_program::{Control, EventKind, Run};
-use toolroom_stock::{Cut, Cutting, End, Holder, Outline, Stock, Tool, ToolForce};
+use toolroom_stock::{Cut, Cutting, End, Holder, Outline, Profile, Stock, Tool, ToolForce};
 
 fn block(x: f64, y: f64) -> Stock {
     Stock { outline: Outline::Box(Point { x: 0.0, y: 0.0 }, Point { x, y }), base: -0.02, top: 0.0 }
@@ -44,7 +45,7 @@ fn an_inner_corner_engages_a_right_angle_more() {
     let corner = |x: f64, y: f64| Point { x, y };
     let stock = Stock { outline: Outline::Box(corner(-0.01, -0.04), corner(0.1, 0.06)), base: -0.02, top: 0.0 };
     let text = "G0 X-20 Y1 Z-5\nG1 X59 F500\nY80\nG0 Z5\nX-20 Y0\nZ-5\nG1 X60\nY80\n";
-    let (cuts, _) = run(text, stock, 5e-3);
+    let (cuts, _) = run(text, stock.clone(), 5e-3);
     let degrees: Vec<f64> = cuts.iter().map(|cut| cut.sampled.to_degrees()).collect();
     assert!((degrees[2] - 126.8699).abs() < 1e-4, "{degrees:?}");
     // Right behind it the shoulder again.
@@ -53,18 +54,46 @@ fn an_inner_corner_engages_a_right_angle_more() {
     for (before, angle) in [(4.0, 36.872), (3.0, 39.488), (2.0, 53.132), (1.0, 95.742), (0.5, 115.845)] {
         let end = 60.0 - before;
         let text = text.replace("G1 X60\nY80\n", &format!("G1 X{end}\n"));
-        let (cuts, _) = run(&text, stock, 5e-3);
+        let (cuts, _) = run(&text, stock.clone(), 5e-3);
         let degrees = cuts[2].sampled.to_degrees();
         // The reference counts points of the rim, to 0.003 deg, and is printed to 0.001.
         assert!((degrees - angle).abs() < 4e-3, "{before}: {degrees}");
     }
 }
 
+/// A box drawn by four lines is cut as the box, and grown by an offset its corners are round.
+#[test]
+fn a_drawn_stock_is_cut_as_what_it_draws() {
+    let mut trace = Trace::new(Point { x: 0.0, y: 0.0 }, 0.0);
+    for (x, y) in [(0.06, 0.0), (0.06, 0.04), (0.0, 0.04), (0.0, 0.0)] {
+        trace.line_to(Point { x, y }).expect("a line");
+    }
+    let sections = trace.outline().expect("an outline");
+    let drawn = |offset: f64| Stock {
+        outline: Outline::Profile(Arc::new(Profile::new(&sections, offset))),
+        ..block(0.06, 0.04)
+    };
+    let text = "G0 X-10 Y1 Z-3\nG1 X50 F500\nG2 X62 Y13 R12\nG1 Y45\nG0 Z5\nX20 Y20\nG1 Z-6\nG3 I4\n";
+    let (of_box, _) = run(text, block(0.06, 0.04), 4e-3);
+    let (of_lines, _) = run(text, drawn(0.0), 4e-3);
+    for (one, other) in of_box.iter().zip(&of_lines) {
+        assert!((one.sampled - other.sampled).abs() < 1e-9, "{one:?} {other:?}");
+        assert!((one.removed - other.removed).abs() < 1e-6 * one.removed + 1e-15, "{one:?} {other:?}");
+    }
+    // Along the side of the grown stock the same shoulder lies farther out.
+    let shoulder = |y: f64, stock: Stock| run(&format!("G0 X20 Y{y} Z-5\nG1 X40 F500\n"), stock, 5e-3).0[0].sampled;
+    assert!((shoulder(-4.0, block(0.06, 0.04)) - shoulder(-6.0, drawn(0.002))).abs() < 1e-9);
+    // Beyond its corner nothing is left of the square: at 45° the round corner is nearer than that of a grown box.
+    let grown = drawn(0.002);
+    let exact = 0.06 * 0.04 + 2.0 * 0.002 * (0.06 + 0.04) + PI * 0.002f64.powi(2);
+    assert!((grown.volume() / (0.02 * exact) - 1.0).abs() < 1e-4, "{}", grown.volume());
+}
+
 #[test]
 fn what_is_engaged_is_what_is_gone() {
     let (radius, stock) = (4e-3, block(0.06, 0.04));
     let text = "G0 X-6 Y0 Z-3\nG1 X66 F500\nG0 Z5\nX-6 Y5 Z5\nZ-3\nG1 X30\nG2 X44 Y19 R14\nG1 Y50\nG0 Z5\nX15 Y25\nG1 Z-6\nG3 I5\nG1 X20 Y30 Z-2\n";
-    let (cuts, cutting) = run(text, stock, radius);
+    let (cuts, cutting) = run(text, stock.clone(), radius);
     let sum: f64 = cuts.iter().map(|cut| cut.removed).sum();
     assert!((sum - cutting.removed()).abs() < 1e-15);
     assert!(cuts.iter().any(|cut| cut.plunge) && cuts.iter().any(|cut| cut.air > 0.05));

@@ -116,8 +116,12 @@ pub(super) fn program(
         return None;
     };
     let text = walk.file(section, "setup", setup_file)?;
-    let setup = match Setup::parse(setup_file, &text, &[]) {
-        Ok(file) => file.content,
+    // Files that it names count from its own folder.
+    let setup = match Setup::parse(&walk.folder.join(setup_file).display().to_string(), &text, &[]) {
+        Ok(file) => {
+            file.files.into_iter().for_each(|named| walk.named(named));
+            file.content
+        }
         Err(reason) => {
             walk.fault(section.span_of("setup"), ScenarioFault::SetupFile { reason: reason.to_string() });
             return None;

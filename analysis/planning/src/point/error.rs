@@ -99,26 +99,6 @@ impl PointError {
         if error.code().is_some() { Self::Value(error) } else { Self::Advance(error) }
     }
 
-    /// The code of an effect that gives no value: the input is right as far as it could be checked, and the work fails.
-    pub fn code(&self) -> Option<&'static str> {
-        match self {
-            Self::Value(error) => error.code(),
-            Self::Row { source, .. } => source.code(),
-            Self::Effect(_)
-            | Self::Pair(_)
-            | Self::Set(_)
-            | Self::Change(_)
-            | Self::NoGroup { .. }
-            | Self::NoParameter { .. }
-            | Self::NoValue { .. }
-            | Self::Twice { .. }
-            | Self::Lengths { .. }
-            | Self::AdvanceTime(_)
-            | Self::AdvanceTooLong { .. }
-            | Self::Advance(_) => None,
-        }
-    }
-
     /// The likely way out.
     pub fn fix(&self) -> String {
         match self {

@@ -94,21 +94,64 @@ pub fn read(
     Ok(read_placed(text, (layer, unit, JOIN), Some(side), closed)?.0)
 }
 
+/// Reads the one closed outline of a layer, along which no cutter runs, as [`read`] reads a contour.
+///
+/// # Errors
+/// As [`read`].
+///
+/// ```
+/// use toolroom_contour::read_dxf_outline;
+/// let text = "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\nHOLE\n10\n5\n20\n5\n40\n20\n0\nENDSEC\n0\nEOF\n";
+/// let outline = read_dxf_outline(text, None, Some(1e-3)).unwrap();
+/// assert!((outline.iter().map(|section| section.length).sum::<f64>() - 0.04 * std::f64::consts::PI).abs() < 1e-9);
+/// ```
+pub fn read_outline(text: &str, layer: Option<&str>, unit: Option<f64>) -> Result<Vec<Section>, FileError> {
+    let Traced { trace, lines, first, .. } = traced(text, (layer, unit, JOIN))?;
+    trace.outline().map_err(|fault| {
+        let line = lines.last().copied().unwrap_or(first);
+        FileError { line, column: 1, fault: Box::new(fault) }
+    })
+}
+
+/// A contour as it was drawn.
+struct Traced {
+    trace: Trace,
+    /// Line of the element that draws each section.
+    lines: Vec<usize>,
+    /// Whether it draws a curve that is no arc.
+    curves: Vec<bool>,
+    /// Line of the first element.
+    first: usize,
+}
+
 /// [`read`] with the line of the element that draws each section, of a layer, with a unit and the distance of ends that are one
 /// point, m.
 pub(crate) fn read_placed(
     text: &str,
-    (layer, unit, join): (Option<&str>, Option<f64>, f64),
+    of: (Option<&str>, Option<f64>, f64),
     side: Option<CutterSide>,
     closed: bool,
 ) -> Result<Placed, FileError> {
+    let Traced { trace, lines, curves, first } = traced(text, of)?;
+    let side =
+        side.ok_or_else(|| fault(first, "a drawing does not say where the cutter runs: give cutter_side in the file"))?;
+    let mut contour = trace.finish(side, closed).map_err(|fault| {
+        let line = fault.section().and_then(|section| lines.get(section)).or(lines.last()).copied().unwrap_or(first);
+        FileError { line, column: 1, fault: Box::new(fault) }
+    })?;
+    join_curves(&mut contour.sections, &curves);
+    Ok((contour, lines.into_iter().map(|line| (line, 1)).collect()))
+}
+
+/// The one contour of a layer, with a unit and the distance of ends that are one point, m.
+fn traced(text: &str, (layer, unit, join): (Option<&str>, Option<f64>, f64)) -> Result<Traced, FileError> {
     let drawing = drawing(text)?;
     let entities = &drawing.entities;
     let first = entities.first().map_or(1, |entity| entity.line);
     let unit = drawing
         .unit
         .or(unit)
-        .ok_or_else(|| fault(1, "nothing says the unit of the drawing ($INSUNITS): give --units mm or --units inch"))?;
+        .ok_or_else(|| fault(1, "nothing says the unit of the drawing ($INSUNITS): give --units mm or --units inch (units = \"mm\" in a [stock])"))?;
     let inserted = drawing.blocks.iter().flat_map(|block| &block.entities);
     let drawn = || entities.iter().chain(inserted.clone());
     if let Some(layer) = layer.filter(|layer| drawn().all(|entity| entity.layer() != *layer)) {
@@ -141,8 +184,6 @@ pub(crate) fn read_placed(
         chain.reverse();
         chain.iter_mut().for_each(|element| *element = element.reversed());
     }
-    let side =
-        side.ok_or_else(|| fault(first, "a drawing does not say where the cutter runs: give cutter_side in the file"))?;
     let mut trace = Trace::new(chain[0].start, 0.0);
     let (mut lines, mut curves): (Vec<usize>, Vec<bool>) = (Vec::new(), Vec::new());
     for element in &chain {
@@ -154,12 +195,7 @@ pub(crate) fn read_placed(
         lines.resize(trace.sections(), element.line);
         curves.resize(trace.sections(), element.curve);
     }
-    let mut contour = trace.finish(side, closed).map_err(|fault| {
-        let line = fault.section().and_then(|section| lines.get(section)).or(lines.last()).copied().unwrap_or(first);
-        FileError { line, column: 1, fault: Box::new(fault) }
-    })?;
-    join_curves(&mut contour.sections, &curves);
-    Ok((contour, lines.into_iter().map(|line| (line, 1)).collect()))
+    Ok(Traced { trace, lines, curves, first })
 }
 
 /// The natural arc of a part of a curve is the run of one sign of curvature around it, as that of a spline is.

@@ -49,7 +49,7 @@ fn every_limit_is_kept_wherever_a_planned_program_is_sampled() {
         let kept = setup.limits[&1].only(&names);
         assert!(plan.limits[&named].binds > 1.0, "{limits}: {:?}", plan.limits);
         let tool = setup.tools[&1];
-        let mut cutting = Cutting::new(setup.stock, tool.radius);
+        let mut cutting = Cutting::new(setup.stock.clone(), tool.radius);
         let (mut sampled, mut worst) = (0, 0.0_f64);
         for (index, (motion, speed)) in motions(POCKET).into_iter().enumerate() {
             let planned = !plan.pieces(index).is_empty();
