@@ -21,3 +21,38 @@ fn a_lathe_and_its_policy_become_a_package_that_ssp_info_reads() {
     assert_eq!(unknown.status.code(), Some(2));
     assert!(stderr(&unknown).contains("there is no machine `L9`; there are L"), "{}", stderr(&unknown));
 }
+
+#[test]
+fn an_effect_of_ones_own_makes_no_cell_and_one_with_a_scope_is_left_out_by_name() {
+    let folder = directory("ssp_cell", "effects");
+    let text = std::fs::read_to_string(shipped("lathe-cell")).expect("a shipped scenario");
+    let switched = |name: &str, effect: &str, more: &str| {
+        let place = text.find("parameter_set").expect("a tool with a parameter set");
+        let (tool, rest) = text.split_at(place);
+        let file = folder.join(format!("{name}.toml"));
+        std::fs::write(&file, format!("{tool}effects = [{effect}]\n{rest}{more}")).expect("a file");
+        let package = folder.join(format!("{name}.ssp")).display().to_string();
+        toolroom(&["ssp", "export", &file.display().to_string(), "--machine", "L", "--out", &package])
+    };
+    let crater = r#"
+[[effect]]
+id = "my.crater"
+title = "crater weakens the edge"
+process = ["turning"]
+size = { unit = "1", ordinary = 0.1, range = [0.0, 2.0] }
+changes = [{ term = "cutting_force", factor = "1 + size * (flank_wear / 0.3 mm)" }]
+confounder = "wear_force"
+separating_test = "two speeds on one edge"
+source = "assumption"
+"#;
+    let own = switched("own", r#"{ id = "my.crater", size = 0.05 }"#, crater);
+    assert_eq!(own.status.code(), Some(2), "{}", stderr(&own));
+    assert!(stderr(&own).contains("effect `my.crater` of tool"), "{}", stderr(&own));
+    let scoped = r#"{ id = "wear_force", size = 0.2, scope = { from = "1 h" } }"#;
+    let scoped = switched("scoped", scoped, "");
+    assert_eq!(scoped.status.code(), Some(0), "{}", stderr(&scoped));
+    assert!(stderr(&scoped).contains("effect `wear_force` has a scope and is left out"), "{}", stderr(&scoped));
+    let everywhere = switched("everywhere", r#"{ id = "wear_force", size = 0.2 }"#, "");
+    assert_eq!(everywhere.status.code(), Some(0), "{}", stderr(&everywhere));
+    assert!(!stderr(&everywhere).contains("left out"), "{}", stderr(&everywhere));
+}

@@ -142,4 +142,16 @@ mod tests {
         // What else the test finds is the noise of sensors, which follows nothing.
         assert!(!said.contains("cycle_time shape"), "{said}");
     }
+
+    /// A best fit of the model without the effect was not found on these edges, and it was not held within belief: new edges
+    /// showed a closure of 0.86, where those of the diagnosis say 0.17.
+    #[test]
+    fn the_closure_on_new_edges_is_that_of_the_model_that_the_diagnosis_held_its_effect_against() {
+        let rows = answers(&[Case::one("turning", "coolant_ageing", 1.0, 5_300_100_084)]);
+        let row = &rows[0];
+        assert_eq!((row.mark, row.named.as_str()), (Mark::Exact, "coolant_ageing"), "{}", row.notes);
+        let [low, high, new] =
+            [row.closed_low, row.closed_high, row.closed_on_new_edges].map(|value| value.expect("a closure"));
+        assert!(low <= new && new <= high, "{new} is not in {low} … {high}");
+    }
 }

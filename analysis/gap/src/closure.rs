@@ -4,59 +4,16 @@ use super::constants::{NINETY, TOO_FEW};
 use super::left_out::LeftOut;
 use super::measures::{CLOSABLE, Left, Measures, apart, usual};
 use super::noise::HUBER;
-use super::reframed::Reframed;
-use super::settle::settled;
 use super::trial::Trial;
-use super::{Apart, Basis, ChannelId, Closure, Forward, Measured, Method, Transform};
+use super::{Apart, Basis, ChannelId, Closure, Forward, Measured, Transform};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 /// Resamples of groups for an interval.
 const RESAMPLES: usize = 400;
-
-/// Closure on groups that were kept out of the fit, of any effects that one asks about: by how much
-/// an effect that is known to be there would close the gap.
-pub struct Outside<'a> {
-    model: &'a dyn Forward,
-    basis: Basis,
-    base: Trial,
-    left: LeftOut,
-    groups: Vec<usize>,
-}
-
-impl<'a> Outside<'a> {
-    /// Fits the nominal model to the groups that are to be fitted; `None` where none is kept out.
-    pub fn new(model: &'a dyn Forward) -> Option<Self> {
-        let measured = &model.frame().measured;
-        let kept_out = |group: &usize| !measured.fitted[*group] && !measured.spans[*group].is_empty();
-        let groups: Vec<usize> = (0..measured.groups.len()).filter(kept_out).collect();
-        if groups.is_empty() {
-            return None;
-        }
-        let (basis, fit) = settled(model, Method::default());
-        let base = Trial::of(model, &basis, &[], fit);
-        let left = LeftOut::of(model, &basis, &base, &[]);
-        Some(Self { model, basis, base, left, groups })
-    }
-
-    /// Closure of the candidates `active` over the channels `touched`, and what their fit costs.
-    pub fn closure(&self, active: &[usize], touched: &[ChannelId], seed: u64) -> (Closure, f64) {
-        let trial = Trial::new(self.model, &self.basis, &[], &self.base.fit, active);
-        let chosen = LeftOut::of(self.model, &self.basis, &trial, &[]);
-        let (total, _) = closures(self.model, &self.basis, &self.left, &chosen, &self.groups, touched, seed);
-        (total, trial.fit.cost)
-    }
-
-    /// Size (SI) of the candidate `index` that the groups kept out ask for by themselves.
-    pub fn size(&self, index: usize) -> f64 {
-        let mut frame = self.model.frame().clone();
-        frame.measured.fitted.iter_mut().for_each(|fitted| *fitted = !*fitted);
-        let turned = Reframed { model: self.model, frame };
-        let trial = Trial::new(&turned, &self.basis, &[], &self.base.fit, &[index]);
-        trial.fit.linear.point.effects[index]
-    }
-}
+/// Stream of random numbers of the groups that are cut next: not that of the scored ones.
+const NEW_GROUPS: u64 = u64::MAX;
 
 /// Sums of squares of the groups on which a closure is scored.
 pub(super) struct Sums {
@@ -260,29 +217,34 @@ pub(super) fn closure(sums: &Sums, fits: &[&Sums], left: &[Left], seed: u64) -> 
     let fits = if fits.is_empty() { &itself[..] } else { fits };
     // A fit to other groups is as far from the best as this one: on the whole it closes less.
     let middle = fits.iter().map(|fit| closed(fit, &groups)).sum::<f64>() / fits.len() as f64;
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut draws: Vec<f64> = (0..RESAMPLES)
-        .map(|draw| {
-            let sample: Vec<usize> = groups.iter().map(|_| groups[random.random_range(0..groups.len())]).collect();
-            value + closed(fits[draw % fits.len()], &sample) - middle
-        })
-        .filter(|draw| draw.is_finite())
-        .collect();
-    draws.sort_by(f64::total_cmp);
-    let quantile = |share: f64| {
-        draws.get(((draws.len() as f64 * share) as usize).min(draws.len().saturating_sub(1))).copied().unwrap_or(value)
+    let resampled = |random: &mut ChaCha8Rng| -> Vec<usize> {
+        groups.iter().map(|_| groups[random.random_range(0..groups.len())]).collect()
     };
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let expected: Vec<f64> =
+        (0..RESAMPLES).map(|draw| value + closed(fits[draw % fits.len()], &resampled(&mut random)) - middle).collect();
+    // New groups scatter around what is expected as the scored ones do, and independently of them.
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(NEW_GROUPS);
+    let new: Vec<f64> = expected.iter().map(|draw| draw + closed(sums, &resampled(&mut random)) - value).collect();
     // Resampling few groups gives intervals that are too short: those of Student against those of
     // the normal, with one degree of freedom less for the mean.
     let count = groups.len() as f64;
     let wider = toolroom_statistics::student(0.9, count - 1.0) / NINETY * (count / (count - 1.0)).sqrt();
     let stretch = |end: f64| (value + (end - value) * if wider.is_finite() { wider } else { TOO_FEW }).min(1.0);
+    let interval = |mut draws: Vec<f64>| {
+        draws.retain(|draw| draw.is_finite());
+        draws.sort_by(f64::total_cmp);
+        let place = |share: f64| ((draws.len() as f64 * share) as usize).min(draws.len().saturating_sub(1));
+        [0.05, 0.95].map(|share| stretch(draws.get(place(share)).copied().unwrap_or(value)))
+    };
     let closable = before * before - floor * floor;
     Closure {
         before,
         after,
         closed: value,
-        ci90: [stretch(quantile(0.05)), stretch(quantile(0.95))],
+        ci90: interval(expected),
+        pi90: interval(new),
         of_closable: if closable > CLOSABLE * before * before {
             ((before * before - after * after) / closable).min(1.0)
         } else {
@@ -318,5 +280,34 @@ mod tests {
             narrow.ci90,
             "a fit that does not move changes nothing"
         );
+    }
+
+    /// Shops whose groups scatter by a third in what an effect leaves of them. The mean of exp(sx) is exp(s²/2): all groups
+    /// together close 1 − √(0.3 exp(0.045)).
+    #[test]
+    fn nine_of_ten_intervals_hold_the_closure_of_all_groups_or_that_of_as_many_new_ones() {
+        const SHOPS: usize = 400;
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let mut shop = |groups: usize| {
+            let mut normal = || -> f64 { rand_distr::Distribution::sample(&rand_distr::StandardNormal, &mut random) };
+            let before: Vec<f64> = (0..groups).map(|_| 40.0 * (0.2 * normal()).exp()).collect();
+            let after = before.iter().map(|before| 0.3 * before * (0.3 * normal()).exp()).collect();
+            Sums { before, after, floor: vec![1.0; groups], count: vec![10.0; groups] }
+        };
+        let of_all = 1.0 - (0.3 * 0.045_f64.exp()).sqrt();
+        let (mut expected, mut new, mut confused) = (0, 0, 0);
+        for seed in 0..SHOPS as u64 {
+            let (found, next) = (closure(&shop(12), &[], &[], seed), closure(&shop(12), &[], &[], seed).closed);
+            let holds = |[low, high]: [f64; 2], value: f64| usize::from(low <= value && value <= high);
+            expected += holds(found.ci90, of_all);
+            new += holds(found.pi90, next);
+            confused += holds(found.ci90, next);
+        }
+        // Three standard errors of a share of 0.9 among 400 are 0.045; the bootstrap of twelve groups costs some hundredths.
+        for held in [expected, new] {
+            assert!((0.84..=0.945).contains(&(held as f64 / SHOPS as f64)), "{expected} and {new} of {SHOPS}");
+        }
+        // Twelve new groups are no population: 0.755 of them by 1.645/√2 standard deviations.
+        assert!((0.68..=0.83).contains(&(confused as f64 / SHOPS as f64)), "{confused} of {SHOPS}");
     }
 }

@@ -106,8 +106,10 @@ pub struct Closure {
     pub after: f64,
     /// `1 − after/before`.
     pub closed: f64,
-    /// 90 % interval of that.
+    /// 90 % interval of confidence for the closure on all groups of this kind, of which the scored ones are a sample.
     pub ci90: [f64; 2],
+    /// 90 % interval of prediction for the closure on as many new groups: those scatter by themselves, too.
+    pub pi90: [f64; 2],
     /// Share of what could be closed at all: of the mean square above the noise floor, at most 1. No number where less
     /// than a fifth of the mean square lies above it.
     pub of_closable: f64,
@@ -302,6 +304,7 @@ impl Closure {
         after: f64::NAN,
         closed: f64::NAN,
         ci90: [f64::NAN; 2],
+        pi90: [f64::NAN; 2],
         of_closable: f64::NAN,
         measures: Measures::UNKNOWN,
     };
@@ -309,7 +312,7 @@ impl Closure {
     pub(super) fn json(&self, with_groups: Option<&[String]>) -> Value {
         let mut value = json!({
             "before": number(self.before), "after": number(self.after), "closed": number(self.closed),
-            "ci90": [number(self.ci90[0]), number(self.ci90[1])], "of_closable": number(self.of_closable),
+            "ci90": self.ci90.map(number), "pi90": self.pi90.map(number), "of_closable": number(self.of_closable),
             "measures": self.measures.json(),
         });
         if let Some(groups) = with_groups {

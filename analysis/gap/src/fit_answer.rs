@@ -51,6 +51,8 @@ pub struct LeastSeen {
 pub struct Structure {
     /// The channel.
     pub channel: ChannelId,
+    /// Its root mean square, as it is estimated, in the unit of comparison; zero where noise alone would leave as much.
+    pub rms: f64,
     /// Upper 90 % end of its root mean square, in the unit of comparison (relative, or SI).
     pub upper: f64,
     /// Typical value, SI; 1 where the comparison is relative.
@@ -103,7 +105,7 @@ impl Fitness {
                     "statistic": finite(part.statistic) })
         };
         let seen = |seen: &LeastSeen| json!({ "what": seen.what, "value": finite(seen.value), "unit": seen.unit, "power": seen.power });
-        let structure = |own: &Structure| json!({ "channel": own.channel.word(), "upper": finite(own.upper), "scatter": finite(own.scatter) });
+        let structure = |own: &Structure| json!({ "channel": own.channel.word(), "rms": finite(own.rms), "upper": finite(own.upper), "scatter": finite(own.scatter) });
         json!({
             "p": self.p, "level": self.level, "passed": self.passed(),
             "parts": self.parts.iter().map(part).collect::<Vec<_>>(),

@@ -388,17 +388,18 @@ impl<'a> Test<'a> {
             let of_channel: Vec<f64> = places.iter().map(|place| scores[*place]).collect();
             let count = of_channel.len() as f64;
             let mean = of_channel.iter().map(|z| z * z).sum::<f64>() / count;
-            let upper = match Structured::of(&of_channel, layout) {
-                Some(own) => own.mean_square + super::constants::NINETY * own.error,
+            let (estimate, error) = match Structured::of(&of_channel, layout) {
+                Some(own) => (own.mean_square, own.error),
                 // All that is beyond the noise of the sheet may be structure; groups, not readings, are independent.
                 None => {
                     let of_group =
                         |group: &Range<usize>| of_channel[group.clone()].iter().map(|z| z * z - mean).sum::<f64>();
                     let by_group =
                         layout.groups.iter().map(|group| of_group(group).powi(2)).sum::<f64>().sqrt() / count;
-                    mean + super::constants::NINETY * by_group.max((2.0 / count).sqrt()) - 1.0
+                    (mean - 1.0, by_group.max((2.0 / count).sqrt()))
                 }
             };
+            let upper = estimate + super::constants::NINETY * error;
             let about = &measured.channels[*channel];
             let mut sensor: Vec<f64> =
                 places.iter().map(|place| measured.observations[self.places[*place]].deviation).collect();
@@ -410,6 +411,7 @@ impl<'a> Test<'a> {
             let level = if relative { 1.0 } else { typical };
             Structure {
                 channel: about.id,
+                rms: sensor * estimate.max(0.0).sqrt(),
                 upper: sensor * upper.max(0.0).sqrt(),
                 level,
                 sensor,

@@ -94,10 +94,12 @@ impl Diagnosis {
         if !self.effects.is_empty() {
             let _ = writeln!(
                 text,
-                "closed   {} of the gap on groups left out (90 %: {} … {}); {} of what can be closed",
+                "closed   {} of the gap on groups left out (90 %: {} … {}; of as many new groups {} … {}); {} of what can be closed",
                 percent(self.total.closed),
                 percent(self.total.ci90[0]),
                 percent(self.total.ci90[1]),
+                percent(self.total.pi90[0]),
+                percent(self.total.pi90[1]),
                 percent(self.total.of_closable)
             );
         }

@@ -139,7 +139,10 @@ fn rejected(fit: Option<&Fitness>) -> String {
     let Some(part) = fit.parts.first() else { return String::new() };
     let follows = if part.follows.is_empty() { String::new() } else { format!(" ({})", part.follows) };
     let mut words = format!("the fit is rejected (p = {:.3}): {} {}{follows}", fit.p, part.what, part.test);
-    let size = |own: &&Structure| format!("{} up to {:.2} times its sensor", own.channel, own.upper / own.sensor);
+    let size = |own: &&Structure| {
+        let [rms, upper] = [own.rms, own.upper].map(|size| size / own.sensor);
+        format!("{} by {rms:.2} (up to {upper:.2}) times its sensor", own.channel)
+    };
     let large: Vec<String> = fit.structure.iter().filter(|own| own.may_matter()).map(|own| size(&own)).collect();
     if !large.is_empty() {
         words += &format!("; beside noise and scatter {}", large.join(", "));
@@ -185,7 +188,8 @@ mod tests {
     /// A diagnosis whose rules kept an effect from being named, with a test of this probability.
     fn abstained(p: f64, upper: f64) -> Diagnosis {
         let part = Part { what: "cutting_time", test: "groups", follows: String::new(), p, statistic: 2.0 };
-        let structure = Structure { channel: ChannelId::CuttingTime, upper, level: 1.0, sensor: 0.01, scatter: 0.01 };
+        let about = ChannelId::CuttingTime;
+        let structure = Structure { channel: about, rms: 0.8 * upper, upper, level: 1.0, sensor: 0.01, scatter: 0.01 };
         let fit = Fitness { p, level: 0.01, parts: vec![part], least_seen: Vec::new(), structure: vec![structure] };
         Diagnosis {
             verdict: GapVerdict::Unknown,

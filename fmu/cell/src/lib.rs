@@ -42,10 +42,10 @@ pub enum CellError {
     /// A policy that cannot be worked out.
     #[error(transparent)]
     Policy(#[from] ResolveError),
-    /// A machine or policy that no unit stands for.
+    /// A machine, policy or effect that no unit stands for.
     #[error("{what}: {reason}")]
     NotOffered {
-        /// Machine, tool or policy.
+        /// Machine, tool, policy or effect.
         what: String,
         /// Why not.
         reason: &'static str,
@@ -121,6 +121,10 @@ impl Cell {
             return refused(format!("tool `{}`", tool.name), "the unit of turning wears by energy_balance");
         }
         let cut = cuts[0];
+        if let Some(own) = tool.variants.effects.iter().find(|own| own.effect.definition().is_some()) {
+            let what = format!("effect `{}` of tool `{}`", own.effect.entry().id, tool.name);
+            return refused(what, "a unit has the effects of the catalogue and none of your own; export without it");
+        }
         let resolved = ResolvedPolicy::of(scenario, policy)?;
         let name = &scenario.policies[policy].name;
         let controller = controller(&resolved, (machine, pass), cut, cuts.len(), turning)
@@ -138,8 +142,8 @@ impl Cell {
         if cuts.iter().any(|other| *other != cut) {
             notes.push(format!("the passes of `{operation}` differ; the cell cuts as the first one"));
         }
-        if !tool.variants.effects.is_empty() {
-            notes.push("effects with a scope of time or place are left out".to_owned());
+        for own in tool.variants.effects.iter().filter(|own| !own.scope.is_everywhere()) {
+            notes.push(format!("effect `{}` has a scope and is left out", own.effect.entry().id));
         }
         let title = format!("{} on {}: {part}.{operation}, policy {name}", scenario.name, choice.machine);
         Ok(Self { name: format!("{}-{}", scenario.name, choice.machine), title, notes, start })
