@@ -2,6 +2,7 @@
 
 use crate::args::ContourArgs;
 use crate::failure::Failure;
+use crate::progress::Bar;
 use crate::speak::Voice;
 use crate::study::default_out;
 use std::time::Instant;
@@ -12,6 +13,7 @@ use toolroom_planning::contour::{
 };
 use toolroom_program::{Control, Dialect, Units};
 use toolroom_shards::fingerprint;
+use toolroom_study::study::Progress;
 
 pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
     let control = args.gcode.as_deref().map(|path| {
@@ -40,7 +42,11 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
     let out = OutputDir::create(&target, NAMES, inputs, voice.force)?;
     let start = Instant::now();
     let options = options(args)?;
-    let studies = studies(&task.file, &options, &|note| voice.say(note)).map_err(|refused| task.refused(&refused))?;
+    let bar = Bar::of(voice, "plans");
+    let progress = |done, total| bar.at(Progress { done, total });
+    let studies = studies(&task.file, &options, &|note| voice.say(note), &progress);
+    bar.finish();
+    let studies = studies.map_err(|refused| task.refused(&refused))?;
     let wall = start.elapsed();
     let provenance = origin(args, &task);
     let dialect = args.post.as_deref().and_then(Dialect::named).unwrap_or(Dialect::Fanuc);

@@ -277,3 +277,27 @@ fn no_advance_is_computed_for_hours() {
     assert_eq!(long.status.code(), Some(2), "{}", stderr(&long));
     assert!(stderr(&long).contains("is more than 1000000 s"), "{}", stderr(&long));
 }
+
+#[test]
+fn a_file_of_nothing_but_slips_is_refused_with_its_place() {
+    // Each sign was looked for from the start of the file: minutes for a list of 300 000 commas.
+    for (name, flood) in [("commas", ",".repeat(300_000)), ("slips", "= 1\n".repeat(75_000))] {
+        let flooded = file(name, format!("schema = 1\ncolumn = [{flood}"));
+        let refused = toolroom(&["check", &flooded]);
+        assert_eq!(refused.status.code(), Some(2), "{name}: {}", stderr(&refused));
+        let first = &json(&toolroom(&["check", &flooded, "--json"]))["problems"][0];
+        assert_eq!((&first["code"], &first["line"]), (&"syntax".into(), &2.into()), "{first}");
+    }
+}
+
+#[test]
+fn files_without_keys_are_sent_to_the_verb_that_reads_them() {
+    let hits = directory("cli", "hits").join("hits.uff");
+    fs::write(&hits, "    -1\n    58\nhits\n    -1\n").expect("writable");
+    let refused = toolroom(&["check", &hits.display().to_string()]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("toolroom modes FILE --read"), "{}", stderr(&refused));
+    let shard = toolroom(&["shard", "no-plan.json", "0", "--out", "parts"]);
+    assert_eq!(shard.status.code(), Some(2));
+    assert!(stderr(&shard).contains("no-plan.json cannot be read"), "{}", stderr(&shard));
+}

@@ -4,12 +4,16 @@
     python3 tests/fuzz/mutate.py target/debug/toolroom                        # 200 mutations, as CI does
     python3 tests/fuzz/mutate.py target/release/toolroom --count 10000        # the whole, an hour or two on two cores
     python3 tests/fuzz/mutate.py target/debug/toolroom --seed 7 --from 123 --count 1 --keep out/fuzz   # one again, kept
+    python3 tests/fuzz/mutate.py target/release/toolroom --floods 300000     --count 2000   # 300 kB of the same
+
+Floods look for readers whose time grows with the square of what is wrong: a text gets BYTES of one of FLOODS, in the middle of a
+line or as lines of their own. Every text, flood and place is tried once, in an order that the seed draws; there are some 8700.
 
 Mutation I of seed S is always the same. For each the input files of a command are copied, one is changed (bytes, lines, numbers,
 units, keys, encodings, nesting, tables), or one of the arguments is, and the command runs. It is a fault when
 
 - it ends with another exit code than 0, 1, 2 or 3, or says that it panicked,
-- it takes more than 60 s of processor time, computes nothing for five minutes, or takes more memory than --memory allows,
+- it takes more than 60 s of processor time (--longest), computes nothing for five minutes, or takes more memory than --memory allows,
 - it ends with 0 and says `error:`, or with 1 or 2 and says nothing,
 - it changes, removes or replaces a file that was there before.
 """
@@ -31,11 +35,12 @@ import tempfile
 
 from cases import cases, left_out
 
-LONGEST = 60  # s of processor time
 HANGS = 300  # s by the clock: nothing is computed any more
 NUMBER = re.compile(rb"[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?")
 STRANGE = [b"0", b"-1", b"1e308", b"-1e308", b"1e-308", b"nan", b"inf", b"-inf", b"99999999999999999999", b"4294967296",
            b"1e9", b"1e-9", b"0.1.2", b"1,5", b"", b"\xd9\xa3", b"0x10", b"1_000", b"9" * 400]
+FLOODS = [b",", b"[", b"]", b"[]", b"{", b"}", b'"', b"'", b"=", b"(", b";", b" ", b"\n", b"\r", b"\\", b"<a>", b"&lt;", b'"a":', b"a.", b"1,",
+          b"0 ", b"-1\n", b",\n", b"[[a]]\n", b"[machine]\n", b"a = 1\n", b"a1 = 1, ", b"G1 X1\n", b"0\nLINE\n"]
 UNITS = [b"mm", b"um", b"m", b"in", b"m/min", b"m/s", b"rpm", b"Hz", b"s", b"min", b"h", b"day", b"EUR", b"EUR/h", b"1/h", b"N",
          b"kN", b"K", b"degC", b"mm/rev", b"%", b"MPa", b"kg", b"", b"\xc2\xb5m", b"furlong"]
 
@@ -140,17 +145,45 @@ def processor_time(pid):
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def floods(found, size, seed):
+    """The number of a case, which of its files, where and what, for everything that --floods tries, in the order of a seed."""
+    def flooded(of):
+        return b"\0" not in (of if isinstance(of, bytes) else of.read_bytes())
+    every = [(number, which, inside, flood * (size // len(flood))) for number, (_, files, _) in enumerate(found)
+             for which, (_, of) in enumerate(files) if flooded(of) for flood in FLOODS for inside in (True, False)]
+    random.Random(f"floods-{seed}").shuffle(every)
+    return every
+
+
+def with_flood(text, inside, flood):
+    """A text with a flood in the middle of its middle line, or as lines of its own before it."""
+    lines = text.split(b"\n")
+    at = len(lines) // 2
+    # A line that is empty or a comment has no value to be spoilt.
+    at = next((i for i in range(at, len(lines)) if b"=" in lines[i] or b"," in lines[i]), at)
+    if inside:
+        middle = lines[at].find(b"=") + 2 if b"=" in lines[at] else len(lines[at]) // 2
+        lines[at] = lines[at][:middle] + flood + lines[at][middle:]
+    else:
+        lines.insert(at, flood)
+    return b"\n".join(lines)
+
+
 def tried(program, number, options):
-    """Runs one mutation; what was found, and its name."""
+    """Runs one mutation or flood; what was found, and its name."""
     draw = random.Random(f"{options.seed}-{number}")
-    name, files, arguments = options.cases[number % len(options.cases)]
+    case, flood = (options.flooded[number][0], options.flooded[number][1:]) if options.floods else (number % len(options.cases), None)
+    name, files, arguments = options.cases[case]
     arguments, spoilt = list(arguments), set()
     with tempfile.TemporaryDirectory(prefix="toolroom-fuzz-") as place:
         folder = pathlib.Path(place)
         texts = [(to, of if isinstance(of, bytes) else of.read_bytes()) for to, of in files]
-        if texts and draw.random() < 0.9:
-            which = draw.randrange(len(texts))
-            text, what = mutated(texts[which][1], draw)
+        if flood or texts and draw.random() < 0.9:
+            which = flood[0] if flood else draw.randrange(len(texts))
+            if flood:
+                text, what = with_flood(texts[which][1], *flood[1:]), f"flood {flood[2][:12]} {'inside' if flood[1] else 'as lines'}"
+            else:
+                text, what = mutated(texts[which][1], draw)
             spoilt = {texts[which][0]} if text != texts[which][1] else set()
             texts[which] = (texts[which][0], text)
             what = f"{texts[which][0]} {what}"
@@ -171,7 +204,7 @@ def tried(program, number, options):
 
         def limit():
             resource.setrlimit(resource.RLIMIT_AS, (options.memory << 20, options.memory << 20))
-            resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST + 5))
+            resource.setrlimit(resource.RLIMIT_CPU, (options.longest, options.longest + 5))
 
         environment = {**os.environ, "RAYON_NUM_THREADS": "1", "RUST_BACKTRACE": "0", "NO_COLOR": "1"}
         started = subprocess.Popen([program, *arguments], cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -183,7 +216,7 @@ def tried(program, number, options):
         if code is None:
             found.append(f"hangs for {HANGS} s")
         elif code == -signal.SIGXCPU:
-            found.append(f"takes more than {LONGEST} s of processor time")
+            found.append(f"takes more than {options.longest} s of processor time")
         elif code not in (0, 1, 2, 3):
             found.append(f"ends with {code}")
         if "panicked at" in said or "stack overflow" in said:
@@ -215,6 +248,8 @@ def main():
     parser.add_argument("--from", type=int, default=0, dest="first", help="number of the first mutation")
     parser.add_argument("--memory", type=int, default=4096, help="MiB of address space")
     parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1))
+    parser.add_argument("--longest", type=int, default=60, help="s of processor time")
+    parser.add_argument("--floods", type=int, metavar="BYTES", help="floods of BYTES instead of mutations")
     parser.add_argument("--keep", type=pathlib.Path, help="folder for the inputs of faults")
     parser.add_argument("--only", help="cases whose name has this")
     options = parser.parse_args()
@@ -224,8 +259,13 @@ def main():
     if verbs or kinds:
         # A case is missing, or an input as shipped is refused: neither is a fault of the program under test.
         sys.exit(f"no case for {', '.join([*verbs, *(f'files of the kind {kind}' for kind in kinds)])}: see tests/fuzz/cases.py")
-    numbers = [i for i in range(options.first, options.first + options.count)
-               if not options.only or options.only in options.cases[i % len(options.cases)][0]]
+    options.flooded = floods(options.cases, options.floods, options.seed) if options.floods else []
+
+    def case_of(number):
+        return options.flooded[number][0] if options.floods else number % len(options.cases)
+    last = options.first + options.count
+    numbers = [i for i in range(options.first, min(last, len(options.flooded)) if options.floods else last)
+               if not options.only or options.only in options.cases[case_of(i)][0]]
     pool = concurrent.futures.ThreadPoolExecutor(options.jobs)
     try:
         for label, found, tail, code, _ in pool.map(lambda number: tried(program, number, options), numbers):
@@ -239,7 +279,8 @@ def main():
     done = sum(codes.values())
     rest = f", --from {numbers[done]} goes on" if done < len(numbers) else ""
     summary = ", ".join(f"{count} × exit {code}" for code, count in sorted(codes.items(), key=str))
-    print(f"{done} mutations of {len(options.cases)} commands, seed {options.seed}: {summary}; {faults} faults{rest}")
+    what = f"{done} floods" if options.floods else f"{done} mutations"
+    print(f"{what} of {len(options.cases)} commands, seed {options.seed}: {summary}; {faults} faults{rest}")
     sys.exit(1 if faults else 0)
 
 

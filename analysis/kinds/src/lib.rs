@@ -24,6 +24,7 @@ mod checked;
 mod diagnosis;
 mod empirical;
 mod error;
+mod foreign;
 mod load_table;
 mod places;
 mod plan;
@@ -253,18 +254,6 @@ pub static KINDS: &[FileKind] = &[
     records::KIND,
 ];
 
-/// What looks at a table that is none of records.
-const TABLE: &str = "a measured table becomes records by a mapping: toolroom import csv FILE --map MAP; tables of an order system \
-                     are looked at by toolroom import shop --map MAP --check; `toolroom schema records` lists the columns of records; \
-                     --kind names the kind of a file of keys";
-/// What looks at a part program.
-const PROGRAM: &str = "part programs are looked at by toolroom program FILE; --kind names the kind of a file of keys";
-
-/// Whether the name of a file ends so, in whatever case.
-fn ends(path: &Path, ending: &str) -> bool {
-    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
-}
-
 impl FileKind {
     /// The kind of this word.
     pub fn named(word: &str) -> Option<&'static Self> {
@@ -284,7 +273,12 @@ impl FileKind {
         if records::by_place(path) {
             return Ok(&records::KIND);
         }
-        let text = toolroom_form::text(path)?;
+        let no_keys = |reader| KindError::NoKeys { file: path.display().to_string(), reader };
+        let text = toolroom_form::text(path).map_err(|error| {
+            let bytes = toolroom_form::bytes(path).ok();
+            let reader = bytes.and_then(|bytes| foreign::reader_of_bytes(path, &bytes));
+            reader.map_or_else(|| error.into(), no_keys)
+        })?;
         let found = if text.trim_start().starts_with('{') {
             let json: Option<Value> = serde_json::from_str(&text).ok();
             let has = |sign: &str| json.as_ref().is_some_and(|json| json.get(sign).is_some());
@@ -293,10 +287,8 @@ impl FileKind {
             let outline = Outline::of(&text);
             let known = KINDS.iter().find(|kind| kind.signs.iter().any(|sign| outline.has(sign)));
             let known = known.or_else(|| records::by_header(&text).then_some(&records::KIND));
-            if known.is_none() && outline.is_broken() && !ends(path, "toml") {
-                let reader =
-                    if ["csv", "tsv", "txt"].iter().any(|ending| ends(path, ending)) { TABLE } else { PROGRAM };
-                return Err(KindError::NoKeys { file: path.display().to_string(), reader });
+            if known.is_none() && outline.is_broken() && !foreign::ends(path, &["toml"]) {
+                return Err(no_keys(foreign::reader(path, text.as_bytes())));
             }
             // Every reader of a form tells all slips of a text that is not TOML, and nothing else.
             known.or(outline.is_broken().then_some(&KINDS[0]))

@@ -60,6 +60,7 @@ mod watch;
 pub mod wire;
 #[cfg(all(feature = "fmi", unix))]
 pub mod worker;
+pub mod xml;
 
 pub use archive::{Archive, ArchiveError, Entry};
 pub use description::{Dimension, Interface, ModelDescription, Reading, ValueType, Variable};

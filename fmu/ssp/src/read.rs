@@ -2,6 +2,7 @@
 
 use roxmltree::{Document, Node};
 use std::str::FromStr;
+use toolroom_fmu_import::xml;
 
 /// One thing that is wrong in an entry of a package.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,10 +34,10 @@ impl Reader {
 
     /// The document of a text; a fault where it is no XML.
     pub fn parse<'t>(&mut self, text: &'t str) -> Option<Document<'t>> {
-        match Document::parse(text.strip_prefix('\u{FEFF}').unwrap_or(text)) {
+        match xml::document(text) {
             Ok(document) => Some(document),
-            Err(error) => {
-                self.fault_at(error.pos().row, format!("not well-formed XML: {error}"));
+            Err((line, message)) => {
+                self.fault_at(line, message);
                 None
             }
         }

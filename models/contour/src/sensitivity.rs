@@ -48,7 +48,8 @@ pub struct Sensitivity {
 
 impl Planner<'_> {
     /// Plans `draws` times in scattered conditions, each time against the handbook regime of the
-    /// same conditions, and tries the nominal plan in them. Draw k depends on `seed` and k alone.
+    /// same conditions, and tries the nominal plan in them. Draw k depends on `seed` and k alone. `done` is called after each
+    /// draw, from any thread.
     ///
     /// # Errors
     /// Where the nominal plan does not exist, or a scatter is out of range.
@@ -59,7 +60,7 @@ impl Planner<'_> {
     /// let file = ContourFile::parse("rk3.toml", include_str!("../../../scenarios/contour/rk3.toml"), &[]).unwrap().content;
     /// let (_, finish) = &file.planners().unwrap()[1];
     /// let none = ConditionScatter { allowance: 0.0, hardness: 0.0, table_feed: 0.0 };
-    /// let same = finish.sensitivity(Objective::Time, &none, 2, 1).unwrap();
+    /// let same = finish.sensitivity(Objective::Time, &none, 2, 1, &|| ()).unwrap();
     /// assert!((same.productivity_gain(0.5).unwrap() - 0.1464).abs() < 1e-4);
     /// ```
     pub fn sensitivity(
@@ -68,6 +69,7 @@ impl Planner<'_> {
         scatter: &ConditionScatter,
         draws: u32,
         seed: u64,
+        done: &(dyn Fn() + Sync),
     ) -> Result<Sensitivity, ContourError> {
         scatter.check()?;
         let nominal = self.optimal(objective)?;
@@ -79,6 +81,7 @@ impl Planner<'_> {
             let broken = planner.violated_by(self, &settings);
             let productivity_gain = plans.as_ref().map(|(handbook, plan)| plan.productivity_gain(handbook));
             let cost_change = plans.as_ref().map(|(handbook, plan)| plan.cost_change(handbook));
+            done();
             Ok(Draw { pass, productivity_gain, cost_change, broken })
         };
         Ok(Sensitivity { draws: (0..draws).into_par_iter().map(one).collect::<Result<_, _>>()? })
@@ -150,7 +153,7 @@ mod tests {
         let models = Models { path_error: PathError::Empirical, ..Models::default() };
         let (parameters, pass, scatter) = (Parameters::default(), Pass::default(), ConditionScatter::default());
         let planner = Planner::new(&hole, &parameters, &pass, &models).unwrap();
-        let draw = |draws, seed| planner.sensitivity(Objective::Time, &scatter, draws, seed).unwrap();
+        let draw = |draws, seed| planner.sensitivity(Objective::Time, &scatter, draws, seed, &|| ()).unwrap();
         let many = draw(40, 7);
         assert_eq!(draw(5, 7).draws, many.draws[..5]);
         assert_ne!(draw(5, 8).draws, many.draws[..5]);

@@ -289,12 +289,17 @@ const BEGUN: usize = 4;
 /// ```
 pub fn nearest<'a>(read: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let read = read.to_lowercase();
-    let limit = 1 + read.chars().count() / 3;
-    let distances = known.into_iter().map(|name| {
+    let length = read.chars().count();
+    let limit = 1 + length / 3;
+    let distances = known.into_iter().filter_map(|name| {
         let word = name.to_lowercase();
         // A word that was only begun is nearer than one that differs.
-        let begun = read.chars().count() >= BEGUN && word.starts_with(&read);
-        (if begun { 0 } else { strsim::damerau_levenshtein(&read, &word) }, name)
+        if length >= BEGUN && word.starts_with(&read) {
+            return Some((0, name));
+        }
+        // As many letters as one is longer are missing at least: a flood of letters is compared with nothing.
+        let missing = word.chars().count().abs_diff(length);
+        (missing <= limit).then(|| (strsim::damerau_levenshtein(&read, &word), name))
     });
     distances.filter(|(distance, _)| *distance <= limit).min_by_key(|(distance, _)| *distance).map(|(_, name)| name)
 }

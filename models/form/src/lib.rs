@@ -18,6 +18,7 @@
 //! | `record` | tables of which a record says keys, units and ranges |
 //! | `fault`, `error`, `codes` | what can be wrong, where, how to mend it, longer texts |
 //! | `reference` | the keys of a form as a page for people |
+//! | `syntax` | TOML texts as trees, with what is wrong in them |
 //! | `refusal` | what a model refuses of a file whose form is right |
 //! | `shipped` | files that the program holds, `builtin:NAME` |
 //! | `sets` | parameter sets that a crate ships, by their names |
@@ -42,6 +43,7 @@ mod schema;
 mod section;
 mod sets;
 mod shipped;
+mod syntax;
 mod text;
 mod vocabulary;
 mod walk;
@@ -63,8 +65,6 @@ pub use walk::{Echo, Problem, Walk};
 pub use words::{display, example, significant};
 
 use std::path::{Path, PathBuf};
-use toml::de::DeTable;
-use toolroom_process::parameters::place;
 
 /// A file of some [`Form`], understood.
 #[derive(Clone, Debug)]
@@ -120,17 +120,8 @@ pub fn parse<T>(
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     let folder = Path::new(file).parent().map(Path::to_path_buf).unwrap_or_default();
     let mut walk = Walk { folder, ..Walk::default() };
-    let (mut root, errors) = DeTable::parse_recoverable(text);
-    let mut last_line = 0;
-    for error in errors {
-        let span = error.span().unwrap_or(0..0);
-        // One slip often gives several messages about its line; the first says what it is.
-        let (line, _) = place(text, span.start);
-        if line != last_line {
-            walk.fault(span, Fault::Syntax { message: error.message().to_owned() });
-        }
-        last_line = line;
-    }
+    let (mut root, errors) = syntax::tree(text);
+    walk.problems = errors;
     let broken = !walk.problems.is_empty();
     let mut base = text.len() + 1;
     for change in overrides {

@@ -1,8 +1,8 @@
 //! What a TOML text has at its top, from which the kind of a file is told before a reader is chosen.
 
-use crate::ReadError;
+use crate::{ReadError, syntax};
 use std::path::Path;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 
 /// The top of a parsed TOML text: its keys, and the texts one table below.
 ///
@@ -23,7 +23,7 @@ impl Outline {
     /// The outline of a text; of a text that is not TOML, as far as it can be understood.
     pub fn of(text: &str) -> Self {
         let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
-        let (root, errors) = DeTable::parse_recoverable(text);
+        let (root, errors) = syntax::tree(text);
         let mut outline = Self { broken: !errors.is_empty(), ..Self::default() };
         for (key, value) in root.get_ref() {
             let key = key.get_ref().to_string();

@@ -105,20 +105,35 @@ pub enum ParameterError {
     },
 }
 
-/// [`place`] of many ascending offsets, in one go through the text.
+/// [`place`] of many ascending offsets, in one go through the text: no part of it is read twice, however many offsets stand in
+/// one line.
 ///
 /// ```
 /// assert_eq!(toolroom_process::parameters::places("ab\ncd\nef", &[1, 4, 4]), [(1, 2), (2, 2), (2, 2)]);
 /// ```
 pub fn places(text: &str, offsets: &[usize]) -> Vec<(usize, usize)> {
-    let (mut line, mut start) = (1, 0);
-    let line_of = |offset: &usize| {
-        while let Some(end) = text.get(start..).and_then(|rest| rest.find('\n')).filter(|end| start + end < *offset) {
-            (line, start) = (line + 1, start + end + 1);
-        }
-        (line, place(text.get(start..).unwrap_or_default(), offset.saturating_sub(start)).1)
+    let (mut line, mut column, mut passed) = (1, 1, 0);
+    let place_of = |offset: &usize| {
+        let part = &text[passed..boundary(text, *offset).max(passed)];
+        passed += part.len();
+        let (lines, rest) = match part.rfind('\n') {
+            Some(end) => (part.matches('\n').count(), &part[end + 1..]),
+            None => (0, part),
+        };
+        line += lines;
+        column = if lines == 0 { column } else { 1 } + rest.chars().count();
+        (line, column)
     };
-    offsets.iter().map(line_of).collect()
+    offsets.iter().map(place_of).collect()
+}
+
+/// The last start of a character at or before a byte offset.
+fn boundary(text: &str, offset: usize) -> usize {
+    let mut boundary = offset.min(text.len());
+    while !text.is_char_boundary(boundary) {
+        boundary -= 1;
+    }
+    boundary
 }
 
 /// Line and column, from 1, of a byte offset in `text`.
@@ -127,11 +142,7 @@ pub fn places(text: &str, offsets: &[usize]) -> Vec<(usize, usize)> {
 /// assert_eq!(toolroom_process::parameters::place("ab\ncd", 4), (2, 2));
 /// ```
 pub fn place(text: &str, offset: usize) -> (usize, usize) {
-    let mut boundary = offset.min(text.len());
-    while !text.is_char_boundary(boundary) {
-        boundary -= 1;
-    }
-    let before = &text[..boundary];
+    let before = &text[..boundary(text, offset)];
     let line = before.matches('\n').count() + 1;
     let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
     (line, column)

@@ -1,6 +1,7 @@
 //! Baselines, plans, front, conditions and scatter of every pass.
 
 use super::{Condition, OBJECTIVES, conditions};
+use std::sync::atomic::{AtomicU32, Ordering};
 use toolroom_contour::{
     ConditionScatter, ContourError, ContourFile, EdgeLife, Objective, Pass, Plan, PlannedSection, Planner, Sensitivity,
     Warning,
@@ -142,7 +143,7 @@ impl RefusedPass {
 }
 
 /// Works out the passes of `file` one after the other. `note` receives a sentence wherever the work takes long or a
-/// part of it is left out.
+/// part of it is left out, `progress` how many parts of the work are done, of how many: plans, conditions and draws.
 ///
 /// # Errors
 /// [`RefusedPass`]: the first pass for which there is no plan.
@@ -150,13 +151,23 @@ pub fn studies<'a>(
     file: &'a ContourFile,
     options: &StudyOptions,
     note: &dyn Fn(&str),
+    progress: &(dyn Fn(u32, u32) + Sync),
 ) -> Result<Vec<PassStudy<'a>>, RefusedPass> {
     let wanted = |name: &str| options.passes.is_empty() || options.passes.iter().any(|pass| pass == name);
-    let passes = file.passes.iter().filter(|(name, _)| wanted(name));
-    passes
-        .map(|(name, pass)| study(file, name, pass, options, note).map_err(|error| RefusedPass::new(name, error)))
-        .collect()
+    let passes: Vec<_> = file.passes.iter().filter(|(name, _)| wanted(name)).collect();
+    let each = if file.contour.sections.len() <= STUDIED { PLANNED + DRAWN * options.draws } else { PLANNED };
+    let (total, done) = (each.saturating_mul(passes.len() as u32), AtomicU32::new(0));
+    let part = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+    let study = |(name, pass): &'a (String, Pass)| {
+        study(file, name, pass, options, note, &part).map_err(|error| RefusedPass::new(name, error))
+    };
+    passes.into_iter().map(study).collect()
 }
+
+/// Parts of the work of a pass that [`studies`] counts beside its draws: its plans, and the conditions.
+const PLANNED: u32 = 2;
+/// Studies of scatter of a pass: each of three conditions alone and all together, for each objective.
+const DRAWN: u32 = 8;
 
 fn study<'a>(
     file: &'a ContourFile,
@@ -164,6 +175,7 @@ fn study<'a>(
     pass: &'a Pass,
     options: &StudyOptions,
     note: &dyn Fn(&str),
+    done: &(dyn Fn() + Sync),
 ) -> Result<PassStudy<'a>, ContourError> {
     file.contour.clears(file.parameters.cutter.radius(), pass.gouge())?;
     let planner = Planner::new(&file.contour, &file.parameters, pass, &file.models)?;
@@ -179,12 +191,14 @@ fn study<'a>(
         Baseline { name: "best constant, time", plan: planner.best_constant(Objective::Time) },
         Baseline { name: "best constant, cost", plan: planner.best_constant(Objective::Cost) },
     ];
+    done();
     let few = sections <= STUDIED;
     if !few {
         note(&format!("more than {STUDIED} sections: conditions and scatter are not studied"));
     }
     let conditions = if few { conditions(file, pass) } else { Vec::new() };
-    let scatter = if few { scattered(&planner, &file.scatter, options)? } else { Vec::new() };
+    done();
+    let scatter = if few { scattered(&planner, &file.scatter, options, done)? } else { Vec::new() };
     Ok(PassStudy { name, pass, planner, baselines, plans, front, conditions, scatter })
 }
 
@@ -193,6 +207,7 @@ fn scattered(
     planner: &Planner<'_>,
     scatter: &ConditionScatter,
     options: &StudyOptions,
+    done: &(dyn Fn() + Sync),
 ) -> Result<Vec<Scattered>, ContourError> {
     if options.draws == 0 {
         return Ok(Vec::new());
@@ -212,7 +227,7 @@ fn scattered(
         ("all together".to_owned(), *scatter),
     ];
     let study = |(name, scatter): (String, ConditionScatter)| {
-        let by = |objective| planner.sensitivity(objective, &scatter, options.draws, options.seed);
+        let by = |objective| planner.sensitivity(objective, &scatter, options.draws, options.seed, done);
         Ok(Scattered { name, by_objective: [by(Objective::Time)?, by(Objective::Cost)?] })
     };
     cases.into_iter().map(study).collect()

@@ -3,13 +3,14 @@
 use super::{
     BaseUnit, Dimension, Experiment, Fault, Interface, ModelDescription, Reading, Unit, Unknown, ValueType, Variable,
 };
-use roxmltree::{Document, Node};
+use crate::xml;
+use roxmltree::Node;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::str::FromStr;
 
 pub(super) fn description(text: &str) -> Reading {
     let mut reader = Reader { faults: Vec::new(), lines: Lines::of(text) };
-    let description = match Document::parse(text.strip_prefix('\u{FEFF}').unwrap_or(text)) {
+    let description = match xml::document(text) {
         Ok(document) => {
             let description = reader.root(document.root_element());
             if let Some(description) = &description {
@@ -17,8 +18,8 @@ pub(super) fn description(text: &str) -> Reading {
             }
             description
         }
-        Err(error) => {
-            reader.faults.push(Fault { line: error.pos().row, message: format!("not well-formed XML: {error}") });
+        Err((line, message)) => {
+            reader.faults.push(Fault { line, message });
             None
         }
     };

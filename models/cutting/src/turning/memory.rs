@@ -39,7 +39,6 @@ impl Known {
 #[derive(Clone, Copy, Debug)]
 struct Last {
     state: TurningState,
-    slope: [f64; STATES],
     indicators: [f64; 3],
 }
 
@@ -48,12 +47,6 @@ impl Autonomous<STATES> for Engagement<'_> {
     fn slope(&self, y: &[f64; STATES]) -> [f64; STATES] {
         array(&self.rates(&TurningState::from_slice(y)))
     }
-}
-
-/// The right-hand side where no step before has left it.
-#[cold]
-fn first_slope(engagement: &Engagement<'_>, x: &TurningState) -> [f64; STATES] {
-    engagement.slope(&array(x))
 }
 
 /// The numbers of a state.
@@ -66,7 +59,7 @@ fn array(x: &TurningState) -> [f64; STATES] {
 
 impl Turning {
     /// [`Process::advance`] with a memory of the step before:
-    /// coefficients of the input and the right-hand side at the end of the step.
+    /// coefficients of the input and the event functions at the end of the step.
     ///
     /// # Errors
     /// As [`Process::advance`].
@@ -119,17 +112,17 @@ impl Turning {
                 if let Some(event) = lost_at(&indicators, u) {
                     return Ok(Advance { elapsed: 0.0, event: Some(event) });
                 }
-                last.insert(Last { state: *x, slope: first_slope(&engagement, x), indicators })
+                last.insert(Last { state: *x, indicators })
             }
         };
         let y = array(x);
-        if let Some((end, slope)) = ode::short_step(&engagement, &y, &last.slope, dt, &known.tolerance) {
+        if let Some(end) = ode::short_step(&engagement, &y, dt, &known.tolerance) {
             let state = TurningState::from_slice(&end);
             let indicators = engagement.event_indicators(&state, u.chipping_resistance);
             // An edge that may not go on is refused at the start of the next step.
             if !(0..WEAR_EVENTS.len()).any(|i| last.indicators[i] < 0.0 && indicators[i] >= 0.0) {
                 *x = state;
-                *last = Last { state, slope, indicators };
+                *last = Last { state, indicators };
                 return Ok(Advance { elapsed: dt, event: None });
             }
         }
