@@ -248,6 +248,7 @@ SHIPPED = [
     case("run-chatter", ["run", "s.toml", "--out", "out", *SHORT], ("s.toml", "chatter-policies.toml"), ("chatter/endmill.toml", "chatter/endmill.toml"),
          ("chatter/shaft.toml", "chatter/shaft.toml")),
     case("run-contour", ["run", "s.toml", "--out", "out", *SHORT], ("s.toml", "grinder-bottleneck.toml")),
+    case("trace", ["run", "s.toml", "--out", "out", *SHORT, "--trace", "0 h", "0.2 h"], ("s.toml", "template.toml")),
     case("snapshot", ["run", "s.toml", *SHORT, "--snapshot-at", "0.5 h", "--snapshot", "out/s.trs"], ("s.toml", "template.toml")),
     case("life-plan", ["life", "l.toml", "--lives", "20", "--plan", "out/p.json", "--shards", "2"], ("l.toml", "life/early.toml")),
     case("lobes-best", ["lobes", "c.toml", "--best", "--show", "power", "--out", "out", "--set", "chart.columns=6", "--set", "chart.rows=4"],

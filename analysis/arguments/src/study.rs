@@ -89,6 +89,9 @@ pub struct StudyArgs {
     /// Replications whose full logs are written
     #[arg(long, value_name = "COUNT")]
     pub logged: Option<u32>,
+    /// Part of the first run that trace.json shows, two dates or times since the start [default: the first week]
+    #[arg(long, num_args = 2, value_names = ["FROM", "TO"])]
+    pub trace: Vec<String>,
     /// Also write what sensors and controls would have recorded of the first run: operations, cuts, trials, events
     #[arg(long, value_name = "DIR", conflicts_with = "resume")]
     pub records: Option<PathBuf>,

@@ -35,6 +35,9 @@ pub struct StudyRequest {
     until: Vec<String>,
     logged: u32,
     format: Option<String>,
+    /// Part of a run that its trace shows, s from the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    trace: Option<[f64; 2]>,
     /// How the settings of the policies were found; `changes` holds them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     tuning: Option<Tuning>,
@@ -167,10 +170,17 @@ impl StudyRequest {
             until: options.until.iter().map(ToString::to_string).collect(),
             logged: options.logged,
             format: format.map(|format| format.extension().to_owned()),
+            trace: None,
             tuning: options.tuning.as_deref().cloned(),
             warm_up: options.warm_up.as_deref().cloned(),
             directory: std::env::current_dir().unwrap_or_default(),
         }
+    }
+
+    /// The same with a trace of another part of the run than its first week: from and to, s from the start.
+    #[must_use]
+    pub fn traced(self, trace: Option<[f64; 2]>) -> Self {
+        Self { trace, ..self }
     }
 
     /// The request of a finished run, from its `run.json`; `None` where it is no study of a shop.
@@ -189,6 +199,7 @@ impl StudyRequest {
             reproduce: self.command.clone(),
             inputs: self.inputs.clone(),
             asked: serde_json::to_value(self)?,
+            trace: self.trace,
             stopped: None,
         })
     }

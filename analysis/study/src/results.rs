@@ -40,7 +40,7 @@ use toolroom_process::table::CsvWriter;
 use toolroom_scenario::Scenario;
 
 /// How a study came to be run.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunInfo {
     /// Version of the program.
     pub version: String,
@@ -54,6 +54,8 @@ pub struct RunInfo {
     /// Everything that the results depend on, in the words of whoever asked: kept in `run.json`
     /// for going on with the study.
     pub asked: Value,
+    /// Part of the first run that `trace.json` shows, s from its start; `None`: its first week.
+    pub trace: Option<[f64; 2]>,
     /// Why the study ended before its last replication, where a shop stopped.
     pub stopped: Option<String>,
 }
@@ -245,7 +247,7 @@ pub(crate) fn write_files(
     if !study.variants.is_empty() {
         in_file(directory, variants::FILE, |out| variants::write(scenario, study, out))?;
     }
-    in_file(directory, "trace.json", |out| trace::write(scenario, study, out))?;
+    in_file(directory, "trace.json", |out| trace::write(scenario, study, info.trace, out))?;
     if let (Some(pictured), Some(&policy)) = (&pictured, study.policies.first()) {
         let what = format!("{} under {}", pictured.words(study), scenario.policies[policy].name);
         in_file(directory, toolroom_schedule::FILE, |out| {

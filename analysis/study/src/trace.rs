@@ -25,30 +25,68 @@ const INSTANTS: [LogEvent; 10] = [
     LogEvent::Cut(ProcessEvent::Burn),
 ];
 
-/// Writes the first replication of every policy.
+/// What is shown where nothing else is asked for, s: a longer trace is slow to open.
+const FIRST_WEEK: [f64; 2] = [0.0, 7.0 * 86400.0];
+/// Most events of one policy (assumption: viewers in a browser become slow beyond).
+const MOST_EVENTS: usize = 200_000;
+
+/// Writes the first replication of every policy, event by event: what happens in `window` (from and to, s from the start; its
+/// first week where there is none), and no more than 200 000 events of a policy, the first ones. The end says under `shown`
+/// what of every policy that is.
 ///
 /// # Errors
 /// What the writer says.
-pub fn write(scenario: &Scenario, study: &Study, mut out: impl Write) -> io::Result<()> {
+pub fn write(scenario: &Scenario, study: &Study, window: Option<[f64; 2]>, out: impl Write) -> io::Result<()> {
     let names = Names::of(scenario);
-    let mut events = Vec::new();
+    let mut lines = Lines { out, first: true };
+    let mut shown = Vec::new();
+    // One event a line keeps the file readable and lets it be cut.
+    lines.out.write_all(b"{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n")?;
     for (position, (&policy, log)) in study.policies.iter().zip(&study.first_logs).enumerate() {
         let process = position + 1;
-        events.push(metadata("process_name", process, 0, names.policy(policy)));
+        lines.put(&metadata("process_name", process, 0, names.policy(policy)))?;
         for (machine, named) in (1..).zip(&scenario.machines) {
-            events.push(metadata("thread_name", process, machine, &named.name));
+            lines.put(&metadata("thread_name", process, machine, &named.name))?;
         }
-        add_log(&names, process, log, &mut events);
+        let [from, to] = window.unwrap_or(FIRST_WEEK);
+        let end = last_shown(log, [from, to], MOST_EVENTS);
+        add_log(&names, process, log, [from, end], &mut lines)?;
+        shown.push(json!({
+            "policy": names.policy(policy),
+            "from [h]": from / 3600.0,
+            "to [h]": end.min(log.horizon) / 3600.0,
+            "cut at events": if end < to { json!(MOST_EVENTS) } else { Value::Null },
+        }));
     }
-    // One event a line keeps the file readable and lets it be cut.
-    out.write_all(b"{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n")?;
-    for (index, event) in events.iter().enumerate() {
-        if index > 0 {
-            out.write_all(b",\n")?;
+    lines.out.write_all(b"\n],\"otherData\":")?;
+    serde_json::to_writer(&mut lines.out, &json!({ "shown": shown }))?;
+    lines.out.write_all(b"}\n")
+}
+
+/// Events of a file, one a line.
+struct Lines<W> {
+    out: W,
+    first: bool,
+}
+
+impl<W: Write> Lines<W> {
+    fn put(&mut self, event: &Value) -> io::Result<()> {
+        if !std::mem::take(&mut self.first) {
+            self.out.write_all(b",\n")?;
         }
-        serde_json::to_writer(&mut out, event)?;
+        Ok(serde_json::to_writer(&mut self.out, event)?)
     }
-    out.write_all(b"\n]}\n")
+}
+
+/// The end of the window, or the instant from which on it would hold more than `most` events.
+fn last_shown(log: &RunLog, [from, to]: [f64; 2], most: usize) -> f64 {
+    let states = log.states.iter().filter(|row| row.state != MachineState::Idle && row.end > from).map(|row| row.start);
+    let events = log.events.iter().filter(|row| row.time >= from).map(|row| row.time);
+    let mut times: Vec<f64> = states.chain(events).filter(|time| *time < to).collect();
+    if times.len() <= most {
+        return to;
+    }
+    *times.select_nth_unstable_by(most, f64::total_cmp).1
 }
 
 fn metadata(kind: &str, process: usize, track: usize, name: &str) -> Value {
@@ -73,14 +111,23 @@ fn micro(seconds: f64) -> f64 {
     (seconds * 1e6).round()
 }
 
-fn add_log(names: &Names, process: usize, log: &RunLog, events: &mut Vec<Value>) {
-    for row in log.states.iter().filter(|row| row.state != MachineState::Idle) {
+fn add_log<W: Write>(
+    names: &Names,
+    process: usize,
+    log: &RunLog,
+    [from, to]: [f64; 2],
+    lines: &mut Lines<W>,
+) -> io::Result<()> {
+    let inside = |start: f64, end: f64| start < to && end > from;
+    let states = log.states.iter().filter(|row| row.state != MachineState::Idle && inside(row.start, row.end));
+    for row in states {
+        let (start, end) = (row.start.max(from), row.end.min(to));
         let mut slice = json!({
             "ph": "X",
             "name": row.state.name(),
             "cat": "state",
-            "ts": micro(row.start),
-            "dur": micro(row.end) - micro(row.start),
+            "ts": micro(start),
+            "dur": micro(end) - micro(start),
             "pid": process,
             "tid": row.machine + 1,
         });
@@ -88,13 +135,14 @@ fn add_log(names: &Names, process: usize, log: &RunLog, events: &mut Vec<Value>)
             let part = log.jobs.get(job as usize).map_or("", |row| names.part(row.part));
             slice["args"] = json!({ "job": job, "part": part });
         }
-        events.push(slice);
+        lines.put(&slice)?;
     }
     let last_machines = last_machines(log);
     let mut jobs = 0_i64;
     for row in &log.events {
-        if let Some(machine) = machine_of(row, &last_machines).filter(|_| INSTANTS.contains(&row.event)) {
-            events.push(json!({
+        let shown = (from..to).contains(&row.time);
+        if let Some(machine) = machine_of(row, &last_machines).filter(|_| shown && INSTANTS.contains(&row.event)) {
+            lines.put(&json!({
                 "ph": "i",
                 "s": "t",
                 "name": row.event.name(),
@@ -103,8 +151,9 @@ fn add_log(names: &Names, process: usize, log: &RunLog, events: &mut Vec<Value>)
                 "pid": process,
                 "tid": machine + 1,
                 "args": { "job": row.job, "edge": row.edge },
-            }));
+            }))?;
         }
+        // Jobs that came before count.
         let step = if row.event == LogEvent::Arrival {
             1
         } else if [LogEvent::Finish, LogEvent::Scrap].contains(&row.event) {
@@ -113,9 +162,14 @@ fn add_log(names: &Names, process: usize, log: &RunLog, events: &mut Vec<Value>)
             continue;
         };
         jobs += step;
-        let count = json!({ "jobs": jobs });
-        events.push(json!({ "ph": "C", "name": "jobs in shop", "ts": micro(row.time), "pid": process, "args": count }));
+        if shown {
+            let count = json!({ "jobs": jobs });
+            lines.put(
+                &json!({ "ph": "C", "name": "jobs in shop", "ts": micro(row.time), "pid": process, "args": count }),
+            )?;
+        }
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -133,7 +187,7 @@ mod tests {
         let study =
             study_with(&scenario, &options, None, &|_| {}, &AtomicBool::new(false), &simulate).expect("a study");
         let mut bytes = Vec::new();
-        write(&scenario, &study, &mut bytes).expect("memory");
+        write(&scenario, &study, None, &mut bytes).expect("memory");
         let json: Value = serde_json::from_slice(&bytes).expect("JSON");
         let events = json["traceEvents"].as_array().expect("a list");
         let of_kind = |kind: &str| events.iter().filter(|event| event["ph"] == kind).collect::<Vec<_>>();
@@ -145,5 +199,47 @@ mod tests {
         let instants: Vec<&Value> = of_kind("i").iter().map(|event| &event["name"]).collect();
         assert_eq!(instants, ["tool_change", "scrap", "tool_change", "scrap"]);
         assert_eq!(of_kind("C").len(), 4);
+    }
+
+    #[test]
+    fn a_window_shows_what_happens_in_it_and_counts_the_jobs_before() {
+        let scenario = fixture::scenario();
+        let options = StudyOptions { replications: 1, ..StudyOptions::of(&scenario) };
+        let simulate = |_, _| Ok(fixture::log());
+        let study =
+            study_with(&scenario, &options, None, &|_| {}, &AtomicBool::new(false), &simulate).expect("a study");
+        let log = fixture::log();
+        let whole = events(&scenario, &study, Some([0.0, f64::MAX]));
+        assert_eq!(whole, events(&scenario, &study, None));
+        let middle = log.events[log.events.len() / 2].time;
+        let (before, after) =
+            (events(&scenario, &study, Some([0.0, middle])), events(&scenario, &study, Some([middle, f64::MAX])));
+        let of_kind = |events: &[Value], kind: &str| {
+            events.iter().filter(|event| event["ph"] == kind).cloned().collect::<Vec<_>>()
+        };
+        for kind in ["i", "C"] {
+            assert_eq!([of_kind(&before, kind), of_kind(&after, kind)].concat(), {
+                // By policy in the whole, by window here.
+                let mut parts = of_kind(&whole, kind);
+                parts.sort_by_key(|event| event["ts"].as_f64().is_some_and(|time| time >= micro(middle)));
+                parts
+            });
+        }
+        let lasting =
+            |events: &[Value]| of_kind(events, "X").iter().filter_map(|event| event["dur"].as_f64()).sum::<f64>();
+        assert!((lasting(&before) + lasting(&after) - lasting(&whole)).abs() < 10.0);
+        // Too many events: the first ones, up to an instant.
+        let all = log.events.len() + log.states.iter().filter(|row| row.state != MachineState::Idle).count();
+        assert_eq!(last_shown(&log, [0.0, 1e9], all), 1e9);
+        let cut = last_shown(&log, [0.0, 1e9], 3);
+        assert!(cut < 1e9 && log.events.iter().filter(|row| row.time < cut).count() <= 3);
+    }
+
+    fn events(scenario: &Scenario, study: &Study, window: Option<[f64; 2]>) -> Vec<Value> {
+        let mut bytes = Vec::new();
+        write(scenario, study, window, &mut bytes).expect("memory");
+        let json: Value = serde_json::from_slice(&bytes).expect("JSON");
+        assert!(json["otherData"]["shown"].as_array().is_some_and(|shown| shown.len() == study.policies.len()));
+        json["traceEvents"].as_array().expect("a list").clone()
     }
 }

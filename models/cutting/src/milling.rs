@@ -14,7 +14,8 @@ pub use held::HeldMilling;
 pub use records::{Cutter, CutterLife, EdgeForce, MillingInput, MillingOutput, MillingState};
 pub use sets::{MILLING_CATALOGUE, MILLING_SETS};
 
-use crate::vibration::MillingStructure;
+use crate::vibration::{MillingStructure, first_switch};
+use std::cell::Cell;
 use std::sync::Arc;
 use toolroom_effects::Effects;
 use toolroom_process::ode::{self, Tolerance};
@@ -82,6 +83,14 @@ const STAGE: f64 = 0.1;
 /// Number of components of [`MillingState`].
 const STATES: usize = <MillingState as Record>::LEN;
 
+/// How far a cut came.
+enum Followed {
+    /// To where its verdict changed, s after it began.
+    Switched(f64),
+    /// To its end, or to an event, s after it began.
+    Ended(Option<(ProcessEvent, f64)>),
+}
+
 impl<N: Number> Milling<N> {
     /// The same process over another number type, for exact derivatives.
     pub fn map<M: Copy>(&self, mut convert: impl FnMut(N) -> M) -> Milling<M> {
@@ -132,28 +141,69 @@ impl Milling {
         if u.engaged == 0.0 {
             return Ok((*x, Advance { elapsed: dt, event: None }));
         }
-        // Without effects and structure the cutter changes the cut by its land alone.
-        let settled = self.effects.is_empty() && self.structure.is_none();
-        let first = self.engagement(x, u);
-        let rhs = |_: f64, y: &[f64; STATES]| {
-            let x = MillingState::from_slice(y);
-            let mut slope = [0.0; STATES];
-            if settled { self.rates_in(&first, &x) } else { self.rates(&x, u) }.write_to(&mut slope);
-            slope
-        };
         // A worn cutter goes on, and its wear limit is not met again.
         let at_start = self.indicators(x, u);
         let passed = std::array::from_fn(|i| at_start[i] >= 0.0 && !EVENTS[i].ends_cut());
-        let events =
-            |_: f64, y: &[f64; STATES]| ode::unless_passed(passed, self.indicators(&MillingState::from_slice(y), u));
+        let (mut x, mut time, mut unstable) = (*x, 0.0, self.judge(x, u).unstable);
+        loop {
+            match self.follow(&mut x, u, dt - time, unstable, passed)? {
+                Followed::Switched(after) => (time, unstable) = (time + after, !unstable),
+                Followed::Ended(None) => return Ok((x, Advance { elapsed: dt, event: None })),
+                Followed::Ended(Some((event, after))) => {
+                    return Ok((x, Advance { elapsed: time + after, event: Some(event) }));
+                }
+            }
+        }
+    }
+
+    /// Moves a cut to the instant at which it becomes unstable or stable again, or to the end of the step or an event.
+    fn follow(
+        &self,
+        x: &mut MillingState,
+        u: &MillingInput,
+        dt: f64,
+        unstable: bool,
+        passed: [bool; EVENTS.len()],
+    ) -> Result<Followed, ModelError> {
+        // Without effects and chatter the cutter changes the cut by its land alone.
+        let settled = self.effects.is_empty() && !unstable;
+        let first = self.engagement_while(x, u, unstable);
+        let rhs = |_: f64, y: &[f64; STATES]| {
+            let x = MillingState::from_slice(y);
+            let mut slope = [0.0; STATES];
+            let rates = if settled {
+                self.rates_in(&first, &x)
+            } else {
+                self.rates_in(&self.engagement_while(&x, u, unstable), &x)
+            };
+            rates.write_to(&mut slope);
+            slope
+        };
+        let switch: Cell<Option<(f64, [f64; STATES])>> = Cell::new(None);
+        let events = |_: f64, y: &[f64; STATES]| {
+            let [worn, chipped] = ode::unless_passed(passed, self.indicators(&MillingState::from_slice(y), u));
+            // Behind a switch nothing is worth integrating.
+            [worn, chipped, if switch.get().is_some() { 1.0 } else { -1.0 }]
+        };
         let tolerance = self.tolerance(ACCURACY);
         let mut state = [0.0; STATES];
         x.write_to(&mut state);
         // The wear curve is as steep at its end as at its start.
         let stage = |slope: &[f64; STATES]| STAGE * self.life.wear_limit / MillingState::from_slice(slope).flank_wear;
-        let end = ode::integrate_staged(rhs, events, &state, dt, &tolerance, stage, |_| ())?;
-        let advance = Advance { elapsed: end.time, event: end.event.map(|index| EVENTS[index]) };
-        Ok((MillingState::from_slice(&end.state), advance))
+        let watch = |step: &ode::Stretch<'_, STATES>| {
+            if self.structure.is_some() && switch.get().is_none() {
+                let judge = |time| self.judge(&MillingState::from_slice(&step.at(time)), u);
+                let found = first_switch(step.start, step.end, unstable, judge);
+                switch.set(found.map(|time| (time, step.at(time))));
+            }
+        };
+        let end = ode::integrate_staged(rhs, events, &state, dt, &tolerance, stage, watch)?;
+        if let Some((time, state)) = switch.get() {
+            *x = MillingState::from_slice(&state);
+            return Ok(Followed::Switched(time));
+        }
+        *x = MillingState::from_slice(&end.state);
+        Ok(Followed::Ended(end.event.map(|index| (EVENTS[index], end.time))))
     }
 
     fn indicators(&self, x: &MillingState, u: &MillingInput) -> [f64; 2] {

@@ -12,9 +12,10 @@ pub use life::LifeModel;
 pub use memory::TurningMemory;
 pub use records::{Finish, TurningInput, TurningOutput, TurningState};
 
-use crate::vibration::TurningStructure;
+use crate::vibration::{TurningStructure, first_switch};
 use equations::Engagement;
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use toolroom_effects::Effects;
@@ -141,27 +142,56 @@ impl Turning {
             *x = cooled(x, dt);
             return Ok(Advance { elapsed: dt, event: None });
         }
-        // Without effects and structure the edge changes the contact by its land alone, a ramp by its speed.
-        let settled = self.effects.is_empty() && self.structure.is_none();
+        let mut course = Course { time: 0.0, state: [0.0; STATES], unstable: self.judge(x, u).unstable, seen: 0 };
+        x.write_to(&mut course.state);
+        let (event, elapsed) = loop {
+            if let Some(end) = self.follow(&mut course, passed, u, dt, times, see)? {
+                break end;
+            }
+        };
+        *x = TurningState::from_slice(&course.state);
+        Ok(Advance { elapsed, event })
+    }
+
+    /// Moves a cut to the instant at which it becomes unstable or stable again, or to the end of the step or an event: then it
+    /// says which event, and when.
+    fn follow(
+        &self,
+        course: &mut Course,
+        passed: [bool; WEAR_EVENTS.len()],
+        u: &TurningInput,
+        dt: f64,
+        times: &[f64],
+        see: &mut dyn FnMut(usize, &TurningInput, &TurningOutput),
+    ) -> Result<Option<(Option<ProcessEvent>, f64)>, ModelError> {
+        let Course { time: start, unstable, .. } = *course;
+        let x = TurningState::from_slice(&course.state);
+        let first = self.engagement_while(&x, &self.input_after(u, start), unstable);
+        // Without effects and chatter the edge changes the contact by its land alone, a ramp by its speed.
+        let settled = self.effects.is_empty() && !unstable;
         let held = u.cutting_acceleration == 0.0;
         let engagement = |time: f64, x: &TurningState| match (settled, held) {
             (true, true) => Cow::Borrowed(&first),
             (true, false) => Cow::Owned(first.at_speed(&self.pair, u.cutting_speed + u.cutting_acceleration * time)),
-            (false, _) => Cow::Owned(self.engagement(x, &self.input_after(u, time))),
+            (false, _) => Cow::Owned(self.engagement_while(x, &self.input_after(u, time), unstable)),
         };
         let rhs = |time: f64, y: &[f64; STATES]| {
             let x = TurningState::from_slice(y);
             let mut slope = [0.0; STATES];
-            self.mean_rates(&engagement(time, &x), &x, u).write_to(&mut slope);
+            self.mean_rates(&engagement(start + time, &x), &x, u).write_to(&mut slope);
             slope
         };
+        let switch: Cell<Option<(f64, [f64; STATES])>> = Cell::new(None);
         let events = |time: f64, y: &[f64; STATES]| {
             let x = TurningState::from_slice(y);
-            ode::unless_passed(passed, engagement(time, &x).event_indicators(&x, u.chipping_resistance))
+            let wear = engagement(start + time, &x).event_indicators(&x, u.chipping_resistance);
+            let [worn, collapsed, chipped] = ode::unless_passed(passed, wear);
+            // Behind a switch nothing is worth integrating.
+            [worn, collapsed, chipped, if switch.get().is_some() { 1.0 } else { -1.0 }]
         };
         let stage =
             |slope: &[f64; STATES]| STAGE * self.pair.limits.wear_limit / TurningState::from_slice(slope).flank_wear;
-        let mut seen = 0;
+        let mut seen = course.seen;
         let mut look = |until: f64, state_at: &dyn Fn(f64) -> [f64; STATES]| {
             while seen < times.len() && times[seen] <= until {
                 let time = times[seen];
@@ -171,15 +201,39 @@ impl Turning {
                 seen += 1;
             }
         };
-        let mut start = [0.0; STATES];
-        x.write_to(&mut start);
         let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
-        let watch = |step: &ode::Stretch<'_, STATES>| look(step.end, &|time| step.at(time));
-        let end = ode::integrate_staged(rhs, events, &start, dt, &tolerance, stage, watch)?;
-        look(end.time, &|_| end.state);
-        *x = TurningState::from_slice(&end.state);
-        Ok(Advance { elapsed: end.time, event: end.event.map(|index| WEAR_EVENTS[index]) })
+        let watch = |step: &ode::Stretch<'_, STATES>| {
+            if switch.get().is_some() {
+                return;
+            }
+            let judge =
+                |time| self.judge(&TurningState::from_slice(&step.at(time)), &self.input_after(u, start + time));
+            let judged = self.structure.as_ref();
+            let found = judged.and_then(|_| first_switch(step.start, step.end, unstable, judge));
+            look(start + found.unwrap_or(step.end), &|time| step.at(time - start));
+            switch.set(found.map(|time| (time, step.at(time))));
+        };
+        let end = ode::integrate_staged(rhs, events, &course.state, dt - start, &tolerance, stage, watch)?;
+        if let Some((time, state)) = switch.get() {
+            *course = Course { time: start + time, state, unstable: !unstable, seen };
+            return Ok(None);
+        }
+        let time = if end.event.is_none() { dt } else { start + end.time };
+        look(time, &|_| end.state);
+        course.state = end.state;
+        Ok(Some((end.event.map(|index| WEAR_EVENTS[index]), time)))
     }
+}
+
+/// A cut on its way through a step.
+struct Course {
+    /// Time since the start of the step, s.
+    time: f64,
+    state: [f64; STATES],
+    /// Whether the cut is unstable from here on.
+    unstable: bool,
+    /// Instants that were looked at.
+    seen: usize,
 }
 
 /// Place of the tool after a cutting path: it moves towards the jaws by the feed. A place that is not

@@ -6,12 +6,14 @@
 
 mod memo;
 mod milling;
+mod switch;
 mod turning;
 
 pub use milling::MillingStructure;
-pub(crate) use milling::Tooth;
-pub(crate) use turning::Edge;
+pub(crate) use milling::{Tooth, ToothCell};
+pub(crate) use switch::{Judged, first_switch};
 pub use turning::TurningStructure;
+pub(crate) use turning::{Edge, EdgeCell};
 
 use memo::Memo;
 use toolroom_chatter::{AmplitudeTable, ChatterKind, LimitCycle, Mode, SpeedVariation};

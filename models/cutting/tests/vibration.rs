@@ -1,5 +1,6 @@
 //! Turning and milling with a structure around them.
 
+use proptest::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use toolroom_chatter::{Bar, Cutter, Direction, Engagement, Mode, SpeedModes, Support};
@@ -19,6 +20,22 @@ fn cut() -> toolroom_chatter::Turning {
 fn turning() -> Turning {
     let structure = TurningStructure::new(cut(), None, Regeneration::default()).unwrap();
     Turning { structure: Some(Arc::new(structure)), ..Turning::named("c45_t15k6").unwrap() }
+}
+
+/// A slender bar between chuck and tailstock.
+fn between_centres() -> Turning {
+    let bar = Bar {
+        length: 0.6,
+        diameter: 0.04,
+        youngs_modulus: 2.1e11,
+        density: 7850.0,
+        damping_ratio: 0.03,
+        chuck_stiffness: 1e8,
+        support: Support::Tailstock,
+    };
+    let stiff = toolroom_chatter::Turning::orthogonal(Vec::new(), 2e9, 0.04);
+    let structure = TurningStructure::new(stiff, Some((bar, 0.3)), Regeneration::default()).unwrap();
+    Turning { structure: Some(Arc::new(structure)), ..turning() }
 }
 
 fn turned(depth_of_cut: f64) -> TurningInput {
@@ -177,18 +194,7 @@ fn runout_moves_the_tool_once_a_revolution() {
 
 #[test]
 fn a_bar_is_softest_between_its_supports() {
-    let bar = Bar {
-        length: 0.6,
-        diameter: 0.04,
-        youngs_modulus: 2.1e11,
-        density: 7850.0,
-        damping_ratio: 0.03,
-        chuck_stiffness: 1e8,
-        support: Support::Tailstock,
-    };
-    let stiff = toolroom_chatter::Turning::orthogonal(Vec::new(), 2e9, 0.04);
-    let structure = TurningStructure::new(stiff, Some((bar, 0.3)), Regeneration::default()).unwrap();
-    let turning = Turning { structure: Some(Arc::new(structure)), ..turning() };
+    let turning = between_centres();
     let limit =
         |position: f64| turning.vibration(&turning.initial(), &TurningInput { position, ..turned(0.2e-3) }).limit;
     assert!(limit(0.35) < limit(0.1) && limit(0.35) < limit(0.55));
@@ -244,18 +250,7 @@ fn what_is_no_structure_is_refused() {
 /// the pass is split.
 #[test]
 fn the_middle_of_a_bar_chatters_and_its_time_counts() {
-    let bar = Bar {
-        length: 0.6,
-        diameter: 0.04,
-        youngs_modulus: 2.1e11,
-        density: 7850.0,
-        damping_ratio: 0.03,
-        chuck_stiffness: 1e8,
-        support: Support::Tailstock,
-    };
-    let stiff = toolroom_chatter::Turning::orthogonal(Vec::new(), 2e9, 0.04);
-    let structure = TurningStructure::new(stiff, Some((bar, 0.3)), Regeneration::default()).unwrap();
-    let turning = Turning { structure: Some(Arc::new(structure)), ..turning() };
+    let turning = between_centres();
     let softest = turning.vibration(&turning.initial(), &TurningInput { position: 0.35, ..turned(0.2e-3) }).limit;
     let u = TurningInput { position: 0.58, ..turned(1.3 * softest) };
     // 0.2 mm a revolution at 2.5 m/s: 0.5 m take 126 s.
@@ -368,4 +363,38 @@ fn modes_by_speed_count_at_their_speed() {
     let (fixed, tabled) = (mill(None), mill(Some(SpeedModes::new(rows).unwrap())));
     let u = MillingInput { depth_of_cut: 1e-3, ..Default::default() };
     assert_eq!(fixed.output(&fixed.initial(), &u), tabled.output(&tabled.initial(), &u));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+
+    /// The cut is looked at in small steps beside: what they find is found in one step, to their length.
+    #[test]
+    fn an_unstable_stretch_of_a_pass_counts_however_short_it_is(
+        depth in 0.99..1.1f64, position in 0.3..0.59f64, wear in 0.0..0.1e-3f64, ramp in -2e-3..2e-3f64,
+    ) {
+        let turning = between_centres();
+        let softest = turning.vibration(&turning.initial(), &TurningInput { position: 0.35, ..turned(0.2e-3) }).limit;
+        let u = TurningInput { position, cutting_acceleration: ramp, ..turned(depth * softest) };
+        let start = TurningState { flank_wear: wear, ..turning.initial() };
+        let (duration, steps) = (60.0, 1500);
+        let step = duration / f64::from(steps);
+        let (mut x, mut samples, mut switches, mut before) = (start, 0, 2, None);
+        for i in 0..steps {
+            let input = |after: f64| turning.input_after(&u, f64::from(i) * step + after);
+            let mut middle = x;
+            turning.advance(&mut middle, &input(0.0), 0.5 * step).unwrap();
+            let unstable = !turning.vibration(&middle, &input(0.5 * step)).stable();
+            samples += i32::from(unstable);
+            switches += i32::from(before.replace(unstable).is_some_and(|before| before != unstable));
+            turning.advance(&mut x, &input(0.0), step).unwrap();
+        }
+        let mut whole = start;
+        turning.advance(&mut whole, &u, duration).unwrap();
+        let sampled = f64::from(samples) * step;
+        // Where it is wear that ends a stretch, the accuracy of wear, 1e-7 of its limit, is some milliseconds at its rate.
+        let apart = (whole.chatter_time - x.chatter_time).abs();
+        prop_assert!(apart < 5e-3, "{} {}", whole.chatter_time, x.chatter_time);
+        prop_assert!((whole.chatter_time - sampled).abs() <= f64::from(switches) * step, "{} {sampled}", whole.chatter_time);
+    }
 }

@@ -11,6 +11,7 @@ static USUAL: KeyOptions = KeyOptions {
     time: toolroom_scenario::KeyTime::Drawn,
     setup: false,
     slack_by: SlackBy::Job,
+    next_queue: toolroom_scenario::NextQueue::Waiting,
 };
 
 /// What changes while jobs wait.

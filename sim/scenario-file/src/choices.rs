@@ -82,6 +82,8 @@ vocabulary! {
         Triangular = "triangular",
         /// Beta by least, most likely and greatest, as estimated in PERT.
         Beta = "beta",
+        /// The same, by the name that planners give it.
+        Pert = "pert",
         /// Normal by mean and standard deviation, cut off at least and greatest.
         Normal = "normal",
         /// Uniform by least and greatest.

@@ -7,8 +7,8 @@ use super::queue_rules::{queue_rules, rules_under};
 use std::collections::BTreeMap;
 use toolroom_form::{Fault, Section, Walk, nearest};
 use toolroom_scenario::{
-    Assignment, CardLoop, Control, DispatchRule, DueRule, InspectedTo, KeyOptions, KeyTime, MOST_LOOPS, Operation,
-    Order, Part, QueueChoice, ReleaseRule, SlackBy,
+    Assignment, CardLoop, Control, DispatchRule, DueRule, InspectedTo, KeyOptions, KeyTime, MOST_LOOPS, NextQueue,
+    Operation, Order, Part, QueueChoice, ReleaseRule, SlackBy,
 };
 
 /// Loops, release and options of the rules of a file whose parts and orders are known.
@@ -47,6 +47,7 @@ fn keys(section: &Section<'_>) -> KeyOptions {
         time: section.chosen("time_in_key", KeyTime::from_word).unwrap_or_default(),
         setup: section.flag("setup_in_key").unwrap_or(false),
         slack_by: section.chosen("slack_by", SlackBy::from_word).unwrap_or_default(),
+        next_queue: section.chosen("next_queue", NextQueue::from_word).unwrap_or_default(),
     }
 }
 

@@ -30,7 +30,7 @@ pub(super) fn distribution(walk: &mut Walk, section: &Section<'_>, key: &str) ->
             let (low, mode, high) = three_points(walk, &table);
             Distribution::Triangular { low, mode, high }
         }
-        FamilyWord::Beta => {
+        FamilyWord::Beta | FamilyWord::Pert => {
             let (low, mode, high) = three_points(walk, &table);
             Distribution::Beta { low, mode, high }
         }

@@ -83,6 +83,8 @@ pub struct KeyOptions {
     pub setup: bool,
     /// Of what `atc`, `atcs` and `covert` take the slack.
     pub slack_by: SlackBy,
+    /// What counts as work in the next queue.
+    pub next_queue: NextQueue,
 }
 
 impl KeyOptions {
@@ -112,7 +114,8 @@ impl KeyOptions {
 impl Default for KeyOptions {
     fn default() -> Self {
         let (atc_k, atcs_k, covert_kb) = (Self::ATC_K, Self::ATCS_K, Self::COVERT_KB);
-        Self { atc_k, atcs_k, covert_kb, time: KeyTime::Drawn, setup: false, slack_by: SlackBy::Job }
+        let (time, slack_by, next_queue) = (KeyTime::Drawn, SlackBy::Job, NextQueue::Waiting);
+        Self { atc_k, atcs_k, covert_kb, time, setup: false, slack_by, next_queue }
     }
 }
 
@@ -137,6 +140,22 @@ vocabulary! {
         Job = "job",
         /// Of the operation: when it is due, and its time.
         Operation = "operation",
+    }
+}
+
+vocabulary! {
+    /// What counts as the work W in the next queue, at which `winq`, `pt_winq`, `pt_winq_npt` and `pt_winq_sl` look.
+    ///
+    /// # Source
+    /// Waiting jobs alone: O. Holthaus, C. Rajendran, International Journal of Production Economics 48 (1997) 87. With what is
+    /// left of started work: the simulator jasima (`WorkStation.workContent`), after R. Haupt, OR Spektrum 11 (1989) 3.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum NextQueue {
+        /// The operations that wait.
+        #[default]
+        Waiting = "waiting",
+        /// These and what is left of the operations in work.
+        Started = "started",
     }
 }
 

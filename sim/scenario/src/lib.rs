@@ -60,7 +60,8 @@ pub use branch::{Branch, Urgency};
 pub use calibration::{Calibration, Moved, ShopConstant, Target, calibrated, calibrated_channel};
 pub use contour::{ContourRule, ContourWork};
 pub use control::{
-    Assignment, CardLoop, Control, DueRule, KeyOptions, KeyTime, MOST_LOOPS, QueueChoice, ReleaseRule, SlackBy,
+    Assignment, CardLoop, Control, DueRule, KeyOptions, KeyTime, MOST_LOOPS, NextQueue, QueueChoice, ReleaseRule,
+    SlackBy,
 };
 pub use crib::{Crib, Purchase, Regrind};
 pub use deviation::{Deviation, MICRO_STOP, ShopEffect};

@@ -152,8 +152,9 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now().seconds();
         let (scenario, layout) = (self.scenario, &*self.layout);
         let rules = rules_of(scenario, &scenario.control.loops[index]);
+        let started = super::dispatch::started_work(scenario, layout, &self.world, now);
         let World { cards, jobs, waiting_work, .. } = &mut self.world;
-        let look = super::dispatch::Look { scenario, layout, jobs, waiting_work, chooser: None, rules, now };
+        let look = super::dispatch::Look { scenario, layout, jobs, waiting_work, started, chooser: None, rules, now };
         let found = cards.loops[index].queue.take(
             now,
             |waiting| is_parked(look.jobs, waiting),

@@ -1,43 +1,20 @@
-//! Chatter in a pass: what it does to part and log, and who reacts to it.
+//! Chatter in a pass: how it is logged, and who reacts to it.
 
 use super::cut::Segment;
 use super::draws::owner;
 use super::machine::{MOUNTED, Piece};
 use super::pass::Place;
-use super::ports::{Ports, read};
+use super::ports::read;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::{EventRow, LogEvent, PassRow};
+use crate::runlog::{EventRow, LogEvent};
 use rand_distr::{Distribution as _, StandardNormal};
 use toolroom_kernel::{Purpose, Stream};
-use toolroom_process::MachineProcess;
 use toolroom_scenario::policies::Stability;
 
-/// Places of a segment that are looked at.
-const PLACES: usize = 9;
-/// Amplitude of the vibration from which chatter grows, m: that of the surface which a tool finds
-/// (assumption).
-const SEED: f64 = 1e-6;
 /// Other speeds that are tried for one pass on one machine before a controller gives up
 /// (assumption).
 const MOST_TRIALS: usize = 6;
-
-/// Vibration over one segment.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vibration {
-    /// Least margin.
-    pub margin: f64,
-    /// Time in an unstable cut, s.
-    pub chatter_time: f64,
-    /// When chatter has grown, s from the start of the segment; `None` in a stable one.
-    pub onset: Option<f64>,
-    /// Its frequency, Hz.
-    pub frequency: f64,
-    /// Greatest amplitude, m.
-    pub amplitude: f64,
-    /// Greatest roughness Ra, m.
-    pub roughness: f64,
-}
 
 /// What a machine has learnt about chatter in one kind of pass.
 #[derive(Clone, Debug)]
@@ -52,60 +29,12 @@ pub struct Reaction {
     pub exhausted: bool,
 }
 
-/// Looks along a planned segment, from the state at its start.
-pub(super) fn along(segment: &Segment, process: &dyn MachineProcess, ports: &Ports, state: &[f64]) -> Vibration {
-    let mut output = segment.output.clone();
-    let mut input = segment.start_input.clone();
-    let mut seen = Vibration {
-        margin: f64::INFINITY,
-        chatter_time: read(&segment.state, ports.chatter_time, 0.0) - read(state, ports.chatter_time, 0.0),
-        onset: None,
-        frequency: 0.0,
-        amplitude: 0.0,
-        roughness: 0.0,
-    };
-    for place in 0..PLACES {
-        let share = place as f64 / (PLACES - 1) as f64;
-        for ((value, start), end) in input.iter_mut().zip(&segment.start_input).zip(&segment.input) {
-            *value = start + share * (end - start);
-        }
-        let worn = if place == PLACES - 1 { segment.state.as_slice() } else { state };
-        process.output(worn, &input, &mut output);
-        let amplitude = read(&output, ports.vibration_amplitude, 0.0);
-        seen.margin = seen.margin.min(read(&output, ports.stability_margin, 1.0));
-        seen.roughness = seen.roughness.max(read(&output, ports.roughness, 0.0));
-        seen.amplitude = seen.amplitude.max(amplitude);
-        if seen.onset.is_none() && read(&output, ports.stable, 1.0) < 0.5 {
-            let rate = read(&output, ports.chatter_growth_rate, 0.0);
-            let grows = (amplitude / SEED).max(1.0).ln() / rate;
-            seen.onset = Some(share * segment.elapsed + grows).filter(|onset| *onset < segment.elapsed);
-            seen.frequency = read(&output, ports.dominant_frequency, 0.0);
-        }
-    }
-    seen
-}
-
-impl Vibration {
-    /// Adds the segment to the row of its pass and to the part.
-    pub(super) fn note(&self, row: &mut PassRow, surface: &mut Surface) {
-        row.chatter_time += self.chatter_time;
-        row.stability_margin = row.stability_margin.min(self.margin);
-        if row.chatter_frequency == 0.0 {
-            row.chatter_frequency = self.frequency;
-        }
-        row.vibration_amplitude = row.vibration_amplitude.max(self.amplitude);
-        row.roughness = row.roughness.max(self.roughness);
-        surface.roughness = surface.roughness.max(self.roughness);
-        surface.chattered |= self.chatter_time > 0.0;
-    }
-}
-
 /// The surface that the last pass leaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Greatest roughness Ra, m.
     pub roughness: f64,
-    /// Whether it was cut under chatter.
+    /// Whether chatter grew while it was cut.
     pub chattered: bool,
 }
 
@@ -124,11 +53,9 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now().seconds();
         let segment = &self.world.machines[machine].segment;
         let Some(onset) = segment.vibration.as_ref().and_then(|vibration| vibration.onset) else { return };
-        if onset < segment.elapsed {
-            let (machine, job) = (Some(machine as u32), Some(place.job));
-            let time = now - segment.elapsed + onset;
-            self.recorder.event(EventRow { time, event: LogEvent::ChatterOnset, machine, job, edge: Some(edge) });
-        }
+        let (machine, job) = (Some(machine as u32), Some(place.job));
+        let time = now - segment.elapsed + onset;
+        self.recorder.event(EventRow { time, event: LogEvent::ChatterOnset, machine, job, edge: Some(edge) });
     }
 
     /// The controller has heard chatter: the rest of the pass is cut at another speed, and later

@@ -1,9 +1,9 @@
 //! A pass on the process model: planned as a whole on a copy of the edge's state, taken over
 //! when it ends, planned again for a shorter time when it is interrupted.
 
-use super::chatter::{self, Vibration};
 use super::ports::{Ports, elements, read, write};
 use super::program::Program;
+use super::vibration::{Instant, Listener, Vibration};
 use toolroom_process::{MachineProcess, ModelError, ProcessEvent, watched};
 use toolroom_scenario::policies::Sample;
 
@@ -54,7 +54,7 @@ pub(super) enum CutFault {
 }
 
 /// Events in a row without progress after which a process counts as stuck.
-const STUCK: u32 = 64;
+pub(super) const STUCK: u32 = 64;
 
 impl Segment {
     /// Cuts from `state` under [`Segment::start_input`] for `duration`, with a sensor sample
@@ -88,6 +88,7 @@ impl Segment {
         let mut power = read(&self.output, ports.spindle_power, 0.0);
         let (mut time, mut stuck) = (0.0, 0);
         let mut times = Vec::new();
+        let mut listener = ports.structure.then(|| Listener::new(process, ports));
         while time < duration {
             if time >= boundary {
                 boundary = self.program.command(time, &mut self.input);
@@ -109,6 +110,8 @@ impl Segment {
                 looked = elapsed;
                 samples.extend(sampled.map(|time| sample(ports, u, y, time)));
             };
+            let start =
+                listener.as_ref().map(|_| Instant { time, state: self.state.clone(), input: self.input.clone() });
             let advance = process
                 .advance_watched(&mut self.state, &mut self.input, goal - time, &times, &mut |i, u, y| {
                     look(u, y, times[i], next(i));
@@ -122,6 +125,11 @@ impl Segment {
                 self.engaged_time += advance.elapsed;
                 self.cutting_length +=
                     0.5 * (speed_before + read(&self.input, ports.cutting_speed, 0.0)) * advance.elapsed;
+            }
+            if let (Some(listener), Some(start)) = (&mut listener, start) {
+                let end =
+                    Instant { time: time + advance.elapsed, state: self.state.clone(), input: self.input.clone() };
+                listener.follow(&start, &end)?;
             }
             let Some(event) = advance.event else {
                 time = goal;
@@ -143,7 +151,7 @@ impl Segment {
         }
         self.elapsed = time;
         self.stop = None;
-        self.vibration = ports.structure.then(|| chatter::along(self, process, ports, state));
+        self.vibration = listener.map(|listener| listener.heard);
         Ok(())
     }
 

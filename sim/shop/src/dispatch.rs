@@ -5,13 +5,14 @@ use super::job::Jobs;
 use super::layout::Layout;
 use super::machine::Readiness;
 use super::recorder::Recorder;
+use super::world::World;
 use super::{Shop, ShopError};
 use rand::RngExt;
 use toolroom_kernel::{Purpose, Streams};
 use toolroom_queues::Plan;
 use toolroom_queues::{Facts, Keys, Queue, QueueKind, Waiting};
 use toolroom_queues::{Measures, Moment, keys};
-use toolroom_scenario::{Assignment, Blocking, DispatchRule, KeyOptions, Preemption, Scenario, SlackBy};
+use toolroom_scenario::{Assignment, Blocking, DispatchRule, KeyOptions, NextQueue, Preemption, Scenario, SlackBy};
 
 /// How the queue of rules has to be kept.
 pub(super) fn queue_kind(rules: &[DispatchRule], options: &KeyOptions) -> QueueKind {
@@ -383,9 +384,11 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now().seconds();
         let (scenario, layout, world) = (self.scenario, &*self.layout, &mut self.world);
         let rules = branch::rules(scenario, world.branched, machine);
+        let started = started_work(scenario, layout, world, now);
         let state = &mut world.machines[machine];
         let (ready, jobs, waiting_work) = (state.ready, &world.jobs, world.waiting_work.as_slice());
-        (&mut state.queue, Look { scenario, layout, jobs, waiting_work, chooser: Some((machine, ready)), rules, now })
+        let chooser = Some((machine, ready));
+        (&mut state.queue, Look { scenario, layout, jobs, waiting_work, started, chooser, rules, now })
     }
 }
 
@@ -395,6 +398,8 @@ pub(super) struct Look<'a> {
     pub layout: &'a Layout,
     pub jobs: &'a Jobs,
     pub waiting_work: &'a [(u32, f64)],
+    /// What is left of the work in the machines of every station, s; empty where it does not count.
+    pub started: Vec<f64>,
     /// The machine that chooses, and for what it stands ready; `None` where none does, and no setup counts.
     pub chooser: Option<(usize, Readiness)>,
     pub rules: &'a [DispatchRule],
@@ -422,7 +427,9 @@ impl Look<'_> {
     pub(super) fn keys(&self, waiting: &Waiting, facts: &Facts, mean: Measures) -> Keys {
         let work_at = |station: u32| {
             let together = &self.layout.overlapping[station as usize];
-            together.iter().map(|station| self.waiting_work[*station as usize].1).sum::<f64>()
+            let waiting = together.iter().map(|station| self.waiting_work[*station as usize].1).sum::<f64>();
+            let started = |station: &u32| self.started.get(*station as usize).copied().unwrap_or(0.0);
+            waiting + together.iter().map(started).sum::<f64>()
         };
         let moment = Moment {
             now: self.now,
@@ -438,6 +445,22 @@ impl Look<'_> {
         }
         keys(self.rules, waiting.since.seconds(), &own, &moment)
     }
+}
+
+/// What is left of the operations in work at every station, s: their time as rules see it, less the time since they began. Empty
+/// where no rule counts it.
+pub(super) fn started_work(scenario: &Scenario, layout: &Layout, world: &World, now: f64) -> Vec<f64> {
+    if !layout.looks_ahead || scenario.control.keys.next_queue == NextQueue::Waiting {
+        return Vec::new();
+    }
+    let mut started = vec![0.0; world.waiting_work.len()];
+    for task in world.machines.iter().filter_map(|machine| machine.task.as_ref()) {
+        let job = world.jobs.at(task.slot);
+        let (part, operation) = (job.row.part as usize, job.operation as usize);
+        let whole = layout.time(&world.jobs, task.slot, part, operation);
+        started[layout.operations[part][operation].station as usize] += (task.begun.seconds() + whole - now).max(0.0);
+    }
+    started
 }
 
 /// Whether a job begins to wait or waits no longer.

@@ -82,12 +82,13 @@ mod stock;
 mod stretches;
 mod tooling;
 mod transport;
+mod vibration;
 mod world;
 
 pub use assembly::Stocked;
 pub use batch::BatchState;
 pub use cards::Cards;
-pub use chatter::{Reaction, Surface, Vibration};
+pub use chatter::{Reaction, Surface};
 pub use crew::CrewState;
 pub use crib::CribState;
 pub use cut::Segment;

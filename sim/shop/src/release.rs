@@ -3,7 +3,7 @@
 //! A job counts as in the shop from its arrival on, so that its lead time has its time in the pool. The jobs of an order are
 //! let in together.
 
-use super::dispatch::{Look, facts};
+use super::dispatch::{Look, facts, started_work};
 use super::event::Event;
 use super::job::Origin;
 use super::recorder::Recorder;
@@ -176,14 +176,16 @@ impl<R: Recorder> Shop<'_, R> {
         let machine = self.scenario.parts[job.row.part as usize].operations[job.operation as usize].machines[0];
         let facts = facts(self.scenario, &self.layout, &self.streams, (&self.world.jobs, slot), (machine, sequence));
         let waiting = Waiting { since: entry.since, number: job.number, slot, operation: job.operation };
+        let now = self.now().seconds();
         let look = Look {
             scenario: self.scenario,
             layout: &self.layout,
             jobs: &self.world.jobs,
             waiting_work: &self.world.waiting_work,
+            started: started_work(self.scenario, &self.layout, &self.world, now),
             chooser: None,
             rules: sequence,
-            now: self.now().seconds(),
+            now,
         };
         let keys: Keys = look.keys(&waiting, &facts, look.measures(&facts));
         (Ranked { keys, waiting }, entry)

@@ -148,6 +148,17 @@ impl<N: Number> Milling<N> {
     /// The cut of this instant.
     pub(super) fn engagement(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Engagement<N> {
         let (terms, chatters) = self.terms(x, u);
+        self.engagement_under(u, terms, chatters)
+    }
+
+    /// The cut at this instant of a stretch in which it is `unstable` or not, whatever the verdict of this very instant:
+    /// stages of a step that passes the end of the stretch see a smooth right-hand side.
+    pub(super) fn engagement_while(&self, x: &MillingState<N>, u: &MillingInput<N>, unstable: bool) -> Engagement<N> {
+        let terms = if unstable { self.terms(x, u).0 } else { self.effect_terms(x, u) };
+        self.engagement_under(u, terms, unstable)
+    }
+
+    fn engagement_under(&self, u: &MillingInput<N>, terms: Terms<N>, chatters: bool) -> Engagement<N> {
         let (width, steepest) = (self.width(u, &terms), self.steepest(u, &terms));
         let chip = runout::heaviest(self.teeth(), terms.runout, u.feed_per_tooth * steepest);
         Engagement {

@@ -1,7 +1,7 @@
 //! Verdicts of milling.
 
 use super::{Milling, MillingInput, MillingState};
-use crate::vibration::{Tooth, Vibration, variation};
+use crate::vibration::{Judged, Tooth, ToothCell, Vibration, variation};
 use std::f64::consts::FRAC_1_SQRT_2;
 use toolroom_effects::Terms;
 use toolroom_process::Number;
@@ -36,6 +36,16 @@ impl<N: Number> Milling<N> {
                 structure.vibration(&self.tooth(x, u, terms))
             }
             _ => Vibration::NONE,
+        }
+    }
+
+    /// Whether the cut is unstable, and what this was rounded to.
+    pub(super) fn judge(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Judged<ToothCell> {
+        match &self.structure {
+            Some(structure) if u.engaged.re() > 0.0 && u.cutting_speed.re() > 0.0 => {
+                structure.judge(&self.tooth(x, u, &self.effect_terms(x, u)))
+            }
+            _ => Judged { cell: None, unstable: false },
         }
     }
 

@@ -213,6 +213,22 @@ impl<N: Number> Turning<N> {
     /// The contact of the edge at this instant.
     pub(crate) fn engagement(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Engagement<'_, N> {
         let (terms, chatters) = self.terms(x, u);
+        self.engagement_under(u, terms, chatters)
+    }
+
+    /// The contact at this instant of a stretch in which the cut is `unstable` or not, whatever the verdict of this very
+    /// instant: stages of a step that passes the end of the stretch see a smooth right-hand side.
+    pub(super) fn engagement_while(
+        &self,
+        x: &TurningState<N>,
+        u: &TurningInput<N>,
+        unstable: bool,
+    ) -> Engagement<'_, N> {
+        let terms = if unstable { self.terms(x, u).0 } else { self.effect_terms(x, u) };
+        self.engagement_under(u, terms, unstable)
+    }
+
+    fn engagement_under(&self, u: &TurningInput<N>, terms: Terms<N>, chatters: bool) -> Engagement<'_, N> {
         let cut = self.cut(u, &terms);
         Engagement {
             chatters,

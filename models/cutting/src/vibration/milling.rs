@@ -1,8 +1,8 @@
 //! What vibrates in milling.
 
 use super::{
-    Boundary, DAMPING_STEP, LITTLE_DAMPING, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping,
-    other, rounded, rounded_damping, scattered,
+    Boundary, DAMPING_STEP, Judged, LITTLE_DAMPING, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration,
+    coarse_damping, other, rounded, rounded_damping, scattered,
 };
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -53,6 +53,13 @@ struct Key {
     frequency_factor: u64,
     damping_factor: u64,
     variation: (u64, u32),
+}
+
+/// All that a verdict is rounded to: the key of the limit, and the steps of the depth in which growth is judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ToothCell {
+    key: Key,
+    growth: i32,
 }
 
 /// One operating point of a cutter.
@@ -269,27 +276,46 @@ impl MillingStructure {
     /// Depth (m) and frequency (Hz) of the least limit; where none lies below the depths that are searched, the last of these
     /// and no frequency.
     pub(crate) fn limit(&self, tooth: &Tooth) -> (f64, f64) {
-        let boundary = self.boundary(tooth, &self.key(tooth));
-        let (tangential, _) = self.worn(tooth);
-        let scale = if self.depth_counts() { 1.0 } else { NOMINAL / tangential };
-        (boundary.limit * scale, boundary.frequency)
+        let boundary = self.boundary_of(tooth, &self.key(tooth));
+        (boundary.limit, boundary.frequency)
+    }
+
+    /// Real depth for each judged one.
+    fn scale(&self, tooth: &Tooth) -> f64 {
+        if self.depth_counts() { 1.0 } else { NOMINAL / self.worn(tooth).0 }
+    }
+
+    /// The boundary in real depths.
+    fn boundary_of(&self, tooth: &Tooth, key: &Key) -> Boundary {
+        let judged = self.boundary(tooth, key);
+        Boundary { limit: judged.limit * self.scale(tooth), ..judged }
+    }
+
+    /// Whether the cut chatters.
+    fn regenerates(&self, tooth: &Tooth, boundary: &Boundary) -> bool {
+        // Nearer to the limit the verdict on a rounded depth could lie on its other side.
+        let beyond = tooth.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
+        let stable_again = || beyond && tooth.variation.is_none() && self.growth_rate(tooth) < 0.0;
+        Vibration::quiet(boundary, tooth.depth).margin < 0.0 && !stable_again()
+    }
+
+    /// Whether the cut is unstable, as [`MillingStructure::vibration`] has it but at less cost, and what this was rounded to.
+    pub(crate) fn judge(&self, tooth: &Tooth) -> Judged<ToothCell> {
+        let key = self.key(tooth);
+        let cell = ToothCell { key, growth: rounded(tooth.depth / self.scale(tooth), STIFFNESS_STEP).0 };
+        Judged { cell: Some(cell), unstable: self.regenerates(tooth, &self.boundary_of(tooth, &key)) }
     }
 
     /// How the cut vibrates.
     pub(crate) fn vibration(&self, tooth: &Tooth) -> Vibration {
         let key = self.key(tooth);
-        let judged = self.boundary(tooth, &key);
-        let (tangential, _) = self.worn(tooth);
-        let scale = if self.depth_counts() { 1.0 } else { NOMINAL / tangential };
-        let boundary = Boundary { limit: judged.limit * scale, ..judged };
-        // Nearer to the limit the verdict on a rounded depth could lie on its other side.
-        let beyond = tooth.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
-        let stable_again = || beyond && tooth.variation.is_none() && self.growth_rate(tooth) < 0.0;
+        let scale = self.scale(tooth);
+        let boundary = self.boundary_of(tooth, &key);
         let quiet = Vibration {
             forced: self.forced(tooth, &key) * tooth.depth / scale * tooth.feed_per_tooth,
             ..Vibration::quiet(&boundary, tooth.depth)
         };
-        if quiet.margin >= 0.0 || stable_again() {
+        if !self.regenerates(tooth, &boundary) {
             return quiet;
         }
         let ratio = tooth.depth / boundary.limit;
@@ -349,9 +375,7 @@ impl MillingStructure {
     /// Rate at which a disturbance grows (1/s): negative in a stable cut.
     pub(crate) fn growth_rate(&self, tooth: &Tooth) -> f64 {
         let key = self.key(tooth);
-        let (tangential, _) = self.worn(tooth);
-        let scale = if self.depth_counts() { 1.0 } else { NOMINAL / tangential };
-        let (step, depth) = rounded(tooth.depth / scale, STIFFNESS_STEP);
+        let (step, depth) = rounded(tooth.depth / self.scale(tooth), STIFFNESS_STEP);
         let judge = || -> Result<f64, ChatterError> {
             let (cut, speed, _) = self.judged(tooth, &key)?;
             let mut at_speed: AtSpeed<'_> = match tooth.variation {

@@ -1,7 +1,7 @@
 //! What vibrates in turning.
 
 use super::{
-    Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, other, rounded,
+    Boundary, Judged, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, other, rounded,
     rounded_damping, scattered,
 };
 use std::f64::consts::TAU;
@@ -57,6 +57,16 @@ struct Key {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct ChuckKey {
     cut: Key,
+    stiffness: i32,
+    modulation: u64,
+}
+
+/// All that a verdict is rounded to: the key of the limit, the steps of the cutting stiffness in which growth and a modulated
+/// chuck are judged, and the modulation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct EdgeCell {
+    key: Key,
+    growth: i32,
     stiffness: i32,
     modulation: u64,
 }
@@ -229,16 +239,41 @@ impl TurningStructure {
         (boundary.limit / self.coefficient(edge), boundary.frequency)
     }
 
-    /// How the cut vibrates.
-    pub(crate) fn vibration(&self, edge: &Edge) -> Vibration {
-        let key = self.key(edge);
-        let nominal = self.boundary(edge, &key);
-        let boundary = Boundary { limit: nominal.limit / self.coefficient(edge), ..nominal };
+    /// The boundary under the coefficient of the edge.
+    fn boundary_of(&self, edge: &Edge, key: &Key) -> Boundary {
+        let nominal = self.boundary(edge, key);
+        Boundary { limit: nominal.limit / self.coefficient(edge), ..nominal }
+    }
+
+    /// Whether the cut chatters by regeneration.
+    fn regenerates(&self, edge: &Edge, boundary: &Boundary) -> bool {
         // Nearer to the limit the verdict on a rounded depth could lie on its other side.
         let beyond = edge.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
         let stable_again = || beyond && edge.variation.is_none() && self.growth_rate(edge) < 0.0;
+        Vibration::quiet(boundary, edge.depth).margin < 0.0 && !stable_again()
+    }
+
+    /// Whether the cut is unstable, as [`TurningStructure::vibration`] has it but at less cost, and what this was rounded to.
+    pub(crate) fn judge(&self, edge: &Edge) -> Judged<EdgeCell> {
+        let key = self.key(edge);
+        let stiffness = edge.depth * self.coefficient(edge);
+        let cell = EdgeCell {
+            key,
+            growth: rounded(stiffness, STIFFNESS_STEP).0,
+            stiffness: rounded(stiffness * self.cut.cutting_coefficient, STIFFNESS_STEP).0,
+            modulation: edge.modulation.to_bits(),
+        };
+        let modulated = || edge.modulation > 0.0 && self.critical_modulation(edge, &key) < edge.modulation;
+        let unstable = self.regenerates(edge, &self.boundary_of(edge, &key)) || modulated();
+        Judged { cell: Some(cell), unstable }
+    }
+
+    /// How the cut vibrates.
+    pub(crate) fn vibration(&self, edge: &Edge) -> Vibration {
+        let key = self.key(edge);
+        let boundary = self.boundary_of(edge, &key);
         let quiet = Vibration::quiet(&boundary, edge.depth);
-        let vibration = if quiet.margin >= 0.0 || stable_again() {
+        let vibration = if !self.regenerates(edge, &boundary) {
             quiet
         } else {
             let cycle = boundary.tabulated(edge.depth / boundary.limit);

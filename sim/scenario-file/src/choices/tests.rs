@@ -171,7 +171,9 @@ fn every_family_and_pattern_reads_as_itself() {
             times.replace("low = \"1.5 min\"", "low = \"1 min\"").replace("high = \"1.5 min\"", "high = \"2 min\"");
         let text = format!("machines = \"m\", time_to_repair = \"1 min\", time_between = {{ {times} }}");
         let family = read(failure, &text, |walk, section| distribution(walk, section, "time_between"));
-        assert_eq!(word_of_family(family).word(), *word);
+        // A family of two names has one word of its own.
+        let own = if *word == FamilyWord::Pert.word() { FamilyWord::Beta.word() } else { word };
+        assert_eq!(word_of_family(family).word(), own);
     }
     for word in PatternWord::WORDS {
         let text = format!("arrivals = [{{ part = \"…\", {} }}]", body(arrivals, "pattern", word));

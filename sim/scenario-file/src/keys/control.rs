@@ -4,7 +4,7 @@ use super::quantity::{LONG_DURATION, RANDOM_TIME, TIME};
 use crate::choices::{DueWord, ReleaseWord};
 use toolroom_form::{Form, Key, Kind};
 use toolroom_scenario::{
-    Assignment, Blocking, Deadlock, DispatchRule, KeyTime, MachineChoice, Preemption, QueueChoice, SlackBy,
+    Assignment, Blocking, Deadlock, DispatchRule, KeyTime, MachineChoice, NextQueue, Preemption, QueueChoice, SlackBy,
 };
 
 pub(super) const DISPATCH_RULE: Kind = Kind::Choice(DispatchRule::NAMES);
@@ -72,6 +72,12 @@ pub(super) static DISPATCH: Form = Form {
             Kind::Choice(SlackBy::WORDS),
             SlackBy::Job.word(),
             "Slack in `atc`, `atcs` and `covert`: of the job, or of the operation by its own due date and time",
+        ),
+        Key::default(
+            "next_queue",
+            Kind::Choice(NextQueue::WORDS),
+            NextQueue::Waiting.word(),
+            "Work in the next queue for `winq` and its kin: of the jobs that wait, or with what is left of those in work",
         ),
         Key::default("atc_k", LOOK_AHEAD, "3", "Look-ahead of `atc`, in mean times of the queue"),
         Key::default("atcs_k1", LOOK_AHEAD, "3", "Look-ahead of `atcs` for slack, in mean times of the queue"),

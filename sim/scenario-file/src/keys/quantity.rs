@@ -35,11 +35,11 @@ pub(crate) static DISTRIBUTION: Form = Form {
             .when("distribution", &["weibull"]),
         Key::required("sd", DURATION, "Standard deviation of the whole distribution").when("distribution", &["normal"]),
         Key::required("low", TIME, "Least")
-            .when("distribution", &["triangular", "beta", "uniform", "discrete_uniform"]),
+            .when("distribution", &["triangular", "beta", "pert", "uniform", "discrete_uniform"]),
         Key::default("low", TIME, "0 min", "Least").when("distribution", &["normal"]),
-        Key::required("mode", TIME, "Most likely").when("distribution", &["triangular", "beta"]),
+        Key::required("mode", TIME, "Most likely").when("distribution", &["triangular", "beta", "pert"]),
         Key::required("high", DURATION, "Greatest")
-            .when("distribution", &["triangular", "beta", "uniform", "discrete_uniform"]),
+            .when("distribution", &["triangular", "beta", "pert", "uniform", "discrete_uniform"]),
         Key::optional("high", DURATION, "Greatest; left out: as long as it comes").when("distribution", &["normal"]),
         Key::default("step", DURATION, "1 min", "Distance of neighbouring times")
             .when("distribution", &["discrete_uniform"]),

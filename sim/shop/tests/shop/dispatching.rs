@@ -6,7 +6,7 @@
 
 use crate::instances::{FT06, FT10, FT20, Instance};
 use crate::scenarios::{self, jobs_at, machine, operation, part, run};
-use toolroom_scenario::{Arrival, DispatchRule, Distribution, MachineType, Operation, Part, Scenario, Work};
+use toolroom_scenario::{Arrival, DispatchRule, Distribution, MachineType, NextQueue, Operation, Part, Scenario, Work};
 use toolroom_shop::runlog::JobOutcome;
 
 fn job_shop(instance: Instance, rule: DispatchRule) -> Scenario {
@@ -31,7 +31,11 @@ fn job_shop(instance: Instance, rule: DispatchRule) -> Scenario {
 
 /// Makespan and sum of flow times.
 fn result(instance: Instance, rule: DispatchRule) -> (f64, f64) {
-    let log = run(&job_shop(instance, rule));
+    makespan_and_flow(&job_shop(instance, rule))
+}
+
+fn makespan_and_flow(scenario: &Scenario) -> (f64, f64) {
+    let log = run(scenario);
     assert!(log.jobs.iter().all(|job| job.outcome == JobOutcome::Good));
     let makespan = log.jobs.iter().map(|job| job.finish).fold(0.0, f64::max);
     (makespan, log.jobs.iter().map(|job| job.finish - job.arrival).sum())
@@ -56,6 +60,23 @@ fn dispatching_rules_give_the_published_schedules() {
             assert_eq!(result(instance, rule), expected, "{rule:?}");
         }
     }
+}
+
+#[test]
+fn next_queues_with_started_work_give_the_schedules_of_jasima() {
+    let published = [
+        (DispatchRule::WorkInNextQueue, [(88.0, 326.0), (1344.0, 9743.0), (1513.0, 19510.0)]),
+        (DispatchRule::TimesAndNextQueue, [(88.0, 317.0), (1181.0, 8135.0), (1335.0, 15088.0)]),
+    ];
+    for (rule, expected) in published {
+        for (instance, expected) in [FT06, FT10, FT20].into_iter().zip(expected) {
+            let mut scenario = job_shop(instance, rule);
+            scenario.control.keys.next_queue = NextQueue::Started;
+            assert_eq!(makespan_and_flow(&scenario), expected, "{rule:?}");
+        }
+    }
+    // Waiting jobs alone are another rule.
+    assert_eq!(result(FT10, DispatchRule::WorkInNextQueue).0, 1149.0);
 }
 
 #[test]
