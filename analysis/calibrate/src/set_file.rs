@@ -19,7 +19,8 @@ impl Calibration {
     /// posterior, for the next round.
     ///
     /// What edges differ by is all in the scatter of edges here; scatter of hardness and allowance cannot be told apart
-    /// from it and is set to zero, so that a shop does not count it twice.
+    /// from it and is set to zero, so that a shop does not count it twice. The same holds for noise of the rate within a life
+    /// where it was not fitted: the readings have it in their error.
     pub fn set_file(&self, name: &str, based_on: &str) -> String {
         let fit = self.carried();
         let model = &fit.model;
@@ -104,9 +105,13 @@ impl Calibration {
                 text,
                 "mechanical_wear = 0.0\nthermal_wear = 0.0\nbatch_hardness = 0.0\npiece_hardness = 0.0\nallowance = \"0 mm\""
             );
-            if let Some(index) = model.parameters().iter().position(|parameter| parameter.name == LIFE_NOISE_NAME) {
-                let _ = writeln!(text, "life_noise = {:?}", rounded(u[index].exp()));
-            }
+            let noise = model.parameters().iter().position(|parameter| parameter.name == LIFE_NOISE_NAME);
+            let _ = match noise {
+                Some(index) => writeln!(text, "life_noise = {:?}", rounded(u[index].exp())),
+                None => {
+                    writeln!(text, "life_noise = 0.0 # not fitted: what there is of it is in the error of readings")
+                }
+            };
             if self.chips().is_some() {
                 let _ = writeln!(text, "chipped_share = 0.0 # chips come by the rate");
             }

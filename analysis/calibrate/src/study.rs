@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
-use toolroom_cutting::{MILLING_CATALOGUE, Milling};
+use toolroom_cutting::{MILLING_CATALOGUE, Milling, process_of_set};
 use toolroom_form::Outline;
 use toolroom_process::unit;
 use toolroom_records::import::{Combine, Mapped, Mapping, Origin, import};
@@ -113,8 +113,15 @@ pub struct StudyResult {
 impl CalibrationStudy {
     /// The parameter set that is calibrated.
     fn set(&self) -> Result<ParameterSet, Refusal> {
-        ParameterSet::load(&self.model, Path::new(""), self.catalogue())
-            .map_err(|error| refuse(error, "--model names a shipped set or a file of one"))
+        ParameterSet::load(&self.model, Path::new(""), self.catalogue()).map_err(|error| {
+            match process_of_set(&self.model) {
+                Some(other) => refuse(
+                    format!("`{}` is a set of {other}, where one of {} is due", self.model, self.catalogue().process),
+                    format!("`toolroom calibrate {other}`, or another --model"),
+                ),
+                None => refuse(error, "--model names a shipped set or a file of one"),
+            }
+        })
     }
 
     fn catalogue(&self) -> &'static Catalogue {

@@ -101,6 +101,7 @@ fn a_calibration_finds_what_made_the_records_and_says_what_it_cannot_know() {
     assert!(found.text().contains("vary feed_per_rev"), "{}", found.text());
     let set = found.set_file("ours", "c45_t15k6");
     assert!(set.contains("law = \"extended_taylor\"") && set.contains("[scatter]\ncommon_wear = "), "{set}");
+    assert!(set.contains("life_noise = 0.0 # not fitted"), "{set}");
     let again = Measured::of(&records(&made(&[180.0, 180.0, 220.0, 220.0, 300.0, 300.0])), 0.3).expect("edges");
     let again = Calibration::new(again, &base(), request(&[Law::ExtendedTaylor, Law::Usui])).expect("a calibration");
     assert_eq!(json, again.json(), "the same seed gives the same answers");

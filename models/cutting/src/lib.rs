@@ -49,7 +49,7 @@ mod vibration;
 
 pub use milling::{
     Cutter, CutterLife, EdgeForce, HeldMilling, MILLING_CATALOGUE, MILLING_SETS, Milling, MillingInput, MillingOutput,
-    MillingState,
+    MillingState, process_of_set,
 };
 pub use turning::{Finish, HeldTurning, LifeModel, Turning, TurningInput, TurningMemory, TurningOutput, TurningState};
 pub use vibration::{MillingStructure, Regeneration, TurningStructure, Vibration};

@@ -12,7 +12,7 @@ mod vibration;
 pub use claims::claims;
 pub use held::HeldMilling;
 pub use records::{Cutter, CutterLife, EdgeForce, MillingInput, MillingOutput, MillingState};
-pub use sets::{MILLING_CATALOGUE, MILLING_SETS};
+pub use sets::{MILLING_CATALOGUE, MILLING_SETS, process_of_set};
 
 use crate::vibration::{MillingStructure, first_switch};
 use std::cell::Cell;

@@ -220,3 +220,18 @@ proptest! {
         prop_assert_eq!(Pair::of_set(&again).unwrap(), Pair::of_set(&set).unwrap());
     }
 }
+
+#[test]
+fn a_fault_of_the_handbook_is_told_alone_and_not_that_the_law_has_nothing_behind_it() {
+    for (right, wrong, told) in [
+        ("m = 0.2", "m = 1.2", "`m` = 1.2 is outside 0.01 to 1"),
+        ("C = \"420 m/min\"", "C = \"420\"", "`420` has no unit"),
+        ("[handbook]\ntaylor", "[handbook]\ntaylr", "did you mean `taylor`?"),
+    ] {
+        let message = refused(&format!("law = \"extended_taylor\"\n{}", TAYLOR.replace(right, wrong)));
+        assert!(message.contains(told), "{message}");
+        assert!(!message.contains("nothing gives"), "{message}");
+    }
+    // Without a handbook it is the fault.
+    assert!(refused("law = \"extended_taylor\"\n").contains("nothing gives [parameters.extended_taylor]"));
+}

@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use toolroom_form::{Fault, Section, Walk};
 use toolroom_scenario::{
-    Crib, DrawUnit, FailureClock, Inspection, LifeOnly, MachineType, Maintenance, Operation, Part, Pegging,
-    ProcessModel, Purchase, Regrind, Replenish, ToolType, Variants, Work, WorkPer,
+    Crib, DrawUnit, EdgeLife, FailureClock, Inspection, LifeOnly, LifeSpeed, MachineType, Maintenance, Operation, Part,
+    Pegging, ProcessModel, Purchase, Regrind, Replenish, ToolType, Variants, Work, WorkPer, WornTool,
 };
 use toolroom_wear::Scatter;
 
@@ -19,6 +19,10 @@ pub(super) fn life_only(walk: &mut Walk, section: &Section<'_>, name: String) ->
         let example = "life = \"60 min\"";
         walk.fault(section.span_of("life"), Fault::Nothing { what: "life of an edge", example });
     }
+    let at = walk.table(section, "life_at").map(|own| LifeSpeed {
+        cutting_speed: own.required("cutting_speed"),
+        exponent: own.required("speed_exponent"),
+    });
     ToolType {
         name,
         process: ProcessModel::Other(Arc::new(LifeOnly)),
@@ -30,7 +34,7 @@ pub(super) fn life_only(walk: &mut Walk, section: &Section<'_>, name: String) ->
         structure_scatter: Default::default(),
         posterior: None,
         spreads: Default::default(),
-        life: Some(life),
+        life: Some(EdgeLife { time: life, at }),
     }
 }
 
@@ -38,24 +42,35 @@ pub(super) fn life_only(walk: &mut Walk, section: &Section<'_>, name: String) ->
 pub(super) fn worn_tool(
     walk: &mut Walk,
     section: &Section<'_>,
-    (tool, life_only): (Option<usize>, bool),
+    (tool, life): (Option<usize>, Option<Option<LifeSpeed>>),
     (machines, indices): (&[MachineType], &[usize]),
-) -> Option<usize> {
+) -> Option<WornTool> {
     let name = section.text("tool").unwrap_or_default().to_owned();
     let mut refuse = |reason: String, fix: &str| {
         walk.fault(section.span_of("tool"), ScenarioFault::Arrangement { reason, fix: fix.to_owned() });
     };
     let tool = tool?;
-    if !life_only {
+    let Some(life) = life else {
         let reason = format!("plain work has the tool \"{name}\", whose edges wear in passes");
         refuse(reason, "give the operation its passes in the place of `work`, or a tool of process = \"life_only\"");
         return None;
-    }
+    };
     if indices.iter().any(|machine| machines[*machine].batch.is_some()) {
         let reason = format!("an edge of \"{name}\" would wear in work of a whole batch");
         refuse(reason, "take out `tool`, or `batch` of its machines: together they are not modelled");
     }
-    Some(tool)
+    let aging = match (section.si("cutting_speed"), life) {
+        (None, _) => 1.0,
+        (Some(speed), Some(life)) => life.aging(speed),
+        (Some(_), None) => {
+            let reason = format!("nothing says how the life of \"{name}\" falls with the cutting speed");
+            let fix = "give the tool life_at = { cutting_speed = \"80 m/min\", speed_exponent = 4.0 }, or take out `cutting_speed`";
+            let fault = ScenarioFault::Arrangement { reason, fix: fix.to_owned() };
+            walk.fault(section.span_of("cutting_speed"), fault);
+            1.0
+        }
+    };
+    Some(WornTool { tool, aging })
 }
 
 /// Cribs; what is ground on machines of the shop becomes a part of its own behind the others.
@@ -120,7 +135,7 @@ pub(super) fn cribs(
         let wears = |operation: &Operation| {
             let program =
                 matches!(&operation.work, Work::Program(work) if work.calls.iter().any(|call| call.tool == tool));
-            operation.worn_tool == Some(tool) || operation.tool == Some(tool) || program
+            operation.worn_tool.is_some_and(|own| own.tool == tool) || operation.tool == Some(tool) || program
         };
         let users =
             parts.iter().flat_map(|part| &part.operations).filter(|own| wears(own)).flat_map(|own| &own.machines);

@@ -13,7 +13,7 @@ mod shared;
 mod transport;
 
 use control::{DISPATCH, DISPATCH_RULE, DUE, LOOP, RELEASE};
-use crib::{CRIB, LIFE, MAINTENANCE};
+use crib::{CRIB, LIFE, LIFE_AT, MAINTENANCE};
 use flow::{BATCH, VARIANT};
 pub use gap::GAP;
 use order::{CALENDAR, EDGE_AT_START, ORDER, SCHEDULE, TABLES, WIP};
@@ -185,6 +185,7 @@ static TOOL: Form = Form {
             "Process; life_only: nothing but how long its edges last, in operations with `work`",
         ),
         LIFE,
+        LIFE_AT,
         Key::optional(
             "parameter_set",
             Kind::Name,

@@ -7,7 +7,7 @@ use super::names::NamedTool;
 use super::stability;
 use std::fmt::Display;
 use std::sync::Arc;
-use toolroom_cutting::{MILLING_CATALOGUE, Milling, MillingInput, Turning};
+use toolroom_cutting::{MILLING_CATALOGUE, Milling, MillingInput, Turning, process_of_set};
 use toolroom_effects::Effects;
 use toolroom_form::{Fault, Section, Value, Walk, nearest, set_parameters};
 use toolroom_infeed::{Infeed, Parameters};
@@ -195,6 +195,12 @@ pub(super) fn set(
             Some(set)
         }
         Err(SetError::Unknown { name, nearest, known, .. }) => {
+            if let Some(other) = process_of_set(&name) {
+                let process = catalogue.process;
+                let reason = format!("it is a set of {other}, where one of {process} is due; there are {known}");
+                refuse(walk, section, key, reason);
+                return None;
+            }
             let kind = if catalogue.process == "turning" { "turning parameter set" } else { "milling parameter set" };
             let fault = Fault::UnknownName { kind, name, nearest: nearest.map(str::to_owned), known };
             walk.fault(section.span_of(key), fault);

@@ -135,7 +135,13 @@ fn operations(
             work.calls.iter().for_each(|call| used[call.tool] = true);
             first = work.calls.first().map(|call| call.tool);
         }
-        let worn = tool.filter(|_| plain).map(|tool| (Some(tool), tools[tool].life_only));
+        let life = |tool: &NamedTool| tool.life_only.then(|| tool.tool.as_ref()?.life.as_ref()?.at);
+        let worn = tool.filter(|_| plain).map(|tool| (Some(tool), life(&tools[tool])));
+        if plain && tool.is_none() && section.given("cutting_speed") {
+            let reason = "plain work without a tool has no cutting speed".to_owned();
+            let fix = "take out `cutting_speed`, or name the `tool` whose edge wears".to_owned();
+            walk.fault(section.span_of("cutting_speed"), ScenarioFault::Arrangement { reason, fix });
+        }
         let worn_tool = worn.and_then(|own| cribs::worn_tool(walk, &section, own, (machines, &able)));
         if let Some(tool) = tool.filter(|tool| !plain && tools[*tool].life_only) {
             let reason = format!("\"{}\" cuts nothing of which more is known than a time", names.tools[tool]);

@@ -70,7 +70,7 @@ pub use flow::{Blocking, Buffer, Deadlock};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use inspection::{InspectedTo, InspectedUnit, Inspection, InspectionOutcome, OutsideSample, Replenish, Sample};
-pub use life_only::LifeOnly;
+pub use life_only::{EdgeLife, LifeOnly, LifeSpeed, WornTool};
 pub use maintenance::Maintenance;
 pub use order::{InProcess, MachineChoice, Order, by_id};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};

@@ -1,5 +1,6 @@
 //! Tools of which nothing is known but how long their edges last.
 
+use crate::Distribution;
 use toolroom_process::{Advance, AnyRecord, ModelError, Process, ProcessEvent, Record, record};
 
 record! {
@@ -24,6 +25,46 @@ record! {
         /// Time for which the edge has worked.
         used: Real["s" => "min"] = 0.0, 0.0..=1e12;
     }
+}
+
+/// How long edges last in plain work.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EdgeLife {
+    /// Working time until an edge is changed, s.
+    pub time: Distribution,
+    /// How it falls with the cutting speed; `None`: nothing is known of that.
+    pub at: Option<LifeSpeed>,
+}
+
+/// The cutting speed of a life, and how the life falls with it: `T(v) = T·(v / cutting_speed)^-exponent`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LifeSpeed {
+    /// Cutting speed at which edges last so long, m/s.
+    pub cutting_speed: f64,
+    /// Exponent of the speed, 1, that of Taylor's law in the form `v·T^(1/exponent) = C`.
+    pub exponent: f64,
+}
+
+impl LifeSpeed {
+    /// Life that a unit of working time takes at a cutting speed, m/s. Shares of the lives at several speeds add up, as
+    /// damage does by Palmgren and Miner.
+    ///
+    /// ```
+    /// let drill = toolroom_scenario::LifeSpeed { cutting_speed: 80.0 / 60.0, exponent: 4.0 };
+    /// assert!((drill.aging(40.0 / 60.0) - 1.0 / 16.0).abs() < 1e-12);
+    /// ```
+    pub fn aging(self, cutting_speed: f64) -> f64 {
+        (cutting_speed / self.cutting_speed).powf(self.exponent)
+    }
+}
+
+/// Tool of which an edge wears in plain work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WornTool {
+    /// Its index.
+    pub tool: usize,
+    /// Life that a unit of working time takes, 1 at the conditions of the life.
+    pub aging: f64,
 }
 
 /// Working time of an edge and nothing else: its life is that of [`ToolType::life`](super::ToolType::life), and it wears in

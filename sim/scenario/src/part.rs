@@ -2,7 +2,7 @@
 
 use super::{
     Attendance, Component, ContourWork, CycleWork, Distribution, DrawUnit, DueRule, Inspection, MachineChoice, Pegging,
-    ProgramWork, Replenish, WorkPer,
+    ProgramWork, Replenish, WorkPer, WornTool,
 };
 use std::sync::Arc;
 
@@ -56,8 +56,8 @@ pub struct Operation {
     pub time_on: Vec<(usize, f64)>,
     /// Tool, by index, of a part program the first; `None` for plain work, which has none.
     pub tool: Option<usize>,
-    /// Tool, by index, of which an edge wears in plain work; `None`: none does.
-    pub worn_tool: Option<usize>,
+    /// Tool of which an edge wears in plain work; `None`: none does.
+    pub worn_tool: Option<WornTool>,
     /// Name of the fixture and program family; a change of it costs a setup.
     pub setup_group: String,
     /// Setup time, s; `None`: the machine's.

@@ -1,8 +1,8 @@
 //! Machines, tools, working time, breakdowns.
 
 use super::{
-    Batch, Calibration, Cut, DispatchRule, Distribution, LifeOnly, Posterior, Spreads, StructureScatter, Target,
-    Variants,
+    Batch, Calibration, Cut, DispatchRule, Distribution, EdgeLife, LifeOnly, Posterior, Spreads, StructureScatter,
+    Target, Variants,
 };
 use std::fmt;
 use std::sync::Arc;
@@ -225,7 +225,7 @@ pub struct ToolType {
     /// How well its parameters are known before records of its own: by the draws, else by `[prior]` of the set.
     pub spreads: Spreads,
     /// How long its edges last in plain work, s of work, where nothing else is known of it ([`LifeOnly`]).
-    pub life: Option<Distribution>,
+    pub life: Option<EdgeLife>,
 }
 
 impl ToolType {

@@ -171,6 +171,8 @@ pub struct Stretches {
     pub piece_left: f64,
     /// Tool of which an edge wears.
     pub tool: Option<u32>,
+    /// Life of the edge that a unit of this work takes, 1.
+    pub aging: f64,
 }
 
 /// Somebody attends to the first time of a piece only.

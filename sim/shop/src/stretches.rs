@@ -29,8 +29,8 @@ impl<R: Recorder> Shop<'_, R> {
             && operation.work_per == WorkPer::Part
             && !together;
         let piece = if apart { time / f64::from(job.row.quantity) } else { f64::INFINITY };
-        let tool = operation.worn_tool.map(|tool| tool as u32);
-        Content::Stretches(Box::new(Stretches { whole: time, left: time, piece, piece_left: piece, tool }))
+        let (tool, aging) = operation.worn_tool.map_or((None, 1.0), |own| (Some(own.tool as u32), own.aging));
+        Content::Stretches(Box::new(Stretches { whole: time, left: time, piece, piece_left: piece, tool, aging }))
     }
 
     /// How long somebody still attends to the piece that a job begins, where that is not all the time.
@@ -54,7 +54,7 @@ impl<R: Recorder> Shop<'_, R> {
             self.unload(machine);
             return Ok(());
         }
-        let mut length = left;
+        let (mut length, aging) = (left, work.aging);
         if let Some(tool) = tool {
             let edge = &self.world.machines[machine].edges[tool];
             let (none, spent) = (edge.is_none(), edge.as_ref().is_some_and(|edge| edge.spent.is_some()));
@@ -64,7 +64,8 @@ impl<R: Recorder> Shop<'_, R> {
             if none {
                 self.mount(machine, tool);
             }
-            length = length.min(self.world.machines[machine].edges[tool].as_ref().map_or(left, |edge| edge.life_left));
+            let edge = self.world.machines[machine].edges[tool].as_ref();
+            length = length.min(edge.map_or(left, |edge| edge.life_left / aging));
         }
         let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
         (task.step, task.left) = (Step::Work, length);
@@ -78,7 +79,7 @@ impl<R: Recorder> Shop<'_, R> {
         work.left = rest(work.left - elapsed);
         work.piece_left = rest(work.piece_left - elapsed);
         let Some(edge) = work.tool.and_then(|tool| state.edges[tool as usize].as_mut()) else { return };
-        edge.life_left = rest(edge.life_left - elapsed);
+        edge.life_left = rest(edge.life_left - elapsed * work.aging);
         edge.row.cutting_time += elapsed;
         edge.row.parts += u32::from(work.left == 0.0);
         if edge.life_left == 0.0 {

@@ -27,7 +27,8 @@ impl<R: Recorder> Shop<'_, R> {
         let mut scatter = draws::edge(&self.scenario.tools[tool].scatter, &self.streams, entity);
         scatter.wear_factor /= life_factor;
         let life = self.scenario.tools[tool].life.as_ref();
-        let life = life.map(|life| life.sample(&mut self.streams.open(entity.part(draws::owner::LIFE), Purpose::Tool)));
+        let life =
+            life.map(|life| life.time.sample(&mut self.streams.open(entity.part(draws::owner::LIFE), Purpose::Tool)));
         let mut x = process.initial();
         if scatter.initial_flank_wear > 0.0 {
             write(&mut x, self.layout.tools[tool].ports.flank_wear_state, scatter.initial_flank_wear);

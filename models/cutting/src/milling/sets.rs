@@ -3,7 +3,7 @@
 use super::{Cutter, CutterLife, EdgeForce, Milling};
 use std::path::Path;
 use toolroom_process::{Field, Record};
-use toolroom_wear::{Catalogue, Chipping, Group, ParameterSet, SetError, check_tilt};
+use toolroom_wear::{Catalogue, Chipping, Group, ParameterSet, SetError, TURNING_SETS, check_tilt};
 
 /// Shipped milling parameter sets: name and file.
 pub const MILLING_SETS: &[(&str, &str)] = &[
@@ -26,6 +26,18 @@ pub static MILLING_CATALOGUE: Catalogue = Catalogue {
         group("chipping", Chipping::<f64>::FIELDS, &[]),
     ],
 };
+
+/// The process of the shipped set of this name, `turning` or `milling`; `None` where there is none. Who looks for a set of
+/// one process and finds none may have named one of the other.
+///
+/// ```
+/// assert_eq!(toolroom_cutting::process_of_set("c45_endmill_d12"), Some("milling"));
+/// assert_eq!(toolroom_cutting::process_of_set("c45_endmill"), None);
+/// ```
+pub fn process_of_set(name: &str) -> Option<&'static str> {
+    let has = |catalogue: &&&Catalogue| catalogue.sets.iter().any(|(known, _)| *known == name);
+    [&TURNING_SETS, &MILLING_CATALOGUE].iter().find(has).map(|catalogue| catalogue.process)
+}
 
 impl Milling {
     /// Milling with a shipped parameter set and no effects.

@@ -64,13 +64,10 @@ impl ContentFault for SetFault {
                 "state the values with their sources, or add `based_on` with a set that has them".to_owned()
             }
             Self::Prior { .. } => "write for example \"extended_taylor.speed_exponent\" = { factor = 1.35 }".to_owned(),
-            Self::Base(_)
-            | Self::Cycle(_)
-            | Self::Chain
-            | Self::NoLaw(_)
-            | Self::Process { .. }
-            | Self::Implausible(_)
-            | Self::Model(_) => return None,
+            Self::Process { due, .. } => format!("name a set with process = \"{due}\""),
+            Self::Base(_) | Self::Cycle(_) | Self::Chain | Self::NoLaw(_) | Self::Implausible(_) | Self::Model(_) => {
+                return None;
+            }
         })
     }
 }

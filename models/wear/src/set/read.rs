@@ -325,6 +325,10 @@ fn law(
     if let Some(word) = root.text("law") {
         let law = catalogue.laws().find(|law| *law == word)?;
         if !named.contains(&law) && base_law != Some(law) && converted.law != Some(law) {
+            // Handbook constants with faults give no law: their faults say what to write.
+            if root.given("handbook") && !walk.problems.is_empty() {
+                return None;
+            }
             walk.fault(root.span_of("law"), SetFault::LawWithoutGroup { law });
             return None;
         }

@@ -3,7 +3,7 @@
 use super::quantity::{COST, DURATION, LONG_DURATION, RANDOM_TIME, TIME};
 use crate::choices::LIFE_ONLY;
 use toolroom_form::{Form, Key, Kind};
-use toolroom_scenario::FailureClock;
+use toolroom_scenario::{FailureClock, SPEED};
 
 /// Edges.
 const EDGES: Kind = Kind::Count { min: 1, max: 1_000_000 };
@@ -89,6 +89,27 @@ pub(super) static MAINTENANCE: Form = Form {
 /// Life of the edges of a tool of which nothing else is known.
 pub(super) const LIFE: Key =
     Key::required("life", RANDOM_TIME, "Working time of an edge until it is changed").when("process", &[LIFE_ONLY]);
+
+/// At which speed edges last so long.
+pub(super) const LIFE_AT: Key = Key::optional(
+    "life_at",
+    Kind::Table(&LIFE_SPEED),
+    "Cutting speed of that life; operations with another `cutting_speed` use it up faster or slower",
+)
+.when("process", &[LIFE_ONLY]);
+
+static LIFE_SPEED: Form = Form {
+    title: "life_at",
+    doc: "How the life of an edge falls with the cutting speed",
+    keys: &[
+        Key::required("cutting_speed", SPEED, "Cutting speed at which edges last as long as `life` says"),
+        Key::required(
+            "speed_exponent",
+            Kind::positive("1", "1", 20.0, "4.0"),
+            "Exponent n of the life over the speed: at twice the speed an edge lasts 2^-n times as long",
+        ),
+    ],
+};
 
 /// Time at the beginning of a piece.
 pub(super) const FIRST: Kind = DURATION;

@@ -8,7 +8,12 @@ use serde_json::json;
 use toolroom_form::{Content, Form, Key, Kind};
 use toolroom_infeed::CycleLimits;
 use toolroom_process::Record;
-use toolroom_scenario::{ContourRule, DrawUnit, InspectedUnit, MachineChoice, PATH, Pegging, SPEED, WorkPer};
+use toolroom_scenario::{
+    ContourRule, DrawUnit, InspectedUnit, MachineChoice, MachineType, PATH, Pegging, SPEED, WorkPer,
+};
+
+/// Processes with a cutting speed, and plain work, in which an edge may wear by it.
+const WITH_SPEED: &[&str] = &[ProcessKind::Turning.word(), ProcessKind::Milling.word(), MachineType::PLAIN];
 
 const FEED: Kind = Kind::positive("m", "mm", 20e-3, "0.12 mm/rev");
 const FEED_PER_TOOTH: Kind = Kind::positive("m", "mm", 5e-3, "0.1 mm/tooth");
@@ -182,7 +187,12 @@ static OPERATION: Form = Form {
             .when("process", ProcessKind::WORDS),
         Key::optional("passes", Kind::Count { min: 1, max: 1000 }, "Number of equal passes; left out: one")
             .when("process", ProcessKind::CUTTING),
-        Key::optional("cutting_speed", SPEED, "Programmed cutting speed").when("process", ProcessKind::CUTTING),
+        Key::optional(
+            "cutting_speed",
+            SPEED,
+            "Programmed cutting speed; of plain work with a tool whose `life_at` says how edges last at another, left out: that of `life_at`",
+        )
+        .when("process", WITH_SPEED),
         Key::optional("feed_per_rev", FEED, "Feed per revolution").when("process", &["turning"]),
         Key::optional("feed_per_tooth", FEED_PER_TOOTH, "Feed per tooth").when("process", ProcessKind::PER_TOOTH),
         Key::optional("depth_of_cut", DEPTH, "Depth of cut").when("process", ProcessKind::CUTTING),

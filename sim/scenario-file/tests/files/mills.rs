@@ -133,3 +133,9 @@ fn policies_choose_the_speed_of_mills_where_there_is_no_lathe() {
     let beside_a_lathe = commanded(&format!("{MILLS}{LATHE}"));
     assert!(beside_a_lathe.iter().all(|speed| (speed - 150.0).abs() < 1e-9), "{beside_a_lathe:?}");
 }
+
+#[test]
+fn a_set_of_another_process_is_told_as_such() {
+    let message = parse("mills.toml", &MILLS.replace("c45_endmill_d12", "c45_t15k6"), &[]).err().unwrap().to_string();
+    assert!(message.contains("it is a set of turning, where one of milling is due"), "{message}");
+}

@@ -78,6 +78,65 @@ fn an_edge_is_changed_in_the_middle_of_the_work() {
     assert_eq!(minutes(&log, 0, MachineState::WaitingTool), [(41.0, 240.0)]);
 }
 
+/// A part that is bored at twice the speed at which edges last 40 minutes, then reamed at that speed: the exponent of 1 makes
+/// edges last 20 minutes at twice the speed.
+fn at_speeds(life_at: &str, reamed: &str) -> String {
+    format!(
+        r#"
+schema = 1
+[shop]
+name = "speeds"
+horizon = "4 h"
+[[machine]]
+name = "M"
+process = "plain"
+tool_change_time = "1 min"
+[[tool]]
+name = "drill"
+process = "life_only"
+life = "40 min"
+{life_at}
+edge_cost = "10 EUR"
+[[part]]
+name = "part"
+operation = [
+    {{ name = "bore", machines = "M", work = "15 min", tool = "drill", cutting_speed = "160 m/min" }},
+    {{ name = "ream", machines = "M", work = "20 min", {reamed} }},
+]
+[[order]]
+id = "A"
+part = "part"
+quantity = 1
+"#
+    )
+}
+
+#[test]
+fn shares_of_the_life_that_speeds_take_add_up() {
+    let life_at = "life_at = { cutting_speed = \"80 m/min\", speed_exponent = 1.0 }";
+    // Boring takes 30 of 40 minutes of life, so that the edge is changed after 10 minutes of reaming.
+    let log = run(&parsed(&at_speeds(life_at, "tool = \"drill\"")), 0, 0).unwrap();
+    assert_eq!(minutes(&log, 0, MachineState::ToolChange), [(25.0, 26.0)]);
+    assert_eq!(finishes(&log), [36.0]);
+    // Reamed at half the speed it ages half as fast: 10 minutes of life are 20 of work.
+    let slow = "tool = \"drill\", cutting_speed = \"40 m/min\"";
+    let log = run(&parsed(&at_speeds(life_at, slow)), 0, 0).unwrap();
+    assert_eq!(finishes(&log), [35.0]);
+    // By the fourth power of the speed boring takes 16 times its time, 6 edges of 2.5 minutes each.
+    let log = run(&parsed(&at_speeds(&life_at.replace("1.0", "4.0"), slow)), 0, 0).unwrap();
+    assert_eq!(minutes(&log, 0, MachineState::ToolChange).len(), 6);
+}
+
+#[test]
+fn a_cutting_speed_that_moves_no_life_is_refused() {
+    let refused = |text: &str| parse("speeds.toml", text, &[]).err().unwrap().to_string();
+    let message = refused(&at_speeds("", "tool = \"drill\""));
+    assert!(message.contains("nothing says how the life of \"drill\" falls with the cutting speed"), "{message}");
+    let life_at = "life_at = { cutting_speed = \"80 m/min\", speed_exponent = 1.0 }";
+    let message = refused(&at_speeds(life_at, "cutting_speed = \"40 m/min\""));
+    assert!(message.contains("plain work without a tool has no cutting speed"), "{message}");
+}
+
 #[test]
 fn the_only_edge_is_ground_while_its_machine_waits_for_it() {
     let grinder = "regrind = { station = \"grinder\", time = \"30 min\", times = 2 }";
