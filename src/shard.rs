@@ -30,20 +30,9 @@ pub fn of_plan(
     perform(plan, number, out, threads, voice)
 }
 
-/// The plan that a command names: where it cannot be read, no place of results is to blame.
-fn planned_at(path: &Path) -> Result<Plan, Failure> {
-    read_plan(path).map_err(|error| {
-        if let ShardError::File { path, source } = error {
-            let message = format!("{} cannot be read: {source}", path.display());
-            return Failure::argument(message, "check the path; --plan of compare, life and lobes writes plans");
-        }
-        error.into()
-    })
-}
-
 /// Runs a shard and leaves the plan beside its part.
 fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voice) -> Result<(), Failure> {
-    let plan = planned_at(path)?;
+    let plan = read_plan(path)?;
     plan.check(env!("CARGO_PKG_VERSION"))?;
     fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.to_owned(), source })?;
     let there = out.join("plan.json");

@@ -11,9 +11,7 @@ use std::sync::{Arc, OnceLock};
 use toolroom_gap_study::{GapStudyError, RECORDED, recorded};
 use toolroom_output::signals as stop;
 use toolroom_output::{Files, OutputDir, quoted};
-use toolroom_process::unit::quantity;
 use toolroom_records::{RecordKind, write_csv};
-use toolroom_scenario::{Scenario, date};
 use toolroom_scenario_file::ScenarioFile;
 use toolroom_shards::Journal;
 use toolroom_shop::RunLog;
@@ -25,6 +23,7 @@ use toolroom_study::results::{self, FinishedRun, STOPPED, record};
 use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions, known_of};
 use toolroom_study::summary::summary;
 use toolroom_study::terminal::{Style, table};
+use toolroom_study::trace::window;
 use toolroom_study::tune::Tuning;
 use toolroom_study::variants::{VariantShop, Wanted};
 
@@ -131,7 +130,8 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
     let settled = request.warm_up.iter().map(|found| found.change());
     let changes = request.changes.overrides().into_iter().chain(settled).chain(tuned).collect();
     let requested = StudyRequest::new(version, reproduce(request), &request.input, file, changes, &options, format);
-    let requested = requested.traced(window(scenario, &args.trace)?);
+    let shown = window(scenario, &args.trace).map_err(|error| Failure::argument(&error, error.fix()))?;
+    let requested = requested.traced(shown);
     if args.resume && target.join("run.json").exists() {
         let earlier = FinishedRun::read(target)?;
         if earlier.complete() {
@@ -332,27 +332,6 @@ fn reproduce(request: &Request<'_>) -> String {
         request.args.trace.iter().for_each(|time| reproduce.push_str(&format!(" {}", quoted(time))));
     }
     reproduce
-}
-
-/// The part of a run under --trace, s from the start.
-fn window(scenario: &Scenario, trace: &[String]) -> Result<Option<[f64; 2]>, Failure> {
-    let [from, to] = trace else { return Ok(None) };
-    let moment = |text: &str| {
-        let time = if date::is_date(text) {
-            date::parse(text).zip(scenario.start).map(|(time, start)| time - start)
-        } else {
-            quantity(text, "s").ok()
-        };
-        let help = "two dates where the scenario has a start, such as \"2026-04-01 06:00\", or times such as \"40 h\"";
-        time.filter(|time| *time >= 0.0)
-            .ok_or_else(|| Failure::argument(format_args!("--trace: {text:?} is no instant of the run"), help))
-    };
-    let (start, end) = (moment(from)?, moment(to)?);
-    if start < end {
-        return Ok(Some([start, end]));
-    }
-    let help = "write the earlier one first: --trace \"6 h\" \"30 h\"";
-    Err(Failure::argument(format_args!("--trace from {from} to {to} shows nothing"), help))
 }
 
 /// `out/NAME`, the name of a scenario made fit for a directory.

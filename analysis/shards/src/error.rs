@@ -16,6 +16,14 @@ pub enum ShardError {
         /// What the system said.
         source: io::Error,
     },
+    /// A plan that cannot be read.
+    #[error("{path} cannot be read: {source}")]
+    UnreadablePlan {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
     /// The rows of a part cannot be written.
     #[error("cannot write {path}: {source}")]
     Rows {
@@ -151,6 +159,7 @@ impl ShardError {
     pub fn fix(&self) -> &'static str {
         match self {
             Self::File { .. } | Self::Rows { .. } => "choose another place, or make room",
+            Self::UnreadablePlan { .. } => "check the path; --plan of compare, life and lobes writes plans",
             Self::OtherFormat { .. } | Self::OtherVersion { .. } => "use one version for plan, shards and merge",
             Self::OtherFile { .. } => "restore the file, or make a new plan and run all of its shards",
             Self::NoPlan { .. } => "give the plan another name",
@@ -180,6 +189,7 @@ impl ShardError {
             Self::NoPieces { .. } => "shards",
             Self::OtherFile { .. } | Self::File { .. } => "files",
             Self::Rows { .. }
+            | Self::UnreadablePlan { .. }
             | Self::NoPlan { .. }
             | Self::NoPart { .. }
             | Self::Damaged { .. }

@@ -153,6 +153,6 @@ pub fn write_plan(path: &Path, plan: &Plan) -> Result<(), ShardError> {
 /// # Errors
 /// [`ShardError`].
 pub fn read_plan(path: &Path) -> Result<Plan, ShardError> {
-    let bytes = fs::read(path).map_err(at(path))?;
+    let bytes = fs::read(path).map_err(|source| ShardError::UnreadablePlan { path: path.to_owned(), source })?;
     serde_json::from_slice(&bytes).map_err(|source| ShardError::Damaged { path: path.to_owned(), source })
 }

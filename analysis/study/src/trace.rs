@@ -8,7 +8,8 @@ use crate::study::Study;
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use toolroom_process::ProcessEvent;
-use toolroom_scenario::Scenario;
+use toolroom_process::unit::quantity;
+use toolroom_scenario::{Scenario, date};
 use toolroom_shop::runlog::{EventRow, LogEvent, MachineState, RunLog};
 
 /// Events that are worth an instant.
@@ -29,6 +30,55 @@ const INSTANTS: [LogEvent; 10] = [
 const FIRST_WEEK: [f64; 2] = [0.0, 7.0 * 86400.0];
 /// Most events of one policy (assumption: viewers in a browser become slow beyond).
 const MOST_EVENTS: usize = 200_000;
+
+/// A part of a run that cannot be shown.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum WindowError {
+    /// A text that is no time since the start, and no date after it.
+    #[error("--trace: {text:?} is no instant of the run")]
+    NoInstant {
+        /// The text.
+        text: String,
+    },
+    /// An end that is not behind the start.
+    #[error("--trace from {from} to {to} shows nothing")]
+    Nothing {
+        /// The start as it was written.
+        from: String,
+        /// The end as it was written.
+        to: String,
+    },
+}
+
+impl WindowError {
+    /// The likely way out.
+    pub fn fix(&self) -> &'static str {
+        match self {
+            Self::NoInstant { .. } => {
+                "two dates where the scenario has a start, such as \"2026-04-01 06:00\", or times such as \"40 h\""
+            }
+            Self::Nothing { .. } => "write the earlier one first: --trace \"6 h\" \"30 h\"",
+        }
+    }
+}
+
+/// The part of a run between two dates or times, s from the start; `None` where there are not two.
+///
+/// # Errors
+/// [`WindowError`].
+pub fn window(scenario: &Scenario, ends: &[String]) -> Result<Option<[f64; 2]>, WindowError> {
+    let [from, to] = ends else { return Ok(None) };
+    let instant = |text: &String| {
+        let time = if date::is_date(text) {
+            date::parse(text).zip(scenario.start).map(|(time, start)| time - start)
+        } else {
+            quantity(text, "s").ok()
+        };
+        time.filter(|time| *time >= 0.0).ok_or_else(|| WindowError::NoInstant { text: text.clone() })
+    };
+    let (start, end) = (instant(from)?, instant(to)?);
+    if start < end { Ok(Some([start, end])) } else { Err(WindowError::Nothing { from: from.clone(), to: to.clone() }) }
+}
 
 /// Writes the first replication of every policy, event by event: what happens in `window` (from and to, s from the start; its
 /// first week where there is none), and no more than 200 000 events of a policy, the first ones. The end says under `shown`

@@ -76,6 +76,25 @@ pub struct Blocks {
     pub known: Vec<bool>,
     /// Whether times in cut are exact, as in a simulation without scatter, by program.
     pub exact: Vec<bool>,
+    /// Logarithms of single changes of edges, of a block each.
+    changes: Vec<Vec<f64>>,
+    /// Logarithms of single lives of edges, of a block each.
+    lives: Vec<Vec<f64>>,
+}
+
+/// Scatter of single values, of which `blocks` are one block each: beside the middle of its block, and where a block is a single value,
+/// beside the middle of all. What differs from block to block, which may be a gap, is no scatter of single ones.
+fn single(blocks: &[Vec<f64>], scatter: impl Fn(Vec<f64>) -> f64) -> f64 {
+    let mean = |block: &Vec<f64>| block.iter().sum::<f64>() / block.len() as f64;
+    let middle = median(&mut blocks.iter().map(mean).collect::<Vec<f64>>());
+    let beside = |block: &Vec<f64>| -> Vec<f64> {
+        let count = block.len() as f64;
+        // The mean of a block follows its values: what is left of them is smaller by this.
+        let (middle, factor) =
+            if block.len() < 2 { (middle, 1.0) } else { (mean(block), (count / (count - 1.0)).sqrt()) };
+        block.iter().map(|value| factor * (value - middle)).collect()
+    };
+    scatter(blocks.iter().flat_map(beside).collect())
 }
 
 /// Time in cut that an operation would have taken at full feed, s: what is left of its scatter
@@ -252,6 +271,7 @@ impl Blocks {
             let mut block = empty(machine, None, shift, time, group);
             let changes: Vec<f64> = pooled_visits.iter().flat_map(|visit| visit.changes.iter().copied()).collect();
             if !changes.is_empty() {
+                blocks.changes.push(changes.iter().map(|change| change.max(CLOCK).ln()).collect());
                 block.values[Figure::ToolChangeTime] = median(&mut changes.clone());
                 block.deviations[Figure::ToolChangeTime] = of_median(changes.len());
             }
@@ -304,6 +324,7 @@ impl Blocks {
             if !lives.is_empty() {
                 block.values[Figure::EdgeLife] = mean(&lives).exp();
                 block.deviations[Figure::EdgeLife] = (lives.len() as f64).sqrt().recip();
+                self.lives.push(lives);
             }
             if !scores.is_empty() {
                 block.values[Figure::FailureInterval] = mean(&scores);
@@ -315,11 +336,15 @@ impl Blocks {
 
     /// Scatter of single changes, edges and counts, which only all blocks together show.
     fn scales(&mut self) {
-        for (figure, least) in [(Figure::ToolChangeTime, 0.01), (Figure::EdgeLife, 0.05)] {
-            let values = self.list.iter().map(|block| block.values[figure]).filter(|value| *value > 0.0);
-            let logarithms: Vec<f64> = values.map(f64::ln).collect();
-            let middle = median(&mut logarithms.clone());
-            let scatter = 1.4826 * median(&mut logarithms.iter().map(|y| (y - middle).abs()).collect::<Vec<f64>>());
+        // The middle of changes is their median, which the far ones do not move; that of lives their mean, which they do.
+        let of_changes = single(&self.changes, |left| {
+            1.4826 * median(&mut left.iter().map(|value| value.abs()).collect::<Vec<f64>>())
+        });
+        let of_lives = single(&self.lives, |left| {
+            (left.iter().map(|value| value * value).sum::<f64>() / left.len() as f64).sqrt()
+        });
+        for (figure, scatter, least) in [(Figure::ToolChangeTime, of_changes, 0.01), (Figure::EdgeLife, of_lives, 0.05)]
+        {
             let scatter = if scatter.is_finite() { scatter.max(least) } else { least };
             self.list.iter_mut().for_each(|block| block.deviations[figure] *= scatter);
         }
@@ -396,4 +421,30 @@ fn normal_spread(replicated: &[f64], measured: &[f64]) -> Option<f64> {
     let mean = scores.iter().sum::<f64>() / scores.len() as f64;
     let variance = scores.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / (scores.len() as f64 - 1.0);
     Some(variance.sqrt().max(0.05))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn the_scatter_of_single_values_is_found_however_many_a_block_has_and_whatever_its_level() {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let mut normal = || normal_score(random.random::<f64>());
+        let deviation =
+            |left: Vec<f64>| (left.iter().map(|value| value * value).sum::<f64>() / left.len() as f64).sqrt();
+        for (blocks, count) in [(10, 40), (100, 4), (400, 1)] {
+            let mut level = 0.0;
+            let days: Vec<Vec<f64>> = (0..blocks)
+                .map(|_| {
+                    // Where blocks are single values, their levels cannot be told from their scatter.
+                    level += if count > 1 { 0.5 } else { 0.0 };
+                    (0..count).map(|_| level + 0.3 * normal()).collect()
+                })
+                .collect();
+            let found = single(&days, deviation);
+            assert!((found / 0.3 - 1.0).abs() < 0.12, "{blocks} blocks of {count}: {found}");
+        }
+    }
 }
