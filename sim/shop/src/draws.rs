@@ -122,6 +122,9 @@ pub(super) fn route(streams: &Streams, entity: Entity, operations: usize) -> Box
     route.into_boxed_slice()
 }
 
+/// Owner of the structure about a tool, part of the name of machine and tool: apart from the edges, which are numbered.
+const STRUCTURE: u64 = 1 << 45;
+
 /// An edge as it comes out of the box.
 pub(super) fn edge(scatter: &Scatter, streams: &Streams, entity: Entity) -> EdgeScatter {
     scatter.sample_edge(&mut streams.open(entity, Purpose::Tool))
@@ -160,10 +163,10 @@ pub(super) fn depth(scatter: &Scatter, streams: &Streams, operation: Entity, pas
     scatter.sample_depth(nominal, &mut streams.at(operation, Purpose::Workpiece, u64::from(pass)))
 }
 
-/// Factors of a machine on the natural frequencies and damping ratios of its structure about
-/// `tool`; lognormal.
-pub(super) fn structure(scatter: &StructureScatter, streams: &Streams, machine: Entity, tool: usize) -> (f64, f64) {
-    let mut stream = streams.open(machine.part(1 << 33 | tool as u64), Purpose::Tool);
+/// Factors of a machine on the natural frequencies and damping ratios of its structure about a
+/// tool; lognormal. Both together are the owner.
+pub(super) fn structure(scatter: &StructureScatter, streams: &Streams, owner: Entity) -> (f64, f64) {
+    let mut stream = streams.open(owner.part(STRUCTURE), Purpose::Tool);
     let mut factor = |deviation: f64| {
         let z: f64 = StandardNormal.sample(&mut stream);
         let sigma = deviation.mul_add(deviation, 1.0).ln().sqrt();

@@ -48,8 +48,8 @@ pub(super) struct Layout {
     groups: Vec<String>,
     /// Row and column of every setup group in every setup matrix.
     matrix_places: Vec<Vec<Option<usize>>>,
-    /// Name of every machine as an owner of random streams.
-    pub machines: Vec<Entity>,
+    /// Name of every machine with every tool, which owns the edges of the tool on the machine and the structure about them.
+    pub tool_owners: Vec<Vec<Entity>>,
     /// Owner of the jobs of every source.
     pub sources: Vec<Entity>,
     /// Whether nothing has a scope or a target: no calibration, no deviation, no entry of a tool.
@@ -259,7 +259,7 @@ impl Layout {
             crib_of,
             matrix_places,
             groups,
-            machines,
+            tool_owners: owners::of_tools(scenario),
             sources,
             as_planned,
             plain_operations,

@@ -1,11 +1,11 @@
-//! Who draws for breakdowns and planned maintenance.
+//! Who draws for breakdowns, planned maintenance and edges.
 //!
 //! What has a name draws by it. What has none draws by its place among those of its machine without a name, in the order of
 //! their mean times, so that the order of sections in a file decides nothing.
 
 use std::cmp::Ordering;
 use toolroom_kernel::Entity;
-use toolroom_scenario::{FailureClock, FailureMode, Maintenance, Scenario};
+use toolroom_scenario::{FailureClock, FailureMode, MachineType, Maintenance, Scenario, ToolType};
 
 /// Owners of planned maintenance, parts of its machine's name: apart from those of its breakdowns.
 const UPKEEP: u64 = 1 << 45;
@@ -50,6 +50,14 @@ pub(super) fn of_maintenance(scenario: &Scenario, machines: &[Entity]) -> Owned 
         }
     }
     (of_machines, owners)
+}
+
+/// Edges of every tool on every machine, by the names of both.
+pub(super) fn of_tools(scenario: &Scenario) -> Vec<Vec<Entity>> {
+    let owner =
+        |machine: &MachineType, tool: &ToolType| Entity::named(&format!("edges of {} on {}", tool.name, machine.name));
+    let tools = |machine| scenario.tools.iter().map(|tool| owner(machine, tool)).collect();
+    scenario.machines.iter().map(tools).collect()
 }
 
 /// Indices by machine.

@@ -53,8 +53,8 @@ impl<R: Recorder> Shop<'_, R> {
         let rate = read(&input, ports.wear_rate_factor, 1.0) * moved.wear_rate;
         write(&mut input, ports.wear_rate_factor, rate);
         if ports.structure {
-            let owner = self.layout.machines[machine];
-            let factors = super::draws::structure(&tool.structure_scatter, &self.streams, owner, place.tool);
+            let owner = self.layout.tool_owners[machine][place.tool];
+            let factors = super::draws::structure(&tool.structure_scatter, &self.streams, owner);
             write(&mut input, ports.natural_frequency_factor, factors.0);
             write(&mut input, ports.modal_damping_factor, factors.1);
         }

@@ -18,7 +18,7 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now();
         let process = self.scenario.tools[tool].process.machine_process();
         let state = &mut self.world.machines[machine];
-        let entity = self.layout.machines[machine].part(1 << 32 | tool as u64).part(state.mounted[tool]);
+        let entity = self.layout.tool_owners[machine][tool].part(state.mounted[tool]);
         let first = state.mounted[tool] == 0;
         state.mounted[tool] += 1;
         state.magazine = state.magazine.saturating_sub(1);

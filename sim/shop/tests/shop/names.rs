@@ -93,3 +93,41 @@ fn a_named_breakdown_draws_the_same_whatever_others_there_are() {
     // Without a name it draws by another owner.
     assert_ne!(alone, downs([&jam.replace("name = \"jam\"\n", ""), "", ""]));
 }
+
+/// The text of a scenario with the sections of one table in the opposite order, each with what is below it.
+fn turned_over(text: &str, table: &str) -> String {
+    let (head, below) = (format!("[[{table}]]"), format!("[[{table}."));
+    let mut blocks: Vec<(bool, String)> = Vec::new();
+    for line in text.split_inclusive('\n') {
+        let begins = line.starts_with('[') && !(line.starts_with(&below) && blocks.last().is_some_and(|last| last.0));
+        if begins || blocks.is_empty() {
+            blocks.push((line.starts_with(&head), String::new()));
+        }
+        blocks.last_mut().unwrap().1 += line;
+    }
+    let mut turned =
+        blocks.iter().filter(|block| block.0).map(|block| block.1.clone()).rev().collect::<Vec<_>>().into_iter();
+    let order = |(own, block): &(bool, String)| if *own { turned.next().unwrap() } else { block.clone() };
+    blocks.iter().map(order).collect()
+}
+
+#[test]
+fn tools_and_parts_and_machines_draw_the_same_wherever_their_tables_stand() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios");
+    for name in ["chatter-policies", "grinding-policies", "housing", "lathe-cell", "shop/mixed", "shop/rework"] {
+        let file = format!("{folder}/{name}.toml");
+        let text = std::fs::read_to_string(&file).unwrap();
+        let short = ["shop.warm_up=\"0 h\"".to_owned(), "shop.horizon=\"4 h\"".to_owned()];
+        let short = if name.starts_with("shop") { &[][..] } else { &short[..] };
+        let scenario =
+            |text: &str| parse(&file, text, short).unwrap_or_else(|error| panic!("{name}: {error}")).scenario;
+        let there = scenario(&text);
+        let log = run(&there, 0, 0).unwrap();
+        let expected = fates(&there, &log);
+        assert!(expected.len() > 3, "{name}");
+        for table in ["tool", "part", "machine"] {
+            let here = scenario(&turned_over(&text, table));
+            assert_eq!(fates(&here, &run(&here, 0, 0).unwrap()), expected, "{name}, {table}");
+        }
+    }
+}
