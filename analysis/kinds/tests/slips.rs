@@ -138,10 +138,10 @@ fn work(error: impl ToString) -> Refused {
     Refused::Work(error.to_string())
 }
 
-/// Two hours of the shop under every policy.
+/// Half an hour of the shop under every policy.
 fn run(path: &Path) -> Result<(), Refused> {
     let ScenarioFile { scenario, .. } = file::read(path, &[])?;
-    let until = SimTime::from_seconds(scenario.horizon.min(7200.0)).map_err(work)?;
+    let until = SimTime::from_seconds(scenario.horizon.min(1800.0)).map_err(work)?;
     for policy in 0..scenario.policies.len() {
         Shop::new(&scenario, policy, 0).and_then(|mut shop| shop.run_until(until)).map_err(work)?;
     }
