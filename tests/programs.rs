@@ -375,7 +375,7 @@ fn motions_that_cut_into_the_part_are_reported_with_line_depth_place_and_length(
     let square = "0\nLWPOLYLINE\n8\n0\n90\n4\n70\n1\n10\n0\n20\n0\n10\n40\n20\n0\n10\n40\n20\n40\n10\n0\n20\n40\n";
     fs::write(path("part.dxf"), format!("0\nSECTION\n2\nENTITIES\n{square}0\nENDSEC\n0\nEOF\n")).expect("writable");
     let setup = "schema = 1\n[stock]\nbox = [[\"-5 mm\", \"-5 mm\", \"-20 mm\"], [\"45 mm\", \"45 mm\", \"0 mm\"]]\n\
-        [part]\ndxf = \"part.dxf\"\nunits = \"mm\"\ntop = \"-1 mm\"\n[[tool]]\nnumber = 1\ndiameter = \"10 mm\"\nteeth = 4\n";
+        [finished_part]\ndxf = \"part.dxf\"\nunits = \"mm\"\ntop = \"-1 mm\"\n[[tool]]\nnumber = 1\ndiameter = \"10 mm\"\nteeth = 4\n";
     fs::write(path("setup.toml"), setup).expect("writable");
     // Around the part, on its last side 20 um too near.
     let around = |last: f64| {

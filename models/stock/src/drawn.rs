@@ -25,7 +25,7 @@ pub(crate) const UNIT: Key = Key::optional("units", Kind::Choice(&UNITS), "Unit 
 
 /// The part that should be left.
 pub(crate) static PART: Form = Form {
-    title: "[part]",
+    title: "[finished_part]",
     doc: "The part that should be left, in the coordinates of the program: motions that cut into it are reported",
     keys: &[
         CONTOUR,

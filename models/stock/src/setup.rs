@@ -220,7 +220,7 @@ pub static SETUP: Form = Form {
         Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
         Key::optional("drives", Kind::Text, "Machine file, from the folder of this file, or a preset"),
         Key::required("stock", Kind::Table(&STOCK), "What is cut"),
-        Key::optional("part", Kind::Table(&PART), "The part that should be left"),
+        Key::optional("finished_part", Kind::Table(&PART), "The part that should be left"),
         Key::optional("limits", Kind::Table(&LIMITS), "What planned feeds have to keep"),
         Key::optional("tool", Kind::Tables(&TOOL), "Tools of the program"),
     ],
@@ -386,7 +386,7 @@ fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
     let blank = walk.table(root, "stock");
     let resolution = blank.as_ref().and_then(|section| section.si("resolution"));
     let stock = blank.and_then(|section| stock(walk, &section));
-    let part = walk.table(root, "part").and_then(|section| part(walk, &section));
+    let part = walk.table(root, "finished_part").and_then(|section| part(walk, &section));
     let shared = walk.table(root, "limits");
     let (mut tools, mut names, mut hollow) = (BTreeMap::new(), BTreeMap::new(), BTreeSet::new());
     let (mut limits, mut speeds) = (BTreeMap::new(), BTreeMap::new());

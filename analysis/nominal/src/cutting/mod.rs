@@ -6,7 +6,6 @@ mod heat;
 mod nominal;
 mod run;
 mod scattered;
-mod schedule;
 mod slopes;
 mod split;
 mod words;
@@ -167,9 +166,7 @@ impl<P: Nominal> Cutting<P> {
         };
         let scattered = settings.scatter.map(|scatter| Scattered::new(scatter, records, &settings.lots, &ports));
         let mut channels = channels::<P>(records, settings);
-        let grown = |row: usize, land: f64| schedule::grown(&process, &inputs[row], durations[row], land);
-        let foreseen = scattered.is_some() && durations.len() == inputs.len();
-        let broken = broken::take_out(&mut channels, &group_of_row, foreseen.then_some(&grown));
+        let broken = broken::take_out(&mut channels, &group_of_row);
         let mut measured = Measured::new(channels, names, group_of_row, fitted);
         measured.unstated = measured.channels.iter().map(|own| settings.leaves_unstated(own.id)).collect();
         if settings.scatter.is_none() {

@@ -9,6 +9,13 @@ use toolroom_innovations::Chain;
 use toolroom_process::Record;
 use toolroom_scenario::move_constant;
 
+/// The start of a cut that force, power and temperature means leave out, s.
+const LEFT_OUT: f64 = 20.0;
+/// Longest step, s.
+const LONGEST_STEP: f64 = 90.0;
+/// Greatest growth of the land in a step, relative to itself and a small land.
+const GROWTH: f64 = 0.35;
+const SMALL_LAND: f64 = 0.03e-3;
 /// Land beyond which no edge is followed, m.
 const GREATEST_LAND: f64 = 1.2e-3;
 /// Components that a state has at most.
@@ -29,8 +36,7 @@ pub(super) struct Step {
 }
 
 impl Step {
-    /// The step between two times of a row.
-    pub(super) fn new(from: f64, end: f64, seen: bool, lag: f64) -> Self {
+    fn new(from: f64, end: f64, seen: bool, lag: f64) -> Self {
         let length = end - from;
         let lagged = if lag.is_finite() {
             let end = lag * -(-length / lag).exp_m1();
@@ -75,11 +81,6 @@ impl LandForm {
 pub(super) struct OfLand(Vec<(f64, LandForm)>);
 
 impl OfLand {
-    /// Wear as the process has it.
-    pub(super) fn even() -> Self {
-        Self(Vec::new())
-    }
-
     /// Factor on the rate of wear.
     fn factor(&self, land: f64) -> f64 {
         if self.0.is_empty() {
@@ -121,6 +122,43 @@ impl Parts {
 }
 
 impl<P: Nominal> Cutting<P> {
+    /// Fixes the steps of every row by a nominal run; wear at the end of each row.
+    pub(super) fn schedule(&mut self) -> Vec<f64> {
+        let mut steps = vec![Vec::new(); self.inputs.len()];
+        let mut wear = vec![0.0; self.inputs.len()];
+        let parts = Parts::of::<P>();
+        let lag = self.process.lag();
+        for rows in &self.rows {
+            let mut x = self.fresh(1.0);
+            for row in rows {
+                self.cool(&parts, *row, &mut x);
+                let held = self.process.held(&self.inputs[*row]);
+                let duration = self.durations[*row];
+                let short = duration <= LEFT_OUT;
+                let mut time = 0.0;
+                while time < duration {
+                    let rate = P::rates(&held, &P::State::from_slice(&x), 1.0).get(parts.land).unwrap_or(0.0);
+                    let allowed = GROWTH * (x[parts.land] + SMALL_LAND) / rate.max(f64::MIN_POSITIVE);
+                    let mut end = time + allowed.clamp(2.0, LONGEST_STEP);
+                    if time < LEFT_OUT && end > LEFT_OUT && duration > LEFT_OUT {
+                        end = LEFT_OUT;
+                    }
+                    // No slivers at the end, unless all that counts of a cut a little longer than what is left out is one.
+                    if end > duration - 1.0 && (short || time >= LEFT_OUT) {
+                        end = duration;
+                    }
+                    let step = Step::new(time, end, time >= LEFT_OUT || short, lag);
+                    taken::<P>(&parts, &held, &mut x, &step, [1.0; 2], &OfLand(Vec::new()));
+                    steps[*row].push(step);
+                    time = end;
+                }
+                wear[*row] = x[parts.land];
+            }
+        }
+        self.steps = steps;
+        wear
+    }
+
     /// A new edge whose land is `factor` times that of the scenario.
     pub(super) fn fresh(&self, factor: f64) -> [f64; MOST] {
         let mut x = [0.0; MOST];
