@@ -13,7 +13,15 @@ use toolroom_scenario::{
 };
 
 /// Processes with a cutting speed, and plain work, in which an edge may wear by it.
-const WITH_SPEED: &[&str] = &[ProcessKind::Turning.word(), ProcessKind::Milling.word(), MachineType::PLAIN];
+const WITH_SPEED: &[&str] = &{
+    let mut words = [MachineType::PLAIN; ProcessKind::CUTTING.len() + 1];
+    let mut i = 0;
+    while i < ProcessKind::CUTTING.len() {
+        words[i] = ProcessKind::CUTTING[i];
+        i += 1;
+    }
+    words
+};
 
 const FEED: Kind = Kind::positive("m", "mm", 20e-3, "0.12 mm/rev");
 const FEED_PER_TOOTH: Kind = Kind::positive("m", "mm", 5e-3, "0.1 mm/tooth");
