@@ -91,14 +91,16 @@ impl Failure {
 
     /// Work that could not be done, by an error; with the code of the model that refused, where one did.
     pub fn work_error(error: &(dyn Error + 'static)) -> Self {
-        let code = code_of_model(error).unwrap_or("work");
-        Self::Work { code, message: error.to_string(), help: None }
+        Self::work_of(error, None)
     }
 
     /// The same with the likely way out.
     pub fn work_error_with(error: &(dyn Error + 'static), help: String) -> Self {
-        let code = code_of_model(error).unwrap_or("work");
-        Self::Work { code, message: error.to_string(), help: Some(help) }
+        Self::work_of(error, Some(help))
+    }
+
+    fn work_of(error: &(dyn Error + 'static), help: Option<String>) -> Self {
+        Self::Work { code: code_of_model(error).unwrap_or("work"), message: error.to_string(), help }
     }
 
     /// Work that went as far as it could before an error, with what is there.

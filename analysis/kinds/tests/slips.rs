@@ -138,7 +138,8 @@ fn work(error: impl ToString) -> Refused {
     Refused::Work(error.to_string())
 }
 
-/// Half an hour of the shop under every policy.
+/// Half an hour of the shop under every policy: what a run refuses it refuses at its start or in its first passes, and two hours of
+/// the shops that chatter or mill contours took minutes.
 fn run(path: &Path) -> Result<(), Refused> {
     let ScenarioFile { scenario, .. } = file::read(path, &[])?;
     let until = SimTime::from_seconds(scenario.horizon.min(1800.0)).map_err(work)?;

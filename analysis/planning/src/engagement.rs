@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use toolroom_process::table::Cell;
-use toolroom_program::{Control, EventKind, Run, Source};
+use toolroom_program::{Control, EventKind, Motion, Run, Source};
 use toolroom_stock::{Cut, FollowError, Follower, Gouge, Load, Setup};
 
 /// What one tool does.
@@ -108,10 +108,7 @@ impl Engagement {
                     let cut =
                         follower.motion(&motion).map_err(|reason| FollowError::NoTool { line: event.line, reason })?;
                     if let Some(cut) = cut {
-                        let hollow = follower.tool().is_some_and(|tool| setup.hollow.contains(&tool));
-                        if hollow && cut.plunge && study.hollow_plunges.len() < LINES {
-                            study.hollow_plunges.push(event.line);
-                        }
+                        study.held_against(setup, event.line, (&motion, follower.tool()), &cut);
                         study.take(event.line, follower.tool(), motion.rapid, motion.time, cut);
                     }
                 }
@@ -131,6 +128,19 @@ impl Engagement {
         Ok(study)
     }
 
+    /// Notes where a motion cuts into the part that should be left, and where a tool plunges whose end does not cut at its centre.
+    fn held_against(&mut self, setup: &Setup, line: usize, (motion, tool): (&Motion, Option<u32>), cut: &Cut) {
+        let Some(number) = tool else { return };
+        if cut.plunge && setup.hollow.contains(&number) && self.hollow_plunges.len() < LINES {
+            self.hollow_plunges.push(line);
+        }
+        if let (Some(gouges), Some(part), Some(tool)) = (&mut self.gouges, &setup.part, setup.tools.get(&number))
+            && gouges.len() < LINES
+        {
+            gouges.extend(part.gouge(motion, tool).map(|gouge| (line, gouge)));
+        }
+    }
+
     fn take(&mut self, line: usize, tool: Option<u32>, rapid: bool, time: f64, cut: Cut) {
         let keep = |lines: &mut Vec<usize>| {
             if lines.len() < LINES && lines.last() != Some(&line) {
@@ -145,11 +155,6 @@ impl Engagement {
         }
         if cut.holder {
             keep(&mut self.holders);
-        }
-        if let (Some(gouges), Some(gouge)) = (&mut self.gouges, cut.gouge)
-            && gouges.len() < LINES
-        {
-            gouges.push((line, gouge));
         }
         if !rapid {
             let share = self.tools.entry(tool.unwrap_or(0)).or_default();

@@ -1,7 +1,6 @@
 //! Stock that is cut motion by motion.
 
 use crate::engaged::{Engaged, Place, Stock};
-use crate::gouge::Gouge;
 use crate::load::{Load, Tool, wear_rate};
 use crate::map::Map;
 use crate::swath::{Index, Swath};
@@ -71,8 +70,6 @@ pub struct Cut {
     pub plunge: bool,
     /// Whether the holder of the tool meets material.
     pub holder: bool,
-    /// What it cuts into the part that should be left, where the setup has one.
-    pub gouge: Option<Gouge>,
 }
 
 /// The engagement of a motion in the mean of its way in material; 0 where there is none.

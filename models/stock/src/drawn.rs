@@ -5,9 +5,7 @@ use crate::profile::Profile;
 use std::sync::Arc;
 use toolroom_contour::{ContourFile, read_dxf_outline};
 use toolroom_form::{Fault, Form, Key, Kind, Section, Walk};
-
-/// Units of drawings.
-const UNITS: [&str; 2] = ["mm", "inch"];
+use toolroom_program::Units;
 
 pub(crate) const CONTOUR: Key = Key::optional(
     "contour",
@@ -21,7 +19,7 @@ pub(crate) const DXF: Key = Key::optional(
 );
 pub(crate) const LAYER: Key =
     Key::optional("layer", Kind::Text, "Layer of the drawing; left out where it is one contour");
-pub(crate) const UNIT: Key = Key::optional("units", Kind::Choice(&UNITS), "Unit of a drawing that names none");
+pub(crate) const UNIT: Key = Key::optional("units", Kind::Choice(&Units::NAMES), "Unit of a drawing that names none");
 
 /// The part that should be left.
 pub(crate) static PART: Form = Form {
@@ -72,12 +70,14 @@ pub(crate) fn outline(walk: &mut Walk, section: &Section<'_>, kind: &str) -> Opt
     let file = section.text(kind)?;
     let text = walk.file(section, kind, file)?;
     let found = if kind == "dxf" {
-        let unit = section.text("units").map(|unit| if unit == "inch" { 0.0254 } else { 1e-3 });
+        let unit = section.text("units").and_then(Units::named).map(|units| 1e-3 * units.scale());
         read_dxf_outline(&text, section.text("layer"), unit).map_err(|error| format!("{file}:{error}"))
     } else {
         match ContourFile::parse(file, &text, &[]) {
             Ok(read) if read.content.contour.closed => Ok(read.content.contour.sections),
-            Ok(_) => Err(format!("{file}: the contour is open, and a stock needs a closed one")),
+            Ok(_) => Err(format!(
+                "{file}: the contour is open, and an outline is a closed one: close it, or name another file"
+            )),
             Err(error) => Err(error.to_string()),
         }
     };

@@ -132,11 +132,7 @@ impl<'a> Follower<'a> {
         }
         self.lifted = false;
         match self.tool.and_then(|number| self.setup.tools.get(&number)) {
-            Some(tool) => {
-                let cut = self.cutting.motion_seen(motion, tool, self.speed, look);
-                let gouge = self.setup.part.as_ref().and_then(|part| part.gouge(motion, tool));
-                Ok(Some(Cut { gouge, ..cut }))
-            }
+            Some(tool) => Ok(Some(self.cutting.motion_seen(motion, tool, self.speed, look))),
             None if motion.rapid => Ok(None),
             None => Err(NoTool { tool: self.tool }),
         }

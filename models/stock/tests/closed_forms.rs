@@ -83,7 +83,7 @@ fn a_drawn_stock_is_cut_as_what_it_draws() {
     // Along the side of the grown stock the same shoulder lies farther out.
     let shoulder = |y: f64, stock: Stock| run(&format!("G0 X20 Y{y} Z-5\nG1 X40 F500\n"), stock, 5e-3).0[0].sampled;
     assert!((shoulder(-4.0, block(0.06, 0.04)) - shoulder(-6.0, drawn(0.002))).abs() < 1e-9);
-    // Beyond its corner nothing is left of the square: at 45° the round corner is nearer than that of a grown box.
+    // The grown outline has round corners: four sides and a whole circle more than the rectangle.
     let grown = drawn(0.002);
     let exact = 0.06 * 0.04 + 2.0 * 0.002 * (0.06 + 0.04) + PI * 0.002f64.powi(2);
     assert!((grown.volume() / (0.02 * exact) - 1.0).abs() < 1e-4, "{}", grown.volume());
