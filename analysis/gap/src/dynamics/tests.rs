@@ -168,7 +168,6 @@ fn a_run_whose_end_mill_is_mounted_otherwise_is_found_by_its_chatter() {
             assert!(low < 0.93 && 0.93 < high && high < 1.0 && high - low < 0.12, "{drift:?}");
         }
     }
-    assert!(drifted.dynamics.iter().any(|own| own.chattered < own.cuts), "{:?}", drifted.dynamics);
     let fact = &drifted.facts[0];
     assert!(fact.quantity == Quantity::NaturalFrequency && fact.words().contains("Hz recorded"), "{}", fact.words());
 }
