@@ -1,7 +1,8 @@
 //! The diagnosis of a data set, with its documents.
 
-use crate::constants::constants_of_facts;
+use crate::constants::{causes_of_facts, complete, constants_of_facts};
 use crate::known::{self, Known};
+use crate::machines::Machines;
 use crate::user_effects::refused_in;
 use crate::{GapRequest, GapStudyError, Reading, Table, tables, usable};
 use serde_json::Value;
@@ -82,11 +83,21 @@ impl GapStudy {
         let proposals = proposals(request, &mut answers, &rest, (&stated, &asked))?;
         let with_records = stated.iter().zip(&points).filter_map(|(known, own)| Some((known.records.as_ref()?, own)));
         let predictions = with_records.flat_map(|(records, points)| predictions_of(records, points)).collect();
-        let pages = completed(request, &mut answers, rest, &asked);
+        let machines = Machines::of(request, &rest, reading)?;
+        let pages = completed(request, &mut answers, rest, &asked, machines.as_ref());
         let processes: Vec<Process<'_>> = stated.iter().zip(&points).map(|(known, own)| known.process(own)).collect();
         let mut document = document(answers.json(), &processes, known::data(&stated));
         if let Some(list) = document["applied"]["calibration"].as_array_mut() {
-            list.extend(answers.processes.iter().flat_map(|(process, own)| constants_of_facts(process, own)));
+            let facts = answers.processes.iter().flat_map(|(process, own)| constants_of_facts(process, own, list));
+            let facts: Vec<Value> = facts.collect();
+            list.extend(facts);
+        }
+        if let Some(list) = document["applied"]["effects"].as_array_mut() {
+            let stated = machines.as_ref().map_or(&[][..], |own| &own.scenario.deviations[..]);
+            let causes = answers.processes.iter().flat_map(|(process, own)| causes_of_facts(process, own, stated));
+            let causes: Vec<Value> = causes.collect();
+            list.extend(causes.iter().cloned());
+            complete(&mut document["effects"], &causes);
         }
         let entry = |(place, own): &(usize, Proposed)| {
             let mut entry = own.entry.clone();
@@ -332,6 +343,7 @@ fn completed(
     answers: &mut Answers,
     tables: Vec<Option<(NominalModel, Records)>>,
     asked: &[Asked],
+    machines: Option<&Machines>,
 ) -> Vec<Page> {
     let mut pages: Vec<Page> = Vec::new();
     for (((process, diagnosis), table), asked) in answers.processes.iter_mut().zip(tables).zip(asked) {
@@ -351,6 +363,8 @@ fn completed(
         }
         if let NominalProcess::Shop(shop) = &model.process {
             add_facts(shop, &records, &model.stated, diagnosis, request.seed);
+        } else if let Some(machines) = machines {
+            machines.add_to(diagnosis, request.seed);
         }
         add_dynamics(&model, &records, diagnosis, request.seed);
         if request.pages {
