@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use toolroom_apply::scope_json;
 use toolroom_facts::{Fact, Quantity};
 use toolroom_gap::Diagnosis;
-use toolroom_scenario::{Deviation, Scope};
+use toolroom_scenario::{Deviation, Scenario, Scope};
 
 /// Half the width of a 90 % interval in standard errors. Derivation: normal quantile.
 const NINETY: f64 = 1.645;
@@ -37,13 +37,16 @@ pub fn constants_of_facts(process: &str, diagnosis: &Diagnosis, known: &[Value])
     entries
 }
 
-/// Entries of `applied.effects` for causes that a log tells from constants. `stated` are the deviations of the file: a size is
-/// that in all.
-pub fn causes_of_facts(process: &str, diagnosis: &Diagnosis, stated: &[Deviation]) -> Vec<Value> {
+/// Entries of `applied.effects` for causes that a log tells from constants of the `scenario`. A size is that in all, with
+/// what the file states of it.
+pub fn causes_of_facts(process: &str, diagnosis: &Diagnosis, scenario: &Scenario) -> Vec<Value> {
+    let stated = &scenario.deviations;
     let mut entries = Vec::new();
     for fact in found(diagnosis).filter(|fact| fact.is_cause()) {
         let Some(delay) = &fact.told.delay else { continue };
-        let mut names = vec![("machine", fact.place.split(", ").map(str::to_owned).collect())];
+        let machines: Vec<String> = fact.place.split(", ").map(str::to_owned).collect();
+        let everywhere = scenario.machines.iter().all(|machine| machines.contains(&machine.name));
+        let mut names = if everywhere { Vec::new() } else { vec![("machine", machines)] };
         if !fact.told.shifts.is_empty() {
             names.push(("shift", fact.told.shifts.clone()));
         }

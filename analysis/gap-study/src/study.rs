@@ -92,9 +92,9 @@ impl GapStudy {
             let facts: Vec<Value> = facts.collect();
             list.extend(facts);
         }
-        if let Some(list) = document["applied"]["effects"].as_array_mut() {
-            let stated = machines.as_ref().map_or(&[][..], |own| &own.scenario.deviations[..]);
-            let causes = answers.processes.iter().flat_map(|(process, own)| causes_of_facts(process, own, stated));
+        if let (Some(own), Some(list)) = (&machines, document["applied"]["effects"].as_array_mut()) {
+            let causes =
+                answers.processes.iter().flat_map(|(process, told)| causes_of_facts(process, told, &own.scenario));
             let causes: Vec<Value> = causes.collect();
             list.extend(causes.iter().cloned());
             complete(&mut document["effects"], &causes);

@@ -37,7 +37,7 @@ pub fn add_machine_facts(scenario: &Scenario, events: &Records, diagnosis: &mut 
         return;
     }
     take_back(diagnosis, facts, Vec::new());
-    let causes = diagnosis.findings.iter().filter_map(|own| cause(&diagnosis.facts[own.fact]));
+    let causes = diagnosis.findings.iter().filter_map(|own| cause(scenario, &diagnosis.facts[own.fact]));
     let causes: Vec<NamedEffect> = causes.collect();
     if !causes.is_empty() {
         diagnosis.verdict = GapVerdict::Effect;
@@ -46,11 +46,16 @@ pub fn add_machine_facts(scenario: &Scenario, events: &Records, diagnosis: &mut 
 }
 
 /// The effect that a fact names; `None` of a constant.
-fn cause(fact: &Fact) -> Option<NamedEffect> {
+fn cause(scenario: &Scenario, fact: &Fact) -> Option<NamedEffect> {
     let delay = fact.told.delay.as_ref().filter(|own| own.told)?;
     let id = EffectId::named(delay.effect)?;
     let half = NINETY * delay.standard_error;
-    let shape = [("machine", fact.place.replace(", ", "|")), ("shift", fact.told.shifts.join("|"))];
+    let machines: Vec<&str> = fact.place.split(", ").collect();
+    let everywhere = scenario.machines.iter().all(|machine| machines.contains(&machine.name.as_str()));
+    let shape = [
+        ("machine", if everywhere { String::new() } else { machines.join("|") }),
+        ("shift", fact.told.shifts.join("|")),
+    ];
     let shape = shape.iter().filter(|(_, names)| !names.is_empty()).map(|(key, names)| format!("{key}={names}"));
     Some(NamedEffect {
         id,
