@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use toolroom_apply::scope_json;
 use toolroom_facts::{Fact, Quantity};
 use toolroom_gap::Diagnosis;
-use toolroom_scenario::{Deviation, Scenario, Scope};
+use toolroom_scenario::{Deviation, Scenario, Scope, ShopEffect};
 
 /// Half the width of a 90 % interval in standard errors. Derivation: normal quantile.
 const NINETY: f64 = 1.645;
@@ -60,6 +60,19 @@ pub fn causes_of_facts(process: &str, diagnosis: &Diagnosis, scenario: &Scenario
         }));
     }
     entries
+}
+
+/// Drops from `calibration` the constants of handling that the cycle times of the process have moved, where the log has said
+/// itself how long handling takes, by `constants` or by `causes`: both say the same, and only one is written.
+pub fn drop_said_twice(calibration: &mut Vec<Value>, constants: &[Value], causes: &[Value]) {
+    let handling = Quantity::HandlingTime.name();
+    let delay = ShopEffect::OperatorDelay.word();
+    let by_log = |own: &Value| {
+        let said = constants.iter().filter(|constant| constant["parameter"] == handling);
+        let mut said = said.chain(causes.iter().filter(|cause| cause["id"] == delay));
+        said.any(|other| other["process"] == own["process"])
+    };
+    calibration.retain(|own| own["parameter"] != handling || own["scope"] != json!({}) || !by_log(own));
 }
 
 /// Gives the effects of a document that a log names, `causes`, the form of those that the records of a process name.

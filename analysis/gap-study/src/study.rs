@@ -1,6 +1,6 @@
 //! The diagnosis of a data set, with its documents.
 
-use crate::constants::{causes_of_facts, complete, constants_of_facts};
+use crate::constants::{causes_of_facts, complete, constants_of_facts, drop_said_twice};
 use crate::known::{self, Known};
 use crate::machines::Machines;
 use crate::user_effects::refused_in;
@@ -87,18 +87,7 @@ impl GapStudy {
         let pages = completed(request, &mut answers, rest, &asked, machines.as_ref());
         let processes: Vec<Process<'_>> = stated.iter().zip(&points).map(|(known, own)| known.process(own)).collect();
         let mut document = document(answers.json(), &processes, known::data(&stated));
-        if let Some(list) = document["applied"]["calibration"].as_array_mut() {
-            let facts = answers.processes.iter().flat_map(|(process, own)| constants_of_facts(process, own, list));
-            let facts: Vec<Value> = facts.collect();
-            list.extend(facts);
-        }
-        if let (Some(own), Some(list)) = (&machines, document["applied"]["effects"].as_array_mut()) {
-            let causes =
-                answers.processes.iter().flat_map(|(process, told)| causes_of_facts(process, told, &own.scenario));
-            let causes: Vec<Value> = causes.collect();
-            list.extend(causes.iter().cloned());
-            complete(&mut document["effects"], &causes);
-        }
+        add_facts_of(&mut document, &answers, machines.as_ref());
         let entry = |(place, own): &(usize, Proposed)| {
             let mut entry = own.entry.clone();
             entry["applied"] = point_json(&own.applied, &processes[*place]);
@@ -167,6 +156,24 @@ fn prepared(
     }
     usable(&asked, &records)?;
     Ok(Prepared { asked, known, table: Some((model, records)) })
+}
+
+/// Adds what facts contradict to what an application writes.
+fn add_facts_of(document: &mut Value, answers: &Answers, machines: Option<&Machines>) {
+    let all = || answers.processes.iter();
+    let causes: Vec<Value> = machines.map_or_else(Vec::new, |own| {
+        all().flat_map(|(process, diagnosis)| causes_of_facts(process, diagnosis, &own.scenario)).collect()
+    });
+    if let Some(list) = document["applied"]["calibration"].as_array_mut() {
+        let constants: Vec<Value> =
+            all().flat_map(|(process, diagnosis)| constants_of_facts(process, diagnosis, list)).collect();
+        drop_said_twice(list, &constants, &causes);
+        list.extend(constants);
+    }
+    if let Some(list) = document["applied"]["effects"].as_array_mut() {
+        list.extend(causes.iter().cloned());
+    }
+    complete(&mut document["effects"], &causes);
 }
 
 /// What describes the gap of each process of which no cause is known, with the place of the process; notes say so.
