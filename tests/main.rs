@@ -18,6 +18,7 @@ mod import;
 mod life;
 mod lives_in_shops;
 mod lobes;
+mod machine_facts;
 mod own_effects;
 mod parameter_sets;
 mod planned;

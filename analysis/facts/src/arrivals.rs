@@ -4,6 +4,7 @@ use crate::count::{LEVEL, garwood, poisson_mid_p};
 use crate::fact::{Fact, Quantity};
 use crate::renewal::Renewal;
 use crate::times::fisher;
+use crate::told::Told;
 use statrs::function::gamma::{gamma_lr, gamma_ur};
 
 /// Level and dispersion of counts.
@@ -56,6 +57,7 @@ pub fn arrivals(place: &str, counts: &[u64], period: f64, interval: f64) -> Opti
         quantity: Quantity::ArrivalInterval,
         place: place.to_owned(),
         pooled: false,
+        told: Told::default(),
         count: total,
         expected: mean * counts.len() as f64,
         p: test.combined,

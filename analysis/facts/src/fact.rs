@@ -1,6 +1,7 @@
 //! What is said of a fact.
 
 use crate::count::LEVEL;
+use crate::told::Told;
 use serde_json::{Value, json};
 
 /// Factor on a constant below which a rejected fact is no finding (1). Assumption: a planner does not move a
@@ -143,6 +144,8 @@ pub struct Fact {
     pub place: String,
     /// Whether that is a pool of several machines.
     pub pooled: bool,
+    /// In which shifts alone, and what effect of the catalogue would show the same.
+    pub told: Told,
     /// Events, times or parts that were seen.
     pub count: u64,
     /// How many the file lets expect; of times as many as were seen.
@@ -181,27 +184,41 @@ impl Fact {
         !(1.0 / MATTERS..=MATTERS).contains(&self.factor())
     }
 
+    /// Whether it is the work of an effect, and of no constant of the file.
+    pub fn is_cause(&self) -> bool {
+        self.told.delay.as_ref().is_some_and(|own| own.told)
+    }
+
+    /// Where it holds: machines, and the shifts if those are not all.
+    pub fn shown_place(&self) -> String {
+        let shifts = &self.told.shifts;
+        let shifts = if shifts.is_empty() { String::new() } else { format!(" in shift {}", shifts.join(", ")) };
+        format!("{}{shifts}", self.place)
+    }
+
     /// The fact in one sentence without a full stop.
     pub fn words(&self) -> String {
-        let Self { quantity, place, count, .. } = self;
+        let Self { quantity, count, .. } = self;
         let value = |value| quantity.with_unit(value, self.model);
         let recorded = if self.estimate.is_finite() {
             format!("{} recorded ({} … {})", value(self.estimate), value(self.ci90[0]), value(self.ci90[1]))
         } else {
             format!("none recorded (at least {})", value(self.ci90[0]))
         };
+        let place = self.shown_place();
         format!(
-            "{} of {place}: {recorded}, {} in the model; {count} seen, p {:.2e}",
+            "{} of {place}: {recorded}, {} in the model; {count} seen, p {:.2e}{}",
             quantity.words(),
             value(self.model),
-            self.p
+            self.p,
+            self.told.words()
         )
     }
 
     /// The entry of `facts` in `diagnosis.json`; `rejected` by [`Fact::is_rejected`].
     pub fn json(&self, rejected: bool) -> Value {
         let number = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
-        json!({
+        let mut entry = json!({
             "fact": self.quantity.name(), "where": self.place, "n": self.count, "expected": number(self.expected),
             "p": number(self.p),
             "tests": self.tests.iter().map(|(name, p)| ((*name).to_owned(), number(*p)))
@@ -211,7 +228,9 @@ impl Fact {
             "ci90": self.ci90.map(|end| self.quantity.with_unit(end, self.model)),
             "factor": number(self.factor()), "factor_ci90": self.ci90.map(|end| number(end / self.model)),
             "least_seen": self.least_seen.map(number), "rejected": rejected,
-        })
+        });
+        self.told.add_to(&mut entry, self.quantity.name());
+        entry
     }
 }
 
@@ -220,7 +239,7 @@ impl Fact {
 pub struct Finding {
     /// Place in the list of facts.
     pub fact: usize,
-    /// Whether it is a constant of the file; a wait is none, and has an unknown cause.
+    /// Whether it is a constant of the file; a wait is none, and has an unknown cause, and neither is what an effect does.
     pub constant: bool,
     /// What is said of it.
     pub words: String,
@@ -256,7 +275,7 @@ pub fn findings(facts: &[Fact]) -> Vec<Finding> {
     let rejected = facts.iter().enumerate().filter(|(index, fact)| fact.is_rejected(levels[*index]));
     let finding = |(index, fact): (usize, &Fact)| Finding {
         fact: index,
-        constant: fact.quantity.is_constant(),
+        constant: fact.quantity.is_constant() && !fact.is_cause(),
         words: fact.words(),
     };
     rejected.map(finding).collect()
@@ -282,6 +301,7 @@ mod tests {
             quantity: Quantity::TimeBetweenFailures,
             place: "L1".to_owned(),
             pooled: false,
+            told: Told::default(),
             count: 10,
             expected: 20.0,
             p,

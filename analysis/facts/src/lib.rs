@@ -12,6 +12,7 @@
 //! | [`renewal`] | the same where intervals are not exponential (replicated counts) |
 //! | [`failures`] | time between failures of a machine or pool, with censored exposure; shape of the intervals |
 //! | [`times`] | do repairs, setups, changes, handling last and scatter as the file says? |
+//! | [`middle`] | do changes and handling last as long as the file says, and would a cause of the catalogue show it? |
 //! | [`spread`] | do times scatter as the file says, whatever their middle? |
 //! | [`arrivals`] | do as many jobs come, and as evenly? |
 //! | [`survival`] | do edges live as long as simulated ones (log-rank, censored)? |
@@ -33,10 +34,13 @@ pub mod arrivals;
 pub mod count;
 mod fact;
 pub mod failures;
+pub mod middle;
 pub mod renewal;
 pub mod spread;
 pub mod survival;
 pub mod times;
+mod told;
 pub mod waits;
 
 pub use fact::{Fact, Finding, Quantity, adjusted, findings, slight};
+pub use told::{Delay, Told};

@@ -2,6 +2,7 @@
 
 use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
+use crate::told::Told;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::erf::erfc;
 
@@ -82,6 +83,7 @@ pub fn lives(place: &str, recorded: &[Life], simulated: &[Life], prior: f64) -> 
         quantity: Quantity::EdgeLife,
         place: place.to_owned(),
         pooled: false,
+        told: Told::default(),
         count: ended(recorded) as u64,
         expected: ended(recorded) as f64,
         p,

@@ -2,6 +2,7 @@
 
 use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
+use crate::told::Told;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::erf::{erf, erfc};
 use statrs::function::gamma::{gamma_lr, gamma_ur};
@@ -138,6 +139,7 @@ pub fn times(
         quantity,
         place: place.to_owned(),
         pooled: false,
+        told: Told::default(),
         count: times.len() as u64,
         expected: count,
         p: test.combined,

@@ -2,6 +2,7 @@
 
 use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
+use crate::told::Told;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use toolroom_statistics::Moments;
 
@@ -30,6 +31,7 @@ pub fn waits(place: &str, count: u64, recorded: f64, replicated: &[f64], score: 
         quantity: Quantity::QueueWait,
         place: place.to_owned(),
         pooled: false,
+        told: Told::default(),
         count,
         expected: count as f64,
         p,

@@ -81,7 +81,7 @@ impl Page {
             let found = self.diagnosis.findings.iter().any(|finding| finding.fact == index);
             table.push([
                 fact.quantity.words().into(),
-                fact.place.clone().into(),
+                fact.shown_place().into(),
                 (fact.count as f64).into(),
                 value(fact.estimate).into(),
                 value(fact.ci90[0]).into(),

@@ -29,6 +29,7 @@ mod constants;
 mod error;
 mod figures;
 mod known;
+mod machines;
 mod rates;
 mod recorded;
 mod recovery;

@@ -323,7 +323,10 @@ fn applied(request: &RecoveryRequest<'_>, diagnosis: &Value) -> Result<Option<St
 
 /// How an entry was found.
 fn finding(entry: &HiddenEntry, diagnosis: &Diagnosis, document: &Value) -> Finding {
-    let found = diagnosis.effects.iter().any(|own| own.class.contains(&entry.id));
+    // A constant that a log cannot tell from the entry is one class with it.
+    let delays = diagnosis.findings.iter().filter_map(|own| diagnosis.facts[own.fact].told.delay.as_ref());
+    let found = diagnosis.effects.iter().any(|own| own.class.contains(&entry.id))
+        || delays.into_iter().any(|own| own.effect == entry.id.word());
     let wanted = scope_json(&entry.scope);
     let same = |own: &&Value| own["id"] == entry.id.word();
     let mut written = document["applied"]["effects"].as_array().into_iter().flatten().filter(same).peekable();

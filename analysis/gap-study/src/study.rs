@@ -1,7 +1,8 @@
 //! The diagnosis of a data set, with its documents.
 
-use crate::constants::constants_of_facts;
+use crate::constants::{causes_of_facts, complete, constants_of_facts, drop_said_twice};
 use crate::known::{self, Known};
+use crate::machines::Machines;
 use crate::user_effects::refused_in;
 use crate::{GapRequest, GapStudyError, Reading, Table, tables, usable};
 use serde_json::Value;
@@ -82,12 +83,11 @@ impl GapStudy {
         let proposals = proposals(request, &mut answers, &rest, (&stated, &asked))?;
         let with_records = stated.iter().zip(&points).filter_map(|(known, own)| Some((known.records.as_ref()?, own)));
         let predictions = with_records.flat_map(|(records, points)| predictions_of(records, points)).collect();
-        let pages = completed(request, &mut answers, rest, &asked);
+        let machines = Machines::of(request, &rest, reading)?;
+        let pages = completed(request, &mut answers, rest, &asked, machines.as_ref());
         let processes: Vec<Process<'_>> = stated.iter().zip(&points).map(|(known, own)| known.process(own)).collect();
         let mut document = document(answers.json(), &processes, known::data(&stated));
-        if let Some(list) = document["applied"]["calibration"].as_array_mut() {
-            list.extend(answers.processes.iter().flat_map(|(process, own)| constants_of_facts(process, own)));
-        }
+        add_facts_of(&mut document, &answers, machines.as_ref());
         let entry = |(place, own): &(usize, Proposed)| {
             let mut entry = own.entry.clone();
             entry["applied"] = point_json(&own.applied, &processes[*place]);
@@ -156,6 +156,24 @@ fn prepared(
     }
     usable(&asked, &records)?;
     Ok(Prepared { asked, known, table: Some((model, records)) })
+}
+
+/// Adds what facts contradict to what an application writes.
+fn add_facts_of(document: &mut Value, answers: &Answers, machines: Option<&Machines>) {
+    let all = || answers.processes.iter();
+    let causes: Vec<Value> = machines.map_or_else(Vec::new, |own| {
+        all().flat_map(|(process, diagnosis)| causes_of_facts(process, diagnosis, &own.scenario)).collect()
+    });
+    if let Some(list) = document["applied"]["calibration"].as_array_mut() {
+        let constants: Vec<Value> =
+            all().flat_map(|(process, diagnosis)| constants_of_facts(process, diagnosis, list)).collect();
+        drop_said_twice(list, &constants, &causes);
+        list.extend(constants);
+    }
+    if let Some(list) = document["applied"]["effects"].as_array_mut() {
+        list.extend(causes.iter().cloned());
+    }
+    complete(&mut document["effects"], &causes);
 }
 
 /// What describes the gap of each process of which no cause is known, with the place of the process; notes say so.
@@ -332,6 +350,7 @@ fn completed(
     answers: &mut Answers,
     tables: Vec<Option<(NominalModel, Records)>>,
     asked: &[Asked],
+    machines: Option<&Machines>,
 ) -> Vec<Page> {
     let mut pages: Vec<Page> = Vec::new();
     for (((process, diagnosis), table), asked) in answers.processes.iter_mut().zip(tables).zip(asked) {
@@ -351,6 +370,8 @@ fn completed(
         }
         if let NominalProcess::Shop(shop) = &model.process {
             add_facts(shop, &records, &model.stated, diagnosis, request.seed);
+        } else if let Some(machines) = machines {
+            machines.add_to(diagnosis, request.seed);
         }
         add_dynamics(&model, &records, diagnosis, request.seed);
         if request.pages {

@@ -3,7 +3,7 @@
 use crate::{GapStudyError, Reading};
 use std::path::{Path, PathBuf};
 use toolroom_effects::Definition;
-use toolroom_gap::NominalModel;
+use toolroom_gap::{NominalModel, NominalProcess};
 use toolroom_records::{RecordError, RecordKind, Records};
 
 /// A nominal model with the records of its table, or why the table, in which nothing is wrong, has none.
@@ -60,6 +60,11 @@ pub fn tables(
             }
         }
         left.retain(|kind| models.iter().all(|(_, model)| stem(model) != kind.file_stem()));
+        if let [(_, only)] = &models[..]
+            && reads_events(only)
+        {
+            left.retain(|kind| *kind != RecordKind::Shop);
+        }
         match &left[..] {
             [] => {}
             [first, ..] if models.len() > 1 => {
@@ -71,6 +76,14 @@ pub fn tables(
     }
     let read = |(_, model): (&PathBuf, NominalModel)| Ok(Table { records: usable(data, &model, reading)?, model });
     models.into_iter().map(read).collect()
+}
+
+/// Whether the events of machines are read beside the records of the process that runs on them.
+pub fn reads_events(model: &NominalModel) -> bool {
+    match model.process {
+        NominalProcess::Turning(_) | NominalProcess::Milling(_) | NominalProcess::Grinding(_) => true,
+        NominalProcess::Empirical | NominalProcess::Program(_) | NominalProcess::Shop(_) => false,
+    }
 }
 
 /// The records of a table, or why none of its rows is of use.

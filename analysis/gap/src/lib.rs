@@ -56,6 +56,9 @@ mod identifiability;
 mod joined;
 mod left_out;
 mod linear;
+mod machine_facts;
+#[cfg(test)]
+mod machine_tests;
 mod measures;
 mod method;
 mod narrowed;
@@ -96,6 +99,7 @@ pub use gram::normal_equations;
 pub use identifiability::{Identifiable, identifiability};
 pub use joined::joined;
 pub use linear::{Linear, predict};
+pub use machine_facts::add_machine_facts;
 pub use measures::{Left, Measures, apart};
 pub use method::{Bare, Method};
 pub use noise::Noise;

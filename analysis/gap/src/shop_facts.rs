@@ -44,22 +44,29 @@ pub fn add_facts(shop: &Shop, records: &Records, stated: &Stated, diagnosis: &mu
     facts.extend(scores.iter().filter_map(|score| of_queue(score, explained)));
     diagnosis.notes.extend(scores.iter().map(|score| score.words(explained)));
     diagnosis.notes.push("not asked, since the log has no orders: arrivals, scrap, lead times".to_owned());
+    let queues = scores.iter().filter_map(|score| {
+        let (fit, fact) = (score.fit(explained), of_queue(score, explained)?);
+        (fit.score.abs() > UNEXPLAINED).then(|| (fact.words(), fact.is_far()))
+    });
+    take_back(diagnosis, facts, queues.collect());
+}
+
+/// Adds facts to a diagnosis, and takes back that there is no gap where they contradict the file. `doubts` are off beside
+/// them, in words, and whether by as much as matters.
+pub(super) fn take_back(diagnosis: &mut Diagnosis, facts: Vec<Fact>, doubts: Vec<(String, bool)>) {
     if let Some(fit) = &mut diagnosis.fit {
         add_to(fit, &facts);
     }
     diagnosis.findings = findings(&facts);
     diagnosis.facts = facts;
-    if matches!(diagnosis.verdict, GapVerdict::NoGap | GapVerdict::Masked) && !diagnosis.findings.is_empty() {
+    let quiet = matches!(diagnosis.verdict, GapVerdict::NoGap | GapVerdict::Masked | GapVerdict::Small);
+    if quiet && !diagnosis.findings.is_empty() {
         let constant = diagnosis.findings.iter().any(|finding| finding.constant);
         diagnosis.verdict = if constant { GapVerdict::Constant } else { GapVerdict::Unknown };
     }
     if diagnosis.verdict == GapVerdict::NoGap {
         let slight = slight(&diagnosis.facts).into_iter().map(|fact| (fact.words(), false));
-        let queues = scores.iter().filter_map(|score| {
-            let (fit, fact) = (score.fit(explained), of_queue(score, explained)?);
-            (fit.score.abs() > UNEXPLAINED).then(|| (fact.words(), fact.is_far()))
-        });
-        let doubts: Vec<(String, bool)> = slight.chain(queues).collect();
+        let doubts: Vec<(String, bool)> = slight.chain(doubts).collect();
         if !doubts.is_empty() {
             let far = doubts.iter().any(|(_, far)| *far);
             diagnosis.verdict = if far { GapVerdict::Unknown } else { GapVerdict::Small };
@@ -98,7 +105,7 @@ fn same(a: &FailureMode, b: &FailureMode) -> bool {
 }
 
 /// Times between failures and to repair: of each machine, and of all machines with one law together.
-fn of_failures(shop: &Shop, seen: &Visits, shaped: bool, seed: u64) -> Vec<Fact> {
+pub(super) fn of_failures(shop: &Shop, seen: &Visits, shaped: bool, seed: u64) -> Vec<Fact> {
     let mut facts = Vec::new();
     let mut pools: Vec<(&FailureMode, Vec<usize>)> = Vec::new();
     for (machine, name) in seen.machines.iter().enumerate() {

@@ -17,10 +17,15 @@ fn recorded(seed: u64, deviations: &[Deviation]) -> Records {
     of_shop(seed, &|scenario| scenario.deviations = deviations.to_vec())
 }
 
-/// Ten days of the nominal shop under another seed, `changed` in what the planner does not know.
-fn of_shop(seed: u64, changed: &dyn Fn(&mut Scenario)) -> Records {
+/// The shipped shop as its planner has it.
+pub(super) fn shipped_shop() -> Scenario {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/shop.toml");
-    let mut scenario = toolroom_scenario_file::read(&path, &[]).expect("the shipped scenario").scenario;
+    toolroom_scenario_file::read(&path, &[]).expect("the shipped scenario").scenario
+}
+
+/// Ten days of the nominal shop under another seed, `changed` in what the planner does not know.
+pub(super) fn of_shop(seed: u64, changed: &dyn Fn(&mut Scenario)) -> Records {
+    let mut scenario = shipped_shop();
     scenario.seed = seed;
     changed(&mut scenario);
     let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");

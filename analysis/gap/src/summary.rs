@@ -4,6 +4,7 @@ use super::{Diagnosis, EffectId, GapVerdict, NamedEffect};
 use std::fmt::Write;
 use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Estimate, Intervals, Table, Waterfall};
+use toolroom_facts::Fact;
 
 /// Effects that cannot be seen which the terminal lists.
 const LISTED: usize = 4;
@@ -84,14 +85,19 @@ impl Diagnosis {
             }
         }
         for finding in &self.findings {
-            let kind = if finding.constant { "constant" } else { "queue   " };
+            let kind = match (finding.constant, self.facts.get(finding.fact).is_some_and(Fact::is_cause)) {
+                (true, _) => "constant",
+                (false, true) => "cause   ",
+                (false, false) => "queue   ",
+            };
             let _ = writeln!(text, "{kind} {}", finding.words);
         }
         if let Some(cell) = self.cells.first() {
             let place = if cell.group == "all" { &cell.regime } else { &cell.group };
             let _ = writeln!(text, "where    {} follows {place} (score {:.1})", cell.channel, cell.score);
         }
-        if !self.effects.is_empty() {
+        // What the events of machines show closes nothing in the records of their process.
+        if self.effects.iter().any(|effect| effect.gain[0].is_finite()) {
             let _ = writeln!(
                 text,
                 "closed   {} of the gap on groups left out (90 %: {} … {}; of as many new groups {} … {}); {} of what can be closed",

@@ -73,6 +73,18 @@ pub struct Shop {
 impl Shop {
     /// The shop of a scenario. The lives of edges come from a simulation of its first policy.
     pub fn of(scenario: &Scenario) -> Self {
+        // What the file states of the shop itself is counted from there, not simulated into it.
+        let horizon = scenario.horizon.min(STRETCH);
+        let stretch = Scenario { deviations: Vec::new(), calibrations: Vec::new(), horizon, ..scenario.clone() };
+        Self::with_lives(scenario, &toolroom_shop::run(&stretch, 0, 0).unwrap_or_default())
+    }
+
+    /// The shop of a scenario without lives of edges, for whoever does not ask for them.
+    pub fn without_lives(scenario: &Scenario) -> Self {
+        Self::with_lives(scenario, &RunLog::default())
+    }
+
+    fn with_lives(scenario: &Scenario, log: &RunLog) -> Self {
         let failures: Vec<FailureMode> = scenario.failures.iter().map(|mode| stated(scenario, mode)).collect();
         // What the file states of the shop itself is counted from there, not simulated into it.
         let planned = Scenario { deviations: Vec::new(), calibrations: Vec::new(), ..scenario.clone() };
@@ -104,9 +116,7 @@ impl Shop {
                 programs.insert(format!("{}/{}", part.name, operation.name), program);
             }
         }
-        let stretch = Scenario { horizon: scenario.horizon.min(STRETCH), ..scenario.clone() };
-        let log = toolroom_shop::run(&stretch, 0, 0).unwrap_or_default();
-        let station = |index: usize| station(scenario, &failures, index, &log);
+        let station = |index: usize| station(scenario, &failures, index, log);
         Self { stations: (0..scenario.machines.len()).map(station).collect(), programs }
     }
 
