@@ -3,7 +3,7 @@
 
     python3 tests/lobes_truth.py                         # 200 systems, 20 speeds of each and 25 depths at each speed
     python3 tests/lobes_truth.py --systems 8 --seed 3    # a few of other draws
-    python3 tests/lobes_truth.py --program target/release/toolroom
+    python3 tests/lobes_truth.py --kind helix --systems 40 --columns 200 --rows 100 --truths 0
 
 Of each system one chart is drawn, with one operating point at a random depth at each speed. Grid, curves, `stable`, the sign
 of the margin, the limit and the list of stable intervals have to agree at every point of the grid and at every operating
@@ -386,9 +386,9 @@ def examine(system, folder, number, options, draw, books):
             if limit is not None and "margin" in point:
                 books.check("sign of the margin and limit", system, (point["margin"] > 0) == (depth < limit), speed=speed, depth=depth)
         column = grid[i * rows:(i + 1) * rows]
-        sampled = set(draw.integers(0, rows, options.truths)) if kind == "milling" else set(range(rows))
+        sampled = set(draw.integers(0, rows, options.truths).tolist()) if kind == "milling" else set(range(rows))
         asked = [(float(row["depth_of_cut [mm]"]), row["stable"] == "true", row["hole"], j in sampled) for j, row in enumerate(column)]
-        asked.append((depth, point["stable"], "", True))
+        asked.append((depth, point["stable"], "", kind == "turning" or options.truths > 0))
         for at, stable, hole, judge in asked:
             if at == 0 or near(intervals, at):
                 continue
@@ -420,8 +420,9 @@ def main():
     parser.add_argument("--truths", type=int, default=2, help="points of the grid of milling at each speed that are calculated here")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="number of the first system")
+    parser.add_argument("--kind", choices=["turning", "straight", "helix", "pitch", "damping"], help="these systems alone")
     parser.add_argument("--threads", type=int, default=0, help="threads of the program")
-    parser.add_argument("--program", default=str(ROOT / "target/release/toolroom"))
+    parser.add_argument("program", nargs="?", default=str(ROOT / "target/release/toolroom"))
     parser.add_argument("--keep", help="folder of the systems' files; a temporary one if left out")
     options = parser.parse_args()
     folder = pathlib.Path(options.keep or tempfile.mkdtemp(prefix="lobes-truth-"))
@@ -430,7 +431,8 @@ def main():
     kinds = ["straight", "helix", "pitch", "damping", "straight", "helix"]
     for number in range(options.first, options.first + options.systems):
         draw = np.random.default_rng([options.seed, number])
-        system = turning_system(draw) if number % 2 == 0 else milling_system(draw, kinds[number // 2 % len(kinds)])
+        kind = options.kind or ("turning" if number % 2 == 0 else kinds[number // 2 % len(kinds)])
+        system = turning_system(draw) if kind == "turning" else milling_system(draw, kind)
         examine(system, folder, number, options, draw, books)
     print(f"{books.points['turning']} points of turning, {books.points['milling']} of milling, {options.systems} systems")
     for what, (count, wrong) in books.compared.items():

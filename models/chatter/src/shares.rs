@@ -150,3 +150,79 @@ fn shares(
     }
     Ok(counts.into_iter().map(|count| count as f64 / samples as f64).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Cutter, Direction, Engagement, MillingForce, Mode};
+    use std::f64::consts::TAU;
+
+    const CERTAIN: Scatter = Scatter { natural_frequency: 0.0, damping_ratio: 0.0, coefficients: 0.0 };
+
+    fn even(from: f64, to: f64, count: usize) -> Vec<f64> {
+        (0..count).map(|i| from + (to - from) * i as f64 / (count - 1) as f64).collect()
+    }
+
+    fn rpm(from: f64, to: f64, count: usize) -> Vec<f64> {
+        even(from / 60.0 * TAU, to / 60.0 * TAU, count)
+    }
+
+    #[test]
+    fn every_depth_of_a_chart_with_islands_is_told_by_few() {
+        let mode = |direction, natural_frequency| Mode {
+            direction,
+            natural_frequency,
+            damping_ratio: 0.011,
+            stiffness: 1.34e6,
+        };
+        let helical = Milling {
+            modes: vec![mode([1.0, 0.0], 922.0)],
+            cutter: Cutter { helix_angle: TAU / 8.0, ..Cutter::straight(2, 0.008) },
+            engagement: Engagement::new(0.05, Direction::Down).unwrap(),
+            force: MillingForce::new(6e8, 2e8),
+            feed_per_tooth: 1e-4,
+            by_speed: None,
+            along_path: None,
+        };
+        let slot = Milling {
+            modes: vec![mode([1.0, 0.0], 922.0), mode([0.3, 1.0], 1050.0)],
+            cutter: Cutter::straight(2, 0.008),
+            engagement: Engagement::new(1.0, Direction::Down).unwrap(),
+            ..helical.clone()
+        };
+        for (cut, speeds, greatest) in [(helical, rpm(16_500.0, 18_300.0, 13), 8.5e-3), (slot, rpm(5e3, 2e4, 13), 1e-3)]
+        {
+            let depths = even(0.0, greatest, 41);
+            let shares = cut.stability_probabilities(&speeds, &depths, &CERTAIN, 1, 1).unwrap();
+            let chart = cut.lobes(&speeds, &depths).unwrap();
+            let judged: Vec<f64> = chart.verdicts.iter().map(|v| if v.unwrap().stable { 1.0 } else { 0.0 }).collect();
+            assert_eq!(shares, judged);
+            // In any order of the depths.
+            let backwards: Vec<f64> = depths.iter().rev().copied().collect();
+            let turned = cut.stability_probabilities(&speeds[..1], &backwards, &CERTAIN, 1, 1).unwrap();
+            assert!(turned.iter().rev().eq(&shares[..depths.len()]));
+        }
+    }
+
+    #[test]
+    fn widths_of_turning_are_told_as_by_their_verdicts() {
+        let mode = |direction, natural_frequency, damping_ratio, stiffness| Mode {
+            direction,
+            natural_frequency,
+            damping_ratio,
+            stiffness,
+        };
+        let modes =
+            vec![mode([0.92375, 0.38299], 208.7, 0.0288, 4.364e7), mode([0.99968, 0.02534], 815.0, 0.0119, 7.659e6)];
+        let cut = Turning {
+            force_angle: 13.6f64.to_radians(),
+            process_damping: 6.856e5,
+            ..Turning::orthogonal(modes, 1081e6, 0.04)
+        };
+        let (speeds, widths) = (rpm(2000.0, 2300.0, 9), even(0.0, 2e-3, 31));
+        let shares = cut.stability_probabilities(&speeds, &widths, &CERTAIN, 1, 1).unwrap();
+        let chart = cut.lobe_chart(&speeds, &widths).unwrap();
+        let judged: Vec<f64> = chart.verdicts.iter().map(|v| if v.unwrap().stable { 1.0 } else { 0.0 }).collect();
+        assert_eq!(shares, judged);
+    }
+}
