@@ -95,7 +95,9 @@ fn stable(depths: &[f64], mut excess: impl FnMut(f64) -> Result<f64, ChatterErro
     let Some(last) = depths.len().checked_sub(1) else { return Ok(Vec::new()) };
     let mut order: Vec<usize> = (0..depths.len()).collect();
     order.sort_by(|a, b| depths[*a].total_cmp(&depths[*b]));
-    let places: Vec<usize> = (0..last).step_by(STRIDE).chain([last]).collect();
+    // The last but one tells the slope at the end.
+    let mut places: Vec<usize> = (0..last).step_by(STRIDE).chain([last.saturating_sub(1), last]).collect();
+    places.dedup();
     let mut found = vec![None; depths.len()];
     for place in &places {
         found[*place] = Some(excess(depths[order[*place]])?);
