@@ -174,37 +174,3 @@ proptest! {
         }
     }
 }
-
-/// Two modes under five helical teeth are stable again in a pocket of 25 um that is narrower than a step of 37.5 um and ends just
-/// under the greatest depth of a chart. The ends are those of twice the range (an independent collocation says stable at
-/// 1.7827 mm); a search without a look at the slope at the end of its range stepped over the pocket.
-#[test]
-fn a_pocket_in_the_last_step_of_a_search_is_found() {
-    let mode = |direction, natural_frequency, damping_ratio, stiffness| Mode {
-        direction,
-        natural_frequency,
-        damping_ratio,
-        stiffness,
-    };
-    let cut = Milling {
-        modes: vec![
-            mode([1.0, 0.0], 1_311.449_228_670_779, 0.011_660_866_248_084_72, 2_197_841.526_024_955),
-            mode([0.0, 1.0], 1_022.750_270_008_067_4, 0.026_440_138_851_646_74, 2_000_318.755_225_651_4),
-        ],
-        cutter: Cutter { helix_angle: 0.596_303_871_943_553_2, ..Cutter::straight(5, 6.551_431_323_557_439e-3) },
-        engagement: Engagement::new(0.032_189_636_664_714_06, Direction::Down).unwrap(),
-        force: MillingForce::new(856.624_836_384_014_3e6, 247.445_232_910_184_36e6),
-        feed_per_tooth: 1e-4,
-        by_speed: None,
-        along_path: None,
-    };
-    let mut at_speed = cut.at_speed(rpm(10_015.012_338_187_758)).unwrap();
-    for greatest in [1.800_937_727_145_292e-3, 2.306e-3] {
-        let found = at_speed.stable_intervals(greatest).unwrap();
-        let ends: Vec<f64> = found.ends.iter().map(|end| end.limit.depth * 1e3).collect();
-        assert_eq!(ends.len(), 3, "{ends:?}");
-        for (end, expected) in ends.iter().zip([1.677_834_56, 1.769_419_85, 1.794_724_49]) {
-            assert!((end / expected - 1.0).abs() < 1e-7, "{ends:?}");
-        }
-    }
-}
