@@ -103,6 +103,7 @@ mod polynomial;
 mod response;
 mod rows;
 mod scan;
+mod shares;
 mod simulate;
 mod speed_variation;
 mod speeds;

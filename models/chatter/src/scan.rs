@@ -79,7 +79,12 @@ impl<F: FnMut(f64) -> Result<f64, ChatterError>> Iterator for SignChanges<F> {
 }
 
 /// Whether chords continued from either side meet beyond zero between `from` and `to`, which have one sign.
-fn may_reach_zero(before: Option<(f64, f64)>, from: (f64, f64), to: (f64, f64), after: Option<(f64, f64)>) -> bool {
+pub(crate) fn may_reach_zero(
+    before: Option<(f64, f64)>,
+    from: (f64, f64),
+    to: (f64, f64),
+    after: Option<(f64, f64)>,
+) -> bool {
     // Towards zero is upwards.
     let up = if from.1 > 0.0 { -1.0 } else { 1.0 };
     let (left, right, width) = (up * from.1, up * to.1, to.0 - from.0);

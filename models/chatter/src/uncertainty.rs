@@ -1,7 +1,7 @@
 //! Stability under uncertain constants: probability and robust speeds.
 
 use crate::error::{ChatterError, within};
-use crate::lobes::{Axis, Lobes};
+use crate::lobes::Axis;
 use crate::{Milling, Mode, PathModes, SpeedModes, Turning};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -93,22 +93,6 @@ impl Milling {
             let cut = self.scattered(scatter, seed, sample)?;
             Ok(cut.at_speed(spindle_speed)?.screen(depth)?.stable)
         })
-    }
-
-    /// Shares of the samples that are stable over a grid of speeds (rad/s) and depths (m), all depths of the first speed
-    /// first; a sample whose verdict is not found counts as unstable.
-    ///
-    /// # Errors
-    /// As [`Milling::stability_probability`].
-    pub fn stability_probabilities(
-        &self,
-        speeds: &[f64],
-        depths: &[f64],
-        scatter: &Scatter,
-        samples: u64,
-        seed: u64,
-    ) -> Result<Vec<f64>, ChatterError> {
-        shares(samples, |sample| self.scattered(scatter, seed, sample)?.lobes(speeds, depths))
     }
 
     /// The first of `speeds` (rad/s) among those at which `depth` (m) is stable most probably: as [`Milling::robust_speeds`]
@@ -206,22 +190,6 @@ impl Turning {
         required: f64,
     ) -> Result<bool, ChatterError> {
         reaches(samples, required, |sample| self.scattered(scatter, seed, sample)?.is_stable(spindle_speed, width))
-    }
-
-    /// Shares of the samples that are stable over a grid of speeds (rad/s) and widths (m), as
-    /// [`Milling::stability_probabilities`].
-    ///
-    /// # Errors
-    /// As [`Turning::stability_probability`].
-    pub fn stability_probabilities(
-        &self,
-        speeds: &[f64],
-        widths: &[f64],
-        scatter: &Scatter,
-        samples: u64,
-        seed: u64,
-    ) -> Result<Vec<f64>, ChatterError> {
-        shares(samples, |sample| self.scattered(scatter, seed, sample)?.lobe_chart(speeds, widths))
     }
 
     /// The first of `speeds` (rad/s) among those at which `width` (m) is stable most probably: as [`Turning::robust_speeds`]
@@ -336,20 +304,6 @@ fn most_probable(
         }
     }
     Ok(best.map(|(speed, _)| speed))
-}
-
-/// Share of charts in which a point is stable, for every point.
-fn shares(samples: u64, chart: impl Fn(u64) -> Result<Lobes, ChatterError>) -> Result<Vec<f64>, ChatterError> {
-    within("samples", samples as f64, 1.0, 1e9)?;
-    let mut counts: Vec<u64> = Vec::new();
-    for sample in 0..samples {
-        let verdicts = chart(sample)?.verdicts;
-        counts.resize(verdicts.len(), 0);
-        for (count, verdict) in counts.iter_mut().zip(verdicts) {
-            *count += u64::from(verdict.is_some_and(|verdict| verdict.stable));
-        }
-    }
-    Ok(counts.into_iter().map(|count| count as f64 / samples as f64).collect())
 }
 
 /// Speeds by their probability; of equals the one with the most probable neighbours first.

@@ -11,6 +11,7 @@ mod turning;
 
 pub use milling::MillingStructure;
 pub(crate) use milling::{Tooth, ToothCell};
+use switch::{Cell, one_step};
 pub(crate) use switch::{Judged, first_switch};
 pub use turning::TurningStructure;
 pub(crate) use turning::{Edge, EdgeCell};
@@ -192,6 +193,11 @@ fn rounded(value: f64, step: f64) -> (i32, f64) {
 
 /// Steps of [`DAMPING_STEP`] in one grade of process damping at varying speed.
 const GRADE: f64 = 6.0;
+
+/// Steps of process damping from one judged value to the next, at varying speed or not.
+fn damping_grade(varies: bool) -> i32 {
+    if varies { GRADE as i32 } else { 1 }
+}
 
 /// Process damping over coefficient on a coarser grid, for verdicts that cost much.
 fn coarse_damping(ratio: f64) -> f64 {

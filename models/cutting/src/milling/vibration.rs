@@ -45,7 +45,7 @@ impl<N: Number> Milling<N> {
             Some(structure) if u.engaged.re() > 0.0 && u.cutting_speed.re() > 0.0 => {
                 structure.judge(&self.tooth(x, u, &self.effect_terms(x, u)))
             }
-            _ => Judged { cell: None, unstable: false },
+            _ => Judged::QUIET,
         }
     }
 

@@ -58,7 +58,7 @@ impl<N: Number> Turning<N> {
             Some(structure) if u.engaged.re() > 0.0 && u.cutting_speed.re() > 0.0 => {
                 structure.judge(&self.edge(x, u, &self.effect_terms(x, u)))
             }
-            _ => Judged { cell: None, unstable: false },
+            _ => Judged::QUIET,
         }
     }
 

@@ -1,8 +1,8 @@
 //! What vibrates in milling.
 
 use super::{
-    Boundary, DAMPING_STEP, Judged, LITTLE_DAMPING, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration,
-    coarse_damping, other, rounded, rounded_damping, scattered,
+    Boundary, Cell, DAMPING_STEP, Judged, LITTLE_DAMPING, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration,
+    coarse_damping, damping_grade, one_step, other, rounded, rounded_damping, scattered,
 };
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -60,6 +60,19 @@ struct Key {
 pub(crate) struct ToothCell {
     key: Key,
     growth: i32,
+}
+
+impl Cell for ToothCell {
+    fn is_beside(&self, other: &Self) -> bool {
+        let grade = damping_grade(self.key.variation.0 != 0);
+        let steps = |Self { key, growth }: &Self| {
+            let [speed, damping, coefficient, searched, growth] =
+                [key.speed, key.damping / grade, key.coefficient, key.searched, *growth].map(i64::from);
+            [speed, damping, coefficient, searched, growth, key.radial]
+        };
+        let rest = |cell: &Self| Key { speed: 0, damping: 0, coefficient: 0, searched: 0, radial: 0, ..cell.key };
+        rest(self) == rest(other) && one_step(steps(self), steps(other))
+    }
 }
 
 /// One operating point of a cutter.
@@ -303,7 +316,13 @@ impl MillingStructure {
     pub(crate) fn judge(&self, tooth: &Tooth) -> Judged<ToothCell> {
         let key = self.key(tooth);
         let cell = ToothCell { key, growth: rounded(tooth.depth / self.scale(tooth), STIFFNESS_STEP).0 };
-        Judged { cell: Some(cell), unstable: self.regenerates(tooth, &self.boundary_of(tooth, &key)) }
+        let boundary = self.boundary_of(tooth, &key);
+        Judged {
+            cell: Some(cell),
+            unstable: self.regenerates(tooth, &boundary),
+            load: tooth.depth / self.scale(tooth),
+            limits: [1.0, 1.0 + STIFFNESS_STEP].map(|factor| factor * boundary.limit / self.scale(tooth)),
+        }
     }
 
     /// How the cut vibrates.

@@ -3,6 +3,9 @@
 //! A verdict jumps, so that an integration that meets it at its stages only steps over a stretch that lies between two of
 //! them. Between two instants of one [`Judged::cell`] only the limit itself moves, with the wear of the edge: there the
 //! verdict changes once at most. All cells that a cut passes are looked at one by one, so that no stretch is too short.
+//!
+//! Where one cell follows the other with nothing between, and neither has its limit among the loads of that time, the verdict
+//! stays, and nobody needs to know where the one ends and the other begins.
 
 /// A verdict, and what it was rounded to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +14,30 @@ pub(crate) struct Judged<K> {
     pub cell: Option<K>,
     /// Whether the cut is unstable.
     pub unstable: bool,
+    /// What the cut is loaded with: depth times coefficient, in the unit of the limits.
+    pub load: f64,
+    /// Loads at which the verdict of the cell changes.
+    pub limits: [f64; 2],
 }
+
+impl<K> Judged<K> {
+    /// Out of cut, where nothing vibrates.
+    pub const QUIET: Self = Self { cell: None, unstable: false, load: 0.0, limits: [f64::INFINITY; 2] };
+}
+
+/// Rounded quantities.
+pub(crate) trait Cell: PartialEq {
+    /// Whether one quantity alone differs, by one step: no cell lies between.
+    fn is_beside(&self, other: &Self) -> bool;
+}
+
+/// Whether the numbers of steps differ by one altogether.
+pub(crate) fn one_step<const N: usize>(these: [i64; N], others: [i64; N]) -> bool {
+    these.into_iter().zip(others).map(|(a, b)| a.abs_diff(b)).fold(0, u64::saturating_add) == 1
+}
+
+/// Relative distance from a limit within which a load may lie on either side of it by rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// Share of the time that is searched to which an instant is found: some nanoseconds of a pass.
 const RESOLUTION: f64 = 1e-11;
@@ -22,14 +48,14 @@ const RESOLUTION: f64 = 1e-11;
 ///
 /// Quantities of a cell that go back within the time that is searched may hide a cell; over a step of an integration they go
 /// one way but for the process damping of an edge that is nearly sharp, which has one flat minimum.
-pub(crate) fn first_switch<K: PartialEq>(
+pub(crate) fn first_switch<K: Cell>(
     from: f64,
     to: f64,
     unstable: bool,
     judge: impl Fn(f64) -> Judged<K>,
 ) -> Option<f64> {
     let search = Search { least: RESOLUTION * (to - from), unstable, judge: &judge };
-    search.between((from, &judge(from).cell), (to, &judge(to)))
+    search.between((from, &judge(from)), (to, &judge(to)))
 }
 
 struct Search<'a, F> {
@@ -39,12 +65,12 @@ struct Search<'a, F> {
 }
 
 impl<F> Search<'_, F> {
-    fn between<K: PartialEq>(&self, (start, cell): (f64, &Option<K>), (end, last): (f64, &Judged<K>)) -> Option<f64>
+    fn between<K: Cell>(&self, (start, first): (f64, &Judged<K>), (end, last): (f64, &Judged<K>)) -> Option<f64>
     where
         F: Fn(f64) -> Judged<K>,
     {
         let switched = last.unstable != self.unstable;
-        if !switched && *cell == last.cell {
+        if !switched && (first.cell == last.cell || stays(first, last)) {
             return None;
         }
         let middle = 0.5 * (start + end);
@@ -52,15 +78,59 @@ impl<F> Search<'_, F> {
             return switched.then_some(end);
         }
         let judged = (self.judge)(middle);
-        let before = self.between((start, cell), (middle, &judged));
-        before.or_else(|| self.between((middle, &judged.cell), (end, last)))
+        let before = self.between((start, first), (middle, &judged));
+        before.or_else(|| self.between((middle, &judged), (end, last)))
     }
+}
+
+/// Whether the verdicts of two cells that follow each other cannot change on the way from `first` to `last`.
+fn stays<K: Cell>(first: &Judged<K>, last: &Judged<K>) -> bool {
+    let (Some(cell), Some(next)) = (&first.cell, &last.cell) else { return false };
+    let (least, greatest) = (first.load.min(last.load), first.load.max(last.load));
+    let met = |limit: &f64| *limit >= least * (1.0 - ROUNDING) && *limit <= greatest * (1.0 + ROUNDING);
+    cell.is_beside(next) && !first.limits.iter().chain(&last.limits).any(met)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::cell::Cell as Counter;
+
+    impl Cell for usize {
+        fn is_beside(&self, other: &Self) -> bool {
+            self.abs_diff(*other) == 1
+        }
+    }
+
+    /// Cells of a tenth whose limits rise from one to the next; the load grows with the time.
+    fn judged(time: f64, limits: &[f64]) -> Judged<usize> {
+        let cell = ((10.0 * time) as usize).min(limits.len() - 1);
+        Judged { cell: Some(cell), unstable: time > limits[cell], load: time, limits: [limits[cell]; 2] }
+    }
+
+    #[test]
+    fn a_stretch_just_before_a_cell_ends_is_found() {
+        // Unstable from 0.2999999 to 0.3, where the next cell has a greater limit.
+        let limits = [9.0, 9.0, 0.299_999_9, 9.0, 9.0, 9.0, 9.0, 9.0, 9.0, 9.0];
+        let found = first_switch(0.0, 1.0, false, |time| judged(time, &limits)).unwrap();
+        assert!((found - 0.299_999_9).abs() < 1e-10, "{found}");
+        // And just behind the beginning of a cell, where the load falls.
+        let falling = |time: f64| judged(1.0 - time, &[0.0, 0.0, 0.0, 0.0, 0.499_999_9, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let found = first_switch(0.0, 1.0, true, |time| falling(time));
+        assert!((found.unwrap() - 0.500_000_1).abs() < 1e-10, "{found:?}");
+    }
+
+    #[test]
+    fn ends_of_cells_without_a_switch_are_not_narrowed_down() {
+        let asked = Counter::new(0);
+        let judge = |time| {
+            asked.set(asked.get() + 1);
+            judged(time, &[9.0; 10])
+        };
+        assert_eq!(first_switch(0.0, 1.0, false, judge), None);
+        assert!(asked.get() < 40, "{}", asked.get());
+    }
 
     proptest! {
         #[test]
@@ -75,7 +145,8 @@ mod tests {
             let cell = |time: f64| ends.iter().position(|end| time < *end).unwrap_or(ends.len() - 1);
             let judge = |time: f64| {
                 let cell = cell(time);
-                Judged { cell: Some(cell), unstable: if cell == 0 { begins } else { unstable[cell] } }
+                let unstable = if cell == 0 { begins } else { unstable[cell] };
+                Judged { cell: Some(cell), unstable, load: 1.0, limits: [if unstable { 0.0 } else { 2.0 }; 2] }
             };
             let expected = (1..ends.len()).find(|cell| unstable[*cell] != begins).map(|cell| ends[cell - 1]);
             let found = first_switch(0.0, 1.0, begins, judge);

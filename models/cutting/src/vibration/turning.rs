@@ -1,8 +1,8 @@
 //! What vibrates in turning.
 
 use super::{
-    Boundary, Judged, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, other, rounded,
-    rounded_damping, scattered,
+    Boundary, Cell, Judged, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, damping_grade,
+    one_step, other, rounded, rounded_damping, scattered,
 };
 use std::f64::consts::TAU;
 use toolroom_chatter::paper::Reduced;
@@ -69,6 +69,18 @@ pub(crate) struct EdgeCell {
     growth: i32,
     stiffness: i32,
     modulation: u64,
+}
+
+impl Cell for EdgeCell {
+    fn is_beside(&self, other: &Self) -> bool {
+        let varies = self.key.variation.0 != 0;
+        let (grade, place) = (damping_grade(varies), if varies { COARSE } else { 1 });
+        let steps = |Self { key, growth, stiffness, .. }: &Self| {
+            [key.speed, key.damping / grade, *growth, *stiffness, (key.place / place) as i32].map(i64::from)
+        };
+        let rest = |cell: &Self| (Key { speed: 0, damping: 0, place: 0, ..cell.key }, cell.modulation);
+        rest(self) == rest(other) && one_step(steps(self), steps(other))
+    }
 }
 
 /// Places along a bar at which its compliance is taken.
@@ -264,8 +276,10 @@ impl TurningStructure {
             modulation: edge.modulation.to_bits(),
         };
         let modulated = || edge.modulation > 0.0 && self.critical_modulation(edge, &key) < edge.modulation;
-        let unstable = self.regenerates(edge, &self.boundary_of(edge, &key)) || modulated();
-        Judged { cell: Some(cell), unstable }
+        let boundary = self.boundary_of(edge, &key);
+        let unstable = self.regenerates(edge, &boundary) || modulated();
+        let limit = boundary.limit * self.coefficient(edge);
+        Judged { cell: Some(cell), unstable, load: stiffness, limits: [limit, limit * (1.0 + STIFFNESS_STEP)] }
     }
 
     /// How the cut vibrates.

@@ -66,7 +66,7 @@ impl AtSpeed<'_> {
         first_only: bool,
     ) -> Result<Vec<Crossing>, ChatterError> {
         positive("greatest depth", greatest)?;
-        let uncut = self.uncut().0.value.norm().ln().max(LEAST_EXCESS);
+        let uncut = self.uncut_excess();
         let steps = self.steps()?;
         // On which side of one a radius lies is as sure as for a verdict; where it is one is worth more.
         let sampling = match effort {
@@ -82,6 +82,16 @@ impl AtSpeed<'_> {
             }
         }
         brackets.into_iter().map(|bracket| self.end(bracket, effort)).collect()
+    }
+
+    /// Logarithm of the spectral radius without a cut.
+    pub(crate) fn uncut_excess(&self) -> f64 {
+        self.uncut().0.value.norm().ln().max(LEAST_EXCESS)
+    }
+
+    /// Logarithm of the spectral radius at `depth` (m) to some three digits, of the right sign.
+    pub(crate) fn screened_excess(&mut self, depth: f64) -> Result<f64, ChatterError> {
+        self.excess(depth, Effort::Screening)
     }
 
     /// Even steps in which depths are sampled.
