@@ -98,6 +98,25 @@ fn tables_that_cannot_be_calibrated_on_are_refused_with_a_reason() {
     fs::write(folder.join("good.csv"), life("A,180,0.2,1,40,yes\nB,220,0.2,1,20,\n")).expect("a table");
     fs::write(folder.join("twice.csv"), life("A,180,0.2,1,40,\nA,220,0.2,1,20,\n")).expect("a table");
     fs::write(folder.join("nothing.csv"), "").expect("a table");
+    fs::write(
+        folder.join("both.csv"),
+        life("A,180,0.2,1,40,1\n").replace("censored\n", "censored,edge_end\n").replace(",1\n", ",1,worn\n"),
+    )
+    .expect("a table");
+    // The same without the names of operations and machines: units are wrong on the whole.
+    let short: String = rows
+        .lines()
+        .filter_map(|line| line.split_once(',')?.1.split_once(','))
+        .map(|(_, rest)| format!("{rest}\n"))
+        .collect();
+    fs::write(folder.join("fast.csv"), short.replacen("[m/min]", "[m/s]", 1)).expect("a table");
+    let short_in_um: String = wear(1e-3, "flank_wear [mm]")
+        .lines()
+        .filter_map(|line| line.split_once(',')?.1.split_once(','))
+        .map(|(_, rest)| format!("{rest}\n"))
+        .collect();
+    fs::write(folder.join("thousand.csv"), short_in_um).expect("a table");
+    fs::write(folder.join("teeth.csv"), short.replacen("feed_per_rev", "feed_per_tooth", 1)).expect("a table");
     for (file, reason) in [
         ("unit.csv", "write flank_wear [mm]"),
         ("words.csv", "`blunt`"),
@@ -107,6 +126,10 @@ fn tables_that_cannot_be_calibrated_on_are_refused_with_a_reason() {
         ("good.csv", "line 2: censored is `yes`"),
         ("twice.csv", "two lives, in line 2 and line 3"),
         ("nothing.csv", "there is no row of data"),
+        ("both.csv", "line 2: censored is 1"),
+        ("fast.csv", "line 2, cutting_speed is 10800 m/min, beyond 3000 m/min"),
+        ("thousand.csv", "write flank_wear [um]"),
+        ("teeth.csv", "it is one of milling"),
     ] {
         let output =
             toolroom(folder, &["calibrate", "turning", "--model", "c45_t15k6", "--data", file, "--out", "my.toml"]);

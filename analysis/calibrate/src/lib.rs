@@ -69,6 +69,7 @@ mod report;
 mod sample;
 mod set_file;
 mod shape;
+mod stated;
 mod study;
 mod summary;
 mod treatment;

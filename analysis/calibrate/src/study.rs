@@ -333,7 +333,9 @@ impl CalibrationStudy {
             Ok(read) => Ok(read),
             Err(error @ RecordError::MissingColumn { .. }) => {
                 if let Some(mapping) = by_headers(&self.data) {
-                    return import(&self.data, &mapping, parquet).map_err(|error| refuse(error, "mend the table"));
+                    let read =
+                        import(&self.data, &mapping, parquet).map_err(|error| refuse(error, "mend the table"))?;
+                    return self.of_this_process(read);
                 }
                 let fix = "docs/calibration.md lists the columns of records, a table of lives has tool_id and `life [min]`; \
                            `toolroom import csv` maps other tables to records; or give --map";
@@ -341,6 +343,26 @@ impl CalibrationStudy {
             }
             Err(error) => Err(refuse(error, "check the path and the columns")),
         }
+    }
+
+    /// Refuses a table whose feed is that of the other process: that of the set would be taken in its place.
+    fn of_this_process(&self, read: (Records, ReadReport)) -> Result<(Records, ReadReport), Refusal> {
+        let other = match self.process {
+            Process::Turning => Process::Milling,
+            Process::Milling => Process::Turning,
+        };
+        let has = |process: Process| read.0.numbers(process.feed()).is_some();
+        if has(other) && !has(self.process) {
+            let reason = format!(
+                "{} has {} and no {}: it is one of {}",
+                self.data.display(),
+                other.feed(),
+                self.process.feed(),
+                other.name()
+            );
+            return Err(refuse(reason, format_args!("`toolroom calibrate {}`, or rename the column", other.name())));
+        }
+        Ok(read)
     }
 }
 

@@ -212,6 +212,10 @@ impl Calibration {
             Verdict::CannotTell => {
                 let class: Vec<String> = self.choice.class.iter().map(|candidate| candidate.name()).collect();
                 let reason = self.choice.reason.as_ref().map(|reason| format!("; {reason}")).unwrap_or_default();
+                if class.len() == 1 {
+                    // The scores are clear, but are no ground to choose by.
+                    return format!("law: cannot tell; the set carries {law}, whose score is best{reason}");
+                }
                 format!("law: cannot tell among {}; the set carries {law}, the simplest{reason}", class.join("; "))
             }
         }

@@ -4,6 +4,7 @@ use crate::base::{Base, Condition, Process};
 use crate::channel::Channel;
 use crate::data_error::{DataError, LEAST, MOST};
 use crate::edge::{Edge, Life, Stretch};
+use crate::stated::Stated;
 use std::collections::BTreeMap;
 use toolroom_form::significant;
 use toolroom_records::Records;
@@ -359,31 +360,16 @@ impl Measured {
                     notes_of_lives
                         .push(format!("edge {name} stands twice with the same life, in {places}: it counts once"));
                 }
-                let minutes = at("life", last) / 60.0;
-                let inspected = at("inspected", last) / 60.0;
-                let wrong = |what: String| {
+                let stated = Stated {
+                    minutes: at("life", last) / 60.0,
+                    censored: at("censored", last),
+                    inspected: at("inspected", last) / 60.0,
+                    end: (!word.is_empty()).then_some(end),
+                };
+                let (life, worn) = stated.life().map_err(|what| {
                     let what = format!("{}: {what}", treatment.place(last));
                     DataError::Value { edge: name.to_owned(), what }
-                };
-                if minutes <= 0.0 {
-                    return Err(wrong(format!("a life of {minutes} min is none")));
-                }
-                let censored = at("censored", last);
-                if !(censored.is_nan() || censored == 0.0 || censored == 1.0) {
-                    return Err(wrong(format!(
-                        "censored is {censored}; write 1 where the edge was still good, else 0"
-                    )));
-                }
-                let lasted = censored != 1.0;
-                let worn = lasted && (word.is_empty() || end == End::Worn);
-                let life = match (worn, inspected.is_finite() && inspected > 0.0) {
-                    (false, _) => Life::Censored(minutes),
-                    (true, false) => Life::Exact(minutes),
-                    (true, true) if inspected < minutes => Life::Between(inspected, minutes),
-                    (true, true) => {
-                        return Err(wrong(format!("inspected at {inspected} min, after its life of {minutes} min")));
-                    }
-                };
+                })?;
                 unsaid -= i32::from(word.is_empty());
                 measured.ends.push(if worn { End::Worn } else { end });
                 Edge { name: name.to_owned(), stretches: Vec::new(), life: Some((condition(last), life)), begun: None }

@@ -30,14 +30,24 @@ struct Part {
     rows: Range<usize>,
     /// `V⁻¹ shared` for the covariance V of the group with x known.
     weighted: DMatrix<f64>,
-    /// The predicted covariance is `1 + directions·lengths·directions'`; these are the directions.
-    directions: DMatrix<f64>,
-    /// `1/√(1 + length) − 1` of each direction.
-    shrink: DVector<f64>,
+    /// The readings in sequence, a stretch at a time.
+    stretches: Vec<Stretch>,
 }
 
-/// A squared length below which a direction counts as none.
-const NOTHING: f64 = 1e-12;
+/// Readings that follow each other, predicted from those of the group before them.
+struct Stretch {
+    rows: Range<usize>,
+    /// Derivatives by what is not known of the group.
+    by: DMatrix<f64>,
+    /// Inverse of the lower factor of the covariance of the readings, given all before.
+    root: DMatrix<f64>,
+    /// What the scores say of what is not known.
+    gain: DMatrix<f64>,
+}
+
+/// Readings of a stretch at most: products of matrices of this size are fast, and no group needs a matrix of its readings
+/// by its readings.
+const LONGEST: usize = 128;
 
 impl Design {
     /// The design of `groups`, whose folds are 0 … `folds` − 1.
@@ -66,8 +76,8 @@ impl Design {
             })
             .collect();
         let part_of = |((group, rows), weighted): ((Group, Range<usize>), DMatrix<f64>)| {
-            let (directions, shrink) = root(&group, &without[group.fold]);
-            Part { group, rows, weighted, directions, shrink }
+            let stretches = sequence(&group, &without[group.fold]);
+            Part { group, rows, weighted, stretches }
         };
         let parts = groups.into_par_iter().zip(rows).zip(weighted).map(part_of).collect();
         Self { parts, without, shared, readings: first }
@@ -88,9 +98,10 @@ impl Design {
         self.parts.iter().map(|part| part.rows.clone())
     }
 
-    /// Scores of columns of residuals, a column a data set: every group predicted from the other folds, in units of
-    /// the predicted standard deviation, independent within the group (by the symmetric root of its covariance, so
-    /// that each score stays as near as possible to its reading). Where the model is right they are standard normal.
+    /// Scores of columns of residuals, a column a data set: every reading predicted from the other folds and from the
+    /// readings of its group before it, in units of the predicted standard deviation. Where the model is right they are
+    /// independent and standard normal, also where a reading decides whether others follow it: an edge that is changed on a
+    /// reading of its wear ends with a high one, and a score that knew the readings after its own would tell so.
     pub fn scores(&self, residuals: &DMatrix<f64>) -> DMatrix<f64> {
         let sets = residuals.ncols();
         let mut by_fold = vec![DMatrix::<f64>::zeros(self.shared, sets); self.without.len()];
@@ -105,11 +116,22 @@ impl Design {
         let mut scores = residuals.clone();
         for part in &self.parts {
             let mut left = residuals.rows_range(part.rows.clone()) - &part.group.shared * &found[part.group.fold];
-            let mut along = part.directions.tr_mul(&left);
-            for (mut row, shrink) in along.row_iter_mut().zip(part.shrink.iter()) {
-                row *= *shrink;
+            let mut known: Option<DMatrix<f64>> = None;
+            for Stretch { rows, by, root, gain } in &part.stretches {
+                let mut own = left.rows_range_mut(rows.clone());
+                if let Some(known) = &known {
+                    own -= by * known;
+                }
+                let innovations = root * &own;
+                own.copy_from(&innovations);
+                if rows.end < part.rows.len() {
+                    let learnt = gain * innovations;
+                    known = Some(match known {
+                        Some(known) => known + learnt,
+                        None => learnt,
+                    });
+                }
             }
-            left += &part.directions * along;
             scores.rows_range_mut(part.rows.clone()).copy_from(&left);
         }
         scores
@@ -197,33 +219,42 @@ fn factor(mut matrix: DMatrix<f64>) -> Cholesky<f64, Dyn> {
     }
 }
 
-/// Directions and shrinkages of the symmetric root of the inverse predicted covariance.
-fn root(group: &Group, without: &Cholesky<f64, Dyn>) -> (DMatrix<f64>, DVector<f64>) {
+/// The readings of a group in sequence: every stretch predicted from the other folds and from the readings before it.
+fn sequence(group: &Group, without: &Cholesky<f64, Dyn>) -> Vec<Stretch> {
     let shared = without.l().solve_lower_triangular(&group.shared.transpose());
     let shared = shared.unwrap_or_else(|| DMatrix::zeros(group.shared.ncols(), group.shared.nrows()));
-    let (rows, counts, all) = (group.shared.nrows(), group.own.ncols(), group.own.ncols() + shared.nrows());
-    let mut scatter = DMatrix::zeros(rows, all);
+    let (readings, counts, all) = (group.shared.nrows(), group.own.ncols(), group.own.ncols() + shared.nrows());
+    let mut scatter = DMatrix::zeros(readings, all);
     scatter.columns_range_mut(..counts).copy_from(&group.own);
     scatter.columns_range_mut(counts..).tr_copy_from(&shared);
-    // The smaller of the two products has the same lengths.
-    let wide = all >= rows;
-    let product = if wide { &scatter * scatter.transpose() } else { scatter.tr_mul(&scatter) };
-    let eigen = product.symmetric_eigen();
-    let kept: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|i| eigen.eigenvalues[*i] > NOTHING).collect();
-    let lengths = DVector::from_fn(kept.len(), |i, _| eigen.eigenvalues[kept[i]]);
-    let chosen = eigen.eigenvectors.select_columns(&kept);
-    let mut directions = if wide { chosen } else { scatter * chosen };
-    if !wide {
-        for (mut direction, length) in directions.column_iter_mut().zip(lengths.iter()) {
-            direction /= length.sqrt();
+    let mut unknown = DMatrix::<f64>::identity(all, all);
+    let mut stretches = Vec::with_capacity(readings.div_ceil(LONGEST));
+    let mut first = 0;
+    while first < readings {
+        let rows = first..readings.min(first + LONGEST);
+        first = rows.end;
+        let by = scatter.rows_range(rows.clone()).into_owned();
+        let spread = &by * &unknown;
+        let covariance = DMatrix::identity(rows.len(), rows.len()) + &spread * by.transpose();
+        let lower = factor(covariance).l();
+        let root = lower
+            .solve_lower_triangular(&DMatrix::identity(rows.len(), rows.len()))
+            .unwrap_or_else(|| DMatrix::identity(rows.len(), rows.len()));
+        let gain = (&root * spread).transpose();
+        if first < readings {
+            unknown -= &gain * gain.transpose();
         }
+        stretches.push(Stretch { rows, by, root, gain });
     }
-    (directions, lengths.map(|length| (1.0 + length).sqrt().recip() - 1.0))
+    stretches
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
 
     fn groups() -> Vec<Group> {
         let value = |i: usize, j: usize| ((i * 7 + j * 13) % 11) as f64 / 4.0 - 1.2;
@@ -265,14 +296,50 @@ mod tests {
         let gain = cut(&test, &train) * cut(&train, &train).try_inverse().unwrap();
         let left = residual.select_rows(&test) - &gain * residual.select_rows(&train);
         let predicted = cut(&test, &test) - &gain * cut(&train, &test);
-        let eigen = predicted.symmetric_eigen();
-        let root = &eigen.eigenvectors
-            * DMatrix::from_diagonal(&eigen.eigenvalues.map(|length| length.sqrt().recip()))
-            * eigen.eigenvectors.transpose();
-        let golden = root * left;
+        let golden = Cholesky::new(predicted).unwrap().l().solve_lower_triangular(&left).unwrap();
         for (i, golden) in golden.iter().enumerate() {
             assert!((scores[(15 + i, 0)] - golden).abs() < 1e-9, "{} instead of {golden}", scores[(15 + i, 0)]);
         }
+    }
+
+    /// Edges wear by a rate of their own and are changed at the first reading above a limit.
+    #[test]
+    fn readings_that_end_a_group_leave_scores_that_follow_nothing() {
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let (mut groups, mut readings) = (Vec::new(), Vec::new());
+        for fold in (0..600).map(|edge| edge % 4) {
+            let own = normal();
+            let mut count = 0;
+            while readings.last().is_none_or(|last| count == 0 || *last < 2.0) && count < 12 {
+                count += 1;
+                readings.push(0.4 * f64::from(count) * (1.0 + 0.3 * own) - 0.4 * f64::from(count) + normal());
+            }
+            let by_own = DMatrix::from_fn(count as usize, 1, |i, _| 0.12 * (i + 1) as f64);
+            groups.push(Group {
+                shared: DMatrix::from_fn(count as usize, 1, |i, _| 0.1 * (i + 1) as f64),
+                own: by_own,
+                fold,
+            });
+        }
+        let design = Design::new(groups, 4);
+        let scores = design.scores(&DMatrix::from_column_slice(readings.len(), 1, &readings));
+        let lasts: Vec<usize> = design.rows().map(|rows| rows.end - 1).collect();
+        let of = |places: &dyn Fn(usize) -> bool| {
+            let chosen: Vec<f64> =
+                (0..readings.len()).filter(|place| places(*place)).map(|place| scores[(place, 0)]).collect();
+            (chosen.iter().sum::<f64>() / chosen.len() as f64, (chosen.len() as f64).sqrt().recip())
+        };
+        // What is asked of all readings is asked at four standard errors; a last reading is high because it is the last.
+        let (mean, error) = of(&|_| true);
+        assert!(mean.abs() < 4.0 * error, "{mean} ± {error}");
+        assert!(of(&|place| lasts.contains(&place)).0 > 0.5);
+        let age: Vec<f64> = design.rows().flat_map(|rows| (0..rows.len()).map(|i| i as f64)).collect();
+        let middle = age.iter().sum::<f64>() / age.len() as f64;
+        let (follows, square) = age.iter().zip(scores.iter()).fold((0.0, 0.0), |(sum, square), (age, score)| {
+            (sum + (age - middle) * score, square + (age - middle).powi(2))
+        });
+        assert!(follows.abs() < 4.0 * f64::sqrt(square), "{follows}");
     }
 
     #[test]

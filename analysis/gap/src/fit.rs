@@ -50,6 +50,16 @@ impl Fit {
         Self { linear: Linear::with(model, self.linear.point, &self.active), stale: false, ..self }
     }
 
+    /// The same with the derivatives of groups whose own factors are usual. Those at the fitted factors follow the readings:
+    /// an edge that wears fast has great slopes, and all that is unexplained of it counts by them. What a reading leaves is
+    /// that of the fit.
+    pub(crate) fn with_slopes_of_usual_groups(self, model: &dyn Forward) -> Self {
+        let mut usual = self.linear.point.clone();
+        usual.locals.iter_mut().flatten().for_each(|x| *x = 0.0);
+        let Linear { nuisance, effects, locals, .. } = Linear::new(model, usual);
+        Self { linear: Linear { nuisance, effects, locals, ..self.linear }, ..self }
+    }
+
     /// The same with derivatives by all candidates.
     pub(crate) fn complete(self, model: &dyn Forward) -> Self {
         if !self.stale && self.linear.effects.iter().all(|column| !column.is_empty()) {

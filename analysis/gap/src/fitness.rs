@@ -129,17 +129,23 @@ impl<'a> Test<'a> {
         let measured = &frame.measured;
         let linear = &fit.linear;
         let fitted: Vec<usize> = measured.fitted_groups().collect();
-        let places: Vec<usize> = fitted.iter().flat_map(|group| measured.spans[*group].clone()).collect();
+        // In sequence, channels of a row beside each other: what is read later tells nothing of what was read before.
+        let in_sequence = |group: &usize| {
+            let mut places: Vec<usize> = measured.spans[*group].clone().collect();
+            places.sort_by_key(|place| (measured.observations[*place].row, measured.observations[*place].channel));
+            places
+        };
+        let sequences: Vec<Vec<usize>> = fitted.iter().map(in_sequence).collect();
+        let places = sequences.concat();
         let white = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
             columns.par_iter().map(|column| noise.whiten(measured, column)).collect()
         };
         let (shared, locals) = (white(&linear.nuisance), white(&linear.locals));
         let mut fold_of = vec![0; measured.groups.len()];
         folds.iter().enumerate().for_each(|(fold, groups)| groups.iter().for_each(|group| fold_of[*group] = fold));
-        let group = |group: &usize| {
-            let span = measured.spans[*group].clone();
+        let group = |(group, places): (&usize, &Vec<usize>)| {
             let matrix = |columns: &[Vec<f64>], scale: &dyn Fn(usize) -> f64| {
-                DMatrix::from_fn(span.len(), columns.len(), |i, j| columns[j][span.start + i] * scale(j))
+                DMatrix::from_fn(places.len(), columns.len(), |i, j| columns[j][places[i]] * scale(j))
             };
             Group {
                 shared: matrix(&shared, &|_| 1.0),
@@ -147,7 +153,7 @@ impl<'a> Test<'a> {
                 fold: fold_of[*group],
             }
         };
-        let design = Design::new(fitted.iter().map(group).collect(), folds.len());
+        let design = Design::new(fitted.iter().zip(&sequences).map(group).collect(), folds.len());
         let residual = noise.whiten(measured, &offset_residual(model, linear, &[]));
         let residual = DVector::from_iterator(places.len(), places.iter().map(|place| residual[*place]));
         let channels = (0..measured.channels.len())

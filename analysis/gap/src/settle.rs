@@ -39,7 +39,7 @@ pub(super) fn stated(model: &dyn Forward, basis: &Basis, fit: &Fit) -> (Basis, F
     let measured = &model.frame().measured;
     stated.noise = stated.noise.with_unstated(measured, &basis.noise);
     let fit = super::fit::fit(model, &stated.noise, fit.linear.clone(), &[], &stated.local_scale);
-    let fit = fit.complete(model);
+    let fit = fit.with_slopes_of_usual_groups(model);
     // Wear moves its own scatter along: the chains are those of the fit.
     let chains = model.chains(&fit.linear.point);
     let noise = super::Noise::at_predictions(measured, &fit.linear.residual, chains);

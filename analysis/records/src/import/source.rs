@@ -125,32 +125,35 @@ fn column(
     }
     let (scale, offset) = units(title, unit.as_deref(), mapped, file, report)?;
     let greatest = column.scale() * column.greatest;
-    let mut beyond: BTreeMap<usize, f64> = BTreeMap::new();
+    // Rows whose values are no such quantity: line and value.
+    let mut beyond: BTreeMap<usize, (usize, f64)> = BTreeMap::new();
     let mut numbers = Vec::with_capacity(rows.len());
-    for row in rows {
-        let read = cell(row);
+    for (at, row) in rows.iter().enumerate() {
+        let (line, read) = (table.rows[*row].0, cell(row));
         let value = number(read).map(|value| value * factor * scale + offset);
         if value.is_none() && !is_missing(read) {
-            report.unreadable.push((table.rows[*row].0, column.name.to_owned(), read.to_owned()));
+            report.unreadable.push((line, column.name.to_owned(), read.to_owned()));
         }
-        match value {
-            Some(value) if value.abs() > greatest => {
-                beyond.insert(table.rows[*row].0, value);
-                numbers.push(f64::NAN);
-            }
-            _ => numbers.push(value.unwrap_or(f64::NAN)),
+        if let Some(value) = value.filter(|value| value.abs() > greatest) {
+            beyond.insert(at, (line, value));
         }
+        numbers.push(value.unwrap_or(f64::NAN));
     }
-    if let Some((line, value)) = beyond.first_key_value() {
-        report.notes.push(format!(
-            "{} of {} values of {} are beyond {} {} (line {line}: {}): taken as missing; check the unit of `{title}`",
-            beyond.len(),
-            rows.len(),
-            column.name,
-            column.greatest,
-            column.display,
-            toolroom_form::significant(*value / column.scale()),
-        ));
+    if let Some((line, value)) = beyond.first_entry().map(|entry| *entry.get()) {
+        let (name, display) = (column.name, column.display);
+        let shown = toolroom_form::significant(value / column.scale());
+        let reason =
+            format!("{name} is {shown} {display}, beyond {} {display}: check the unit of `{title}`", column.greatest);
+        // A few slips are no values. A whole channel in another unit is for those to say who use it; a condition in another
+        // unit would leave rows that say nothing of how was cut.
+        let few = 2 * beyond.len() < numbers.iter().filter(|value| value.is_finite()).count();
+        if !few && column.kind != ColumnKind::Channel {
+            let first = Some(format!("line {line}, {reason}"));
+            return Err(RecordError::NoRows { file: file.to_owned(), rows: rows.len(), first, wrong: true }.into());
+        }
+        beyond.keys().filter(|_| few).for_each(|at| numbers[*at] = f64::NAN);
+        let what = if few { format!("; {} such values are taken as missing", beyond.len()) } else { String::new() };
+        report.notes.push(format!("line {line}: {reason}{what}"));
     }
     Ok(Cells::Numbers(numbers))
 }
