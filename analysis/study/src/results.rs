@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `summary.json` | the comparison | yes |
 //! | `kpi.csv` | every figure of every replication | yes |
-//! | `orders.csv`, `load.csv`, `queues.csv` | of a scenario with orders: when each is finished, load by week, queues | yes |
+//! | `orders.csv`, `load.csv`, `queues.csv`, `wip.csv` | of a scenario with orders: when each is finished, load by week, queues, work in process | yes |
 //! | `schedule.csv`, `plan.csv` | the sequences of the first run, as `--schedule` reads them; where a schedule is followed, how far from it | yes |
 //! | `operations`, `tools`, `jobs`, `states`, `events` | logs, Parquet or CSV | yes |
 //! | `trace.json` | first replication for Perfetto | yes |
@@ -61,12 +61,13 @@ pub struct RunInfo {
 }
 
 /// The files of every study, beside its log tables.
-pub const NAMES: [&str; 13] = [
+pub const NAMES: [&str; 14] = [
     Finished::FILE,
     "kpi.csv",
     planner::FILES[0],
     planner::FILES[1],
     planner::FILES[2],
+    planner::FILES[3],
     planner::SEQUENCES,
     planner::PLAN,
     variants::FILE,

@@ -1,7 +1,7 @@
 //! People: a step that needs a skill waits until somebody who has it is free.
 //!
 //! Nobody is given away while events of an instant are settled. Then steps that wait are served in the
-//! order in which the rules of their machines would take their jobs. Of the people who are free and have
+//! order in which the rules of their machines would take their jobs; what somebody leaves whose shift is over passes on before. Of the people who are free and have
 //! the skill the one with the fewest skills goes, then the one who has been free for longest, then the
 //! first of the file: a setter is not spent on loading. Who tends machines by a share is free for others as long as their
 //! shares add up to no more than one. Where ways take time, the person walks from the last machine first, and the step waits.
@@ -52,13 +52,17 @@ pub(super) struct Awaiting {
     machine: u32,
     skill: usize,
     share: f64,
+    /// When the shift of the person was over who attended to it.
+    left: Option<SimTime>,
 }
 
 impl Awaiting {
-    fn order(&self, other: &Self) -> Ordering {
+    /// What somebody leaves in this instant passes to another before anything else is served.
+    fn order(&self, other: &Self, now: SimTime) -> Ordering {
+        let passed = (self.left != Some(now)).cmp(&(other.left != Some(now)));
         let keys = self.keys.iter().zip(&other.keys).map(|(a, b)| a.total_cmp(b));
         let arrival = self.arrival.0.total_cmp(&other.arrival.0).then(self.arrival.1.cmp(&other.arrival.1));
-        keys.fold(Ordering::Equal, Ordering::then).then(arrival).then(self.machine.cmp(&other.machine))
+        keys.fold(passed, Ordering::then).then(arrival).then(self.machine.cmp(&other.machine))
     }
 }
 
@@ -115,6 +119,9 @@ impl<R: Recorder> Shop<'_, R> {
             self.halt(machine)?;
             self.release_operator(machine);
             self.await_operator(machine);
+            let now = self.now();
+            let awaiting = self.world.awaiting.iter_mut().filter(|own| own.machine as usize == machine);
+            awaiting.for_each(|own| own.left = Some(now));
             self.show_state(machine);
         }
         Ok(())
@@ -211,7 +218,7 @@ impl<R: Recorder> Shop<'_, R> {
         let keys = keys_of(self, machine, slot);
         let job = self.world.jobs.at(slot);
         let arrival = (job.queued.seconds(), job.number);
-        self.world.awaiting.push(Awaiting { keys, arrival, machine: machine as u32, skill, share });
+        self.world.awaiting.push(Awaiting { keys, arrival, machine: machine as u32, skill, share, left: None });
         self.world.machines[machine].task.as_mut().expect(IN_WORK).waits = true;
     }
 
@@ -246,7 +253,8 @@ impl<R: Recorder> Shop<'_, R> {
         if self.world.awaiting.is_empty() {
             return Ok(());
         }
-        self.world.awaiting.sort_by(Awaiting::order);
+        let now = self.now();
+        self.world.awaiting.sort_by(|a, b| a.order(b, now));
         let mut next = 0;
         while let Some(&Awaiting { machine, skill, share, .. }) = self.world.awaiting.get(next) {
             let Some(operator) = self.free_operator(skill, share) else {
@@ -254,7 +262,7 @@ impl<R: Recorder> Shop<'_, R> {
                 continue;
             };
             self.world.awaiting.remove(next);
-            let (now, machine) = (self.now(), machine as usize);
+            let machine = machine as usize;
             let way = self.way(operator, machine);
             let state = &mut self.world.operators[operator];
             state.machine = Some(machine as u32);

@@ -1,6 +1,7 @@
 //! The answers over all replications of one policy.
 
-use super::{Figures, LoadKind, QueueFigure};
+use super::waits::QueueFigure;
+use super::{Figures, LoadKind, WipAnswer};
 use crate::study::Study;
 use toolroom_numerics::order_quantile;
 use toolroom_scenario::{Order, Scenario, date};
@@ -15,6 +16,8 @@ pub struct Answers {
     pub loads: Vec<LoadAnswer>,
     /// Every station.
     pub queues: Vec<QueueAnswer>,
+    /// Work in process over time.
+    pub wip: Vec<WipAnswer>,
 }
 
 /// When an order will be finished.
@@ -40,6 +43,19 @@ pub struct OrderAnswer {
     pub tardiness: f64,
     /// Mean number of pieces that are lost.
     pub lost: f64,
+    /// Where it waited longest; `None` where it waited nowhere in any replication.
+    pub longest: Option<LongestWait>,
+}
+
+/// The station at which an order waits longest: that of most replications, of equally many the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LongestWait {
+    /// Station, by index into [`Answers::queues`].
+    pub station: usize,
+    /// Replications in which it is this one.
+    pub replications: usize,
+    /// Mean wait there in these, s: of a piece, all visits together.
+    pub wait: f64,
 }
 
 /// The time of a finish.
@@ -126,10 +142,15 @@ pub struct QueueAnswer {
     pub machines: Vec<usize>,
     /// Jobs that wait on average.
     pub length: f64,
+    /// Most jobs that wait in 95 % of the time: mean over the replications.
+    pub upper_length: f64,
     /// Most jobs that wait at once: mean and 95 % quantile over the replications.
     pub longest: [f64; 2],
-    /// Mean time that a job waits, s: mean and 95 % quantile over the replications; NaN where nothing is begun.
+    /// Time that a job waits and that 95 % of the jobs wait at most, s: means over the replications; NaN where nothing is
+    /// begun.
     pub wait: [f64; 2],
+    /// Time that all jobs together wait in a replication until the horizon, s: mean.
+    pub total: f64,
 }
 
 /// The answers of a study under its policy number `position`; `None` for a scenario without orders and a study
@@ -147,8 +168,9 @@ pub fn answers(scenario: &Scenario, study: &Study, position: usize) -> Option<An
     orders.sort_by(|a, b| a.share.total_cmp(&b.share).then(due(a).total_cmp(&due(b))).then(a.order.cmp(&b.order)));
     let places = (0..figures.resources).flat_map(|resource| (0..figures.weeks.len()).map(move |week| (resource, week)));
     let loads = places.map(|(resource, week)| load_answer(&figures, &runs, resource, week)).collect();
-    let queues = (0..figures.stations.len()).map(|station| queue_answer(&figures, &runs, station)).collect();
-    Some(Answers { orders, loads, queues })
+    let queues = (0..figures.stations.len()).map(|station| queue_answer(scenario, &figures, &runs, station));
+    let queues = queues.collect();
+    Some(Answers { orders, loads, queues, wip: figures.wip_answers(&runs) })
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -188,7 +210,23 @@ fn order_answer(scenario: &Scenario, figures: &Figures, runs: &[&[f64]], order: 
         interval: wilson(on_time, runs.len(), CONFIDENCE),
         tardiness: mean(&late),
         lost: if finished.len() == runs.len() { lost } else { 0.0 },
+        longest: longest_wait(figures, runs, order),
     }
+}
+
+fn longest_wait(figures: &Figures, runs: &[&[f64]], order: usize) -> Option<LongestWait> {
+    let mut by_station = vec![(0_usize, 0.0); figures.stations.len()];
+    for run in runs {
+        // NaN where it waited nowhere.
+        let station = run[figures.longest_at(order)];
+        if station >= 0.0 {
+            let own = &mut by_station[station as usize];
+            *own = (own.0 + 1, own.1 + run[figures.longest_wait(order)]);
+        }
+    }
+    let most = by_station.iter().map(|(count, _)| *count).max().filter(|most| *most > 0)?;
+    let station = by_station.iter().position(|(count, _)| *count == most)?;
+    Some(LongestWait { station, replications: most, wait: by_station[station].1 / most as f64 })
 }
 
 fn load_answer(figures: &Figures, runs: &[&[f64]], resource: usize, week: usize) -> LoadAnswer {
@@ -198,19 +236,20 @@ fn load_answer(figures: &Figures, runs: &[&[f64]], resource: usize, week: usize)
     LoadAnswer { resource, week, means, high_load: upper(&mut loads, 0.9) }
 }
 
-fn queue_answer(figures: &Figures, runs: &[&[f64]], station: usize) -> QueueAnswer {
+fn queue_answer(scenario: &Scenario, figures: &Figures, runs: &[&[f64]], station: usize) -> QueueAnswer {
     let values_of = |figure: QueueFigure| -> Vec<f64> {
         runs.iter().map(|run| run[figures.queue(station, figure)]).filter(|value| value.is_finite()).collect()
     };
-    let both = |figure: QueueFigure| {
-        let mut values = values_of(figure);
-        [mean(&values), upper(&mut values, 0.95)]
-    };
+    let mean_of = |figure: QueueFigure| mean(&values_of(figure));
+    let mut most = values_of(QueueFigure::MaximumLength);
+    let length = mean_of(QueueFigure::MeanLength);
     QueueAnswer {
         machines: figures.stations[station].clone(),
-        length: mean(&values_of(QueueFigure::MeanLength)),
-        longest: both(QueueFigure::MaximumLength),
-        wait: both(QueueFigure::MeanWait),
+        length,
+        upper_length: mean_of(QueueFigure::UpperLength),
+        longest: [mean(&most), upper(&mut most, 0.95)],
+        wait: [mean_of(QueueFigure::MeanWait), mean_of(QueueFigure::UpperWait)],
+        total: length * scenario.horizon,
     }
 }
 

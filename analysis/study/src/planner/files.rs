@@ -10,7 +10,7 @@ use toolroom_process::table::{Cell, CsvWriter};
 use toolroom_scenario::{Scenario, date, station_name};
 
 /// Files with the answers, beside the other results of a scenario with orders.
-pub const FILES: [&str; 3] = ["orders.csv", "load.csv", "queues.csv"];
+pub const FILES: [&str; 4] = ["orders.csv", "load.csv", "queues.csv", "wip.csv"];
 
 /// Most orders that are named on a terminal.
 const MOST_NAMED: usize = 20;
@@ -34,7 +34,8 @@ pub fn write(name: &str, scenario: &Scenario, study: &Study, out: impl io::Write
     match name {
         "orders.csv" => write_orders(scenario, every, out),
         "load.csv" => write_loads(scenario, every, out),
-        _ => write_queues(scenario, every, out),
+        "queues.csv" => write_queues(scenario, every, out),
+        _ => write_wip(scenario, every, out),
     }
 }
 
@@ -61,10 +62,13 @@ fn write_orders<'a>(
         "on_time_high",
         "unfinished",
         "pieces_lost",
+        "waited_longest",
+        "waited_longest_share",
+        "waited_there [min]",
     ];
     let mut csv = CsvWriter::new(out, header)?;
     for (policy, all) in every {
-        for answer in all.orders {
+        for answer in &all.orders {
             let order = &scenario.orders[answer.order];
             let [p50, p80, p95] = answer.quantiles.map(|finish| Cell::Own(finish.shown(scenario)));
             csv.row([
@@ -85,6 +89,13 @@ fn write_orders<'a>(
                 share(answer.interval[1]),
                 share(answer.unfinished as f64 / answer.replications as f64),
                 answer.lost.into(),
+                answer
+                    .longest
+                    .map_or(Cell::Empty, |longest| Cell::Own(station(scenario, &all.queues[longest.station].machines))),
+                answer
+                    .longest
+                    .map_or(Cell::Empty, |longest| share(longest.replications as f64 / answer.replications as f64)),
+                answer.longest.map_or(Cell::Empty, |longest| minutes(longest.wait)),
             ])?;
         }
     }
@@ -121,8 +132,17 @@ fn write_queues<'a>(
     every: impl Iterator<Item = (&'a str, Answers)>,
     out: impl io::Write,
 ) -> io::Result<()> {
-    let header =
-        ["policy", "station", "length_mean", "longest_mean", "longest_p95", "wait_mean [min]", "wait_p95 [min]"];
+    let header = [
+        "policy",
+        "station",
+        "length_mean",
+        "length_p95",
+        "longest_mean",
+        "longest_p95",
+        "wait_mean [min]",
+        "wait_p95 [min]",
+        "wait_total [h]",
+    ];
     let mut csv = CsvWriter::new(out, header)?;
     for (policy, all) in every {
         for answer in all.queues {
@@ -130,11 +150,31 @@ fn write_queues<'a>(
                 policy.into(),
                 station(scenario, &answer.machines).into(),
                 share(answer.length),
+                share(answer.upper_length),
                 share(answer.longest[0]),
                 share(answer.longest[1]),
                 minutes(answer.wait[0]),
                 minutes(answer.wait[1]),
+                Cell::Fixed(answer.total / 3600.0, 3),
             ])?;
+        }
+    }
+    Ok(csv.flush()?)
+}
+
+fn write_wip<'a>(
+    scenario: &Scenario,
+    every: impl Iterator<Item = (&'a str, Answers)>,
+    out: impl io::Write,
+) -> io::Result<()> {
+    let header =
+        ["policy", "time", "orders_mean", "orders_p10", "orders_p90", "work_mean [h]", "work_p10 [h]", "work_p90 [h]"];
+    let mut csv = CsvWriter::new(out, header)?;
+    for (policy, all) in every {
+        for answer in all.wip {
+            let work = answer.work.map(|seconds| Cell::Fixed(seconds / 3600.0, 3));
+            let first = [policy.into(), shown(scenario, answer.time).into()];
+            csv.row(first.into_iter().chain(answer.orders.map(share)).chain(work))?;
         }
     }
     Ok(csv.flush()?)
@@ -149,12 +189,12 @@ pub(crate) fn resource_name(scenario: &Scenario, resource: usize) -> &str {
 }
 
 /// Name of a station: of its machines.
-fn station(scenario: &Scenario, machines: &[usize]) -> String {
+pub(crate) fn station(scenario: &Scenario, machines: &[usize]) -> String {
     station_name(machines.iter().map(|&machine| scenario.machines[machine].name.as_str()))
 }
 
-/// The answers under the first policy for programs: `orders`, `resources` and `queues` of a summary.
-pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value); 3]> {
+/// The answers under the first policy for programs: `orders`, `resources`, `queues` and `wip` of a summary.
+pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value); 4]> {
     let all = answers(scenario, study, 0)?;
     let weeks = Figures::of(scenario).weeks;
     let number = |value: f64| value.is_finite().then_some(value);
@@ -172,6 +212,11 @@ pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value)
             "on_time": { "share": answer.share, "ci95": answer.interval },
             "unfinished": answer.unfinished as f64 / answer.replications as f64,
             "pieces_lost": answer.lost,
+            "waited_longest": answer.longest.map(|longest| json!({
+                "station": station(scenario, &all.queues[longest.station].machines),
+                "share": longest.replications as f64 / answer.replications as f64,
+                "wait [min]": longest.wait / 60.0,
+            })),
         })
     };
     let resource = |resource: usize| {
@@ -191,15 +236,26 @@ pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value)
     let queues = all.queues.iter().map(|answer| {
         json!({
             "station": station(scenario, &answer.machines),
-            "length": { "mean": answer.length },
+            "length": { "mean": answer.length, "p95": answer.upper_length },
             "longest": { "mean": answer.longest[0], "p95": answer.longest[1] },
             "wait [min]": { "mean": number(answer.wait[0] / 60.0), "p95": number(answer.wait[1] / 60.0) },
+            "wait_total [h]": answer.total / 3600.0,
+        })
+    });
+    let wip = all.wip.iter().map(|answer| {
+        let [mean, p10, p90] = answer.orders;
+        let [work, work_p10, work_p90] = answer.work.map(|seconds| seconds / 3600.0);
+        json!({
+            "time": shown(scenario, answer.time),
+            "orders": { "mean": mean, "p10": p10, "p90": p90 },
+            "work [h]": { "mean": work, "p10": work_p10, "p90": work_p90 },
         })
     });
     Some([
         ("orders", all.orders.iter().map(order).collect()),
         ("resources", (0..scenario.machines.len() + scenario.operators.len()).map(resource).collect()),
         ("queues", queues.collect()),
+        ("wip", wip.collect()),
     ])
 }
 

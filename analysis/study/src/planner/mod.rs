@@ -1,5 +1,5 @@
 //! What a planner asks of a scenario with orders: when each is finished and whether in time, how loaded
-//! every machine is week by week, and where work waits.
+//! every machine is week by week, where work waits, and how much of it is in the shop.
 //!
 //! The figures of a run stand behind its key figures, in the order of [`Figures`], so that they are kept,
 //! sharded and resumed with them.
@@ -7,17 +7,22 @@
 mod answers;
 mod files;
 mod plan;
+mod waits;
+mod wip;
 
-pub use answers::{Answers, Finish, LoadAnswer, OrderAnswer, QueueAnswer, answers};
+pub use answers::{Answers, Finish, LoadAnswer, LongestWait, OrderAnswer, QueueAnswer, answers};
 pub(crate) use answers::{late, late_in, shown};
 pub use files::{FILES, json, late_orders, write};
-pub(crate) use files::{resource_name, ticks};
+pub(crate) use files::{resource_name, station, ticks};
 pub use plan::{PLAN, SEQUENCES, plan_json, plan_line, write_plan, write_sequences};
+pub use wip::WipAnswer;
 
 use std::collections::BTreeMap;
 use toolroom_scenario::{Scenario, date};
 use toolroom_schedule::attended;
-use toolroom_shop::runlog::{JobOutcome, JobRow, MachineState, RunLog, StateRow};
+use toolroom_shop::runlog::{JobOutcome, MachineState, RunLog, StateRow};
+use waits::QueueFigure;
+use wip::WipFigure;
 
 /// Length of a week, s.
 const WEEK: f64 = 7.0 * 86_400.0;
@@ -125,20 +130,8 @@ impl LoadKind {
     }
 }
 
-/// What is known of a queue in one run, in the order of the figures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum QueueFigure {
-    /// Time average of the jobs that wait, 1.
-    MeanLength,
-    /// Most jobs that waited at once, 1.
-    MaximumLength,
-    /// Mean time that jobs waited before they were begun, s.
-    MeanWait,
-}
-
-impl QueueFigure {
-    const COUNT: usize = 3;
-}
+/// Figures of an order: its finish, its good pieces, where it waited longest and how long.
+const OF_ORDER: usize = 4;
 
 /// Where the figures of a planner stand.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,6 +143,8 @@ pub struct Figures {
     pub weeks: Vec<Week>,
     /// Machines of every station: those that do the same operations.
     pub stations: Vec<Vec<usize>>,
+    /// Instants at which work in process is taken stock of, s.
+    pub instants: Vec<f64>,
     /// Number of the order and operation in the schedule that the shop follows.
     planned: BTreeMap<(u32, u32), usize>,
 }
@@ -158,8 +153,14 @@ impl Figures {
     /// Of a scenario; nothing is there without orders.
     pub fn of(scenario: &Scenario) -> Self {
         if scenario.orders.is_empty() {
-            let planned = BTreeMap::new();
-            return Self { orders: 0, resources: 0, weeks: Vec::new(), stations: Vec::new(), planned };
+            return Self {
+                orders: 0,
+                resources: 0,
+                weeks: Vec::new(),
+                stations: Vec::new(),
+                instants: Vec::new(),
+                planned: BTreeMap::new(),
+            };
         }
         let mut stations: Vec<Vec<usize>> = Vec::new();
         for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
@@ -174,12 +175,13 @@ impl Figures {
         let planned =
             schedule.enumerate().map(|(number, (.., own))| ((own.order as u32, own.operation as u32), number));
         let (orders, resources) = (scenario.orders.len(), scenario.machines.len() + scenario.operators.len());
-        Self { orders, resources, weeks: weeks(scenario), stations, planned: planned.collect() }
+        let instants = wip::instants(scenario.horizon);
+        Self { orders, resources, weeks: weeks(scenario), stations, instants, planned: planned.collect() }
     }
 
     /// Number of figures.
     pub fn len(&self) -> usize {
-        2 * self.orders + self.loads() + QueueFigure::COUNT * self.stations.len() + self.planned.len()
+        self.wip(self.instants.len(), WipFigure::Orders) + self.planned.len()
     }
 
     /// Whether there is nothing that a planner would ask.
@@ -199,13 +201,27 @@ impl Figures {
         self.orders + order
     }
 
+    /// The station at which it waited longest, by index; NaN where it waited nowhere.
+    fn longest_at(&self, order: usize) -> usize {
+        2 * self.orders + order
+    }
+
+    /// How long it waited there, s.
+    fn longest_wait(&self, order: usize) -> usize {
+        3 * self.orders + order
+    }
+
     /// Of a machine, or of a person behind them.
     fn load(&self, resource: usize, week: usize, kind: LoadKind) -> usize {
-        2 * self.orders + (resource * self.weeks.len() + week) * LoadKind::ALL.len() + kind as usize
+        OF_ORDER * self.orders + (resource * self.weeks.len() + week) * LoadKind::ALL.len() + kind as usize
     }
 
     fn queue(&self, station: usize, figure: QueueFigure) -> usize {
-        2 * self.orders + self.loads() + station * QueueFigure::COUNT + figure as usize
+        OF_ORDER * self.orders + self.loads() + station * QueueFigure::COUNT + figure as usize
+    }
+
+    fn wip(&self, instant: usize, figure: WipFigure) -> usize {
+        self.queue(self.stations.len(), QueueFigure::MeanLength) + instant * WipFigure::COUNT + figure as usize
     }
 
     /// When an operation of the schedule began, s, by its number.
@@ -231,7 +247,8 @@ impl Figures {
         }
         self.add_loads(scenario, log, &mut values);
         self.add_people(scenario, log, &mut values);
-        self.add_queues(scenario, log, &mut values);
+        self.add_waits(scenario, log, &mut values);
+        self.add_wip(scenario, log, &mut values);
         for number in 0..self.planned.len() {
             values[self.start(number)] = f64::NAN;
         }
@@ -299,58 +316,6 @@ impl Figures {
             }
         }
     }
-
-    fn add_queues(&self, scenario: &Scenario, log: &RunLog, values: &mut [f64]) {
-        let station = |part: u32, operation: u32| {
-            let mut machines = scenario.parts[part as usize].operations[operation as usize].machines.clone();
-            machines.sort_unstable();
-            self.stations.iter().position(|own| *own == machines).unwrap_or(0)
-        };
-        // When every job was ready for its next operation, and which one that is; waits before the start are not counted.
-        let first =
-            |order: u32| scenario.orders[order as usize].in_process.as_ref().map_or(0, |own| own.operation as u32);
-        let from = |job: &JobRow| if job.divided_from.is_some() { f64::NAN } else { job.arrival.max(0.0) };
-        let mut ready: Vec<(f64, u32)> = log.jobs.iter().map(|job| (from(job), job.order.map_or(0, first))).collect();
-        let mut waits: Vec<Vec<(f64, f64)>> = vec![Vec::new(); self.stations.len()];
-        let mut begun = vec![0.0; self.stations.len()];
-        for row in &log.operations {
-            let place = station(row.part, row.operation);
-            let from = ready[row.job as usize].0;
-            // Pieces that an inspection divided from a job have waited with it.
-            if from.is_finite() {
-                waits[place].push((from, row.start));
-                begun[place] += 1.0;
-            }
-            ready[row.job as usize] = (row.end, row.next);
-        }
-        let total: Vec<f64> = waits.iter().map(|own| own.iter().map(|(from, to)| to - from).sum()).collect();
-        for (job, (from, operation)) in log.jobs.iter().zip(&ready) {
-            let routing = &scenario.parts[job.part as usize].operations;
-            if job.outcome == JobOutcome::InProcess && from.is_finite() && (*operation as usize) < routing.len() {
-                waits[station(job.part, *operation)].push((*from, log.horizon));
-            }
-        }
-        for (place, intervals) in waits.iter().enumerate() {
-            let length: f64 = intervals.iter().map(|(from, to)| to - from).sum::<f64>() / log.horizon;
-            values[self.queue(place, QueueFigure::MeanLength)] = length;
-            values[self.queue(place, QueueFigure::MaximumLength)] = f64::from(most_at_once(intervals));
-            values[self.queue(place, QueueFigure::MeanWait)] =
-                if begun[place] > 0.0 { total[place] / begun[place] } else { f64::NAN };
-        }
-    }
-}
-
-/// Most intervals of some length that have an instant in common.
-fn most_at_once(intervals: &[(f64, f64)]) -> u32 {
-    let mut changes: Vec<(f64, i32)> =
-        intervals.iter().filter(|(from, to)| to > from).flat_map(|&(from, to)| [(from, 1), (to, -1)]).collect();
-    changes.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let (mut now, mut most) = (0, 0);
-    for (_, change) in changes {
-        now += change;
-        most = most.max(now);
-    }
-    most.unsigned_abs()
 }
 
 /// The weeks that a run touches: of the calendar where it has dates, else from its start on.

@@ -59,8 +59,64 @@ fn waits_and_lengths_agree_by_littles_law() {
         // Everything that waits is begun before the horizon: six orders, or four at the washer.
         let jobs = if answer.machines == [2] { 4.0 } else { 6.0 };
         assert!((answer.length * scenario.horizon - jobs * answer.wait[0]).abs() < 1e-6, "{answer:?}");
+        assert!((answer.total - jobs * answer.wait[0]).abs() < 1e-6, "{answer:?}");
     }
-    assert_eq!(most_at_once(&[(0.0, 2.0), (1.0, 3.0), (2.0, 4.0), (5.0, 5.0)]), 2);
+    let intervals = [(0.0, 2.0), (1.0, 3.0), (2.0, 4.0), (5.0, 5.0)];
+    // Two wait for two units of time, one for two more, nobody for the rest.
+    assert_eq!(waits::lengths(&intervals, 10.0), (2, 2));
+    assert_eq!(waits::lengths(&intervals, 41.0), (2, 1));
+    assert_eq!(waits::lengths(&intervals, 81.0), (2, 0));
+    assert_eq!(waits::lengths(&[], 10.0), (0, 0));
+}
+
+/// By hand: two orders of 10 and 30 min at A, then 20 min a piece at B, all there from the start; A begins with the first.
+#[test]
+fn an_order_waits_longest_where_it_waits_longest_and_stock_goes_down_as_work_ends() {
+    let text = "schema = 1\n[shop]\nname = \"w\"\nhorizon = \"3 h\"\nreplications = 2\n\
+        [[machine]]\nname = \"A\"\nprocess = \"plain\"\n[[machine]]\nname = \"B\"\nprocess = \"plain\"\n\
+        [[part]]\nname = \"p\"\n[[part.operation]]\nname = \"first\"\nmachines = \"A\"\nwork = \"10 min\"\n\
+        [[part.operation]]\nname = \"then\"\nmachines = \"B\"\nwork = \"20 min\"\n\
+        [[order]]\nid = \"x\"\npart = \"p\"\nquantity = 3\n[[order]]\nid = \"y\"\npart = \"p\"\nquantity = 2\n\
+        [[order]]\nid = \"z\"\npart = \"p\"\nrelease = \"2 h\"\n";
+    let scenario = toolroom_scenario_file::parse("w.toml", text, &[]).expect("a scenario").scenario;
+    let all = answers(&scenario, &study(&scenario), 0).expect("orders");
+    let longest = |id: &str| {
+        let answer = all.orders.iter().find(|answer| scenario.orders[answer.order].id == id).expect("the order");
+        answer.longest.map(|own| (all.queues[own.station].machines.clone(), own.replications, own.wait / 60.0))
+    };
+    // y waits 30 min at A (0 to 30) and 40 min at B (50 to 90, when x ends); z waits 10 min at B (130 is the end of y).
+    assert_eq!(longest("x"), None);
+    assert_eq!(longest("y"), Some((vec![1], 2, 40.0)));
+    assert_eq!(longest("z"), None);
+    let at = |minutes: f64| all.wip.iter().find(|own| own.time == 60.0 * minutes).map(|own| (own.orders, own.work));
+    let of = |orders: f64, minutes: f64| Some(([orders; 3], [60.0 * minutes; 3]));
+    // 150 min of work at the start; A ends x at 30 and y at 50, B ends x at 90 and y at 130.
+    assert_eq!(at(0.0), of(2.0, 150.0));
+    assert_eq!(at(29.0), of(2.0, 150.0));
+    assert_eq!(at(30.0), of(2.0, 120.0));
+    assert_eq!(at(89.0), of(2.0, 100.0));
+    assert_eq!(at(90.0), of(1.0, 40.0));
+    assert_eq!(at(120.0), of(2.0, 70.0));
+    assert_eq!(at(130.0), of(1.0, 20.0));
+    assert_eq!(at(150.0), of(0.0, 0.0));
+}
+
+/// Pieces that an inspection sends back are stock of their operation again, and those that are scrapped none.
+#[test]
+fn stock_of_work_is_never_lost_by_inspections() {
+    let text = "schema = 1\n[shop]\nname = \"w\"\nhorizon = \"3 h\"\nreplications = 3\n\
+        [[machine]]\nname = \"A\"\nprocess = \"plain\"\n[[machine]]\nname = \"B\"\nprocess = \"plain\"\n\
+        [[part]]\nname = \"p\"\n[[part.operation]]\nname = \"first\"\nmachines = \"A\"\nwork = \"2 min\"\n\
+        [[part.operation]]\nname = \"then\"\nmachines = \"B\"\nwork = \"1 min\"\noutcomes_per = \"part\"\n\
+        outcomes = [{ share = 0.3, go = \"first\" }, { share = 0.1, scrap = true }]\n\
+        [[order]]\nid = \"x\"\npart = \"p\"\nquantity = 20\n";
+    let scenario = toolroom_scenario_file::parse("w.toml", text, &[]).expect("a scenario").scenario;
+    let all = answers(&scenario, &study(&scenario), 0).expect("orders");
+    // Forty minutes at A, twenty at B; then some go back.
+    let work: Vec<f64> = all.wip.iter().map(|own| own.work[0] / 60.0).collect();
+    assert_eq!((work[0], work[39], work[40], work[59]), (60.0, 60.0, 20.0, 20.0));
+    assert!(work[60] > 0.0 && work[60] < 60.0 && (work[60] - work[60].round()).abs() < 1.0, "{}", work[60]);
+    assert_eq!(work.last(), Some(&0.0));
 }
 
 #[test]

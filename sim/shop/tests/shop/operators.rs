@@ -41,6 +41,25 @@ fn a_setter_who_leaves_goes_on_in_the_next_shift() {
     assert_eq!(minutes(&log, 1, MachineState::WaitingOperator), [(0.0, 30.0), (50.0, 24.0 * 60.0)]);
 }
 
+/// A setup that is under way at the end of a shift passes to who comes, though a job with an earlier date waits elsewhere.
+#[test]
+fn a_setup_under_way_passes_to_the_next_shift_before_what_waits() {
+    let text = "schema = 1\n[shop]\nname = \"t\"\nhorizon = \"8 h\"\n[dispatch]\nrule = \"edd\"\n\
+        [[calendar]]\nname = \"early\"\nshift = [{ start = \"0 min\", end = \"60 min\" }]\n\
+        [[calendar]]\nname = \"late\"\nshift = [{ start = \"60 min\", end = \"480 min\" }]\n\
+        [[operator]]\nname = \"e\"\nskills = [\"set\"]\ncalendar = \"early\"\n\
+        [[operator]]\nname = \"l\"\nskills = [\"set\"]\ncalendar = \"late\"\n\
+        [[machine]]\nname = \"M\"\ncount = 2\nprocess = \"plain\"\nsetup_at_start = \"\"\n\
+        [[part]]\nname = \"p\"\n[[part.operation]]\nname = \"o\"\nmachines = \"M\"\nwork = \"5 min\"\n\
+        setup_time = \"90 min\"\noperator = { setup = \"set\" }\n\
+        [[order]]\nid = \"later\"\npart = \"p\"\ndue = \"8 h\"\n\
+        [[order]]\nid = \"sooner\"\npart = \"p\"\nrelease = \"10 min\"\ndue = \"4 h\"\n";
+    let scenario = parse("t.toml", text, &[]).unwrap_or_else(|error| panic!("{error}")).scenario;
+    let log = run(&scenario, 0, 0).unwrap();
+    assert_eq!(finishes(&log), [95.0, 185.0]);
+    assert_eq!(minutes(&log, 1, MachineState::WaitingOperator), [(10.0, 90.0)]);
+}
+
 #[test]
 fn a_change_takes_what_its_place_in_the_matrix_says() {
     // One lathe, first set up, then changed from small to large, and back.

@@ -3,8 +3,9 @@
 use toolroom_scenario_file::parse;
 use toolroom_shop::run;
 
-/// The text of a scenario whose tables called `[[word]]` stand in reverse order, each with the tables inside it.
-fn reversed(text: &str) -> String {
+/// The text of a scenario whose tables called `[[word]]` stand in reverse order, each with the tables inside it; those of machines
+/// only where `machines` says so.
+fn reversed(text: &str, machines: bool) -> String {
     let mut blocks: Vec<(String, String)> = vec![(String::new(), String::new())];
     for line in text.lines() {
         let header = line.strip_prefix('[').map(|rest| rest.trim_start_matches('['));
@@ -17,8 +18,8 @@ fn reversed(text: &str) -> String {
         block.push_str(line);
         block.push('\n');
     }
-    // Machines of the same instant choose in the order of the file, and the first policy is the one that runs.
-    let turns = |word: &str| !word.is_empty() && !["machine", "policy"].contains(&word);
+    // The first policy is the one that runs.
+    let turns = |word: &str| !word.is_empty() && word != "policy" && (machines || word != "machine");
     let mut all = String::new();
     for (place, (word, block)) in blocks.iter().enumerate() {
         let alike: Vec<usize> = (0..blocks.len()).filter(|other| blocks[*other].0 == *word).collect();
@@ -42,6 +43,7 @@ fn shipped_shops_give_the_same_results_with_tables_in_another_order() {
         "furnace",
         "job-shop",
         "line",
+        "mixed",
         "orders",
         "rework",
         "running",
@@ -49,9 +51,11 @@ fn shipped_shops_give_the_same_results_with_tables_in_another_order() {
     ] {
         let file = folder.join(format!("{name}.toml"));
         let text = std::fs::read_to_string(&file).unwrap();
-        let turned = reversed(&text);
-        let alone = ["line", "cards", "rework"];
-        assert!(turned != text || alone.contains(&name), "{name} has no table to turn");
+        // Idle machines choose in the order of the file: where a job needs fixture and person together, the first of two
+        // machines has the person.
+        let machines = name != "flexible-cell";
+        let turned = reversed(&text, machines);
+        assert!(turned != text, "{name} has no table to turn");
         let results = |text: &str| {
             // What has orders ends with them.
             let has_orders = text.contains("[[order]]") || text.contains("[tables]");
