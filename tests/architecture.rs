@@ -80,37 +80,11 @@ fn every_crate_names_what_the_architecture_page_says() {
     }
 }
 
-/// The Python package is a workspace of its own. It is built with `--locked`, so that a crate that its lock file does not know
-/// would leave the package out.
-#[test]
-fn the_lock_file_of_the_python_package_knows_every_crate_of_the_library() {
-    let text = std::fs::read_to_string(root().join("python/Cargo.lock")).expect("python/Cargo.lock");
-    let quoted = |line: &str| line.split('"').nth(1).unwrap_or_default().to_owned();
-    let locked: BTreeMap<String, BTreeSet<String>> = text
-        .split("[[package]]")
-        .skip(1)
-        .map(|package| {
-            let name = package.lines().find(|line| line.starts_with("name = ")).map(quoted).unwrap_or_default();
-            // A dependency of which several versions are used is followed by its version.
-            let names = package.lines().filter(|line| line.starts_with(" \"")).map(quoted);
-            (name, names.map(|name| name.split(' ').next().unwrap_or_default().to_owned()).collect())
-        })
-        .collect();
-    let edges = dependencies();
-    let ours = reachable(&edges, "toolroom").into_iter().filter(|name| name.starts_with("toolroom"));
-    for name in ours.chain(["toolroom".to_owned()]) {
-        let known =
-            locked.get(&name).unwrap_or_else(|| panic!("python/Cargo.lock lacks {name}: run cargo metadata there"));
-        let missing: Vec<&String> = edges[&name].difference(known).collect();
-        assert!(missing.is_empty(), "python/Cargo.lock, {name}, lacks {missing:?}: run cargo metadata there");
-    }
-}
-
 #[test]
 fn only_parquet_knows_polars_and_the_rest_compiles_beside_it() {
     let edges = dependencies();
     let named = edges.iter().filter(|(name, needs)| name.starts_with("toolroom") && needs.contains("polars"));
-    assert_eq!(named.map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["toolroom-parquet"]);
+    assert_eq!(named.map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["toolroom-parquet", "toolroom-python"]);
     for free in ["toolroom-chart", "toolroom-life", "toolroom-gap", "toolroom-shop", "toolroom-fmu"] {
         assert!(!reachable(&edges, free).contains("polars"), "{free} waits for polars");
     }
