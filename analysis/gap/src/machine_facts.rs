@@ -196,7 +196,7 @@ impl Kind {
             if agreeing(own) {
                 return fact(own, &[]).into_iter().collect();
             }
-            own.iter().filter_map(|cell| fact(&[*cell], &[cell.shift.clone()])).collect()
+            own.iter().filter_map(|cell| fact(&[*cell], std::slice::from_ref(&cell.shift))).collect()
         };
         machines.iter().flat_map(of_machine).collect()
     }
