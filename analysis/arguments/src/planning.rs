@@ -56,7 +56,7 @@ pub struct ContourArgs {
     #[arg(long, value_name = "PROGRAM", group = "drawn")]
     pub gcode: Option<PathBuf>,
     /// Language of the part program; found from its words where not given
-    #[arg(long, value_name = "DIALECT", value_parser = toolroom_program::Dialect::NAMES, requires = "gcode")]
+    #[arg(long, value_name = "DIALECT", value_parser = crate::program::READ, requires = "gcode")]
     pub dialect: Option<String>,
     /// DXF file that draws the contour, instead of the sections of the file
     #[arg(long, value_name = "DRAWING", group = "drawn")]

@@ -23,13 +23,24 @@ fn limits() -> Vec<&'static str> {
     std::iter::once("all").chain(FeedLimit::WORDS.iter().copied()).collect()
 }
 
+/// Languages that can be told; `auto`, as without the option, finds it from the words.
+pub(crate) const READ: [&str; Dialect::NAMES.len() + 1] = {
+    let mut names = ["auto"; Dialect::NAMES.len() + 1];
+    let mut index = 0;
+    while index < Dialect::NAMES.len() {
+        names[index] = Dialect::NAMES[index];
+        index += 1;
+    }
+    names
+};
+
 #[derive(Args, Debug)]
 pub struct ProgramArgs {
     /// Part programs of machine tools, or folders of them: of one everything is told, of several a row of each
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Language of the program; found from its words where not given
-    #[arg(long, value_name = "DIALECT", value_parser = Dialect::NAMES)]
+    #[arg(long, value_name = "DIALECT", value_parser = READ)]
     pub dialect: Option<String>,
     /// Machine that runs it: a machine file, or a preset (see `toolroom schema machine`); without one no time is lost
     #[arg(long, value_name = "FILE|PRESET", long_help = DRIVES.as_str())]

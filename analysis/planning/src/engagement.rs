@@ -227,10 +227,12 @@ impl Engagement {
     }
 
     fn sum(&self, of: impl Fn(&Share) -> f64) -> f64 {
-        self.tools.values().map(of).sum()
+        // A sum over nothing is -0.
+        self.tools.values().map(of).fold(0.0, |sum, value| sum + value)
     }
 
-    /// The result for programs. Every key names its unit; peaks are those of the bound, and `sampled` those of the samples.
+    /// The result for programs. Every key names its unit; the peak of the engagement is that of the bound and `sampled` that of
+    /// the samples; loads are the greatest at both.
     pub fn json(&self) -> Value {
         let tools: Vec<Value> = (self.tools.iter())
             .map(|(tool, share)| {

@@ -200,7 +200,8 @@ impl CycleTime {
     }
 
     fn sum(&self, of: impl Fn(&Share) -> f64) -> f64 {
-        self.shares.iter().map(of).sum()
+        // A sum over nothing is -0.
+        self.shares.iter().map(of).fold(0.0, |sum, value| sum + value)
     }
 
     /// Time that goes into a part with all that the machine adds to it, s.
@@ -348,7 +349,8 @@ pub fn overview_json(programs: &[Timed]) -> Value {
         row["file"] = json!(name);
         row
     });
-    let total: f64 = programs.iter().flat_map(|(_, timed)| timed).map(|cycle| cycle.sum(|share| share.total)).sum();
+    let times = programs.iter().flat_map(|(_, timed)| timed).map(|cycle| cycle.sum(|share| share.total));
+    let total = times.fold(0.0, |sum, time| sum + time);
     json!({ "schema": 1, "programs": rows.collect::<Vec<_>>(), "cycle_time [s]": total })
 }
 

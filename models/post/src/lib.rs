@@ -11,16 +11,19 @@
 //! As in `toolroom-program`: mm, degrees and s; the programs that are written are metric.
 //!
 //! # What is not modelled
-//! Canned cycles, subprograms and compensation of the target control: they are worked out. Programs of lathes.
+//! Canned cycles, subprograms and compensation of the target control: they are worked out, but for taps, which only a cycle or a
+//! block of its own ties to the spindle. Threads that the language has no such words for are refused. Programs of lathes.
 
 #![deny(clippy::wildcard_enum_match_arm)] // a kind of event that comes has to be thought of here too
 
 mod drawing;
+mod thread;
 
 pub use drawing::Drawing;
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
+use thread::{Next, Thread};
 use toolroom_program::{
     AXES, Arc, Axes, Control, Dialect, Event, EventKind, Motion, Offset, PLANES, Path, ProgramError, Run, Sense,
     Source, plane_code,
@@ -45,7 +48,7 @@ const DECIMALS: usize = 4;
 ///
 /// # Errors
 /// [`ProgramError`] where the program is refused, comes from a lathe, steps from a place that only the machine knows, or needs
-/// an arc that the language does not have.
+/// an arc or a thread that the language does not have.
 ///
 /// ```
 /// use toolroom_post::post;
@@ -76,12 +79,28 @@ pub fn post_as(
     let (source, _) = run.dialect();
     let mut writer = Writer::new(dialect);
     let refused = |line: usize, message: &str| ProgramError::of_line(line, source, message);
+    // The spindle as the program has it, and a thread that has begun.
+    let (mut turning, mut open) = ((0.0, Sense::Still), None::<Thread>);
     if source == Dialect::FanucLathe || dialect == Dialect::FanucLathe {
         return Err(refused(1, "programs of lathes are not translated"));
     }
     while let Some(event) = run.next() {
         let mut event = event?;
+        if let Some(mut thread) = open.take() {
+            match thread.take(&event) {
+                Next::Open => {
+                    open = Some(thread);
+                    continue;
+                }
+                Next::Done => {
+                    writer.thread(&thread).map_err(|message| refused(thread.line, message))?;
+                    continue;
+                }
+                Next::Over => writer.thread(&thread).map_err(|message| refused(thread.line, message))?,
+            }
+        }
         if let EventKind::Spindle { speed, sense } = &mut event.kind {
+            turning = (*speed, *sense);
             *speed = speeds(*speed, *sense);
         }
         if let Some(line) = run.blind_step() {
@@ -95,10 +114,18 @@ pub fn post_as(
             writer.event(&event);
             continue;
         };
-        for part in planned(count, &motion) {
+        let parts = planned(count, &motion);
+        count += 1;
+        if let Some(thread) = Thread::begins(&motion, event.line, turning, run.pitch()) {
+            open = Some(thread);
+            continue;
+        }
+        for part in parts {
             writer.motion(&part, event.line).map_err(|message| refused(event.line, message))?;
         }
-        count += 1;
+    }
+    if let Some(thread) = open {
+        writer.thread(&thread).map_err(|message| refused(thread.line, message))?;
     }
     writer.finish();
     Ok(Post { text: writer.text, left_out: writer.left_out })
@@ -131,6 +158,12 @@ fn number(value: f64, decimals: usize, pointed: bool) -> String {
     } else {
         short.to_owned()
     }
+}
+
+/// A number to seven digits, as far as they are there.
+fn precise(value: f64) -> String {
+    let digits = (6 - value.abs().max(1e-6).log10().floor() as i32).clamp(0, 9) as usize;
+    number(value, digits, false)
 }
 
 impl Writer {
@@ -307,9 +340,7 @@ impl Writer {
 
     /// F where it changes; its digits keep the time within 1e-6.
     fn feed(&mut self, motion: &Motion) -> String {
-        let feed = 60.0 * motion.length / motion.time;
-        let digits = (6 - feed.abs().max(1e-6).log10().floor() as i32).clamp(0, 9) as usize;
-        let text = number(feed, digits, false);
+        let text = precise(60.0 * motion.length / motion.time);
         if text == self.feed {
             return String::new();
         }

@@ -216,3 +216,55 @@ fn a_path_is_drawn_as_lines_arcs_and_circles_of_its_layers() {
     // From 270° to 90° around (10, 10), at Z −1.
     assert!(text.contains(" 10\n10.0\n 20\n10.0\n 30\n-1.0\n 40\n10.0\n 50\n270.0\n 51\n90.0\n"), "{text}");
 }
+
+/// What keeps a tap in step with the spindle, in the words of each control.
+const TAPS: [(Dialect, &str); 5] = [
+    (Dialect::Fanuc, "G99 G84 Z-10. R5. F500\nG80"),
+    (Dialect::Haas, "G99 G84 Z-10. R5. F500\nG80"),
+    (Dialect::Siemens, "CYCLE84(5,5,0,-10,,0,3,,1.25,0,400,400)"),
+    (Dialect::Heidenhain, "Q201=-15 ~\n  Q239=+1.25 ~\n  Q203=+5"),
+    (Dialect::LinuxCnc, "G33.1 Z-10 K1.25"),
+];
+
+#[test]
+fn a_tap_stays_in_step_with_the_spindle_and_comes_back() {
+    let text = "%\nO1\nG21 G90 G94 G98\nS400 M3\nG0 X0 Y0 Z20.\nG84 X10. Z-10. R5. F500\nX20.\nG80\nM4\nG74 X50. Z-10. R5. F500\n\
+                G80\nG0 Z50.\nG1 X60. F300\nM30\n%";
+    comes_back(text, &control(Dialect::Fanuc));
+    for (target, words) in TAPS {
+        let written = post(text, &control(Dialect::Fanuc), target).expect("a program").text;
+        // Two of the three have a thread to the right; LinuxCNC takes its hand from the spindle.
+        let count = if target == Dialect::LinuxCnc { 3 } else { 2 };
+        assert_eq!(written.matches(words).count(), count, "{written}");
+        assert!(!written.contains("Z-10 F") && !written.contains("Z-10. F500\nM4"), "by feed alone: {written}");
+    }
+}
+
+#[test]
+fn a_tap_with_a_speed_of_its_own_keeps_its_pitch() {
+    let text = "G71 G90 G94\nS800 M3\nG0 X0 Y0 Z20\nCYCLE84(20,0,5,-10,,0,3,,1.5,0,200,200)\nG0 Z50\nM30";
+    let written = |target| post(text, &control(Dialect::Siemens), target);
+    let fanuc = written(Dialect::Fanuc).expect("a program").text;
+    assert!(fanuc.contains("S200\nG99 G84 Z-10. R5. F300\nG80\nS800"), "{fanuc}");
+    assert!(written(Dialect::LinuxCnc).expect("a program").text.contains("S200\nG33.1 Z-10 K1.5\nS800"));
+    assert!(written(Dialect::Siemens).expect("a program").text.contains("1.5,0,200,200)"));
+    assert!(written(Dialect::Heidenhain).expect("a program").text.contains("TOOL CALL Z S200\nCYCL DEF 207"));
+}
+
+#[test]
+fn a_thread_without_words_is_refused_with_its_line() {
+    let text = "G21 G90\nS1200 M3\nG0 X0 Y0 Z5\nG33 Z-10 K1.25\nG0 Z5\nM2";
+    let source = control(Dialect::LinuxCnc);
+    let written = post(text, &source, Dialect::LinuxCnc).expect("a program").text;
+    assert!(written.contains("G33 Z-10 K1.25"), "{written}");
+    for target in [Dialect::Fanuc, Dialect::Haas, Dialect::Siemens, Dialect::Heidenhain] {
+        let refused = post(text, &source, target).expect_err("no words").to_string();
+        assert!(refused.contains("4") && refused.contains("turns of the spindle"), "{refused}");
+    }
+}
+
+#[test]
+fn a_tap_in_steps_is_one_tap_after_the_other() {
+    let pecks = "%\nO1\nG21 G90 G94 G98\nS400 M3\nG0 X0 Y0 Z20.\nG84 X10. Z-10. R5. Q4. F500\nG80\nM30\n%";
+    comes_back(pecks, &control(Dialect::Fanuc));
+}

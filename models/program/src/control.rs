@@ -1,6 +1,7 @@
 //! What a control adds to the words of a program.
 
 use crate::Dialect;
+use crate::kernel::FARTHEST;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toolroom_process::unit;
@@ -136,7 +137,11 @@ impl Control {
         let mut places = [Some(0.0); 9];
         for (slot, part) in places.iter_mut().zip([x, y, z]) {
             let whole = if part.contains(' ') { part.to_owned() } else { format!("{part} {word}") };
-            *slot = Some(1e3 * unit::quantity(&whole, "m").map_err(|error| error.to_string())?);
+            let place = 1e3 * unit::quantity(&whole, "m").map_err(|error| error.to_string())?;
+            if place.abs() > FARTHEST {
+                return Err(format!("{whole} is farther than any machine reaches"));
+            }
+            *slot = Some(place);
         }
         self.start = places;
         Ok(())

@@ -60,7 +60,7 @@ pub(crate) enum Round {
 }
 
 /// Greatest coordinate that is followed, mm: beyond it differences of positions lose the last digits.
-const FARTHEST: f64 = 1e7;
+pub(crate) const FARTHEST: f64 = 1e7;
 /// Greatest number of full turns of one helix: a bound against programs without end (assumption).
 const TURNS: f64 = 1e5;
 
@@ -110,6 +110,8 @@ pub(crate) struct Kernel {
     pub loop_line: usize,
     /// Line of the first step of an axis from a place that only the machine knows.
     pub blind_step: Option<usize>,
+    /// Pitch of the last thread, mm, where its cycle names one.
+    pub pitch: Option<f64>,
 }
 
 impl Kernel {
@@ -148,6 +150,7 @@ impl Kernel {
             torn: false,
             loop_line: 0,
             blind_step: None,
+            pitch: None,
         };
         // X of a lathe is a diameter in the program and a radius here.
         if lathe {

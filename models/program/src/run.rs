@@ -134,6 +134,11 @@ impl Run {
         self.kernel.blind_step
     }
 
+    /// Pitch of the last thread, mm, where its cycle names one; it may have a spindle speed of its own then (CYCLE84).
+    pub fn pitch(&self) -> Option<f64> {
+        self.kernel.pitch
+    }
+
     /// Variables that have a value up to now, as the program writes them, sorted.
     pub fn variables(&self) -> Vec<(String, f64)> {
         self.interpreter.variables()

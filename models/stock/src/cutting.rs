@@ -391,7 +391,7 @@ impl Cutting {
             };
             cut.removed += (to - from) * (first + 4.0 * second + third) / 6.0;
             sums.take(&samples, to - from, |engaged| wear_rate(engaged, tool, feed, speed));
-            if let Some(load) = Load::of(&bound, tool, feed, speed) {
+            if let Some(load) = Load::most(&bound, &samples, tool, feed, speed) {
                 cut.load = Some(cut.load.map_or(load, |before| before.max(load)));
             }
         }

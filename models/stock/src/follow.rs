@@ -105,7 +105,7 @@ impl<'a> Follower<'a> {
     }
 
     /// [`motion`](Self::motion), told stretch by stretch: the shares of the motion between which each lies, the engagement angle that
-    /// is exceeded nowhere on it, rad, and the load at it.
+    /// is exceeded nowhere on it, rad, and the greatest load there and at the samples.
     ///
     /// # Errors
     /// As there.
@@ -118,8 +118,8 @@ impl<'a> Follower<'a> {
         let speed = self.speed;
         let mut look = |from: f64, to: f64, seen: Seen<'_>| match seen {
             Seen::Air | Seen::Near => trace(from, to, 0.0, None),
-            Seen::Cut(bound, _, tool) => {
-                trace(from, to, bound.angle(), Load::of(bound, tool, feed, speed));
+            Seen::Cut(bound, samples, tool) => {
+                trace(from, to, bound.angle(), Load::most(bound, samples, tool, feed, speed));
             }
         };
         self.motion_seen(motion, Some(&mut look))

@@ -81,7 +81,7 @@ impl Map {
             }
             cut.take(&samples, &bound);
             sums.take(&samples, step, |engaged| wear_rate(engaged, tool, feed, speed));
-            if let Some(load) = Load::of(&bound, tool, feed, speed) {
+            if let Some(load) = Load::most(&bound, &samples, tool, feed, speed) {
                 cut.load = Some(cut.load.map_or(load, |before| before.max(load)));
             }
         }

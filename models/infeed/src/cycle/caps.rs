@@ -62,11 +62,12 @@ pub(super) fn depth_at_loads(
     wheel: &State,
     input: &Input,
     limits: &CycleLimits,
-) -> Result<f64, CycleError> {
+) -> Result<(f64, &'static str), CycleError> {
     let load = |depth_of_cut: f64| grinding.load(&State { depth_of_cut, ..*wheel }, input);
     let greatest = limits.greatest_infeed;
     let capped = |limit: &'static str, value: fn(&Load) -> f64, allowed: f64, words: fn(f64) -> String| {
         deepest(|depth| value(&load(depth)), allowed, greatest)
+            .map(|depth| (depth, limit))
             .map_err(|least| CycleError::NoDepth { limit, least: words(least) })
     };
     let work_speed = 0.5 * input.work_rotation_speed * grinding.parameters.work_diameter;
@@ -85,7 +86,13 @@ pub(super) fn depth_at_loads(
             |least| format!("at most {:.4}", -least),
         )?,
     ];
-    Ok(caps.into_iter().fold(limits.material_removal / work_speed, f64::min))
+    let removal = (limits.material_removal / work_speed, "material_removal");
+    Ok(caps.into_iter().fold(removal, lesser))
+}
+
+/// The lesser depth, with the limit that it comes from.
+pub(super) fn lesser(a: (f64, &'static str), b: (f64, &'static str)) -> (f64, &'static str) {
+    if b.0 < a.0 { b } else { a }
 }
 
 /// Whether a revolution keeps the limits that hold for all of them.

@@ -188,7 +188,7 @@ pub fn cycle_time_estimate(
         depth_at_temperature(grinding, wheel, input, allowed, limits.greatest_infeed)
             .map_err(|least| CycleError::TooHotAtAnyDepth { limit, allowed, least })
     };
-    let loads = depth_at_loads(grinding, wheel, input, limits)?;
+    let (loads, _) = depth_at_loads(grinding, wheel, input, limits)?;
     let rough = depth("rough_temperature_rise", limits.rough_temperature_rise)?.min(loads);
     let finish = depth("finish_temperature_rise", limits.finish_temperature_rise)?.min(finish_infeed).min(loads);
     let lag = grinding.output_in_cut(wheel, input).lag;

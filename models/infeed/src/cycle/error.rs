@@ -50,12 +50,14 @@ pub enum CycleError {
         /// Roughness at the finest finish infeed after a long spark-out.
         least: f64,
     },
-    /// The finish limit lies below the first infeed that can be set.
+    /// A limit of the finish phase lies below the first infeed that can be set.
     #[error(
-        "finish_temperature_rise and infeed_step conflict: the finish infeed must stay below {depth_limit:.4} um, the \
+        "{limit} and infeed_step conflict: the finish infeed must stay below {depth_limit:.4} um, the \
          machine sets multiples of {} um", Rounded(*.step)
     )]
     FinishBelowStep {
+        /// The limit.
+        limit: &'static str,
         /// Greatest depth of the finish phase.
         depth_limit: f64,
         /// Step of the infeed.
@@ -111,6 +113,11 @@ impl CycleError {
             Self::NoDepth { .. } => &["burn_margin"],
             Self::NoRoughness => &["roughness"],
             Self::TooRough { .. } => &["roughness", "infeed_step"],
+            Self::FinishBelowStep { limit: "power", .. } => &["power", "infeed_step"],
+            Self::FinishBelowStep { limit: "normal_force", .. } => &["normal_force", "infeed_step"],
+            Self::FinishBelowStep { limit: "burn_margin", .. } => &["burn_margin", "infeed_step"],
+            Self::FinishBelowStep { limit: "material_removal", .. } => &["material_removal", "infeed_step"],
+            Self::FinishBelowStep { limit: "rough_temperature_rise", .. } => &["rough_temperature_rise", "infeed_step"],
             Self::FinishBelowStep { .. } => &["finish_temperature_rise", "infeed_step"],
             Self::FinishStockBeyondStock { .. } => &["finish_stock", "stock"],
             Self::SizeBeyondReach { .. } => &["size_error"],

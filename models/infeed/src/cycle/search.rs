@@ -1,6 +1,6 @@
 //! The fastest cycle by exact search.
 
-use super::caps::{depth_at_loads, depth_at_temperature};
+use super::caps::{depth_at_loads, depth_at_temperature, lesser};
 use super::law::Law;
 use super::run::Run;
 use super::surface::Roughness;
@@ -70,14 +70,16 @@ impl<'a> Search<'a> {
         let Task { grinding, wheel, input, limits, roughness } = task;
         let coolest = |limit: &'static str, allowed: f64| {
             depth_at_temperature(grinding, wheel, input, allowed, limits.greatest_infeed)
+                .map(|depth| (depth, limit))
                 .map_err(|least| CycleError::TooHotAtAnyDepth { limit, allowed, least })
         };
         let loads = depth_at_loads(grinding, wheel, input, limits)?;
-        let rough_depth = coolest("rough_temperature_rise", limits.rough_temperature_rise)?.min(loads);
-        let finish_depth = coolest("finish_temperature_rise", limits.finish_temperature_rise)?.min(rough_depth);
+        let rough = lesser(coolest("rough_temperature_rise", limits.rough_temperature_rise)?, loads);
+        let finish = lesser(coolest("finish_temperature_rise", limits.finish_temperature_rise)?, rough);
+        let ((rough_depth, _), (finish_depth, limit)) = (rough, finish);
         if limits.finish_stock > 0.0 && finish_depth * (1.0 + law.wear) < limits.infeed_step {
             let (depth_limit, step) = (finish_depth * (1.0 + law.wear) * UM, limits.infeed_step * UM);
-            return Err(CycleError::FinishBelowStep { depth_limit, step });
+            return Err(CycleError::FinishBelowStep { limit, depth_limit, step });
         }
         let removable = (limits.stock - law.threshold) / (1.0 + law.wear);
         let wear = law.wear * removable;

@@ -256,6 +256,12 @@ fn limits_that_no_depth_keeps_are_named() {
         let error = designed(&rubbing, &limits).expect_err("the wheel rubs");
         assert_eq!(error.limits(), [key], "{error}");
     }
+    let error = designed(&paper(), &CycleLimits { power: 10.0, ..wide }).expect_err("a depth of 16 nm");
+    assert_eq!(error.limits(), ["power", "infeed_step"], "{error}");
+    assert!(
+        error.to_string().starts_with("power and infeed_step conflict: the finish infeed must stay below 0.0158 um"),
+        "{error}"
+    );
     let error = designed(&paper(), &CycleLimits { roughness: 0.3e-6, ..wide }).expect_err("nothing measured");
     assert_eq!(error, CycleError::NoRoughness);
 }

@@ -4,6 +4,7 @@ mod block;
 mod codes;
 mod corner;
 mod cycles;
+mod increments;
 mod modes;
 mod once;
 mod parse;

@@ -1,6 +1,7 @@
 //! The flow of a program: blocks, jumps, loops, calls.
 
 use super::cycles::Cycle;
+use super::increments::Increments;
 use super::modes::Modes;
 use super::parse::{BlockCode, Code, LineReader, Order, link};
 use super::turn::{Drilling, Turned, TwoBlocks};
@@ -66,6 +67,7 @@ pub(crate) struct Iso {
     /// Macro that every motion calls (G66): its first statement and its values.
     pub(super) modal_macro: Option<(usize, Locals)>,
     words: Words,
+    increments: Increments,
     /// End of the last cubic spline, and its last control point from there, mm.
     pub(super) spline_end: Option<([f64; 2], [f64; 2])>,
 }
@@ -97,6 +99,7 @@ impl Iso {
             library,
             modal_macro: None,
             words: Words::default(),
+            increments: Increments::default(),
             spline_end: None,
         };
         interpreter.add(text, String::new())?;
@@ -271,7 +274,12 @@ impl Iso {
         for word in &code.words {
             let value = self.value(&word.value).map_err(|fault| fault.or_at(word.column))?;
             match value {
-                Some(value) => words.put(word.letter, value, word.pointed, word.column)?,
+                Some(value) => {
+                    words.put(word.letter, value, word.pointed, word.column)?;
+                    if word.value.literal().is_some() {
+                        self.increments.take(self.dialect, word.letter, value, word.pointed, kernel);
+                    }
+                }
                 None => {
                     let variable = if let Expression::Variable(index) = &word.value {
                         format!("#{}", self.value(index)?.unwrap_or(0.0))

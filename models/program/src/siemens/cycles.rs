@@ -202,6 +202,7 @@ impl Siemens {
             (None, Some(size)) => Some(by_size(size)?),
             (None, None) => None,
         };
+        kernel.pitch = pitch;
         hole.exit = Exit::Tap;
         let speed = given(10).filter(|speed| rigid && *speed > 0.0).unwrap_or(kernel.speed);
         let Some(pitch) = pitch else {

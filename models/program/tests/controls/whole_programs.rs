@@ -4,7 +4,7 @@
 
 use super::{control, sums};
 use std::path::Path;
-use toolroom_program::Dialect;
+use toolroom_program::{Control, Dialect, Run};
 
 /// File, its language, feed s, rapid s where it was worked out, dwell s, length at feed mm, end X and Y mm.
 type Case = (&'static str, Dialect, f64, Option<f64>, f64, f64, [f64; 2]);
@@ -128,5 +128,24 @@ fn words_that_act_on_what_comes_later_are_not_lost() {
     ] {
         let error = sums(text, &control(dialect)).expect_err(text);
         assert!(error.line == line && error.message.contains(word), "{text}: {error}");
+    }
+}
+
+#[test]
+fn long_lengths_without_a_point_beside_others_with_one_are_noted_once() {
+    let notes = |text: &str| {
+        let mut run = Run::new(text, &Control::default()).expect("a program");
+        run.by_ref().for_each(|event| assert!(event.is_ok(), "it runs"));
+        run.notes().iter().filter(|(_, text)| text.contains("no decimal point")).cloned().collect::<Vec<_>>()
+    };
+    let mixed = notes("%\nO1\nG21 G90 G94\nG0 X5.5 Y0. Z5.\nG1 X1000 F100\nG1 Y2000\nM30\n%");
+    assert_eq!(mixed.len(), 1, "{mixed:?}");
+    assert!(mixed[0].1.contains("X1000 of line 5"), "{mixed:?}");
+    let later = notes("%\nO1\nG21 G90 G94\nG0 X1500 Y0 Z5\nG1 X3.5 F100\nM30\n%");
+    assert!(later.len() == 1 && later[0].1.contains("X1500 of line 4"), "{later:?}");
+    for plain in
+        ["G0 X1000 Y0 Z5\nG1 X20 F1500", "G0 X1000. Y0. Z5.\nG1 X20. F1500", "G0 X5.5 Y0 Z5\nG1 X20 F1500 S2000 M3"]
+    {
+        assert!(notes(&format!("%\nO1\nG21 G90 G94\n{plain}\nM30\n%")).is_empty(), "{plain}");
     }
 }
