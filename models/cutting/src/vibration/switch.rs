@@ -117,7 +117,7 @@ mod tests {
         assert!((found - 0.299_999_9).abs() < 1e-10, "{found}");
         // And just behind the beginning of a cell, where the load falls.
         let falling = |time: f64| judged(1.0 - time, &[0.0, 0.0, 0.0, 0.0, 0.499_999_9, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        let found = first_switch(0.0, 1.0, true, |time| falling(time));
+        let found = first_switch(0.0, 1.0, true, falling);
         assert!((found.unwrap() - 0.500_000_1).abs() < 1e-10, "{found:?}");
     }
 
