@@ -45,6 +45,11 @@ impl WholeSpectrum {
         Self { amplitudes, step, width: 2.0 * rate / samples.len() as f64 }
     }
 
+    /// Half of the main lobe of a line (Hz).
+    pub(crate) fn width(&self) -> f64 {
+        self.width
+    }
+
     /// The median amplitude in blocks that are `span` wide (Hz).
     fn floor(&self, span: f64) -> Vec<f64> {
         floor(&self.amplitudes, (span / self.step) as usize)
@@ -74,11 +79,13 @@ impl WholeSpectrum {
         (line > OWN * all && self.amplitudes[top] > CLEAR * floor).then(|| (place, self.amplitudes[top]))
     }
 
-    /// Greatest amplitude within `reach` of a frequency but not within `of_harmonic` of it (Hz), over the one at it.
+    /// Greatest amplitude within `reach` of a frequency but not within `of_harmonic` of it (Hz), over the one at it: the
+    /// geometric mean of both sides. A speed that wanders smears a line to both sides, while the lines of chatter stand on one.
     pub(crate) fn skirt(&self, frequency: f64, reach: f64, of_harmonic: f64) -> f64 {
-        let side = 0.5 * (reach - of_harmonic - self.width).max(0.0);
+        // The first side lobe of the window, 3 % of the line, is no wander.
+        let side = 0.5 * (reach - of_harmonic - 1.5 * self.width).max(0.0);
         let beside = [-1.0, 1.0].map(|sign| self.greatest(frequency + sign * (reach - side), side).1);
-        beside[0].max(beside[1]) / self.at(frequency, of_harmonic).max(f64::MIN_POSITIVE)
+        (beside[0] * beside[1]).sqrt() / self.at(frequency, of_harmonic).max(f64::MIN_POSITIVE)
     }
 
     /// Greatest amplitude within `of_harmonic` and the width of a line from a frequency (Hz).

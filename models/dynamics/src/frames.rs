@@ -55,6 +55,11 @@ impl<'a> Frames<'a> {
         self.rate / self.length as f64
     }
 
+    /// Duration of a frame (s).
+    pub(crate) fn duration(&self) -> f64 {
+        self.length as f64 / self.rate
+    }
+
     /// Distance of the bins that are computed (Hz).
     fn bin(&self) -> f64 {
         0.5 * self.rate / (self.amplitudes.len() - 1) as f64

@@ -22,6 +22,8 @@ const FRAME: f64 = 16.0;
 const LEAST_FRAME: f64 = 0.2;
 /// Bins on each side that a line fills: half of the main lobe of Hann's window.
 const LOBE: f64 = 2.0;
+/// Bins on each side of a line within which frames may show another as a part of it: the lobes of both.
+const MERGED: f64 = 2.0 * LOBE;
 /// Wander of the speed within a record that broadens the lines of the spindle, relative (assumption).
 const WANDER: f64 = 1e-3;
 /// Level above the floor of a line (dB).
@@ -50,6 +52,8 @@ const BEYOND_WANDER: f64 = 4.0;
 const CLIPPED: f64 = 1e-3;
 /// Share of the greatest amplitude at which chatter has set in (assumption).
 const SET_IN: f64 = 0.5;
+/// Amplitude over the floor from which the growth of a line is not that of noise (assumption: 20 dB).
+const SURE_GROWTH: f64 = 10.0;
 /// Share of the strongest chatter line from which another may be the one near a mode (assumption).
 const STRONG: f64 = 0.5;
 
@@ -169,7 +173,8 @@ pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsE
             Line { frequency, amplitude, level: level(amplitude / floor), origin }
         })
         .collect();
-    apart(&mut lines, &whole, &comb, &frames);
+    apart(&mut lines, &whole, &comb, &frames, air.as_ref());
+    not_mains(&mut lines, &whole, &comb, &frames, air.as_ref());
     let strongest = |wanted: &dyn Fn(&Origin) -> bool| {
         let of_kind = lines.iter().filter(|line| wanted(&line.origin));
         of_kind.copied().max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
@@ -196,7 +201,15 @@ pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsE
     let onset = line.map(|line| frames.onset(line.frequency, SET_IN));
     let chatter_frequency = line.map(|line| {
         let settled = &samples[frames.sample(onset.unwrap_or(0.0)).min(samples.len() / 2)..];
-        WholeSpectrum::new(settled, record.rate).refined(line.frequency, frames.step())
+        // A line beside a harmonic of the spindle must not be mistaken for that harmonic.
+        let away = (line.frequency / comb.spindle_frequency - (line.frequency / comb.spindle_frequency).round()).abs();
+        let reach = match line.origin {
+            Origin::Unknown => frames.step().min(0.5 * away * comb.spindle_frequency),
+            Origin::Tooth(_) | Origin::Spindle(_) | Origin::Mains | Origin::Machine | Origin::Chatter(_) => {
+                frames.step()
+            }
+        };
+        WholeSpectrum::new(settled, record.rate).refined(line.frequency, reach)
     });
     if let (Chatter::Yes, Some(frequency)) = (chatter, chatter_frequency) {
         let tooth_frequency = comb.spindle_frequency * f64::from(cutting.teeth);
@@ -244,9 +257,9 @@ fn clipped_share(samples: &[f64]) -> f64 {
 /// Tells lines that frames do not resolve from a harmonic of the spindle, where the whole record does. What stands beside a
 /// harmonic must be more than a speed that wanders makes of it: that smears the lines of the teeth as well, the more the higher
 /// they are.
-fn apart(lines: &mut Vec<Line>, whole: &WholeSpectrum, comb: &Comb, frames: &Frames<'_>) {
+fn apart(lines: &mut Vec<Line>, whole: &WholeSpectrum, comb: &Comb, frames: &Frames<'_>, air: Option<&Frames<'_>>) {
     let spindle = comb.spindle_frequency;
-    let reach = |harmonic: f64| (LOBE * frames.step() + WANDER * harmonic).min(0.25 * spindle);
+    let reach = |harmonic: f64| (MERGED * frames.step() + WANDER * harmonic).min(0.25 * spindle);
     let skirt = |harmonic: f64| whole.skirt(harmonic, reach(harmonic), WANDER * harmonic);
     let of_teeth: Vec<(f64, f64)> = lines
         .iter()
@@ -266,8 +279,16 @@ fn apart(lines: &mut Vec<Line>, whole: &WholeSpectrum, comb: &Comb, frames: &Fra
         if amplitude < BEYOND_WANDER * wander * whole.at(harmonic, WANDER * harmonic) {
             continue;
         }
+        // The frames may have told it from the harmonic themselves.
+        let known = |other: &Line| {
+            let of_spindle = matches!(other.origin, Origin::Tooth(_) | Origin::Spindle(_));
+            !of_spindle && (other.frequency - frequency).abs() < frames.step()
+        };
+        if lines.iter().any(known) {
+            continue;
+        }
         let level = line.level + level(amplitude / line.amplitude);
-        let own = Line { frequency, amplitude, level, origin: Origin::Unknown };
+        let own = Line { frequency, amplitude, level, origin: beside_spindle(frequency, amplitude, frames, air) };
         if (line.frequency - frequency).abs() < (line.frequency - harmonic).abs() {
             lines[i] = own;
         } else {
@@ -292,6 +313,11 @@ fn origin(frequency: f64, amplitude: f64, comb: &Comb, frames: &Frames, air: Opt
             Origin::Spindle(order)
         };
     }
+    beside_spindle(frequency, amplitude, frames, air)
+}
+
+/// What explains a line that is none of the spindle, but for chatter.
+fn beside_spindle(frequency: f64, amplitude: f64, frames: &Frames, air: Option<&Frames>) -> Origin {
     let (mains, harmonics) = MAINS;
     let of_mains = |base: f64| {
         let order = (frequency / base).round();
@@ -301,11 +327,43 @@ fn origin(frequency: f64, amplitude: f64, comb: &Comb, frames: &Frames, air: Opt
     if mains.into_iter().any(of_mains) {
         return Origin::Mains;
     }
-    let idle = air.and_then(|air| air.around(frequency, width));
+    in_the_air(frequency, amplitude, frames, air)
+}
+
+/// Whether a line is in the record without cutting as well.
+fn in_the_air(frequency: f64, amplitude: f64, frames: &Frames, air: Option<&Frames>) -> Origin {
+    let idle = air.and_then(|air| air.around(frequency, LOBE * frames.step()));
     if idle.is_some_and(|(idle, floor)| level(idle / floor) > STANDS_OUT && amplitude < OF_MACHINE * idle) {
         return Origin::Machine;
     }
     Origin::Unknown
+}
+
+/// Tells chatter that lies on a harmonic of mains from mains: the teeth do not modulate mains, so that it has no companion one
+/// tooth frequency away, and it does not set in while the teeth are cutting already.
+fn not_mains(lines: &mut [Line], whole: &WholeSpectrum, comb: &Comb, frames: &Frames<'_>, air: Option<&Frames<'_>>) {
+    let tooth_frequency = comb.spindle_frequency * f64::from(comb.teeth);
+    let place = |line: &Line| whole.refined(line.frequency, 0.5 * frames.step());
+    // Lines of mains may be one tooth frequency from each other by chance, where 50 or 60 Hz is a fraction of it.
+    let others: Vec<f64> = lines.iter().filter(|line| line.origin == Origin::Unknown).map(place).collect();
+    let within = whole.width() + WANDER * tooth_frequency;
+    let teeth = lines.iter().filter(|line| matches!(line.origin, Origin::Tooth(_)));
+    let strongest = teeth.max_by(|a, b| a.amplitude.total_cmp(&b.amplitude)).copied();
+    let cut_begins = strongest.map_or(0.0, |line| frames.onset(line.frequency, SET_IN));
+    let matters = MATTERS * strongest.map_or(0.0, |line| line.amplitude);
+    for line in lines.iter_mut().filter(|line| line.origin == Origin::Mains && line.amplitude > matters) {
+        let frequency = place(line);
+        let companion = |other: &f64| {
+            [frequency + tooth_frequency, (frequency - tooth_frequency).abs()]
+                .into_iter()
+                .any(|due| (due - other).abs() < within)
+        };
+        let sets_in =
+            || line.level > level(SURE_GROWTH) && frames.onset(line.frequency, SET_IN) > cut_begins + frames.duration();
+        if others.iter().any(companion) || sets_in() {
+            line.origin = in_the_air(line.frequency, line.amplitude, frames, air);
+        }
+    }
 }
 
 /// Among the unexplained lines that are about as strong as the strongest, the one nearest to a natural frequency.

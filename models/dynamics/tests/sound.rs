@@ -181,6 +181,44 @@ fn lines_of_the_machine_and_of_mains_are_no_chatter() {
 }
 
 #[test]
+fn chatter_on_a_harmonic_of_mains_is_no_mains() {
+    // Period doubling of three teeth near 250 Hz, whose companion of the teeth is 750 Hz.
+    let doubled = Cut { speed: 10_010.0, chatter: Some((250.25, 0.2, 0.0)), ..CUT };
+    let heard = doubled.heard(10_000.0);
+    assert_eq!(heard.chatter, Chatter::Yes);
+    assert!((heard.chatter_frequency.unwrap() - 250.25).abs() < 0.2, "{:?}", heard.chatter_frequency);
+    // Without a companion, a line that sets in while the teeth cut is chatter, and one that was there before is not.
+    let humming = |begin: usize| {
+        let mut record = CUT.record();
+        for (i, value) in record.channels[0].values.iter_mut().enumerate().skip(begin) {
+            *value += 0.1 * (TAU * 250.0 * i as f64 / 16_000.0).sin();
+        }
+        let spindle_speed = 6120.0 * TAU / 60.0;
+        listen(&record, &Cutting { teeth: 3, spindle_speed, air: None, natural_frequencies: &[] }).unwrap().chatter
+    };
+    assert_eq!([humming(0), humming(16_000)], [Chatter::No, Chatter::Yes]);
+}
+
+#[test]
+fn chatter_close_to_a_harmonic_of_the_teeth_is_heard() {
+    // Beside harmonics of the teeth, where the companions of the chatter stand beside others of them at the same distance.
+    let mut wrong = Vec::new();
+    for i in 0..30u32 {
+        let (teeth, speed) = (2 + i % 4, 4611.0 + 203.7 * f64::from(i));
+        let offset = 3.5 + 0.5 * f64::from(i);
+        let harmonic = speed / 60.0 * f64::from(teeth * (1 + i % 3));
+        let frequency = harmonic + offset * if i % 2 == 0 { 1.0 } else { -1.0 };
+        let heard = Cut { teeth, speed, chatter: Some((frequency, 0.1, 0.0)), seed: u64::from(i), ..CUT }.heard(speed);
+        let found = heard.chatter_frequency.filter(|found| (found - frequency).abs() < 0.5);
+        if heard.chatter != Chatter::Yes || found.is_none() {
+            wrong
+                .push(format!("{i}: {offset} Hz beside {harmonic}: {:?} {:?}", heard.chatter, heard.chatter_frequency));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
 fn of_two_strong_lines_the_one_at_the_mode_is_the_chatter() {
     let cut = Cut { chatter: Some((841.7, 0.1, 0.0)), ..CUT };
     let mut record = cut.record();
