@@ -7,14 +7,16 @@ use crate::speak::Voice;
 use std::path::Path;
 use toolroom_dynamics::read_forces;
 use toolroom_output::{Files, provenance};
-use toolroom_planning::coefficients::{CoefficientRequestError, CoefficientStudy, ForceTestRequest, group_list};
+use toolroom_planning::coefficients::{
+    CoefficientRequestError, CoefficientStudy, ForceTestRequest, group_list, group_list_json,
+};
 
 /// Where the files and the words of a fault are described.
 const GUIDE: &str = "see docs/dynamics.md";
 
 pub fn run(args: &CoefficientsArgs, voice: &Voice) -> Result<(), Failure> {
     if args.list {
-        return voice.data(group_list());
+        return if voice.json { voice.json(&group_list_json()) } else { voice.data(group_list()) };
     }
     let named = args.out.as_deref().or(args.file.as_deref()).and_then(Path::file_stem);
     let name = named.map_or_else(|| "coefficients".to_owned(), |stem| stem.to_string_lossy().into_owned());

@@ -75,6 +75,8 @@ fn slot_tests_give_coefficients_that_a_lobes_file_takes() {
     let group = json(&toolroom(&["coefficients", "--group", "6", "--chip-thickness", "0.1 mm", "--json"]));
     close(&group["coefficients"]["tangential [MPa]"]["value"], 0.76 * 1775.0 * 0.1f64.powf(-0.24), 1e-9);
     assert!(stdout(&toolroom(&["coefficients", "--list"])).contains("titanium"));
+    let list: Value = serde_json::from_str(&stdout(&toolroom(&["coefficients", "--list", "--json"]))).expect("JSON");
+    assert!(list["groups"].as_array().is_some_and(|groups| groups.len() > 20 && groups[0]["k_c1.1 [MPa]"].is_number()));
 }
 
 #[test]

@@ -236,6 +236,9 @@ pub enum UniversalProblem {
     /// A field that holds no number.
     #[error("`{0}` is no number")]
     NotANumber(String),
+    /// A number of points that is none.
+    #[error("{0} points are promised; export the file again")]
+    Points(i64),
     /// A count that no file can hold.
     #[error("{0} values are promised, more than the file can hold")]
     TooMany(usize),

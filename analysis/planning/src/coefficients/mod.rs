@@ -2,6 +2,7 @@
 
 mod text;
 
+use serde_json::{Value, json};
 use toolroom_chatter::{Direction, Engagement};
 use toolroom_dynamics::{
     Coefficients, ForceTest, ForceTestError, GROUPS_SOURCE, MATERIAL_GROUPS, MaterialGroup, TestedCut,
@@ -171,4 +172,16 @@ pub fn group_list() -> String {
     }
     text.truncate(text.trim_end().len());
     text
+}
+
+/// The groups of work materials as a document.
+pub fn group_list_json() -> Value {
+    let groups = MATERIAL_GROUPS.iter().map(|group| {
+        let MaterialGroup { number, letter, material, pressure, exponent } = group;
+        json!({
+            "vdi_3323": number, "iso_513": letter, "material": material,
+            "k_c1.1 [MPa]": pressure * 1e-6, "m_c": exponent,
+        })
+    });
+    json!({ "schema": 1, "source": GROUPS_SOURCE, "groups": groups.collect::<Vec<_>>() })
 }

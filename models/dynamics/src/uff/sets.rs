@@ -158,7 +158,8 @@ fn function(cursor: &mut Cursor<'_>, header: &str, start: usize) -> Result<Funct
     let (response, force) = (cursor.whole(&names, 51..55)?, cursor.whole(&names, 76..80)?);
     let abscissa = cursor.due(start)?;
     let data_type = cursor.whole(&abscissa, 0..10)?;
-    let promised = usize::try_from(cursor.whole(&abscissa, 10..20)?).unwrap_or(usize::MAX);
+    let points = cursor.whole(&abscissa, 10..20)?;
+    let promised = usize::try_from(points).map_err(|_| cursor.fault(start, UniversalProblem::Points(points)))?;
     let even = cursor.whole(&abscissa, 20..30)? == 1;
     let field =
         |columns: std::ops::Range<usize>| abscissa.get(columns.start..columns.end.min(abscissa.len())).unwrap_or("");
@@ -181,7 +182,7 @@ fn function(cursor: &mut Cursor<'_>, header: &str, start: usize) -> Result<Funct
     let values = promised.checked_mul(parts).filter(|count| *count <= cursor.bytes.len());
     let count = values.ok_or_else(|| cursor.fault(start, UniversalProblem::TooMany(promised)))?;
     let flat = if binary {
-        bytes(cursor, header, start, count, &Layout { parts, even, double })?
+        blocks(cursor, header, start, count, &Layout { parts, even, double, short: true })?
     } else {
         let width = if double { 20 } else { 13 };
         let mut widths = vec![width; parts];
@@ -196,8 +197,7 @@ fn function(cursor: &mut Cursor<'_>, header: &str, start: usize) -> Result<Funct
         }
         flat
     };
-    let rest = cursor.bytes[cursor.place..].iter().position(|byte| !byte.is_ascii_whitespace() && *byte != 0);
-    if flat.len() > count || rest.is_some_and(|first| !cursor.bytes[cursor.place + first..].starts_with(b"-1")) {
+    if flat.len() > count || !is_at_the_end(cursor) {
         return Err(cursor.fault(start, UniversalProblem::MoreThanPromised(promised)));
     }
     let of_value = usize::from(!even);
@@ -216,9 +216,41 @@ struct Layout {
     parts: usize,
     even: bool,
     double: bool,
+    /// Whether an uneven abscissa is of single precision before doubles.
+    short: bool,
 }
 
-/// The values of a binary block.
+/// Whether nothing but the end of the set follows.
+fn is_at_the_end(cursor: &Cursor<'_>) -> bool {
+    let rest = &cursor.bytes[cursor.place..];
+    let first = rest.iter().position(|byte| !byte.is_ascii_whitespace() && *byte != 0);
+    first.is_none_or(|first| rest[first..].starts_with(b"-1"))
+}
+
+/// The values of a binary block. Writers disagree whether the abscissa of an uneven function is of single precision before
+/// doubles: the block itself shows it, by where it ends.
+fn blocks(
+    cursor: &mut Cursor<'_>,
+    header: &str,
+    start: usize,
+    count: usize,
+    layout: &Layout,
+) -> Result<Vec<f64>, DynamicsError> {
+    let place = cursor.place;
+    let read = bytes(cursor, header, start, count, layout);
+    if layout.even || !layout.double || (read.is_ok() && is_at_the_end(cursor)) {
+        return read;
+    }
+    let end = std::mem::replace(&mut cursor.place, place);
+    let long = bytes(cursor, header, start, count, &Layout { short: false, ..*layout });
+    if long.is_ok() && is_at_the_end(cursor) {
+        return long;
+    }
+    cursor.place = end;
+    read
+}
+
+/// The values of a binary block of one layout.
 fn bytes(
     cursor: &mut Cursor<'_>,
     header: &str,
@@ -232,8 +264,7 @@ fn bytes(
     }
     let mut values = Vec::with_capacity(count);
     for i in 0..count {
-        // The abscissa of an uneven function is of single precision even before doubles.
-        let short = !layout.double || (!layout.even && i % layout.parts == 0);
+        let short = !layout.double || (layout.short && !layout.even && i % layout.parts == 0);
         let size = if short { 4 } else { 8 };
         let raw = cursor.bytes.get(cursor.place..cursor.place + size);
         let mut raw = raw.ok_or_else(|| cursor.fault(start, UniversalProblem::BrokenOff))?.to_vec();

@@ -54,7 +54,8 @@ fn ascii_numbers_may_touch_and_lines_end_as_they_like() {
 #[test]
 fn binary_blocks_of_both_orders_are_read_whatever_count_they_promise() {
     for order in [1, 2] {
-        for (data_type, spacing) in [(5, 1), (6, 1), (5, 0), (6, 0)] {
+        // Uneven doubles come with an abscissa of single and of double precision.
+        for (data_type, spacing, long) in [(5, 1, false), (6, 1, false), (5, 0, false), (6, 0, false), (6, 0, true)] {
             let header = format!("    58b{order:6}{:6}{:12}{:12}", 2, 11, 12);
             let mut bytes = format!("{UNITS}    -1\n{header}\n{}", records(4, [2, 2], data_type, spacing)).into_bytes();
             let mut put = |value: f64, double: bool| {
@@ -66,7 +67,7 @@ fn binary_blocks_of_both_orders_are_read_whatever_count_they_promise() {
             };
             for (i, pair) in VALUES.iter().enumerate() {
                 if spacing == 0 {
-                    put(100.0 + 2.0 * i as f64, false);
+                    put(100.0 + 2.0 * i as f64, long);
                 }
                 pair.iter().for_each(|value| put(*value, data_type == 6));
             }
