@@ -3,12 +3,10 @@
 import _thread
 import os
 import pickle
-import re
 import signal
 import threading
 import time
 import zipfile
-from pathlib import Path
 
 import pytest
 
@@ -155,21 +153,3 @@ def test_a_unit_is_exported(tmp_path):
         with zipfile.ZipFile(path) as unit:
             names = unit.namelist()
         assert "modelDescription.xml" in names and any(name.startswith("binaries/") for name in names)
-
-
-def test_profiles_and_versions_are_those_of_the_program():
-    """What package and program are built from is compiled once only where both say the same."""
-    root = Path(__file__).resolve().parents[2]
-    cut = "# Debug information of dependencies"
-    own, program = ((folder / "Cargo.toml").read_text() for folder in (root / "python", root))
-    assert own[own.index(cut) :] == program[program.index(cut) :]
-
-    def versions(path):
-        blocks = path.read_text().split("[[package]]")[1:]
-        found = [re.search(r'name = "(.+)"\nversion = "(.+)"\nsource', block) for block in blocks]
-        return {one.groups() for one in found if one}
-
-    there = versions(root / "Cargo.lock")
-    names = {name for name, _ in there}
-    other = {pair for pair in versions(root / "python" / "Cargo.lock") - there if pair[0] in names}
-    assert not other, f"other versions than in Cargo.lock: {sorted(other)}"
