@@ -182,7 +182,7 @@ fn function(cursor: &mut Cursor<'_>, header: &str, start: usize) -> Result<Funct
     let values = promised.checked_mul(parts).filter(|count| *count <= cursor.bytes.len());
     let count = values.ok_or_else(|| cursor.fault(start, UniversalProblem::TooMany(promised)))?;
     let flat = if binary {
-        blocks(cursor, header, start, count, &Layout { parts, even, double, short: true })?
+        binary_values(cursor, header, start, &Layout { count, parts, even, double, short: true })?
     } else {
         let width = if double { 20 } else { 13 };
         let mut widths = vec![width; parts];
@@ -213,6 +213,7 @@ fn function(cursor: &mut Cursor<'_>, header: &str, start: usize) -> Result<Funct
 
 /// How the values of a binary block follow each other.
 struct Layout {
+    count: usize,
     parts: usize,
     even: bool,
     double: bool,
@@ -229,20 +230,23 @@ fn is_at_the_end(cursor: &Cursor<'_>) -> bool {
 
 /// The values of a binary block. Writers disagree whether the abscissa of an uneven function is of single precision before
 /// doubles: the block itself shows it, by where it ends.
-fn blocks(
+fn binary_values(
     cursor: &mut Cursor<'_>,
     header: &str,
     start: usize,
-    count: usize,
     layout: &Layout,
 ) -> Result<Vec<f64>, DynamicsError> {
-    let place = cursor.place;
-    let read = bytes(cursor, header, start, count, layout);
+    let (order, format) = (cursor.whole(header, 7..13)?, cursor.whole(header, 13..19)?);
+    if !matches!(order, 1 | 2) || format != 2 {
+        return Err(cursor.fault(start, UniversalProblem::Binary(order, format)));
+    }
+    let (place, reversed) = (cursor.place, order == 2);
+    let read = bytes(cursor, start, reversed, layout);
     if layout.even || !layout.double || (read.is_ok() && is_at_the_end(cursor)) {
         return read;
     }
     let end = std::mem::replace(&mut cursor.place, place);
-    let long = bytes(cursor, header, start, count, &Layout { short: false, ..*layout });
+    let long = bytes(cursor, start, reversed, &Layout { short: false, ..*layout });
     if long.is_ok() && is_at_the_end(cursor) {
         return long;
     }
@@ -250,26 +254,16 @@ fn blocks(
     read
 }
 
-/// The values of a binary block of one layout.
-fn bytes(
-    cursor: &mut Cursor<'_>,
-    header: &str,
-    start: usize,
-    count: usize,
-    layout: &Layout,
-) -> Result<Vec<f64>, DynamicsError> {
-    let (order, format) = (cursor.whole(header, 7..13)?, cursor.whole(header, 13..19)?);
-    if !matches!(order, 1 | 2) || format != 2 {
-        return Err(cursor.fault(start, UniversalProblem::Binary(order, format)));
-    }
-    let mut values = Vec::with_capacity(count);
-    for i in 0..count {
+/// The values of a binary block of one layout, whose bytes may stand in reversed order.
+fn bytes(cursor: &mut Cursor<'_>, start: usize, reversed: bool, layout: &Layout) -> Result<Vec<f64>, DynamicsError> {
+    let mut values = Vec::with_capacity(layout.count);
+    for i in 0..layout.count {
         let short = !layout.double || (layout.short && !layout.even && i % layout.parts == 0);
         let size = if short { 4 } else { 8 };
         let raw = cursor.bytes.get(cursor.place..cursor.place + size);
         let mut raw = raw.ok_or_else(|| cursor.fault(start, UniversalProblem::BrokenOff))?.to_vec();
         cursor.place += size;
-        if order == 2 {
+        if reversed {
             raw.reverse();
         }
         let value = match (<[u8; 4]>::try_from(&raw[..]), <[u8; 8]>::try_from(&raw[..])) {
