@@ -312,6 +312,11 @@ impl Model for ChannelModel {
         self.edges.len()
     }
 
+    fn possible(&self, u: &[f64]) -> bool {
+        let pair = self.at(u);
+        pair.force.check().is_ok() && pair.temperature.check().is_ok() && pair.emf.check().is_ok()
+    }
+
     fn readings(&self, edge: usize) -> Vec<f64> {
         self.edges[edge].iter().map(|reading| reading.value).collect()
     }
@@ -326,7 +331,7 @@ impl Model for ChannelModel {
 
     fn ln_densities(&self, u: &[f64], edges: &[usize]) -> Vec<f64> {
         let ((scatter, noise), pair) = (self.spread(u), self.at(u));
-        if pair.force.check().is_err() || pair.temperature.check().is_err() || pair.emf.check().is_err() {
+        if !self.possible(u) {
             return vec![f64::NEG_INFINITY; edges.len()];
         }
         let of_edge = |edge: &usize| {

@@ -1,6 +1,10 @@
 //! The maximum of a posterior density and its curvature there.
+//!
+//! A parameter ends where its range does. The search keeps so far from such an end that differences stay inside, and where the
+//! density still rises towards it, the parameter stays there while the others go on.
 
 use crate::model::Model;
+use crate::range::Range;
 use nalgebra::{DMatrix, DVector};
 
 /// Step of the central differences, in prior standard deviations: the error of the gradient is then below 1e-6 of it.
@@ -32,9 +36,32 @@ pub struct Maximum {
 struct Scaled<'a> {
     model: &'a dyn Model,
     edges: &'a [usize],
+    /// Where every coordinate may go.
+    ranges: Vec<Range>,
 }
 
-impl Scaled<'_> {
+impl<'a> Scaled<'a> {
+    /// Around a start that is possible; else without ends.
+    fn around(model: &'a dyn Model, edges: &'a [usize], start: &DVector<f64>) -> Self {
+        let mut scaled = Self { model, edges, ranges: Vec::new() };
+        let x = scaled.x(start);
+        let possible = |x: &DVector<f64>| model.possible(scaled.u(x).as_slice());
+        let ranges = (0..x.len()).map(|i| Range::of(&possible, &x, i).within(2.0 * WIDE)).collect();
+        scaled.ranges = ranges;
+        scaled
+    }
+
+    /// The point inside the ranges nearest to one.
+    fn inside(&self, mut x: DVector<f64>) -> DVector<f64> {
+        x.iter_mut().zip(&self.ranges).for_each(|(x, range)| *x = range.nearest(*x));
+        x
+    }
+
+    /// The gradient without what would lead out of the ranges.
+    fn free(&self, x: &DVector<f64>, gradient: &DVector<f64>) -> DVector<f64> {
+        DVector::from_fn(x.len(), |i, _| if self.ranges[i].stops(x[i], gradient[i]) { 0.0 } else { gradient[i] })
+    }
+
     fn u(&self, x: &DVector<f64>) -> DVector<f64> {
         let parameters = self.model.parameters();
         DVector::from_fn(x.len(), |i, _| parameters[i].prior.mean + parameters[i].prior.deviation * x[i])
@@ -85,6 +112,12 @@ impl Scaled<'_> {
     }
 }
 
+/// A direction that leaves out the coordinates in which the gradient is held at zero.
+fn held(mut direction: DVector<f64>, free: &DVector<f64>) -> DVector<f64> {
+    direction.iter_mut().zip(free.iter()).filter(|(_, free)| **free == 0.0).for_each(|(along, _)| *along = 0.0);
+    direction
+}
+
 /// The way up from a start, until a step gains less than `enough` logarithms.
 fn climb(
     scaled: &Scaled<'_>,
@@ -94,7 +127,7 @@ fn climb(
 ) -> Option<(DVector<f64>, f64, DVector<f64>)> {
     let size = start.len();
     let deviation: Vec<f64> = scaled.model.parameters().iter().map(|parameter| parameter.prior.deviation).collect();
-    let mut x = scaled.x(start);
+    let mut x = scaled.inside(scaled.x(start));
     let mut density = scaled.density(&x);
     if !density.is_finite() {
         return None;
@@ -105,22 +138,23 @@ fn climb(
     };
     let mut gradient = scaled.gradient(&x);
     for _ in 0..ITERATIONS {
-        let mut direction = &inverse * &gradient;
-        if direction.dot(&gradient) <= 0.0 {
+        let free = scaled.free(&x, &gradient);
+        let mut direction = held(&inverse * &free, &free);
+        if direction.dot(&free) <= 0.0 {
             inverse = DMatrix::identity(size, size) * 0.01;
-            direction = &inverse * &gradient;
+            direction = &inverse * &free;
         }
         // A step of more than two prior deviations is a guess of a poor model.
         let length = direction.amax();
         if length > 2.0 {
             direction *= 2.0 / length;
         }
-        let slope = direction.dot(&gradient);
         let mut share = 1.0;
         let found = loop {
-            let next = &x + &direction * share;
+            let next = scaled.inside(&x + &direction * share);
             let value = scaled.density(&next);
-            if value >= density + 1e-4 * share * slope {
+            let slope = free.dot(&(&next - &x));
+            if value >= density + 1e-4 * slope {
                 break Some((next, value));
             }
             share *= 0.4;
@@ -155,7 +189,7 @@ pub(crate) fn maximise_near(
     full: &Maximum,
     shape: DMatrix<f64>,
 ) -> Option<Maximum> {
-    let scaled = Scaled { model, edges };
+    let scaled = Scaled::around(model, edges, &full.u);
     let (x, ln_density, _) = climb(&scaled, &full.u, Some(&shape), ROUGHLY)?;
     Some(Maximum { u: scaled.u(&x), ln_density, covariance: shape })
 }
@@ -167,7 +201,7 @@ pub(crate) fn climbed(
     start: &DVector<f64>,
     shape: Option<&DMatrix<f64>>,
 ) -> Option<DVector<f64>> {
-    let scaled = Scaled { model, edges };
+    let scaled = Scaled::around(model, edges, start);
     climb(&scaled, start, shape, NEARLY).map(|(x, ..)| scaled.u(&x))
 }
 
@@ -180,15 +214,16 @@ pub fn maximise(
     start: &DVector<f64>,
     shape: Option<&DMatrix<f64>>,
 ) -> Option<Maximum> {
-    let scaled = Scaled { model, edges };
+    let scaled = Scaled::around(model, edges, start);
     let size = start.len();
     let deviation: Vec<f64> = model.parameters().iter().map(|parameter| parameter.prior.deviation).collect();
     let (mut x, mut density, mut gradient) = climb(&scaled, start, shape, ENOUGH)?;
     let mut curvature = scaled.curvature(&x, density);
     for _ in 0..3 {
-        let Some(factor) = curvature.clone().cholesky() else { break };
-        let step = factor.solve(&gradient);
-        let next = &x + &step;
+        let free = scaled.free(&x, &gradient);
+        let Some(factor) = among(&curvature, &free).cholesky() else { break };
+        let step = factor.solve(&free);
+        let next = scaled.inside(&x + &step);
         let value = scaled.density(&next);
         if !(value > density && step.amax() < 0.5) {
             break;
@@ -204,6 +239,13 @@ pub fn maximise(
     let covariance = positive(curvature).try_inverse()?;
     let covariance = DMatrix::from_fn(size, size, |i, j| covariance[(i, j)] * deviation[i] * deviation[j]);
     Some(Maximum { u: scaled.u(&x), ln_density: density, covariance })
+}
+
+/// The curvature without what joins coordinates that are held at zero to the others.
+fn among(curvature: &DMatrix<f64>, free: &DVector<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(free.len(), free.len(), |i, j| {
+        if i == j || free[i] != 0.0 && free[j] != 0.0 { curvature[(i, j)] } else { 0.0 }
+    })
 }
 
 /// Least curvature that is believed, half of the prior's own (assumption).

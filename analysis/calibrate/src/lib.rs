@@ -64,6 +64,7 @@ mod packed;
 mod parameter;
 mod pareto;
 mod profile;
+mod range;
 mod remarks;
 mod report;
 mod sample;

@@ -17,6 +17,12 @@ pub trait Model: Sync {
         Vec::new()
     }
 
+    /// Whether every parameter lies in its range, which for each is an interval whatever the others are. Outside, the density is
+    /// zero.
+    fn possible(&self, _u: &[f64]) -> bool {
+        true
+    }
+
     /// Log density of all data of each of some edges, what is particular to an edge integrated out.
     fn ln_densities(&self, u: &[f64], edges: &[usize]) -> Vec<f64>;
 

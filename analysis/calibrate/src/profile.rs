@@ -38,6 +38,10 @@ impl Model for Held<'_> {
         self.model.edges()
     }
 
+    fn possible(&self, u: &[f64]) -> bool {
+        self.model.possible(&self.whole(u))
+    }
+
     fn ln_densities(&self, u: &[f64], edges: &[usize]) -> Vec<f64> {
         self.model.ln_densities(&self.whole(u), edges)
     }

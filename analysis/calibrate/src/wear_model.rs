@@ -346,7 +346,7 @@ impl WearModel {
     }
 
     /// Whether every value of the law lies in its range, so that parameter files and shops take it.
-    fn possible(&self, u: &[f64]) -> bool {
+    fn in_range(&self, u: &[f64]) -> bool {
         let mut base = self.at(u);
         let record = base.law_mut();
         let within = |(index, field): (usize, &toolroom_process::Field)| {
@@ -384,7 +384,7 @@ impl WearModel {
 
     /// Log densities of edges; `levels` are logarithms near which the levels of edges are, where they are known.
     fn ln_densities_near(&self, u: &[f64], edges: &[usize], levels: &[f64]) -> Vec<f64> {
-        if !self.possible(u) {
+        if !self.in_range(u) {
             return vec![f64::NEG_INFINITY; edges.len()];
         }
         let curves = self.curves(u, edges);
@@ -415,6 +415,10 @@ impl Model for WearModel {
 
     fn edges(&self) -> usize {
         self.edges.len()
+    }
+
+    fn possible(&self, u: &[f64]) -> bool {
+        self.in_range(u)
     }
 
     fn untold(&self) -> Vec<usize> {
@@ -459,7 +463,7 @@ impl Model for WearModel {
     fn near(&self, u: &[f64]) -> Option<Box<dyn Model + '_>> {
         let enough = self.edges.len() > FEW;
         let many = |edge: &Edge| edge.well_read() || enough && edge.readings() >= FOLLOWED;
-        if !self.edges.iter().any(many) || !self.possible(u) {
+        if !self.edges.iter().any(many) || !self.in_range(u) {
             return None;
         }
         let all: Vec<usize> = (0..self.edges.len()).collect();
@@ -480,6 +484,10 @@ struct Near<'a> {
 impl Model for Near<'_> {
     fn parameters(&self) -> &[Parameter] {
         self.model.parameters()
+    }
+
+    fn possible(&self, u: &[f64]) -> bool {
+        self.model.in_range(u)
     }
 
     fn edges(&self) -> usize {
