@@ -57,7 +57,7 @@ fn main() -> ExitCode {
     let voice = Voice::new(&common);
     toolroom_study::draws::register();
     #[cfg(feature = "fmu-import")]
-    toolroom_fmu_import::register();
+    toolroom_fmu_import::register_program();
     // A worker ends when its program says so, and not by signals of the terminal.
     let watched = if matches!(command, Command::Fmu(args::FmuCommand::Worker)) {
         Ok(())

@@ -7,10 +7,12 @@
 #include <windows.h>
 static void *library_of(const char *path) { return LoadLibraryA(path); }
 static void *function_of(void *library, const char *name) { return (void *)GetProcAddress(library, name); }
+static int unload(void *library) { return !FreeLibrary(library); }
 #else
 #include <dlfcn.h>
 static void *library_of(const char *path) { return dlopen(path, RTLD_NOW); }
 static void *function_of(void *library, const char *name) { return dlsym(library, name); }
+static int unload(void *library) { return dlclose(library); }
 #endif
 
 typedef void *(*Instantiate)(const char *, int, const char *, const char *, const void *, int, int);
@@ -50,5 +52,7 @@ int main(int count, char **arguments) {
         if (get(unit, &reference, 1, &value.number)) return 1;
         printf("%016llx%c", value.bits, i + 1 < count ? ' ' : '\n');
     }
-    return 0;
+    ((void (*)(void *))need(library, "fmi2FreeInstance"))(unit);
+    // Importers unload what they have used; the program then ends without the code of the library.
+    return unload(library);
 }

@@ -245,10 +245,14 @@ impl Calibration {
             return Vec::new();
         }
         let now = deviation_now(posterior, gradient);
-        let value =
-            |name: &str| parameters.iter().position(|parameter| parameter.name == name).map(|place| map[place].exp());
-        let scatter = value(EDGE_SCATTER).unwrap_or(0.0);
-        let noise = value(READING_NOISE).unwrap_or(0.0) / self.request.limit;
+        // What an edge tells is averaged over what is known of the scatter: at the maximum of a skewed density it is too small.
+        let mean_square = |name: &str| {
+            let place = parameters.iter().position(|parameter| parameter.name == name)?;
+            let squares = posterior.draws.iter().map(|draw| (2.0 * draw[place]).exp());
+            Some(squares.sum::<f64>() / posterior.draws.len() as f64)
+        };
+        let scatter = mean_square(EDGE_SCATTER).unwrap_or(0.0);
+        let noise = mean_square(READING_NOISE).unwrap_or(0.0) / self.request.limit.powi(2);
         let least_known =
             self.least_known().map(|place| DVector::from_fn(map.len(), |i, _| f64::from(u8::from(i == place))));
         let mut tests = Vec::new();
@@ -258,7 +262,7 @@ impl Calibration {
             let life = model.life(map.as_slice(), condition);
             let row = derivative(map, parameters, &|u| model.life(u, condition).ln());
             // Readings on one edge share its level: more of them never tell more than the level allows.
-            let variance = scatter * scatter + noise * noise / READINGS;
+            let variance = scatter + noise / READINGS;
             for edges in EDGES {
                 let observed = vec![(row.clone(), variance); edges];
                 let after = deviation_after(covariance, gradient, &observed);

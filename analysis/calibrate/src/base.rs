@@ -1,8 +1,9 @@
 //! What is known of a tool before its calibration, and what an edge meets.
 
+use std::sync::Arc;
 use toolroom_cutting::CutterLife;
-use toolroom_process::AnyRecord;
-use toolroom_wear::{Chipping, Cut, Pair, WearLaw};
+use toolroom_process::{AnyRecord, ModelError};
+use toolroom_wear::{Chipping, Cut, Pair, WearLaw, check_tilt};
 
 /// A process whose wear can be calibrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,8 +35,13 @@ impl Process {
 /// A parameter set as far as wear goes: what a calibration starts from, and what it ends with.
 #[derive(Clone, Debug)]
 pub enum Base {
-    /// Tool and work material of turning.
-    Turning(Box<Pair>),
+    /// Turning.
+    Turning {
+        /// Tool and work material.
+        pair: Box<Pair>,
+        /// Wear laws that their set states beside the one that it uses: what is known of those beforehand.
+        others: Arc<[WearLaw]>,
+    },
     /// The life of a milling cutter of this diameter, m.
     Milling {
         /// The group `life` of its set.
@@ -49,7 +55,7 @@ pub enum Base {
 
 impl From<&Pair> for Base {
     fn from(pair: &Pair) -> Self {
-        Self::Turning(Box::new(pair.clone()))
+        Self::Turning { pair: Box::new(pair.clone()), others: Arc::default() }
     }
 }
 
@@ -57,7 +63,7 @@ impl Base {
     /// The process.
     pub fn process(&self) -> Process {
         match self {
-            Self::Turning(_) => Process::Turning,
+            Self::Turning { .. } => Process::Turning,
             Self::Milling { .. } => Process::Milling,
         }
     }
@@ -65,7 +71,7 @@ impl Base {
     /// Flank wear at which an edge is worn out, m.
     pub fn wear_limit(&self) -> f64 {
         match self {
-            Self::Turning(pair) => pair.limits.wear_limit,
+            Self::Turning { pair, .. } => pair.limits.wear_limit,
             Self::Milling { life, .. } => life.wear_limit,
         }
     }
@@ -73,7 +79,7 @@ impl Base {
     /// The cut at which the set states its level.
     pub fn reference(&self) -> Condition {
         match self {
-            Self::Turning(pair) => pair.reference_cut().into(),
+            Self::Turning { pair, .. } => pair.reference_cut().into(),
             Self::Milling { life, .. } => Condition {
                 width: Some(life.reference_width),
                 ..Cut::nominal(life.reference_speed, life.reference_feed, life.reference_depth).into()
@@ -84,7 +90,7 @@ impl Base {
     /// Share of the time in cut during which an edge is in the material: a tooth is for part of a rotation.
     pub(crate) fn share_in_cut(&self, condition: &Condition) -> f64 {
         match self {
-            Self::Turning(_) => 1.0,
+            Self::Turning { .. } => 1.0,
             Self::Milling { life, diameter, .. } => {
                 let width = condition.width.unwrap_or(life.reference_width).min(*diameter);
                 (1.0 - 2.0 * width / diameter).acos() / std::f64::consts::TAU
@@ -95,7 +101,7 @@ impl Base {
     /// Hazard of chipping of the set.
     pub fn chipping(&self) -> &Chipping {
         match self {
-            Self::Turning(pair) => &pair.chipping,
+            Self::Turning { pair, .. } => &pair.chipping,
             Self::Milling { chipping, .. } => chipping,
         }
     }
@@ -106,7 +112,7 @@ impl Base {
     pub fn referred_to(self, condition: &Condition) -> Self {
         match self {
             // Its laws have levels of different kinds, which their groups state at the reference cut of the set.
-            Self::Turning(_) => self,
+            Self::Turning { .. } => self,
             Self::Milling { life, diameter, chipping } => {
                 let reference = Condition { group: 0, ..*condition };
                 let reference_life = Self::Milling { life, diameter, chipping }
@@ -130,7 +136,7 @@ impl Base {
 
     /// The same with the level of a law of lives in turning stated at another cut.
     pub(crate) fn taylor_referred_to(&mut self, condition: &Condition) {
-        if let Self::Turning(pair) = self
+        if let Self::Turning { pair, .. } = self
             && let WearLaw::ExtendedTaylor(law) = &mut pair.law
         {
             law.reference_speed = condition.cut.cutting_speed;
@@ -142,8 +148,19 @@ impl Base {
     /// The record of the wear law.
     pub(crate) fn law_mut(&mut self) -> &mut dyn AnyRecord {
         match self {
-            Self::Turning(pair) => pair.law.record_mut(),
+            Self::Turning { pair, .. } => pair.law.record_mut(),
             Self::Milling { life, .. } => life,
+        }
+    }
+
+    /// Whether the stages of the wear curve fit together.
+    ///
+    /// # Errors
+    /// [`ModelError::Contradiction`] where the tilt is too large for the contrast.
+    pub(crate) fn stages(&self) -> Result<(), ModelError> {
+        match self {
+            Self::Turning { pair, .. } => pair.law.check(),
+            Self::Milling { life, .. } => check_tilt(life.stage_contrast, life.stage_tilt),
         }
     }
 
@@ -151,7 +168,7 @@ impl Base {
     pub(crate) fn taylor(&self, condition: &Condition) -> Option<(f64, f64, f64)> {
         let cut = &condition.cut;
         match self {
-            Self::Turning(pair) => match &pair.law {
+            Self::Turning { pair, .. } => match &pair.law {
                 WearLaw::ExtendedTaylor(law) => Some((law.tool_life(cut) / 60.0, law.stage_contrast, law.stage_tilt)),
                 WearLaw::EnergyBalance(_) | WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) => None,
             },

@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::parameter::Prior;
 use crate::profile::profiles;
 use crate::sample::{Method, Posterior, maxima, sample_around};
-use crate::shape::Candidate;
+use crate::shape::{Candidate, Shape};
 use crate::treatment::{Clock, End, Measured};
 use crate::wear_model::{EDGE_SCATTER, READING_NOISE, WearModel};
 use rand::SeedableRng;
@@ -93,6 +93,16 @@ pub enum CalibrationError {
         name: String,
         /// What there is.
         known: String,
+    },
+    /// A value at which no law has the parameter.
+    #[error("--fix {name}={value}: {reason}")]
+    Fixed {
+        /// The parameter.
+        name: String,
+        /// The value.
+        value: f64,
+        /// Why not.
+        reason: String,
     },
     /// An edge to be held out that the data do not have, or too few others.
     #[error("--holdout: {0}")]
@@ -218,7 +228,7 @@ impl Calibration {
         let identifiability = Identifiability::of(&carried.model, &posterior);
         let coverage = Coverage::of(&carried.left_out);
         let lives = lives(&carried.model, &posterior, &measured, request.seed);
-        if let Base::Turning(pair) = &base {
+        if let Base::Turning { pair, .. } = &base {
             channels.extend(forces(&carried.model, posterior.map.u.as_slice(), &measured, pair, &request));
         }
         let best_known = best_known(&carried.model, &posterior, &measured);
@@ -322,10 +332,23 @@ fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationE
         }
     }
     for (name, value) in &request.fixed {
+        let refused = |reason: String| CalibrationError::Fixed { name: name.clone(), value: *value, reason };
+        if [EDGE_SCATTER, READING_NOISE].contains(&name.as_str()) {
+            return Err(refused("this is no parameter of a law; a narrow `--prior` holds it".to_owned()));
+        }
         let mut found = false;
         for model in models.iter_mut() {
-            let full = format!("{}.{name}", model.law.group());
-            found |= model.fix(name, *value) || model.fix(&full, *value) || model.fixed(name) || model.fixed(&full);
+            let names = [name.clone(), format!("{}.{name}", model.law.group())];
+            let Some(own) = names.iter().find(|name| model.has(name)) else { continue };
+            let straight = model.candidate().shape == Shape::Straight;
+            if straight && *value != 0.0 && own.contains(".stage_") {
+                return Err(refused("a straight wear curve has no stages; name other shapes".to_owned()));
+            }
+            found = true;
+            model.fix(own, *value);
+            if let Some(reason) = model.fault() {
+                return Err(refused(reason));
+            }
         }
         if !found {
             return Err(unknown(name, models));

@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::sample::{Posterior, maxima, sample};
 use crate::treatment::Measured;
 use crate::wear_model::WearModel;
-use toolroom_wear::{Cut, Pair, WearLaw};
+use toolroom_wear::{Cut, EnergyBalance, Pair, TakeyamaMurata, Usui, WearLaw};
 
 /// A channel against wear, fitted.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ pub(crate) fn heat(
         let place = place(*channel);
         channel.heats() && measured.loads.iter().any(|loads| loads[place].iter().any(Option::is_some))
     };
-    let Base::Turning(pair) = stated else { return nothing() };
+    let Base::Turning { pair, others } = stated else { return nothing() };
     if !Channel::ALL.iter().any(heated) || measured.readings() == 0 {
         return nothing();
     }
@@ -48,7 +48,7 @@ pub(crate) fn heat(
     let fits = models.iter().filter_map(|model| Some((model, maxima(model, &all, request.seed)?.0)));
     let best = fits.max_by(|a, b| a.1.ln_density.total_cmp(&b.1.ln_density));
     let Some((model, maximum)) = best else { return nothing() };
-    let mut pair = pair.as_ref().clone();
+    let (before, mut pair) = (pair, pair.as_ref().clone());
     let mut found: Vec<ChannelFit> = Vec::new();
     for channel in Channel::ALL.into_iter().filter(|channel| channel.heats()) {
         let known = !found.is_empty();
@@ -57,27 +57,32 @@ pub(crate) fn heat(
             found.push(fit);
         }
     }
-    let base = Base::Turning(Box::new(with_reference(pair, stated, request.limit)));
-    (base, found)
+    (with_reference((pair, others), before, request.limit), found)
 }
 
-/// A set whose reference temperature belongs to the same cut as before.
-fn with_reference(mut pair: Pair, stated: &Base, limit: f64) -> Pair {
-    let Base::Turning(before) = stated else { return pair };
+/// A set whose reference temperatures belong to the same cut as before.
+fn with_reference((mut pair, others): (Pair, &[WearLaw]), before: &Pair, limit: f64) -> Base {
     let rise = |pair: &Pair| {
         let half_worn = 0.5e-3 * limit;
         pair.point(&before.reference_cut(), half_worn).temperature - pair.temperature.ambient_temperature
     };
     let room = pair.temperature.ambient_temperature;
     let hotter = rise(&pair) / rise(before);
-    let moved = |reference: &mut f64| *reference = room + hotter * (*reference - room);
-    match &mut pair.law {
-        WearLaw::EnergyBalance(law) => moved(&mut law.reference_temperature),
-        WearLaw::TakeyamaMurata(law) => moved(&mut law.reference_temperature),
-        WearLaw::Usui(law) => moved(&mut law.reference_temperature),
-        WearLaw::ExtendedTaylor(_) => {}
-    }
-    pair
+    let moved = |law: WearLaw| {
+        let at = |reference: f64| room + hotter * (reference - room);
+        match law {
+            WearLaw::EnergyBalance(law) => {
+                WearLaw::EnergyBalance(EnergyBalance { reference_temperature: at(law.reference_temperature), ..law })
+            }
+            WearLaw::TakeyamaMurata(law) => {
+                WearLaw::TakeyamaMurata(TakeyamaMurata { reference_temperature: at(law.reference_temperature), ..law })
+            }
+            WearLaw::Usui(law) => WearLaw::Usui(Usui { reference_temperature: at(law.reference_temperature), ..law }),
+            WearLaw::ExtendedTaylor(_) => law,
+        }
+    };
+    pair.law = moved(pair.law);
+    Base::Turning { pair: Box::new(pair), others: others.iter().map(|law| moved(*law)).collect() }
 }
 
 /// Every force and power that was measured, each around what those before it have told of the force group. Power is left out

@@ -16,7 +16,7 @@ const STEP: f64 = 1e-4;
 pub(crate) fn parameters(base: &Base, laws: &[Law], limit: f64) -> Vec<Parameter> {
     let of_laws = laws.iter().flat_map(|law| law.parameters(&law.template(base, limit)));
     let mut all: Vec<Parameter> = of_laws.chain(of_edges()).collect();
-    if let Base::Turning(pair) = base {
+    if let Base::Turning { pair, .. } = base {
         for (channel, thermocouple) in
             Channel::ALL.into_iter().map(|channel| (channel, false)).chain([(Channel::ThermoEmf, true)])
         {
@@ -127,6 +127,21 @@ common_wear = 0.14
             let found = of(name);
             assert!((found.mean - mean).abs() < 1e-6, "{name}: mean {} for {mean}", found.mean);
             assert!((found.deviation / deviation - 1.0).abs() < 1e-5, "{name}: {} for {deviation}", found.deviation);
+        }
+    }
+
+    /// What a set does not say of other laws is that of the set on which it is based, however long the chain.
+    #[test]
+    fn laws_beside_the_one_of_a_set_are_as_in_the_set_that_it_is_based_on() {
+        let set = ParameterSet::parse("ours.toml", SET, &TURNING_SETS).expect("a set");
+        let base = Base::Turning {
+            pair: Box::new(Pair::of_set(&set).expect("a pair")),
+            others: Pair::other_laws(&set).into(),
+        };
+        let steel = Base::from(&Pair::named("c45_t15k6").expect("a shipped set"));
+        for law in [Law::EnergyBalance, Law::TakeyamaMurata, Law::Usui] {
+            let (ours, due) = (parameters(&base, &[law], 0.3), parameters(&steel, &[law], 0.3));
+            assert_eq!(ours[..3], due[..3], "{}", law.group());
         }
     }
 }

@@ -88,9 +88,9 @@ impl Law {
     /// The set with this law and what it says of it, so that lives end at a flank wear of `limit` mm.
     pub(crate) fn template(self, base: &Base, limit: f64) -> Base {
         match base {
-            Base::Turning(pair) => {
-                let law = ending_at(self.of_pair(pair), limit);
-                Base::Turning(Box::new(Pair { law, ..pair.as_ref().clone() }))
+            Base::Turning { pair, others } => {
+                let law = ending_at(self.of_pair(pair, others), limit);
+                Base::Turning { pair: Box::new(Pair { law, ..pair.as_ref().clone() }), others: others.clone() }
             }
             Base::Milling { life, diameter, chipping } => {
                 let life = CutterLife { wear_limit: limit * 1e-3, ..*life };
@@ -99,20 +99,22 @@ impl Law {
         }
     }
 
-    /// The law with what `base` says of it: its own parameters where it is the law of the set, otherwise levels, run-in and
-    /// reference temperature of the set's energy balance, and for Taylor's law the reference cut of the set.
-    fn of_pair(self, base: &Pair) -> WearLaw {
-        let balance = match base.law {
-            WearLaw::EnergyBalance(law) => law,
-            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) => EnergyBalance::default(),
-        };
+    /// The law with what the set says of it: its own parameters where the set states the law, otherwise levels, run-in and
+    /// reference temperature of the set's energy balance, and for Taylor's law the reference cut of the set. `others` are laws that
+    /// the set states beside its own, such as the energy balance of a shipped set on which one with lives is based.
+    fn of_pair(self, base: &Pair, others: &[WearLaw]) -> WearLaw {
+        let mut stated = std::iter::once(&base.law).chain(others);
+        if let Some(own) = stated.clone().find(|law| law.group() == self.group()) {
+            return *own;
+        }
+        let balance = stated.find_map(|law| match law {
+            WearLaw::EnergyBalance(law) => Some(*law),
+            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) => None,
+        });
+        let balance = balance.unwrap_or_default();
         let EnergyBalance { run_in_land, run_in_offset, reference_temperature, gas_constant, .. } = balance;
-        match (self, base.law) {
-            (Self::ExtendedTaylor, law @ WearLaw::ExtendedTaylor(_))
-            | (Self::TakeyamaMurata, law @ WearLaw::TakeyamaMurata(_))
-            | (Self::Usui, law @ WearLaw::Usui(_))
-            | (Self::EnergyBalance, law @ WearLaw::EnergyBalance(_)) => law,
-            (Self::ExtendedTaylor | Self::CutterLife, _) => {
+        match self {
+            Self::ExtendedTaylor | Self::CutterLife => {
                 let cut = base.reference_cut();
                 WearLaw::ExtendedTaylor(ExtendedTaylor {
                     reference_speed: cut.cutting_speed,
@@ -123,7 +125,7 @@ impl Law {
                     ..ExtendedTaylor::default()
                 })
             }
-            (Self::TakeyamaMurata, _) => WearLaw::TakeyamaMurata(TakeyamaMurata {
+            Self::TakeyamaMurata => WearLaw::TakeyamaMurata(TakeyamaMurata {
                 abrasive_wear: balance.mechanical_wear_per_path,
                 diffusion_wear_at_reference: balance.thermal_wear_rate,
                 activation_energy: balance.thermal_activation_energy,
@@ -133,7 +135,7 @@ impl Law {
                 gas_constant,
                 ..TakeyamaMurata::default()
             }),
-            (Self::Usui, _) => WearLaw::Usui(Usui {
+            Self::Usui => WearLaw::Usui(Usui {
                 // One law stands for both parts of an energy balance.
                 wear_at_reference: WHOLE * balance.mechanical_wear_per_path,
                 reference_temperature,
@@ -141,7 +143,7 @@ impl Law {
                 run_in_offset,
                 ..Usui::default()
             }),
-            (Self::EnergyBalance, _) => WearLaw::EnergyBalance(balance),
+            Self::EnergyBalance => WearLaw::EnergyBalance(balance),
         }
     }
 
@@ -180,7 +182,7 @@ impl Law {
             parameters
         };
         let law = match template {
-            Base::Turning(pair) => &pair.law,
+            Base::Turning { pair, .. } => &pair.law,
             Base::Milling { life, .. } => {
                 let exponents = [life.speed_exponent, life.feed_exponent, life.depth_exponent];
                 let mut parameters =
@@ -216,9 +218,9 @@ impl Law {
 /// A template with other values of the parameters of its law, in their units and the order of [`Law::parameters`].
 pub(crate) fn with_values(template: &Base, values: &[f64]) -> Base {
     match template {
-        Base::Turning(pair) => {
+        Base::Turning { pair, others } => {
             let law = law_with(&pair.law, values);
-            Base::Turning(Box::new(Pair { law, ..pair.as_ref().clone() }))
+            Base::Turning { pair: Box::new(Pair { law, ..pair.as_ref().clone() }), others: others.clone() }
         }
         Base::Milling { life, diameter, chipping } => {
             let life = CutterLife {

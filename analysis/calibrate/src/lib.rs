@@ -51,6 +51,7 @@ mod drawn;
 mod edge;
 mod ensemble;
 mod fit;
+mod fixing;
 mod identify;
 mod in_life;
 mod joined;

@@ -9,6 +9,8 @@ use crate::wear_model::{ONE_SPEED, ONE_VALUE};
 const FALL: f64 = 3.0;
 /// Usual standard deviation of a wear reading, mm (0.010 mm of reading, 0.005 mm of repeatability).
 const READING: f64 = 0.011;
+/// Readings of an edge that tell whether its wear grows (assumption).
+const EVEN: usize = 4;
 /// Share of the wear limit at a first reading beyond which the edge was probably not new when its record began.
 const WORN_ALREADY: f64 = 0.5;
 /// Share of the wear limit that readings have to reach for a life to be measured rather than extrapolated (assumption).
@@ -16,14 +18,21 @@ const REACHED: f64 = 0.8;
 /// Rows of an edge whose times may be compared, and rows of one edge alone that tell a running total (assumption: five times in
 /// rising order are one chance in 120).
 const TIMED: (usize, usize) = (3, 5);
+/// Factor beyond the range of speeds of a set from which speeds look like those of another unit: m/s under m/min is a factor of 60
+/// (assumption).
+const ANOTHER_UNIT: f64 = 4.0;
 /// Flank wear in mm below which readings only show the run-in.
 const RUN_IN: f64 = 0.1;
 
 impl Measured {
     pub(crate) fn remark(&mut self, limit: f64) {
         let (mut notes, mut used, mut fallen) = (Vec::new(), Vec::new(), Vec::new());
+        let mut even = Vec::new();
         for edge in &self.edges {
             let wear: Vec<f64> = edge.stretches.iter().filter_map(|stretch| stretch.wear).collect();
+            if wear.len() >= EVEN && wear.iter().all(|each| (each - wear[0]).abs() < READING) {
+                even.push(edge.name.as_str());
+            }
             let falls: Vec<&[f64]> = wear.windows(2).filter(|pair| pair[0] - pair[1] > FALL * READING).collect();
             if let Some(first) = falls.first() {
                 fallen.push((edge.name.as_str(), first[0], first[1], falls.len()));
@@ -44,6 +53,13 @@ impl Measured {
             notes.push(format!(
                 "{who}: wear falls from {from:.3} to {to:.3} mm{times}; the readings are kept. Was another edge or corner \
                  read? Then give it a tool_id of its own"
+            ));
+        }
+        if let Some(name) = even.first() {
+            let (count, all) = (even.len(), self.edges.len());
+            notes.push(format!(
+                "wear does not grow on {count} of {all} edges, {name} first: all its readings are the same within the error of one. Is \
+                 the column that of flank wear?"
             ));
         }
         let begun = self.edges.iter().filter(|edge| edge.begun.is_some()).count();
@@ -113,9 +129,33 @@ impl Measured {
         many && timed.iter().all(rising)
     }
 
-    /// Says where a cut was wider than the cutter of the set, in whose shops such a cut cannot be made.
+    /// Says where the cuts are far from what the set is for.
     pub(crate) fn fit_into(&mut self, base: &Base) {
-        let Base::Milling { diameter, .. } = base else { return };
+        match base {
+            Base::Turning { pair, .. } => self.speeds_fit(pair.limits.lowest_speed, pair.limits.highest_speed),
+            Base::Milling { diameter, .. } => self.widths_fit(*diameter),
+        }
+    }
+
+    /// Says where every cutting speed is far from those of the set, m/s.
+    fn speeds_fit(&mut self, lowest: f64, highest: f64) {
+        let speeds = self.conditions.iter().map(|condition| condition.cut.cutting_speed);
+        let (slow, fast) = speeds.fold((f64::INFINITY, 0.0_f64), |(a, b), speed| (a.min(speed), b.max(speed)));
+        let (below, above) = (fast * ANOTHER_UNIT < lowest, slow > ANOTHER_UNIT * highest);
+        if below || above {
+            let ask = if below { "are they in m/s? Then write cutting_speed [m/s]" } else { "is their unit right?" };
+            self.notes.push(format!(
+                "cutting speeds from {:.3} to {:.3} m/min, and the set is for {:.0} to {:.0} m/min: {ask}",
+                slow * 60.0,
+                fast * 60.0,
+                lowest * 60.0,
+                highest * 60.0
+            ));
+        }
+    }
+
+    /// Says where a cut was wider than the cutter of the set, in whose shops such a cut cannot be made.
+    fn widths_fit(&mut self, diameter: f64) {
         let widest = self.conditions.iter().filter_map(|condition| condition.width).fold(0.0, f64::max);
         if widest > diameter * (1.0 + 1e-9) {
             self.notes.push(format!(

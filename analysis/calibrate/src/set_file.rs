@@ -44,10 +44,12 @@ impl Calibration {
         let _ = writeln!(text, "\n[parameters.{law}]");
         let (mut fitted, mut based) = (model.at(u), self.stated.clone());
         let same_law = match (&fitted, &based) {
-            (Base::Turning(fitted), Base::Turning(based)) => fitted.law.group() == based.law.group(),
+            (Base::Turning { pair: fitted, .. }, Base::Turning { pair: based, .. }) => {
+                fitted.law.group() == based.law.group()
+            }
             // Its level is stated at another cut than that of the set.
             (Base::Milling { .. }, Base::Milling { .. }) => false,
-            (Base::Turning(_), Base::Milling { .. }) | (Base::Milling { .. }, Base::Turning(_)) => false,
+            (Base::Turning { .. }, Base::Milling { .. }) | (Base::Milling { .. }, Base::Turning { .. }) => false,
         };
         let (record, based) = (fitted.law_mut(), based.law_mut());
         for (index, field) in record.fields().iter().enumerate() {

@@ -175,7 +175,7 @@ impl CalibrationStudy {
         match self.process {
             Process::Turning => {
                 let pair = Pair::of_set(set).map_err(|error| wrong(&error))?;
-                Ok(Base::Turning(Box::new(pair)))
+                Ok(Base::Turning { pair: Box::new(pair), others: Pair::other_laws(set).into() })
             }
             Process::Milling => {
                 let milling = Milling::of_set(set).map_err(|error| wrong(&error))?;
@@ -250,6 +250,7 @@ impl CalibrationStudy {
         };
         let calibration = Calibration::new(measured, base, request).map_err(|error| match &error {
             CalibrationError::Parameter { .. } => refuse(error, "names are group.key or key"),
+            CalibrationError::Fixed { .. } => refuse(error, "--fix stage_contrast=0.6, in the unit of parameter files"),
             CalibrationError::HeldOut(_) => refuse(error, "--holdout 0.2, or names of edges with commas"),
             CalibrationError::NoDensity(_) => refuse(error, "look at the units of the records"),
         })?;

@@ -3,6 +3,7 @@
 use crate::base::{Base, Condition};
 use crate::curve::Curve;
 use crate::edge::{Common, Edge, Life, Predicted, Stretch};
+use crate::fixing::Slot;
 use crate::in_life::InLife;
 use crate::law::{Law, with_values};
 use crate::model::Model;
@@ -54,15 +55,6 @@ pub(crate) const ONE_VALUE: f64 = 1.05;
 /// mm/min of a rate in m/s.
 const MM_PER_MIN: f64 = 6e4;
 
-/// Where the value of a parameter of the law comes from.
-#[derive(Clone, Copy, Debug)]
-enum Slot {
-    /// The working coordinate of this index.
-    Free(usize),
-    /// A fixed value.
-    Fixed(f64),
-}
-
 /// Readings and lives of edges under a wear law.
 #[derive(Clone, Debug)]
 pub struct WearModel {
@@ -70,9 +62,9 @@ pub struct WearModel {
     pub law: Law,
     /// The shape of its wear curve.
     pub shape: Shape,
-    template: Base,
-    parameters: Vec<Parameter>,
-    slots: Vec<Slot>,
+    pub(crate) template: Base,
+    pub(crate) parameters: Vec<Parameter>,
+    pub(crate) slots: Vec<Slot>,
     /// Names of the parameters of groups of edges, from group 1 on.
     groups: Vec<String>,
     conditions: Vec<Condition>,
@@ -81,7 +73,7 @@ pub struct WearModel {
     in_life: Option<InLife>,
     greatest: f64,
     /// Whether the exponent of speed may be anything, since lives do not count time.
-    any_speed: bool,
+    pub(crate) any_speed: bool,
 }
 
 /// Name of the scatter of edges among the parameters.
@@ -166,30 +158,6 @@ impl WearModel {
     /// The law with the shape of its wear curve.
     pub fn candidate(&self) -> Candidate {
         Candidate { law: self.law, shape: self.shape }
-    }
-
-    /// Fixes a parameter of the law at a value in its unit; `false` where none of this name is free.
-    pub fn fix(&mut self, name: &str, value: f64) -> bool {
-        let Some(index) = self.index(name) else { return false };
-        let Some(slot) = self.slots.iter().position(|slot| matches!(slot, Slot::Free(free) if *free == index)) else {
-            return false;
-        };
-        self.slots[slot] = Slot::Fixed(value);
-        self.parameters.remove(index);
-        for slot in &mut self.slots {
-            match slot {
-                Slot::Free(free) if *free > index => *free -= 1,
-                Slot::Free(_) | Slot::Fixed(_) => {}
-            }
-        }
-        true
-    }
-
-    /// Whether a parameter of the law of this name is fixed already.
-    pub fn fixed(&self, name: &str) -> bool {
-        let all = self.law.parameters(&self.template);
-        let slot = all.iter().position(|parameter| parameter.name == name).map(|index| self.slots[index]);
-        matches!(slot, Some(Slot::Fixed(_)))
     }
 
     fn index(&self, name: &str) -> Option<usize> {
@@ -293,7 +261,7 @@ impl WearModel {
         }
         match (base, known) {
             (_, Some((curve, other))) => curve.faster(group(condition) / group(other)),
-            (Base::Turning(pair), None) => {
+            (Base::Turning { pair, .. }, None) => {
                 let (cut, contact) = (&condition.cut, pair.contact(&condition.cut));
                 let rate = |wear: f64| MM_PER_MIN * contact.steady_wear(wear * 1e-3).rate(cut.cutting_speed);
                 Curve::new(self.greatest, rate).faster(group(condition))
@@ -310,11 +278,15 @@ impl WearModel {
 
     /// The set with the law at some working coordinates.
     pub fn at(&self, u: &[f64]) -> Base {
-        let value = |slot: &Slot| match slot {
-            Slot::Free(index) => self.parameters[*index].scale.value(u[*index]),
-            Slot::Fixed(value) => *value,
-        };
-        let values: Vec<f64> = self.slots.iter().map(value).collect();
+        let mut values: Vec<f64> = Vec::with_capacity(self.slots.len());
+        for slot in &self.slots {
+            values.push(match slot {
+                Slot::Free(index) => self.parameters[*index].scale.value(u[*index]),
+                Slot::Fixed(value) => *value,
+                // Counted in shares of what the contrast, which stands before it, leaves.
+                Slot::Tilt(tilt) => tilt / (1.0 - values.last().copied().unwrap_or(0.0)),
+            });
+        }
         with_values(&self.template, &values)
     }
 
@@ -353,7 +325,7 @@ impl WearModel {
             let free = self.any_speed && field.name == "speed_exponent";
             free || record.value(index).is_some_and(|value| field.check(value).is_ok())
         };
-        record.fields().iter().enumerate().all(within)
+        record.fields().iter().enumerate().all(within) && base.stages().is_ok()
     }
 
     /// Life in min of an edge of median level under a condition.

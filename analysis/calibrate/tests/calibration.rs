@@ -116,6 +116,55 @@ fn a_parameter_that_no_law_has_is_refused_by_name() {
 }
 
 #[test]
+fn a_value_that_is_fixed_is_the_one_of_the_set_and_one_that_cannot_be_is_refused() {
+    let fixed = |fixed: &[(&str, f64)]| {
+        let measured = Measured::of(&records(&made(&[200.0, 250.0, 300.0])), 0.3).expect("edges");
+        let fixed = fixed.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+        Calibration::new(measured, &base(), Request { fixed, ..request(&[Law::ExtendedTaylor]) })
+    };
+    let set = fixed(&[("stage_tilt", 0.2)]).expect("a calibration").set_file("ours", "c45_t15k6");
+    assert!(set.contains("stage_tilt = { value = 0.2,"), "{set}");
+    for (name, value, reason) in [
+        ("stage_tilt", 0.9, "stage_tilt"),
+        ("stage_contrast", 2.0, "stage_contrast"),
+        ("reference_life", -5.0, "reference_life"),
+        ("edge_scatter", 0.1, "--prior"),
+    ] {
+        let refused = fixed(&[(name, value)]).expect_err(name).to_string();
+        assert!(refused.starts_with(&format!("--fix {name}={value}: ")) && refused.contains(reason), "{refused}");
+    }
+}
+
+#[test]
+fn speeds_of_another_unit_and_wear_that_does_not_grow_are_told() {
+    let mut rows = String::new();
+    for (edge, speed) in [("A", 3.0), ("B", 4.0)] {
+        for sequence in 1..=5 {
+            let _ = writeln!(rows, "O{edge}{sequence},L1,{edge},{sequence},{speed},0.3,1.5,5,0.1{sequence},");
+        }
+    }
+    let notes = |rows: &str| {
+        let measured = Measured::of(&records(rows), 0.3).expect("edges");
+        let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor])).expect("a calibration");
+        found.measured.notes.join("; ")
+    };
+    let far = notes(&rows);
+    assert!(far.contains("cutting speeds from 3.000 to 4.000 m/min") && far.contains("cutting_speed [m/s]"), "{far}");
+    let even = notes(
+        &rows
+            .replace(",0.11,", ",0.1,")
+            .replace(",0.12,", ",0.1,")
+            .replace(",0.13,", ",0.1,")
+            .replace(",0.14,", ",0.1,")
+            .replace(",0.15,", ",0.1,")
+            .replace(",3,0.3", ",200,0.3")
+            .replace(",4,0.3", ",240,0.3"),
+    );
+    assert!(even.contains("wear does not grow on 2 of 2 edges, A first"), "{even}");
+    assert!(!even.contains("cutting speeds from"), "{even}");
+}
+
+#[test]
 fn forces_are_fitted_against_the_wear_that_was_fitted() {
     let base = base();
     let mut rows = String::from(HEADER.trim_end());

@@ -82,7 +82,8 @@ impl Axis {
         let widest = match setting {
             Setting::WearLimit => (0.1 * reference.wear_limit, reference.wear_limit),
             Setting::Parts => (1.0, f64::INFINITY),
-            Setting::Price => (1.01 / reference.speed, f64::INFINITY),
+            // The best speed may be above the programmed one, and a metre then takes less time than it does there.
+            Setting::Price => (0.2 * span.0, f64::INFINITY),
             Setting::CuttingSpeed | Setting::SpeedFactor | Setting::PathPerEdge | Setting::CuttingTime => {
                 (0.2 * span.0, 5.0 * span.1)
             }
@@ -162,6 +163,15 @@ mod tests {
         assert!((above - 0.6e-3).abs() < 1e-12, "{above}");
         axis.values.push(above);
         assert_eq!(axis.beyond(true), None, "an edge is worn there anyway");
+    }
+
+    #[test]
+    fn a_price_may_belong_to_speeds_above_the_programmed_one() {
+        let rule = PolicyRule { speed: SpeedRule::Productivity { price: None }, ..PolicyRule::default() };
+        let axis = Axis::all(&rule, Reference { speed: 3.0, wear_limit: 0.3e-3, life: None }).remove(0);
+        assert_eq!(axis.setting, Setting::Price);
+        let below = axis.beyond(false).expect("the grid goes on");
+        assert!(below < 1.0 / 3.0, "{below} s/m");
     }
 
     #[test]

@@ -5,13 +5,23 @@ use crate::machine::UnitProcess;
 use crate::unit::{CALL_LIMIT, Isolation, LoadError, Unit, WorkerProgram};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use toolroom_process::{MachineProcess, UnitIsolation};
 use toolroom_scenario::{UnitRefusal, UnitRequest, set_importer};
 
+/// Whether this process answers the verb of a worker.
+static SERVES: AtomicBool = AtomicBool::new(false);
+
 /// Makes `fmu = "…"` in scenarios work, for every scenario that this process reads from then on.
 pub fn register() {
     set_importer(import);
+}
+
+/// [`register`] in the program `toolroom` itself, which is its own worker under whatever name it was installed.
+pub fn register_program() {
+    SERVES.store(true, Ordering::Relaxed);
+    register();
 }
 
 fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal> {
@@ -34,9 +44,8 @@ impl Isolation {
         match isolation {
             UnitIsolation::None => Self::None,
             UnitIsolation::Process => {
-                let program = std::env::current_exe().ok().filter(|program| {
-                    program.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("toolroom"))
-                });
+                let own = std::env::current_exe().ok();
+                let program = own.filter(|_| SERVES.load(Ordering::Relaxed));
                 Self::Process(WorkerProgram {
                     program: program.unwrap_or_else(|| PathBuf::from("toolroom")),
                     arguments: vec!["fmu".to_owned(), "worker".to_owned()],

@@ -20,7 +20,7 @@
 //! | `Unit`, `Instance`, `Port` | with the feature `fmi`: a loaded unit, of Co-Simulation or Model Exchange, one instance, one variable of it |
 //! | `UnitProcess`, `wire::Wires` | with the feature `fmi`: a unit in the place of a native process, in SI |
 //! | `Isolation`, `worker::serve` | with the feature `fmi`: where the code of a unit runs |
-//! | `register` | with the feature `fmi`: lets scenarios name units in the place of processes |
+//! | `register`, `register_program` | with the feature `fmi`: lets scenarios name units in the place of processes |
 //! | `simulate::simulate` | with the feature `fmi`: a unit by itself |
 //!
 //! ```
@@ -67,7 +67,7 @@ pub use description::{Dimension, Interface, ModelDescription, Reading, ValueType
 pub use platform::{Binary, PLATFORMS, Platform};
 #[cfg(feature = "fmi")]
 pub use {
-    importer::register,
+    importer::{register, register_program},
     instance::{Action, Answer, CallError, Instance, Port, StartValue, Stepped},
     machine::UnitProcess,
     parts::Retaking,

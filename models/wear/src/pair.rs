@@ -128,6 +128,17 @@ impl Pair {
         Ok(pair)
     }
 
+    /// The wear laws that a set states beside the one that it uses.
+    pub fn other_laws(set: &ParameterSet) -> Vec<WearLaw> {
+        let stated = |group: &&Group| set.unused.iter().any(|value| value.group == group.name);
+        let laws = TURNING_SETS.groups.iter().filter(stated).filter_map(|group| WearLaw::of_group(group.name));
+        laws.map(|mut law| {
+            set.fill_unused(law.group(), law.record_mut());
+            law
+        })
+        .collect()
+    }
+
     /// Parameter groups by name.
     pub fn parameters_mut(&mut self) -> Vec<(&'static str, &mut dyn AnyRecord)> {
         vec![

@@ -128,6 +128,10 @@ fn every_fault_is_named_with_its_place_and_fix() {
             "handbook = { taylor = { form = \"v = C / (T^m ap^x f^y)\", C = \"420 m/min\", m = 2, source = \"s\" } }\n",
             "outside",
         ),
+        (
+            "handbook = { taylor = { form = \"v = C / (T^m ap^x f^y)\", C = \"420 m/min\", m = 0.2, x = 0.1, source = \"s\" } }\n",
+            "lacks `y`",
+        ),
         ("[scatter]\ncommon_ware = 0.2\n", "did you mean `common_wear`?"),
     ] {
         let message = refused(body);

@@ -31,7 +31,7 @@ use super::tune::TUNE;
 use policy::POLICY;
 use quantity::{COST, DECADE, DEVIATION, DURATION, LONG_DURATION, PLAIN, RANDOM_TIME, RATE, TIME};
 use toolroom_scenario::{BatchUnit, FailureClock, Interruption};
-use toolroom_wear::{Scatter, ScatterWord};
+use toolroom_wear::Scatter;
 use transport::{CREW, TRANSPORT};
 
 /// What a spindle is able to; above 6000 m/min nothing is cut.
@@ -220,11 +220,11 @@ static TOOL: Form = Form {
         .when("process", ProcessKind::CUTTING),
         Key::required("edge_cost", COST, "Cost of one cutting edge, or of one dressing of a wheel"),
         Key::default("dressing_time", TIME, "1.5 min", "Dressing the wheel").when("process", &["infeed"]),
-        Key::default(
+        Key::optional(
             "scatter",
             Scatter::<f64>::KIND,
-            ScatterWord::Shop.word(),
-            "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
+            "Scatter of edges, workpieces and wear; a table changes single values of the shop's. Left out: that of the parameter set, \
+             else the shop's",
         )
         .when("process", ProcessKind::WORDS),
     ],

@@ -121,7 +121,11 @@ impl Posterior {
                 None => (header.trim(), "1"),
             };
             let column = match name {
-                "law" | READING_NOISE => continue,
+                READING_NOISE => continue,
+                "law" => {
+                    same_law(table, place, &process)?;
+                    continue;
+                }
                 // The factor of a group of edges that is not the one of the set.
                 _ if name.contains('=') => continue,
                 LIFE_NOISE if scatter_stated => continue,
@@ -252,10 +256,28 @@ impl Posterior {
 
 /// Refuses weights that differ.
 fn equal(table: &DrawTable, place: usize) -> Result<(), String> {
-    let first = table.rows.first().and_then(|row| row.get(place));
-    let other = table.rows.iter().position(|row| row.get(place) != first);
+    let told = |row: &Vec<String>| row.get(place).map_or("", String::as_str).trim().to_owned();
+    let first = table.rows.first().map(told).unwrap_or_default();
+    if !table.rows.is_empty() && !first.parse::<f64>().is_ok_and(|weight| weight > 0.0 && weight.is_finite()) {
+        return Err(format!("row 1: a draw of weight {first} is none; weights are equal and above 0"));
+    }
+    let other = table.rows.iter().position(|row| told(row) != first);
     other.map_or(Ok(()), |row| {
         Err(format!("row {}: the weights differ; draws are to be resampled to equal weights", row + 1))
+    })
+}
+
+/// The draws are those of the law of the process.
+fn same_law(table: &DrawTable, place: usize, process: &ProcessModel) -> Result<(), String> {
+    let ProcessModel::Turning(turning) = process else { return Ok(()) };
+    let law = turning.pair.law.group();
+    let told = |row: &Vec<String>| row.get(place).map_or("", String::as_str).trim().to_owned();
+    let other = table.rows.iter().map(told).enumerate().find(|(_, told)| told != law);
+    other.map_or(Ok(()), |(row, told)| {
+        Err(format!(
+            "row {}: the draw is of the law {told}, and the set has {law}: give the set of the same calibration",
+            row + 1
+        ))
     })
 }
 
@@ -400,6 +422,8 @@ mod tests {
         assert!(refused(&[WEAR], &[&["1"], &["-1"]]).starts_with("row 2"));
         assert!(refused(&[WEAR], &[&["one"]]).contains("a number is due"));
         assert!(refused(&[WEAR, "weight"], &[&["1", "1"], &["2", "0.5"]]).contains("weights differ"));
+        assert!(refused(&[WEAR, "weight"], &[&["1", "0"], &["2", "0"]]).contains("above 0"));
+        assert!(refused(&[WEAR, "law"], &[&["1", "usui"]]).contains("the law usui, and the set has energy_balance"));
         assert_eq!(refused(&[WEAR], &[]), "there is no draw");
     }
 }

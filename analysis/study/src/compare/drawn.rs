@@ -86,6 +86,9 @@ impl DrawnDifference {
     }
 }
 
+/// Draws below which a deviation over them is rough: that of 20 is known to a sixth (assumption).
+const FEW_DRAWS: usize = 20;
+
 /// What is to be said beside the decision where tools take draws.
 pub(super) fn notes(scenario: &Scenario, study: &Study, decision: &Decision) -> Vec<String> {
     let per_draw = scenario.replications_per_draw();
@@ -122,13 +125,19 @@ pub(super) fn notes(scenario: &Scenario, study: &Study, decision: &Decision) -> 
         let Some(found) = DrawnDifference::of_replications(&differences, per_draw as usize) else { continue };
         let digits = decimals(found.difference, found.sd_parameters.max(found.se_simulation));
         let value = found.value_of_information();
+        let drawn = differences.len() / per_draw as usize;
+        let rough = if drawn < FEW_DRAWS {
+            format!(" (so few draws say it roughly: {} replications take {FEW_DRAWS})", FEW_DRAWS * per_draw as usize)
+        } else {
+            String::new()
+        };
         notes.push(format!(
             "{} against {} over {} draws of the parameters: difference {}, ±{} from what the data leave open, ±{} from \
              simulation (one deviation each); better in {:.0} % of what your data allow; to know the parameters is worth {} {} \
-             a part",
+             a part{rough}",
             name(policy),
             name(other),
-            differences.len() / per_draw as usize,
+            drawn,
             signed(found.difference, digits),
             plain(found.sd_parameters, digits),
             plain(found.se_simulation, digits),

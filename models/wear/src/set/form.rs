@@ -68,8 +68,9 @@ pub(super) static TAYLOR: Form = Form {
         Key::required("form", Kind::Choice(&[SPEED_FORM, PRODUCT_FORM]), "How the constants are meant"),
         Key::required("C", SPEED, "Speed at which an edge lasts one life_unit at 1 mm of depth and feed"),
         Key::required("m", RATIO, "Exponent of life").when("form", &[SPEED_FORM]),
-        Key::optional("x", RATIO_OR_ZERO, "Exponent of depth of cut").when("form", &[SPEED_FORM]),
-        Key::optional("y", RATIO_OR_ZERO, "Exponent of feed").when("form", &[SPEED_FORM]),
+        Key::required("x", RATIO_OR_ZERO, "Exponent of depth of cut; 0 where the law has none")
+            .when("form", &[SPEED_FORM]),
+        Key::required("y", RATIO_OR_ZERO, "Exponent of feed; 0 where the law has none").when("form", &[SPEED_FORM]),
         Key::required("n", RATIO, "Exponent of life").when("form", &[PRODUCT_FORM]),
         Key::optional("a", RATIO_OR_ZERO, "Exponent of feed").when("form", &[PRODUCT_FORM]),
         Key::optional("b", RATIO_OR_ZERO, "Exponent of depth of cut").when("form", &[PRODUCT_FORM]),

@@ -114,6 +114,8 @@ pub struct ParameterSet {
     pub law: Option<&'static str>,
     /// Every value, in the order of the catalogue.
     pub values: Vec<ParameterValue>,
+    /// Values of wear laws that the set does not use, as its file or a set that it is based on gives them: whole groups only.
+    pub unused: Vec<ParameterValue>,
     /// Standard deviations by `group.name`.
     pub prior: BTreeMap<String, Spread>,
     /// Scatter of tools of this set that state none.
@@ -237,10 +239,19 @@ impl ParameterSet {
 
     /// Sets the fields of `record` that the group gives.
     pub fn fill(&self, group: &str, record: &mut dyn AnyRecord) {
-        for (i, field) in record.fields().iter().enumerate() {
-            if let Some(value) = self.value(group, field.name) {
-                record.set_value(i, value.value);
-            }
+        fill_from(&self.values, group, record);
+    }
+
+    /// Sets the fields of `record` that a law has which the set does not use.
+    pub fn fill_unused(&self, group: &str, record: &mut dyn AnyRecord) {
+        fill_from(&self.unused, group, record);
+    }
+}
+
+fn fill_from(values: &[ParameterValue], group: &str, record: &mut dyn AnyRecord) {
+    for (i, field) in record.fields().iter().enumerate() {
+        if let Some(value) = values.iter().find(|value| value.group == group && value.field.name == field.name) {
+            record.set_value(i, value.value);
         }
     }
 }

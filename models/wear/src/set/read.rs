@@ -3,7 +3,7 @@
 use super::fault::{LONGEST_CHAIN, SetFault};
 use super::form::PARAMETER_SET;
 use super::prior::priors;
-use super::{Catalogue, Origin, ParameterSet, ParameterValue, diffusion, sources};
+use super::{Catalogue, Group, Origin, ParameterSet, ParameterValue, diffusion, sources};
 use crate::Scatter;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -66,7 +66,13 @@ fn set(
     let mut values = given(walk, root, catalogue);
     let named: Vec<&'static str> =
         catalogue.laws().filter(|law| values.keys().any(|(group, _)| group == law)).collect();
-    let inherited = |group: &str, name: &str| base.as_ref().and_then(|base| base.value(group, name));
+    let inherited = |group: &str, name: &str| {
+        let of_other_laws = |base: &'_ ParameterSet| {
+            base.unused.iter().position(|value| value.group == group && value.field.name == name)
+        };
+        let base = base.as_ref()?;
+        base.value(group, name).or_else(|| of_other_laws(base).map(|place| &base.unused[place]))
+    };
     // What the conversions refer to: the reference cut of this file or of its base.
     let reference = |group: &str, name: &str| {
         let entry = values.iter().find(|((entry, key), _)| *entry == group && *key == name);
@@ -102,47 +108,49 @@ fn set(
     {
         converted.values.extend(of_material);
     }
-    let mut all = Vec::new();
-    for group in catalogue.groups.iter().filter(|group| !group.law || Some(group.name) == law) {
-        let mut missing = Vec::new();
-        for field in group.fields {
-            let key = (group.name, field.name);
-            let placed = values.get(&key).or(converted.values.get(&key));
-            let value = match (placed, inherited(group.name, field.name)) {
-                (Some(placed), _) => ParameterValue {
-                    group: group.name,
-                    field,
-                    value: placed.value,
-                    origin: placed.origin.clone(),
-                    source: placed.source.clone(),
-                },
-                (None, Some(value)) => {
-                    let origin = match &value.origin {
-                        Origin::Based(set) => Origin::Based(set.clone()),
-                        Origin::Assumed => Origin::Assumed,
-                        Origin::Given | Origin::Handbook => {
-                            Origin::Based(base.as_ref().map_or(String::new(), |base| base.name.clone()))
-                        }
-                    };
-                    ParameterValue { origin, ..value.clone() }
-                }
-                (None, None) if group.assumed.contains(&field.name) => ParameterValue {
-                    group: group.name,
-                    field,
-                    value: field.start,
-                    origin: Origin::Assumed,
-                    source: "default".to_owned(),
-                },
-                (None, None) => {
-                    missing.push(field.name);
-                    continue;
-                }
-            };
-            all.push(value);
+    let found = |group: &Group, field: &'static Field| {
+        let key = (group.name, field.name);
+        let placed = values.get(&key).or(converted.values.get(&key));
+        match (placed, inherited(group.name, field.name)) {
+            (Some(placed), _) => Some(ParameterValue {
+                group: group.name,
+                field,
+                value: placed.value,
+                origin: placed.origin.clone(),
+                source: placed.source.clone(),
+            }),
+            (None, Some(value)) => {
+                let origin = match &value.origin {
+                    Origin::Based(set) => Origin::Based(set.clone()),
+                    Origin::Assumed => Origin::Assumed,
+                    Origin::Given | Origin::Handbook => {
+                        Origin::Based(base.as_ref().map_or(String::new(), |base| base.name.clone()))
+                    }
+                };
+                Some(ParameterValue { origin, ..value.clone() })
+            }
+            (None, None) => group.assumed.contains(&field.name).then(|| ParameterValue {
+                group: group.name,
+                field,
+                value: field.start,
+                origin: Origin::Assumed,
+                source: "default".to_owned(),
+            }),
         }
+    };
+    let (mut all, mut unused) = (Vec::new(), Vec::new());
+    for group in catalogue.groups {
+        let here: Vec<Option<ParameterValue>> = group.fields.iter().map(|field| found(group, field)).collect();
+        if group.law && Some(group.name) != law {
+            unused.extend(here.into_iter().collect::<Option<Vec<_>>>().into_iter().flatten());
+            continue;
+        }
+        let missing: Vec<&str> =
+            group.fields.iter().zip(&here).filter(|(_, value)| value.is_none()).map(|(field, _)| field.name).collect();
         if !missing.is_empty() && walk.problems.is_empty() {
             walk.fault(root.span_of("parameters"), SetFault::Missing { group: group.name, names: missing.join(", ") });
         }
+        all.extend(here.into_iter().flatten());
     }
     converted.notes.extend(passed_over(catalogue, &values, &converted.values, &line));
     let inherited_prior = base.as_ref().map_or_else(BTreeMap::new, |base| base.prior.clone());
@@ -160,6 +168,7 @@ fn set(
         process: catalogue.process,
         law,
         values: all,
+        unused,
         prior,
         scatter,
         notes,
