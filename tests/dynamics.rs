@@ -418,3 +418,24 @@ fn a_stable_milling_point_has_its_vibration() {
     assert_eq!((&one["method"], &beyond["method"]), (&"forced".into(), &"simulated".into()));
     assert!(beyond["sle [um]"].is_null() && without.is_null(), "{beyond} {without}");
 }
+
+/// One clean hit, a structure written by hand, and a fit whose noise is what it leaves.
+#[test]
+fn what_has_neither_coherence_nor_measurement_is_read() {
+    let folder = directory("dynamics", "alone");
+    let place = |name: &str| folder.join(name).display().to_string();
+    let by_hand = "schema = 1\nname = \"by-hand\"\n[[mode]]\ndirection = [0.9903, -0.1390]\n\
+                   natural_frequency = { value = \"1655.20 Hz\" }\ndamping_ratio = { value = 0.015198 }\n\
+                   stiffness = { value = \"10.201 N/um\" }\n[residual]\nupper_xx = \"0.0015 um/N\"\n";
+    fs::write(place("by-hand.toml"), by_hand).expect("writable");
+    let checked = toolroom(&["check", &place("by-hand.toml")]);
+    assert!(checked.status.code() == Some(0), "{}", stderr(&checked));
+    let all = hits(0.0);
+    let first: String = all.lines().take(1 + 17_000).map(|line| format!("{line}\n")).collect();
+    fs::write(place("hit.csv"), first).expect("writable");
+    let found = toolroom(&["modes", &place("hit.csv"), "--highest", "3000 Hz"]);
+    let text = String::from_utf8_lossy(&found.stdout).into_owned();
+    assert!(found.status.code() == Some(0) && text.contains("freedom –:"), "{text}{}", stderr(&found));
+    let found = json(&toolroom(&["modes", &place("hit.csv"), "--highest", "3000 Hz", "--json"]));
+    assert!(found["chi2"].is_null() && found["refused"].is_null(), "{found}");
+}

@@ -154,7 +154,7 @@ pub static KINDS: &[FileKind] = &[
     FileKind {
         word: "structure",
         doc: "Vibration modes from a tap test, for `structure` of lobes files; modes writes them",
-        signs: &["measurement", "covariance"],
+        signs: &["measurement", "covariance", "residual", "station", "mass_loss"],
         read: Some(readers::structure),
         form: Described::By(&STRUCTURE),
     },

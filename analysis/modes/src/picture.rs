@@ -18,7 +18,11 @@ pub(super) fn report(study: &ModesStudy, provenance: Provenance) -> Report {
     let mut report = Report::new(format!("Vibration modes: {}", study.name))
         .lead(format!("{} modes; the fit is {}.", study.fit.modes.len(), quality.verdict()))
         .tile(Tile::new("modes", study.fit.modes.len().to_string(), "that stand out of the noise"))
-        .tile(Tile::new("chi2 over freedom", format!("{:.2}", quality.reduced_chi2), "1 where the coherence is right"));
+        .tile(Tile::new(
+            "chi2 over freedom",
+            quality.reduced_chi2.map_or("–".to_owned(), |chi2| format!("{chi2:.2}")),
+            "1 where the coherence is right",
+        ));
     let mut modes = Section::new("Modes").paragraph(
         "Values with the standard deviation of the fit alone. What changes from tap to tap and from mounting to mounting is \
          added in the structure file.",

@@ -21,7 +21,13 @@ impl ModesStudy {
             let _ = writeln!(text, "{:<6} {frequency:<24} {damping:<24} {stiffness:<24} {direction}", i + 1);
         }
         let quality = &self.fit.quality;
-        let _ = writeln!(text, "\nchi2 over degrees of freedom {:.3}", quality.reduced_chi2);
+        let _ = match quality.reduced_chi2 {
+            Some(chi2) => writeln!(text, "\nchi2 over degrees of freedom {chi2:.3}"),
+            None => writeln!(
+                text,
+                "\nchi2 over degrees of freedom –: without coherence and averages the residuals themselves tell the noise"
+            ),
+        };
         for (function, residual) in &quality.residuals {
             let _ = writeln!(text, "the fit leaves {:.1} % of {function}", residual * 100.0);
         }

@@ -65,6 +65,12 @@ pub(crate) fn dense_dominant(matrix: DMatrix<f64>) -> Result<Dominant, ChatterEr
     Ok(Dominant { value, residual: if modulus > 0.0 { error / modulus } else { 0.0 } })
 }
 
+/// Share of the eigenvector next in modulus in the next start, beside that of the dominant one.
+const RIVAL_SHARE: f64 = 0.3;
+/// Residual to which a map is iterated that has no start vector from a neighbour. The fixed one can lack a dominant vector:
+/// what it holds of a real one changes its sign over depth and speed. A vector of this share in it comes to light before the
+/// residual of another is as small.
+const UNSEEN: f64 = 1e-8;
 /// Dimension at which eigenvalues are first searched without an outlook.
 const FIRST_SEARCH: usize = 4;
 
@@ -101,6 +107,8 @@ impl Krylov {
         let greatest = size.min(MAX_STEPS);
         self.overflowed = false;
         self.start(size);
+        let warm = self.warm.len() == size;
+        let tolerance = if warm { tolerance } else { tolerance.min(UNSEEN) };
         // A search for eigenvalues costs more than a step: the subdiagonal over the modulus tells
         // how the residual falls from step to step, and so when the next search is worth it.
         let mut best = f64::INFINITY;
@@ -168,15 +176,32 @@ impl Krylov {
         first.iter_mut().for_each(|entry| *entry /= norm);
     }
 
-    /// Keeps a real vector of the eigenspace of `value` for the next start.
+    /// Keeps a real vector of the eigenspace of `value` for the next start, with some of that of the eigenvalue next in
+    /// modulus: of a neighbouring map it may be the dominant one.
     fn keep_warm(&mut self, m: usize, value: Complex<f64>) {
-        self.last_component(m, value);
-        let norm: f64 = self.ritz.iter().map(|entry| entry.norm_sqr()).sum::<f64>().sqrt();
         self.warm.clear();
         self.warm.resize(self.image.len(), 0.0);
-        for (y, v) in self.ritz.iter().zip(&self.basis) {
-            subtract(&mut self.warm, -(y.re + y.im) / norm, v);
+        let mut weights = vec![0.0; m];
+        let mut add = |krylov: &mut Self, value, share: f64| {
+            krylov.last_component(m, value);
+            let norm: f64 = krylov.ritz.iter().map(|entry| entry.norm_sqr()).sum::<f64>().sqrt();
+            for (weight, y) in weights.iter_mut().zip(&krylov.ritz) {
+                *weight += share / norm * (y.re + y.im);
+            }
+        };
+        add(self, value, 1.0);
+        if let Some(rival) = self.greatest_but(Some(value)) {
+            add(self, rival, RIVAL_SHARE);
         }
+        for (weight, vector) in weights.iter().zip(&self.basis) {
+            subtract(&mut self.warm, -weight, vector);
+        }
+    }
+
+    /// The Ritz value of greatest modulus but `skip`, one of each conjugate pair.
+    fn greatest_but(&self, skip: Option<Complex<f64>>) -> Option<Complex<f64>> {
+        let distinct = |v: &&Complex<f64>| v.im >= 0.0 && Some(**v) != skip;
+        self.values.iter().filter(distinct).max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr())).copied()
     }
 
     /// Extends the space by one vector; returns its length before normalisation.
@@ -227,12 +252,8 @@ impl Krylov {
         let done = hessenberg::eigenvalues(&mut self.square, m, 1e-3 * tolerance, &mut values);
         self.values = values;
         done?;
-        let top = |skip: Option<Complex<f64>>| {
-            let distinct = |v: &&Complex<f64>| v.im >= 0.0 && Some(**v) != skip;
-            self.values.iter().filter(distinct).max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr())).copied()
-        };
-        let value = top(None)?;
-        let rival = top(Some(value));
+        let value = self.greatest_but(None)?;
+        let rival = self.greatest_but(Some(value));
         let modulus = value.norm_sqr().sqrt();
         if modulus == 0.0 {
             return Some(Dominant { value, residual: 0.0 });

@@ -117,7 +117,7 @@ fn stable(depths: &[f64], mut excess: impl FnMut(f64) -> Result<f64, ChatterErro
         let known = |place: Option<usize>| place.and_then(|place| sample(&found, place));
         let (Some(left), Some(right)) = (known(Some(from)), known(Some(to))) else { continue };
         let one_side = (left.1 > 0.0) == (right.1 > 0.0);
-        if one_side && !may_reach_zero(known(before), left, right, known(after)) {
+        if one_side && !may_reach_zero([None, known(before), Some(left), Some(right), known(after), None]) {
             found[from + 1..to].fill(Some(left.1));
             continue;
         }

@@ -1,5 +1,7 @@
 //! Modes from measured frequency responses: selection, refinement, uncertainty.
 
+mod columns;
+
 use crate::error::DynamicsError;
 use crate::frf::Measurement;
 use crate::likelihood::{Likelihood, Maximum, Model, RealMode, pair};
@@ -112,6 +114,13 @@ const PAIRS: [&str; 3] = ["xx", "xy", "yy"];
 /// [`DynamicsError::TooFewLines`], [`DynamicsError::NoDirect`] and [`DynamicsError::NoModes`]; a fit that should not be used
 /// is returned with its [`Quality::refusals`].
 pub fn fit(measured: &Measurement, options: &FitOptions) -> Result<Fit, DynamicsError> {
+    let mut found = as_told(measured, options)?;
+    columns::tell(measured, options, &mut found);
+    Ok(found)
+}
+
+/// The fit of a measurement whose columns are what their names say.
+fn as_told(measured: &Measurement, options: &FitOptions) -> Result<Fit, DynamicsError> {
     let file = || measured.source.clone();
     let lines = measured.frequencies.len();
     if lines < LEAST_LINES {
@@ -530,7 +539,8 @@ impl Search {
                 self.likelihood.lines.iter().map(|w| model.receptance(p, q, *w)).collect()
             })
             .collect();
-        let quality = Quality::new(measured, &fitted, &modes, chi2 / *freedom as f64, wrong_signs);
+        let reduced_chi2 = self.known_scale.then(|| chi2 / *freedom as f64);
+        let quality = Quality::new(measured, &fitted, &modes, reduced_chi2, wrong_signs);
         Fit {
             upper: upper.collect(),
             covariance: kept.iter().map(|i| kept.iter().map(|j| spread[(*i, *j)]).collect()).collect(),

@@ -192,17 +192,23 @@ pub fn responses(record: &Record, options: &HammerOptions) -> Result<Measurement
     if decay > 0.0 {
         notes.push(format!("an exponential window of {decay:.2} 1/s is taken out of the damping again"));
     }
+    let mut first = 0;
     let mut functions: Vec<Frf> = moved
         .iter()
         .enumerate()
         .map(|(i, (channel, motion))| {
             let Estimated { receptance, coherence, noise } = estimate(&used, i, 1..last + 1, options.estimator);
+            let alone = match &used[..] {
+                [hit] => Some(agreement_of_neighbours(hit, i, 1..last + 1)),
+                _ => None,
+            };
+            first = first.max(coherence.as_deref().or(alone.as_deref()).map_or(0, first_clear));
             Frf { response: channel.direction, force: force.direction, motion: *motion, receptance, coherence, noise }
         })
         .collect();
-    let first = functions.iter().map(first_clear).max().unwrap_or(0);
     if first > 0 {
-        notes.push(format!("lines below {:.0} Hz are left out: their coherence is low", (first + 1) as f64 * step));
+        let reason = if used.len() > 1 { "their coherence is low" } else { "there the response is noise" };
+        notes.push(format!("lines below {:.0} Hz are left out: {reason}", (first + 1) as f64 * step));
     }
     for function in &mut functions {
         function.receptance.drain(..first);
@@ -222,10 +228,31 @@ pub fn responses(record: &Record, options: &HammerOptions) -> Result<Measurement
 }
 
 /// The first line from which on the coherence is clear for a while: an accelerometer hardly sees the lines below.
-fn first_clear(function: &Frf) -> usize {
-    let Some(coherence) = &function.coherence else { return 0 };
+fn first_clear(coherence: &[f64]) -> usize {
     let clear = |row: &[f64]| row.iter().all(|value| *value >= CLEAR);
     coherence.windows(CLEAR_LINES).position(clear).unwrap_or(0)
+}
+
+/// What takes the place of coherence for one hit: how far nine neighbouring lines tell one response, since a response of modes
+/// hardly changes from line to line and noise does (smoothing over frequency in place of hits; Bendat and Piersol, Random
+/// Data, recalled).
+fn agreement_of_neighbours(hit: &Hit, response: usize, lines: Range<usize>) -> Vec<f64> {
+    let agreement = |line: usize| {
+        let near = line.saturating_sub(SMOOTHED).max(lines.start)..(line + SMOOTHED + 1).min(lines.end);
+        let (mut force, mut motion, mut cross) = (0.0, 0.0, Complex::from(0.0));
+        for (f, x) in near.clone().map(|line| (hit.force[line], hit.responses[response][line])) {
+            force += f.norm_sqr();
+            motion += x.norm_sqr();
+            cross += x * f.conj();
+        }
+        unbiased(cross.norm_sqr() / (force * motion).max(f64::MIN_POSITIVE), near.len() as f64)
+    };
+    lines.clone().map(agreement).collect()
+}
+
+/// A coherence of so many readings, free of its bias.
+fn unbiased(agreement: f64, count: f64) -> f64 {
+    ((count * agreement - 1.0) / (count - 1.0)).clamp(0.0, 1.0)
 }
 
 /// Where pulses of force begin that are meant as hits.
@@ -391,7 +418,7 @@ fn estimate(hits: &[Hit], response: usize, lines: Range<usize>, estimator: Estim
             Estimator::Hv => h1 * (motion / shared.max(f64::MIN_POSITIVE)).sqrt(),
         });
         let agreement = if motion > 0.0 { shared / motion } else { 0.0 };
-        coherence.push(((count * agreement - 1.0) / (count - 1.0)).clamp(0.0, 1.0));
+        coherence.push(unbiased(agreement, count));
         // What the response holds beside the force has as many degrees of freedom as there are hits, less one.
         noise.push((motion - shared).max(0.0) / (count - 1.0));
         forces.push(force);

@@ -16,7 +16,7 @@ const GREATEST_AT_END: f64 = 0.5;
 /// Least number of lines in a half-power band (assumption: three lines meet a circle without telling its noise).
 const LEAST_LINES: f64 = 5.0;
 /// Greatest residual of a fit over the measured response (assumption).
-const GREATEST_RESIDUAL: f64 = 0.15;
+pub(crate) const GREATEST_RESIDUAL: f64 = 0.15;
 /// Share of the decay of an exponential window below which the damping of a mode is a small difference (assumption).
 const LEAST_OWN_DAMPING: f64 = 0.1;
 /// Misfit over degrees of freedom from which on a warning is due: residuals of twice the noise (assumption).
@@ -120,8 +120,9 @@ impl fmt::Display for Refusal {
 /// How well a fit describes a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality {
-    /// Misfit over degrees of freedom; one where the variances are right.
-    pub reduced_chi2: f64,
+    /// Misfit over degrees of freedom; one where the variances are right. None where the residuals themselves tell the noise,
+    /// for want of coherence or averages: it would be one by definition.
+    pub reduced_chi2: Option<f64>,
     /// Residual over response of every function, on lines of clear coherence.
     pub residuals: Vec<(String, f64)>,
     /// Median coherence over the half-power band of every mode.
@@ -130,6 +131,8 @@ pub struct Quality {
     pub reciprocity: Option<f64>,
     /// Whether x and y have a mode at one frequency and no response across tells whether the two are one.
     pub unsigned: bool,
+    /// A mistake about the columns of the file with which undone the fit would be good.
+    pub mistaken: Option<String>,
     /// Why the fit must not be used, the first reason first.
     pub refusals: Vec<Refusal>,
 }
@@ -139,7 +142,7 @@ impl Quality {
         measured: &Measurement,
         fitted: &[Vec<Complex<f64>>],
         modes: &[FittedMode],
-        reduced_chi2: f64,
+        reduced_chi2: Option<f64>,
         wrong_signs: Vec<String>,
     ) -> Self {
         let clear = |values: Option<&Vec<f64>>, i: usize| values.is_none_or(|values| values[i] >= CLEAR);
@@ -189,7 +192,8 @@ impl Quality {
             a.direction != b.direction && (f - g).abs() < a.damping_ratio.value.min(b.damping_ratio.value) * f
         };
         let unsigned = plane && !crossed && modes.windows(2).any(|pair| alike(&pair[0], &pair[1]));
-        Self { reduced_chi2, residuals, coherence, reciprocity: reciprocity(measured), unsigned, refusals }
+        let (reciprocity, mistaken) = (reciprocity(measured), None);
+        Self { reduced_chi2, residuals, coherence, reciprocity, unsigned, mistaken, refusals }
     }
 
     /// What does not forbid the use of the fit and should be known.
@@ -206,14 +210,14 @@ impl Quality {
              single mode between x and y would look the same"
                 .to_owned()
         });
-        let misfit = (self.reduced_chi2 > GREATEST_CHI2).then(|| {
+        let misfit = self.reduced_chi2.filter(|chi2| *chi2 > GREATEST_CHI2).map(|chi2| {
             format!(
                 "the fit leaves {:.1} times the noise that coherence and averages tell: coherence that is rounded or not of this \
                  measurement, too many averages told, or what real modes do not describe; the standard deviations grow by it",
-                self.reduced_chi2.sqrt()
+                chi2.sqrt()
             )
         });
-        asymmetry.into_iter().chain(oblique).chain(misfit).collect()
+        self.mistaken.iter().cloned().chain(asymmetry).chain(oblique).chain(misfit).collect()
     }
 
     /// `good`, `usable` or `refused`, with the reason.

@@ -310,6 +310,16 @@ fn estimators_lie_on_either_side_of_their_mean() {
 fn one_hit_has_no_coherence_and_a_record_without_hits_no_response() {
     let one = measured(&record(&TOOL, &series()[..1], 1.2, 0.001, 1));
     assert_eq!((one.averages, one.functions[0].coherence.is_none()), (None, true));
+    // Over the square of the frequency the noise of an accelerometer outgrows every response: those lines tell no misfit.
+    assert!(one.notes.iter().any(|note| note.contains("there the response is noise")), "{:?}", one.notes);
+    let found = fit(&one, &FitOptions::default()).unwrap();
+    assert!(found.quality.refusals.is_empty() && found.quality.reduced_chi2.is_none(), "{:?}", found.quality);
+    assert_eq!(found.modes.len(), TOOL.len());
+    for (mode, [frequency, zeta, k]) in found.modes.iter().zip(TOOL) {
+        assert!((mode.natural_frequency.value / frequency - 1.0).abs() < 1e-3, "{mode:?}");
+        assert!((mode.damping_ratio.value / zeta - 1.0).abs() < 0.03, "{mode:?}");
+        assert!((mode.stiffness.value / k - 1.0).abs() < 0.03, "{mode:?}");
+    }
     let mut still = record(&TOOL, &[], 1.0, 0.0, 1);
     let text = responses(&still, &HammerOptions::default()).unwrap_err().to_string();
     assert!(text.contains("no hit"), "{text}");

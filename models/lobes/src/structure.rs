@@ -22,7 +22,7 @@ pub static STRUCTURE: Form = Form {
     keys: &[
         Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
         Key::required("name", Kind::Name, "Short name"),
-        Key::required("measurement", Kind::Table(&MEASUREMENT), "Where the modes come from"),
+        Key::optional("measurement", Kind::Table(&MEASUREMENT), "Where the modes come from"),
         Key::optional("mode", Kind::Tables(&FITTED_MODE), "Vibration modes at the point of cut"),
         Key::optional(
             "speed",

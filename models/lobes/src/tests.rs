@@ -154,3 +154,12 @@ fn modes_along_a_path_reach_limits_and_what_does_not_fit_is_refused_at_its_line(
     }
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+/// What a structure file must have is its modes: where they come from is nobody's duty to write.
+#[test]
+fn a_structure_written_by_hand_needs_no_measurement() {
+    let residual = "[residual]\nupper_xx = \"0.0015 um/N\"\n";
+    let by_hand = format!("schema = 1\nname = \"spindle\"\n{}{residual}", mode(1655.2, ""));
+    let measured = format!("{HEAD}{}{residual}", mode(1655.2, ""));
+    assert_eq!(cut("by-hand", &by_hand).modes, cut("measured", &measured).modes);
+}

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 use toolroom_chatter::{
-    Certificate, ChatterError, Cutter, Direction, Engagement, Milling, MillingForce, Mode, Turning,
+    Axis, Certificate, ChatterError, Cutter, Direction, Engagement, Milling, MillingForce, Mode, Turning,
 };
 
 fn rpm(speed: f64) -> f64 {
@@ -103,6 +103,73 @@ fn islands_of_a_helical_cutter() {
     // Just missed: the radius rises to 0.9834 only.
     let missed = cut.at_speed(rpm(17450.0)).unwrap().stable_intervals(4.5e-3).unwrap();
     assert!(missed.ends.iter().all(|end| (end.limit.depth * 1e3 - 3.6).abs() > 0.3), "{missed:?}");
+}
+
+/// A milling cut of low immersion with a helix; modes as (x, y, Hz, damping ratio, N/m).
+fn helical(modes: &[[f64; 5]], teeth: usize, [diameter, helix_angle, immersion]: [f64; 3], force: [f64; 2]) -> Milling {
+    let modes = modes.iter().map(|[x, y, natural_frequency, damping_ratio, stiffness]| Mode {
+        direction: [*x, *y],
+        natural_frequency: *natural_frequency,
+        damping_ratio: *damping_ratio,
+        stiffness: *stiffness,
+    });
+    Milling {
+        modes: modes.collect(),
+        cutter: Cutter { helix_angle, ..Cutter::straight(teeth, diameter) },
+        engagement: Engagement::new(immersion, Direction::Down).unwrap(),
+        force: MillingForce::new(force[0] * 1e6, force[1] * 1e6),
+        feed_per_tooth: 0.1e-3,
+        by_speed: None,
+        along_path: None,
+    }
+}
+
+/// A pocket of 25 um within the last step of the search, on whose far side no further step says that the radius has risen
+/// again: curve and intervals have it.
+#[test]
+fn a_pocket_in_the_last_step_of_a_search_is_found() {
+    let modes = [
+        [1.0, 0.0, 1311.4492286707791, 0.01166086624808492, 2197841.5260249553],
+        [0.0, 1.0, 1022.7502700080674, 0.02644013885164674, 2000318.7552256514],
+    ];
+    let geometry = [6.551431323557439e-3, 0.5963038719435532, 0.03218963666471406];
+    let cut = helical(&modes, 5, geometry, [856.6248363840143, 247.44523291018436]);
+    let (speed, greatest) = (rpm(10015.012338187758), 1.800937727145292e-3);
+    let axis = Axis { start: speed, end: 1.001 * speed, points: 2 };
+    let curve = &cut.boundary(&axis, greatest).unwrap().columns[0];
+    let found = cut.at_speed(speed).unwrap().stable_intervals(greatest).unwrap();
+    for ends in [&curve.crossings, &found.ends] {
+        let depths: Vec<f64> = ends.iter().map(|end| end.limit.depth * 1e3).collect();
+        assert_eq!(depths.len(), 3, "{depths:?}");
+        for (depth, expected) in depths.iter().zip([1.677834556, 1.769419845, 1.794724493]) {
+            assert!((depth / expected - 1.0).abs() < 1e-4, "{depths:?}");
+        }
+    }
+    assert!(cut.verdict(speed, 1.782746436972107e-3).unwrap().stable);
+}
+
+/// The fixed start vector of the iteration holds next to nothing of the dominant vector at 2.187 mm, where the map differs in
+/// size from that at the depth before: its radius must not be that of the next pair, 0.943.
+#[test]
+fn a_start_without_the_dominant_vector_is_seen_through() {
+    let modes = [
+        [0.8934674164144618, -0.4491280171684536, 521.6036367736684, 0.012927032481206122, 7455462.6564867245],
+        [-0.9180884679862579, 0.3963755352574701, 331.8872259748049, 0.015195696749690058, 2306428.605283379],
+        [0.39283682086706656, -0.9196081949238253, 527.909587638366, 0.02103145870614485, 2920554.802116815],
+        [0.34382489483919043, -0.9390337809093023, 293.4808090634, 0.028422955447979365, 3690416.271120397],
+    ];
+    let geometry = [19.526673844706178e-3, 0.7989102637461902, 0.042662454206932154];
+    let cut = helical(&modes, 2, geometry, [905.2151338447617, 420.3404162587238]);
+    let speed = rpm(18387.279065141945);
+    let depths: Vec<f64> = (36..52).map(|j| 5.034598086274213e-3 * f64::from(j) / 99.0).collect();
+    let chart = cut.lobes(&[speed], &depths).unwrap();
+    for (j, depth) in depths.iter().enumerate() {
+        let radius = cut.at_speed(speed).unwrap().multipliers(*depth, 0).unwrap()[0].norm();
+        let alone = cut.at_speed(speed).unwrap().screen(*depth).unwrap().spectral_radius;
+        for told in [chart.at(0, j).unwrap().spectral_radius, alone] {
+            assert!((told / radius - 1.0).abs() < 1e-3, "{depth}: {told} for {radius}");
+        }
+    }
 }
 
 #[test]
