@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// An error as JSON: `code`, `message`, `help`, and `file`, `line` and `column` (from 1) of what is at fault; null where no
 /// file is, or where the fault has no line. They are those that the message begins with, as every reader writes them:
-/// `FILE:LINE:COLUMN: …`, `FILE:LINE: …`, `FILE: …` or `FILE cannot be read: …`.
+/// `FILE:LINE:COLUMN: …`, `FILE:LINE: …`, `FILE: …`, `FILE cannot be read: …` or `cannot read FILE: …`.
 pub fn json_error(code: &str, message: &str, help: Option<&str>) -> Value {
     let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
     // `--drives=FILE` names a file, too.
@@ -35,10 +35,12 @@ struct Told<'a> {
 /// counts.
 fn place<'a>(message: &'a str, exists: &dyn Fn(&str) -> bool, named: &dyn Fn(&str) -> bool) -> Option<Told<'a>> {
     let first = message.lines().next().unwrap_or_default();
+    let first = first.strip_prefix("cannot read ").unwrap_or(first);
     let split = |at: usize| (&first[..at], &first[at..]);
     let is_place = |(name, rest): &(&str, &str)| {
         let gone = rest.contains("(os error ") && named(name);
-        LINE_WORDS.iter().chain([&" cannot be "]).any(|word| rest.starts_with(word)) && (gone || exists(name))
+        LINE_WORDS.iter().chain([&" cannot be ", &" is not "]).any(|word| rest.starts_with(word))
+            && (gone || exists(name))
     };
     let places = first.char_indices().filter(|(_, sign)| matches!(sign, ':' | ' ' | ',')).map(|(at, _)| split(at));
     let (file, rest) = places.filter(is_place).last()?;
@@ -77,6 +79,8 @@ mod tests {
         assert_eq!(told("c:3: wrong", &files), Some(("c", Some(3), None)));
         assert_eq!(told("c, line 3: wrong", &files), Some(("c", Some(3), None)));
         assert_eq!(told("a b.csv cannot be read: gone", &files), Some(("a b.csv", None, None)));
+        assert_eq!(told("c is not an FMU: no zip", &files), Some(("c", None, None)));
+        assert_eq!(told("cannot read gone.nc: No such file (os error 2)", &files), Some(("gone.nc", None, None)));
         assert_eq!(told("c: no rows", &files), Some(("c", None, None)));
         assert_eq!(told("gone.nc: No such file (os error 2)", &files), Some(("gone.nc", None, None)));
     }
