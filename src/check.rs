@@ -73,7 +73,8 @@ fn read(path: &Path, args: &CheckArgs) -> Result<(&'static FileKind, Checked), F
         return Err(Failure::argument(message, "change values of this file with --set"));
     }
     let checked = read(path, &changes.overrides())?;
-    if kind.word == "scenario" {
+    // The base of tables has no values of its own that a shop could be made of.
+    if kind.word == "scenario" && !checked.echo.is_empty() {
         // Its figures are known where they are computed.
         let file = toolroom_scenario_file::read(path, &changes.overrides())?;
         section(&file)?;

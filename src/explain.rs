@@ -18,6 +18,8 @@ pub fn codes() -> impl Iterator<Item = (&'static str, &'static str)> {
         toolroom_kinds::CODES,
         toolroom_planning::CODES,
         toolroom_drives::CODES,
+        toolroom_dynamics::REFUSAL_CODES,
+        toolroom_output::codes::CODES,
         toolroom_shop::CODES,
         toolroom_shop_import::CODES,
         toolroom_snapshot::CODES,

@@ -11,7 +11,7 @@ use toolroom_gap::ModelFileError;
 use toolroom_gap_study::GapStudyError;
 use toolroom_kinds::KindError;
 use toolroom_output::signals as stop;
-use toolroom_output::{OutputError, json_faults, shown_faults};
+use toolroom_output::{OutputError, codes, json_error, json_refusal, shown_faults};
 use toolroom_process::ModelError;
 use toolroom_shards::ShardError;
 use toolroom_shop_import::{ShopImportError, TableFault};
@@ -86,7 +86,7 @@ impl Failure {
 
     /// Work that could not be done, in words.
     pub fn work(message: impl fmt::Display) -> Self {
-        Self::Work { code: "work", message: message.to_string(), help: None }
+        Self::Work { code: codes::WORK, message: message.to_string(), help: None }
     }
 
     /// Work that could not be done, by an error; with the code of the model that refused, where one did.
@@ -100,25 +100,25 @@ impl Failure {
     }
 
     fn work_of(error: &(dyn Error + 'static), help: Option<String>) -> Self {
-        Self::Work { code: code_of_model(error).unwrap_or("work"), message: error.to_string(), help }
+        Self::Work { code: code_of_model(error).unwrap_or(codes::WORK), message: error.to_string(), help }
     }
 
     /// Work that went as far as it could before an error, with what is there.
     pub fn stopped(error: &(dyn Error + 'static), help: String) -> Self {
-        Self::Stopped { code: code_of_model(error).unwrap_or("stopped"), message: error.to_string(), help }
+        Self::Stopped { code: code_of_model(error).unwrap_or(codes::STOPPED), message: error.to_string(), help }
     }
 
     /// A word for programs.
     fn code(&self) -> &'static str {
         match self {
             Self::Work { code, .. } | Self::Stopped { code, .. } => code,
-            Self::File(_) | Self::Tables { .. } => "unreadable",
-            Self::Argument { .. } => "argument",
-            Self::Json(_) => "work",
-            Self::TooLittle { .. } => "too-little",
-            Self::Alarm { .. } => "alarm",
-            Self::Interrupted { .. } => "interrupted",
-            Self::Unwritable { .. } => "unwritable",
+            Self::File(_) | Self::Tables { .. } => codes::UNREADABLE,
+            Self::Argument { .. } => codes::ARGUMENT,
+            Self::Json(_) => codes::WORK,
+            Self::TooLittle { .. } => codes::TOO_LITTLE,
+            Self::Alarm { .. } => codes::ALARM,
+            Self::Interrupted { .. } => codes::INTERRUPTED,
+            Self::Unwritable { .. } => codes::UNWRITABLE,
         }
     }
 
@@ -158,7 +158,7 @@ impl Failure {
     /// What a program is told in place of a result of `file`, one of several.
     pub fn refusal(&self, file: &Path) -> serde_json::Value {
         if let Self::File(ReadError::Faults(list)) = self {
-            return refused_file(list);
+            return json_refusal(list);
         }
         let (message, help) = match self {
             Self::Argument { message, help } | Self::Work { message, help, .. } => (message.clone(), help.clone()),
@@ -173,7 +173,7 @@ impl Failure {
                 (faults.first().map(|fault| fault.message.clone()).unwrap_or_default(), None)
             }
         };
-        let error = serde_json::json!({ "code": self.code(), "message": message, "help": help });
+        let error = json_error(self.code(), &message, help.as_deref());
         serde_json::json!({ "schema": 1, "error": error, "file": file.display().to_string(), "valid": false })
     }
 
@@ -278,7 +278,7 @@ fn code_of_model(error: &(dyn Error + 'static)) -> Option<&'static str> {
 /// Tells a program that asked for JSON why there is no result, unless one was printed before.
 pub fn report_on(voice: &Voice, code: &str, message: &str, help: Option<&str>) {
     if voice.json && !voice.has_spoken() {
-        let error = serde_json::json!({ "code": code, "message": message, "help": help });
+        let error = json_error(code, message, help);
         // Where standard output is gone there is nobody to tell.
         let _ = voice.json(&serde_json::json!({ "schema": 1, "error": error }));
     }
@@ -292,7 +292,7 @@ const SHOWN: usize = 50;
 fn refuse(voice: &Voice, list: &FaultList) -> ExitCode {
     if voice.json {
         // The verb's result would have been JSON: so is its refusal.
-        let _ = voice.json(&refused_file(list));
+        let _ = voice.json(&json_refusal(list));
     }
     let most = if voice.verbose { usize::MAX } else { SHOWN };
     shown_faults(list, most).for_each(|fault| voice.error(fault));
@@ -307,18 +307,10 @@ fn refuse(voice: &Voice, list: &FaultList) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// The refusal of a file as programs read it, with every fault.
-fn refused_file(list: &FaultList) -> serde_json::Value {
-    let problems = json_faults(list);
-    let error = problems.first();
-    serde_json::json!({ "schema": 1, "error": error, "file": list.file, "valid": false, "problems": problems })
-}
-
 /// Tells the faults of tables, to programs too, and chooses the exit code.
 fn refuse_tables(voice: &Voice, faults: &[TableFault], more: usize) -> ExitCode {
     if voice.json {
-        let problem = |fault: &TableFault| serde_json::json!({ "code": fault.code, "place": fault.place, "message": fault.message, "fix": fault.fix });
-        let problems: Vec<serde_json::Value> = faults.iter().map(problem).collect();
+        let problems: Vec<serde_json::Value> = faults.iter().map(TableFault::json).collect();
         let error = problems.first().cloned();
         let result =
             serde_json::json!({ "schema": 1, "error": error, "valid": false, "problems": problems, "more": more });

@@ -177,7 +177,8 @@ fn refused(error: ChatterError) -> Failure {
     if matches!(error, ChatterError::NotConverged { .. }) {
         return Failure::work_error(&error);
     }
-    Failure::argument(error, "see the values of the file")
+    let outside = matches!(error, ChatterError::SpeedOutsideTable { .. });
+    Failure::argument(error, if outside { "give a speed of the table" } else { "see the values of the file" })
 }
 
 /// `--pitch FROM TO`: the unequal pitch for a window of speeds.

@@ -50,7 +50,7 @@ use failure::Failure;
 use speak::Voice;
 use std::process::ExitCode;
 use toolroom_arguments as args;
-use toolroom_output::signals;
+use toolroom_output::{codes, signals};
 
 fn main() -> ExitCode {
     let Toolroom { command, common } = Toolroom::try_parse().unwrap_or_else(|error| refused(&error));
@@ -85,7 +85,7 @@ fn refused(error: &clap::Error) -> ! {
         // The first paragraph; usage and the way to help follow it.
         let words: Vec<&str> = text.split("\n\n").next().unwrap_or_default().split_whitespace().collect();
         let message = words.join(" ");
-        failure::report_on(&voice, "usage", message.strip_prefix("error: ").unwrap_or(&message), None);
+        failure::report_on(&voice, codes::USAGE, message.strip_prefix("error: ").unwrap_or(&message), None);
     }
     error.exit()
 }

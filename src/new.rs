@@ -21,7 +21,8 @@ pub fn run(args: &NewArgs, voice: &Voice) -> Result<(), Failure> {
         .iter()
         .enumerate()
         .map(|(index, (name, text))| {
-            (args.dir.join(name), if index == 0 { described(kind, text) } else { (*text).to_owned() })
+            let text = if index == 0 && name.ends_with(".toml") { described(kind, text) } else { (*text).to_owned() };
+            (args.dir.join(name), text)
         })
         .collect();
     if let Some((there, _)) = files.iter().find(|(path, _)| path.exists()) {

@@ -12,6 +12,7 @@ use toolroom_planning::engagement::Engagement;
 use toolroom_planning::explain::Explanation;
 use toolroom_planning::feeds::Feeds;
 use toolroom_planning::folders::programs;
+use toolroom_planning::motions::motion_table;
 use toolroom_planning::program::report::{Known, report};
 use toolroom_planning::program::{CycleTime, drawing, overview_json, overview_text, set_drive};
 use toolroom_post::post;
@@ -111,7 +112,7 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         .map_err(|error| refused(&name, &error))?;
     let engagement = setup
         .as_ref()
-        .map(|setup| Engagement::new(text.clone(), &control, setup, args.motions.is_some()))
+        .map(|setup| Engagement::new(text.clone(), &control, setup, args.motions.as_ref().map(|_| &drives)))
         .transpose()
         .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
     let feeds = feeds(&text, &control, &drives, setup.as_ref(), args)
@@ -121,8 +122,10 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         voice.say(format_args!("wrote {}", path.display()));
         Ok(())
     };
-    if let (Some(path), Some(engagement)) = (&args.motions, &engagement) {
-        put(path, engagement.table().as_bytes())?;
+    if let Some(path) = &args.motions {
+        let table =
+            engagement.as_ref().map_or_else(|| motion_table(&text, &control, &drives), |table| Ok(table.table()));
+        put(path, table.map_err(|error| refused(&name, &error))?.as_bytes())?;
     }
     if let Some(path) = &args.blocks {
         put(path, cycle.table().as_bytes())?;

@@ -3,6 +3,7 @@
 #[path = "cli/owned.rs"]
 mod owned;
 
+mod faults;
 mod files;
 mod first_hour;
 mod order_system;

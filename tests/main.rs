@@ -23,6 +23,7 @@ mod own_effects;
 mod parameter_sets;
 mod planned;
 mod planning;
+mod program_files;
 mod programs;
 mod report;
 mod run_predicted;

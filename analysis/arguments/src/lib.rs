@@ -57,8 +57,9 @@ use std::path::PathBuf;
   toolroom compare myshop/scenario.toml --set machine.L.tool_change_time=\"1 min\"
   toolroom point turning --tool ni_vk6om --set cutting_speed=\"40 m/min\"",
     after_help = "Exit codes:
-  0 done; 1 the work failed or was interrupted; 2 the input is wrong;
-  3 done, but the answer must not be overlooked (too little data for one)",
+  0 done; 1 the work failed, or --strict refuses its result; 2 the input is wrong;
+  3 done, but the answer must not be overlooked (too little data for one, an alarm);
+  130 interrupted by Ctrl-C (SIGINT); 143 ended by SIGTERM",
     arg_required_else_help = true,
     disable_help_subcommand = true
 )]

@@ -80,8 +80,8 @@ pub struct ProgramArgs {
     /// Limits that count, by commas, or all: without --objective how much of each the program uses
     #[arg(long, value_name = "LIMITS", value_delimiter = ',', value_parser = limits(), requires = "setup")]
     pub limits: Option<Vec<String>>,
-    /// Table of every motion with its engagement (CSV)
-    #[arg(long, value_name = "CSV", requires = "setup")]
+    /// Table of every motion with its time, and with its engagement where there is a --setup (CSV)
+    #[arg(long, value_name = "CSV")]
     pub motions: Option<PathBuf>,
     /// Report with pictures: the path coloured by load, feed, power, force and deflection over time, time by tool (HTML)
     #[arg(long, value_name = "HTML")]

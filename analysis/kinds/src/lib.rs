@@ -20,6 +20,7 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod base;
 mod checked;
 mod diagnosis;
 mod empirical;
@@ -84,8 +85,12 @@ pub const CODES: &[(&str, &str)] = &[
         "A warning of check: an effect of the file has kind = \"empirical\". It describes what records showed without saying why, such as a term that gap diagnose --propose has written. It holds where it was seen; its formula keeps the value of the end of that range beyond it. Look for the cause before a plan rests on it.",
     ),
     (
+        "coefficients",
+        "A file of cutting-force coefficients that a lobes file names by `coefficients` cannot be used: it is no such file, or a coefficient is missing, negative or without its deviation. `toolroom coefficients` writes one, and `toolroom check FILE` tells its faults line by line.",
+    ),
+    (
         "unusual",
-        "A warning of check: the value is admitted, and shops rarely have it. The usual cause is a slip of the unit, such as a diameter of 0.12 mm for 0.12 m or a feed per minute taken for one per revolution. Nothing is changed; a value that is meant can stay.",
+        "A warning of check and of coefficients: the value is admitted, and shops rarely have it. The usual cause is a slip of the unit, such as a diameter of 0.12 mm for 0.12 m or a feed per minute taken for one per revolution. Nothing is changed; a value that is meant can stay.",
     ),
 ];
 

@@ -1,6 +1,7 @@
 //! The reader of each kind: what its verb would refuse before it begins is refused here.
 
 use crate::KindError;
+use crate::base;
 use crate::checked::{Checked, checked};
 use crate::empirical::empirical;
 use crate::places::{header, nominal as nominal_place, parameter, refused};
@@ -32,7 +33,10 @@ pub fn machine(path: &Path, set: &[String]) -> Result<Checked, KindError> {
 }
 
 pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
-    let ScenarioFile { scenario, echo, text, variants, .. } = file::read(path, set)?;
+    let ScenarioFile { scenario, echo, text, variants, .. } = match file::read(path, set) {
+        Ok(read) => read,
+        Err(error) => return Ok(base::of_tables(path, error)?),
+    };
     for (index, variant) in variants.iter().enumerate() {
         let changes: Vec<String> = set.iter().chain(&variant.set).cloned().collect();
         file::read(path, &changes).map_err(|error| {

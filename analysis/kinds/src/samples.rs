@@ -1,4 +1,5 @@
-//! What `toolroom new KIND DIR` writes: a commented example of each kind that people write, with sample data.
+//! What `toolroom new KIND DIR` writes: a commented example of each kind, with sample data. A plan of shards has none: it holds the
+//! version that wrote it, and `--plan` makes one of any study.
 
 /// Files to begin with.
 #[derive(Debug)]
@@ -27,6 +28,8 @@ pub(crate) static SAMPLES: &[(&str, &Sample)] = &[
     ("gap", &GAP),
     ("machine", &MACHINE),
     ("parameter-set", &PARAMETER_SET),
+    ("diagnosis", &DIAGNOSIS),
+    ("records", &RECORDS),
 ];
 
 /// A file of the scenarios, by its path there.
@@ -137,6 +140,20 @@ static GAP: Sample = Sample {
 static MACHINE: Sample = Sample {
     files: &[("machine.toml", scenarios!("machines/vmc.toml")), ("plate.nc", scenarios!("programs/plate.nc"))],
     next: &["toolroom program plate.nc --drives machine.toml"],
+};
+
+/// What `gap diagnose` answers of the records of [`GAP`].
+static DIAGNOSIS: Sample = Sample {
+    files: &[("diagnosis.json", scenarios!("new/diagnosis.json")), ("turning.toml", scenarios!("gap/turning.toml"))],
+    next: &["toolroom gap apply --model turning.toml --diagnosis diagnosis.json --out better.toml"],
+};
+
+static RECORDS: Sample = Sample {
+    files: &[("operations.csv", scenarios!("new/wear.csv"))],
+    next: &[
+        "toolroom check operations.csv",
+        "toolroom calibrate turning --model c45_t15k6 --data operations.csv --limit \"0.3 mm\" --out my.toml",
+    ],
 };
 
 static PARAMETER_SET: Sample = Sample {

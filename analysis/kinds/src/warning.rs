@@ -1,6 +1,7 @@
 //! What is admitted and yet rarely meant: warnings beside a verdict.
 
 use toolroom_form::Echo;
+use toolroom_planning::coefficients::USUAL_FEED_PER_TOOTH;
 use toolroom_process::unit;
 
 /// A warning of `check`.
@@ -19,7 +20,7 @@ pub struct Warning {
 /// no fault; the usual cause is a slip of the unit.
 const USUAL: [(&str, &str, &str, f64, f64); 12] = [
     ("feed_per_rev", "m", "mm", 0.01, 1.0),
-    ("feed_per_tooth", "m", "mm", 0.005, 1.0),
+    ("feed_per_tooth", "m", "mm", USUAL_FEED_PER_TOOTH[0], USUAL_FEED_PER_TOOTH[1]),
     ("depth_of_cut", "m", "mm", 0.02, 20.0),
     ("cutting_speed", "m/s", "m/min", 3.0, 2000.0),
     ("diameter", "m", "mm", 0.5, 3000.0),

@@ -71,6 +71,12 @@ pub fn json_faults(list: &FaultList) -> Vec<Value> {
     list.problems.iter().zip(list.places()).map(fault).collect()
 }
 
+/// The refusal of a file as programs read it: every fault as `problems`, the first as `error`, too.
+pub fn json_refusal(list: &FaultList) -> Value {
+    let problems = json_faults(list);
+    json!({ "schema": 1, "error": problems.first(), "file": list.file, "valid": false, "problems": problems })
+}
+
 /// A fault of the file as a whole points at its first line, an empty file has none. A section's
 /// span reaches over its lines; the first is enough to find it.
 fn label(text: &str, span: Range<usize>) -> Option<LabeledSpan> {

@@ -7,7 +7,8 @@
 //! | work that is not complete | [`OutputDir::journal`]: what is finished, for going on |
 //! | an end by SIGINT or SIGTERM, or for memory | [`signals`]: no draft and no lock stays |
 //! | the bound of memory | [`memory`] |
-//! | the faults of a file | [`shown_faults`], [`json_faults`] |
+//! | the faults of a file | [`shown_faults`], [`json_faults`], [`json_refusal`] |
+//! | any other error | [`codes`], [`json_error`] |
 //!
 //! Nothing that toolroom did not write is replaced or removed, but by force; an input of the command never.
 //!
@@ -16,6 +17,7 @@
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
+pub mod codes;
 mod error;
 mod excerpt;
 mod files;
@@ -26,10 +28,12 @@ mod lock;
 pub mod memory;
 mod provenance;
 pub mod signals;
+mod told;
 
 pub use error::OutputError;
-pub use excerpt::{json_faults, shown_faults};
+pub use excerpt::{json_faults, json_refusal, shown_faults};
 pub use files::{Draft, Files};
 pub use folder::OutputDir;
 pub use lines::fitted;
 pub use provenance::{provenance, quoted};
+pub use told::json_error;

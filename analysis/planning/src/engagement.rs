@@ -4,6 +4,7 @@ use crate::tables::table;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use toolroom_drives::Drives;
 use toolroom_process::table::Cell;
 use toolroom_program::{Control, EventKind, Motion, Run, Source};
 use toolroom_stock::{Cut, FollowError, Follower, Gouge, Load, Setup};
@@ -75,11 +76,16 @@ fn gouge_json((line, gouge): &(usize, Gouge)) -> Value {
 }
 
 impl Engagement {
-    /// Follows a program through the stock of a setup; `motions` keeps a row of each motion.
+    /// Follows a program through the stock of a setup. `motions` keeps a row of each motion, with the rapid speeds of these drives.
     ///
     /// # Errors
     /// [`FollowError`]: the program is refused, or cuts with a tool that the setup does not have.
-    pub fn new(text: impl Into<Source>, control: &Control, setup: &Setup, motions: bool) -> Result<Self, FollowError> {
+    pub fn new(
+        text: impl Into<Source>,
+        control: &Control,
+        setup: &Setup,
+        motions: Option<&Drives>,
+    ) -> Result<Self, FollowError> {
         let mut follower = Follower::new(setup);
         let mut study = Self {
             tools: BTreeMap::new(),
@@ -96,7 +102,7 @@ impl Engagement {
             removed: 0.0,
             stock: setup.stock.volume(),
             resolution: 0.02 * setup.radius(),
-            rows: motions.then(Vec::new),
+            rows: motions.map(|_| Vec::new()),
         };
         for event in Run::new(text, control)? {
             let event = event?;
@@ -109,7 +115,8 @@ impl Engagement {
                         follower.motion(&motion).map_err(|reason| FollowError::NoTool { line: event.line, reason })?;
                     if let Some(cut) = cut {
                         study.held_against(setup, event.line, (&motion, follower.tool()), &cut);
-                        study.take(event.line, follower.tool(), motion.rapid, motion.time, cut);
+                        let time = motions.map_or(0.0, |drives| drives.rapid_time(&motion)) + motion.time;
+                        study.take(event.line, follower.tool(), motion.rapid, time, cut);
                     }
                 }
                 EventKind::Block

@@ -23,6 +23,8 @@ pub struct Explanation {
     runs: Vec<LineRun>,
     /// Time of all runs, in the order of [`Part::ALL`], s.
     spent: [f64; 7],
+    /// Factor from each axis of a motion to what the program writes.
+    factors: [f64; 9],
 }
 
 /// One run of the line.
@@ -60,7 +62,7 @@ impl Explanation {
                 }
             }
         }
-        let mut explanation = Self { line, count, runs, spent: [0.0; 7] };
+        let mut explanation = Self { line, count, runs, spent: [0.0; 7], factors: run.factors() };
         let (mut timer, mut done, mut seen) = (Timer::new(drives), Vec::new(), 0);
         for block in Blocks::new(text.clone(), control)? {
             let block = block?;
@@ -105,7 +107,7 @@ impl Explanation {
                 let _ = write!(text, "\nrun {}", index + 1);
             }
             for motion in run.motions.iter().take(MOTIONS) {
-                let _ = write!(text, "\n  {}", told(motion));
+                let _ = write!(text, "\n  {}", told(motion, &self.factors));
             }
             if run.motions.len() > MOTIONS {
                 let _ = write!(text, "\n  and {} motions more", run.motions.len() - MOTIONS);
@@ -125,14 +127,17 @@ impl Explanation {
         text
     }
 
-    /// For programs. Places are mm and degrees, `null` where only the machine knows them.
+    /// For programs. Places are mm and degrees as the program writes them, X of a lathe as a diameter; `null` where only the
+    /// machine knows them.
     pub fn json(&self) -> Value {
         let spent = |spent: &[f64; 7]| -> Map<String, Value> {
             Part::ALL.iter().map(|part| (format!("{} [s]", part.word()), json!(spent[*part as usize]))).collect()
         };
+        let written = |place: &[f64; 9]| -> Vec<f64> { place.iter().zip(self.factors).map(|(at, f)| at * f).collect() };
         let motion = |motion: &Motion| {
             json!({
-                "purpose": purpose(motion), "rapid": motion.rapid, "start": motion.start, "end": motion.end,
+                "purpose": purpose(motion), "rapid": motion.rapid,
+                "start": written(&motion.start), "end": written(&motion.end),
                 "length [mm]": motion.length, "programmed_time [s]": motion.time,
             })
         };
@@ -168,7 +173,7 @@ fn places(place: impl Fn(usize) -> Option<f64>) -> String {
     if list.is_empty() { "at a place that only the machine knows".to_owned() } else { list.join(" ") }
 }
 
-fn purpose(motion: &Motion) -> &'static str {
+pub(crate) fn purpose(motion: &Motion) -> &'static str {
     match motion.purpose {
         Purpose::Approach => "approach",
         Purpose::Retract => "retract",
@@ -179,11 +184,11 @@ fn purpose(motion: &Motion) -> &'static str {
     }
 }
 
-/// A motion in words, with the axes that it moves.
-fn told(motion: &Motion) -> String {
+/// A motion in words, with the axes that it moves, as the program writes them.
+fn told(motion: &Motion, factors: &[f64; 9]) -> String {
     let moves = |axis: usize| motion.start[axis] != motion.end[axis];
-    let from = places(|axis| moves(axis).then_some(motion.start[axis]));
-    let to = places(|axis| moves(axis).then_some(motion.end[axis]));
+    let from = places(|axis| moves(axis).then_some(factors[axis] * motion.start[axis]));
+    let to = places(|axis| moves(axis).then_some(factors[axis] * motion.end[axis]));
     let way = if (0..9).any(moves) { format!("from {from} to {to}") } else { "on the spot or once around".to_owned() };
     if motion.rapid {
         return format!("{}: rapid {way}", purpose(motion));
@@ -213,6 +218,7 @@ fn modes(modes: &ModalState) -> String {
         Sense::Clockwise => "to the right",
         Sense::Counterclockwise => "to the left",
         Sense::Still => "standing",
+        Sense::Oriented => "standing at its angle",
     };
     list.push(format!("spindle {} rpm, {turns}", significant(modes.speed)));
     if let Some(surface) = modes.surface {

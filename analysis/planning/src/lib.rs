@@ -29,6 +29,7 @@ pub mod folders;
 pub mod identification;
 pub mod listen;
 pub mod lobes;
+pub mod motions;
 mod plane;
 pub mod point;
 pub mod program;

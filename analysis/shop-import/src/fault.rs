@@ -3,6 +3,7 @@
 use crate::draft::Draft;
 use crate::mapping::ShopMapping;
 use crate::source::Source;
+use serde_json::{Value, json};
 use std::fmt;
 use std::path::Path;
 use toolroom_form::{Problem, ReadError};
@@ -30,8 +31,19 @@ pub(crate) struct CellRef {
 pub(crate) enum Found {
     /// In a cell.
     Cell(CellRef, Told),
-    /// Elsewhere, with its place in words.
-    Place(String, Told),
+    /// Elsewhere.
+    Place(Spot, Told),
+}
+
+/// A place, in words and for programs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Spot {
+    /// In words.
+    pub words: String,
+    /// The file.
+    pub file: String,
+    /// Its line or row, from 1, where it is about one.
+    pub line: Option<usize>,
 }
 
 impl Found {
@@ -64,10 +76,22 @@ pub struct TableFault {
     pub code: &'static str,
     /// File, sheet, row and cell, or line and column of the base.
     pub place: String,
+    /// The file.
+    pub file: String,
+    /// Line or row of the file, from 1; `None` where the file as a whole is at fault.
+    pub line: Option<usize>,
     /// What is wrong there.
     pub message: String,
     /// The likely fix.
     pub fix: Option<String>,
+}
+
+impl TableFault {
+    /// For programs: `code`, `place` in words, `file`, `line`, `message` and `fix`.
+    pub fn json(&self) -> Value {
+        let Self { code, place, file, line, message, fix } = self;
+        json!({ "code": code, "place": place, "file": file, "line": line, "message": message, "fix": fix })
+    }
 }
 
 impl fmt::Display for TableFault {
@@ -150,35 +174,38 @@ impl Places<'_> {
             Some(cell) => Found::Cell(cell, told),
             None => {
                 let (line, column) = place(&draft.text, problem.span.start);
-                Found::Place(format!("{}:{line}:{column}", self.base.display()), told)
+                let file = self.base.display().to_string();
+                Found::Place(Spot { words: format!("{file}:{line}:{column}"), file, line: Some(line) }, told)
             }
         }
     }
 
     fn told(&self, found: Found) -> TableFault {
-        let (place, Told { code, message, fix }) = match found {
-            Found::Cell(cell, told) => (self.shown(cell), told),
-            Found::Place(place, told) => (place, told),
+        let (spot, Told { code, message, fix }) = match found {
+            Found::Cell(cell, told) => (self.spot(cell), told),
+            Found::Place(spot, told) => (spot, told),
         };
-        TableFault { code, place, message, fix }
+        let Spot { words, file, line } = spot;
+        TableFault { code, place: words, file, line, message, fix }
     }
 
     /// `erp.xlsx, sheet Auftraege, row 7, cell C7 (Teil)`.
-    fn shown(&self, cell: CellRef) -> String {
+    fn spot(&self, cell: CellRef) -> Spot {
         let (map, source) = (&self.mapping.tables[cell.table], &self.tables[cell.table]);
-        let mut place = map.file.clone();
+        let mut words = map.file.clone();
         if let Some(sheet) = &source.sheet {
-            place += &format!(", sheet {sheet}");
+            words += &format!(", sheet {sheet}");
         }
-        let Some(row) = cell.row else { return place };
-        let line = source.rows[row].line;
-        place += &format!(", row {line}");
-        if let Some(column) = cell.column
-            && let Some(at) = source.columns[column]
-        {
-            place += &format!(", cell {}{line} ({})", letters(at), map.columns[column].from);
+        let line = cell.row.map(|row| source.rows[row].line);
+        if let Some(line) = line {
+            words += &format!(", row {line}");
+            if let Some(column) = cell.column
+                && let Some(at) = source.columns[column]
+            {
+                words += &format!(", cell {}{line} ({})", letters(at), map.columns[column].from);
+            }
         }
-        place
+        Spot { words, file: map.file.clone(), line }
     }
 }
 

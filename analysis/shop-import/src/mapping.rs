@@ -281,6 +281,11 @@ impl ShopMapping {
         toolroom_form::read(path, overrides, &SHOP_MAPPING, resolve).map(|file| file.content)
     }
 
+    /// The file with what no table has, as the mapping names it: found from the folder of the mapping.
+    pub fn base(&self) -> &str {
+        &self.base
+    }
+
     /// What it maps, for people: `orders of erp.csv`.
     pub fn tables(&self) -> Vec<String> {
         self.tables.iter().map(|table| format!("{} of {}", table.kind.word(), table.file)).collect()

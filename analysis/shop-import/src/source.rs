@@ -1,6 +1,6 @@
 //! Tables of cells, and which of their rows count.
 
-use crate::fault::{CellRef, Found, ShopImportError, Told, letters};
+use crate::fault::{CellRef, Found, ShopImportError, Spot, Told, letters};
 use crate::mapping::TableMap;
 use std::path::Path;
 use toolroom_form::nearest;
@@ -79,7 +79,8 @@ pub(crate) fn read(path: &Path, map: &TableMap, faults: &mut Vec<Found>) -> Resu
     let titles: Vec<&str> = head.cells.iter().map(|cell| cell.text.trim()).collect();
     let place = || {
         let sheet = grid.sheet.as_ref().map_or_else(String::new, |sheet| format!(", sheet {sheet}"));
-        format!("{}{sheet}, row {}", map.file, head.line)
+        let words = format!("{}{sheet}, row {}", map.file, head.line);
+        Spot { words, file: map.file.clone(), line: Some(head.line) }
     };
     let mut located = |from: &str| {
         let found = position(&titles, from);
@@ -112,8 +113,8 @@ pub(crate) fn read(path: &Path, map: &TableMap, faults: &mut Vec<Found>) -> Resu
                     fix: Some("mend the cell, or leave the row out by another comparison before this one".to_owned()),
                 };
                 let sheet = grid.sheet.as_ref().map_or_else(String::new, |sheet| format!(", sheet {sheet}"));
-                let place = format!("{}{sheet}, row {}, cell {}{}", map.file, row.line, letters(at), row.line);
-                faults.push(Found::Place(place, told));
+                let words = format!("{}{sheet}, row {}, cell {}{}", map.file, row.line, letters(at), row.line);
+                faults.push(Found::Place(Spot { words, file: map.file.clone(), line: Some(row.line) }, told));
                 false
             });
             if !counts {

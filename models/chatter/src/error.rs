@@ -1,5 +1,7 @@
 //! Why a stability question was refused.
 
+use std::f64::consts::TAU;
+
 /// Why a stability question was refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -31,6 +33,19 @@ pub enum ChatterError {
         min: f64,
         /// Greatest value.
         max: f64,
+    },
+    /// A spindle speed at which nobody measured.
+    #[error(
+        "no modes were measured at a spindle speed of {} rpm; the table of modes has {} to {} rpm",
+        rpm(*speed), rpm(*least), rpm(*greatest)
+    )]
+    SpeedOutsideTable {
+        /// The speed (rad/s).
+        speed: f64,
+        /// Least speed of the table (rad/s).
+        least: f64,
+        /// Greatest speed of the table (rad/s).
+        greatest: f64,
     },
     /// A range that ends before it starts.
     #[error("range of {quantity} must ascend, runs from {start} to {end}")]
@@ -114,6 +129,7 @@ impl ChatterError {
             Self::NotFinite { .. }
             | Self::NotPositive { .. }
             | Self::OutOfRange { .. }
+            | Self::SpeedOutsideTable { .. }
             | Self::EmptyRange { .. }
             | Self::TooFewPoints { .. }
             | Self::NoModes
@@ -122,6 +138,11 @@ impl ChatterError {
             | Self::NoLimit { .. } => false,
         }
     }
+}
+
+/// A speed (rad/s) as people read it: rpm to a tenth, because an entered speed does not survive the conversion exactly.
+fn rpm(speed: f64) -> f64 {
+    (speed * 600.0 / TAU).round() / 10.0
 }
 
 /// `value` if it is finite.

@@ -1,6 +1,6 @@
 //! Modes that change with the spindle speed.
 
-use crate::error::{ChatterError, positive, within};
+use crate::error::{ChatterError, positive};
 use crate::rows::{Row, check_rows, interpolated, mapped};
 use crate::structure::{Mode, check_modes};
 
@@ -65,10 +65,12 @@ impl SpeedModes {
     /// The modes at `spindle_speed` (rad/s).
     ///
     /// # Errors
-    /// [`ChatterError::OutOfRange`] outside the speeds of the table: nobody measured there.
+    /// [`ChatterError::SpeedOutsideTable`] outside the speeds of the table: nobody measured there.
     pub fn at(&self, spindle_speed: f64) -> Result<Vec<Mode>, ChatterError> {
         let (least, greatest) = self.range();
-        within("spindle_speed of the table of modes", spindle_speed, least * (1.0 - EDGE), greatest * (1.0 + EDGE))?;
+        if !(least * (1.0 - EDGE)..=greatest * (1.0 + EDGE)).contains(&spindle_speed) {
+            return Err(ChatterError::SpeedOutsideTable { speed: spindle_speed, least, greatest });
+        }
         Ok(interpolated(&self.rows, spindle_speed.clamp(least, greatest)))
     }
 
@@ -200,9 +202,12 @@ mod tests {
         let table = SpeedModes::new(vec![row(100.0, 1), row(200.0, 1)]).unwrap();
         for outside in [99.0, 201.0] {
             let cut = Turning { by_speed: Some(table.clone()), ..Turning::orthogonal(vec![mode(700.0)], 1e9, 0.04) };
-            assert!(matches!(cut.limit(outside), Err(ChatterError::OutOfRange { .. })), "{outside}");
+            assert!(matches!(cut.limit(outside), Err(ChatterError::SpeedOutsideTable { .. })), "{outside}");
+            // People give rpm, and the table is in rpm.
+            let told = cut.limit(outside).unwrap_err().to_string();
+            assert!(told.ends_with("the table of modes has 954.9 to 1909.9 rpm"), "{told}");
             let milled = Milling { by_speed: Some(table.clone()), ..side(vec![mode(700.0)]) };
-            assert!(matches!(milled.at_speed(outside), Err(ChatterError::OutOfRange { .. })), "{outside}");
+            assert!(matches!(milled.at_speed(outside), Err(ChatterError::SpeedOutsideTable { .. })), "{outside}");
         }
         assert!(table.at(f64::NAN).is_err() && table.at(f64::INFINITY).is_err());
     }

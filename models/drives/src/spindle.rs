@@ -21,7 +21,7 @@ fn signed(speed: f64, sense: Sense) -> f64 {
     match sense {
         Sense::Clockwise => speed,
         Sense::Counterclockwise => -speed,
-        Sense::Still => 0.0,
+        Sense::Still | Sense::Oriented => 0.0,
     }
 }
 

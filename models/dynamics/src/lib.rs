@@ -54,7 +54,7 @@ pub use fit::{Estimate, Fit, FitOptions, FittedMode, fit};
 pub use frf::{Direction, Frf, Measurement};
 pub use groups::{GROUPS_SOURCE, MATERIAL_GROUPS, MaterialGroup};
 pub use hammer::{Estimator, HammerOptions, responses};
-pub use quality::{Quality, Refusal};
+pub use quality::{Quality, REFUSAL_CODES, Refusal};
 pub use read::{TapOptions, measure, measure_by_speed};
 pub use record::{Channel, FullScale, Record, Signal, is_record, read_record};
 pub use slot::{Coefficient, Coefficients, ForceLine, ForceTest, ForceTestError, LackOfFit, TestedCut, read_forces};

@@ -1,7 +1,10 @@
 //! How good a fit is, and when it must not be used.
 
+mod codes;
+
 use crate::fit::FittedMode;
 use crate::frf::Measurement;
+pub use codes::REFUSAL_CODES;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 use std::fmt;
@@ -69,14 +72,7 @@ pub enum Refusal {
 impl Refusal {
     /// Its code for programs.
     pub fn code(&self) -> &'static str {
-        match self {
-            Self::LowCoherence { .. } => "low-coherence",
-            Self::EdgeOfRange { .. } => "edge-of-range",
-            Self::SensorSign { .. } => "sensor-sign",
-            Self::CoarseFrequency { .. } => "coarse-frequency",
-            Self::WindowDamping { .. } => "window-damping",
-            Self::PoorFit { .. } => "poor-fit",
-        }
+        codes::of(self).0
     }
 
     /// What the user can do.

@@ -6,9 +6,15 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A text: in memory, or in a file that is read line by line. Bytes that are no UTF-8 become the sign of replacement.
+/// A text: in memory, or in a file that is read line by line. Bytes that are no UTF-8 become the sign of replacement. Lines
+/// end with a line feed, with or without a carriage return before it; in a text without any line feed, as old controls send
+/// it, with a carriage return.
 #[derive(Clone, Debug)]
-pub struct Source(Kind);
+pub struct Source {
+    text: Kind,
+    /// The byte that ends a line.
+    end: u8,
+}
 
 #[derive(Clone, Debug)]
 enum Kind {
@@ -20,32 +26,35 @@ impl Source {
     /// A file. What is no regular file, such as a pipe, is read into memory, since there is no way back in it.
     ///
     /// # Errors
-    /// The file cannot be opened.
+    /// The file cannot be opened, or is UTF-16.
     pub fn open(path: &Path) -> io::Result<Self> {
         let mut file = File::open(path)?;
-        if file.metadata()?.is_file() {
-            return Ok(Self(Kind::File(Arc::new(file))));
-        }
         let mut bytes = Vec::new();
+        if file.metadata()?.is_file() {
+            (&mut file).take(BUFFER as u64).read_to_end(&mut bytes)?;
+            refuse_utf16(&bytes)?;
+            return Ok(Self { text: Kind::File(Arc::new(file)), end: line_end(&bytes) });
+        }
         file.read_to_end(&mut bytes)?;
+        refuse_utf16(&bytes)?;
         Ok(Self::from(&*String::from_utf8_lossy(&bytes)))
     }
 
     /// The lines from the beginning.
     pub fn lines(&self) -> Lines {
-        let text = match &self.0 {
+        let text = match &self.text {
             Kind::Memory(text) => Reading::Memory(Arc::clone(text)),
             Kind::File(file) => {
                 Reading::File(BufReader::with_capacity(BUFFER, Shared { file: Arc::clone(file), at: 0 }))
             }
         };
-        Lines { text, next: Mark { byte: 0, line: 1 }, bytes: Vec::new() }
+        Lines { text, next: Mark { byte: 0, line: 1 }, bytes: Vec::new(), end: self.end }
     }
 }
 
 impl From<&str> for Source {
     fn from(text: &str) -> Self {
-        Self(Kind::Memory(Arc::from(text)))
+        Self { text: Kind::Memory(Arc::from(text)), end: line_end(text.as_bytes()) }
     }
 }
 
@@ -57,6 +66,25 @@ impl From<&String> for Source {
 
 /// Bytes that are read from a file at once.
 const BUFFER: usize = 1 << 16;
+
+/// What ends the lines of a text that begins with these bytes.
+fn line_end(start: &[u8]) -> u8 {
+    if start.contains(&b'\r') && !start.contains(&b'\n') { b'\r' } else { b'\n' }
+}
+
+/// Refuses UTF-16, by its mark of the byte order or by every second byte of the beginning being zero. A tape that begins with
+/// zeros alone is none.
+fn refuse_utf16(start: &[u8]) -> io::Result<()> {
+    let start = &start[..start.len().min(64)];
+    let marked = start.starts_with(&[0xff, 0xfe]) || start.starts_with(&[0xfe, 0xff]);
+    let zeros = |from: usize| start.iter().skip(from).step_by(2).all(|byte| *byte == 0);
+    let letters = |from: usize| start.iter().skip(from).step_by(2).all(|byte| *byte != 0);
+    if marked || start.len() >= 4 && (zeros(0) && letters(1) || zeros(1) && letters(0)) {
+        let message = "the text is UTF-16 (\"Unicode\" in some editors); save it as UTF-8";
+        return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+    }
+    Ok(())
+}
 
 /// A file whose place belongs to one reader, though the file belongs to several.
 #[derive(Debug)]
@@ -130,6 +158,7 @@ pub struct Lines {
     text: Reading,
     next: Mark,
     bytes: Vec<u8>,
+    end: u8,
 }
 
 impl Lines {
@@ -167,13 +196,13 @@ impl Lines {
                 if rest.is_empty() {
                     return Ok(None);
                 }
-                let length = rest.find('\n').map_or(rest.len(), |end| end + 1);
+                let length = rest.find(char::from(self.end)).map_or(rest.len(), |end| end + 1);
                 self.next = Mark { byte: (start + length) as u64, line: number + 1 };
                 Ok(Some((number, Cow::Borrowed(ended(&rest[..length])))))
             }
             Reading::File(file) => {
                 self.bytes.clear();
-                let length = file.read_until(b'\n', &mut self.bytes)?;
+                let length = file.read_until(self.end, &mut self.bytes)?;
                 if length == 0 {
                     return Ok(None);
                 }

@@ -237,7 +237,7 @@ impl Writer {
                 }
             }
             EventKind::Spindle { speed, sense } => {
-                if sense != Sense::Still && speed != self.speed {
+                if !sense.stands() && speed != self.speed {
                     self.speed = speed;
                     let speed = number(speed, 3, false);
                     let text = if self.klartext() { format!("TOOL CALL Z S{speed}") } else { format!("S{speed}") };
@@ -247,6 +247,7 @@ impl Writer {
                     Sense::Clockwise => "M3",
                     Sense::Counterclockwise => "M4",
                     Sense::Still => "M5",
+                    Sense::Oriented => "M19",
                 });
             }
             EventKind::Coolant(on) => self.line(if on { "M8" } else { "M9" }),

@@ -30,14 +30,6 @@ pub(crate) enum Next {
     Over,
 }
 
-fn opposite(sense: Sense) -> Sense {
-    match sense {
-        Sense::Clockwise => Sense::Counterclockwise,
-        Sense::Counterclockwise => Sense::Clockwise,
-        Sense::Still => Sense::Still,
-    }
-}
-
 impl Thread {
     /// The thread that a motion begins, if it is one. `turning` is the spindle, rpm; `pitch` that of a cycle which names one, mm.
     pub fn begins(motion: &Motion, line: usize, turning: (f64, Sense), pitch: Option<f64>) -> Option<Self> {
@@ -66,13 +58,13 @@ impl Thread {
                 self.between.push(*event);
                 Next::Open
             }
-            EventKind::Spindle { sense, .. } if self.up.is_none() && sense == opposite(self.sense) => {
+            EventKind::Spindle { sense, .. } if self.up.is_none() && sense == self.sense.reversed() => {
                 self.between.push(*event);
                 Next::Open
             }
             EventKind::Motion(motion) if self.up.is_none() && back(&motion) => {
                 self.up = Some(motion);
-                if self.sense == Sense::Still { Next::Done } else { Next::Open }
+                if self.sense.stands() { Next::Done } else { Next::Open }
             }
             EventKind::Spindle { sense, .. } if self.up.is_some() && sense == self.sense => Next::Done,
             EventKind::Motion(_)

@@ -202,12 +202,9 @@ impl Kernel {
     }
 
     fn reverse(&mut self) {
-        let sense = match self.sense {
-            Sense::Clockwise => Sense::Counterclockwise,
-            Sense::Counterclockwise => Sense::Clockwise,
-            Sense::Still => return,
-        };
-        self.spindle(sense);
+        if !self.sense.stands() {
+            self.spindle(self.sense.reversed());
+        }
     }
 
     fn leave(&mut self, hole: &Hole) -> Result<(), Fault> {
@@ -239,7 +236,7 @@ impl Kernel {
                 (step.step[u], step.step[v]) = (Some(shift[0]), Some(shift[1]));
                 let mut back = Target::default();
                 (back.step[u], back.step[v]) = (Some(-shift[0]), Some(-shift[1]));
-                self.spindle(Sense::Still);
+                self.spindle(Sense::Oriented);
                 self.straight(&step, true)?;
                 self.across(hole.level, true)?;
                 self.straight(&back, true)?;
@@ -267,7 +264,7 @@ impl Kernel {
     }
 
     fn restart(&mut self, sense: Sense) {
-        if sense != Sense::Still {
+        if !sense.stands() {
             self.spindle(sense);
         }
     }
@@ -283,14 +280,14 @@ impl Kernel {
         };
         self.purpose = Some(Purpose::Cycle);
         let done: Result<(), Fault> = (|| {
-            self.spindle(Sense::Still);
+            self.spindle(Sense::Oriented);
             self.straight(&aside(1.0), true)?;
             self.across(below, true)?;
             self.straight(&aside(-1.0), true)?;
             self.restart(sense);
             self.across(top, false)?;
             self.dwell(dwell)?;
-            self.spindle(Sense::Still);
+            self.spindle(Sense::Oriented);
             self.straight(&aside(1.0), true)?;
             self.across(level, true)?;
             self.straight(&aside(-1.0), true)?;

@@ -432,7 +432,7 @@ impl Kernel {
 
     pub fn spindle(&mut self, sense: Sense) {
         self.sense = sense;
-        self.push(EventKind::Spindle { speed: if sense == Sense::Still { 0.0 } else { self.speed }, sense });
+        self.push(EventKind::Spindle { speed: if sense.stands() { 0.0 } else { self.speed }, sense });
     }
 
     /// A function of the machine, with its time where the control has been told one.
@@ -457,7 +457,7 @@ impl Kernel {
         if !(0.0..=1e6).contains(&speed) {
             return Err(Fault::new(format!("S{speed}: write a speed from 0 to 1 000 000 rpm")));
         }
-        let changes = self.sense != Sense::Still && speed != self.speed;
+        let changes = !self.sense.stands() && speed != self.speed;
         self.speed = speed;
         if changes {
             self.push(EventKind::Spindle { speed, sense: self.sense });

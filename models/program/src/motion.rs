@@ -193,8 +193,26 @@ pub enum Sense {
     Clockwise,
     /// M4.
     Counterclockwise,
-    /// M5, M19.
+    /// M5.
     Still,
+    /// It stands at its angle: M19, and the cycles that move a tool out of a bore beside its wall.
+    Oriented,
+}
+
+impl Sense {
+    /// Whether the spindle does not turn.
+    pub fn stands(self) -> bool {
+        matches!(self, Self::Still | Self::Oriented)
+    }
+
+    /// The other way round; what stands goes on standing.
+    pub fn reversed(self) -> Self {
+        match self {
+            Self::Clockwise => Self::Counterclockwise,
+            Self::Counterclockwise => Self::Clockwise,
+            Self::Still | Self::Oriented => self,
+        }
+    }
 }
 
 /// What a table of the control adds to programmed positions.

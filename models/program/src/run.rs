@@ -125,8 +125,14 @@ impl Run {
 
     /// Position of each axis up to now, mm and degrees; X of a lathe as a diameter. `None` where not known.
     pub fn position(&self) -> [Option<f64>; 9] {
-        let diameter = |axis: usize| if self.kernel.lathe && axis == 0 { 2.0 } else { 1.0 };
-        std::array::from_fn(|axis| self.kernel.known[axis].then(|| diameter(axis) * self.kernel.at[axis]))
+        let factors = self.factors();
+        std::array::from_fn(|axis| self.kernel.known[axis].then(|| factors[axis] * self.kernel.at[axis]))
+    }
+
+    /// Factor from each axis of a motion to what the program writes: 2 of X of a lathe, which is a diameter in programs and a
+    /// radius in motions, and 1 of all others.
+    pub fn factors(&self) -> [f64; 9] {
+        std::array::from_fn(|axis| if self.kernel.lathe && axis == 0 { 2.0 } else { 1.0 })
     }
 
     /// Line of the first step of an axis from a place that only the machine knows: its end has no coordinates.

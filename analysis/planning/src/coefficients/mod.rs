@@ -15,6 +15,13 @@ pub const RADIAL_RATIO: f64 = 0.4;
 /// Relative standard deviation of a coefficient from a table (assumption, as for lobes files).
 const TABLE_DEVIATION: f64 = 0.15;
 
+/// Least and greatest feed per tooth (mm) within which shops mill (assumption: what tables of tool makers span, widened by a
+/// factor of about two). A value outside is admitted; its usual cause is a slip of the unit.
+pub const USUAL_FEED_PER_TOOTH: [f64; 2] = [0.005, 1.0];
+/// Factor beyond the specific cutting forces of the groups of VDI 3323 at which a tangential coefficient is unusual
+/// (assumption: the groups span what is milled, wear and rake change the force by less than this).
+const BEYOND_GROUPS: f64 = 3.0;
+
 /// An argument that cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}")]
@@ -126,7 +133,8 @@ impl CoefficientStudy {
         axes: [(usize, f64); 3],
     ) -> Result<Self, ForceTestError> {
         let material = format!("identified from {}", test.source);
-        let found = test.turned(axes).identify(cut)?;
+        let mut found = test.turned(axes).identify(cut)?;
+        found.warnings.extend(unusual(&found));
         Ok(Self { name, material, source, origin: CoefficientOrigin::Test(Box::new(found)) })
     }
 
@@ -161,6 +169,33 @@ impl CoefficientStudy {
             origin: CoefficientOrigin::Group { group, chip: thickness, radial_ratio },
         })
     }
+}
+
+/// What is admitted and rarely meant: feeds or forces of another unit.
+fn unusual(found: &Coefficients) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let [from, to] = found.range.map(|feed| feed * 1e3);
+    let [least, most] = USUAL_FEED_PER_TOOTH;
+    if from < least || to > most {
+        warnings.push(format!(
+            "unusual: the feeds per tooth are {from:.4} to {to:.4} mm; shops mill with {least} to {most} mm; is the unit of \
+             the column right?"
+        ));
+    }
+    // At the least and the greatest usual feed, because a specific force grows as the chip becomes thin.
+    let pressures = MATERIAL_GROUPS.iter().flat_map(|group| USUAL_FEED_PER_TOOTH.map(|f| group.pressure_at(f * 1e-3)));
+    let (low, high) = pressures.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
+    let usual = low / BEYOND_GROUPS..=high * BEYOND_GROUPS;
+    if let Some(tangential) = found.chip[0].filter(|coefficient| !usual.contains(&coefficient.value)) {
+        warnings.push(format!(
+            "unusual: the tangential coefficient is {:.4} MPa; the groups of VDI 3323 have {:.0} to {:.0} MPa; are the units \
+             of feed, force and depth right?",
+            tangential.value * 1e-6,
+            low * 1e-6,
+            high * 1e-6
+        ));
+    }
+    warnings
 }
 
 /// The groups of work materials as a table of a terminal.

@@ -101,7 +101,7 @@ impl Turning {
     /// The cut with the modes that it has at `spindle_speed` (rad/s); the same cut where they do not change with it.
     ///
     /// # Errors
-    /// [`ChatterError::OutOfRange`] outside the speeds of [`Turning::by_speed`].
+    /// [`ChatterError::SpeedOutsideTable`] outside the speeds of [`Turning::by_speed`].
     pub fn at_spindle_speed(&self, spindle_speed: f64) -> Result<Cow<'_, Self>, ChatterError> {
         Ok(match &self.by_speed {
             None => Cow::Borrowed(self),

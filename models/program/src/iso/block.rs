@@ -258,7 +258,7 @@ impl Iso {
                 }
                 19 => {
                     words.spend(b"RPQ");
-                    kernel.spindle(Sense::Still);
+                    kernel.spindle(Sense::Oriented);
                 }
                 // Rigid tapping is a mode of the next cycle; it comes with the speed.
                 29 if self.dialect == Dialect::Fanuc && !kernel.control.m.contains_key(&29) => {}

@@ -8,7 +8,7 @@ use crate::Dialect;
 use crate::control::Units;
 use crate::error::{Fault, unknown};
 use crate::kernel::{FeedMode, Kernel};
-use crate::motion::{Offset, PLANES, Sense};
+use crate::motion::{Offset, PLANES};
 use crate::offset::{Corner, Offsetting};
 
 /// Speed at the axis of a lathe where no greatest one is known, rpm (assumption); a feed there is refused before.
@@ -271,7 +271,7 @@ impl Iso {
                     return refuse("constant surface speed on a mill has no time of its own here; write G97");
                 }
                 kernel.surface = kernel.surface.or(self.modes.surface).or(Some(0.0));
-                if kernel.sense == Sense::Still {
+                if kernel.sense.stands() {
                     kernel.speed = 0.0;
                 }
                 Modal

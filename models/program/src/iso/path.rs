@@ -5,7 +5,7 @@ use super::words::Words;
 use crate::Dialect;
 use crate::error::Fault;
 use crate::kernel::{FeedMode, Kernel, Round, Target};
-use crate::motion::{PLANES, Purpose, Sense};
+use crate::motion::{PLANES, Purpose};
 
 impl Iso {
     pub(super) fn arc(&mut self, left: bool, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
@@ -112,12 +112,10 @@ impl Iso {
         let target = self.target(words, kernel)?;
         self.thread(&target, words, kernel)?;
         let sense = kernel.sense;
-        let against = match sense {
-            Sense::Clockwise => Sense::Counterclockwise,
-            Sense::Counterclockwise => Sense::Clockwise,
-            Sense::Still => return Err(Fault::new("G33.1 needs a spindle that turns")),
-        };
-        kernel.spindle(against);
+        if sense.stands() {
+            return Err(Fault::new("G33.1 needs a spindle that turns"));
+        }
+        kernel.spindle(sense.reversed());
         let mut back = Target::default();
         for axis in (0..9).filter(|axis| target.names(*axis)) {
             back.absolute[axis] = Some(start[axis]);

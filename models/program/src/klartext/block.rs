@@ -367,7 +367,7 @@ impl Klartext {
                 4 | 14 => kernel.spindle(Sense::Counterclockwise),
                 6 => kernel.change_tool(kernel.tool),
                 7 | 8 => kernel.push(EventKind::Coolant(true)),
-                19 => kernel.spindle(Sense::Still),
+                19 => kernel.spindle(Sense::Oriented),
                 0 | 1 | 2 | 5 | 9 | 30 | 89 | 99 | 91 | 92 | 126 | 127 | 120 | 140 => {}
                 // Ends of modes that are not followed, and messages about oversizes.
                 102 | 107 | 108 | 111 | 117 | 129 | 137 | 145 | 149 => {}

@@ -224,7 +224,7 @@ impl Siemens {
             4 => kernel.spindle(Sense::Counterclockwise),
             6 => kernel.change_tool(self.modes.next_tool),
             7 | 8 => kernel.push(EventKind::Coolant(true)),
-            19 => kernel.spindle(Sense::Still),
+            19 => kernel.spindle(Sense::Oriented),
             _ => kernel.auxiliary(code),
         }
     }
