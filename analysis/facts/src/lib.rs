@@ -34,6 +34,7 @@ pub mod arrivals;
 pub mod count;
 mod fact;
 pub mod failures;
+pub mod law;
 pub mod middle;
 pub mod renewal;
 pub mod spread;

@@ -6,10 +6,9 @@
 
 use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
-use crate::times::fisher;
+use crate::law::{Against, RelativeLaw};
 use crate::told::{Delay, Told};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
-use statrs::function::erf::erfc;
 use toolroom_statistics::{Moments, student};
 
 /// Fewest times that are tested (count; assumption).
@@ -38,10 +37,8 @@ pub struct Timed<'a> {
     pub shifts: &'a [String],
     /// Recorded time and mean by the file, s each.
     pub pairs: &'a [(f64, f64)],
-    /// Coefficient of variation by the file (1; 0: the file gives one time, and nobody says how much it scatters).
-    pub variation: f64,
-    /// Relative standard error of that coefficient (1).
-    pub variation_error: f64,
+    /// How such times scatter by the file; not at all where it gives one time, and nobody says how much that scatters.
+    pub law: &'a RelativeLaw,
 }
 
 /// How far the recorded times are from their file: mean, and its standard error, s.
@@ -50,85 +47,119 @@ pub fn excess(pairs: &[(f64, f64)]) -> (f64, f64) {
     (own.mean(), own.standard_deviation().hypot(CLOCK) / (pairs.len() as f64).sqrt())
 }
 
-/// Middle and scatter of recorded times against their file (Student's t of the mean excess; the logarithm of the
-/// coefficient of variation). A scatter that a constant or an added time explains is none. `None` for fewer than three
-/// times, and where the file gives no time at all.
-///
-/// # Source
-/// Combination of the two tests: Fisher 1932. Standard error of a sample variance: Cramér 1946, section 27.4.
-pub fn middle(timed: &Timed<'_>) -> Option<Fact> {
-    let Timed { quantity, pairs, .. } = *timed;
+/// Middle and scatter of recorded times against their file: two facts, since a scatter that is off is no mean that is off. Of
+/// the middle Student's t of the mean excess; of the scatter the probability of [`RelativeLaw::p`]. A scatter that a constant
+/// or an added time explains is none. Nothing for fewer than three times, of the scatter for fewer than twenty, and where the
+/// file gives no time at all.
+pub fn middle_and_scatter(timed: &Timed<'_>) -> Vec<Fact> {
+    let Timed { pairs, .. } = *timed;
     let model = pairs.iter().map(|(_, model)| *model).collect::<Moments>().mean();
     if pairs.len() < FEWEST || model <= 0.0 || !model.is_finite() {
-        return None;
+        return Vec::new();
     }
-    let count = pairs.len() as f64;
     let (mean, error) = excess(pairs);
+    let scatter = scattered(timed, model);
+    let about_scatter = scatter.map(|own| own.fact(timed));
+    middle(timed, model, (mean, error), scatter).into_iter().chain(about_scatter).collect()
+}
+
+fn middle(timed: &Timed<'_>, model: f64, (mean, error): (f64, f64), scatter: Option<Scattered>) -> Option<Fact> {
+    let count = timed.pairs.len() as f64;
     let law = StudentsT::new(0.0, 1.0, count - 1.0).ok()?;
-    let middle = 2.0 * law.sf((mean / error).abs());
+    let p = 2.0 * law.sf((mean / error).abs());
     let estimate = model + mean;
-    let scatter = scattered(timed, estimate / model);
     let half = student(0.9, count - 1.0) * error;
     let normal = Normal::standard();
-    let deviation = (timed.variation * model).hypot(CLOCK) / count.sqrt();
+    let deviation = (timed.law.variation() * model).hypot(CLOCK) / count.sqrt();
     let reach = (normal.inverse_cdf(1.0 - 0.5 * LEVEL) + normal.inverse_cdf(POWER)) * deviation / model;
-    let mut tests = vec![("middle", middle)];
-    let p = scatter.map_or(middle, |own| {
-        tests.push(("scatter", own.p()));
-        fisher(middle, own.p())
-    });
     // A machine or a tool has no constant for one shift.
     let told = !timed.shifts.is_empty() || scatter.is_some_and(|own| own.factor < REFUSED && own.summand > KEPT);
     let constant = timed.shifts.is_empty() && scatter.is_some_and(|own| own.summand < REFUSED && own.factor > KEPT);
     let delay = Delay { effect: timed.effect, size: mean, standard_error: error, told };
+    let delay = (mean > 0.0 && !constant).then_some(delay);
     Some(Fact {
-        quantity,
-        place: timed.place.to_owned(),
-        pooled: timed.pooled,
-        told: Told { shifts: timed.shifts.to_vec(), delay: (mean > 0.0 && !constant).then_some(delay) },
-        count: pairs.len() as u64,
-        expected: count,
+        told: Told { shifts: timed.shifts.to_vec(), delay },
         p,
-        tests,
+        tests: vec![("middle", p)],
         model,
         estimate,
         ci90: [estimate - half, estimate + half],
         least_seen: [(1.0 - reach).max(0.0), 1.0 + reach],
+        ..timed.untold(timed.quantity)
     })
 }
 
-/// Probabilities of the scatter where the file is off by a factor, and where something is added to every time.
+impl Timed<'_> {
+    /// A fact of these times of which nothing is said.
+    fn untold(&self, quantity: Quantity) -> Fact {
+        let count = self.pairs.len();
+        let (place, told) = (self.place.to_owned(), Told { shifts: self.shifts.to_vec(), delay: None });
+        let (pooled, expected) = (self.pooled, count as f64);
+        let (p, tests, model, estimate) = (1.0, Vec::new(), f64::NAN, f64::NAN);
+        let (ci90, least_seen, count) = ([f64::NAN; 2], [f64::NAN; 2], count as u64);
+        Fact { quantity, place, pooled, told, count, expected, p, tests, model, estimate, ci90, least_seen }
+    }
+}
+
+/// The scatter of times where the file is off by a factor, and where something is added to every time.
 #[derive(Clone, Copy, Debug)]
 struct Scattered {
+    /// Probability under the first.
     factor: f64,
+    /// And under the second.
     summand: f64,
+    /// Standard deviation over the recorded mean (1).
+    of_factor: f64,
+    /// Over that of the file (1).
+    of_summand: f64,
+    /// Standard error of the logarithm of either (1).
+    error: f64,
 }
 
 impl Scattered {
-    /// That of the better explanation.
-    fn p(self) -> f64 {
-        self.factor.max(self.summand)
+    /// By the better explanation.
+    fn fact(self, timed: &Timed<'_>) -> Fact {
+        let (p, estimate) =
+            if self.factor >= self.summand { (self.factor, self.of_factor) } else { (self.summand, self.of_summand) };
+        let normal = Normal::standard();
+        let half = normal.inverse_cdf(0.95) * self.error;
+        let reach = (normal.inverse_cdf(1.0 - 0.5 * LEVEL) + normal.inverse_cdf(POWER)) * self.error;
+        Fact {
+            p,
+            tests: vec![("level", p)],
+            model: timed.law.variation(),
+            estimate,
+            ci90: [estimate * (-half).exp(), estimate * half.exp()],
+            least_seen: [(-reach).exp(), reach.exp()],
+            ..timed.untold(Quantity::HandlingScatter)
+        }
     }
 }
 
-/// The scatter of recorded times, whose mean is `ratio` times that of the file; `None` where the file has none, or too few
-/// times show it.
-fn scattered(timed: &Timed<'_>, ratio: f64) -> Option<Scattered> {
-    let shares: Vec<f64> = timed.pairs.iter().map(|(recorded, model)| recorded / model).collect();
-    if timed.variation <= 0.0 || shares.len() < FEWEST_SCATTERING || ratio <= 0.0 {
+/// The scatter of recorded times of which the file says `model` s in the mean; `None` where the file has none, or too few times
+/// show it.
+///
+/// # Source
+/// Standard error of a sample variance: Cramér 1946, section 27.4.
+fn scattered(timed: &Timed<'_>, model: f64) -> Option<Scattered> {
+    let shares: Moments = timed.pairs.iter().map(|(recorded, model)| recorded / model).collect();
+    let (mean, deviation, count) = (shares.mean(), shares.standard_deviation(), timed.pairs.len());
+    if timed.law.variation() <= 0.0 || count < FEWEST_SCATTERING || mean <= 0.0 {
         return None;
     }
-    let count = shares.len() as f64;
-    let mean = shares.iter().sum::<f64>() / count;
-    let power = |power: i32| shares.iter().map(|share| (share - mean).powi(power)).sum::<f64>();
-    let variance = power(2) / (count - 1.0);
-    let kurtosis = power(4) / count / (power(2) / count).powi(2);
-    let error = ((kurtosis - 1.0).max(0.0) / (4.0 * (count - 1.0))).sqrt().hypot(timed.variation_error);
-    let off = |by: f64| {
-        let distance = (variance.sqrt() / (by * timed.variation)).ln() / error;
-        if distance.is_finite() { erfc(distance.abs() / std::f64::consts::SQRT_2) } else { 0.0 }
-    };
-    Some(Scattered { factor: off(ratio), summand: off(1.0) })
+    let power =
+        |power: i32| timed.pairs.iter().map(|(recorded, model)| (recorded / model - mean).powi(power)).sum::<f64>();
+    let n = count as f64;
+    let kurtosis = power(4) / n / (power(2) / n).powi(2);
+    let error = if kurtosis.is_finite() { ((kurtosis - 1.0).max(0.0) / (4.0 * (n - 1.0))).sqrt() } else { 0.0 };
+    let (of_factor, of_summand, clock) = (deviation / mean, deviation, CLOCK / model);
+    Some(Scattered {
+        factor: timed.law.p(count, of_factor, Against::OwnMean, clock / mean),
+        summand: timed.law.p(count, of_summand, Against::MeanOfLaw, clock),
+        of_factor,
+        of_summand,
+        error,
+    })
 }
 
 /// Whether groups of times agree in their excess over the file: weighted sum of squares about the common mean (χ²), or no
@@ -167,54 +198,47 @@ mod tests {
         (0..count).map(|_| (factor * law.quantile(random.random()) + added, 60.0)).collect()
     }
 
-    fn asked(pairs: &[(f64, f64)], variation: f64) -> Fact {
+    fn law(cv: f64) -> RelativeLaw {
+        RelativeLaw::new(|uniform| Distribution::Lognormal { mean: 60.0, cv }.quantile(uniform()))
+    }
+
+    fn asked(pairs: &[(f64, f64)], law: &RelativeLaw) -> Vec<Fact> {
         let (quantity, effect) = (Quantity::HandlingTime, "operator_delay");
-        let timed =
-            Timed { quantity, effect, place: "L1", pooled: false, shifts: &[], pairs, variation, variation_error: 0.0 };
-        middle(&timed).expect("enough times")
+        middle_and_scatter(&Timed { quantity, effect, place: "L1", pooled: false, shifts: &[], pairs, law })
     }
 
     #[test]
     fn a_true_file_is_rejected_as_often_as_the_level_says() {
-        for count in [8, 200] {
-            let p = |seed| asked(&recorded(count, 1.0, 0.0, seed), VARIATION).p;
-            let rejected = (0..400).filter(|seed| p(*seed) < 0.05).count();
-            // Of 400 at 5 %: 20 with a standard deviation of 4.4; of two explanations the scatter has the better one.
-            assert!((3..=34).contains(&rejected), "{count}: {rejected}");
+        let law = law(VARIATION);
+        for (count, facts) in [(8, 1), (60, 2)] {
+            for fact in 0..facts {
+                let p = |seed| asked(&recorded(count, 1.0, 0.0, seed), &law)[fact].p;
+                let rejected = (0..400).filter(|seed| p(*seed) < 0.05).count();
+                // Of 400 at 5 %: 20 with a standard deviation of 4.4; of two explanations the scatter has the better one.
+                assert!((3..=34).contains(&rejected), "{count} {fact}: {rejected}");
+            }
         }
     }
 
     #[test]
     fn one_time_of_the_file_that_is_another_one_in_the_log_is_seen_whatever_its_scatter() {
         let exact: Vec<(f64, f64)> = vec![(180.0, 60.0); 5];
-        let fact = asked(&exact, 0.0);
+        let none = RelativeLaw::default();
+        let fact = asked(&exact, &none).remove(0);
         assert!(fact.p < 1e-6 && (fact.factor() - 3.0).abs() < 1e-12, "{fact:?}");
         let delay = fact.told.delay.expect("what is too long may be a delay");
         assert!(!delay.told && (delay.size - 120.0).abs() < 1e-9);
-        assert_eq!(asked(&[(60.0, 60.0); 5], 0.0).p, 1.0);
-        let few = Timed { pairs: &exact[..2], ..timed_of(&exact) };
-        assert!(middle(&few).is_none());
-    }
-
-    fn timed_of(pairs: &[(f64, f64)]) -> Timed<'_> {
-        Timed {
-            quantity: Quantity::ToolChangeTime,
-            effect: "tool_change_delay",
-            place: "L1",
-            pooled: false,
-            shifts: &[],
-            pairs,
-            variation: 0.0,
-            variation_error: 0.0,
-        }
+        assert_eq!(asked(&[(60.0, 60.0); 5], &none)[0].p, 1.0);
+        assert!(asked(&exact[..2], &none).is_empty());
     }
 
     #[test]
     fn a_delay_is_told_from_a_constant_by_the_scatter_that_it_leaves() {
+        let law = law(VARIATION);
         for seed in 0..5 {
-            let added = asked(&recorded(400, 1.0, 30.0, seed), VARIATION);
+            let added = asked(&recorded(400, 1.0, 30.0, seed), &law).remove(0);
             assert!(added.told.delay.as_ref().is_some_and(|own| own.told), "{seed}: {added:?}");
-            let times = asked(&recorded(400, 1.5, 0.0, seed), VARIATION);
+            let times = asked(&recorded(400, 1.5, 0.0, seed), &law).remove(0);
             assert!(times.told.delay.is_none(), "{seed}: {times:?}");
             assert!(added.is_rejected(0.01) && times.is_rejected(0.01));
         }
@@ -222,8 +246,10 @@ mod tests {
 
     #[test]
     fn a_scatter_that_neither_explains_is_seen_and_groups_that_differ_do_not_agree() {
-        let wide = asked(&recorded(400, 1.0, 0.0, 1), 0.15);
-        assert!(wide.tests.iter().any(|(name, p)| *name == "scatter" && *p < 1e-6), "{wide:?}");
+        let wide = asked(&recorded(400, 1.0, 0.0, 1), &law(0.15));
+        let [middle, scatter] = &wide[..] else { panic!("{wide:?}") };
+        assert!(scatter.quantity == Quantity::HandlingScatter && scatter.p < 1e-6, "{wide:?}");
+        assert!((1.7..2.3).contains(&scatter.factor()) && !middle.is_rejected(0.01), "{wide:?}");
         let [a, b, c] = [recorded(50, 1.0, 0.0, 1), recorded(50, 1.0, 0.0, 2), recorded(50, 1.0, 25.0, 3)];
         assert!(agree(&[&a, &b]) && !agree(&[&a, &b, &c]) && agree(&[&a, &b, &c[..2]]) && agree(&[]));
     }

@@ -2,7 +2,7 @@
 
 use crate::tables::reads_events;
 use crate::{GapRequest, GapStudyError, Reading};
-use toolroom_gap::{Diagnosis, GapVerdict, ModelFileError, NominalModel, add_machine_facts};
+use toolroom_gap::{Diagnosis, GapVerdict, ModelFileError, NominalModel, ShiftLabels, add_machine_facts};
 use toolroom_records::{RecordError, RecordKind, Records, read, tables};
 use toolroom_scenario::Scenario;
 
@@ -14,6 +14,8 @@ pub struct Machines {
     /// The file of the model.
     pub scenario: Scenario,
     events: Option<Records>,
+    /// Shifts as the records of the process name them.
+    labels: ShiftLabels,
 }
 
 impl Machines {
@@ -27,7 +29,7 @@ impl Machines {
         tables_of: &[Option<(NominalModel, Records)>],
         reading: &Reading<'_>,
     ) -> Result<Option<Self>, GapStudyError> {
-        let ([path], [Some((model, _))]) = (request.models, tables_of) else { return Ok(None) };
+        let ([path], [Some((model, records))]) = (request.models, tables_of) else { return Ok(None) };
         if !reads_events(model) {
             return Ok(None);
         }
@@ -38,13 +40,13 @@ impl Machines {
             None | Some(Err(RecordError::NoRows { wrong: false, .. })) => None,
             Some(read) => Some(reading.said(read)?),
         };
-        Ok(Some(Self { scenario, events }))
+        Ok(Some(Self { scenario, events, labels: ShiftLabels::of(records) }))
     }
 
     /// What the machines have recorded, beside what was found in the records of the process.
     pub fn add_to(&self, diagnosis: &mut Diagnosis, seed: u64) {
         match &self.events {
-            Some(events) => add_machine_facts(&self.scenario, events, diagnosis, seed),
+            Some(events) => add_machine_facts(&self.scenario, events, &self.labels, diagnosis, seed),
             None if diagnosis.verdict == GapVerdict::NoGap => diagnosis.notes.push(NOT_ASKED.to_owned()),
             None => {}
         }

@@ -176,6 +176,8 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
             doubted(&mut diagnosis, decision.structure(model), pushed, || decision.asked_for(context));
         }
     }
+    let far = diagnosis.far_gains();
+    diagnosis.notes.extend(far);
     diagnosis.next = next(&diagnosis);
     Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }
 }
@@ -392,6 +394,7 @@ fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
                 value: value(x),
                 ci90: [-NINETY, NINETY].map(|end| value(x + end * uncertainty)),
                 prior_sd_moved: x,
+                gain: name.starts_with("gain of "),
                 constant: !allowance && !name.starts_with("gain of "),
             }
         })

@@ -170,6 +170,8 @@ pub struct Calibrated {
     pub ci90: [f64; 2],
     /// Distance from nominal in prior standard deviations.
     pub prior_sd_moved: f64,
+    /// Whether it is the gain of a sensor.
+    pub gain: bool,
     /// Whether it is a constant of the model: no form allowance, no gain of a sensor.
     pub constant: bool,
 }

@@ -74,6 +74,7 @@ mod reframed;
 mod rules;
 mod score;
 mod settle;
+mod shift_labels;
 mod shop_facts;
 #[cfg(test)]
 mod shop_tests;
@@ -108,6 +109,7 @@ pub use processes::{Answers, diagnose_processes, diagnosed_processes};
 pub use propose::{Library, Proposal, ProposedTerm, propose};
 pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
+pub use shift_labels::ShiftLabels;
 pub use toolroom_evidence::{EFFECT_PRIOR, Evidence, Gram};
 pub use toolroom_nominal::{
     Asked, Candidate, Channel, ChannelId, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EffectId,

@@ -10,28 +10,34 @@
 
 use super::constants::{NINETY, PROBABLE};
 use super::queue::occasion;
+use super::shift_labels::ShiftLabels;
 use super::shop_facts::{of_failures, take_back};
 use super::{Diagnosis, EffectId, GapVerdict, NamedEffect};
 use std::collections::BTreeMap;
-use toolroom_facts::middle::{Timed, agree, middle};
+use toolroom_facts::law::RelativeLaw;
+use toolroom_facts::middle::{Timed, agree, middle_and_scatter};
 use toolroom_facts::{Fact, Quantity};
 use toolroom_nominal::shop::{Shop, Visit, Visits, visits};
 use toolroom_records::Records;
 use toolroom_scenario::{Deviation, Distribution, MachineType, Scenario, ShopConstant, ShopEffect, calibrated};
-use toolroom_statistics::Moments;
 
 /// Tests what the `events` of machines count against the `scenario` that they run by, adds it to what the records of a
-/// process say, and takes back that there is no gap where the log contradicts a constant of the file. `seed` is that of
-/// replicated histories of breakdowns.
-pub fn add_machine_facts(scenario: &Scenario, events: &Records, diagnosis: &mut Diagnosis, seed: u64) {
-    let shop = Shop::without_lives(scenario);
-    let seen = visits(events);
-    let mut facts = of_failures(&shop, &seen, false, seed);
+/// process say, and takes back that there is no gap where the log contradicts a constant of the file. `labels` are the shifts as
+/// those records name them, `seed` is that of replicated histories of breakdowns.
+pub fn add_machine_facts(
+    scenario: &Scenario,
+    events: &Records,
+    labels: &ShiftLabels,
+    diagnosis: &mut Diagnosis,
+    seed: u64,
+) {
+    let log = Log { shop: Shop::without_lives(scenario), seen: visits(events), scenario, labels };
+    let mut facts = of_failures(&log.shop, &log.seen, false, seed);
     // A delay that the records of the process name is no constant beside it.
     let named = |id: EffectId| diagnosis.effects.iter().any(|effect| effect.id == id);
     let asked = [(HANDLING, EffectId::OPERATOR_DELAY), (CHANGE, EffectId::TOOL_CHANGE_DELAY)];
     for (timed, _) in asked.into_iter().filter(|(_, id)| !named(*id)) {
-        facts.extend(timed.facts(scenario, &shop, &seen));
+        facts.extend(timed.facts(&log));
     }
     if diagnosis.verdict == GapVerdict::CannotTell {
         return;
@@ -74,6 +80,14 @@ fn cause(scenario: &Scenario, fact: &Fact) -> Option<NamedEffect> {
     })
 }
 
+/// A log of machines, and what is said of them.
+struct Log<'a> {
+    shop: Shop,
+    seen: Visits,
+    scenario: &'a Scenario,
+    labels: &'a ShiftLabels,
+}
+
 /// A time of machines that a log shows.
 #[derive(Clone, Copy)]
 struct Kind {
@@ -98,15 +112,15 @@ impl Kind {
         self.quantity == Quantity::HandlingTime
     }
 
-    /// Mean by the file before any calibration, s, and coefficient of variation with its relative error (1).
-    fn law(self, machine: &MachineType, shop: &Shop) -> [f64; 3] {
-        let drawn = shop.station(&machine.name).filter(|_| self.is_handling()).map(|station| &station.handling);
-        let Some(drawn) = drawn else { return [machine.tool_change_time, 0.0, 0.0] };
-        let mean = machine.load_time.mean() + machine.unload_time.mean();
-        let scatter = drawn.iter().copied().collect::<Moments>().standard_deviation();
-        let scatters = !(machine.load_time.is_constant() && machine.unload_time.is_constant());
-        // Of so many draws; heavier tails than normal ones are in the error of the recorded scatter.
-        [mean, if scatters { scatter / mean } else { 0.0 }, (0.5 / drawn.len() as f64).sqrt()]
+    /// Mean by the file before any calibration, s, and how it scatters by the file.
+    fn law(self, machine: &MachineType) -> (f64, RelativeLaw) {
+        if !self.is_handling() {
+            return (machine.tool_change_time, RelativeLaw::default());
+        }
+        let (load, unload) = (&machine.load_time, &machine.unload_time);
+        let scatters = !(load.is_constant() && unload.is_constant());
+        let law = || RelativeLaw::new(|uniform| load.quantile(uniform()) + unload.quantile(uniform()));
+        (load.mean() + unload.mean(), if scatters { law() } else { RelativeLaw::default() })
     }
 
     /// Whether two machines have one law.
@@ -126,23 +140,18 @@ impl Kind {
     }
 
     /// What the log of `machine` has of it in each shift.
-    fn pairs(
-        self,
-        scenario: &Scenario,
-        shop: &Shop,
-        seen: &Visits,
-        machine: usize,
-        mean: f64,
-    ) -> BTreeMap<String, Vec<Pair>> {
+    fn pairs(self, log: &Log<'_>, machine: usize, mean: f64) -> BTreeMap<String, Vec<Pair>> {
+        let Log { shop, seen, scenario, labels } = log;
         let mut all: BTreeMap<String, Vec<Pair>> = BTreeMap::new();
         for visit in seen.list.iter().filter(|visit| visit.machine == machine) {
-            let place = occasion(shop, seen, visit);
+            let shift = labels.shift(shop, &seen.machines[machine], visit);
+            let mut place = occasion(shop, seen, visit);
+            place.set("shift", shift.clone());
             let moved = |value| calibrated(&scenario.calibrations, self.constant, &place, value);
             let delays: f64 = Deviation::acting(&scenario.deviations, self.effect, &place).map(|own| own.size).sum();
             // Of what is added by the file no factor is asked.
             let added = moved(0.0) + delays;
             let model = moved(mean) - moved(0.0);
-            let shift = shop.shift(&seen.machines[machine], visit.start);
             let times = self.times(visit).into_iter().map(|time| (time - added, model));
             all.entry(shift).or_default().extend(times);
         }
@@ -155,7 +164,8 @@ impl Kind {
 
     /// The facts of all machines: of those of one law together where they agree, of each shift by itself where shifts
     /// differ, of each machine where machines do.
-    fn facts(self, scenario: &Scenario, shop: &Shop, seen: &Visits) -> Vec<Fact> {
+    fn facts(self, log: &Log<'_>) -> Vec<Fact> {
+        let Log { seen, scenario, .. } = log;
         if self.is_handling() && !single_pieces(scenario) {
             return Vec::new();
         }
@@ -170,51 +180,53 @@ impl Kind {
                 None => pools.push(vec![own]),
             }
         }
-        pools.iter().flat_map(|pool| self.of_pool(scenario, shop, seen, pool)).collect()
+        pools.iter().flat_map(|pool| self.of_pool(log, pool)).collect()
     }
 
-    fn of_pool(self, scenario: &Scenario, shop: &Shop, seen: &Visits, pool: &[(usize, &MachineType)]) -> Vec<Fact> {
-        let law = self.law(pool[0].1, shop);
+    fn of_pool(self, log: &Log<'_>, pool: &[(usize, &MachineType)]) -> Vec<Fact> {
+        let (mean, law) = self.law(pool[0].1);
         let cells: Vec<Cell> = pool
             .iter()
             .flat_map(|(index, machine)| {
                 let of_shift = move |(shift, pairs)| Cell { machine: machine.name.clone(), shift, pairs };
-                self.pairs(scenario, shop, seen, *index, law[0]).into_iter().map(of_shift)
+                self.pairs(log, *index, mean).into_iter().map(of_shift)
             })
             .filter(|cell| !cell.pairs.is_empty())
             .collect();
-        let fact = |cells: &[&Cell], shifts: &[String]| self.fact(cells, shifts, law);
+        let fact = |cells: &[&Cell], shifts: &[String]| self.fact(cells, shifts, &law);
         let all: Vec<&Cell> = cells.iter().collect();
         if agreeing(&all) {
-            return fact(&all, &[]).into_iter().collect();
+            return fact(&all, &[]);
         }
         let (shifts, machines) = (parts(&all, |cell| &cell.shift), parts(&all, |cell| &cell.machine));
-        if shifts.len() > 1 && shifts.iter().all(|own| agreeing(own)) {
-            return shifts.iter().filter_map(|own| fact(own, &[own[0].shift.clone()])).collect();
+        // Nothing is told of a shift without a name.
+        let named = |own: &Vec<&Cell>| !own[0].shift.is_empty();
+        if shifts.len() > 1 && shifts.iter().all(|own| named(own) && agreeing(own)) {
+            return shifts.iter().flat_map(|own| fact(own, &[own[0].shift.clone()])).collect();
         }
         let of_machine = |own: &Vec<&Cell>| -> Vec<Fact> {
             if agreeing(own) {
-                return fact(own, &[]).into_iter().collect();
+                return fact(own, &[]);
             }
-            own.iter().filter_map(|cell| fact(&[*cell], std::slice::from_ref(&cell.shift))).collect()
+            let named = own.iter().filter(|cell| !cell.shift.is_empty());
+            named.flat_map(|cell| fact(&[*cell], std::slice::from_ref(&cell.shift))).collect()
         };
         machines.iter().flat_map(of_machine).collect()
     }
 
-    fn fact(self, cells: &[&Cell], shifts: &[String], [_, variation, variation_error]: [f64; 3]) -> Option<Fact> {
+    fn fact(self, cells: &[&Cell], shifts: &[String], law: &RelativeLaw) -> Vec<Fact> {
         let mut machines: Vec<&str> = cells.iter().map(|cell| cell.machine.as_str()).collect();
         machines.dedup();
         let place = machines.join(", ");
         let pairs: Vec<Pair> = cells.iter().flat_map(|cell| cell.pairs.iter().copied()).collect();
-        middle(&Timed {
+        middle_and_scatter(&Timed {
             quantity: self.quantity,
             effect: self.effect.word(),
             place: &place,
             pooled: machines.len() > 1,
             shifts,
             pairs: &pairs,
-            variation,
-            variation_error,
+            law,
         })
     }
 }

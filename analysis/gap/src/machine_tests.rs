@@ -1,8 +1,10 @@
 //! What machines record beside a process that runs on them.
 
 use super::shop_tests::{of_shop, shipped_shop};
-use crate::{Diagnosis, EffectId, GapVerdict, add_machine_facts};
+use crate::{Diagnosis, EffectId, GapVerdict, Settings, ShiftLabels, add_machine_facts};
 use toolroom_facts::{Fact, Quantity};
+use toolroom_recording::simulated;
+use toolroom_records::RecordKind;
 use toolroom_scenario::{Deviation, Distribution, Scenario, Scope, ShopEffect};
 
 /// Three days of the shipped shop, `changed` in what its planner does not know, and what they say of its constants.
@@ -13,7 +15,7 @@ fn told(seed: u64, changed: &dyn Fn(&mut Scenario)) -> Diagnosis {
     };
     let events = of_shop(seed, &short);
     let mut diagnosis = Diagnosis { verdict: GapVerdict::NoGap, ..Diagnosis::cannot_tell(String::new()) };
-    add_machine_facts(&shipped_shop(), &events, &mut diagnosis, 1);
+    add_machine_facts(&shipped_shop(), &events, &ShiftLabels::default(), &mut diagnosis, 1);
     diagnosis
 }
 
@@ -89,6 +91,35 @@ fn a_delay_of_one_shift_is_no_constant() {
         scenario.deviations = stated.deviations.clone();
     });
     let mut known = Diagnosis { verdict: GapVerdict::NoGap, ..Diagnosis::cannot_tell(String::new()) };
-    add_machine_facts(&stated, &events, &mut known, 1);
+    add_machine_facts(&stated, &events, &ShiftLabels::default(), &mut known, 1);
     assert!(known.findings.is_empty(), "{}", known.terminal());
+}
+
+#[test]
+fn a_shift_is_called_as_the_records_of_the_process_call_it() {
+    // The delay acts in S2 of the calendar, which the records call by another name.
+    let mut scenario = shipped_shop();
+    scenario.horizon = 72.0 * 3600.0;
+    delayed(ShopEffect::OperatorDelay, 25.0, &[("shift", "S2")])(&mut scenario);
+    let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");
+    let all = simulated(&scenario, &log, &|_, channel| Settings::default().sensor(channel)).expect("records");
+    let of = |kind| all.iter().find(|records| records.kind == kind).expect("records");
+    let mut records = of(RecordKind::Turning).clone();
+    let names = records.texts("shift").expect("two shifts").iter();
+    let names = names.map(|name| if name == "S2" { "late" } else { "early" }.to_owned()).collect();
+    records.set_texts("shift", names);
+    let mut diagnosis = Diagnosis { verdict: GapVerdict::NoGap, ..Diagnosis::cannot_tell(String::new()) };
+    // Machines of the records alone: nothing is recorded of the others, whose operations bear no name of a shift.
+    let mut turning = shipped_shop();
+    turning.calendars.clear();
+    turning.machines.iter_mut().for_each(|machine| machine.calendar = None);
+    add_machine_facts(&turning, of(RecordKind::Shop), &ShiftLabels::of(&records), &mut diagnosis, 1);
+    let late = |fact: &Fact| fact.place == "L1, L2" || fact.told.shifts == ["late"];
+    let told: Vec<&Fact> = found(&diagnosis).into_iter().filter(|fact| fact.is_cause()).collect();
+    assert!(!told.is_empty() && told.iter().all(|fact| late(fact)), "{}", diagnosis.terminal());
+    assert!(told.iter().all(|fact| fact.told.shifts == ["late"]), "{}", diagnosis.terminal());
+    // Without them nobody names a shift, and none is told.
+    let mut unnamed = Diagnosis { verdict: GapVerdict::NoGap, ..Diagnosis::cannot_tell(String::new()) };
+    add_machine_facts(&turning, of(RecordKind::Shop), &ShiftLabels::default(), &mut unnamed, 1);
+    assert!(unnamed.facts.iter().all(|fact| fact.told.shifts.is_empty()), "{}", unnamed.terminal());
 }

@@ -69,6 +69,39 @@ fn an_operation_is_put_together_from_its_stays() {
 }
 
 #[test]
+fn a_repair_that_a_night_interrupts_is_one_and_no_short_stop() {
+    let csv = "time [s],machine,state,program,operation_id,tool_id\n\
+        0,M,idle,,,\n10,M,handling,P,J1/a,E1\n50,M,cutting,P,J1/a,E1\n90,M,down,P,J1/a,E1\n210,M,off_shift,,,\n\
+        30000,M,down,P,J1/a,E1\n31200,M,cutting,P,J1/a,E1\n31300,M,handling,P,J1/a,E1\n31320,M,idle,,,\n\
+        32000,M,handling,P,J2/a,E1\n32040,M,cutting,P,J2/a,E1\n32100,M,alarm,P,J2/a,E1\n32160,M,stopped,P,J2/a,E1\n\
+        32200,M,cutting,P,J2/a,E1\n32280,M,handling,P,J2/a,E1\n32300,M,idle,,,\n33000,M,idle,,,\n";
+    let (records, _) = toolroom_records::parse_csv("events", csv.as_bytes(), RecordKind::Shop).expect("events");
+    let seen = visits(&records);
+    let stops: Vec<&[f64]> = seen.list.iter().map(|visit| &visit.stops[..]).collect();
+    assert_eq!(stops, [&[][..], &[100.0]], "{seen:?}");
+    let breakdowns = &seen.breakdowns[0];
+    assert_eq!((&breakdowns.times[..], &breakdowns.repairs[..]), (&[90.0][..], &[1320.0][..]), "{breakdowns:?}");
+}
+
+#[test]
+fn one_short_repair_in_ten_days_contradicts_nothing_that_a_file_states() {
+    let records = recorded(7, &[]);
+    let (times, states) = (records.numbers("time").expect("times"), records.texts("state").expect("states"));
+    let machines = records.texts("machine").expect("machines");
+    let at = states.iter().position(|state| state == "down").expect("a breakdown");
+    let next = (at + 1..records.len()).find(|row| machines[*row] == machines[at]).expect("it is repaired");
+    // What the machine does later comes later: only this repair is shorter.
+    let mut shorter = times.to_vec();
+    shorter[at] = times[next] - 120.0;
+    let mut records = records.clone();
+    records.set_numbers("time", shorter);
+    let (forward, _) = nominal().over(&records, None, |_, _| false);
+    let diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
+    assert_eq!(diagnosis.verdict, GapVerdict::NoGap, "{}", diagnosis.terminal());
+    assert!(diagnosis.constant().is_none());
+}
+
+#[test]
 fn stops_of_the_simulated_shop_are_named_and_close_the_gap_of_its_cycle() {
     let stops = Deviation::new(ShopEffect::MicroStops, 2.0 / 3600.0);
     let records = recorded(8, &[stops]);

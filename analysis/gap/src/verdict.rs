@@ -16,7 +16,7 @@
 
 use super::constants::{FAR_CONSTANT, LEAST_CLOSED};
 use super::decision::Mapped;
-use super::{Closure, Diagnosis, Fitness, GapVerdict, Structure};
+use super::{Calibrated, Closure, Diagnosis, Fitness, GapVerdict, Structure};
 
 /// Share of a channel's value below which structure does not matter (1). Assumption:
 /// nobody acts on one per cent.
@@ -172,6 +172,18 @@ impl Diagnosis {
         })
     }
 
+    /// What to say of sensors whose gain calibration moved further than is believed: no constant of the model, and so no finding,
+    /// but most likely a reading in another unit than its header says.
+    pub fn far_gains(&self) -> Option<String> {
+        let far = self.calibration.iter().filter(|each| each.gain && each.prior_sd_moved.abs() > FAR_CONSTANT);
+        let words = |each: &Calibrated| {
+            let (name, far) = (&each.parameter, each.prior_sd_moved.abs());
+            format!("`{name}` is {:.3}, {far:.1} prior standard deviations from nominal", each.value)
+        };
+        let gains: Vec<String> = far.map(words).collect();
+        (!gains.is_empty()).then(|| format!("{}: check the sensor, and the unit of its column", gains.join("; ")))
+    }
+
     /// `unknown` where the model does not fit with the named effects, or with the constant that is off, either.
     pub fn remaining(&self) -> Option<&'static str> {
         let constant = self.fit.as_ref().filter(|_| self.verdict == GapVerdict::Constant);
@@ -204,6 +216,25 @@ mod tests {
         let structure = structure.map(|share| Mapped { words: "structure is left".to_owned(), share });
         doubted(&mut diagnosis, structure, || None, asked);
         diagnosis
+    }
+
+    #[test]
+    fn a_gain_beyond_belief_is_said_and_is_no_constant() {
+        let gain = |moved: f64| Calibrated {
+            parameter: "gain of temperature, machine L1".to_owned(),
+            value: (0.03 * moved).exp(),
+            ci90: [1.0, 1.3],
+            prior_sd_moved: moved,
+            gain: true,
+            constant: false,
+        };
+        let of = |moved| Diagnosis { calibration: vec![gain(moved)], ..Diagnosis::cannot_tell(String::new()) };
+        assert_eq!((of(2.9).far_gains(), of(6.3).constant()), (None, None));
+        let words = of(6.3).far_gains().expect("beyond belief");
+        assert!(
+            words.contains("machine L1` is 1.208, 6.3 prior") && words.ends_with("the unit of its column"),
+            "{words}"
+        );
     }
 
     #[test]

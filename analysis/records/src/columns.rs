@@ -29,6 +29,8 @@ pub struct RecordColumn {
     pub required: bool,
     /// Greatest magnitude that occurs in practice, in the display unit: larger ones are slips.
     pub greatest: f64,
+    /// Least possible number (minus infinity: any).
+    pub least: f64,
     /// The sensor that it usually has (assumption).
     pub sensor: Sensor,
     /// How the samples of an operation become its number, where a mapping does not say it.
@@ -43,7 +45,7 @@ const fn column(
     greatest: f64,
 ) -> RecordColumn {
     let (sensor, combine) = (Sensor::ORDINARY, Combine::Mean);
-    RecordColumn { name, unit, display, kind, required: false, greatest, sensor, combine }
+    RecordColumn { name, unit, display, kind, required: false, greatest, least: f64::NEG_INFINITY, sensor, combine }
 }
 
 const fn text(name: &'static str) -> RecordColumn {
@@ -64,6 +66,12 @@ const fn required(mut column: RecordColumn) -> RecordColumn {
 }
 
 impl RecordColumn {
+    /// The same column, whose numbers are at least `least`.
+    const fn from(mut self, least: f64) -> Self {
+        self.least = least;
+        self
+    }
+
     /// The same column of a sensor with these errors, SI: absolute, relative, least step.
     const fn of_sensor(mut self, absolute: f64, relative: f64, resolution: f64) -> Self {
         self.sensor = Sensor { absolute, relative, resolution };
@@ -77,14 +85,17 @@ impl RecordColumn {
     }
 }
 
+/// Least of what nothing is cut without. A time in cut may be zero: a reading before the first cut.
+const SOME: f64 = f64::MIN_POSITIVE;
+
 // Columns of several kinds of records: unit and range stand here once.
 const SEQUENCE: RecordColumn = condition("sequence", "1", "1", 1e7).taken(Combine::First);
 const START_TIME: RecordColumn = condition("start_time", "s", "s", 1e10).taken(Combine::First);
 const COOLANT_AGE: RecordColumn = condition("coolant_age", "s", "h", 1e5).taken(Combine::Last);
-const CUTTING_SPEED: RecordColumn = condition("cutting_speed", "m/s", "m/min", 3000.0);
-const FEED_PER_REV: RecordColumn = condition("feed_per_rev", "m", "mm", 5.0);
+const CUTTING_SPEED: RecordColumn = condition("cutting_speed", "m/s", "m/min", 3000.0).from(SOME);
+const FEED_PER_REV: RecordColumn = condition("feed_per_rev", "m", "mm", 5.0).from(SOME);
 const DEPTH_OF_CUT: RecordColumn = condition("depth_of_cut", "m", "mm", 200.0);
-const CUTTING_TIME: RecordColumn = condition("cutting_time", "s", "min", 1e4).taken(Combine::Sum);
+const CUTTING_TIME: RecordColumn = condition("cutting_time", "s", "min", 1e4).taken(Combine::Sum).from(0.0);
 const SPINDLE_SPEED: RecordColumn = condition("spindle_speed", "rad/s", "rpm", 2e5);
 const FEED_OVERRIDE: RecordColumn = condition("feed_override", "1", "%", 300.0);
 const CHATTER: RecordColumn = condition("chatter", "1", "1", 1.0);
@@ -104,7 +115,7 @@ const ROUGHNESS_RA: RecordColumn = channel("roughness_ra", "m", "um", 1e3);
 const CYCLE_TIME: RecordColumn = channel("cycle_time", "s", "s", 1e6).of_sensor(0.5, 0.0, 0.0).taken(Combine::Sum);
 const STOP_COUNT: RecordColumn = channel("stop_count", "1", "1", 1e4).taken(Combine::Sum);
 const STOP_TIME: RecordColumn = channel("stop_time", "s", "s", 1e6).taken(Combine::Sum);
-const FEED_PER_TOOTH: RecordColumn = condition("feed_per_tooth", "m", "mm", 5.0);
+const FEED_PER_TOOTH: RecordColumn = condition("feed_per_tooth", "m", "mm", 5.0).from(SOME);
 const WIDTH_OF_CUT: RecordColumn = condition("width_of_cut", "m", "mm", 500.0);
 
 /// Columns of turning operations.

@@ -317,6 +317,15 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
                 }
                 beyond.entry(numbers.len()).or_insert_with(|| (Vec::new(), *line, reason)).0.push(row);
             }
+            // One such row would spoil the whole life of its edge, or be the greatest of all outliers.
+            if must && column.zip(number).is_some_and(|(column, value)| value < column.least) {
+                let (name, unit) = (&used_column.name, &used_column.unit);
+                let reason =
+                    format!("{name} is {read} {unit}, at which nothing is cut: correct it, or leave the row out");
+                wrong = true;
+                report.dropped.push((*line, reason));
+                continue 'rows;
+            }
             if number.is_none() && !missing {
                 report.unreadable.push((*line, used_column.name.clone(), read.to_owned()));
             }

@@ -29,6 +29,17 @@ fn missing_cells_are_missing_and_useless_rows_are_named() {
 }
 
 #[test]
+fn a_row_at_whose_conditions_nothing_is_cut_is_left_out_with_its_line() {
+    let body = "1,L,T,1,60,0.2,1,2\n2,L,T,2,0,0.2,1,2\n3,L,T,3,60,0.2,1,-2\n4,L,T,4,60,-0.2,1,2\n5,L,T,5,60,0.2,1,0\n";
+    let (records, report) = turning(&format!("{HEAD}\n{body}")).expect("a fine table");
+    // A reading before the first cut has no time in cut, and stays.
+    assert_eq!(records.texts("operation_id"), Some(&["1".to_owned(), "5".to_owned()][..]));
+    let lines: Vec<usize> = report.dropped.iter().map(|(line, _)| *line).collect();
+    assert_eq!(lines, [3, 4, 5], "{report}");
+    assert!(report.dropped[1].1.starts_with("cutting_time is -2 min, at which nothing is cut"), "{report}");
+}
+
+#[test]
 fn rows_come_in_any_order() {
     let body = "2,L,T,2,61,0.2,1,2\n1,L,T,1,60,0.2,1,2\n";
     let (records, report) = turning(&format!("{HEAD}\n{body}")).expect("a fine table");

@@ -1,5 +1,6 @@
 //! Operations gathered in blocks, and what is measured of a block.
 
+use super::booked::{short_repairs, usual};
 use super::figure::{Figure, Figures};
 use super::nominal::Shop;
 use super::stops::{FAR, Shape, class, lower_deviation};
@@ -51,6 +52,8 @@ pub struct Block {
     pub excesses: Vec<f64>,
     /// Time in cut, s.
     pub cutting: f64,
+    /// Short repairs that the file lets expect among its stops (count).
+    pub short_repairs: f64,
     /// Class of its number of operations.
     pub class: usize,
     /// Operations about whose middle scatter is measured; 0 of blocks that are no such pool.
@@ -64,6 +67,8 @@ pub struct Block {
 pub struct Blocks {
     /// Blocks by group and time.
     pub list: Vec<Block>,
+    /// Rate of booked short stops that no breakdown explains and that is usual, 1/s of time in cut.
+    pub usual_stops: f64,
     /// Names of the groups, `machine day`.
     pub groups: Vec<String>,
     /// Scatter of the logarithm of the time in cut, by program.
@@ -196,6 +201,7 @@ impl Blocks {
             deviations: Figures::all(1.0),
             excesses: Vec::new(),
             cutting: 0.0,
+            short_repairs: 0.0,
             class: 0,
             pooled: 0,
             new_edges: 0.0,
@@ -237,6 +243,7 @@ impl Blocks {
             let count = pooled_visits.len() as f64;
             block.class = class(pooled_visits.len());
             block.cutting = pooled_visits.iter().map(|visit| visit.cutting).sum();
+            block.short_repairs = short_repairs(shop.station(&seen.machines[*machine]), &pooled_visits);
             block.pooled = pooled_visits.len();
             block.new_edges = pooled_visits.iter().filter(|visit| visit.new_edge).count() as f64 / count;
             if pooled_visits.len() >= SHAPED {
@@ -284,6 +291,7 @@ impl Blocks {
         }
         blocks.rare(seen, &group, &empty);
         blocks.scales();
+        blocks.usual_stops = usual(&blocks.list);
         blocks.list.sort_by(|a, b| a.group.cmp(&b.group).then(a.time.total_cmp(&b.time)));
         blocks.pools = vec![Vec::new(); seen.programs.len()];
         for (row, block) in blocks.list.iter().enumerate() {

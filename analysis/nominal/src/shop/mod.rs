@@ -17,6 +17,7 @@
 //! as a Poisson process of exponential durations, 20 s in the mean: assumption.
 
 mod block;
+mod booked;
 mod catalogue;
 mod constant;
 mod figure;
@@ -26,6 +27,7 @@ mod model;
 mod nominal;
 mod scopes;
 mod state;
+mod stays;
 mod stopped;
 mod stops;
 mod visit;

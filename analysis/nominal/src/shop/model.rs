@@ -41,8 +41,6 @@ const SKEW: f64 = 0.1;
 const TAILS: f64 = 0.4;
 /// Scale of the scatter of levels from day to day.
 const DAILY: f64 = 0.01;
-/// Booked short stops that every shop has, 1/s (assumption).
-const BOOKED: f64 = 0.2 / 3600.0;
 
 /// The nominal shop over [`Records`] of events.
 pub struct ShopModel {
@@ -452,7 +450,7 @@ fn nominal(shop: &Shop, seen: &Visits, blocks: &Blocks, block: &Block) -> Figure
     figures[Figure::ToolChangeTime] =
         station.map_or_else(|| of_machine(Figure::ToolChangeTime), |station| station.tool_change);
     figures[Figure::FeedHoldTime] = 0.0;
-    figures[Figure::StopCount] = BOOKED * block.cutting;
+    figures[Figure::StopCount] = blocks.usual_stops * block.cutting + block.short_repairs;
     let life = station.and_then(|station| station.edge_life);
     figures[Figure::EdgeLife] = life.map_or(f64::NAN, |life| life.logarithm.exp());
     figures[Figure::FailureInterval] = ROOT_SCORE.0;

@@ -1,6 +1,7 @@
 //! From events to operations on machines.
 
 use super::state::State;
+use super::stays::{Stay, adopt, in_shift, join_stops};
 use std::collections::{BTreeMap, BTreeSet};
 use toolroom_records::Records;
 use toolroom_statistics::median;
@@ -18,6 +19,8 @@ pub struct Visit {
     pub machine: usize,
     /// Program, by index of [`Visits::programs`].
     pub program: usize,
+    /// What the log calls it.
+    pub operation: String,
     /// The job, where the operation is called `job/operation`; else the operation.
     pub job: String,
     /// From, s.
@@ -84,17 +87,6 @@ pub struct Visits {
     pub overridden: bool,
     /// What the reader found worth saying.
     pub notes: Vec<String>,
-}
-
-/// A stay of a machine in a state.
-struct Stay<'a> {
-    state: State,
-    start: f64,
-    end: f64,
-    program: &'a str,
-    operation: String,
-    tool: &'a str,
-    feed: f64,
 }
 
 impl Visits {
@@ -166,11 +158,12 @@ pub fn visits(events: &Records) -> Visits {
             let operation = if named { text("operation_id")[row].clone() } else { run_name() };
             let (start, end) = (times[row], times[next]);
             let (program, tool, feed) = (programs[row].as_str(), text("tool_id")[row].as_str(), feeds[row]);
-            stays.push(Stay { state, start, end, program, operation, tool, feed });
+            stays.push(Stay { state, start, end, program, operation, tool, feed, whole: 0.0, first: false });
         }
         adopt(&mut stays);
+        join_stops(&mut stays);
         let gone = |stay: &&Stay<'_>| match stay.state {
-            State::Stopped => stay.end - stay.start > SHORT_STOP,
+            State::Stopped => stay.whole > SHORT_STOP,
             State::OffShift | State::Unknown => true,
             State::Cutting | State::Handling | State::ToolChange | State::Setup | State::Hold | State::Idle => false,
         };
@@ -190,38 +183,6 @@ pub fn visits(events: &Records) -> Visits {
         all.notes.push(format!("{cut_off} operations are left out: not seen from beginning to end"));
     }
     all
-}
-
-/// Stays in shift, put together where one follows the other at once.
-fn in_shift(stays: &[Stay<'_>]) -> Vec<(f64, f64)> {
-    let mut all: Vec<(f64, f64)> = Vec::new();
-    for stay in stays.iter().filter(|stay| !matches!(stay.state, State::OffShift | State::Unknown)) {
-        match all.last_mut().filter(|last| last.1 == stay.start) {
-            Some(last) => last.1 = stay.end,
-            None => all.push((stay.start, stay.end)),
-        }
-    }
-    all
-}
-
-/// Gives loading and unloading that bear no name to the operations around them: of several stays the
-/// first is the unloading of the operation before; one alone belongs to what follows at once.
-fn adopt(stays: &mut [Stay<'_>]) {
-    let mut place = 0;
-    while place < stays.len() {
-        let nameless = |stay: &Stay<'_>| stay.state == State::Handling && stay.operation.is_empty();
-        let count = stays[place..].iter().take_while(|stay| nameless(stay)).count();
-        let end = place + count;
-        if count > 0 {
-            let before = place.checked_sub(1).map_or_else(String::new, |before| stays[before].operation.clone());
-            let after = stays.get(end).map_or_else(String::new, |after| after.operation.clone());
-            let unloaded = if after.is_empty() { count } else { (count - 1).min(1) };
-            for (place, stay) in stays[place..end].iter_mut().enumerate() {
-                stay.operation.clone_from(if place < unloaded { &before } else { &after });
-            }
-        }
-        place = end.max(place + 1);
-    }
 }
 
 /// Time in cut over that of the same program on the same machine below which a program did not come to
@@ -270,6 +231,7 @@ fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
         let mut visit = Visit {
             machine,
             program: all.programs.binary_search_by(|name| name.as_str().cmp(program)).unwrap_or(usize::MAX),
+            operation: id.clone(),
             job: id.split_once('/').map_or(id.as_str(), |(job, _)| job).to_owned(),
             start: inside[0].start,
             end: inside[inside.len() - 1].end,
@@ -289,7 +251,7 @@ fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
                 State::ToolChange => visit.changes.push(time),
                 State::Setup => visit.setup += time,
                 State::Hold => visit.holds.push(time),
-                State::Stopped if time <= SHORT_STOP => visit.stops.push(time),
+                State::Stopped if stay.first && stay.whole <= SHORT_STOP => visit.stops.push(stay.whole),
                 // Neither is time of the operation.
                 State::Stopped | State::Idle | State::OffShift | State::Unknown => {}
             }
@@ -328,12 +290,10 @@ fn breakdowns(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) {
     let mut breakdowns = Breakdowns::default();
     // Since the last breakdown: time in use, and up.
     let (mut used, mut up) = (f64::NAN, f64::NAN);
-    let mut down = 0.0;
-    for stay in stays {
+    for (place, stay) in stays.iter().enumerate() {
         let time = stay.end - stay.start;
-        if stay.state == State::Stopped {
-            // A repair may be logged in pieces.
-            if down <= SHORT_STOP && down + time > SHORT_STOP {
+        if stay.state == State::Stopped || stay.whole > SHORT_STOP {
+            if stay.first && stay.whole > SHORT_STOP {
                 breakdowns.times.push(stay.start);
                 if used.is_finite() {
                     all.failure_gaps.push((machine, stay.start, used));
@@ -341,14 +301,13 @@ fn breakdowns(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) {
                     breakdowns.up_between.push(up);
                 }
                 (used, up) = (0.0, 0.0);
+                let after = stays[place..].iter().find(|other| other.whole == 0.0);
+                if after.is_some_and(|after| after.state != State::Unknown) {
+                    breakdowns.repairs.push(stay.whole);
+                }
             }
-            down += time;
             continue;
         }
-        if down > SHORT_STOP && stay.state != State::Unknown {
-            breakdowns.repairs.push(down);
-        }
-        down = 0.0;
         match stay.state {
             State::Unknown => (used, up) = (f64::NAN, f64::NAN),
             State::Idle | State::OffShift => {
