@@ -219,10 +219,9 @@ fn sources_that_bring_jobs_without_end_in_an_instant_are_refused() {
     };
     let kept = "pattern = \"constant_work\"\njobs = 1\n";
     let renewed = "pattern = \"renewal\"\ntime_between = \"0 min\"\n";
-    for (work, source, wanted) in [
-        ("\"0 min\"", kept, "part \"z\" takes no time"),
-        ("\"1 min\"", renewed, "the time between jobs is 0"),
-    ] {
+    for (work, source, wanted) in
+        [("\"0 min\"", kept, "part \"z\" takes no time"), ("\"1 min\"", renewed, "the time between jobs is 0")]
+    {
         let told = parse("f", &text(work, source), &[]).map(|_| ()).unwrap_err().to_string();
         assert!(told.contains(wanted), "{told}");
     }
