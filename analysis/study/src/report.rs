@@ -213,6 +213,9 @@ fn notes(source: &Source<'_>) -> Section {
     } else if source.study.replications > 1 {
         section = section.paragraph("Intervals are 95 % t intervals over the replications.");
     }
+    if let Some(text) = source.study.sequential_text() {
+        section = section.paragraph(format!("These are {text}."));
+    }
     section.list(definitions.map(|kpi| format!("{}: {}", label(source.scenario, kpi), kpi.definition.doc)))
 }
 

@@ -144,6 +144,8 @@ pub struct Study {
     pub replications: u32,
     /// Whether everything requested was run; false after a stop by the user.
     pub complete: bool,
+    /// Stop rule under which replications were run, of which there were then as many as it took; none: their number was given.
+    pub until: Vec<Precision>,
     /// Digest of the digests of all runs, in order.
     pub digest: u64,
     /// Logs of the first replication, by policy.
@@ -453,6 +455,7 @@ where
         kpis: kpi::kpis(scenario),
         replications: 0,
         complete: true,
+        until: options.until.clone(),
         digest: FNV_OFFSET,
         first_logs: Vec::new(),
         tuning: options.tuning.clone(),
@@ -502,7 +505,7 @@ where
             }
             study.replications = replication + 1;
         }
-        if last == end && study.is_precise(&options.until) {
+        if last == end && study.is_precise() {
             break;
         }
         if last < options.replications && options.stop_after.is_some_and(|most| most <= last) {
@@ -567,15 +570,15 @@ impl Study {
     }
 
     /// Whether all that is watched is known well enough; false where nothing is watched.
-    fn is_precise(&self, until: &[Precision]) -> bool {
+    fn is_precise(&self) -> bool {
         let known = |policy: usize, precision: &Precision| {
             precision.figures().into_iter().all(|id| {
                 self.index(id).is_some_and(|kpi| precision.holds(&t_interval(&self.values(policy, kpi), CONFIDENCE)))
             })
         };
         self.replications >= Precision::LEAST
-            && !until.is_empty()
-            && (0..self.policies.len()).all(|policy| until.iter().all(|precision| known(policy, precision)))
+            && !self.until.is_empty()
+            && (0..self.policies.len()).all(|policy| self.until.iter().all(|precision| known(policy, precision)))
     }
 }
 

@@ -70,6 +70,9 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
         "digest": format!("{:016x}", study.digest),
     });
     summary["run"] = if scenario.is_terminating() { "terminating" } else { "steady_state" }.into();
+    if let Some(sequential) = study.sequential_json() {
+        summary["sequential"] = sequential;
+    }
     if let Some(found) = &study.warm_up {
         summary["warm_up"] = found.json();
     }

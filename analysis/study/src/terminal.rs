@@ -85,6 +85,9 @@ pub fn table(scenario: &Scenario, study: &Study, comparison: &Comparison, style:
             out.push_str(&tuning_text(tuning, study, comparison));
         }
     }
+    if let Some(text) = study.sequential_text() {
+        let _ = writeln!(out, "{text}");
+    }
     out.push_str(&late_orders(scenario, study));
     out.push_str(&plan_line(scenario, study));
     out.push_str(&steady_text(scenario, study));
@@ -261,7 +264,7 @@ fn title(scenario: &Scenario, kpi: &Kpi) -> Cell {
 
 fn alone(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Style, out: &mut String) {
     let policy = &comparison.policies[0];
-    let mut rows = vec![vec![Cell::default(), policy.name.clone().into(), "95 % CI".to_owned().into()]];
+    let mut rows = vec![vec![Cell::default(), policy.name.clone().into(), study.interval_name().to_owned().into()]];
     for (index, kpi) in told(study, comparison) {
         let value = shown(kpi, &policy.kpis[index]);
         let digits = decimals(value.mean, value.half_width);
@@ -277,7 +280,7 @@ fn alone(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Sty
 
 fn pair(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Style, out: &mut String) {
     let (baseline, other) = (&comparison.policies[0], &comparison.policies[1]);
-    let head = "difference (95 % CI)".to_owned();
+    let head = format!("difference ({})", study.interval_name());
     let mut rows = vec![vec![Cell::default(), baseline.name.clone().into(), other.name.clone().into(), head.into()]];
     for (index, kpi) in told(study, comparison) {
         let difference = shown(kpi, &comparison.differences[0].kpis[index].difference);
@@ -326,7 +329,7 @@ fn many(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
     align(&rows, &[0], style, out);
     left_out(gone, out);
 
-    let _ = writeln!(out, "difference to {} (95 % CI)", comparison.policies[0].name);
+    let _ = writeln!(out, "difference to {} ({})", comparison.policies[0].name, study.interval_name());
     let gains = ["cell gain", "shop gain", "by capacity"].map(|text| Cell::from(text.to_owned()));
     let shown_differences = columns.len().min(3);
     let head = heads[1..=shown_differences].iter().cloned().chain(gains);

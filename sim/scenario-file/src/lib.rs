@@ -32,6 +32,7 @@ mod order_columns;
 mod orders;
 mod planned;
 mod processes;
+mod progress;
 mod queue_rules;
 mod random;
 mod required;

@@ -4,7 +4,7 @@ use super::calendars::moment;
 use super::fault::ScenarioFault;
 use super::names::{Names, reference};
 use super::order_columns::Columns;
-use super::table::{Table, form_of};
+use super::table::{self, Table, form_of};
 use std::collections::BTreeSet;
 use toolroom_form::{Fault, Section, Span, Walk, nearest};
 use toolroom_scenario::{InProcess, MachineType, Order, Part, Replenish, Work, date};
@@ -79,7 +79,7 @@ pub(super) fn orders(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) -
     }
     if let Some(tables) = around.tables
         && let Some(file) = tables.text("orders")
-        && let Some(text) = walk.file(tables, "orders", file)
+        && let Some(text) = table::text(walk, tables, "orders", file)
     {
         let mapping = &Columns::read(walk, tables, form_of("order"));
         let table = Table { file, text: &text, place: tables.span_of("orders"), kind: "order", mapping };
@@ -91,7 +91,7 @@ pub(super) fn orders(walk: &mut Walk, root: &Section<'_>, around: &Around<'_>) -
     }
     if let Some(tables) = around.tables
         && let Some(file) = tables.text("wip")
-        && let Some(text) = walk.file(tables, "wip", file)
+        && let Some(text) = table::text(walk, tables, "wip", file)
     {
         let table = Table { file, text: &text, place: tables.span_of("wip"), kind: "wip", mapping: &Columns::own() };
         table.rows(walk, |walk, section, _| reader.in_process(walk, section));

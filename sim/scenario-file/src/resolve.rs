@@ -8,8 +8,8 @@ use super::queue_rules::queue_rules;
 use super::random::distribution;
 use super::variants::{ShopVariant, variants};
 use super::{
-    Output, Statistics, control, cribs, failures, flow, jobs, measured, orders, planned, processes, resources, routing,
-    rules, schedule, shared, stability, stocks, transport, tune,
+    Output, Statistics, control, cribs, failures, flow, jobs, measured, orders, planned, processes, progress,
+    resources, routing, rules, schedule, shared, stability, stocks, transport, tune,
 };
 use std::sync::Arc;
 use toolroom_effects::read_definitions;
@@ -166,6 +166,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         walk.fault(shop.span_of("warm_up"), ScenarioFault::Arrangement { reason, fix });
     }
     planned::policies(walk, &scenario, &places);
+    progress::check(walk, root, &scenario);
     let statistics = rules::statistics(walk, root);
     Some(Resolved { scenario, output, gap, tune, variants, statistics })
 }

@@ -9,7 +9,7 @@ use super::queue_rules::queue_rules;
 use super::random::distribution;
 use super::speed::speed_rule;
 use super::{Output, SelectSection, Statistics};
-use super::{control, stability, stocks, tune};
+use super::{control, progress, stability, stocks, tune};
 use toml::de::DeTable;
 use toolroom_form::{Fault, Section, Span, Value, Walk};
 use toolroom_scenario::{
@@ -44,7 +44,11 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
                 ArrivalPattern::Schedule(lots)
             }
             Some(PatternWord::ConstantWork) => ArrivalPattern::ConstantWork { jobs: section.count32("jobs") },
-            Some(PatternWord::Renewal) => ArrivalPattern::Renewal(distribution(walk, &section, "time_between")),
+            Some(PatternWord::Renewal) => {
+                let time_between = distribution(walk, &section, "time_between");
+                progress::check_interval(walk, &section, &time_between);
+                ArrivalPattern::Renewal(time_between)
+            }
             Some(PatternWord::Poisson) => ArrivalPattern::Poisson { rate: section.required("rate") },
             None => ArrivalPattern::Poisson { rate: f64::NAN }, // a problem was noted
         };

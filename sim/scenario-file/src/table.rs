@@ -6,7 +6,7 @@ use super::order_columns::Columns;
 use std::borrow::Cow;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use toolroom_form::{Form, Kind, Need, Section, Span, Walk, nearest};
+use toolroom_form::{Fault, Form, Kind, Need, Section, Span, Walk, nearest};
 use toolroom_process::table::Lines;
 
 /// What else columns of orders may be called.
@@ -37,6 +37,7 @@ impl Table<'_> {
             .delimiter(delimiter)
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
+            .flexible(true) // rows of another length are told below
             .from_reader(text.as_bytes());
         let fault = |line: u64, reason: String, fix: Option<String>| ScenarioFault::TableCell {
             file: file.to_owned(),
@@ -84,6 +85,16 @@ impl Table<'_> {
                 }
             };
             let line = record.position().map_or(0, |position| lines.at(position.byte()) as u64);
+            if record.len() != columns.len() {
+                let sign = char::from(delimiter);
+                let count = |count: usize| format!("{count} cell{}", if count == 1 { "" } else { "s" });
+                let reason = format!("the row has {}, but the first line {}", count(record.len()), columns.len());
+                let fix = format!(
+                    "give every row a cell for each column: leave it empty where there is nothing (`{sign}{sign}`), and put it in quotes where it holds a `{sign}`"
+                );
+                walk.fault(place.clone(), fault(line, reason, Some(fix)));
+                continue;
+            }
             let noted = walk.problems.len();
             let cells: Vec<Cow<'_, str>> = columns
                 .iter()
@@ -104,6 +115,22 @@ impl Table<'_> {
             }
         }
     }
+}
+
+/// The text of a table that the value under `key` names; `None` where a problem was noted. Spreadsheets write other encodings,
+/// too: which one a file has cannot be told for certain, and a wrong letter in a name is another part.
+pub(super) fn text(walk: &mut Walk, section: &Section<'_>, key: &str, file: &str) -> Option<String> {
+    let noted = walk.problems.len();
+    let text = walk.file(section, key, file);
+    for problem in &mut walk.problems[noted..] {
+        if matches!(problem.fault, Fault::NotUtf8 { .. }) {
+            let fix = "save it as UTF-8 (in spreadsheets the format \"CSV UTF-8\"), or read it with `toolroom import shop`, \
+                       which takes UTF-16 and Latin-1 as well";
+            let reason = format!("the table {file} is not UTF-8");
+            problem.fault = ScenarioFault::Arrangement { reason, fix: fix.to_owned() }.into();
+        }
+    }
+    text
 }
 
 /// The form of the sections of a kind, which rows of a table have too.

@@ -1,8 +1,8 @@
 //! Setting up before the first piece is there.
 //!
 //! An order may want that: as soon as one of its operations has begun, a machine of the next one that is free and has no
-//! job to take is set up for it, and then kept for it as if its first piece had come. A machine that stands ready for it
-//! already is left alone. While the machine is set up, a stand-in has the place of the job: it has the number of a job of
+//! job to take is set up for it, and then kept for it as if its first piece had come. An operation begins with its setup, so
+//! that along a line the machine after that is set up as well. A machine that stands ready for it already is left alone. While the machine is set up, a stand-in has the place of the job: it has the number of a job of
 //! the order, and nobody sees it in the log but as the one for whom the machine is set up.
 
 use super::job::{Job, Origin};
@@ -15,7 +15,7 @@ use toolroom_kernel::Entity;
 use toolroom_scenario::ShopConstant;
 
 impl<R: Recorder> Shop<'_, R> {
-    /// A machine has begun an operation of a job: where its order wants that, machines of the next one may be set up.
+    /// A machine has begun an operation of a job, or its setup: where its order wants that, machines of the next one may be set up.
     pub(super) fn look_ahead(&mut self, slot: u32) {
         let job = self.world.jobs.at(slot);
         let Origin::Order(order) = job.origin else { return };
@@ -88,6 +88,7 @@ impl<R: Recorder> Shop<'_, R> {
             tending: None,
         });
         self.log_event(LogEvent::Setup, Some(machine), Some(number), None);
+        self.look_ahead(slot);
         self.start_clocks(machine)?;
         self.drive(machine, true)
     }

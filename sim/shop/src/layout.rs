@@ -182,6 +182,12 @@ impl Layout {
             }
             operations.push(plans);
         }
+        // A machine may stand ready for a group that no operation has: its setup matrix has a row for that.
+        for group in scenario.machines.iter().filter_map(|machine| machine.setup_at_start.as_ref()) {
+            if !group.is_empty() && !groups.contains(group) {
+                groups.push(group.clone());
+            }
+        }
         let places = |matrix: &SetupMatrix| groups.iter().map(|group| matrix.group(group)).collect();
         let matrix_places = scenario.setup_matrices.iter().map(places).collect();
         let shared = |own: &Vec<usize>| {

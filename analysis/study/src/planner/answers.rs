@@ -82,8 +82,15 @@ pub(crate) fn shown(scenario: &Scenario, time: f64) -> String {
     match scenario.start {
         _ if time.is_nan() => String::new(),
         Some(start) => date::show(start + time),
-        None => format!("{:.2} h", time / 3600.0),
+        None => format!("{} h", hours(time)),
     }
+}
+
+/// Hours to the second, as dates are: four decimals tell seconds apart, of which zeros behind the second are left out.
+fn hours(time: f64) -> String {
+    let all = format!("{:.4}", time.round() / 3600.0);
+    let short = all.strip_suffix("00").or(all.strip_suffix('0'));
+    short.unwrap_or(&all).to_owned()
 }
 
 /// Number of orders that are late in every replication, those that are not finished included; empty where there are

@@ -171,3 +171,14 @@ fn people_are_loaded_by_their_shares_and_their_ways() {
     assert!(table.starts_with("policy,resource,week,load,load_p90,planned_busy [h]"), "{table}");
     assert!(table.contains("programmed,tender,week 1,0.4889,0.4889,1.500,0.333,0.333,0.067,"), "{table}");
 }
+
+#[test]
+fn times_without_a_date_are_told_to_the_second() {
+    let scenario = Scenario { start: None, ..shipped(&[]) };
+    for (seconds, text) in [(0.0, "0.00 h"), (2839.0, "0.7886 h"), (3132.4, "0.87 h"), (3150.0, "0.875 h")] {
+        assert_eq!(shown(&scenario, seconds), text);
+        // Read again it is that second.
+        let read: f64 = text.trim_end_matches(" h").parse().unwrap();
+        assert_eq!((read * 3600.0).round(), seconds.round());
+    }
+}

@@ -32,7 +32,8 @@ pub(super) fn section(source: &Source<'_>) -> Section {
             table.push(std::iter::once(Cell::Text(label(source.scenario, kpi))).chain(cells));
         }
         let over = replications(source.study.replications);
-        section = section.table(format!("Means and 95 % half-widths over {over}"), table);
+        let sequential = if source.study.until.is_empty() { "" } else { " (sequential)" };
+        section = section.table(format!("Means and 95 % half-widths over {over}{sequential}"), table);
     }
     section
 }

@@ -1,7 +1,7 @@
 //! The finished part of a study, kept to the last bit: what a stopped study goes on from, and what
 //! its report is drawn from again.
 
-use super::{EdgeLife, NamedLife, Run, Study, StudyError};
+use super::{EdgeLife, NamedLife, Precision, Run, Study, StudyError};
 use crate::variants::{Found, VariantRuns};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fs;
@@ -21,6 +21,9 @@ pub struct Finished {
     /// By policy and replication; null where it is not defined.
     values: Vec<Vec<Vec<Option<f64>>>>,
     edge_lives: Vec<Vec<NamedLife>>,
+    /// Stop rule, as on the command line.
+    #[serde(default)]
+    until: Vec<String>,
     /// Variants of the shop.
     #[serde(default)]
     variants: Vec<VariantRuns>,
@@ -41,6 +44,8 @@ struct Told<'a> {
     digest: u64,
     values: Vec<Figures<'a>>,
     edge_lives: Vec<Lives<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    until: Vec<String>,
     #[serde(skip_serializing_if = "<[VariantRuns]>::is_empty")]
     variants: &'a [VariantRuns],
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -110,6 +115,7 @@ impl Finished {
             digest: study.digest,
             values: policies.clone().map(|policy| Figures { study, policy }).collect(),
             edge_lives: policies.map(|policy| Lives { study, policy }).collect(),
+            until: study.until.iter().map(Precision::to_string).collect(),
             variants: &study.variants,
             selection: study.selection.as_ref(),
         };
@@ -154,6 +160,9 @@ impl Finished {
         study.variants.clone_from(&self.variants);
         study.selection.clone_from(&self.selection);
         study.replications = self.replications;
+        if study.until.is_empty() {
+            study.until = self.until.iter().filter_map(|text| text.parse().ok()).collect();
+        }
         Ok(())
     }
 

@@ -1,6 +1,8 @@
 //! How well figures have to be known before a study stops.
 
+use super::Study;
 use crate::kpi::{Better, CURRENCY, definitions};
+use serde_json::{Value, json};
 use std::fmt;
 use std::str::FromStr;
 use toolroom_process::unit;
@@ -47,6 +49,35 @@ impl Precision {
             Width::Relative(share) => interval.within(share),
             Width::Absolute(width) => interval.half_width <= width,
         }
+    }
+}
+
+impl Study {
+    /// What the intervals are called: the rule that ends the study looks at them after every few replications, so that they
+    /// cover less often than those of a number that was given.
+    pub(crate) fn interval_name(&self) -> &'static str {
+        if self.until.is_empty() { "95 % CI" } else { "95 % CI, sequential" }
+    }
+
+    /// The stop rule in words; none where the number of replications was given.
+    pub(crate) fn sequential_text(&self) -> Option<String> {
+        if self.until.is_empty() {
+            return None;
+        }
+        let rules: Vec<String> = self.until.iter().map(Precision::to_string).collect();
+        let end = if self.is_precise() { "reached" } else { "not reached" };
+        Some(format!(
+            "sequential intervals: run until {}, {end} with {} replications; as the number depends on the results, they hold the \
+             true value somewhat less often than in 95 %",
+            rules.join(" and "),
+            self.replications
+        ))
+    }
+
+    /// The stop rule for programs.
+    pub(crate) fn sequential_json(&self) -> Option<Value> {
+        let rules: Vec<String> = self.until.iter().map(Precision::to_string).collect();
+        (!rules.is_empty()).then(|| json!({ "until": rules, "reached": self.is_precise() }))
     }
 }
 

@@ -1,5 +1,8 @@
 use super::*;
+use crate::compare::Comparison;
 use crate::fixture;
+use crate::summary::summary;
+use crate::terminal::{Style, table};
 use std::sync::Mutex;
 
 /// Logs that differ by policy and replication, made without a shop.
@@ -83,6 +86,20 @@ fn the_stop_rule_stops_when_the_interval_is_narrow_and_not_before() {
     let narrow = study(&StudyOptions { until: until(0.02), ..options(100, 2) });
     assert_eq!(narrow.replications, 16);
     assert!(narrow.complete);
+    // The interval is called by its name, and so it is in a report that is drawn again.
+    let told = |study: &Study| {
+        let comparison = Comparison::new(&fixture::scenario(), study);
+        let text = table(&fixture::scenario(), study, &comparison, Style::default());
+        (
+            text.contains("(95 % CI, sequential)"),
+            summary(&fixture::scenario(), study, &comparison)["sequential"].clone(),
+        )
+    };
+    let rule = serde_json::json!({ "until": ["half-width 2%"], "reached": true });
+    assert_eq!(told(&narrow), (true, rule.clone()));
+    let again = StudyOptions { earlier: Some(finished(&narrow)), ..options(16, 2) };
+    assert_eq!(told(&study(&again)), (true, rule));
+    assert_eq!(told(&study(&options(16, 2))), (false, serde_json::Value::Null));
     // Parts that vary from 0 to 1 are never known to a millionth.
     let stop = AtomicBool::new(false);
     let noisy = |policy, replication: u32| {
@@ -97,6 +114,7 @@ fn the_stop_rule_stops_when_the_interval_is_narrow_and_not_before() {
     let wide = StudyOptions { until: until(1e-6), ..options(50, 2) };
     let wide = study_with(&fixture::scenario(), &wide, None, &|_| {}, &stop, &noisy).expect("a study");
     assert_eq!(wide.replications, 50);
+    assert!(wide.sequential_text().is_some_and(|text| text.contains("not reached with 50 replications")));
 }
 
 #[test]

@@ -207,3 +207,27 @@ fn observed_times_are_those_of_a_column() {
         assert!(told.iter().any(|text| text.contains(words)), "{table}: {told:#?}");
     }
 }
+
+#[test]
+fn sources_that_bring_jobs_without_end_in_an_instant_are_refused() {
+    let text = |work: &str, source: &str| {
+        format!(
+            "schema = 1\n[shop]\nname = \"x\"\nhorizon = \"1 day\"\n[[machine]]\nname = \"N\"\nprocess = \"plain\"\n\
+             [[part]]\nname = \"z\"\noperation = [{{ name = \"z\", machines = \"N\", work = {work} }}]\n\
+             [[arrivals]]\npart = \"z\"\n{source}"
+        )
+    };
+    let kept = "pattern = \"constant_work\"\njobs = 1\n";
+    let renewed = "pattern = \"renewal\"\ntime_between = \"0 min\"\n";
+    for (work, source, wanted) in
+        [("\"0 min\"", kept, "part \"z\" takes no time"), ("\"1 min\"", renewed, "the time between jobs is 0")]
+    {
+        let told = parse("f", &text(work, source), &[]).map(|_| ()).unwrap_err().to_string();
+        assert!(told.contains(wanted), "{told}");
+    }
+    // Where time may pass nothing is refused.
+    for change in ["machine.N.load_time=\"1 min\"", "machine.N.setup_time=\"1 min\""] {
+        assert!(parse("f", &text("\"0 min\"", kept), &[change.to_owned()]).is_ok(), "{change}");
+    }
+    assert!(parse("f", &text("\"0 min\"", "pattern = \"poisson\"\nrate = \"1 1/h\"\n"), &[]).is_ok());
+}

@@ -212,6 +212,25 @@ fn a_machine_that_is_set_up_ahead_begins_as_soon_as_the_first_pieces_are_there()
 }
 
 #[test]
+fn a_setup_ahead_of_the_second_machine_lets_the_third_be_set_up_too() {
+    // A third station: setup 40 and 1 min a piece. All are set up from 0 on.
+    let more = "    { name = \"wash\", machines = \"C\", work = \"1 min\", setup_time = \"40 min\" },\n]\n[[order]]";
+    let station = "[[machine]]\nname = \"C\"\nprocess = \"plain\"\nsetup_at_start = \"\"\n[[part]]";
+    let text = line_text().replace("]\n[[order]]", more).replace("[[part]]", station);
+    for (transfer, begins, ends) in [(10, 70.0, 80.0), (1, 40.0, 53.0)] {
+        let changes = [format!("order.1.transfer={transfer}"), "order.1.setup_ahead=true".to_owned()];
+        let scenario = parse("line.toml", &text, &changes).unwrap_or_else(|error| panic!("{error}")).scenario;
+        let log = run(&scenario, 0, 0).unwrap();
+        for (machine, setup) in [(0, 20.0), (1, 15.0), (2, 40.0)] {
+            assert_eq!(minutes(&log, machine, MachineState::Setup), [(0.0, setup)], "transfer {transfer}");
+        }
+        let worked = minutes(&log, 2, MachineState::Working);
+        assert_eq!((worked[0].0, worked[worked.len() - 1].1), (begins, ends), "transfer {transfer}");
+        assert_eq!((setups(&log), log.jobs.len()), (3, 10 / transfer), "nobody sees the stand-ins");
+    }
+}
+
+#[test]
 fn a_machine_is_set_up_ahead_although_the_one_before_needs_no_setup() {
     let text = line_text().replacen("setup_at_start = \"\"\n", "setup_at_start = \"plate\"\n", 1);
     let log = |ahead: bool| {

@@ -64,3 +64,15 @@ fn a_sequence_of_setups_ends_when_the_published_one_does() {
         assert_eq!(ends.iter().sum::<f64>(), flow, "{rule}: {ends:?}");
     }
 }
+
+#[test]
+fn a_machine_may_stand_ready_for_a_group_that_nothing_has() {
+    // The row of "4", which only a part without orders would have: 4 min to "1", and not the 1 min of the first row.
+    let (jobs, _) = JOBS.split_once("[[part]]\nname = \"2\"").expect("parts");
+    let text = format!("{jobs}[[order]]\nid = \"1\"\npart = \"1\"\n");
+    for (at_start, end) in [("", 14.0), ("4", 17.0), ("2", 13.0)] {
+        let file = parse("jobs.toml", &text, &[format!("machine.M.setup_at_start=\"{at_start}\"")]);
+        let scenario = file.unwrap_or_else(|error| panic!("{error}")).scenario;
+        assert_eq!(run(&scenario, 0, 0).unwrap().jobs[0].finish / 60.0, end, "ready for \"{at_start}\"");
+    }
+}
