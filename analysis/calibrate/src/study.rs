@@ -346,8 +346,13 @@ impl CalibrationStudy {
         }
     }
 
-    /// Refuses a table whose feed is that of the other process: that of the set would be taken in its place.
+    /// Refuses a table whose feed is that of the other process: that of the set would be taken in its place. Refuses one with rows
+    /// in which nothing can have been cut, too: what was cut instead would be missing in the wear of the edge.
     fn of_this_process(&self, read: (Records, ReadReport)) -> Result<(Records, ReadReport), Refusal> {
+        if let Some((line, what)) = read.1.uncut.first() {
+            let reason = format!("{}: line {line}: {what} cannot be used", self.data.display());
+            return Err(refuse(reason, "write what was cut; a time in cut is that of the row alone"));
+        }
         let other = match self.process {
             Process::Turning => Process::Milling,
             Process::Milling => Process::Turning,

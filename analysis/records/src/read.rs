@@ -323,6 +323,7 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
                 let reason =
                     format!("{name} is {read} {unit}, at which nothing is cut: correct it, or leave the row out");
                 wrong = true;
+                report.uncut.push((*line, format!("a {name} of {read} {unit}")));
                 report.dropped.push((*line, reason));
                 continue 'rows;
             }
