@@ -216,6 +216,7 @@ impl CalibrationStudy {
         });
         let (records, read) = self.records(parquet)?;
         self.words_where_numbers_are_due(&read)?;
+        self.every_row_was_cut(&read)?;
         let (lines, wear_unit) = (read.lines.clone(), wear_unit(&read));
         let treatment = Treatment { by: by.clone(), begun: self.begun, lines, wear_unit, ..Treatment::of(&base) };
         let mut measured = Measured::treated(&records, limit, &treatment).map_err(|error| {
@@ -270,6 +271,13 @@ impl CalibrationStudy {
             _ => "write a number of minutes, or leave the cell empty",
         };
         Err(refuse(format_args!("{}: line {line}: {column} is `{word}`", self.data.display()), fix))
+    }
+
+    /// Refuses rows in which nothing can have been cut: what was cut instead would be missing in the wear of the edge.
+    fn every_row_was_cut(&self, read: &ReadReport) -> Result<(), Refusal> {
+        let Some((line, what)) = read.uncut.first() else { return Ok(()) };
+        let reason = format!("{}: line {line}: {what} cannot be used", self.data.display());
+        Err(refuse(reason, "write what was cut; a time in cut is that of the row alone"))
     }
 
     fn laws(&self) -> Result<Vec<Law>, Refusal> {
@@ -346,13 +354,8 @@ impl CalibrationStudy {
         }
     }
 
-    /// Refuses a table whose feed is that of the other process: that of the set would be taken in its place. Refuses one with rows
-    /// in which nothing can have been cut, too: what was cut instead would be missing in the wear of the edge.
+    /// Refuses a table whose feed is that of the other process: that of the set would be taken in its place.
     fn of_this_process(&self, read: (Records, ReadReport)) -> Result<(Records, ReadReport), Refusal> {
-        if let Some((line, what)) = read.1.uncut.first() {
-            let reason = format!("{}: line {line}: {what} cannot be used", self.data.display());
-            return Err(refuse(reason, "write what was cut; a time in cut is that of the row alone"));
-        }
         let other = match self.process {
             Process::Turning => Process::Milling,
             Process::Milling => Process::Turning,
