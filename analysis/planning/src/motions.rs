@@ -15,7 +15,7 @@ use toolroom_program::{AXES, Control, EventKind, ProgramError, Run, Source};
 pub fn motion_table(text: &Source, control: &Control, drives: &Drives) -> Result<String, ProgramError> {
     let (mut rows, mut tool) = (Vec::new(), None);
     let mut run = Run::new(text.clone(), control)?;
-    while let Some(event) = run.next() {
+    for event in run.by_ref() {
         let event = event?;
         match event.kind {
             EventKind::ToolChange(number) => tool = number,
