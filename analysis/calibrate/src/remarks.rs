@@ -228,3 +228,45 @@ impl Measured {
         self.refusals = refusals;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use toolroom_records::{RecordKind, parse_csv};
+    use toolroom_wear::Pair;
+
+    const HEADER: &str = "operation_id,machine,tool_id,sequence,cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],\
+                          cutting_time [min],flank_wear [mm]\n";
+
+    /// What is said of two edges at two speeds whose wear grows by `step` mm from reading to reading.
+    fn notes(speeds: [f64; 2], step: f64) -> String {
+        let row = |edge: usize, reading: usize| {
+            let wear = step.mul_add(reading as f64, 0.1);
+            format!("O{edge}{reading},L1,E{edge},{reading},{},0.3,1.5,5,{wear:.3}\n", speeds[edge])
+        };
+        let rows: String = (0..2).flat_map(|edge| (1..=5).map(move |reading| row(edge, reading))).collect();
+        let table = format!("{HEADER}{rows}");
+        let (records, _) = parse_csv("wear.csv", table.as_bytes(), RecordKind::Turning).expect("records");
+        let mut measured = Measured::of(&records, 0.3).expect("edges");
+        measured.fit_into(&Base::from(&Pair::named("c45_t15k6").expect("a shipped set")));
+        measured.notes.join("; ")
+    }
+
+    #[test]
+    fn speeds_of_another_unit_are_told() {
+        let far = notes([3.0, 4.0], 0.02);
+        assert!(
+            far.contains("cutting speeds from 3.000 to 4.000 m/min") && far.contains("cutting_speed [m/s]"),
+            "{far}"
+        );
+        assert!(notes([2000.0, 2500.0], 0.02).contains("is their unit right?"));
+        assert!(!notes([200.0, 240.0], 0.02).contains("cutting speeds from"));
+    }
+
+    #[test]
+    fn wear_that_does_not_grow_is_told() {
+        let even = notes([200.0, 240.0], 0.0);
+        assert!(even.contains("wear does not grow on 2 of 2 edges, E0 first"), "{even}");
+        assert!(!notes([200.0, 240.0], 0.02).contains("does not grow"));
+    }
+}

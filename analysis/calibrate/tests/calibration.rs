@@ -136,35 +136,6 @@ fn a_value_that_is_fixed_is_the_one_of_the_set_and_one_that_cannot_be_is_refused
 }
 
 #[test]
-fn speeds_of_another_unit_and_wear_that_does_not_grow_are_told() {
-    let mut rows = String::new();
-    for (edge, speed) in [("A", 3.0), ("B", 4.0)] {
-        for sequence in 1..=5 {
-            let _ = writeln!(rows, "O{edge}{sequence},L1,{edge},{sequence},{speed},0.3,1.5,5,0.1{sequence},");
-        }
-    }
-    let notes = |rows: &str| {
-        let measured = Measured::of(&records(rows), 0.3).expect("edges");
-        let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor])).expect("a calibration");
-        found.measured.notes.join("; ")
-    };
-    let far = notes(&rows);
-    assert!(far.contains("cutting speeds from 3.000 to 4.000 m/min") && far.contains("cutting_speed [m/s]"), "{far}");
-    let even = notes(
-        &rows
-            .replace(",0.11,", ",0.1,")
-            .replace(",0.12,", ",0.1,")
-            .replace(",0.13,", ",0.1,")
-            .replace(",0.14,", ",0.1,")
-            .replace(",0.15,", ",0.1,")
-            .replace(",3,0.3", ",200,0.3")
-            .replace(",4,0.3", ",240,0.3"),
-    );
-    assert!(even.contains("wear does not grow on 2 of 2 edges, A first"), "{even}");
-    assert!(!even.contains("cutting speeds from"), "{even}");
-}
-
-#[test]
 fn forces_are_fitted_against_the_wear_that_was_fitted() {
     let base = base();
     let mut rows = String::from(HEADER.trim_end());

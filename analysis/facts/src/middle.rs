@@ -48,7 +48,7 @@ pub fn excess(pairs: &[(f64, f64)]) -> (f64, f64) {
 }
 
 /// Middle and scatter of recorded times against their file: two facts, since a scatter that is off is no mean that is off. Of
-/// the middle Student's t of the mean excess; of the scatter the probability of [`RelativeLaw::p`]. A scatter that a constant
+/// the middle Student's t of the mean excess; of the scatter the probability of [`RelativeLaw`]. A scatter that a constant
 /// or an added time explains is none. Nothing for fewer than three times, of the scatter for fewer than twenty, and where the
 /// file gives no time at all.
 pub fn middle_and_scatter(timed: &Timed<'_>) -> Vec<Fact> {
