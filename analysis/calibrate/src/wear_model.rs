@@ -284,7 +284,7 @@ impl WearModel {
                 Slot::Free(index) => self.parameters[*index].scale.value(u[*index]),
                 Slot::Fixed(value) => *value,
                 // Counted in shares of what the contrast, which stands before it, leaves.
-                Slot::Tilt(tilt) => tilt / (1.0 - values.last().copied().unwrap_or(0.0)),
+                Slot::Tilt(tilt) => tilt / (1.0 - values.last().expect("the contrast stands before the tilt")),
             });
         }
         with_values(&self.template, &values)

@@ -67,11 +67,8 @@ fn set(
     let named: Vec<&'static str> =
         catalogue.laws().filter(|law| values.keys().any(|(group, _)| group == law)).collect();
     let inherited = |group: &str, name: &str| {
-        let of_other_laws = |base: &'_ ParameterSet| {
-            base.unused.iter().position(|value| value.group == group && value.field.name == name)
-        };
         let base = base.as_ref()?;
-        base.value(group, name).or_else(|| of_other_laws(base).map(|place| &base.unused[place]))
+        base.values.iter().chain(&base.unused).find(|value| value.group == group && value.field.name == name)
     };
     // What the conversions refer to: the reference cut of this file or of its base.
     let reference = |group: &str, name: &str| {
