@@ -141,8 +141,8 @@ pub fn applied_to(
     let left = frame
         .parameters
         .iter()
-        .map(|own| (&own.name, own.allowance))
-        .chain(frame.surfaces.iter().map(|own| (&own.name, own.allowance)))
+        .map(|own| (&own.name, own.role.is_allowance()))
+        .chain(frame.surfaces.iter().map(|own| (&own.name, own.role.is_allowance())))
         .filter(|(name, allowance)| !allowance && frame.words.of(name).is_none())
         .map(|(name, _)| name.clone())
         .collect();

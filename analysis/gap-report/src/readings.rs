@@ -106,10 +106,10 @@ impl Readings {
         };
         let fitted = |allowance: bool, name: &str| if allowance { 0.0 } else { moved(name) };
         for (value, parameter) in point.parameters.iter_mut().zip(&frame.parameters) {
-            *value = fitted(parameter.allowance, &parameter.name);
+            *value = fitted(parameter.role.is_allowance(), &parameter.name);
         }
         for (value, surface) in point.surfaces.iter_mut().zip(&frame.surfaces) {
-            *value = fitted(surface.allowance, &surface.name);
+            *value = fitted(surface.role.is_allowance(), &surface.name);
         }
         stages.push(with_surfaces(part, &point));
         let names = std::iter::once("calibration".to_owned()).chain(effects.iter().map(|own| own.2.clone())).collect();

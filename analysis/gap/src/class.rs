@@ -8,6 +8,7 @@ use super::constants::{CLEAR, CLEARLY_LEFT_OUT, GATE, PAIR_GATE, RIVAL, SAME};
 use super::decision::Decision;
 use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain, predictive_gain};
+use super::stops;
 use super::trial::Trial;
 use super::{EffectId, Forward};
 
@@ -17,6 +18,18 @@ const ROUGHLY: f64 = 0.8;
 
 /// Candidates that the data cannot tell from `candidate`, an effect of `trial`, by other ids; each with the reason.
 pub(super) fn class(
+    context: Diagnosing<'_>,
+    decision: &Decision,
+    trial: &Trial,
+    candidate: usize,
+) -> Vec<(EffectId, String)> {
+    let mut class = by_evidence(context, decision, trial, candidate);
+    class.retain(|(id, _)| !stops::tells_from(context, trial, candidate, *id));
+    class
+}
+
+/// The same by signatures and evidence alone.
+fn by_evidence(
     context: Diagnosing<'_>,
     decision: &Decision,
     trial: &Trial,

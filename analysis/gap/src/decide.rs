@@ -3,11 +3,12 @@
 use super::belief::crossed;
 use super::class::class;
 use super::constants::{FEW_GROUPS_GATE, FEWEST_GROUPS, FURTHER, GATE, MOST_EFFECTS};
-use super::decision::Decision;
+use super::decision::{Decision, Single};
 use super::diagnosing::Diagnosing;
 use super::evidence::gain;
 use super::rules::{Judged, Refusal, Rule, agreed, stands};
 use super::stepwise;
+use super::stops;
 use super::trial::{Remainder, Trial};
 use super::{Closure, EffectId, Found, GapVerdict, NotNamed};
 
@@ -201,6 +202,7 @@ fn kept(context: Diagnosing<'_>, decision: &mut Decision, chosen: usize, effects
 
 fn choose(context: Diagnosing<'_>, decision: &mut Decision) {
     if let Some(index) = best_model(context, decision) {
+        let index = stops::settled(context, decision, index);
         let judged = Judged::against_nominal(context, decision, &decision.trials[index]);
         let rules = judged.refusals();
         if rules.iter().all(|(rule, _)| rule.refusal == Refusal::Abstention) {
@@ -243,5 +245,33 @@ fn named(context: Diagnosing<'_>, decision: &mut Decision, index: usize, closed:
         decision.after = Some(context.remainder(&decision.trials[other]));
         decision.chosen = Some(other);
     }
+    decision.reasons.extend(elsewhere(context, decision));
     decision.verdict = GapVerdict::Effect;
+}
+
+/// What to say where the named effect on one part of the records is hardly told from the same effect on another: longer times
+/// here leave what shorter times elsewhere leave, once calibration has moved all of them.
+fn elsewhere(context: Diagnosing<'_>, decision: &Decision) -> Option<String> {
+    let (model, candidates) = (context.model, &context.model.frame().candidates);
+    let trial = decision.model();
+    let [candidate] = trial.fit.active[..] else { return None };
+    let written = model.written(candidate);
+    if written.scope.is_everywhere() {
+        return None;
+    }
+    let apart = |single: &&Single| {
+        let there = model.written(single.candidate);
+        single.id == candidates[candidate].id && !there.scope.is_everywhere() && there.scope != written.scope
+    };
+    let lead = |single: &Single| gain(&trial.evidence, &single.evidence);
+    let others = decision.singles.iter().filter(|single| single.evidence.admissible).filter(apart);
+    let nearest = others.min_by(|a, b| lead(a).total_cmp(&lead(b))).filter(|single| lead(single) < GATE)?;
+    Some(format!(
+        "{} ({}) explains the records as well as {} (log evidence {:.1} less): only what the file says of times and constants \
+         decides between them",
+        nearest.id,
+        model.written(nearest.candidate).scope.words(),
+        written.scope.words(),
+        lead(nearest)
+    ))
 }

@@ -4,7 +4,7 @@ use super::belief::{closed_by_constants, held_against, spares};
 use super::budget::budget;
 use super::class::class;
 use super::closure::{closures, scored, standing_apart, touched};
-use super::constants::{NINETY, PROBABLE, PROBABLE_THOUGH_OFF};
+use super::constants::{NINETY, PROBABLE_THOUGH_OFF};
 use super::decide::decide;
 use super::decision::{Decision, Single};
 use super::diagnosing::Diagnosing;
@@ -16,12 +16,13 @@ use super::identifiability::{hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
 use super::method::Bare;
 use super::narrowed::Narrowed;
+use super::probability::{inclusion, printed};
 use super::settle::{settled, stated};
 use super::trial::Trial;
 use super::verdict::{backed, doubted, unrejected};
 use super::{
-    Basis, Calibrated, Cell, Diagnosis, EffectId, Fit, Forward, GapVerdict, Method, NamedEffect, NextExperiment,
-    Ranked, Transform, Tried,
+    Basis, Calibrated, Cell, Diagnosis, Fit, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
+    Transform, Tried,
 };
 use rayon::prelude::*;
 use toolroom_effects::Definition;
@@ -253,6 +254,9 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
     let probabilities = inclusion(context, decision);
     let scores = decision.base.scores();
     let value = decision.gain_of(trial, model.frame().candidates.len());
+    let score = |index: &usize| {
+        scores.length[*index] * trial.fit.linear.point.effects[*index] / model.frame().candidates[*index].typical
+    };
     let one = |(place, index): (usize, &usize)| {
         let candidate = &model.frame().candidates[*index];
         let size = trial.fit.linear.point.effects[*index];
@@ -269,42 +273,14 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
             size: size * factor,
             unit,
             ci90: [(size - NINETY * deviation).max(candidate.least) * factor, (size + NINETY * deviation) * factor],
-            probability: probabilities.iter().find(|(id, _)| *id == candidate.id).map_or(0.0, |(_, p)| p.min(PROBABLE)),
-            z: scores.length[*index] * size / candidate.typical,
+            probability: printed(&probabilities, candidate.id, score(index)),
+            z: score(index),
             gain: [value, predictive_gain(&trial.evidence, &decision.base.evidence).0],
             class: std::iter::once(candidate.id).chain(others.clone().map(|(id, _)| *id)).collect(),
             class_reason: others.map(|(_, reason)| reason.clone()).collect::<Vec<_>>().join("; "),
         }
     };
     trial.fit.active.iter().enumerate().map(one).collect()
-}
-
-/// Probability of each id: models weighted by their gain, the choice among many paid for, with the
-/// nominal model and the best generic signature among them.
-fn inclusion(context: Diagnosing<'_>, decision: &Decision) -> Vec<(EffectId, f64)> {
-    let (model, count) = (context.model, context.candidates());
-    let generic = gain(&decision.before.evidence, &decision.base.evidence)
-        - (decision.before.dictionary.len().max(1) as f64).ln()
-        - decision.share;
-    let mut models: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0)];
-    if !decision.imaged(context, &decision.model().fit.active) {
-        models.push((Vec::new(), generic));
-    }
-    let single = |single: &Single| {
-        let price = (count.max(1) as f64).ln() + decision.share;
-        (vec![single.candidate], gain(&single.evidence, &decision.base.evidence) - price)
-    };
-    models.extend(decision.singles.iter().filter(|single| single.evidence.admissible).map(single));
-    let pairs = decision.trials.iter().filter(|trial| trial.fit.active.len() > 1 && trial.evidence.admissible);
-    models.extend(pairs.map(|trial| (trial.fit.active.clone(), decision.gain_of(trial, count))));
-    let greatest = models.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
-    let total: f64 = models.iter().map(|(_, value)| (value - greatest).exp()).sum();
-    let ids: Vec<EffectId> = model.frame().candidates.iter().map(|candidate| candidate.id).collect();
-    let with = |id: EffectId| {
-        let has = |active: &Vec<usize>| active.iter().any(|index| ids[*index] == id);
-        models.iter().filter(|(active, _)| has(active)).map(|(_, value)| (value - greatest).exp() / total).sum::<f64>()
-    };
-    ids.iter().map(|id| (*id, with(*id))).collect()
 }
 
 fn ranking(model: &dyn Forward, decision: &Decision) -> Vec<Ranked> {
@@ -380,22 +356,22 @@ fn cells(model: &dyn Forward, decision: &Decision) -> Vec<Cell> {
 fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
     let point = &decision.model().fit.linear.point;
     let moved = point.parameters.iter().chain(&point.surfaces).copied();
-    let parameters = model.frame().parameters.iter().map(|own| (&own.name, own.allowance, own.deviation, false));
-    let surfaces = model.frame().surfaces.iter().map(|own| (&own.name, own.allowance, own.deviation, own.absolute));
+    let parameters = model.frame().parameters.iter().map(|own| (&own.name, &own.role, own.deviation, false));
+    let surfaces = model.frame().surfaces.iter().map(|own| (&own.name, &own.role, own.deviation, own.absolute));
     let mut list: Vec<Calibrated> = parameters
         .chain(surfaces)
         .zip(moved)
         .zip(decision.model().uncertainties())
-        .filter(|(((_, allowance, ..), x), _)| !allowance || x.abs() > FAR)
-        .map(|(((name, allowance, deviation, summand), x), uncertainty)| {
+        .filter(|(((_, role, ..), x), _)| !role.is_allowance() || x.abs() > FAR)
+        .map(|(((name, role, deviation, summand), x), uncertainty)| {
             let value = |x: f64| if summand { deviation * x } else { (deviation * x).exp() };
             Calibrated {
                 parameter: name.clone(),
                 value: value(x),
                 ci90: [-NINETY, NINETY].map(|end| value(x + end * uncertainty)),
                 prior_sd_moved: x,
-                gain: name.starts_with("gain of "),
-                constant: !allowance && !name.starts_with("gain of "),
+                gain: role.is_gain(),
+                constant: !role.is_allowance() && !role.is_gain(),
             }
         })
         .collect();

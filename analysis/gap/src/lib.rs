@@ -67,6 +67,7 @@ mod number;
 mod outside;
 pub mod plan;
 mod pooled;
+mod probability;
 mod processes;
 mod propose;
 mod queue;
@@ -79,6 +80,7 @@ mod shop_facts;
 #[cfg(test)]
 mod shop_tests;
 mod stepwise;
+mod stops;
 mod summary;
 mod tolerance;
 mod trial;

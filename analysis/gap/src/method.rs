@@ -61,13 +61,13 @@ impl<'a> Bare<'a> {
     pub fn keeping(model: &'a dyn Forward, keep: impl Fn(&str, bool) -> bool) -> Self {
         let mut frame = model.frame().clone();
         let parameters = (0..frame.parameters.len())
-            .filter(|i| keep(&frame.parameters[*i].name, frame.parameters[*i].allowance))
+            .filter(|i| keep(&frame.parameters[*i].name, frame.parameters[*i].role.is_allowance()))
             .collect();
         let surfaces = (0..frame.surfaces.len())
-            .filter(|i| keep(&frame.surfaces[*i].name, frame.surfaces[*i].allowance))
+            .filter(|i| keep(&frame.surfaces[*i].name, frame.surfaces[*i].role.is_allowance()))
             .collect();
-        frame.parameters.retain(|own| keep(&own.name, own.allowance));
-        frame.surfaces.retain(|own| keep(&own.name, own.allowance));
+        frame.parameters.retain(|own| keep(&own.name, own.role.is_allowance()));
+        frame.surfaces.retain(|own| keep(&own.name, own.role.is_allowance()));
         Self { model, frame, kept: [parameters, surfaces] }
     }
 

@@ -328,8 +328,8 @@ pub(super) fn agreed(model: &dyn Forward, trial: &Trial) -> bool {
 /// prior standard deviations.
 pub(super) fn strain<'m>(model: &'m dyn Forward, trial: &Trial) -> Option<(&'m str, f64)> {
     let (frame, linear) = (model.frame(), &trial.fit.linear);
-    let parameters = frame.parameters.iter().map(|each| (each.name.as_str(), each.allowance));
-    let surfaces = frame.surfaces.iter().map(|each| (each.name.as_str(), each.allowance));
+    let parameters = frame.parameters.iter().map(|each| (each.name.as_str(), each.role.is_allowance()));
+    let surfaces = frame.surfaces.iter().map(|each| (each.name.as_str(), each.role.is_allowance()));
     let moved = linear.point.parameters.iter().chain(&linear.point.surfaces);
     let active = &trial.fit.active;
     let concerns = |column: &[f64]| {

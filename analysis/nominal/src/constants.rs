@@ -30,3 +30,8 @@ pub(crate) const BROKEN: f64 = 0.6e-3;
 /// Growth of the land from one operation to the next of an edge that breaks, m. Assumption: steady wear grows
 /// by far less.
 pub(crate) const BREAKING: f64 = 0.15e-3;
+/// Change of the time in cut, as a share, at the greatest feed override. Source: controls go up to 200 %.
+pub(crate) const FASTEST: f64 = -0.5;
+/// Ordinary change of the time in cut by an override that nobody records, as a share. Assumption: an operator who turns the feed
+/// down turns it down by ten per cent.
+pub(crate) const OVERRIDDEN: f64 = 0.1;

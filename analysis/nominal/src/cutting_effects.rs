@@ -1,5 +1,6 @@
 //! Effects of turning and milling that the diagnosis tries, with the shapes that the data ask for.
 
+use super::constants::{FASTEST, OVERRIDDEN};
 use super::features::{self, standardised};
 use super::search::{self, Rows, Shape, Sought, Way};
 use super::{Candidate, Channel, ChannelId, EffectId, Untried};
@@ -41,8 +42,8 @@ pub(super) enum Action {
     Effect(Effect),
     /// By the process on the rows of a scope, 1 or 0 each.
     Scoped(Effect, Scope, Vec<f64>),
-    /// By the process, on the rows of one lot.
-    Lot(Effect, Vec<f64>),
+    /// By the process, on the rows of the lot of this name.
+    Lot(Effect, String, Vec<f64>),
     /// On the reading of a channel, SI per size.
     Reading {
         /// Index of the channel.
@@ -93,7 +94,7 @@ pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candid
             Ok(shapes) => list.extend(shapes.into_iter().map(|shape| {
                 let Shape { name, effect, typical, greatest, rows } = shape;
                 let action = match rows {
-                    Rows::Lot(rows) => Action::Lot(effect, rows),
+                    Rows::Lot(name, rows) => Action::Lot(effect, name, rows),
                     Rows::All => Action::Effect(effect),
                     Rows::Coolant(_) | Rows::SinceDressing => unreachable!("only the way of lots is offered"),
                 };
@@ -110,14 +111,11 @@ pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candid
 
 /// Delays that a cycle time may hold.
 fn cycle(channel: usize, seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
-    let reading = |(candidate, column): (Candidate, Vec<f64>)| {
-        let scope = candidate.shape.split_once(' ').and_then(|(column, name)| {
-            let key = SCOPE_NAMES.iter().find(|key| **key == column)?;
-            Some(Scope { names: vec![(*key, vec![name.to_owned()])], ..Scope::default() })
-        });
+    let overridden = seen.records.numbers("feed_override").is_some();
+    let reading = |Delay { candidate, column, scope }: Delay| {
         let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
         let recorded = match candidate.id.shop() {
-            Some(ShopEffect::FeedOverride) => Some(mean(&column) / mean(seen.durations)),
+            Some(ShopEffect::FeedOverride) => overridden.then(|| mean(&column) / mean(seen.durations)),
             Some(ShopEffect::FeedHold) => Some(mean(&column)),
             Some(
                 ShopEffect::MicroStops
@@ -128,35 +126,55 @@ fn cycle(channel: usize, seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
             )
             | None => None,
         };
-        let scope = scope.unwrap_or_default();
         (candidate, Action::Reading { channel, column, scope, recorded })
     };
     delays(seen.records, seen.groups, seen.durations).into_iter().map(reading).collect()
 }
 
-/// Delays by what is recorded, with what each adds to the time of a row per size.
-pub(super) fn delays(records: &Records, groups: &[usize], durations: &[f64]) -> Vec<(Candidate, Vec<f64>)> {
+/// Time that may be lost.
+pub(super) struct Delay {
+    /// The effect.
+    pub candidate: Candidate,
+    /// What it adds to the time of each row per size.
+    pub column: Vec<f64>,
+    /// Where it acts.
+    pub scope: Scope,
+}
+
+/// Delays by what is recorded.
+pub(super) fn delays(records: &Records, groups: &[usize], durations: &[f64]) -> Vec<Delay> {
     let mut list = Vec::new();
-    let mut add = |id: EffectId, shape: String, typical: f64, column: Vec<f64>| {
+    let mut add_on = |scope: Scope, shape: String, id: EffectId, [typical, least]: [f64; 2], column: Vec<f64>| {
         if standardised(&column).is_some() {
-            list.push((Candidate { id, shape, typical, greatest: f64::INFINITY, least: 0.0 }, column));
+            let candidate = Candidate { id, shape, typical, greatest: f64::INFINITY, least };
+            list.push(Delay { candidate, column, scope });
         }
     };
-    add(EffectId::TOOL_CHANGE_DELAY, String::new(), 30.0, features::first_of_group(groups));
     for (column, name, rows) in features::indicators(records, &["machine", "shift", "operator"]) {
-        add(EffectId::OPERATOR_DELAY, format!("{column} {name}"), 30.0, rows);
+        let key = SCOPE_NAMES.iter().find(|key| **key == column);
+        let names = key.map(|key| (*key, vec![name.clone()])).into_iter().collect();
+        let scope = Scope { names, ..Scope::default() };
+        add_on(scope, format!("{column} {name}"), EffectId::OPERATOR_DELAY, [30.0, 0.0], rows);
     }
+    let mut add = |id: EffectId, sizes: [f64; 2], column: Vec<f64>| {
+        add_on(Scope::default(), String::new(), id, sizes, column);
+    };
+    add(EffectId::TOOL_CHANGE_DELAY, [30.0, 0.0], features::first_of_group(groups));
     if let Some(overrides) = records.numbers("feed_override") {
         let column = overrides
             .iter()
             .zip(durations)
             .map(|(share, time)| if *share > 0.0 { time * (share.recip() - 1.0) } else { 0.0 });
-        add(EffectId::FEED_OVERRIDE, String::new(), 1.0, column.collect());
+        add(EffectId::FEED_OVERRIDE, [1.0, 0.0], column.collect());
+    } else {
+        // Nobody recorded what the override was: all of the planned time is longer or shorter.
+        add(EffectId::FEED_OVERRIDE, [OVERRIDDEN, FASTEST], durations.to_vec());
     }
     if let Some(stops) = records.numbers("stop_count") {
         let known = |stops: &f64| if stops.is_finite() { *stops } else { 0.0 };
-        add(EffectId::FEED_HOLD, String::new(), 20.0, stops.iter().map(known).collect());
+        add(EffectId::FEED_HOLD, [20.0, 0.0], stops.iter().map(known).collect());
     }
-    add(EffectId::MICRO_STOPS, String::new(), 1.0 / 600.0, durations.iter().map(|time| time * MICRO_STOP).collect());
+    let stopped = durations.iter().map(|time| time * MICRO_STOP).collect();
+    add(EffectId::MICRO_STOPS, [1.0 / 600.0, 0.0], stopped);
     list
 }

@@ -1,6 +1,6 @@
 //! What a smooth error of the equations is a function of, and on what it acts.
 
-use super::{Measured, Surface};
+use super::{Measured, Role, Surface};
 
 /// What a discrepancy is a function of, and which channels may have one.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ impl Discrepant {
             channels: self.channels.clone(),
             feature: self.acting(measured, feature),
             deviation: self.scale,
-            allowance: true,
+            role: Role::Allowance,
             absolute: !matches!(self.on, On::Value),
         };
         features.iter().enumerate().map(surface).collect()

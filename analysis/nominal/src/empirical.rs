@@ -10,7 +10,7 @@ use super::features::{self, standardised};
 use super::search;
 use super::settings::Settings;
 use super::{
-    Channel, ChannelId, Covariate, EffectRefusal, Forward, Frame, Local, Measured, Parameter, Point, Transform,
+    Channel, ChannelId, Covariate, EffectRefusal, Forward, Frame, Local, Measured, Parameter, Point, Role, Transform,
     WrittenEffect,
 };
 use toolroom_innovations::Chain;
@@ -125,8 +125,8 @@ impl Empirical {
         model
     }
 
-    fn law(&mut self, name: String, feature: Vec<f64>, deviation: f64, allowance: bool) {
-        self.frame.parameters.push(Parameter { name, deviation, allowance });
+    fn law(&mut self, name: String, feature: Vec<f64>, deviation: f64, role: Role) {
+        self.frame.parameters.push(Parameter { name, deviation, role });
         self.laws.push(feature);
     }
 
@@ -134,23 +134,25 @@ impl Empirical {
     fn grow(&mut self, age: &[f64], constant_rate: bool) {
         let typical = median(&mut age.iter().copied().filter(|age| *age > 0.0).collect::<Vec<f64>>());
         self.growth = age.iter().map(|age| (age / typical).max(YOUNGEST).ln()).collect();
-        let (deviation, allowance) = if constant_rate { (GROWN, true) } else { (FREE, false) };
+        let (deviation, role) = if constant_rate { (GROWN, Role::Allowance) } else { (FREE, Role::Constant) };
         self.course.clone_from(&self.growth);
-        self.law("flank_wear, ln age".to_owned(), self.growth.clone(), deviation, allowance);
+        self.law("flank_wear, ln age".to_owned(), self.growth.clone(), deviation, role);
     }
 
     fn laws(&mut self, records: &Records, channel: ChannelId, known: &[String]) {
-        self.law(format!("{channel}, level"), vec![1.0; records.len()], LEVEL, false);
+        self.law(format!("{channel}, level"), vec![1.0; records.len()], LEVEL, Role::Constant);
         let conditions: Vec<&str> = known.iter().map(String::as_str).collect();
         for (term, feature, linear) in features::surface(records, &conditions) {
-            self.law(format!("{channel}, {term}"), feature, if linear { FREE } else { CURVED }, !linear);
+            let (deviation, role) = if linear { (FREE, Role::Constant) } else { (CURVED, Role::Allowance) };
+            self.law(format!("{channel}, {term}"), feature, deviation, role);
         }
         for (column, level, rows) in features::indicators(records, &conditions) {
-            self.law(format!("{channel}, {column}={level}"), rows, FREE, false);
+            self.law(format!("{channel}, {column}={level}"), rows, FREE, Role::Constant);
         }
         if !conditions.contains(&"machine") {
             for (_, machine, rows) in features::indicators(records, &["machine"]) {
-                self.law(format!("gain of {channel}, machine {machine}"), rows, super::settings::MACHINE_GAIN, false);
+                let name = format!("gain of {channel}, machine {machine}");
+                self.law(name, rows, super::settings::MACHINE_GAIN, Role::MachineGain(machine));
             }
         }
     }
@@ -166,9 +168,9 @@ impl Empirical {
             COURSE[2]
         };
         let passed = |shape: fn(f64) -> f64| age.iter().map(|age| shape(age / life)).collect::<Vec<f64>>();
-        self.law(format!("{channel}, young edge"), passed(|share| (-share / YOUNG).exp()), deviation, true);
-        self.law(format!("{channel}, course of life"), passed(|share| share), deviation, true);
-        self.law(format!("{channel}, end of life"), passed(|share| share * share), deviation, true);
+        self.law(format!("{channel}, young edge"), passed(|share| (-share / YOUNG).exp()), deviation, Role::Allowance);
+        self.law(format!("{channel}, course of life"), passed(|share| share), deviation, Role::Allowance);
+        self.law(format!("{channel}, end of life"), passed(|share| share * share), deviation, Role::Allowance);
     }
 
     fn covariates(&mut self, records: &Records, known: &[String], wear: Option<&[f64]>, age: &[f64]) {

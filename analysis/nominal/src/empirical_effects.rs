@@ -86,9 +86,8 @@ pub(super) fn candidates(seen: &Seen<'_>) -> Offered {
     if seen.channel == ChannelId::CycleTime {
         let ones = vec![1.0; seen.records.len()];
         let durations = seen.records.numbers("cutting_time").unwrap_or(&ones);
-        for (candidate, column) in cutting_effects::delays(seen.records, seen.groups, durations) {
-            list.push((candidate, Action::Add(column)));
-        }
+        let delays = cutting_effects::delays(seen.records, seen.groups, durations).into_iter();
+        list.extend(delays.map(|delay| (delay.candidate, Action::Add(delay.column))));
     }
     list
 }

@@ -1,6 +1,6 @@
 //! What a nominal model states beside its predictions: what was measured, what may be moved, what may be missing.
 
-use super::{Discrepancy, EffectId, Measured, Surface, Untried, Words};
+use super::{Discrepancy, EffectId, Measured, Role, Surface, Untried, Words};
 use toolroom_effects::Definition;
 
 /// A constant of the nominal model that calibration may move. Its value counts in prior standard
@@ -11,8 +11,8 @@ pub struct Parameter {
     pub name: String,
     /// Prior standard deviation, mostly of the logarithm.
     pub deviation: f64,
-    /// Whether it is part of the form allowance rather than of the calibration.
-    pub allowance: bool,
+    /// What it stands for.
+    pub role: Role,
 }
 
 /// Constants of one kind, of which records with many of them show how well they are known.
@@ -138,7 +138,7 @@ impl Frame {
 
     /// Whether each parameter, then each surface, is part of the form allowance rather than of the calibration.
     pub fn allowances(&self) -> Vec<bool> {
-        let parameters = self.parameters.iter().map(|own| own.allowance);
-        parameters.chain(self.surfaces.iter().map(|own| own.allowance)).collect()
+        let parameters = self.parameters.iter().map(|own| own.role.is_allowance());
+        parameters.chain(self.surfaces.iter().map(|own| own.role.is_allowance())).collect()
     }
 }

@@ -51,14 +51,26 @@ pub(crate) fn wear_rate(defined: &[&'static Definition]) -> Option<&'static Defi
 pub(crate) struct Part {
     pub scope: Scope,
     pub rows: Vec<f64>,
+    /// The only level of its column that is no part of it.
+    left_out: Option<String>,
 }
 
 impl Part {
     /// Whether it is the level `name` of the column `column`.
     pub fn is_level(&self, column: &str, name: &str) -> bool {
-        let key = COLUMNS.iter().find(|(_, own)| *own == column).map(|(key, _)| *key);
-        let level = |key: &'static str| Scope { names: vec![(key, vec![name.to_owned()])], ..Scope::default() };
-        key.is_some_and(|key| self.scope == level(key))
+        self.of_column(column).is_some_and(|levels| levels[..] == [name.to_owned()])
+    }
+
+    /// Whether it is all of the column `column` but the level `name`.
+    pub fn leaves_out(&self, column: &str, name: &str) -> bool {
+        self.of_column(column).is_some() && self.left_out.as_deref() == Some(name)
+    }
+
+    /// The levels of the column `column` that it is.
+    fn of_column(&self, column: &str) -> Option<&Vec<String>> {
+        let (key, _) = COLUMNS.iter().find(|(_, own)| *own == column)?;
+        let [(own, levels)] = &self.scope.names[..] else { return None };
+        (own == key).then_some(levels)
     }
 
     /// The shape of a candidate on this part, for people.
@@ -81,10 +93,10 @@ pub(crate) fn parts(records: &Records, groups: &[usize]) -> Vec<Part> {
             inside.len() >= FEWEST_GROUPS
         })
     };
-    let mut add = |scope: Scope, rows: Vec<f64>| {
+    let mut add = |scope: Scope, rows: Vec<f64>, left_out: Option<String>| {
         // Two columns that tell the same are one.
         if told(&rows) && parts.iter().all(|own: &Part| own.rows != rows) {
-            parts.push(Part { scope, rows });
+            parts.push(Part { scope, rows, left_out });
         }
     };
     for (key, column) in COLUMNS {
@@ -97,13 +109,17 @@ pub(crate) fn parts(records: &Records, groups: &[usize]) -> Vec<Part> {
         let of = |names: Vec<String>| Scope { names: vec![(key, names)], ..Scope::default() };
         for level in &levels {
             let rows = of_row.iter().map(|own| f64::from(u8::from(own == level))).collect();
-            add(of(vec![names[*level].clone()]), rows);
+            let left_out = match levels[..] {
+                [first, second] => Some(names[if *level == first { second } else { first }].clone()),
+                _ => None,
+            };
+            add(of(vec![names[*level].clone()]), rows, left_out);
         }
         if levels.len() > 2 {
             for level in &levels {
                 let others = levels.iter().filter(|own| *own != level).map(|own| names[*own].clone()).collect();
                 let rows = of_row.iter().map(|own| f64::from(u8::from(own != level && named(own)))).collect();
-                add(of(others), rows);
+                add(of(others), rows, Some(names[*level].clone()));
             }
         }
     }
@@ -113,7 +129,7 @@ pub(crate) fn parts(records: &Records, groups: &[usize]) -> Vec<Part> {
         for share in DATES {
             let Some(from) = sorted.get((share * sorted.len() as f64) as usize) else { continue };
             let rows = times.iter().map(|time| f64::from(u8::from(time >= from))).collect();
-            add(Scope { from: Some(*from), ..Scope::default() }, rows);
+            add(Scope { from: Some(*from), ..Scope::default() }, rows, None);
         }
     }
     parts

@@ -27,7 +27,7 @@ pub(super) fn missing(catalogue: &'static [CatalogueEntry], candidates: &[Candid
 pub(super) enum Rows {
     All,
     /// 1 on those of one lot.
-    Lot(Vec<f64>),
+    Lot(String, Vec<f64>),
     /// 1 on those of one coolant.
     Coolant(Vec<f64>),
     /// All, and infeed is positioned by command since the dressing.
@@ -126,11 +126,19 @@ impl Sought<'_> {
             }
             Search::Lots(size) => {
                 let rows = self.levels(Way::Lots, "lot")?.into_iter();
-                rows.map(|(name, rows)| Shape { rows: Rows::Lot(rows), ..shape(name, effect, size) }).collect()
+                let lot = |(level, rows): (String, Vec<f64>)| {
+                    let named = shape(format!("lot {level}"), effect, size);
+                    Shape { rows: Rows::Lot(level, rows), ..named }
+                };
+                rows.map(lot).collect()
             }
             Search::CoolantStiffness(size) => {
                 let rows = self.levels(Way::Coolants, "coolant_id")?.into_iter();
-                rows.map(|(name, rows)| Shape { rows: Rows::Coolant(rows), ..shape(name, effect, size) }).collect()
+                let coolant = |(level, rows): (String, Vec<f64>)| Shape {
+                    rows: Rows::Coolant(rows),
+                    ..shape(format!("coolant {level}"), effect, size)
+                };
+                rows.map(coolant).collect()
             }
             Search::WheelPosition { each_part, since_dressing } => {
                 self.has(Way::WheelPosition)?;
@@ -159,9 +167,8 @@ impl Sought<'_> {
     /// Levels of a text column by name, each with 1 on its rows.
     fn levels(&self, way: Way, column: &str) -> Result<Vec<(String, Vec<f64>)>, String> {
         self.has(way)?;
-        let word = column.trim_end_matches("_id");
         let levels = features::indicators(self.records, &[column]);
-        let named: Vec<_> = levels.into_iter().map(|(_, level, rows)| (format!("{word} {level}"), rows)).collect();
+        let named: Vec<_> = levels.into_iter().map(|(_, level, rows)| (level, rows)).collect();
         if named.is_empty() { Err(format!("{column} does not vary")) } else { Ok(named) }
     }
 

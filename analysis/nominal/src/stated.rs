@@ -58,11 +58,19 @@ impl Stated {
         !self.split.is_empty() || !self.places.is_empty()
     }
 
-    /// Whether an effect is tried on this part of the records.
-    pub(crate) fn tries(&self, effect: &Candidate, part: &Part) -> bool {
-        // Where the strongest structure follows a level, every effect is tried there.
-        self.places.iter().any(|(column, name)| part.is_level(column, name))
-            || self.split.iter().any(|(id, shape)| effect.id == *id && effect.shape == *shape)
+    /// Which effects are tried on which parts of the records, those first that come first of all: where the strongest structure
+    /// follows a level, every effect is tried there and then everywhere but there, since what lengthens the one and what
+    /// shortens the other leave the same structure.
+    pub(crate) fn tried<'a>(&self, effects: &[Candidate], parts: &'a [Part]) -> Vec<(usize, &'a Part)> {
+        let at_level = |part: &Part| self.places.iter().any(|(column, name)| part.is_level(column, name));
+        let beside = |part: &Part| self.places.iter().any(|(column, name)| part.leaves_out(column, name));
+        let split =
+            |effect: &Candidate| self.split.iter().any(|(id, shape)| effect.id == *id && effect.shape == *shape);
+        let with = |part: &'a Part| effects.iter().enumerate().map(move |(index, effect)| (index, effect, part));
+        let all = || parts.iter().flat_map(with);
+        let first = all().filter(|(_, effect, part)| at_level(part) || split(effect));
+        let second = all().filter(|(_, effect, part)| beside(part) && !at_level(part) && !split(effect));
+        first.chain(second).map(|(index, _, part)| (index, part)).collect()
     }
 
     /// Rows of `records` on which something with this scope acts, 1 or 0 each.

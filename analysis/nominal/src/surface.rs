@@ -1,5 +1,7 @@
 //! Corrections of channels that need no simulation.
 
+use super::Role;
+
 /// A correction `deviation · x · feature` of one channel (of its logarithm, or relative), needing
 /// no simulation; x counts in prior standard deviations.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,8 +14,8 @@ pub struct Surface {
     pub feature: Vec<f64>,
     /// Prior standard deviation.
     pub deviation: f64,
-    /// Whether it is part of the form allowance rather than of the calibration.
-    pub allowance: bool,
+    /// What it stands for.
+    pub role: Role,
     /// Whether the feature is in SI units of the channel instead of relative to its value.
     pub absolute: bool,
 }

@@ -17,7 +17,7 @@ use super::features::{self, standardised};
 use super::settings::Settings;
 use super::stated::Stated;
 use super::{
-    ChannelId, Discrepancy, Discrepant, Forward, Frame, Local, Measured, On, Parameter, Point, Surface, broken,
+    ChannelId, Discrepancy, Discrepant, Forward, Frame, Local, Measured, On, Parameter, Point, Role, Surface, broken,
 };
 use channels::{Source, channels, source};
 use run::Step;
@@ -125,6 +125,11 @@ const FIXTURE: f64 = 0.05;
 /// Prior standard deviation of an edge force: a linear law differs from a power law most at the
 /// thinnest chips (assumption).
 const EDGE_FORCE: f64 = 0.3;
+/// Prior standard deviation of the handling time over what the file states of it (1). Assumption: files state loading by a few
+/// times taken by hand, or by rule of thumb.
+const HANDLING: f64 = 0.3;
+/// Prior standard deviation of a handling time of which no file states anything, s. Assumption: minutes.
+const UNSTATED_HANDLING: f64 = 120.0;
 /// Scale of the prior of the amplitude of a discrepancy over the prior standard deviation of a linear form error of the
 /// same channels (assumption).
 const DISCREPANT: f64 = 1.0;
@@ -260,8 +265,8 @@ impl<P: Nominal> Cutting<P> {
         }
     }
 
-    fn parameter(&mut self, name: impl Into<String>, deviation: f64, allowance: bool, change: Change) {
-        self.frame.parameters.push(Parameter { name: name.into(), deviation, allowance });
+    fn parameter(&mut self, name: impl Into<String>, deviation: f64, role: Role, change: Change) {
+        self.frame.parameters.push(Parameter { name: name.into(), deviation, role });
         self.changes.push(change);
     }
 
@@ -282,27 +287,27 @@ impl<P: Nominal> Cutting<P> {
                 };
                 let name_in_file = format!("{group}.{name}");
                 let deviation = settings.spread(&name_in_file, deviation);
-                self.parameter(name_in_file, deviation, false, Change::Constant { group, name });
+                self.parameter(name_in_file, deviation, Role::Constant, Change::Constant { group, name });
             }
         }
-        self.parameter("wear rate level", settings.spread_of_wear(), false, Change::Wear);
+        self.parameter("wear rate level", settings.spread_of_wear(), Role::Constant, Change::Wear);
         if let Some(land) = self.scattered.as_ref().map(|own| own.land).filter(|land| *land > 0.0) {
             self.start = land;
-            self.parameter("land of a new edge", scattered::NEW_LAND, false, Change::Start);
+            self.parameter("land of a new edge", scattered::NEW_LAND, Role::Constant, Change::Start);
         }
         for (name, feature, linear) in features::surface(records, P::CONDITIONS) {
             let deviation = if linear { settings.form_wear } else { 0.5 * settings.form_wear };
-            self.parameter(format!("wear rate, {name}"), deviation, true, Change::WearFeature(feature));
+            self.parameter(format!("wear rate, {name}"), deviation, Role::Allowance, Change::WearFeature(feature));
         }
         let of_land = P::WEAR_CURVE * settings.form_land_wear;
-        self.parameter("wear rate, land", of_land, true, Change::WearOfLand(None, LandForm::Level));
-        self.parameter("wear rate, narrow land", of_land, true, Change::WearOfLand(None, LandForm::Narrow));
+        self.parameter("wear rate, land", of_land, Role::Allowance, Change::WearOfLand(None, LandForm::Level));
+        self.parameter("wear rate, narrow land", of_land, Role::Allowance, Change::WearOfLand(None, LandForm::Narrow));
         // Terms that share the wear rate share it otherwise at another speed.
         let of_both = P::WEAR_CURVE * settings.form_land_conditions_wear;
         for (name, feature, _) in features::surface(records, P::CONDITIONS).into_iter().filter(|(.., linear)| *linear) {
             for (shape, form) in [("land", LandForm::Bent), ("narrow land", LandForm::Narrow)] {
                 let change = Change::WearOfLand(Some(feature.clone()), form);
-                self.parameter(format!("wear rate, {name} × {shape}"), of_both, true, change);
+                self.parameter(format!("wear rate, {name} × {shape}"), of_both, Role::Allowance, change);
             }
         }
     }
@@ -328,16 +333,12 @@ impl<P: Nominal> Cutting<P> {
             channels.filter(|(_, channel)| wanted.contains(&channel.id)).map(|(i, _)| i).collect()
         };
         let mut surfaces = Vec::new();
-        let mut add = |name: String,
-                       channels: &[usize],
-                       feature: Vec<f64>,
-                       deviation: f64,
-                       allowance: bool,
-                       absolute: bool| {
-            if !channels.is_empty() {
-                surfaces.push(Surface { name, channels: channels.to_vec(), feature, deviation, allowance, absolute });
-            }
-        };
+        let mut add =
+            |name: String, channels: &[usize], feature: Vec<f64>, deviation: f64, role: Role, absolute: bool| {
+                if !channels.is_empty() {
+                    surfaces.push(Surface { name, channels: channels.to_vec(), feature, deviation, role, absolute });
+                }
+            };
         let ones = || vec![1.0; records.len()];
         // Relative to the absolute temperature, of which the rise is about three quarters.
         let classes = [
@@ -368,37 +369,47 @@ impl<P: Nominal> Cutting<P> {
                 if of_force {
                     feature.iter_mut().zip(&in_plane).for_each(|(feature, force)| *feature *= force);
                 }
-                add(format!("{class}, {name}"), channels, feature, deviation, true, of_force);
+                add(format!("{class}, {name}"), channels, feature, deviation, Role::Allowance, of_force);
             };
             for (name, feature, is_linear) in features::surface(records, P::CONDITIONS) {
                 allow(&name, feature, if is_linear { *linear } else { *square });
             }
             allow("land", land.clone(), *by_land);
         }
-        add("feed force level".to_owned(), &find(&[ChannelId::FeedForce]), ones(), 0.08, false, false);
-        add("thermo-EMF level".to_owned(), &find(&[ChannelId::ThermoEmf]), ones(), 0.05, false, false);
-        add("roughness level".to_owned(), &find(&[ChannelId::RoughnessRa]), ones(), P::ROUGHNESS, false, false);
-        add("form error level".to_owned(), &find(&[ChannelId::FormError]), ones(), 0.1, false, false);
+        add("feed force level".to_owned(), &find(&[ChannelId::FeedForce]), ones(), 0.08, Role::Constant, false);
+        add("thermo-EMF level".to_owned(), &find(&[ChannelId::ThermoEmf]), ones(), 0.05, Role::Constant, false);
+        add(
+            "roughness level".to_owned(),
+            &find(&[ChannelId::RoughnessRa]),
+            ones(),
+            P::ROUGHNESS,
+            Role::Constant,
+            false,
+        );
+        add("form error level".to_owned(), &find(&[ChannelId::FormError]), ones(), 0.1, Role::Constant, false);
         for (_, part, feature) in features::indicators(records, &["part_type"]) {
             add(
                 format!("form error, fixture of {part}"),
                 &find(&[ChannelId::FormError]),
                 feature,
                 FIXTURE,
-                false,
+                Role::Fixture(part),
                 false,
             );
         }
         let cycle = find(&[ChannelId::CycleTime]);
-        add("handling time".to_owned(), &cycle, ones(), 120.0, false, true);
-        add("programmed time".to_owned(), &cycle, self.durations.clone(), 0.05, true, true);
+        let stated = self.handling.iter().sum::<f64>() / self.handling.len().max(1) as f64;
+        let spread = if stated > 0.0 { HANDLING * stated } else { UNSTATED_HANDLING };
+        add("handling time".to_owned(), &cycle, ones(), spread, Role::HandlingTime, true);
+        add("programmed time".to_owned(), &cycle, self.durations.clone(), 0.05, Role::Allowance, true);
         for (_, machine, feature) in features::indicators(records, &["machine"]) {
             let Some(feature) = standardised(&feature).map(|_| feature) else { continue };
             for (i, channel) in self.frame.measured.channels.iter().enumerate() {
                 // A caliper is no part of the machine, its clock does not gain.
                 if !matches!(channel.id, ChannelId::FlankWear | ChannelId::CycleTime) {
                     let name = format!("gain of {}, machine {machine}", channel.id);
-                    add(name, &[i], feature.clone(), super::settings::MACHINE_GAIN, false, false);
+                    let role = Role::MachineGain(machine.clone());
+                    add(name, &[i], feature.clone(), super::settings::MACHINE_GAIN, role, false);
                 }
             }
         }

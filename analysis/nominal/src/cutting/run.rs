@@ -190,7 +190,7 @@ impl<P: Nominal> Cutting<P> {
             }
         }
         for (action, size) in self.actions.iter().zip(&at.effects) {
-            if let (Action::Lot(_, rows), true) = (action, *size != 0.0) {
+            if let (Action::Lot(.., rows), true) = (action, *size != 0.0) {
                 setting.lots.push((*size, rows));
             }
         }
@@ -212,7 +212,7 @@ impl<P: Nominal> Cutting<P> {
                     bit += 1;
                 }
                 // The deviation of the lot carries the size.
-                Action::Lot(effect, _)
+                Action::Lot(effect, ..)
                     if *size != 0.0 && effects.iter().all(|own| own.entry().id != effect.entry().id) =>
                 {
                     effects.push(effect.with_size(1.0));

@@ -13,21 +13,20 @@ impl<P: Nominal> Cutting<P> {
         if !stated.is_split() {
             return;
         }
-        let effects = self.frame.candidates.len();
+        let effects = self.frame.candidates.clone();
         let parts = parts(records, &self.frame.measured.group_of_row);
         self.rate(&parts, stated);
         let most = self.actions.iter().filter(|own| matches!(own, Action::Scoped(..))).count() + MOST;
-        for part in &parts {
-            for index in 0..effects {
-                let base = self.frame.candidates[index].clone();
-                let full = self.actions.iter().filter(|own| matches!(own, Action::Scoped(..))).count() >= most;
-                if !stated.tries(&base, part) || full {
-                    continue;
-                }
-                if let Some(action) = self.on(index, part) {
-                    self.frame.candidates.push(Candidate { shape: part.words(&base.shape), ..base });
-                    self.actions.push(action);
-                }
+        for (index, part) in stated.tried(&effects, &parts) {
+            // What adds to a recorded time needs no rows of its own in the simulation.
+            let full = self.actions.iter().filter(|own| matches!(own, Action::Scoped(..))).count() >= most;
+            if full && matches!(self.actions[index], Action::Effect(_)) {
+                continue;
+            }
+            if let Some(action) = self.on(index, part) {
+                let base = effects[index].clone();
+                self.frame.candidates.push(Candidate { shape: part.words(&base.shape), ..base });
+                self.actions.push(action);
             }
         }
     }

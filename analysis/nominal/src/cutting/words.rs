@@ -3,7 +3,7 @@
 use super::{Action, Change, Cutting, Fixed, Nominal};
 use crate::features::first_of_group;
 use crate::stated::{Stated, occasion};
-use crate::{Candidate, ChannelId, EffectId, Movable, Parameter, Surface, Words, WrittenEffect};
+use crate::{Candidate, ChannelId, EffectId, Movable, Parameter, Role, Surface, Words, WrittenEffect};
 use toolroom_effects::Effect;
 use toolroom_records::Records;
 use toolroom_scenario::{MICRO_STOP, Moved, Scope, ShopEffect, Target};
@@ -42,29 +42,21 @@ impl<P: Nominal> Cutting<P> {
                 Change::WearFeature(_) | Change::WearOfLand(..) | Change::Start => {}
             }
         }
-        for surface in self.frame.surfaces.iter().filter(|surface| !surface.allowance) {
+        for surface in self.frame.surfaces.iter().filter(|surface| !surface.role.is_allowance()) {
             let name = &surface.name;
             let channel = surface.channels.first().map_or("", |index| self.frame.measured.channels[*index].id.word());
             let gain = |target: Target| Movable::factor(format!("gain.{channel}"), target);
             // Machines and parts that the scenario does not know have no words in it.
-            let machine = name.split_once(", machine ").map(|(_, machine)| machine);
-            let part = name.split_once(", fixture of ").map(|(_, part)| part);
-            let strange = machine.is_some_and(|name| stated.handling.iter().all(|(own, _)| own != name))
-                || part.is_some_and(|name| stated.parts.iter().all(|own| own != name));
-            if strange {
-                continue;
-            }
-            let movable = if name == "handling time" {
-                Movable { summand: true, ..Movable::factor("handling_time", tool()) }
-            } else if let Some((_, machine)) = name.split_once(", machine ") {
-                gain(Target::Machine(machine.to_owned()))
-            } else if let Some((_, part)) = name.split_once(", fixture of ") {
-                Movable {
-                    scope: Scope { names: vec![("part", vec![part.to_owned()])], ..Scope::default() },
-                    ..gain(tool())
+            let movable = match &surface.role {
+                Role::MachineGain(machine) if stated.handling.iter().all(|(known, _)| known != machine) => continue,
+                Role::Fixture(part) if !stated.parts.contains(part) => continue,
+                Role::HandlingTime => Movable { summand: true, ..Movable::factor("handling_time", tool()) },
+                Role::MachineGain(machine) => gain(Target::Machine(machine.clone())),
+                Role::Fixture(part) => {
+                    let scope = Scope { names: vec![("part", vec![part.clone()])], ..Scope::default() };
+                    Movable { scope, ..gain(tool()) }
                 }
-            } else {
-                gain(tool())
+                Role::Constant | Role::Allowance => gain(tool()),
             };
             list.push((name.clone(), movable));
         }
@@ -85,15 +77,15 @@ impl<P: Nominal> Cutting<P> {
     fn switch_on(&mut self, records: &Records, stated: &Stated) {
         for entry in &stated.effects {
             let (effect, scope) = (entry.effect, stated.normal(&entry.scope));
-            let same = |(action, candidate): (&Action, &Candidate)| match action {
+            let same = |action: &Action| match action {
                 Action::Effect(other) => scope.is_everywhere() && other.with_size(0.0) == effect.with_size(0.0),
                 Action::Scoped(other, at, _) => *at == scope && other.with_size(0.0) == effect.with_size(0.0),
-                Action::Lot(..) => {
-                    candidate.id == EffectId::from(&effect) && Some(candidate.shape.as_str()) == lot(&scope).as_deref()
+                Action::Lot(other, name, _) => {
+                    of_lot(name) == scope && EffectId::from(other) == EffectId::from(&effect)
                 }
                 Action::Reading { .. } => false,
             };
-            let found = self.actions.iter().zip(&self.frame.candidates).position(same);
+            let found = self.actions.iter().position(same);
             let index = found.unwrap_or_else(|| {
                 let action = if scope.is_everywhere() {
                     Action::Effect(effect.with_size(0.0))
@@ -202,12 +194,23 @@ impl<P: Nominal> Cutting<P> {
                 let Some(channel) = channel else { return false };
                 let (name, channels) = (name.clone(), vec![channel]);
                 let deviation = spread;
-                self.frame.surfaces.push(Surface { name, channels, feature, deviation, allowance: false, absolute });
+                self.frame.surfaces.push(Surface {
+                    name,
+                    channels,
+                    feature,
+                    deviation,
+                    role: Role::Constant,
+                    absolute,
+                });
                 true
             };
             let moved = match (calibration.parameter.as_str(), calibration.moved) {
                 ("wear_rate", Moved::Factor(_)) => {
-                    self.frame.parameters.push(Parameter { name: name.clone(), deviation: spread, allowance: false });
+                    self.frame.parameters.push(Parameter {
+                        name: name.clone(),
+                        deviation: spread,
+                        role: Role::Constant,
+                    });
                     self.changes.push(Change::WearFeature(rows));
                     true
                 }
@@ -265,11 +268,7 @@ impl<P: Nominal> Cutting<P> {
         match &self.actions[candidate] {
             Action::Effect(effect) => WrittenEffect::of(effect, &Scope::default()),
             Action::Scoped(effect, scope, _) => WrittenEffect::of(effect, scope),
-            Action::Lot(..) => {
-                let name = self.frame.candidates[candidate].shape.strip_prefix("lot ").unwrap_or_default().to_owned();
-                let scope = Scope { names: vec![("lot", vec![name])], ..Scope::default() };
-                WrittenEffect { scope, ..WrittenEffect::default() }
-            }
+            Action::Lot(_, name, _) => WrittenEffect { scope: of_lot(name), ..WrittenEffect::default() },
             Action::Reading { scope, recorded, .. } => {
                 WrittenEffect { scope: scope.clone(), recorded: *recorded, ..WrittenEffect::default() }
             }
@@ -277,14 +276,9 @@ impl<P: Nominal> Cutting<P> {
     }
 }
 
-/// Shape of the candidate of a single lot.
-fn lot(scope: &Scope) -> Option<String> {
-    match &scope.names[..] {
-        [("lot", names)] if names.len() == 1 && scope.from.is_none() && scope.until.is_none() => {
-            Some(format!("lot {}", names[0]))
-        }
-        _ => None,
-    }
+/// The operations on one lot.
+fn of_lot(name: &str) -> Scope {
+    Scope { names: vec![("lot", vec![name.to_owned()])], ..Scope::default() }
 }
 
 /// Shape and scope for people.

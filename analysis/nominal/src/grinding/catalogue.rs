@@ -59,7 +59,7 @@ impl Grinding {
                     Rows::Coolant(rows) => Action::Coolant(rows),
                     Rows::SinceDressing => Action::Effect { effect, by_command: true },
                     Rows::All => Action::Effect { effect, by_command: false },
-                    Rows::Lot(_) => unreachable!("the way of lots is not offered"),
+                    Rows::Lot(..) => unreachable!("the way of lots is not offered"),
                 });
             }
         }
@@ -70,20 +70,17 @@ impl Grinding {
         if !stated.is_split() {
             return;
         }
-        let effects = self.frame.candidates.len();
-        for part in &parts(records, &self.frame.measured.group_of_row) {
-            for index in 0..effects {
-                let base = self.frame.candidates[index].clone();
-                // Where a wheel is positioned by command, and what another coolant does, is reported by rows already.
-                let Action::Effect { effect, by_command: false } = &self.actions[index] else { continue };
-                let full = self.actions.len() >= effects + MOST;
-                if !stated.tries(&base, part) || full {
-                    continue;
-                }
-                let action = Action::Scoped { effect: *effect, scope: part.scope.clone(), rows: part.rows.clone() };
-                self.frame.candidates.push(Candidate { shape: part.words(&base.shape), ..base });
-                self.actions.push(action);
+        let effects = self.frame.candidates.clone();
+        for (index, part) in stated.tried(&effects, &parts(records, &self.frame.measured.group_of_row)) {
+            // Where a wheel is positioned by command, and what another coolant does, is reported by rows already.
+            let Action::Effect { effect, by_command: false } = &self.actions[index] else { continue };
+            if self.actions.len() >= effects.len() + MOST {
+                continue;
             }
+            let action = Action::Scoped { effect: *effect, scope: part.scope.clone(), rows: part.rows.clone() };
+            let base = effects[index].clone();
+            self.frame.candidates.push(Candidate { shape: part.words(&base.shape), ..base });
+            self.actions.push(action);
         }
     }
 }

@@ -19,7 +19,7 @@ use super::features;
 use super::settings::{MACHINE_GAIN, Settings};
 use super::stated::Stated;
 use super::{
-    Channel, ChannelId, EffectRefusal, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform,
+    Channel, ChannelId, EffectRefusal, Forward, Frame, Local, Measured, Parameter, Point, Role, Surface, Transform,
     WrittenEffect,
 };
 use crate::forward::{RowByRow, first_refusal};
@@ -38,8 +38,8 @@ use toolroom_records::{ColumnKind, Records};
 enum Change {
     ProcessStiffness,
     SystemStiffness,
-    /// System stiffness of the rows of one machine.
-    Machine(Vec<f64>),
+    /// System stiffness of one machine, on its rows.
+    Machine(String, Vec<f64>),
     /// Infeed against what is commanded.
     Scale,
     /// Exponent of force in depth, less one.
@@ -110,18 +110,19 @@ impl Grinding {
     }
 
     fn calibration(&mut self, records: &Records, settings: &Settings) {
-        let mut add = |name: String, deviation: f64, allowance: bool, change: Change| {
-            self.frame.parameters.push(Parameter { name, deviation, allowance });
+        let mut add = |name: String, deviation: f64, role: Role, change: Change| {
+            self.frame.parameters.push(Parameter { name, deviation, role });
             self.changes.push(change);
         };
-        add("process stiffness Cp".to_owned(), settings.stiffness, false, Change::ProcessStiffness);
-        add("system stiffness J".to_owned(), settings.stiffness, false, Change::SystemStiffness);
-        add("infeed scale".to_owned(), SCALE, false, Change::Scale);
+        add("process stiffness Cp".to_owned(), settings.stiffness, Role::Constant, Change::ProcessStiffness);
+        add("system stiffness J".to_owned(), settings.stiffness, Role::Constant, Change::SystemStiffness);
+        add("infeed scale".to_owned(), SCALE, Role::Constant, Change::Scale);
         for (_, machine, rows) in features::indicators(records, &["machine"]) {
-            add(format!("system stiffness, machine {machine}"), MACHINE_GAIN, false, Change::Machine(rows));
+            let name = format!("system stiffness, machine {machine}");
+            add(name, MACHINE_GAIN, Role::Constant, Change::Machine(machine, rows));
         }
-        add("exponent of force in depth".to_owned(), EXPONENT, true, Change::Exponent);
-        add("stock lost by continuous infeed".to_owned(), RAMP[1], true, Change::Ramp);
+        add("exponent of force in depth".to_owned(), EXPONENT, Role::Allowance, Change::Exponent);
+        add("stock lost by continuous infeed".to_owned(), RAMP[1], Role::Allowance, Change::Ramp);
     }
 
     fn allowance(&mut self, records: &Records) {
@@ -131,25 +132,32 @@ impl Grinding {
                        channel: ChannelId,
                        feature: Option<Vec<f64>>,
                        deviation: f64,
-                       allowance: bool,
+                       role: Role,
                        absolute: bool| {
             if let (Some(channel), Some(feature)) = (find(channel), feature) {
-                surfaces.push(Surface { name, channels: vec![channel], feature, deviation, allowance, absolute });
+                surfaces.push(Surface { name, channels: vec![channel], feature, deviation, role, absolute });
             }
         };
         let ones = || Some(vec![1.0; records.len()]);
-        add("friction".to_owned(), ChannelId::TangentialForce, ones(), 0.08, false, false);
-        add("start of the rise".to_owned(), ChannelId::RiseRevolutions, ones(), 1.0, true, true);
-        add("rise, level".to_owned(), ChannelId::RiseRevolutions, ones(), 0.05, true, false);
-        add("force after spark-out, level".to_owned(), ChannelId::ForceAfterSparkOut, ones(), 0.10, true, false);
+        add("friction".to_owned(), ChannelId::TangentialForce, ones(), 0.08, Role::Constant, false);
+        add("start of the rise".to_owned(), ChannelId::RiseRevolutions, ones(), 1.0, Role::Allowance, true);
+        add("rise, level".to_owned(), ChannelId::RiseRevolutions, ones(), 0.05, Role::Allowance, false);
+        add(
+            "force after spark-out, level".to_owned(),
+            ChannelId::ForceAfterSparkOut,
+            ones(),
+            0.10,
+            Role::Allowance,
+            false,
+        );
         for channel in [ChannelId::NormalForce, ChannelId::TangentialForce, ChannelId::ForceAfterSparkOut] {
             for condition in ["infeed_per_rev", "work_rotation_speed", "revolutions"] {
                 let feature = features::logarithm(records, condition);
-                add(format!("{channel}, ln {condition}"), channel, feature, 0.03, true, false);
+                add(format!("{channel}, ln {condition}"), channel, feature, 0.03, Role::Allowance, false);
             }
         }
         let infeed = features::logarithm(records, "infeed_per_rev");
-        add("rise, ln infeed_per_rev".to_owned(), ChannelId::RiseRevolutions, infeed, 0.05, true, false);
+        add("rise, ln infeed_per_rev".to_owned(), ChannelId::RiseRevolutions, infeed, 0.05, Role::Allowance, false);
         self.frame.surfaces = surfaces;
     }
 
@@ -208,7 +216,7 @@ impl Grinding {
         let c = &self.conditions;
         let mut process = process.clone();
         if let Some(row) = self.rows[group].first() {
-            let machine = self.moved(at, |change| if let Change::Machine(rows) = change { rows[*row] } else { 0.0 });
+            let machine = self.moved(at, |change| if let Change::Machine(_, rows) = change { rows[*row] } else { 0.0 });
             process.parameters.system_stiffness *= machine.exp();
         }
         let share = |kind: fn(&Change) -> bool| self.moved(at, |change| f64::from(u8::from(kind(change))));

@@ -18,19 +18,18 @@ impl Grinding {
                 Change::ProcessStiffness => Movable::factor("infeed.process_stiffness", tool()),
                 Change::SystemStiffness => Movable::factor("infeed.system_stiffness", tool()),
                 Change::Scale => Movable::factor("gain.infeed_per_rev", tool()),
-                Change::Machine(_) => {
-                    let machine = parameter.name.rsplit("machine ").next().unwrap_or_default().to_owned();
-                    if stated.handling.iter().all(|(own, _)| *own != machine) {
+                Change::Machine(machine, _) => {
+                    if stated.handling.iter().all(|(own, _)| own != machine) {
                         continue;
                     }
-                    let scope = Scope { names: vec![("machine", vec![machine])], ..Scope::default() };
+                    let scope = Scope { names: vec![("machine", vec![machine.clone()])], ..Scope::default() };
                     Movable { scope, ..Movable::factor("infeed.system_stiffness", tool()) }
                 }
                 Change::Exponent | Change::Ramp => continue,
             };
             list.push((parameter.name.clone(), movable));
         }
-        for surface in self.frame.surfaces.iter().filter(|surface| !surface.allowance) {
+        for surface in self.frame.surfaces.iter().filter(|surface| !surface.role.is_allowance()) {
             let channel = surface.channels.first().map_or("", |index| self.frame.measured.channels[*index].id.word());
             list.push((surface.name.clone(), Movable::factor(format!("gain.{channel}"), tool())));
         }

@@ -21,7 +21,7 @@ use super::search;
 use super::settings::Settings;
 use super::{
     Candidate, Channel, ChannelId, Covariate, EffectId, EffectRefusal, Forward, Frame, Measured, Movable, Parameter,
-    Point, Surface, Transform, WrittenEffect,
+    Point, Role, Surface, Transform, WrittenEffect,
 };
 use rows::{Rows, rows};
 use toolroom_drives::{Drives, times};
@@ -187,13 +187,20 @@ impl Stretches {
     fn allowance(&mut self, records: &Records) {
         if self.rows.of_program.iter().any(Option::is_some) {
             self.frame.parameters =
-                vec![Parameter { name: "rapid speed".to_owned(), deviation: RAPID, allowance: false }];
+                vec![Parameter { name: "rapid speed".to_owned(), deviation: RAPID, role: Role::Constant }];
             let movable = Movable::factor("drives.rapid_speed", Target::Shop);
             self.frame.words.movable = vec![("rapid speed".to_owned(), movable)];
         }
         let mut surface = |name: String, feature: Vec<f64>, deviation: f64| {
             let channels = vec![0];
-            self.frame.surfaces.push(Surface { name, channels, feature, deviation, allowance: true, absolute: false });
+            self.frame.surfaces.push(Surface {
+                name,
+                channels,
+                feature,
+                deviation,
+                role: Role::Allowance,
+                absolute: false,
+            });
         };
         let programs = features::indicators(records, &["program"]);
         if programs.is_empty() {

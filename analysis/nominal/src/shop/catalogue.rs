@@ -1,6 +1,6 @@
 //! What may be missing from a shop, as candidates over the blocks of its log.
 
-use super::super::constants::BROKEN;
+use super::super::constants::{BROKEN, FASTEST, OVERRIDDEN};
 use super::super::{Candidate, EffectId, search};
 use super::block::Block;
 use super::figure::Figure;
@@ -34,9 +34,6 @@ pub(super) enum Action {
     Breakdowns,
 }
 
-/// Change of the time in cut, as a share, at the greatest feed override: controls go up to 200 %.
-const FASTEST: f64 = -0.5;
-
 /// How far beyond the land at which the file changes them edges may be used, m: until they count as broken. That of the
 /// machine whose edges are changed first; no bound where the file wears out none.
 fn later(shop: &Shop) -> f64 {
@@ -53,9 +50,9 @@ impl ShopModel {
         let mut list: Vec<(EffectId, String, f64, Action)> = Vec::new();
         if has(Figure::CuttingTime) {
             let everywhere = vec![1.0; blocks.len()];
-            list.push((EffectId::FEED_OVERRIDE, String::new(), 0.1, Action::Slower(everywhere)));
+            list.push((EffectId::FEED_OVERRIDE, String::new(), OVERRIDDEN, Action::Slower(everywhere)));
             for (scope, on) in &scopes {
-                list.push((EffectId::FEED_OVERRIDE, scope.clone(), 0.1, Action::Slower(on.clone())));
+                list.push((EffectId::FEED_OVERRIDE, scope.clone(), OVERRIDDEN, Action::Slower(on.clone())));
             }
             if seen.overridden {
                 let all = blocks.iter().flat_map(|block| block.excesses.iter()).filter(|excess| **excess > 1e-3);
@@ -64,7 +61,7 @@ impl ShopModel {
                     list.push((
                         EffectId::FEED_OVERRIDE,
                         "as recorded".to_owned(),
-                        0.1,
+                        OVERRIDDEN,
                         Action::Overridden(sum / count),
                     ));
                 }

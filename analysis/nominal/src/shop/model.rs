@@ -2,8 +2,8 @@
 
 use super::super::features::standardised;
 use super::super::{
-    Channel, Covariate, Direction, EffectRefusal, Family, Forward, Frame, Local, Measured, Point, Settings, Stated,
-    Surface, WrittenEffect,
+    Channel, Covariate, Direction, EffectRefusal, Family, Forward, Frame, Local, Measured, Point, Role, Settings,
+    Stated, Surface, WrittenEffect,
 };
 use super::block::{Block, Blocks, ROOT_SCORE, TAIL};
 use super::catalogue::Action;
@@ -151,7 +151,7 @@ impl ShopModel {
             if !channels.is_empty() && feature.iter().any(|value| *value != 0.0) {
                 let name = label.to_string();
                 movable.extend(label.movable(shop).map(|movable| (name.clone(), movable)));
-                surfaces.push(Surface { name, channels, feature, deviation, allowance: false, absolute });
+                surfaces.push(Surface { name, channels, feature, deviation, role: Role::Constant, absolute });
             }
         };
         let on = |test: &dyn Fn(&Block) -> bool| -> Vec<f64> {
@@ -233,7 +233,7 @@ impl ShopModel {
             ] {
                 let (feature, channels) = (on(&|block| block.shift == shift), channels.clone());
                 let name = format!("{name}, shift {shift}");
-                surfaces.push(Surface { name, channels, feature, deviation, allowance: true, absolute: false });
+                surfaces.push(Surface { name, channels, feature, deviation, role: Role::Allowance, absolute: false });
             }
         }
         surfaces.retain(|surface| !surface.channels.is_empty());
@@ -403,7 +403,7 @@ impl Forward for ShopModel {
 /// The constants of each kind of time, whose spread a shop with many of them shows.
 fn families(surfaces: &[Surface], times: &[(Vec<usize>, &'static str)]) -> Vec<Family> {
     let family = |(channels, name): &(Vec<usize>, &'static str)| {
-        let own = surfaces.iter().filter(|surface| !surface.allowance && surface.deviation < UNKNOWN);
+        let own = surfaces.iter().filter(|surface| !surface.role.is_allowance() && surface.deviation < UNKNOWN);
         let own = own.filter(|surface| surface.channels == *channels);
         Family { name, surfaces: own.map(|surface| surface.name.clone()).collect() }
     };

@@ -1,0 +1,301 @@
+//! Whether time that grows with the time in cut was lost in stops or evenly.
+//!
+//! Short stops that nobody books and an override of the feed lengthen operations by the same share in the mean, so that a
+//! fit of means cannot tell one from the other. Their scatter can: an override lengthens each operation by its share, while stops
+//! come as a Poisson process whose lengths scatter too, so that some operations have none and some several. The rows that
+//! the effect touches are held against both densities. What the stops of one operation take together has the density of a
+//! compound Poisson sum of exponential lengths, `exp(−λ − t/μ) √(λ/(μt)) I₁(2 √(λt/μ))` beside `exp(−λ)` at zero.
+
+use super::constants::GATE;
+use super::decision::Decision;
+use super::diagnosing::Diagnosing;
+use super::trial::Trial;
+use super::{ChannelId, EffectId, Transform};
+use toolroom_scenario::MICRO_STOP;
+
+/// Effects that leave the same means.
+const KINDS: [EffectId; 2] = [EffectId::MICRO_STOPS, EffectId::FEED_OVERRIDE];
+/// Factors on the mean length of a stop that are tried (1). Assumption: stops of one shop are half to twice as long as
+/// those of another.
+const LENGTHS: [f64; 3] = [0.5, 1.0, 2.0];
+/// Factors on the fitted mean that are tried (1): a robust fit takes some stops for outliers. Assumption.
+const SHARES: [f64; 5] = [0.7, 0.85, 1.0, 1.2, 1.45];
+/// Standard deviations of the rest that are tried (count), from [`LEAST`] to what all rows scatter by.
+const SPREADS: usize = 10;
+/// Least standard deviation of the rest, of that of the sensor (1). Assumption: as of every sensor sheet.
+const LEAST: f64 = 0.5;
+/// Share of rows that something else lengthened or shortened (1). Assumption: one row in fifty.
+const FOREIGN: f64 = 0.02;
+/// Rows that are looked at (count): as many tell the two apart for certain. Assumption.
+const ROWS: usize = 400;
+/// Places at which the density of stops is folded with the rest (count, odd), within [`REACH`] standard deviations.
+const PLACES: usize = 25;
+/// Standard deviations of the rest within which it is folded (1). Derivation: 1e-6 of a normal density lies beyond.
+const REACH: f64 = 5.0;
+
+/// Stops from which their sum counts as normally distributed (count). Derivation: the series of fewer stays within a number.
+const MANY: f64 = 600.0;
+
+/// A row that the effect touches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Touched {
+    /// Recorded time beyond that of the model without the effect, s.
+    excess: f64,
+    /// What the effect adds in the mean, s.
+    mean: f64,
+    /// Standard deviation of the sensor, s.
+    sensor: f64,
+}
+
+/// The model of trial `index`, or that in which the other kind of loss stands in the place of the one that the scatter of the
+/// rows contradicts.
+pub(super) fn settled(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> usize {
+    let mut index = index;
+    for candidate in decision.trials[index].fit.active.clone() {
+        let trial = &decision.trials[index];
+        let Some(other) = twin(context, candidate) else { continue };
+        if trial.fit.active.contains(&other) || !leads(context, trial, candidate, other) {
+            continue;
+        }
+        let kept = trial.fit.active.iter().copied().filter(|own| *own != candidate);
+        let mut active: Vec<usize> = kept.chain([other]).collect();
+        active.sort_unstable();
+        let exchanged = context.trial(&trial.fit, &active);
+        if exchanged.evidence.admissible {
+            decision.trials.push(exchanged);
+            index = decision.trials.len() - 1;
+        }
+    }
+    index
+}
+
+/// Whether the scatter of the rows speaks clearly for the effect `candidate` of `trial` and against `other`, which leaves the
+/// same means.
+pub(super) fn tells_from(context: Diagnosing<'_>, trial: &Trial, candidate: usize, other: EffectId) -> bool {
+    let twin = twin(context, candidate).filter(|twin| context.model.frame().candidates[*twin].id == other);
+    twin.is_some() && leads(context, trial, candidate, candidate)
+}
+
+/// Candidates that leave the same means as an effect of `trial`, and that the scatter of the rows speaks against.
+pub(super) fn contradicted(context: Diagnosing<'_>, trial: &Trial) -> Vec<usize> {
+    let active = trial.fit.active.iter();
+    active.filter(|own| leads(context, trial, **own, **own)).filter_map(|own| twin(context, *own)).collect()
+}
+
+/// Whether the rows that `candidate` of `trial` touches speak clearly for the kind of loss that `kind` is.
+fn leads(context: Diagnosing<'_>, trial: &Trial, candidate: usize, kind: usize) -> bool {
+    let stops = context.model.frame().candidates[kind].id == EffectId::MICRO_STOPS;
+    lead(context, trial, candidate).is_some_and(|lead| if stops { lead > GATE } else { lead < -GATE })
+}
+
+/// The candidate that is lost time of the other kind on the same rows; `None` of any other effect, and of what is recorded.
+fn twin(context: Diagnosing<'_>, candidate: usize) -> Option<usize> {
+    let model = context.model;
+    let candidates = &model.frame().candidates;
+    let own = candidates[candidate].id;
+    let written = model.written(candidate);
+    if !KINDS.contains(&own) || written.recorded.is_some() {
+        return None;
+    }
+    let alike = |index: &usize| {
+        let there = model.written(*index);
+        let id = candidates[*index].id;
+        id != own && KINDS.contains(&id) && there.scope == written.scope && there.recorded.is_none()
+    };
+    (0..candidates.len()).find(alike)
+}
+
+/// Log likelihood by which stops lead over an even loss on the rows of `candidate` in `trial`; `None` where it has no rows of
+/// a cycle time, or makes them shorter.
+fn lead(context: Diagnosing<'_>, trial: &Trial, candidate: usize) -> Option<f64> {
+    if !KINDS.contains(&context.model.frame().candidates[candidate].id) {
+        return None;
+    }
+    let rows = touched(context, trial, candidate);
+    if rows.is_empty() || rows.iter().any(|row| row.mean <= 0.0) {
+        return None;
+    }
+    Some(by_stops(&rows) - evenly(&rows))
+}
+
+fn touched(context: Diagnosing<'_>, trial: &Trial, candidate: usize) -> Vec<Touched> {
+    let frame = context.model.frame();
+    let (measured, linear) = (&frame.measured, &trial.fit.linear);
+    let size = linear.point.effects[candidate] / frame.candidates[candidate].typical;
+    let is_time: Vec<bool> = measured
+        .channels
+        .iter()
+        .map(|channel| channel.id == ChannelId::CycleTime && channel.transform == Transform::Linear)
+        .collect();
+    let row = |place: usize| {
+        let mean = size * linear.effects[candidate].get(place)?;
+        let observation = &measured.observations[place];
+        let fitted = measured.fitted[measured.group_of_row[observation.row]];
+        (is_time[observation.channel] && fitted && mean != 0.0).then(|| Touched {
+            excess: linear.residual[place] + mean,
+            mean,
+            sensor: observation.deviation,
+        })
+    };
+    let all: Vec<Touched> = (0..measured.len()).filter_map(row).collect();
+    let every = all.len().div_ceil(ROWS).max(1);
+    all.into_iter().step_by(every).collect()
+}
+
+/// Standard deviations of the rest that are tried, s, and that of what something else did to a row.
+fn spreads(rows: &[Touched]) -> (Vec<f64>, f64) {
+    let count = rows.len() as f64;
+    let least = LEAST * rows.iter().map(|row| row.sensor).sum::<f64>() / count;
+    let whole = (rows.iter().map(|row| (row.excess - row.mean).powi(2)).sum::<f64>() / count).sqrt();
+    let greatest = whole.max(2.0 * least);
+    let step = (greatest / least).powf(1.0 / (SPREADS - 1) as f64);
+    let furthest = rows.iter().map(|row| row.excess.abs()).fold(greatest, f64::max);
+    ((0..SPREADS).map(|i| least * step.powi(i as i32)).collect(), furthest)
+}
+
+/// Greatest log likelihood of rows that are all longer by their share.
+fn evenly(rows: &[Touched]) -> f64 {
+    greatest(rows, |row, share, spread| normal(row.excess - share * row.mean, spread))
+}
+
+/// Greatest log likelihood of rows that are longer by their stops.
+fn by_stops(rows: &[Touched]) -> f64 {
+    let of_length = |factor: &f64| {
+        let length = factor * MICRO_STOP;
+        greatest(rows, |row, share, spread| stopped(row.excess, share * row.mean / length, length, spread))
+    };
+    LENGTHS.iter().map(of_length).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Greatest log likelihood over shares and spreads of rows whose density is `density`, but for those that are foreign.
+fn greatest(rows: &[Touched], density: impl Fn(&Touched, f64, f64) -> f64) -> f64 {
+    let (spreads, furthest) = spreads(rows);
+    let of = |share: f64, spread: f64| {
+        let one = |row: &Touched| {
+            let foreign = normal(row.excess, furthest);
+            ((1.0 - FOREIGN) * density(row, share, spread) + FOREIGN * foreign).ln()
+        };
+        rows.iter().map(one).sum::<f64>()
+    };
+    let all = SHARES.iter().flat_map(|share| spreads.iter().map(move |spread| (*share, *spread)));
+    all.map(|(share, spread)| of(share, spread)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn normal(x: f64, deviation: f64) -> f64 {
+    (-0.5 * (x / deviation).powi(2)).exp() / (deviation * std::f64::consts::TAU.sqrt())
+}
+
+/// Density of `excess`, 1/s, of `count` stops in the mean, of `length` in the mean, s, with a rest of this standard deviation.
+fn stopped(excess: f64, count: f64, length: f64, spread: f64) -> f64 {
+    let without = (-count).exp() * normal(excess, spread);
+    let (from, to) = ((excess - REACH * spread).max(0.0), excess + REACH * spread);
+    if to <= from {
+        return without;
+    }
+    // By Simpson's rule.
+    let step = (to - from) / (PLACES - 1) as f64;
+    let weight = |i: usize| match i {
+        0 => 1.0,
+        i if i == PLACES - 1 => 1.0,
+        i => 2.0 + 2.0 * (i % 2) as f64,
+    };
+    let folded = |i: usize| {
+        let time = from + step * i as f64;
+        weight(i) * compound(time, count, length) * normal(excess - time, spread)
+    };
+    without + step / 3.0 * (0..PLACES).map(folded).sum::<f64>()
+}
+
+/// Density of the time that at least one stop takes, 1/s.
+fn compound(time: f64, count: f64, length: f64) -> f64 {
+    if count + time / length > MANY {
+        return normal(time - count * length, length * (2.0 * count).sqrt());
+    }
+    // The series of the Bessel function: a gamma density of n stops, weighted by the probability of n.
+    let (z, mut term, mut sum, mut n) = (count * time / length, 1.0, 0.0, 1.0);
+    while term > 1e-14 * sum {
+        sum += term;
+        term *= z / (n * (n + 1.0));
+        n += 1.0;
+    }
+    count / length * (-count - time / length).exp() * sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Exp, Normal, Poisson, StudentT};
+
+    const SENSOR: f64 = 0.5;
+
+    /// Rows of `count` operations whose stops, or whose share, takes `mean` in the mean; the rest scatters by `rest`.
+    fn rows(count: usize, mean: f64, stops: bool, rest: impl Fn(&mut ChaCha8Rng) -> f64, seed: u64) -> Vec<Touched> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let row = |_| {
+            let mean = mean * (0.7 + 0.6 * random.random::<f64>());
+            let lost = if stops {
+                let number: f64 = Poisson::new(mean / MICRO_STOP).expect("positive").sample(&mut random);
+                (0..number as usize).map(|_| Exp::new(1.0 / MICRO_STOP).expect("positive").sample(&mut random)).sum()
+            } else {
+                mean
+            };
+            Touched { excess: lost + rest(&mut random), mean, sensor: SENSOR }
+        };
+        (0..count).map(row).collect()
+    }
+
+    #[test]
+    fn the_density_of_stops_is_one_and_has_their_mean_and_variance() {
+        for (count, length) in [(0.1, 20.0), (1.0, 20.0), (6.0, 10.0)] {
+            let step = 0.02;
+            let moments = (0..60_000).fold([(-count as f64).exp(), 0.0, 0.0], |sums, i| {
+                let time = step * (f64::from(i) + 0.5);
+                let density = step * compound(time, count, length);
+                [sums[0] + density, sums[1] + time * density, sums[2] + time * time * density]
+            });
+            assert!((moments[0] - 1.0).abs() < 1e-5, "{moments:?}");
+            assert!((moments[1] / (count * length) - 1.0).abs() < 1e-4, "{moments:?}");
+            let variance = moments[2] - moments[1] * moments[1];
+            assert!((variance / (2.0 * count * length * length) - 1.0).abs() < 1e-4, "{moments:?}");
+        }
+        // Folded with the rest it is one as well.
+        let whole: f64 = (0..8000).map(|i| 0.05 * stopped(0.05 * f64::from(i) - 40.0, 0.8, 20.0, 3.0)).sum();
+        assert!((whole - 1.0).abs() < 1e-3, "{whole}");
+    }
+
+    /// Leads of stops over an even loss in twenty samples of thirty operations.
+    fn leads(mean: f64, stops: bool, rest: impl Fn(&mut ChaCha8Rng) -> f64 + Copy) -> Vec<f64> {
+        let sample = |seed| rows(30, mean, stops, rest, seed);
+        (0..20).map(|seed| by_stops(&sample(seed)) - evenly(&sample(seed))).collect()
+    }
+
+    #[test]
+    fn thirty_operations_tell_stops_from_an_even_loss() {
+        let narrow = |random: &mut ChaCha8Rng| Normal::new(0.0, 4.0).expect("finite").sample(random);
+        let wide = |random: &mut ChaCha8Rng| 3.0 * StudentT::new(4.0).expect("positive").sample(random);
+        let clearly = |leads: &[f64], sign: f64| leads.iter().filter(|lead| sign * **lead > GATE).count();
+        // A stop an operation, a stop in three operations, and even losses as long.
+        for (mean, stops, sign, least) in
+            [(20.0, true, 1.0, 18), (6.0, true, 1.0, 15), (20.0, false, -1.0, 18), (6.0, false, -1.0, 0)]
+        {
+            for leads in [leads(mean, stops, narrow), leads(mean, stops, wide)] {
+                let right = clearly(&leads, sign);
+                assert!(right >= least, "{mean} s, stops {stops}: {right} of 20, {leads:?}");
+                assert_eq!(clearly(&leads, -sign), 0, "{mean} s, stops {stops}: {leads:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn seconds_or_minutes_tell_the_same() {
+        let narrow = |random: &mut ChaCha8Rng| Normal::new(0.0, 4.0).expect("finite").sample(random);
+        let rows = rows(30, 20.0, false, narrow, 7);
+        let scaled =
+            |row: &Touched| Touched { excess: 60.0 * row.excess, mean: 60.0 * row.mean, sensor: 60.0 * row.sensor };
+        let long: Vec<Touched> = rows.iter().map(scaled).collect();
+        // Densities of an even loss scale with the unit.
+        assert!((evenly(&rows) - evenly(&long) - 30.0 * 60f64.ln()).abs() < 1e-6);
+    }
+}
