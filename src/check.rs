@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
 use toolroom_form::Echo;
-use toolroom_kinds::{Checked, FileKind};
+use toolroom_kinds::{CheckResult, FileKind};
 
 pub fn run(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
     let [file] = &args.files[..] else { return each(args, voice) };
@@ -58,8 +58,8 @@ fn each(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
 }
 
 /// The kind of a file, and what its reader says.
-fn read(path: &Path, args: &CheckArgs) -> Result<(&'static FileKind, Checked), Failure> {
-    let kind = args.kind.map_or_else(|| FileKind::of(path), Ok)?;
+fn read(path: &Path, args: &CheckArgs) -> Result<(&'static FileKind, CheckResult), Failure> {
+    let kind = args.kind.map_or_else(|| FileKind::from_path(path), Ok)?;
     let Some(read) = kind.read else {
         return Err(Failure::argument(
             format_args!("files of the kind {} are written by toolroom, not read", kind.word),
@@ -83,7 +83,7 @@ fn read(path: &Path, args: &CheckArgs) -> Result<(&'static FileKind, Checked), F
 }
 
 /// What programs are told of a file that is accepted.
-fn accepted(path: &Path, checked: Checked) -> Value {
+fn accepted(path: &Path, checked: CheckResult) -> Value {
     let mut result = json!({ "schema": 1, "file": path.display().to_string(), "valid": true });
     if let Value::Object(result) = &mut result {
         result.extend(checked.result);

@@ -129,7 +129,7 @@ fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> R
 }
 
 /// A scenario with its policies at their best settings, and how these were found.
-type Tuned = (ScenarioFile, Option<Arc<Tuning>>);
+type TunedScenario = (ScenarioFile, Option<Arc<Tuning>>);
 
 /// The scenario tuned, with the journal of an earlier search and of this one in the place of the results; without any
 /// search where an earlier run was tuned.
@@ -138,10 +138,10 @@ fn tuned_in_place(
     input: &str,
     file: ScenarioFile,
     (policies, wanted): (&[usize], &TuneRequest),
-    out: &Path,
+    folder: &Path,
     voice: &Voice,
-) -> Result<(Tuned, Option<Place>), Failure> {
-    let target = args.study.out.as_deref().unwrap_or(out);
+) -> Result<(TunedScenario, Option<Place>), Failure> {
+    let target = args.study.out.as_deref().unwrap_or(folder);
     let earlier = if args.study.resume { request_in(target) } else { None };
     if let Some(found) = earlier.and_then(|earlier| earlier.tuning()) {
         changes.extend(found.changes());
@@ -186,7 +186,7 @@ pub fn tuned(
     voice: &Voice,
     interrupted: &AtomicBool,
     journal: Option<(&Journal<TriedRun>, Vec<TriedRun>)>,
-) -> Result<Tuned, Failure> {
+) -> Result<TunedScenario, Failure> {
     let bar = Bar::new(voice);
     let found = tune_from(&file.scenario, policies, wanted, args.study.threads, &|at| bar.at(at), interrupted, journal);
     bar.finish();

@@ -34,12 +34,12 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
     };
     let task = Task::read(&args.file, drawn, &args.set)?;
     for name in &args.pass {
-        let known = task.file.pass(name);
-        known.map_err(|error| Failure::argument(format_args!("--pass: {error}"), "leave --pass out for all"))?;
+        let pass = task.file.pass(name);
+        pass.map_err(|error| Failure::argument(format_args!("--pass: {error}"), "leave --pass out for all"))?;
     }
     let target = args.out.clone().unwrap_or_else(|| default_out(&task.file.name));
     let inputs = std::iter::once(args.file.as_path()).chain(args.gcode.as_deref()).chain(args.dxf.as_deref());
-    let out = OutputDir::create(&target, NAMES, inputs, voice.force)?;
+    let output_dir = OutputDir::create(&target, NAMES, inputs, voice.force)?;
     let start = Instant::now();
     let options = options(args)?;
     let bar = Bar::of(voice, "plans");
@@ -51,9 +51,9 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
     let provenance = origin(args, &task);
     let dialect = args.post.as_deref().and_then(Dialect::named).unwrap_or(Dialect::Fanuc);
     let results = files(&task.file, &studies, provenance.clone(), dialect).map_err(|refused| task.refused(&refused))?;
-    out.put_all(&results)?;
-    out.record(&provenance, wall)?;
-    let target = out.publish()?;
+    output_dir.put_all(&results)?;
+    output_dir.record(&provenance, wall)?;
+    let target = output_dir.publish()?;
     if voice.json {
         voice.json(&summary(&task.file, &studies))?;
     } else {

@@ -13,15 +13,15 @@ use toolroom_planning::cycle::{CycleDesign, NAMES};
 pub fn run(args: &GrindArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let target = args.out.clone().unwrap_or_else(|| default_out(&name(&args.file)));
-    let out = OutputDir::create(&target, NAMES, [args.file.as_path()], voice.force)?;
+    let output_dir = OutputDir::create(&target, NAMES, [args.file.as_path()], voice.force)?;
     let FormFile { content: design, text, .. } = CycleDesign::read(&args.file, &args.set)?;
     let wall = start.elapsed();
     let inputs = [(args.file.display().to_string(), text.as_bytes())];
     let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
     let provenance = provenance("grind", &inputs, changes, None);
-    out.put_all(&design.files(provenance.clone()))?;
-    out.record(&provenance, wall)?;
-    let target = out.publish()?;
+    output_dir.put_all(&design.files(provenance.clone()))?;
+    output_dir.record(&provenance, wall)?;
+    let target = output_dir.publish()?;
     if voice.json {
         voice.json(&design.summary())?;
     } else {

@@ -16,13 +16,13 @@ pub fn run(args: &IdentifyArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let target = args.out.clone().unwrap_or_else(|| default_out(&title(args)));
     let inputs = std::iter::once(args.data.as_path()).chain(args.forces.as_deref());
-    let out = OutputDir::create(&target, NAMES, inputs, voice.force)?;
+    let output_dir = OutputDir::create(&target, NAMES, inputs, voice.force)?;
     let (inputs, study) = study(args, voice)?;
     let wall = start.elapsed();
     let provenance = origin(args, &inputs);
-    out.put_all(&study.files(provenance.clone()))?;
-    out.record(&provenance, wall)?;
-    let target = out.publish()?;
+    output_dir.put_all(&study.files(provenance.clone()))?;
+    output_dir.record(&provenance, wall)?;
+    let target = output_dir.publish()?;
     if voice.json {
         voice.json(&study.summary())?;
     } else {

@@ -30,8 +30,8 @@ fn table(kind: RecordKind) -> String {
 }
 
 /// Takes the folder of an import.
-fn create(out: &Path, kind: RecordKind, inputs: &[&Path], voice: &Voice) -> Result<OutputDir, Failure> {
-    Ok(OutputDir::create(out, &[&table(kind), "import.json"], inputs.iter().copied(), voice.force)?)
+fn create(folder: &Path, kind: RecordKind, inputs: &[&Path], voice: &Voice) -> Result<OutputDir, Failure> {
+    Ok(OutputDir::create(folder, &[&table(kind), "import.json"], inputs.iter().copied(), voice.force)?)
 }
 
 /// Writes records with the report of their reading, and says what became of the file.

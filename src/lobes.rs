@@ -57,7 +57,7 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let target = args.out.clone().unwrap_or_else(|| default_out(&file.content.name));
     let inputs = std::iter::once(path.as_path()).chain(file.files.iter().map(AsRef::as_ref));
-    let out = OutputDir::create(&target, NAMES, inputs, voice.force)?;
+    let output_dir = OutputDir::create(&target, NAMES, inputs, voice.force)?;
     pool(args.threads)?.install(|| {
         let LobesFile { chart, .. } = &file.content;
         let start = Instant::now();
@@ -65,10 +65,10 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
             None
         } else {
             voice.say(format_args!("judging {} × {} points", chart.speed.points, chart.depth.points));
-            Some(shards::grid(&input, &file, args, &out, voice)?)
+            Some(shards::grid(&input, &file, args, &output_dir, voice)?)
         };
         let origin = Origin { file: &input, changes: &args.set, start };
-        finish(&file, grid, &origin, Some(args), out, voice)
+        finish(&file, grid, &origin, Some(args), output_dir, voice)
     })
 }
 
@@ -78,7 +78,7 @@ fn finish(
     grid: Option<Lobes>,
     origin: &Origin<'_>,
     requested: Option<&LobesArgs>,
-    out: OutputDir,
+    output_dir: OutputDir,
     voice: &Voice,
 ) -> Result<(), Failure> {
     let mut study = ChartStudy::new(&file.content, grid).map_err(refused)?;
@@ -93,9 +93,9 @@ fn finish(
     let requested = requested.map_or_else(Vec::new, arguments);
     let provenance = provenance("lobes", &inputs, changes.chain(requested), None);
     let (summary, files) = study.files(&file.echo, provenance.clone());
-    out.put_all(&files)?;
-    out.record(&provenance, origin.start.elapsed())?;
-    let target = out.publish()?;
+    output_dir.put_all(&files)?;
+    output_dir.record(&provenance, origin.start.elapsed())?;
+    let target = output_dir.publish()?;
     if voice.json {
         voice.json(&summary)?;
     } else {
@@ -207,7 +207,7 @@ fn history(
     let start = Instant::now();
     let place = file.content.cut.place(speed, depth).map_err(|error| Failure::argument(&error, error.fix()))?;
     let inputs = std::iter::once(path).chain(file.files.iter().map(AsRef::as_ref));
-    let out = OutputDir::create(target, HISTORY_NAMES, inputs, voice.force)?;
+    let output_dir = OutputDir::create(target, HISTORY_NAMES, inputs, voice.force)?;
     let history = file.content.history(place).map_err(|error| match error {
         HistoryError::Refused(error) => refused(error),
         error @ (HistoryError::Process | HistoryError::NoFeed { .. }) => {
@@ -218,9 +218,9 @@ fn history(
     let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
     let point = ["--at".to_owned(), speed.clone(), depth.clone()];
     let provenance = provenance("lobes", &inputs, point.into_iter().chain(changes), None);
-    out.put_all(&history.files(provenance.clone()))?;
-    out.record(&provenance, start.elapsed())?;
-    voice.say(format_args!("wrote {}", out.publish()?.join("report.html").display()));
+    output_dir.put_all(&history.files(provenance.clone()))?;
+    output_dir.record(&provenance, start.elapsed())?;
+    voice.say(format_args!("wrote {}", output_dir.publish()?.join("report.html").display()));
     Ok(())
 }
 

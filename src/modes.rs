@@ -250,10 +250,10 @@ impl<'a> Target<'a> {
     /// Prints the modes, and writes the report and the structure file.
     fn write(&self, study: &ModesStudy, files: &Files, provenance: &Provenance, voice: &Voice) -> Result<(), Failure> {
         if let Some(folder) = self.report {
-            let out = OutputDir::create(folder, NAMES, [], voice.force)?;
-            out.put_all(&study.files(provenance.clone()))?;
-            out.record(provenance, self.start.elapsed())?;
-            voice.say(format_args!("wrote {}", out.publish()?.join("report.html").display()));
+            let output_dir = OutputDir::create(folder, NAMES, [], voice.force)?;
+            output_dir.put_all(&study.files(provenance.clone()))?;
+            output_dir.record(provenance, self.start.elapsed())?;
+            voice.say(format_args!("wrote {}", output_dir.publish()?.join("report.html").display()));
         }
         if voice.json {
             voice.json(&study.json())?
@@ -262,8 +262,8 @@ impl<'a> Target<'a> {
         }
         voice.detail(format_args!("{:.2} s", self.start.elapsed().as_secs_f64()));
         self.accepted(&study.fit)?;
-        let Some(out) = self.out else { return Ok(()) };
-        self.put(out, &study.structure(provenance), files, voice)
+        let Some(output_dir) = self.out else { return Ok(()) };
+        self.put(output_dir, &study.structure(provenance), files, voice)
     }
 
     /// Refuses a fit that must not be used.

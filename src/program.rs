@@ -13,7 +13,7 @@ use toolroom_planning::explain::Explanation;
 use toolroom_planning::feeds::Feeds;
 use toolroom_planning::folders::programs;
 use toolroom_planning::motions::motion_table;
-use toolroom_planning::program::report::{Known, report};
+use toolroom_planning::program::report::{ProgramContext, report};
 use toolroom_planning::program::{CycleTime, drawing, overview_json, overview_text, set_drive};
 use toolroom_post::post;
 use toolroom_program::{Control, Dialect, ProgramError, Source, Units};
@@ -131,8 +131,12 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         put(path, cycle.table().as_bytes())?;
     }
     if let Some(path) = &args.report {
-        let known =
-            Known { cycle: &cycle, setup: setup.as_ref(), engagement: engagement.as_ref(), feeds: feeds.as_ref() };
+        let known = ProgramContext {
+            cycle: &cycle,
+            setup: setup.as_ref(),
+            engagement: engagement.as_ref(),
+            feeds: feeds.as_ref(),
+        };
         let page = report(&name, (&text, &control, &drives), &known, origin(file, args)?)
             .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
         put(path, page.html().as_bytes())?;

@@ -31,11 +31,11 @@ pub fn of_plan(
 }
 
 /// Runs a shard and leaves the plan beside its part.
-fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voice) -> Result<(), Failure> {
+fn perform(path: &Path, number: u64, folder: &Path, threads: usize, voice: &Voice) -> Result<(), Failure> {
     let plan = read_plan(path)?;
     plan.check(env!("CARGO_PKG_VERSION"))?;
-    fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.to_owned(), source })?;
-    let there = out.join("plan.json");
+    fs::create_dir_all(folder).map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
+    let there = folder.join("plan.json");
     if there.exists() {
         let other = read_plan(&there)?;
         if other.hash() != plan.hash() {
@@ -47,15 +47,15 @@ fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voice) 
     }
     let threads = pool(threads)?;
     // A part is there as a whole or not at all.
-    let _tidy = tidy(Begun::Partials(out.to_owned()));
-    let message = format!("interrupted: shard {number} is not in {}; parts that are there stay", out.display());
+    let _tidy = tidy(Begun::Partials(folder.to_owned()));
+    let message = format!("interrupted: shard {number} is not in {}; parts that are there stay", folder.display());
     keeps(message, "run the shard again".to_owned());
     threads.install(|| match plan.kind {
-        Work::Compare => Ok(planned::shard(&plan, number, out)?),
-        Work::Lobes => lobes::shard(&plan, number, out),
-        Work::Life => life::run_shard(&plan, number, out),
+        Work::Compare => Ok(planned::shard(&plan, number, folder)?),
+        Work::Lobes => lobes::shard(&plan, number, folder),
+        Work::Life => life::run_shard(&plan, number, folder),
     })?;
-    voice.say(format_args!("shard {number} of {} is in {}", plan.shards, out.display()));
+    voice.say(format_args!("shard {number} of {} is in {}", plan.shards, folder.display()));
     Ok(())
 }
 

@@ -38,8 +38,8 @@ pub fn take(args: &RunArgs, (time, target): (&str, &Path), voice: &Voice) -> Res
 }
 
 /// `run --from SNAPSHOT`.
-pub fn go_on(args: &RunArgs, from: &Path, voice: &Voice) -> Result<(), Failure> {
-    let snapshot = Snapshot::read(from, VERSION)?;
+pub fn go_on(args: &RunArgs, source: &Path, voice: &Voice) -> Result<(), Failure> {
+    let snapshot = Snapshot::read(source, VERSION)?;
     whole(&args.scenario.changes)?;
     let horizon = horizon(args.scenario.horizon.as_deref());
     let before = snapshot.scenario(&horizon)?;
@@ -64,9 +64,9 @@ pub fn go_on(args: &RunArgs, from: &Path, voice: &Voice) -> Result<(), Failure> 
         before
     } else {
         let more: Vec<String> = horizon.iter().chain(&set).cloned().collect();
-        let after = snapshot.scenario(&more)?;
-        let world = branched(&before.scenario, &after.scenario, snapshot.at, &set);
-        ScenarioFile { scenario: world.map_err(|error| Failure::argument(error, POSSIBLE))?, ..after }
+        let scenario = snapshot.scenario(&more)?;
+        let world = branched(&before.scenario, &scenario.scenario, snapshot.at, &set);
+        ScenarioFile { scenario: world.map_err(|error| Failure::argument(error, POSSIBLE))?, ..scenario }
     };
     let mut args = RunArgs {
         scenario: args.scenario.clone(),
@@ -78,7 +78,7 @@ pub fn go_on(args: &RunArgs, from: &Path, voice: &Voice) -> Result<(), Failure> 
     if args.study.policy.is_empty() {
         args.study.policy = snapshot.policies.clone();
     }
-    let mut start = origin(from, args.scenario.horizon.as_deref());
+    let mut start = origin(source, args.scenario.horizon.as_deref());
     if let Some(name) = &args.variant {
         start += &format!(" --variant {}", quoted(name));
     }
@@ -90,8 +90,8 @@ pub fn go_on(args: &RunArgs, from: &Path, voice: &Voice) -> Result<(), Failure> 
 }
 
 /// The arguments of a comparison that goes on from a snapshot: its scenario, with the changes that it holds.
-pub fn from_snapshot(args: &CompareArgs, from: &Path) -> Result<(CompareArgs, Snapshot), Failure> {
-    let snapshot = Snapshot::read(from, VERSION)?;
+pub fn from_snapshot(args: &CompareArgs, source: &Path) -> Result<(CompareArgs, Snapshot), Failure> {
+    let snapshot = Snapshot::read(source, VERSION)?;
     whole(&args.scenario.changes)?;
     let changed = !args.scenario.changes.set.is_empty();
     if changed || args.plan.is_some() || args.tune || !args.sweep.is_empty() {
@@ -111,9 +111,9 @@ pub fn from_snapshot(args: &CompareArgs, from: &Path) -> Result<(CompareArgs, Sn
 }
 
 /// What was typed in the place of a scenario.
-pub fn origin(from: &Path, horizon: Option<&str>) -> String {
+pub fn origin(source: &Path, horizon: Option<&str>) -> String {
     let horizon = horizon.map_or_else(String::new, |time| format!(" --horizon {}", quoted(time)));
-    format!("--from {}{horizon}", quoted(&from.display().to_string()))
+    format!("--from {}{horizon}", quoted(&source.display().to_string()))
 }
 
 fn horizon(text: Option<&str>) -> Vec<String> {

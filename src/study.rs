@@ -77,15 +77,15 @@ impl Place {
     ) -> Result<Self, Failure> {
         let tables = format(file, args).map_or(Vec::new(), LogWriter::names);
         let names: Vec<&str> = results::NAMES.iter().copied().chain(tables.iter().map(String::as_str)).collect();
-        let out = OutputDir::create(target, &names, inputs(input, file), voice.force)?;
-        let journal = out.journal(args.resume)?;
-        Ok(Self { out, journal })
+        let output_dir = OutputDir::create(target, &names, inputs(input, file), voice.force)?;
+        let journal = output_dir.journal(args.resume)?;
+        Ok(Self { out: output_dir, journal })
     }
 }
 
 /// What `[statistics]` of a scenario wants; what it says wrongly is told with the line of the section.
 pub fn section(file: &ScenarioFile) -> Result<StatisticsWanted, Failure> {
-    StatisticsWanted::of(&file.scenario, &file.statistics).map_err(|error| {
+    StatisticsWanted::from_scenario(&file.scenario, &file.statistics).map_err(|error| {
         let line = file.text.lines().position(|line| line.trim_start().starts_with("[statistics]"));
         let place = line.map_or_else(String::new, |line| format!("line {}: ", line + 1));
         Failure::argument(format!("{place}{error}"), error.fix())

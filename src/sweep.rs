@@ -74,7 +74,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     }
     if let Some(target) = &args.study.out {
         let inputs = [args.scenario.path()];
-        let out = OutputDir::create(target, &["sweep.json", "report.html"], inputs, voice.force)?;
+        let output_dir = OutputDir::create(target, &["sweep.json", "report.html"], inputs, voice.force)?;
         let bytes = std::fs::read(args.scenario.path()).unwrap_or_default();
         let words = std::iter::once("-P").chain(args.sweep.iter().map(String::as_str));
         let changes = args.scenario.changes.overrides();
@@ -85,10 +85,10 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
             words.chain(changes).map(str::to_owned),
             None,
         );
-        out.put_json("sweep.json", &sweep.json(&summaries))?;
-        out.put("report.html", &sweep.report(&summaries).provenance(origin.clone()).html())?;
-        out.record(&origin, began.elapsed())?;
-        let target = out.publish()?;
+        output_dir.put_json("sweep.json", &sweep.json(&summaries))?;
+        output_dir.put("report.html", &sweep.report(&summaries).provenance(origin.clone()).html())?;
+        output_dir.record(&origin, began.elapsed())?;
+        let target = output_dir.publish()?;
         voice.say(format_args!("wrote {}", target.join("report.html").display()));
     }
     if voice.json {

@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use toolroom_output::signals as stop;
 use toolroom_scenario::Scenario;
 use toolroom_scenario_file::ScenarioFile;
-use toolroom_steady::{SteadyError, Wanted, WarmUp, find};
+use toolroom_steady::{SteadyError, WarmUp, WarmUpSearch, find};
 use toolroom_study::variants::VariantShop;
 
 /// Finds the warm-up of a scenario that wants it, one for all of its policies and variants, and writes it into all of them.
@@ -44,9 +44,9 @@ fn sought(
     threads: usize,
     voice: &Voice,
 ) -> Result<WarmUp, Failure> {
-    let base = Wanted { name: "", scenario: &file.scenario };
-    let others = variants.iter().map(|variant| Wanted { name: &variant.name, scenario: &variant.scenario });
-    let shops: Vec<Wanted<'_>> = std::iter::once(base).chain(others).collect();
+    let base = WarmUpSearch { name: "", scenario: &file.scenario };
+    let others = variants.iter().map(|variant| WarmUpSearch { name: &variant.name, scenario: &variant.scenario });
+    let shops: Vec<WarmUpSearch<'_>> = std::iter::once(base).chain(others).collect();
     let interrupted = Arc::new(AtomicBool::new(false));
     let _gentle = stop::gently(&interrupted);
     voice.detail(format_args!("finding the warm-up"));

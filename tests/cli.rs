@@ -27,14 +27,14 @@ fn file(name: &str, bytes: impl AsRef<[u8]>) -> String {
 }
 
 /// A study that takes a fraction of a second.
-fn quick(verb: &str, out: &Path, more: &[&str]) -> Output {
-    quick_of(verb, out, &[&["--replications", "3"], more].concat())
+fn quick(verb: &str, folder: &Path, more: &[&str]) -> Output {
+    quick_of(verb, folder, &[&["--replications", "3"], more].concat())
 }
 
 /// The same with a number of replications to name.
-fn quick_of(verb: &str, out: &Path, more: &[&str]) -> Output {
-    let (path, out) = (shipped("template"), out.display().to_string());
-    let mut arguments = vec![verb, &path, "--set", "shop.horizon=6 h", "--out", &out];
+fn quick_of(verb: &str, folder: &Path, more: &[&str]) -> Output {
+    let (path, folder) = (shipped("template"), folder.display().to_string());
+    let mut arguments = vec![verb, &path, "--set", "shop.horizon=6 h", "--out", &folder];
     arguments.extend(["--policy", "constant", "--policy", "best constant"]);
     arguments.extend(more);
     toolroom(&arguments)

@@ -83,8 +83,8 @@ fn number(value: &Value) -> f64 {
 }
 
 /// The mode that limits a cut: frequency (Hz), damping ratio times stiffness (N/um).
-fn limiting(found: &Value) -> (f64, f64) {
-    let modes = found["modes"].as_array().expect("modes").iter();
+fn limiting(value: &Value) -> (f64, f64) {
+    let modes = value["modes"].as_array().expect("modes").iter();
     let modes = modes.map(|mode| {
         let damped = number(&mode["damping_ratio"]) * number(&mode["stiffness [N/um]"]);
         (number(&mode["natural_frequency [Hz]"]), damped)

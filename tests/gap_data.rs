@@ -189,11 +189,11 @@ fn too_little_data_is_the_answer_that_it_is() {
         let said = String::from_utf8_lossy(&run.stderr);
         assert_eq!(run.status.code(), Some(3), "{words}: {said}");
         assert!(said.contains("too little data") && said.contains(words), "{words}: {said}");
-        let found: Value = serde_json::from_slice(&run.stdout).expect("JSON");
-        assert_eq!(found["verdict"], "cannot_tell", "{found:#}");
-        assert!(ids(&found).is_empty() && found["notes"].to_string().contains(words), "{found:#}");
+        let value: Value = serde_json::from_slice(&run.stdout).expect("JSON");
+        assert_eq!(value["verdict"], "cannot_tell", "{value:#}");
+        assert!(ids(&value).is_empty() && value["notes"].to_string().contains(words), "{value:#}");
         let written = fs::read_to_string(out.join("diagnosis.json")).expect("a diagnosis");
-        assert_eq!(serde_json::from_str::<Value>(&written).expect("JSON"), found);
+        assert_eq!(serde_json::from_str::<Value>(&written).expect("JSON"), value);
         assert!(fs::read_to_string(out.join("report.html")).expect("a report").contains("too little was measured"));
     }
     // From two edges and eight values on there is another answer.

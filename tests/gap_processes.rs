@@ -94,11 +94,11 @@ fn nothing_hidden_in_two_processes_is_blamed_on_nothing() {
     let data = tables(&[("trials", Case::null("grinding", 31)), ("operations", Case::null("turning", 21))]);
     let (data, grinding, turning) = (path(data.path(), ""), shipped("gap/grinding"), shipped("gap/turning"));
     let run = toolroom(&["gap", "diagnose", "--data", &data, "--model", &grinding, "--model", &turning, "--json"]);
-    let found: Value = serde_json::from_slice(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}", said(&run)));
-    assert_eq!(found["effects"], Value::Array(Vec::new()), "{}", found["notes"]);
-    assert!(!["effect", "constant", "masked"].map(Value::from).contains(&found["verdict"]), "{}", found["notes"]);
+    let value: Value = serde_json::from_slice(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}", said(&run)));
+    assert_eq!(value["effects"], Value::Array(Vec::new()), "{}", value["notes"]);
+    assert!(!["effect", "constant", "masked"].map(Value::from).contains(&value["verdict"]), "{}", value["notes"]);
     // Grinding has no test of fit yet, and nothing to find.
-    assert_eq!(found["processes"]["grinding"]["verdict"], "no_gap");
+    assert_eq!(value["processes"]["grinding"]["verdict"], "no_gap");
 }
 
 #[test]

@@ -156,8 +156,8 @@ fn a_chart_leaves_picture_table_numbers_and_report() {
     assert_eq!(names, ["lobes.csv", "lobes.json", "lobes.png", "lobes.svg", "report.html", "run.json"]);
     let pixels = fs::read(out.join("lobes.png")).expect("a picture");
     assert_eq!((&pixels[..8], &pixels[16..20]), (&b"\x89PNG\r\n\x1a\n"[..], &1600_u32.to_be_bytes()[..]));
-    let written: Value = serde_json::from_slice(&fs::read(out.join("lobes.json")).expect("numbers")).expect("JSON");
-    assert_eq!(written, summary);
+    let value: Value = serde_json::from_slice(&fs::read(out.join("lobes.json")).expect("numbers")).expect("JSON");
+    assert_eq!(value, summary);
     let table = fs::read_to_string(out.join("lobes.csv")).expect("a table");
     assert!(table.starts_with("spindle_speed [rpm],depth_of_cut [mm],spectral_radius,stable,type,"), "{table}");
     assert_eq!(table.lines().count(), 1 + 24 * 10);

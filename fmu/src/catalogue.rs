@@ -36,7 +36,7 @@ impl Entry {
             identifier: U::IDENTIFIER,
             token: description::token::<U>,
             known_token: OnceLock::new(),
-            describe: Description::of::<U>,
+            describe: Description::new::<U>,
             known_description: OnceLock::new(),
             variables: variables::<U>,
             make: |interface, resources, log| Box::new(Instance::<U>::new(interface, resources, log)),

@@ -29,7 +29,7 @@ pub struct Update {
 
 /// How a step of co-simulation ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stepped {
+pub struct StepResult {
     /// Time reached, s.
     pub time: f64,
     /// An event wants Event Mode.
@@ -77,7 +77,7 @@ pub trait Component: Send {
     /// Event indicators.
     fn indicators(&mut self, indicators: &mut [f64]) -> Outcome;
     /// A step of co-simulation from `time` over `step` seconds.
-    fn do_step(&mut self, time: f64, step: f64) -> Outcome<Stepped>;
+    fn do_step(&mut self, time: f64, step: f64) -> Outcome<StepResult>;
     /// Time that the unit has reached, s.
     fn time(&self) -> f64;
     /// Ends the simulation.

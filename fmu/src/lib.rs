@@ -67,7 +67,7 @@ mod units;
 mod variable;
 
 pub use catalogue::{Entry, units};
-pub use component::{Component, Interface, Stepped, Update};
+pub use component::{Component, Interface, StepResult, Update};
 pub use configured::parameter_values;
 pub use cross::{Compiler, CrossError};
 pub use description::{Attributes, Dependencies, Description, Xml, unit_powers};

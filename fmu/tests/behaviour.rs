@@ -43,11 +43,11 @@ impl Bench {
         self
     }
 
-    /// Steps from `from` to `to`.
-    fn run(&mut self, from: f64, to: f64, step: f64) {
-        let count = ((to - from) / step).round() as u32;
+    /// Steps from `start` to `end`.
+    fn run(&mut self, start: f64, end: f64, step: f64) {
+        let count = ((end - start) / step).round() as u32;
         for i in 0..count {
-            self.unit.do_step(from + f64::from(i) * step, step).expect("a step");
+            self.unit.do_step(start + f64::from(i) * step, step).expect("a step");
         }
     }
 }
@@ -306,8 +306,8 @@ fn an_effect_of_size_zero_is_off_and_a_size_switches_it_on() {
         unit.start().get("process.cutting_force")
     };
     let bare = Turning::default();
-    let worn = TurningState { flank_wear: 0.3e-3, ..bare.initial() };
-    let expected = bare.output(&worn, &TurningInput::default()).cutting_force;
+    let turning_state = TurningState { flank_wear: 0.3e-3, ..bare.initial() };
+    let expected = bare.output(&turning_state, &TurningInput::default()).cutting_force;
     assert_eq!(force(0.0), expected);
     assert!((force(0.2) / expected - 1.2).abs() < 1e-12);
 }

@@ -149,7 +149,7 @@ pub fn echo(file: PathBuf, set: Vec<String>) -> Result<Understood, Failure> {
 /// Reads a file of any kind: the kind, and what it is in a line.
 #[pyfunction]
 pub fn check(file: PathBuf, set: Vec<String>) -> Result<(String, String), Failure> {
-    let kind = FileKind::of(&file)?;
+    let kind = FileKind::from_path(&file)?;
     let Some(read) = kind.read else {
         let message = format!("files of the kind {} are written by toolroom, not read", kind.word);
         return Err(Failure::argument(message, "give another file"));

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use toolroom_cutting::MILLING_CATALOGUE;
 use toolroom_output::Files;
 use toolroom_process::{AnyRecord, Process as _};
-use toolroom_scenario::{Moved, ProcessModel, Target, ToolType};
+use toolroom_scenario::{CalibrationShift, ProcessModel, Target, ToolType};
 use toolroom_wear::{Origin, ParameterSet, Spread, TURNING_SETS};
 
 /// Writes the set of `tool` of the scenario `path` with the values that the scenario states or calibrates everywhere.
@@ -41,11 +41,11 @@ pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Fai
         };
         let before = value.shown();
         let (moved, spread) = match calibration.moved {
-            Moved::Factor(factor) => {
+            CalibrationShift::Factor(factor) => {
                 value.value *= factor;
                 (format!("times {factor:.5}"), calibration.standard_error.map(|error| Spread::Factor(error.exp())))
             }
-            Moved::Summand(summand) => {
+            CalibrationShift::Summand(summand) => {
                 value.value += summand;
                 let shown = |error: f64| Spread::Deviation(value.field.to_display(error));
                 (

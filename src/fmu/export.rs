@@ -79,8 +79,8 @@ fn own_sets(args: &FmuExportArgs, unit: &Entry) -> Result<Vec<OwnSet>, Failure> 
 }
 
 /// Whether `--out` names the package itself.
-fn is_file(out: &Path) -> bool {
-    out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu"))
+fn is_file(folder: &Path) -> bool {
+    folder.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu"))
 }
 
 /// Where the package of each version goes: into a folder under its own name, or into the file that `--out` names.

@@ -66,7 +66,7 @@ impl UnitRun<'_> {
         };
         let limit = seconds("--call-limit", Some(&self.0.call_limit))?.filter(|limit| *limit > 0.0);
         let limit = limit.ok_or_else(|| Failure::argument("--call-limit has to be above 0 s", "such as \"10 s\""))?;
-        Ok(Isolation::of(isolation, Some(limit)))
+        Ok(Isolation::from_unit_isolation(isolation, Some(limit)))
     }
 
     /// Start values by name.

@@ -52,7 +52,7 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     if untold.is_empty() { Ok(()) } else { Err(Failure::TooLittle { message: untold.join("; ") }) }
 }
 
-fn write(args: &DiagnoseArgs, out: OutputDir, study: &GapStudy, voice: &Voice) -> Result<(), Failure> {
+fn write(args: &DiagnoseArgs, output_dir: OutputDir, study: &GapStudy, voice: &Voice) -> Result<(), Failure> {
     let models: Vec<String> = args.models.iter().map(|model| model.display().to_string()).collect();
     let data = args.data.display().to_string();
     let effects: String = args.effects.iter().map(|path| format!(" --effects {}", path.display())).collect();
@@ -64,10 +64,10 @@ fn write(args: &DiagnoseArgs, out: OutputDir, study: &GapStudy, voice: &Voice) -
     let version = env!("CARGO_PKG_VERSION");
     let provenance =
         Provenance { version: version.to_owned(), command: command.clone(), seed: Some(args.seed), inputs };
-    out.put_all(&study.files(provenance))?;
+    output_dir.put_all(&study.files(provenance))?;
     let run = json!({ "schema": 1, "version": version, "command": command, "complete": true });
-    out.put("run.json", &format!("{run:#}"))?;
-    let target = out.publish()?;
+    output_dir.put("run.json", &format!("{run:#}"))?;
+    let target = output_dir.publish()?;
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
 }

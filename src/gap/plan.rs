@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use std::time::Instant;
 use toolroom_gap::plan::plan;
-use toolroom_gap::{Asked, diagnose_parts};
+use toolroom_gap::{ProcessData, diagnose_parts};
 use toolroom_gap_study::usable;
 use toolroom_output::{OutputDir, provenance};
 use toolroom_records::write_csv;
@@ -21,7 +21,7 @@ pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {
     let group = args.data.group.as_deref();
     let asked = model.asked(&records, group, |_, _| false);
     usable(&asked, &records)?;
-    let Asked { parts, notes, .. } = asked;
+    let ProcessData { parts, notes, .. } = asked;
     notes.iter().for_each(|note| voice.say(note));
     if parts.iter().all(|part| part.frame().measured.is_empty()) {
         return Err(super::nothing_measured(&notes));

@@ -20,7 +20,7 @@ use toolroom_records::{Records, write_csv};
 pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let read = args.files.iter().chain(&args.nc).map(AsRef::as_ref);
-    let out = OutputDir::create(&args.out, &["events.csv", "runs.csv", "stretches.csv"], read, voice.force)?;
+    let output_dir = OutputDir::create(&args.out, &["events.csv", "runs.csv", "stretches.csv"], read, voice.force)?;
     let chosen: Vec<(Role, String)> =
         args.key.iter().map(|text| Role::assigned(text)).collect::<Result<_, _>>().map_err(refused)?;
     let mut inputs: Vec<(String, Vec<u8>)> = Vec::new();
@@ -48,18 +48,18 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
     let complete = whole(&found);
     voice.say(format_args!("{} runs of programs, {} completed", found.len(), complete.len()));
     let stretches = args.nc.as_deref().map(|nc| timed(args, nc, &found, voice)).transpose()?;
-    put(&out, "events.csv", &records)?;
-    put(&out, "runs.csv", &complete)?;
+    put(&output_dir, "events.csv", &records)?;
+    put(&output_dir, "runs.csv", &complete)?;
     if let Some(stretches) = &stretches {
-        put(&out, "stretches.csv", stretches)?;
+        put(&output_dir, "stretches.csv", stretches)?;
     }
     let inputs: Vec<(String, &[u8])> = inputs.iter().map(|(name, bytes)| (name.clone(), bytes.as_slice())).collect();
     let mut options = vec!["--machine".to_owned(), args.machine.clone()];
     options.extend(args.key.iter().flat_map(|text| ["--key".to_owned(), text.clone()]));
     options.extend(args.program.iter().flat_map(|name| ["--program".to_owned(), name.clone()]));
     options.extend(args.nc.iter().flat_map(|nc| ["--nc".to_owned(), nc.display().to_string()]));
-    out.record(&provenance("import mtconnect", &inputs, options, None), start.elapsed())?;
-    let target = out.publish()?;
+    output_dir.record(&provenance("import mtconnect", &inputs, options, None), start.elapsed())?;
+    let target = output_dir.publish()?;
     let summary = json!({
         "schema": 1, "events": records.len(), "sessions": all.len(), "runs": found.len(), "completed": complete.len(),
         "stretches": stretches.as_ref().map(Records::len), "out": target.display().to_string(),
@@ -71,10 +71,10 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
     voice.data(format_args!("{} events of {} sessions{timed} in {}", records.len(), all.len(), target.display()))
 }
 
-fn put(out: &OutputDir, name: &str, records: &Records) -> Result<(), Failure> {
+fn put(output_dir: &OutputDir, name: &str, records: &Records) -> Result<(), Failure> {
     let mut csv = Vec::new();
     write_csv(records, &mut csv).map_err(|error| Failure::work_error(&error))?;
-    Ok(out.put(name, &String::from_utf8_lossy(&csv))?)
+    Ok(output_dir.put(name, &String::from_utf8_lossy(&csv))?)
 }
 
 /// Stretches of the part program in every run of it; runs that are left out are reported.

@@ -28,7 +28,7 @@ pub fn run(args: &LifeArgs, csv: &Path, voice: &Voice) -> Result<(), Failure> {
         let stem = csv.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         default_out(&format!("life-{stem}"))
     });
-    let out = OutputDir::create(&target, &["summary.json", "report.html"], [csv], voice.force)?;
+    let output_dir = OutputDir::create(&target, &["summary.json", "report.html"], [csv], voice.force)?;
     let study = MeasuredStudy::new(&measured, &args.regress, &request).map_err(refused)?;
     let provenance = Provenance {
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -39,10 +39,10 @@ pub fn run(args: &LifeArgs, csv: &Path, voice: &Voice) -> Result<(), Failure> {
     let summary = study.summary(&file);
     let report = study.report(&file).provenance(provenance.clone());
     let wall = start.elapsed();
-    out.put_json("summary.json", &summary)?;
-    out.put("report.html", &report.html())?;
-    out.record(&provenance, wall)?;
-    let target = out.publish()?;
+    output_dir.put_json("summary.json", &summary)?;
+    output_dir.put("report.html", &report.html())?;
+    output_dir.record(&provenance, wall)?;
+    let target = output_dir.publish()?;
     if voice.json {
         voice.json(&summary)?;
     } else {

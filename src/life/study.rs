@@ -82,9 +82,9 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
 }
 
 /// One shard of a planned study.
-pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
+pub fn shard(plan: &Plan, number: u64, folder: &Path) -> Result<(), Failure> {
     let content = shard::study(plan)?.content;
-    shard::run(&content.study, plan, number, out, rows(content.write_lives)).map_err(Failure::from)
+    shard::run(&content.study, plan, number, folder, rows(content.write_lives)).map_err(Failure::from)
 }
 
 /// Merges the parts of a planned study.
@@ -106,8 +106,8 @@ pub fn merge(
 const PARTS: &str = "parts";
 
 /// The folder of the parts within that of the results, without earlier ones unless the study goes on.
-fn begin(out: &mut OutputDir, plan: &Plan, resume: bool, force: bool) -> Result<PathBuf, Failure> {
-    let parts = out.target().join(PARTS);
+fn begin(output_dir: &mut OutputDir, plan: &Plan, resume: bool, force: bool) -> Result<PathBuf, Failure> {
+    let parts = output_dir.target().join(PARTS);
     let failed = |source| Failure::Unwritable { path: parts.clone(), source };
     // This process has the folder to itself: drafts of parts are those of dead ones.
     partials(&parts).try_for_each(fs::remove_file).map_err(failed)?;
@@ -119,7 +119,7 @@ fn begin(out: &mut OutputDir, plan: &Plan, resume: bool, force: bool) -> Result<
             return Err(Failure::argument(message, "go on with the same arguments, or start anew without --resume"));
         }
     } else {
-        out.clear(PARTS)?;
+        output_dir.clear(PARTS)?;
         discard(&parts, force).map_err(|error| {
             let ShardError::Changed { path, .. } = &error else { return Failure::from(error) };
             Failure::argument(
@@ -134,13 +134,13 @@ fn begin(out: &mut OutputDir, plan: &Plan, resume: bool, force: bool) -> Result<
 }
 
 /// Counts the parts of a plan that lie within the results among them.
-fn own_parts(out: &mut OutputDir, plan: &Plan, parts: &Path) {
-    out.placed(format!("{PARTS}/plan.json"));
+fn own_parts(output_dir: &mut OutputDir, plan: &Plan, parts: &Path) {
+    output_dir.placed(format!("{PARTS}/plan.json"));
     for number in 0..plan.shards {
         for extension in ["json", "parquet"] {
             let name = format!("part-{number:06}.{extension}");
             if parts.join(&name).is_file() {
-                out.placed(format!("{PARTS}/{name}"));
+                output_dir.placed(format!("{PARTS}/{name}"));
             }
         }
     }
@@ -150,15 +150,15 @@ fn finish(
     plan: &Plan,
     parsed: &FormFile<StudyFile>,
     parts: &Path,
-    mut out: OutputDir,
+    mut output_dir: OutputDir,
     request: &toolroom_life::analysis::Request,
     voice: &Voice,
 ) -> Result<(), Failure> {
     let merged = shard::merge(plan, parsed.content.study.cells.len(), parts)?;
     let inputs = Inputs { plan, parsed, merged: &merged, request };
     let result = results(&inputs).map_err(|error| Failure::work_error(&error))?;
-    out.put_all(&result.files)?;
-    out.put_json(
+    output_dir.put_all(&result.files)?;
+    output_dir.put_json(
         "run.json",
         &json!({
             "schema": 1, "version": plan.version, "command": format!("toolroom life {}", plan.file),
@@ -167,10 +167,10 @@ fn finish(
         }),
     )?;
     // Parts that lie within the results stay where they are.
-    if fs::canonicalize(parts).ok() == fs::canonicalize(out.target().join(PARTS)).ok() {
-        own_parts(&mut out, plan, parts);
+    if fs::canonicalize(parts).ok() == fs::canonicalize(output_dir.target().join(PARTS)).ok() {
+        own_parts(&mut output_dir, plan, parts);
     }
-    let target = out.publish()?;
+    let target = output_dir.publish()?;
     if voice.json {
         voice.json(&result.summary)?;
     } else {

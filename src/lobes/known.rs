@@ -45,7 +45,7 @@ pub fn settle(file: &mut LobesFile, set: &str, draws: &Path) -> Result<(), Failu
             if coefficients > 1.0 { "the cutting force is all but unknown" } else { "it holds no cutting force" };
         return Err(refuse(reason.to_owned(), "calibrate on records with cutting_force"));
     }
-    let stated = file.scatter.unwrap_or(Scatter { natural_frequency: 0.0, damping_ratio: 0.0, coefficients });
-    file.scatter = Some(Scatter { coefficients, ..stated });
+    let scatter = file.scatter.unwrap_or(Scatter { natural_frequency: 0.0, damping_ratio: 0.0, coefficients });
+    file.scatter = Some(Scatter { coefficients, ..scatter });
     Ok(())
 }

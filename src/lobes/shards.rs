@@ -50,14 +50,14 @@ pub fn grid(
     input: &str,
     file: &FormFile<LobesFile>,
     args: &LobesArgs,
-    out: &OutputDir,
+    output_dir: &OutputDir,
     voice: &Voice,
 ) -> Result<Lobes, Failure> {
     let columns = file.content.chart.speed.points as u64;
     let version = env!("CARGO_PKG_VERSION");
     let shards = Some(columns.div_ceil(KEPT).max(1));
     let plan = lobes::plan(version, input, file, args.set.clone(), shards)?;
-    let parts = out.journal(args.resume)?;
+    let parts = output_dir.journal(args.resume)?;
     partials(&parts).try_for_each(fs::remove_file).map_err(at(&parts))?;
     // A part is there as a whole or not at all: a signal ends the program at once.
     let _tidy = tidy(Begun::Partials(parts.clone()));
@@ -80,19 +80,19 @@ fn whole(file: &LobesFile, plan: &Plan, parts: &Path) -> Result<Lobes, Failure> 
 }
 
 /// One shard of a planned chart.
-pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
-    shard_of(&lobes::chart(plan)?.content, plan, number, out)
+pub fn shard(plan: &Plan, number: u64, folder: &Path) -> Result<(), Failure> {
+    shard_of(&lobes::chart(plan)?.content, plan, number, folder)
 }
 
-fn shard_of(file: &LobesFile, plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
+fn shard_of(file: &LobesFile, plan: &Plan, number: u64, folder: &Path) -> Result<(), Failure> {
     let mut refusal = None;
-    let ran = toolroom_shards::run(plan, number, out, |(from, to), _| {
+    let ran = toolroom_shards::run(plan, number, folder, |(from, to), _| {
         let content = match Columns::new(file, from, to) {
             Ok(columns) => columns,
             Err(error) => {
                 refusal = Some(refused(error));
                 let source = std::io::Error::other("the chart was refused");
-                return Err(ShardError::File { path: out.to_owned(), source });
+                return Err(ShardError::File { path: folder.to_owned(), source });
             }
         };
         let digest = content.digest();

@@ -285,8 +285,8 @@ fn a_file_of_nothing_but_slips_is_refused_with_its_place() {
         let flooded = file(name, format!("schema = 1\ncolumn = [{flood}"));
         let refused = toolroom(&["check", &flooded]);
         assert_eq!(refused.status.code(), Some(2), "{name}: {}", stderr(&refused));
-        let told: Value = serde_json::from_slice(&toolroom(&["check", &flooded, "--json"]).stdout).expect("JSON");
-        let first = &told["problems"][0];
+        let value: Value = serde_json::from_slice(&toolroom(&["check", &flooded, "--json"]).stdout).expect("JSON");
+        let first = &value["problems"][0];
         assert_eq!((&first["code"], &first["line"]), (&"syntax".into(), &2.into()), "{first}");
     }
 }

@@ -104,10 +104,10 @@ fn a_missing_report_is_drawn_again() {
 
 /// A signal `seconds` after the start of an endless study, which ends with `code`.
 #[cfg(unix)]
-fn interrupted_after(seconds: u64, out: &Path, signal: &str, code: i32) {
+fn interrupted_after(seconds: u64, folder: &Path, signal: &str, code: i32) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_toolroom"))
         .args(["compare", &shipped("template"), "--replications", "100000", "--logged", "0", "--out"])
-        .arg(out)
+        .arg(folder)
         .args(["--policy", "constant", "--policy", "best constant", "--set", "shop.horizon=6 h"])
         .stdout(Stdio::null())
         .stderr(Stdio::null())
@@ -139,13 +139,13 @@ fn an_interrupted_study_keeps_what_is_complete() {
 }
 
 #[cfg(unix)]
-fn is_readable_as_far_as_it_came(out: &Path) {
-    assert!(names(out).iter().all(|name| name == JOURNAL || !name.starts_with('.')), "no draft and no lock is left");
-    let run: Value = serde_json::from_slice(&fs::read(out.join("run.json")).expect("run.json")).expect("JSON");
+fn is_readable_as_far_as_it_came(folder: &Path) {
+    assert!(names(folder).iter().all(|name| name == JOURNAL || !name.starts_with('.')), "no draft and no lock is left");
+    let run: Value = serde_json::from_slice(&fs::read(folder.join("run.json")).expect("run.json")).expect("JSON");
     assert_eq!(run["complete"], false);
     let done = run["replications"].as_u64().expect("a count");
     assert!((1..100_000).contains(&done), "{done}");
-    let report = toolroom(&["report", &out.display().to_string()]);
+    let report = toolroom(&["report", &folder.display().to_string()]);
     assert!(stderr(&report).contains("interrupted"), "{}", stderr(&report));
 }
 

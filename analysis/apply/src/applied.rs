@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use toolroom_gap::{
     Bare, Basis, EFFECT_PRIOR, EffectId, Forward, Linear, Movable, Point, WrittenEffect, fit, normal_equations,
 };
-use toolroom_scenario::{Calibration, Moved};
+use toolroom_scenario::{Calibration, CalibrationShift};
 
 /// A constant that the applied point moves.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,13 +25,13 @@ pub struct Constant {
 
 /// An effect of the applied point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct AppliedEffect {
     /// The effect.
     pub id: EffectId,
     /// Candidate of the model.
     pub candidate: usize,
     /// How a scenario says it.
-    pub written: WrittenEffect,
+    pub written_effect: WrittenEffect,
     /// Size in all, that of the model included, SI.
     pub size: f64,
     /// Standard error, SI.
@@ -46,7 +46,7 @@ pub struct Applied {
     /// Constants that moved.
     pub calibration: Vec<Constant>,
     /// Named effects.
-    pub effects: Vec<Found>,
+    pub effects: Vec<AppliedEffect>,
     /// Names of the covariance: parameters, then effects with `.size`.
     pub names: Vec<String>,
     /// Covariance of logarithms of factors, summands and sizes, SI.
@@ -106,9 +106,9 @@ pub fn applied_to(
             own.parameter == movable.parameter && own.target == movable.target && own.scope == movable.scope
         });
         let value = match before.map(|own| own.moved) {
-            Some(Moved::Factor(factor)) if !movable.summand => value / factor,
-            Some(Moved::Summand(summand)) if movable.summand => value - summand,
-            Some(Moved::Factor(_) | Moved::Summand(_)) | None => value,
+            Some(CalibrationShift::Factor(factor)) if !movable.summand => value / factor,
+            Some(CalibrationShift::Summand(summand)) if movable.summand => value - summand,
+            Some(CalibrationShift::Factor(_) | CalibrationShift::Summand(_)) | None => value,
         };
         let own = open.iter().find(|(own, ..)| own == name);
         let standard_error =
@@ -118,19 +118,19 @@ pub fn applied_to(
     };
     let mut calibration: Vec<Constant> = names.iter().enumerate().filter_map(constant).collect();
     let base = |index: usize| frame.words.effects.iter().find(|(own, _)| *own == index).map_or(0.0, |(_, size)| *size);
-    let effect = |(place, index): (usize, &usize)| Found {
+    let effect = |(place, index): (usize, &usize)| AppliedEffect {
         id: frame.candidates[*index].id,
         candidate: *index,
-        written: model.written(*index),
+        written_effect: model.written(*index),
         size: base(*index) + point.effects[*index],
         standard_error: covariance[(names.len() + place, names.len() + place)].max(0.0).sqrt(),
         is_constant: false,
     };
-    let mut effects: Vec<Found> = active.iter().enumerate().map(effect).collect();
-    for found in &mut effects {
+    let mut effects: Vec<AppliedEffect> = active.iter().enumerate().map(effect).collect();
+    for effect in &mut effects {
         // A file that says it as an effect keeps it there.
-        let rate = rate_of_part(frame, found).filter(|_| base(found.candidate) == 0.0);
-        found.is_constant = rate.is_some();
+        let rate = rate_of_part(frame, effect).filter(|_| base(effect.candidate) == 0.0);
+        effect.is_constant = rate.is_some();
         calibration.extend(rate);
     }
     let mut words: Vec<String> = names
@@ -152,7 +152,7 @@ pub fn applied_to(
 }
 
 /// The rate of wear that is another one on a part of the records, as the constant `wear_rate` of the tool with that scope.
-fn rate_of_part(frame: &toolroom_gap::Frame, found: &Found) -> Option<Constant> {
+fn rate_of_part(frame: &toolroom_gap::Frame, found: &AppliedEffect) -> Option<Constant> {
     const RATE: &str = "wear_rate";
     let everywhere = |own: &&Movable| own.parameter == RATE && own.scope.is_everywhere();
     let target = frame.words.movable.iter().map(|(_, movable)| movable).find(everywhere)?.target.clone();
@@ -162,7 +162,7 @@ fn rate_of_part(frame: &toolroom_gap::Frame, found: &Found) -> Option<Constant> 
     }
     // What is believed of it before any data is its ordinary size.
     let prior = frame.candidates[found.candidate].typical.ln_1p();
-    let movable = Movable { scope: found.written.scope.clone(), ..Movable::factor(RATE, target) };
+    let movable = Movable { scope: found.written_effect.scope.clone(), ..Movable::factor(RATE, target) };
     let standard_error = found.standard_error / factor;
     Some(Constant { movable, value: factor, standard_error, prior, moved: factor.ln() / prior })
 }

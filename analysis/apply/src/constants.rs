@@ -22,9 +22,9 @@ pub fn calibrate(document: &mut DocumentMut, constant: &Value, by: &str) -> Resu
             && entry.get("summand").is_some() == summand.is_some()
             && scoped_item(entry, &machines) == scope
     };
-    let found = entries.iter().position(same);
-    let mut table = found.and_then(|index| entries.get(index)).cloned().unwrap_or_default();
-    if found.is_none() {
+    let position = entries.iter().position(same);
+    let mut table = position.and_then(|index| entries.get(index)).cloned().unwrap_or_default();
+    if position.is_none() {
         table.insert("parameter", value(&parameter));
         table.insert("target", value(&target));
     }
@@ -48,11 +48,11 @@ pub fn calibrate(document: &mut DocumentMut, constant: &Value, by: &str) -> Resu
     {
         table.insert("prior", written(prior, unit));
     }
-    if let (None, Some(scope)) = (found, scope_item(&constant["scope"])) {
+    if let (None, Some(scope)) = (position, scope_item(&constant["scope"])) {
         table.insert("scope", value(scope));
     }
     put(&mut table, "by", value(by));
-    match found.and_then(|index| entries.get_mut(index)) {
+    match position.and_then(|index| entries.get_mut(index)) {
         Some(entry) => *entry = table,
         None => entries.push(table),
     }

@@ -1,6 +1,6 @@
 //! `diagnosis.json`, schema 2: everything that an application needs, as numbers with units.
 
-use crate::applied::{Applied, Constant, Found};
+use crate::applied::{Applied, AppliedEffect, Constant};
 use crate::grew::grew;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -39,36 +39,36 @@ pub fn scope_json(scope: &Scope) -> Value {
     Value::Object(map)
 }
 
-fn shape_json(written: &WrittenEffect) -> Value {
+fn shape_json(written_effect: &WrittenEffect) -> Value {
     let one = |(name, value, si, display): &(&'static str, f64, &'static str, &'static str)| {
         let (value, unit) = exact(*value, si, display);
         ((*name).to_owned(), json!({ "value": number(value), "unit": unit, "se": null }))
     };
-    Value::Object(written.shape.iter().map(one).collect())
+    Value::Object(written_effect.shape.iter().map(one).collect())
 }
 
 /// Whether an effect is a cause, a constant that is another one on a part of the records, or describes and is none.
-fn kind(found: &Found) -> &'static str {
-    match found.written.definition {
+fn kind(found: &AppliedEffect) -> &'static str {
+    match found.written_effect.definition {
         Some(own) if own.is_empirical() => "empirical",
         Some(_) if found.id.is_wear_rate() => "constant",
         Some(_) | None => "cause",
     }
 }
 
-fn found_json(found: &Found, target: &str, process: &str) -> Value {
+fn found_json(found: &AppliedEffect, target: &str, process: &str) -> Value {
     let (si, display) = (found.id.entry().size.unit, found.id.entry().size.display);
     let (size, unit) = exact(found.size, si, display);
     let ratio = if unit == si { 1.0 } else { unit::convert(1.0, si, display) };
     let mut value = json!({
         "kind": kind(found), "id": found.id.word(), "process": process, "target": target,
-        "shape": shape_json(&found.written), "scope": scope_json(&found.written.scope),
+        "shape": shape_json(&found.written_effect), "scope": scope_json(&found.written_effect.scope),
         "size": { "value": number(size), "unit": unit, "se": number(found.standard_error * ratio) },
     });
-    if let Some(recorded) = found.written.recorded {
+    if let Some(recorded) = found.written_effect.recorded {
         value["recorded"] = number(recorded);
     }
-    if let Some(definition) = found.written.definition {
+    if let Some(definition) = found.written_effect.definition {
         value["definition"] = json!(definition.text());
     }
     value
@@ -144,17 +144,17 @@ pub fn document(mut document: Value, processes: &[Process<'_>], data: (String, u
     let applied: Vec<Value> = processes.iter().map(|own| applied_json(own.parts, &own.target, own.name)).collect();
     let records = |own: &Process<'_>, list: &mut Value| {
         // One effect may act twice, on two parts of the records: both lists have their effects in the same order.
-        let mut left: Vec<&Found> = own.parts.iter().flat_map(|part| &part.effects).collect();
+        let mut left: Vec<&AppliedEffect> = own.parts.iter().flat_map(|part| &part.effects).collect();
         for effect in list.as_array_mut().into_iter().flatten() {
             let mine = effect["process"].as_str().is_none_or(|process| process == own.name);
-            let named = |found: &&Found| Some(found.id.word()) == effect["id"].as_str();
+            let named = |found: &&AppliedEffect| Some(found.id.word()) == effect["id"].as_str();
             let place = left.iter().position(named).filter(|_| mine);
             let found = place.map(|place| left.remove(place));
             if let (Some(found), true, true) = (found, mine, effect["size"].is_number()) {
                 effect["kind"] = json!(kind(found));
                 effect["words"] = effect["shape"].take();
-                effect["shape"] = shape_json(&found.written);
-                effect["scope"] = scope_json(&found.written.scope);
+                effect["shape"] = shape_json(&found.written_effect);
+                effect["scope"] = scope_json(&found.written_effect.scope);
                 effect["target"] = json!(own.target);
                 let half = effect["ci90"][1].as_f64().unwrap_or(f64::NAN) - effect["size"].as_f64().unwrap_or(f64::NAN);
                 effect["size"] = json!({

@@ -191,20 +191,20 @@ pub fn of_shop(document: &mut DocumentMut, effect: &Value) -> Result<(), ApplyEr
             && scoped_item(entry, &machines) == scope
             && entry.get("recorded").is_some() == recorded.is_some()
     };
-    let found = entries.iter().position(same);
-    let mut table = found.and_then(|index| entries.get(index)).cloned().unwrap_or_default();
+    let position = entries.iter().position(same);
+    let mut table = position.and_then(|index| entries.get(index)).cloned().unwrap_or_default();
     if held && share.is_none() && table.get("share").is_none() {
         let reason = "the diagnosis does not say in which share of the operations".to_owned();
         return Err(ApplyError::Effect { id, reason });
     }
-    let total = fill(&mut table, effect, &serde_json::Map::new(), found.is_none())?;
+    let total = fill(&mut table, effect, &serde_json::Map::new(), position.is_none())?;
     if let Some(share) = share {
         put(&mut table, "share", value(share.min(1.0)));
     }
     if let Some(recorded) = recorded {
         put(&mut table, "recorded", value(recorded));
     }
-    match found {
+    match position {
         Some(index) if total.abs() <= NOTHING => drop(entries.remove(index)),
         Some(index) => {
             if let Some(entry) = entries.get_mut(index) {

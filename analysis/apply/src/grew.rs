@@ -95,8 +95,8 @@ fn of_part(part: &Applied) -> Vec<Grew> {
 mod tests {
     use super::*;
 
-    /// Readings of six edges, four each, that the model before misses by `before` and the model after by `after`, mm.
-    fn part(before: f64, after: f64) -> Applied {
+    /// Readings of six edges, four each, that the model before misses by `previous` and the model after by `after`, mm.
+    fn part(previous: f64, after: f64) -> Applied {
         let prediction = |i: usize, off: f64| Prediction {
             row: i,
             channel: ChannelId::FlankWear,
@@ -114,7 +114,7 @@ mod tests {
             effects: Vec::new(),
             names: Vec::new(),
             covariance: nalgebra::DMatrix::zeros(0, 0),
-            predictions: [all(before), all(before), all(after)],
+            predictions: [all(previous), all(previous), all(after)],
             left: Vec::new(),
         }
     }

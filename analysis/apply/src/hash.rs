@@ -45,29 +45,29 @@ pub(crate) fn unmark(document: &mut DocumentMut) {
     }
 }
 
-fn table(of: &dyn TableLike, out: &mut String) {
+fn table(of: &dyn TableLike, text: &mut String) {
     let sorted: BTreeMap<&str, &Item> = of.iter().collect();
-    out.push('{');
+    text.push('{');
     for (key, own) in sorted {
-        let _ = write!(out, "{key:?}=");
-        item(own, out);
-        out.push(',');
+        let _ = write!(text, "{key:?}=");
+        item(own, text);
+        text.push(',');
     }
-    out.push('}');
+    text.push('}');
 }
 
-fn item(of: &Item, out: &mut String) {
+fn item(of: &Item, text: &mut String) {
     match of {
         Item::None => {}
-        Item::Value(own) => value(own, out),
-        Item::Table(own) => table(own, out),
+        Item::Value(own) => value(own, text),
+        Item::Table(own) => table(own, text),
         Item::ArrayOfTables(all) => {
-            out.push('[');
+            text.push('[');
             for own in all {
-                table(own, out);
-                out.push(',');
+                table(own, text);
+                text.push(',');
             }
-            out.push(']');
+            text.push(']');
         }
     }
 }

@@ -44,7 +44,7 @@ mod program;
 mod scope;
 mod values;
 
-pub use applied::{Applied, Constant, Found, applied_to};
+pub use applied::{Applied, AppliedEffect, Constant, applied_to};
 pub use difference::changed_lines;
 pub use document::{PredictionRow, Process, SCHEMA, document, point_json, predictions_of, scope_json};
 pub use edit::{Changes, Request, apply};

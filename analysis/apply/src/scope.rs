@@ -6,10 +6,10 @@ use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike};
 use toolroom_process::unit;
 
 /// Scope of an entry as names and times, machines with a count taken apart.
-pub type Scoped = BTreeMap<String, Vec<String>>;
+pub type EntryScope = BTreeMap<String, Vec<String>>;
 
 /// The scope of an entry of a diagnosis.
-pub fn scoped_json(scope: &Value) -> Scoped {
+pub fn scoped_json(scope: &Value) -> EntryScope {
     let names = |own: &Value| match own {
         Value::String(text) => vec![time(text)],
         Value::Array(all) => all.iter().filter_map(|own| own.as_str().map(str::to_owned)).collect(),
@@ -24,13 +24,13 @@ fn time(text: &str) -> String {
 }
 
 /// The scope of an entry of a file.
-pub fn scoped_item(entry: &dyn TableLike, machines: &[(String, Vec<String>)]) -> Scoped {
+pub fn scoped_item(entry: &dyn TableLike, machines: &[(String, Vec<String>)]) -> EntryScope {
     let texts = |item: &Item| match (item.as_str(), item.as_array()) {
         (Some(text), _) => vec![text.to_owned()],
         (None, Some(all)) => all.iter().filter_map(|own| own.as_str().map(str::to_owned)).collect(),
         (None, None) => Vec::new(),
     };
-    let mut scope = Scoped::new();
+    let mut scope = EntryScope::new();
     for (key, item) in entry.get("scope").and_then(Item::as_table_like).into_iter().flat_map(TableLike::iter) {
         let mut names = texts(item);
         if key == "machine" {

@@ -6,7 +6,7 @@ use std::path::Path;
 use toolroom_apply::{Applied, Process, Request, applied_to, apply, document, model_hash, point_json, predictions};
 use toolroom_gap::{Basis, Forward, Method, NominalModel, WEAR_RATE};
 use toolroom_records::{Records, parse_csv};
-use toolroom_scenario::{Calibration, Moved};
+use toolroom_scenario::{Calibration, CalibrationShift};
 use toolroom_truth::Case;
 
 const TURNING: &str = include_str!("../../../scenarios/gap/turning.toml");
@@ -229,11 +229,11 @@ fn an_effect_of_a_user_beside_the_model_is_written_into_it_with_its_definition()
     assert_eq!((better.matches("[[effect]]").count(), better.matches("my.crater").count()), (1, 2), "{better}");
     let read = model(&better);
     assert_eq!(read.stated.defined, defined);
-    let stated = read.stated.effects.first().expect("the effect of the tool");
-    assert!((stated.effect.size() - applied.effects[0].size).abs() <= 1e-12 * stated.effect.size());
+    let effects = read.stated.effects.first().expect("the effect of the tool");
+    assert!((effects.effect.size() - applied.effects[0].size).abs() <= 1e-12 * effects.effect.size());
     assert_eq!(
-        stated.effect.parameters().value(1),
-        applied.effects[0].written.shape.first().map(|parameter| parameter.1)
+        effects.effect.parameters().value(1),
+        applied.effects[0].written_effect.shape.first().map(|parameter| parameter.1)
     );
     // In the file already, it is found there and written once.
     every_effect_is_kept("turning", &format!("{TURNING}{CRATER}"));
@@ -277,8 +277,8 @@ changes = [{ term = \"temperature_rise\", factor = \"exp(size * (min(cutting_spe
         calibration: true,
         empirical: true,
     };
-    let with = apply(request).expect("applicable").text;
-    assert!(with.contains("kind = \"empirical\"") && difference(&with, &records, &described) <= 1e-9, "{with}");
+    let text = apply(request).expect("applicable").text;
+    assert!(text.contains("kind = \"empirical\"") && difference(&text, &records, &described) <= 1e-9, "{text}");
 }
 
 #[test]
@@ -322,7 +322,10 @@ fn a_rate_of_wear_of_a_part_is_written_as_the_constant_that_it_is_and_counted_fr
     let better = text_of(TURNING, &named, &[]);
     assert!(!better.contains("[[effect]]") && !better.contains("effects ="), "{better}");
     let [rate] = &rates(&better)[..] else { panic!("{better}") };
-    assert_eq!((rate.moved, rate.scope.from), (Moved::Factor(1.0 + size), forward.written(index).scope.from));
+    assert_eq!(
+        (rate.moved, rate.scope.from),
+        (CalibrationShift::Factor(1.0 + size), forward.written(index).scope.from)
+    );
     assert!(difference(&better, &records, &named) <= 1e-9, "{better}");
     // Chosen by its name, or left out by another one.
     assert_eq!(rates(&text_of(TURNING, &named, &[WEAR_RATE.to_owned()])).len(), 1);

@@ -23,7 +23,7 @@ pub(crate) fn judged(case: &Case, model: &NominalModel, name: &str, method: Meth
     };
     let shrunk = match &case.hidden[..] {
         [hidden] if whole && hidden_size.is_some() && !diagnosis.effects.is_empty() => {
-            Shrunk::of(hidden.id, &diagnosis, &records, recorded(&case.on_new_edges(), model)?, model)
+            Shrunk::from_text(hidden.id, &diagnosis, &records, recorded(&case.on_new_edges(), model)?, model)
         }
         _ => None,
     };

@@ -20,7 +20,7 @@ pub(crate) struct Shrunk {
 
 impl Shrunk {
     /// `None` where a closure is no number: no new edges, or no gap before.
-    pub fn of(
+    pub fn from_text(
         hidden: &str,
         diagnosis: &Diagnosis,
         records: &Records,

@@ -28,7 +28,7 @@ pub struct Rate {
 }
 
 impl Rate {
-    fn of(name: &'static str, answers: &[bool], gate: f64, at_most: bool) -> Self {
+    fn from_name(name: &'static str, answers: &[bool], gate: f64, at_most: bool) -> Self {
         Self { name, count: answers.iter().filter(|yes| **yes).count(), of: answers.len(), gate, at_most }
     }
 
@@ -136,13 +136,18 @@ impl Tally {
         let exact = tests_of(&|row| row.single() && promised(row), &|row| row.mark == Mark::Exact);
         let missed_though = tests_of(&missed, &promised);
         let rates = vec![
-            Rate::of("wrong, of all attributions", &named, 0.03, true),
-            Rate::of("nothing hidden, an effect blamed", &nulls, 0.02, true),
-            Rate::of("outside the catalogue, an effect blamed", &outside, 0.05, true),
-            Rate::of("exact where it was promised", &exact, 0.95, false),
-            Rate::of("missed although it was promised", &missed_though, 0.0, true),
-            Rate::of("90 % interval holds the closure on new edges", &covered(&Row::closure_covered), 0.80, false),
-            Rate::of("90 % interval holds the size of new edges", &covered(&Row::size_covered), 0.80, false),
+            Rate::from_name("wrong, of all attributions", &named, 0.03, true),
+            Rate::from_name("nothing hidden, an effect blamed", &nulls, 0.02, true),
+            Rate::from_name("outside the catalogue, an effect blamed", &outside, 0.05, true),
+            Rate::from_name("exact where it was promised", &exact, 0.95, false),
+            Rate::from_name("missed although it was promised", &missed_though, 0.0, true),
+            Rate::from_name(
+                "90 % interval holds the closure on new edges",
+                &covered(&Row::closure_covered),
+                0.80,
+                false,
+            ),
+            Rate::from_name("90 % interval holds the size of new edges", &covered(&Row::size_covered), 0.80, false),
         ];
         let failed = rows.iter().filter(|row| wrong(row) || (missed(row) && promised(row)));
         let failure = |row: &&Row| {

@@ -162,9 +162,9 @@ pub struct Advice {
     pub parameter: Option<(usize, Test)>,
 }
 
-/// What is gained by deciding after the deviation has shrunk from `before` to `after`, with the mean difference `mean`.
-fn worth(mean: f64, before: f64, after: f64) -> f64 {
-    let spread = (before * before - after * after).max(0.0).sqrt();
+/// What is gained by deciding after the deviation has shrunk from `previous` to `after`, with the mean difference `mean`.
+fn worth(mean: f64, previous: f64, after: f64) -> f64 {
+    let spread = (previous * previous - after * after).max(0.0).sqrt();
     let normal = Normal::standard();
     if spread == 0.0 {
         return 0.0;
@@ -284,11 +284,11 @@ impl Calibration {
     }
 
     /// The speed in m/s within a range at which a km of path costs least at the most probable parameters.
-    pub fn cheapest(&self, costs: &Costs, at: &Condition, range: (f64, f64)) -> f64 {
+    pub fn cheapest(&self, costs: &Costs, condition: &Condition, range: (f64, f64)) -> f64 {
         let (model, u) = (&self.carried().model, self.posterior.map.u.as_slice());
         let (low, high) = range;
         let speeds = (0..=200).map(|step| low * (high / low).powf(f64::from(step) / 200.0));
-        let cost = |speed: &f64| costs.per_km(speed * 60.0, model.life(u, at.at_speed(*speed)));
+        let cost = |speed: &f64| costs.per_km(speed * 60.0, model.life(u, condition.at_speed(*speed)));
         speeds.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(low)
     }
 }

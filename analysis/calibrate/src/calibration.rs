@@ -225,8 +225,8 @@ impl Calibration {
         let carried = &fits[place];
         let maxima = (carried.maximum.clone(), std::mem::take(&mut around[place]));
         let posterior = sample_around(&carried.model, &all, maxima, request.draws, request.seed);
-        let identifiability = Identifiability::of(&carried.model, &posterior);
-        let coverage = Coverage::of(&carried.left_out);
+        let identifiability = Identifiability::from_model(&carried.model, &posterior);
+        let coverage = Coverage::from_left_outs(&carried.left_out);
         let lives = lives(&carried.model, &posterior, &measured, request.seed);
         if let Base::Turning { pair, .. } = &base {
             channels.extend(forces(&carried.model, posterior.map.u.as_slice(), &measured, pair, &request));
@@ -370,7 +370,7 @@ fn chipping(model: &WearModel, posterior: &Posterior, measured: &Measured, base:
     let edges = measured.edges.iter().zip(&measured.ends).filter(|(edge, _)| edge.begun.is_none());
     let edges: Vec<Exposure> = edges.map(exposure).collect();
     let hazard = base.chipping();
-    ChippingFit::of(&edges, hazard.shape, hazard.reference_land * 1e3)
+    ChippingFit::from_exposures(&edges, hazard.shape, hazard.reference_land * 1e3)
 }
 
 /// Edges that took no part, predicted by the others.
@@ -379,7 +379,7 @@ fn held_out(model: &WearModel, maximum: &Maximum, whole: &Measured, request: &Re
     let place = |edge: &crate::edge::Edge| request.held_out.contains(&edge.name);
     let group: Vec<usize> = (0..whole.edges.len()).filter(|index| place(&whole.edges[*index])).collect();
     let left_out = left_out(&all, maximum, &group, 0, request.seed);
-    let coverage = Coverage::of(&left_out);
+    let coverage = Coverage::from_left_outs(&left_out);
     HeldOut { names: group.iter().map(|index| whole.edges[*index].name.clone()).collect(), left_out, coverage }
 }
 

@@ -140,12 +140,12 @@ impl ChannelModel {
     /// Cutting forces of edges around the force group of a set. `known` are the scatter from edge to edge and the relative error
     /// of a reading where they are not to be estimated.
     pub fn new(base: &Force, edges: Vec<Vec<ChannelReading>>, known: Option<(f64, f64)>) -> Self {
-        Self::of(Channel::CuttingForce, &Pair { force: *base, ..Pair::default() }, edges, known, false)
+        Self::from_channel(Channel::CuttingForce, &Pair { force: *base, ..Pair::default() }, edges, known, false)
     }
 
     /// Readings of any channel around a set. A thermo-EMF tells of the temperatures, or where they are known (`thermocouple`) of
     /// the slope of its own characteristic.
-    pub fn of(
+    pub fn from_channel(
         channel: Channel,
         base: &Pair,
         edges: Vec<Vec<ChannelReading>>,

@@ -30,17 +30,17 @@ pub struct ChannelFit {
 /// readings best under the temperatures of the set. Rates of wear that a law states at a reference temperature stay with the cuts
 /// that had it, so that this temperature moves with the others.
 pub(crate) fn heat(
-    stated: &Base,
+    base: &Base,
     measured: &Measured,
     request: &Request,
     models: &[WearModel],
 ) -> (Base, Vec<ChannelFit>) {
-    let nothing = || (stated.clone(), Vec::new());
+    let nothing = || (base.clone(), Vec::new());
     let heated = |channel: &Channel| {
         let place = place(*channel);
         channel.heats() && measured.loads.iter().any(|loads| loads[place].iter().any(Option::is_some))
     };
-    let Base::Turning { pair, others } = stated else { return nothing() };
+    let Base::Turning { pair, others } = base else { return nothing() };
     if !Channel::ALL.iter().any(heated) || measured.readings() == 0 {
         return nothing();
     }
@@ -163,14 +163,14 @@ fn fitted(
             edges.push(readings);
         }
     }
-    let mut model = ChannelModel::of(channel, base, edges, None, temperatures_known);
+    let mut model = ChannelModel::from_channel(channel, base, edges, None, temperatures_known);
     request.priors.iter().for_each(|(name, prior)| model.set_prior(name, *prior));
     let all: Vec<usize> = (0..model.edges()).collect();
     if all.iter().map(|edge| model.readings(*edge).len()).sum::<usize>() <= model.parameters().len() {
         return None;
     }
     let posterior = sample(&model, &all, request.draws, request.seed)?;
-    let identifiability = Identifiability::of(&model, &posterior);
+    let identifiability = Identifiability::from_model(&model, &posterior);
     let blind = model.without_land();
     let (with, (without, _)) = (&posterior.map, maxima(&blind, &all, request.seed)?);
     let with = leave_edges_out(&model, with, request.seed);

@@ -80,11 +80,11 @@ impl ChippingFit {
     ///     edge(&[(0.0, 0.0), (1.2, 0.12)], true),
     ///     edge(&[(0.0, 0.0), (3.5, 0.31)], false),
     /// ];
-    /// let fit = ChippingFit::of(&edges, 1.5, 0.4).unwrap();
+    /// let fit = ChippingFit::from_exposures(&edges, 1.5, 0.4).unwrap();
     /// assert!((fit.rate - 0.163_139_2).abs() < 1e-5 && !fit.shaped);
     /// assert!((fit.ci90[0] - 0.070_877_6).abs() < 1e-5 && (fit.ci90[1] - 0.321_585_4).abs() < 2e-5);
     /// ```
-    pub fn of(edges: &[Exposure], shape: f64, land: f64) -> Option<Self> {
+    pub fn from_exposures(edges: &[Exposure], shape: f64, land: f64) -> Option<Self> {
         let chips = edges.iter().filter(|edge| edge.chipped).count();
         let exposure = |shape: f64| edges.iter().map(|edge| edge.hazard(shape, land)).sum::<f64>();
         let shaped = chips >= SHAPED;
@@ -142,10 +142,10 @@ mod tests {
         let path = |i: usize| 2.0 * (-(1.0 - (i as f64 + 0.5) / 60.0).ln()).powf(1.0 / 3.0);
         let edges: Vec<Exposure> =
             (0..60).map(|i| Exposure { course: vec![(0.0, 0.0), (path(i), 0.0)], chipped: true }).collect();
-        let fit = ChippingFit::of(&edges, 1.5, 0.4).expect("edges");
+        let fit = ChippingFit::from_exposures(&edges, 1.5, 0.4).expect("edges");
         assert!(fit.shaped && (fit.shape - 3.0).abs() < 0.25 && (fit.rate - 0.5).abs() < 0.01, "{fit:?}");
         let whole: Vec<Exposure> = edges.into_iter().map(|edge| Exposure { chipped: false, ..edge }).collect();
-        let none = ChippingFit::of(&whole, 1.5, 0.4).expect("edges");
+        let none = ChippingFit::from_exposures(&whole, 1.5, 0.4).expect("edges");
         assert!(none.rate == 0.0 && none.ci90[1] > 0.0 && none.ci90[1] < 0.2, "{none:?}");
     }
 }

@@ -132,10 +132,10 @@ pub(crate) struct Predicted {
 impl Common<'_> {
     /// What would be read of an edge that begins at a flank wear of `begin` mm and wears by `level` faster, at the last of every
     /// `stride` readings.
-    pub(crate) fn predict(&self, edge: &Edge, begin: f64, level: f64, stride: usize, into: &mut Predicted) {
-        into.wear.clear();
-        into.slope.clear();
-        into.pace.clear();
+    pub(crate) fn predict(&self, edge: &Edge, begin: f64, level: f64, stride: usize, predicted: &mut Predicted) {
+        predicted.wear.clear();
+        predicted.slope.clear();
+        predicted.pace.clear();
         let (mut wear, mut slope) = (begin, 0.0);
         // Condition and place on its curve.
         let (mut at, mut cell) = (usize::MAX, 0);
@@ -180,9 +180,9 @@ impl Common<'_> {
                 };
                 slope = rate * stretch_of_time;
                 if read {
-                    into.wear.push(wear);
-                    into.slope.push(slope);
-                    into.pace.push(level * rate);
+                    predicted.wear.push(wear);
+                    predicted.slope.push(slope);
+                    predicted.pace.push(level * rate);
                 }
             }
         }

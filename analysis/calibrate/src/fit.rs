@@ -46,7 +46,7 @@ impl<'a> Scaled<'a> {
         let mut scaled = Self { model, edges, ranges: Vec::new() };
         let x = scaled.x(start);
         let possible = |x: &DVector<f64>| model.possible(scaled.u(x).as_slice());
-        let ranges = (0..x.len()).map(|i| Range::of(&possible, &x, i).within(2.0 * WIDE)).collect();
+        let ranges = (0..x.len()).map(|i| Range::from_possible(&possible, &x, i).within(2.0 * WIDE)).collect();
         scaled.ranges = ranges;
         scaled
     }
@@ -80,11 +80,11 @@ impl<'a> Scaled<'a> {
         let mut point = x.clone();
         DVector::from_fn(x.len(), |i, _| {
             point[i] = x[i] + STEP;
-            let above = self.density(&point);
+            let density = self.density(&point);
             point[i] = x[i] - STEP;
             let below = self.density(&point);
             point[i] = x[i];
-            (above - below) / (2.0 * STEP)
+            (density - below) / (2.0 * STEP)
         })
     }
 

@@ -57,7 +57,7 @@ pub struct Identifiability {
 
 impl Identifiability {
     /// The statement for a posterior.
-    pub fn of(model: &dyn Model, posterior: &Posterior) -> Self {
+    pub fn from_model(model: &dyn Model, posterior: &Posterior) -> Self {
         let parameters = model.parameters();
         let size = parameters.len();
         let prior = |i: usize| parameters[i].prior.deviation;

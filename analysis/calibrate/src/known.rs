@@ -20,7 +20,7 @@ pub(crate) fn parameters(base: &Base, laws: &[Law], limit: f64) -> Vec<Parameter
         for (channel, thermocouple) in
             Channel::ALL.into_iter().map(|channel| (channel, false)).chain([(Channel::ThermoEmf, true)])
         {
-            let model = ChannelModel::of(channel, pair, Vec::new(), None, thermocouple);
+            let model = ChannelModel::from_channel(channel, pair, Vec::new(), None, thermocouple);
             let unknown = |parameter: &&Parameter| all.iter().all(|known| known.name != parameter.name);
             let new: Vec<Parameter> = model.parameters().iter().filter(unknown).cloned().collect();
             all.extend(new);

@@ -185,7 +185,7 @@ pub struct Coverage {
 
 impl Coverage {
     /// The coverage of edges left out.
-    pub fn of(left_out: &[LeftOut]) -> Self {
+    pub fn from_left_outs(left_out: &[LeftOut]) -> Self {
         let ranks = || left_out.iter().flat_map(|edge| &edge.ranks);
         let readings = ranks().count();
         let within = |half: f64| ranks().filter(|rank| (**rank - 0.5).abs() <= half).count() as f64 / readings as f64;

@@ -15,21 +15,21 @@ const FARTHEST: f64 = 8.0;
 const HALVINGS: usize = 8;
 
 /// A model with one parameter held.
-struct Held<'a> {
+struct ProfiledModel<'a> {
     model: &'a dyn Model,
     place: usize,
     value: f64,
     parameters: Vec<Parameter>,
 }
 
-impl Held<'_> {
+impl ProfiledModel<'_> {
     fn whole(&self, u: &[f64]) -> Vec<f64> {
         let (before, after) = u.split_at(self.place);
         before.iter().chain(&[self.value]).chain(after).copied().collect()
     }
 }
 
-impl Model for Held<'_> {
+impl Model for ProfiledModel<'_> {
     fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }
@@ -57,10 +57,13 @@ impl Model for Held<'_> {
 
 /// Ends of the 90 % profile interval of every working coordinate; an end that is not found within eight standard deviations
 /// is infinite.
-pub fn profiles(model: &dyn Model, edges: &[usize], at: &Maximum) -> Vec<[f64; 2]> {
-    let near = model.near(at.u.as_slice());
+pub fn profiles(model: &dyn Model, edges: &[usize], maximum: &Maximum) -> Vec<[f64; 2]> {
+    let near = model.near(maximum.u.as_slice());
     let model = near.as_deref().unwrap_or(model);
-    (0..at.u.len()).into_par_iter().map(|place| [-1.0, 1.0].map(|way| end(model, edges, at, place, way))).collect()
+    (0..maximum.u.len())
+        .into_par_iter()
+        .map(|place| [-1.0, 1.0].map(|way| end(model, edges, maximum, place, way)))
+        .collect()
 }
 
 fn end(model: &dyn Model, edges: &[usize], at: &Maximum, place: usize, way: f64) -> f64 {
@@ -77,7 +80,7 @@ fn end(model: &dyn Model, edges: &[usize], at: &Maximum, place: usize, way: f64)
     });
     let loss = |steps: f64| {
         let value = at.u[place] + way * steps * deviation;
-        let held = Held { model, place, value, parameters: parameters.clone() };
+        let held = ProfiledModel { model, place, value, parameters: parameters.clone() };
         let start = DVector::from_fn(size - 1, |i, _| {
             at.u[others[i]] + covariance[(others[i], place)] / covariance[(place, place)] * (value - at.u[place])
         });

@@ -16,7 +16,7 @@ pub(crate) struct Range {
 
 impl Range {
     /// The interval around `x[place]` in which `possible` holds; `x` itself is possible, else nothing is an end.
-    pub fn of(possible: &dyn Fn(&DVector<f64>) -> bool, x: &DVector<f64>, place: usize) -> Self {
+    pub fn from_possible(possible: &dyn Fn(&DVector<f64>) -> bool, x: &DVector<f64>, place: usize) -> Self {
         let mut point = x.clone();
         let mut holds = |at: f64| {
             point[place] = at;
@@ -133,10 +133,10 @@ mod tests {
     #[test]
     fn a_range_is_found_from_inside_and_none_from_outside() {
         let possible = |x: &DVector<f64>| x[0] >= -0.25 && x[0] <= 3.0;
-        let found = Range::of(&possible, &DVector::from_vec(vec![1.0, 7.0]), 0);
-        assert!((found.low + 0.25).abs() < 1e-5 && (found.high - 3.0).abs() < 1e-5, "{found:?}");
-        assert_eq!(found.within(5.0).nearest(9.0), 0.5 * (found.low + found.high));
-        let other = Range::of(&possible, &DVector::from_vec(vec![1.0, 7.0]), 1);
+        let range = Range::from_possible(&possible, &DVector::from_vec(vec![1.0, 7.0]), 0);
+        assert!((range.low + 0.25).abs() < 1e-5 && (range.high - 3.0).abs() < 1e-5, "{range:?}");
+        assert_eq!(range.within(5.0).nearest(9.0), 0.5 * (range.low + range.high));
+        let other = Range::from_possible(&possible, &DVector::from_vec(vec![1.0, 7.0]), 1);
         assert_eq!((other.low, other.high), (f64::NEG_INFINITY, f64::INFINITY));
     }
 

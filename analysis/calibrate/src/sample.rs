@@ -144,9 +144,9 @@ fn distinct(mut found: Vec<Maximum>) -> Vec<Maximum> {
 }
 
 /// Whether a place is another maximum than a known one.
-fn apart(u: &DVector<f64>, known: &Maximum) -> bool {
-    let scale = known.covariance.diagonal();
-    (0..u.len()).any(|i| (u[i] - known.u[i]).abs() > APART * scale[i].sqrt())
+fn apart(u: &DVector<f64>, maximum: &Maximum) -> bool {
+    let scale = maximum.covariance.diagonal();
+    (0..u.len()).any(|i| (u[i] - maximum.u[i]).abs() > APART * scale[i].sqrt())
 }
 
 /// The maximum nearest to a start, unless it is the known one.
@@ -257,11 +257,11 @@ fn proposed_around(maxima: &[&Maximum], count: usize, random: &mut ChaCha8Rng) -
     let chi = ChiSquared::new(FREEDOM).expect("a positive number of degrees");
     let draw = |_: usize| {
         let mut place = random.random::<f64>() * whole;
-        let chosen = shares.iter().position(|share| {
+        let index = shares.iter().position(|share| {
             place -= share;
             place < 0.0
         });
-        let part = &parts[chosen.unwrap_or(parts.len() - 1)];
+        let part = &parts[index.unwrap_or(parts.len() - 1)];
         let z = DVector::from_fn(part.mean.len(), |_, _| StandardNormal.sample(&mut *random));
         let stretch: f64 = FREEDOM / chi.sample(random);
         let draw = &part.mean + &part.root * z * stretch.sqrt();

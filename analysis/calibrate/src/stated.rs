@@ -4,7 +4,7 @@ use crate::edge::Life;
 use crate::treatment::End;
 
 /// What the row of an edge says of its life.
-pub(crate) struct Stated {
+pub(crate) struct LifeStatement {
     /// Its life, min.
     pub minutes: f64,
     /// 1 where the edge was still good, 0 where it was not; NaN where nothing is said.
@@ -15,7 +15,7 @@ pub(crate) struct Stated {
     pub end: Option<End>,
 }
 
-impl Stated {
+impl LifeStatement {
     /// The life, and whether the edge was worn out then; what is wrong otherwise.
     pub(crate) fn life(&self) -> Result<(Life, bool), String> {
         let Self { minutes, censored, inspected, end } = *self;
@@ -46,20 +46,20 @@ impl Stated {
 mod tests {
     use super::*;
 
-    const ROW: Stated = Stated { minutes: 40.0, censored: f64::NAN, inspected: f64::NAN, end: None };
+    const ROW: LifeStatement = LifeStatement { minutes: 40.0, censored: f64::NAN, inspected: f64::NAN, end: None };
 
     #[test]
     fn edges_that_did_not_wear_out_lasted_at_least_so_long() {
         assert_eq!(ROW.life(), Ok((Life::Exact(40.0), true)));
-        assert_eq!(Stated { end: Some(End::Chipped), ..ROW }.life(), Ok((Life::Censored(40.0), false)));
-        assert_eq!(Stated { censored: 1.0, ..ROW }.life(), Ok((Life::Censored(40.0), false)));
-        assert_eq!(Stated { inspected: 30.0, ..ROW }.life(), Ok((Life::Between(30.0, 40.0), true)));
+        assert_eq!(LifeStatement { end: Some(End::Chipped), ..ROW }.life(), Ok((Life::Censored(40.0), false)));
+        assert_eq!(LifeStatement { censored: 1.0, ..ROW }.life(), Ok((Life::Censored(40.0), false)));
+        assert_eq!(LifeStatement { inspected: 30.0, ..ROW }.life(), Ok((Life::Between(30.0, 40.0), true)));
     }
 
     #[test]
     fn rows_that_contradict_themselves_are_refused() {
-        let worn_though_good = Stated { censored: 1.0, end: Some(End::Worn), ..ROW };
-        for row in [worn_though_good, Stated { inspected: 50.0, ..ROW }, Stated { minutes: 0.0, ..ROW }] {
+        let worn_though_good = LifeStatement { censored: 1.0, end: Some(End::Worn), ..ROW };
+        for row in [worn_though_good, LifeStatement { inspected: 50.0, ..ROW }, LifeStatement { minutes: 0.0, ..ROW }] {
             assert!(row.life().is_err());
         }
     }

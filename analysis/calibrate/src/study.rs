@@ -218,7 +218,8 @@ impl CalibrationStudy {
         self.words_where_numbers_are_due(&read)?;
         self.every_row_was_cut(&read)?;
         let (lines, wear_unit) = (read.lines.clone(), wear_unit(&read));
-        let treatment = Treatment { by: by.clone(), begun: self.begun, lines, wear_unit, ..Treatment::of(&base) };
+        let treatment =
+            Treatment { by: by.clone(), begun: self.begun, lines, wear_unit, ..Treatment::from_base(&base) };
         let mut measured = Measured::treated(&records, limit, &treatment).map_err(|error| {
             let reason = format!("{}: {error}", self.data.display());
             refuse(reason, "docs/calibration.md lists the columns; `toolroom import csv` maps other tables to records")

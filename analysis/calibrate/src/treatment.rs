@@ -4,7 +4,7 @@ use crate::base::{Base, Condition, Process};
 use crate::channel::Channel;
 use crate::data_error::{DataError, LEAST, MOST};
 use crate::edge::{Edge, Life, Stretch};
-use crate::stated::Stated;
+use crate::stated::LifeStatement;
 use std::collections::BTreeMap;
 use toolroom_form::significant;
 use toolroom_records::Records;
@@ -164,7 +164,7 @@ pub struct Treatment {
 
 impl Treatment {
     /// That of records of the process of a set.
-    pub fn of(base: &Base) -> Self {
+    pub fn from_base(base: &Base) -> Self {
         Self::new(base.process(), base.reference())
     }
 
@@ -360,7 +360,7 @@ impl Measured {
                     notes_of_lives
                         .push(format!("edge {name} stands twice with the same life, in {places}: it counts once"));
                 }
-                let stated = Stated {
+                let stated = LifeStatement {
                     minutes: at("life", last) / 60.0,
                     censored: at("censored", last),
                     inspected: at("inspected", last) / 60.0,

@@ -86,9 +86,10 @@ fn edges_that_did_not_wear_out_are_censored_and_the_rest_is_said() {
 #[test]
 fn a_calibration_finds_what_made_the_records_and_says_what_it_cannot_know() {
     let measured = Measured::of(&records(&made(&[180.0, 180.0, 220.0, 220.0, 300.0, 300.0])), 0.3).expect("edges");
-    let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor, Law::Usui])).expect("a calibration");
-    assert_eq!((found.choice.verdict, found.choice.carried.law), (Verdict::Chosen, Law::ExtendedTaylor));
-    let json = found.json();
+    let calibration =
+        Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor, Law::Usui])).expect("a calibration");
+    assert_eq!((calibration.choice.verdict, calibration.choice.carried.law), (Verdict::Chosen, Law::ExtendedTaylor));
+    let json = calibration.json();
     let named = |name: &str| {
         let list = json["parameters"].as_array().expect("a list");
         list.iter().find(|parameter| parameter["name"] == name).expect("named").clone()
@@ -97,9 +98,9 @@ fn a_calibration_finds_what_made_the_records_and_says_what_it_cannot_know() {
     let inside = |value: f64| (life["ci90"][0].as_f64() < Some(value)) && (Some(value) < life["ci90"][1].as_f64());
     assert!(inside(60.0), "{life}");
     assert_eq!(named("extended_taylor.feed_exponent")["determined"], false);
-    assert!(found.undetermined());
-    assert!(found.text().contains("vary feed_per_rev"), "{}", found.text());
-    let set = found.set_file("ours", "c45_t15k6");
+    assert!(calibration.undetermined());
+    assert!(calibration.text().contains("vary feed_per_rev"), "{}", calibration.text());
+    let set = calibration.set_file("ours", "c45_t15k6");
     assert!(set.contains("law = \"extended_taylor\"") && set.contains("[scatter]\ncommon_wear = "), "{set}");
     assert!(set.contains("life_noise = 0.0 # not fitted"), "{set}");
     let again = Measured::of(&records(&made(&[180.0, 180.0, 220.0, 220.0, 300.0, 300.0])), 0.3).expect("edges");
@@ -111,8 +112,11 @@ fn a_calibration_finds_what_made_the_records_and_says_what_it_cannot_know() {
 fn a_parameter_that_no_law_has_is_refused_by_name() {
     let measured = Measured::of(&records(&made(&[200.0, 250.0])), 0.3).expect("edges");
     let wrong = Request { fixed: vec![("stage_tlit".to_owned(), 0.0)], ..request(&[Law::ExtendedTaylor]) };
-    let refused = Calibration::new(measured, &base(), wrong);
-    assert!(matches!(&refused, Err(CalibrationError::Parameter { name, .. }) if name == "stage_tlit"), "{refused:?}");
+    let calibration = Calibration::new(measured, &base(), wrong);
+    assert!(
+        matches!(&calibration, Err(CalibrationError::Parameter { name, .. }) if name == "stage_tlit"),
+        "{calibration:?}"
+    );
 }
 
 #[test]
@@ -153,20 +157,20 @@ fn forces_are_fitted_against_the_wear_that_was_fitted() {
     }
     let records = parse_csv("wear.csv", rows.as_bytes(), RecordKind::Turning).expect("records").0;
     let measured = Measured::of(&records, 0.3).expect("edges");
-    let found = Calibration::new(measured, &base, request(&[Law::ExtendedTaylor])).expect("a calibration");
-    let force = found.channels.first().expect("forces");
+    let calibration = Calibration::new(measured, &base, request(&[Law::ExtendedTaylor])).expect("a calibration");
+    let force = calibration.channels.first().expect("forces");
     let stress = 1.2 * base.force.flank_shear_stress * 1e-6;
     let place = force.model.parameters().iter().position(|parameter| parameter.name == "force.flank_shear_stress");
     let place = place.expect("named");
     let [low, high] = [0.05, 0.95].map(|share| force.posterior.quantile(place, share).exp());
     assert!(low < stress && stress < high, "{low} … {high} against {stress}");
     assert!(force.gain.0 > 2.0 * force.gain.1, "{:?}", force.gain);
-    assert!(found.set_file("ours", "c45_t15k6").contains("[parameters.force]"));
-    let columns = found.draw_columns();
+    assert!(calibration.set_file("ours", "c45_t15k6").contains("[parameters.force]"));
+    let columns = calibration.draw_columns();
     assert!(
         columns.contains(&"force.flank_shear_stress [MPa]".to_owned()) && !columns.contains(&"force_noise".to_owned())
     );
-    assert!(found.draws().all(|draw| draw.len() == columns.len()));
+    assert!(calibration.draws().all(|draw| draw.len() == columns.len()));
 }
 
 /// Edges with a feed force and a spindle power: the ratio of the feed force is a tenth above that of the set, the pressure on the
@@ -282,11 +286,12 @@ fn two_maxima_are_drawn_by_what_lies_around_each_without_an_ensemble() {
 #[test]
 fn one_edge_is_fitted_and_neither_a_law_nor_the_scatter_of_edges_is_claimed() {
     let measured = Measured::of(&records(&made(&[220.0])), 0.3).expect("an edge");
-    let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor, Law::Usui])).expect("a calibration");
-    assert_eq!(found.choice.verdict, Verdict::CannotTell);
-    let text = found.text();
+    let calibration =
+        Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor, Law::Usui])).expect("a calibration");
+    assert_eq!(calibration.choice.verdict, Verdict::CannotTell);
+    let text = calibration.text();
     assert!(text.contains("1 edge(s): the scatter of edges is the prior; measure three or more"), "{text}");
-    assert!(found.undetermined());
+    assert!(calibration.undetermined());
 }
 
 #[test]
@@ -310,8 +315,8 @@ fn values_far_from_what_was_expected_are_told_as_a_unit_that_may_be_wrong() {
     let short = parse_csv("wear.csv", seconds.as_bytes(), RecordKind::Turning).expect("records").0;
     let told = |records: &Records| {
         let measured = Measured::of(records, 0.3).expect("edges");
-        let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor])).expect("a calibration");
-        found.warnings().into_iter().filter(|warning| warning.contains("that were expected")).collect::<Vec<_>>()
+        let calibration = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor])).expect("a calibration");
+        calibration.warnings().into_iter().filter(|warning| warning.contains("that were expected")).collect::<Vec<_>>()
     };
     let warnings = told(&short);
     assert!(warnings.iter().any(|warning| warning.contains("reference_life is")), "{warnings:?}");
@@ -340,8 +345,8 @@ fn records_without_wear_need_edges_that_wore_out_and_words_of_ends_count_on_last
 #[test]
 fn an_exponent_of_what_never_changed_is_not_called_determined() {
     let measured = Measured::of(&records(&made(&[220.0, 220.0, 220.0, 220.0])), 0.3).expect("edges");
-    let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor])).expect("a calibration");
-    let json = found.json();
+    let calibration = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor])).expect("a calibration");
+    let json = calibration.json();
     for name in ["speed_exponent", "feed_exponent", "depth_exponent"] {
         let listed = json["parameters"].as_array().expect("a list");
         let own = listed.iter().find(|own| own["name"] == format!("extended_taylor.{name}")).expect("a parameter");
@@ -445,13 +450,13 @@ fn a_reference_temperature_moves_with_measured_ones_and_the_lives_stay_what_was_
     truth.temperature.chip_heating *= 1.12;
     let life = |columns: [bool; 2]| {
         let measured = Measured::of(&heated(&truth, columns), 0.3).expect("edges");
-        let found = Calibration::new(measured, &base, request(&[Law::TakeyamaMurata])).expect("a calibration");
+        let calibration = Calibration::new(measured, &base, request(&[Law::TakeyamaMurata])).expect("a calibration");
         assert!(
-            found.warnings().iter().all(|warning| !warning.contains("that were expected")),
+            calibration.warnings().iter().all(|warning| !warning.contains("that were expected")),
             "{:?}",
-            found.warnings()
+            calibration.warnings()
         );
-        found
+        calibration
             .lives
             .iter()
             .find(|life| (life.condition.cut.cutting_speed * 60.0 - 220.0).abs() < 0.1)

@@ -110,7 +110,7 @@ fn lives_of_milling_are_those_of_the_process() {
 fn milling_is_calibrated_with_groups_of_edges_and_says_how_much_faster_each_wears() {
     let by = |word: Option<&str>| Treatment {
         by: Some(("material".to_owned(), word.map(str::to_owned))),
-        ..Treatment::of(&mill())
+        ..Treatment::from_base(&mill())
     };
     let measured = Measured::treated(&cuts(), 0.3, &by(None)).expect("edges");
     assert_eq!((measured.groups.join(","), measured.process), ("iron,steel".to_owned(), Process::Milling));
@@ -120,10 +120,10 @@ fn milling_is_calibrated_with_groups_of_edges_and_says_how_much_faster_each_wear
         draws: 1000,
         ..Request::default()
     };
-    let found = Calibration::new(measured, mill(), request.clone()).expect("a calibration");
+    let calibration = Calibration::new(measured, mill(), request.clone()).expect("a calibration");
     // The curve of the truth is neither straight nor tilted.
-    assert_eq!(found.choice.carried.shape, Shape::Curved, "{:?}", found.choice.scores);
-    let json = found.json();
+    assert_eq!(calibration.choice.carried.shape, Shape::Curved, "{:?}", calibration.choice.scores);
+    let json = calibration.json();
     let named = |name: &str| {
         let list = json["parameters"].as_array().expect("a list");
         list.iter().find(|parameter| parameter["name"] == name).expect("named").clone()
@@ -136,13 +136,13 @@ fn milling_is_calibrated_with_groups_of_edges_and_says_how_much_faster_each_wear
     holds("life.feed_exponent", 0.36);
     holds("life.width_exponent", 0.65);
     assert_eq!(named("life.depth_exponent")["determined"], false);
-    let set = found.set_file("ours", "c45_endmill_d12");
+    let set = calibration.set_file("ours", "c45_endmill_d12");
     assert!(set.contains("process = \"milling\"") && set.contains("[parameters.life]"), "{set}");
     let folder = std::env::temp_dir().join(format!("toolroom-calibrate-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     std::fs::write(folder.join("ours.toml"), set).expect("a file");
     let read = Milling::load("./ours.toml", &folder).expect("the set is accepted");
-    let life = found.lives.iter().find(|life| (life.condition.cut.cutting_speed * 60.0 - 190.0).abs() < 1e-6);
+    let life = calibration.lives.iter().find(|life| (life.condition.cut.cutting_speed * 60.0 - 190.0).abs() < 1e-6);
     let life = life.expect("a tested speed");
     let input = MillingInput {
         cutting_speed: life.condition.cut.cutting_speed,
@@ -157,7 +157,7 @@ fn milling_is_calibrated_with_groups_of_edges_and_says_how_much_faster_each_wear
     let steel = Measured::treated(&cuts(), 0.3, &by(Some("steel"))).expect("edges");
     let request = Request { candidates: vec![Law::CutterLife.into()], ..request };
     let other = Calibration::new(steel, mill(), request).expect("a calibration");
-    let ratio = other.lives[0].median / found.lives[0].median;
+    let ratio = other.lives[0].median / calibration.lives[0].median;
     assert!((0.4..0.6).contains(&ratio), "{ratio}");
     let wrong = |word| Measured::treated(&cuts(), 0.3, &by(Some(word)));
     assert!(matches!(wrong("brass"), Err(DataError::Groups { .. })));
@@ -174,17 +174,17 @@ fn passes_instead_of_minutes_give_shapes_and_no_exponent_of_taylors_law() {
         }
     }
     let records = parse_csv("passes.csv", rows.as_bytes(), RecordKind::Empirical).expect("records").0;
-    let measured = Measured::treated(&records, 0.3, &Treatment::of(&Base::from(&pair()))).expect("edges");
+    let measured = Measured::treated(&records, 0.3, &Treatment::from_base(&Base::from(&pair()))).expect("edges");
     assert_eq!(measured.clock, Clock::Operations);
     assert!(measured.notes.iter().any(|note| note.contains("no feed_per_rev, depth_of_cut")), "{:?}", measured.notes);
     let taylor = measured.refusals.iter().find(|refusal| refusal.contains("lives count operations"));
     assert!(taylor.is_some(), "{:?}", measured.refusals);
     let request = Request { candidates: shapes(Law::ExtendedTaylor), draws: 1000, ..Request::default() };
-    let found = Calibration::new(measured, &pair(), request).expect("a calibration");
-    assert_eq!(found.choice.carried.shape, Shape::Straight, "{:?}", found.choice.scores);
-    let life = &found.lives[0];
+    let calibration = Calibration::new(measured, &pair(), request).expect("a calibration");
+    assert_eq!(calibration.choice.carried.shape, Shape::Straight, "{:?}", calibration.choice.scores);
+    let life = &calibration.lives[0];
     assert!((5.0..7.0).contains(&life.median), "{life:?}");
-    assert!(found.text().contains("life in operations"), "{}", found.text());
+    assert!(calibration.text().contains("life in operations"), "{}", calibration.text());
 }
 
 /// Edges of Taylor's law of turning, read `readings` times each, over a life at three speeds.
@@ -321,8 +321,8 @@ fn edges_held_out_are_predicted_and_profiles_agree_with_the_draws() {
     assert!(chipping.chips == 0 && chipping.ci90[1] > 0.0);
     assert!(!found.set_file("ours", "c45_t15k6").contains("[parameters.chipping]"));
     let wrong = Request { held_out: vec!["E9".to_owned()], ..found.request.clone() };
-    let refused = Calibration::new(Measured::of(&records, 0.3).expect("edges"), &pair(), wrong);
-    assert!(refused.is_err_and(|error| error.to_string().contains("no edge `E9`")));
+    let calibration = Calibration::new(Measured::of(&records, 0.3).expect("edges"), &pair(), wrong);
+    assert!(calibration.is_err_and(|error| error.to_string().contains("no edge `E9`")));
     assert_eq!(found.choice.verdict, Verdict::Given);
     let model = &found.carried().model;
     let every: Vec<usize> = (0..6).collect();

@@ -297,7 +297,7 @@ fn choice(name: &str) -> Option<Choice> {
         .collect();
     let choice = Choice::of(&candidates, &speeds);
     println!("{name}: {choice:#?} in {:.1?}", begin.elapsed());
-    println!("{:?}", Coverage::of(&candidates[0].1));
+    println!("{:?}", Coverage::from_left_outs(&candidates[0].1));
     Some(choice)
 }
 
@@ -326,7 +326,7 @@ fn what_only_the_prior_says_is_named() {
     let model = model(Law::ExtendedTaylor, &taylor);
     let all: Vec<usize> = (0..model.edges()).collect();
     let posterior = sample(&model, &all, 2000, 1).expect("draws");
-    let found = Identifiability::of(&model, &posterior);
+    let found = Identifiability::from_model(&model, &posterior);
     println!("{found:?}");
     let depth =
         model.parameters().iter().position(|parameter| parameter.name.ends_with("depth_exponent")).expect("named");

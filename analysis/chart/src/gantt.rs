@@ -80,8 +80,8 @@ impl Gantt {
 
     /// Adds an interval. The label is written where it fits and shown on hovering.
     #[must_use]
-    pub fn interval(mut self, row: usize, kind: usize, from: f64, to: f64, label: impl Into<String>) -> Self {
-        self.intervals.push(Interval { row, kind, from, to, label: label.into() });
+    pub fn interval(mut self, row: usize, kind: usize, start: f64, end: f64, label: impl Into<String>) -> Self {
+        self.intervals.push(Interval { row, kind, from: start, to: end, label: label.into() });
         self
     }
 

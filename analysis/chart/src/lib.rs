@@ -41,7 +41,7 @@ pub use files::ResultFiles;
 pub use gantt::Gantt;
 pub use heat::{ColourMap, HeatMap};
 pub use histogram::Histogram;
-pub use lobes::{StabilityLobes, Standing};
+pub use lobes::{PointStability, StabilityLobes};
 pub use plot::Plot;
 pub use ranges::Intervals;
 pub use raster::png;

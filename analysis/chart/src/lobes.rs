@@ -9,7 +9,7 @@ const CLOSE: f64 = 0.1;
 
 /// How an operating point stands to its boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Standing {
+pub enum PointStability {
     /// Stable with a margin of a tenth at least, or without any limit.
     Stable,
     /// Stable, by less.
@@ -18,7 +18,7 @@ pub enum Standing {
     Unstable,
 }
 
-impl Standing {
+impl PointStability {
     /// All, the best first.
     pub const ALL: [Self; 3] = [Self::Stable, Self::Close, Self::Unstable];
 
@@ -30,7 +30,7 @@ impl Standing {
     /// assert_eq!(Standing::of(true, Some(0.05)), Standing::Close);
     /// ```
     #[must_use]
-    pub fn of(stable: bool, margin: Option<f64>) -> Self {
+    pub fn from_stable(stable: bool, margin: Option<f64>) -> Self {
         match (stable, margin) {
             (false, _) => Self::Unstable,
             (true, Some(margin)) if margin < CLOSE => Self::Close,
@@ -111,9 +111,9 @@ impl StabilityLobes {
     /// Adds an operating point of a group. Named groups have a marker each and stand in the legend
     /// once, with the worst of their points.
     #[must_use]
-    pub fn point(mut self, group: &str, at: (f64, f64), standing: Standing) -> Self {
-        let known = self.groups.iter().position(|(name, _)| name == group);
-        let index = known.unwrap_or_else(|| {
+    pub fn point(mut self, group: &str, at: (f64, f64), standing: PointStability) -> Self {
+        let position = self.groups.iter().position(|(name, _)| name == group);
+        let index = position.unwrap_or_else(|| {
             self.groups.push((group.to_owned(), Default::default()));
             self.groups.len() - 1
         });
@@ -124,7 +124,7 @@ impl StabilityLobes {
     /// The boundaries, then the points on top of them.
     pub(super) fn layers(&self) -> impl Iterator<Item = Layer> {
         let points = self.groups.iter().enumerate().flat_map(|(i, (name, standings))| {
-            let mut shown: Vec<_> = Standing::ALL.into_iter().zip(standings).collect();
+            let mut shown: Vec<_> = PointStability::ALL.into_iter().zip(standings).collect();
             shown.retain(|(_, points)| !points.is_empty());
             let worst = shown.last().map(|(standing, _)| *standing);
             shown.into_iter().map(move |(standing, points)| {

@@ -37,8 +37,8 @@ impl Rows {
     }
 
     /// The rectangle between two values in row `i`, `share` of the row high.
-    pub fn block(&self, i: usize, from: f64, to: f64, share: f64) -> Option<Area> {
-        let (a, b) = (self.x.at(from)?, self.x.at(to)?);
+    pub fn block(&self, i: usize, start: f64, end: f64, share: f64) -> Option<Area> {
+        let (a, b) = (self.x.at(start)?, self.x.at(end)?);
         let half = 0.5 * share * self.row;
         let within = |x: f64| x.clamp(self.area.left, self.area.right);
         Some(Area::new(within(a.min(b)), self.middle(i) - half, within(a.max(b)), self.middle(i) + half))

@@ -416,7 +416,7 @@ impl Case {
             Figure::Delivered(_) => ("vehicle.toml", VEHICLE),
         };
         let file = parse(name, text, &changes).unwrap_or_else(|error| panic!("{}: {error}", self.claim));
-        let policy = Arc::new(ResolvedPolicy::of(&file.scenario, 0)?);
+        let policy = Arc::new(ResolvedPolicy::from_scenario(&file.scenario, 0)?);
         let part = match self.figure {
             Figure::StayOf(part, _) => Some(part),
             Figure::Assembled(_) => Some(2), // after its two components

@@ -61,7 +61,7 @@ impl Batch {
 
 impl Gram {
     /// Sums over `batches` where each kind of local factor has its scale; the parts are kept as folds where asked.
-    pub fn of(batches: &[Batch], local_scale: &[f64], keep: bool) -> Self {
+    pub fn from_batches(batches: &[Batch], local_scale: &[f64], keep: bool) -> Self {
         let size = batches.first().map_or(0, |batch| batch.squares.ncols());
         let mut gram = Self {
             folds: Vec::new(),

@@ -4,7 +4,7 @@ use crate::count::{LEVEL, garwood, poisson_mid_p};
 use crate::fact::{Fact, Quantity};
 use crate::renewal::Renewal;
 use crate::times::fisher;
-use crate::told::Told;
+use crate::told::FactDetail;
 use statrs::function::gamma::{gamma_lr, gamma_ur};
 
 /// Level and dispersion of counts.
@@ -26,10 +26,10 @@ impl LevelAndDispersion {
     /// # Examples
     /// ```
     /// use toolroom_facts::arrivals::LevelAndDispersion;
-    /// let test = LevelAndDispersion::of(&[6, 9, 2, 11, 5, 3, 8, 1, 13, 6, 4, 7], 6.0);
+    /// let test = LevelAndDispersion::from_counts(&[6, 9, 2, 11, 5, 3, 8, 1, 13, 6, 4, 7], 6.0);
     /// assert!((test.chi_square - 23.8333).abs() < 1e-4 && (test.dispersion - 0.042_857_9).abs() < 1e-6);
     /// ```
-    pub fn of(counts: &[u64], mean: f64) -> Self {
+    pub fn from_counts(counts: &[u64], mean: f64) -> Self {
         let periods = counts.len() as f64;
         let level = poisson_mid_p(counts.iter().sum(), mean * periods);
         let chi_square = counts.iter().map(|count| (*count as f64 - mean).powi(2) / mean).sum::<f64>();
@@ -50,14 +50,14 @@ pub fn arrivals(place: &str, counts: &[u64], period: f64, interval: f64) -> Opti
     if counts.is_empty() || !(mean > 0.0 && mean.is_finite()) {
         return None;
     }
-    let test = LevelAndDispersion::of(counts, mean);
+    let test = LevelAndDispersion::from_counts(counts, mean);
     let (total, time) = (counts.iter().sum::<u64>(), period * counts.len() as f64);
     let [low, high] = garwood(total, 0.9);
     Some(Fact {
         quantity: Quantity::ArrivalInterval,
         place: place.to_owned(),
         pooled: false,
-        told: Told::default(),
+        told: FactDetail::default(),
         count: total,
         expected: mean * counts.len() as f64,
         p: test.combined,
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn level_and_dispersion_are_those_computed_independently() {
-        let test = LevelAndDispersion::of(&[6, 9, 2, 11, 5, 3, 8, 1, 13, 6, 4, 7], 6.0);
+        let test = LevelAndDispersion::from_counts(&[6, 9, 2, 11, 5, 3, 8, 1, 13, 6, 4, 7], 6.0);
         for (found, reference) in
             [(test.level, 0.711_391), (test.chi_square, 143.0 / 6.0), (test.dispersion, 0.042_857_9)]
         {

@@ -1,7 +1,7 @@
 //! What is said of a fact.
 
 use crate::count::LEVEL;
-use crate::told::Told;
+use crate::told::FactDetail;
 use serde_json::{Value, json};
 
 /// Factor on a constant below which a rejected fact is no finding (1). Assumption: a planner does not move a
@@ -145,7 +145,7 @@ pub struct Fact {
     /// Whether that is a pool of several machines.
     pub pooled: bool,
     /// In which shifts alone, and what effect of the catalogue would show the same.
-    pub told: Told,
+    pub told: FactDetail,
     /// Events, times or parts that were seen.
     pub count: u64,
     /// How many the file lets expect; of times as many as were seen.
@@ -301,7 +301,7 @@ mod tests {
             quantity: Quantity::TimeBetweenFailures,
             place: "L1".to_owned(),
             pooled: false,
-            told: Told::default(),
+            told: FactDetail::default(),
             count: 10,
             expected: 20.0,
             p,

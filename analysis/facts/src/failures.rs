@@ -3,7 +3,7 @@
 use crate::count::LEVEL;
 use crate::fact::{Fact, Quantity};
 use crate::renewal::Renewal;
-use crate::told::Told;
+use crate::told::FactDetail;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use toolroom_scenario::Distribution;
@@ -52,7 +52,7 @@ pub fn time_between(history: &History, law: &Distribution, visible: f64, seed: u
         quantity: Quantity::TimeBetweenFailures,
         place: history.place.clone(),
         pooled: history.pooled,
-        told: Told::default(),
+        told: FactDetail::default(),
         count: history.failures,
         expected,
         p,
@@ -105,7 +105,7 @@ pub fn shape(history: &History, law: &Distribution, seed: u64) -> Option<Fact> {
         quantity: Quantity::FailureShape,
         place: history.place.clone(),
         pooled: history.pooled,
-        told: Told::default(),
+        told: FactDetail::default(),
         count: count as u64,
         expected: count as f64,
         p,

@@ -27,7 +27,7 @@ pub struct RelativeLaw {
 
 /// What a sample is compared by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Against {
+pub(crate) enum Reference {
     /// The standard deviation over the mean of the sample: its times are those of the law by a factor.
     OwnMean,
     /// The standard deviation over the mean of the law: something is added to every time.
@@ -63,7 +63,7 @@ impl RelativeLaw {
     ///
     /// Where hardly any replicated sample lies beyond, the gamma distribution of the same mean and variance continues the
     /// tail (Satterthwaite 1946), and it is taken at once of large samples.
-    pub(crate) fn p(&self, count: usize, deviation: f64, against: Against, clock: f64) -> f64 {
+    pub(crate) fn p(&self, count: usize, deviation: f64, against: Reference, clock: f64) -> f64 {
         let (law, square) = (self.variation * self.variation, deviation * deviation);
         let n = count as f64;
         let free = 2.0 / ((self.kurtosis - 3.0) / n + 2.0 / (n - 1.0));
@@ -83,8 +83,8 @@ impl RelativeLaw {
         for _ in 0..SAMPLES {
             let sample: Moments = (0..count).map(|_| self.drawn[random.random_range(0..DRAWN)]).collect();
             let mean = match against {
-                Against::OwnMean => sample.mean(),
-                Against::MeanOfLaw => 1.0,
+                Reference::OwnMean => sample.mean(),
+                Reference::MeanOfLaw => 1.0,
             };
             let own = (sample.standard_deviation() / mean).powi(2);
             below += f64::from(u8::from(own <= square));
@@ -115,7 +115,7 @@ mod tests {
                 let mut random = ChaCha8Rng::seed_from_u64(seed + 7);
                 let draw = |_| Distribution::Lognormal { mean: 60.0, cv }.quantile(random.random());
                 let sample: Moments = (0..count).map(draw).collect();
-                law.p(count, sample.standard_deviation() / sample.mean(), Against::OwnMean, 0.0) < 0.05
+                law.p(count, sample.standard_deviation() / sample.mean(), Reference::OwnMean, 0.0) < 0.05
             });
             // Of 400 at 5 %: 20 with a standard deviation of 4.4.
             let rejected = rejected.count();
@@ -129,11 +129,11 @@ mod tests {
         let law = RelativeLaw::new(|uniform| {
             Distribution::Normal { mean: 60.0, sd: 3.0, low: 0.0, high: f64::INFINITY }.quantile(uniform())
         });
-        let p = law.p(60, 1.31 * law.variation(), Against::MeanOfLaw, 0.0);
+        let p = law.p(60, 1.31 * law.variation(), Reference::MeanOfLaw, 0.0);
         assert!((p / 1.0336e-3 - 1.0).abs() < 0.5, "{p}");
-        assert!(law.p(60, 3.0 * law.variation(), Against::MeanOfLaw, 0.0) < 1e-12);
+        assert!(law.p(60, 3.0 * law.variation(), Reference::MeanOfLaw, 0.0) < 1e-12);
         // An error of the clock explains what scatters more, and nothing that scatters less.
-        let with = |deviation: f64| law.p(60, deviation, Against::MeanOfLaw, law.variation());
+        let with = |deviation: f64| law.p(60, deviation, Reference::MeanOfLaw, law.variation());
         assert!(with(1.4 * law.variation()) > 0.5 && with(0.6 * law.variation()) < 1e-4);
     }
 }

@@ -44,4 +44,4 @@ mod told;
 pub mod waits;
 
 pub use fact::{Fact, Finding, Quantity, adjusted, findings, slight};
-pub use told::{Delay, Told};
+pub use told::{Delay, FactDetail};

@@ -6,8 +6,8 @@
 
 use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
-use crate::law::{Against, RelativeLaw};
-use crate::told::{Delay, Told};
+use crate::law::{Reference, RelativeLaw};
+use crate::told::{Delay, FactDetail};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use toolroom_statistics::{Moments, student};
 
@@ -78,7 +78,7 @@ fn middle(timed: &Timed<'_>, model: f64, (mean, error): (f64, f64), scatter: Opt
     let delay = Delay { effect: timed.effect, size: mean, standard_error: error, told };
     let delay = (mean > 0.0 && !constant).then_some(delay);
     Some(Fact {
-        told: Told { shifts: timed.shifts.to_vec(), delay },
+        told: FactDetail { shifts: timed.shifts.to_vec(), delay },
         p,
         tests: vec![("middle", p)],
         model,
@@ -93,7 +93,7 @@ impl Timed<'_> {
     /// A fact of these times of which nothing is said.
     fn untold(&self, quantity: Quantity) -> Fact {
         let count = self.pairs.len();
-        let (place, told) = (self.place.to_owned(), Told { shifts: self.shifts.to_vec(), delay: None });
+        let (place, told) = (self.place.to_owned(), FactDetail { shifts: self.shifts.to_vec(), delay: None });
         let (pooled, expected) = (self.pooled, count as f64);
         let (p, tests, model, estimate) = (1.0, Vec::new(), f64::NAN, f64::NAN);
         let (ci90, least_seen, count) = ([f64::NAN; 2], [f64::NAN; 2], count as u64);
@@ -154,8 +154,8 @@ fn scattered(timed: &Timed<'_>, model: f64) -> Option<Scattered> {
     let error = if kurtosis.is_finite() { ((kurtosis - 1.0).max(0.0) / (4.0 * (n - 1.0))).sqrt() } else { 0.0 };
     let (of_factor, of_summand, clock) = (deviation / mean, deviation, CLOCK / model);
     Some(Scattered {
-        factor: timed.law.p(count, of_factor, Against::OwnMean, clock / mean),
-        summand: timed.law.p(count, of_summand, Against::MeanOfLaw, clock),
+        factor: timed.law.p(count, of_factor, Reference::OwnMean, clock / mean),
+        summand: timed.law.p(count, of_summand, Reference::MeanOfLaw, clock),
         of_factor,
         of_summand,
         error,

@@ -2,7 +2,7 @@
 
 use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
-use crate::told::Told;
+use crate::told::FactDetail;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::erf::erfc;
 
@@ -50,7 +50,7 @@ pub fn spread(quantity: Quantity, place: &str, recorded: &[Vec<f64>], drawn: &[f
         quantity,
         place: place.to_owned(),
         pooled: false,
-        told: Told::default(),
+        told: FactDetail::default(),
         count,
         expected: count as f64,
         p,

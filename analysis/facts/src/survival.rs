@@ -2,7 +2,7 @@
 
 use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
-use crate::told::Told;
+use crate::told::FactDetail;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::erf::erfc;
 
@@ -83,7 +83,7 @@ pub fn lives(place: &str, recorded: &[Life], simulated: &[Life], prior: f64) -> 
         quantity: Quantity::EdgeLife,
         place: place.to_owned(),
         pooled: false,
-        told: Told::default(),
+        told: FactDetail::default(),
         count: ended(recorded) as u64,
         expected: ended(recorded) as f64,
         p,

@@ -2,7 +2,7 @@
 
 use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
-use crate::told::Told;
+use crate::told::FactDetail;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::erf::{erf, erfc};
 use statrs::function::gamma::{gamma_lr, gamma_ur};
@@ -38,10 +38,10 @@ impl MiddleAndScatter {
     /// use toolroom_facts::times::MiddleAndScatter;
     /// let variance = (0.4_f64 * 0.4).ln_1p();
     /// let mean = (3.6 - (25.0_f64.ln() - 0.5 * variance)) / variance.sqrt();
-    /// let test = MiddleAndScatter::of(20, mean, 0.52 / variance.sqrt(), 0.0);
+    /// let test = MiddleAndScatter::from_count(20, mean, 0.52 / variance.sqrt(), 0.0);
     /// assert!((test.z - 5.28566).abs() < 1e-5 && (test.combined / 7.924e-8 - 1.0).abs() < 1e-3);
     /// ```
-    pub fn of(count: u64, mean: f64, deviation: f64, prior: f64) -> Self {
+    pub fn from_count(count: u64, mean: f64, deviation: f64, prior: f64) -> Self {
         let n = count as f64;
         let z = mean / (1.0 / n + prior * prior).sqrt();
         let middle = erfc(z.abs() / std::f64::consts::SQRT_2);
@@ -128,7 +128,7 @@ pub fn times(
     let logarithms: Moments = times.iter().map(|time| time.max(1e-9).ln()).collect();
     let (middle, scatter) = logarithm(law);
     let known = if prior > 0.0 { prior / scatter } else { 0.0 };
-    let test = MiddleAndScatter::of(scores.count(), scores.mean(), scores.standard_deviation(), known);
+    let test = MiddleAndScatter::from_count(scores.count(), scores.mean(), scores.standard_deviation(), known);
     let count = times.len() as f64;
     let factor = (logarithms.mean() - middle).exp();
     let half = student(0.9, count - 1.0) * logarithms.standard_error();
@@ -139,7 +139,7 @@ pub fn times(
         quantity,
         place: place.to_owned(),
         pooled: false,
-        told: Told::default(),
+        told: FactDetail::default(),
         count: times.len() as u64,
         expected: count,
         p: test.combined,
@@ -161,7 +161,7 @@ mod tests {
     fn repairs_that_last_longer_and_scatter_more_have_the_probabilities_computed_independently() {
         let variance = (0.4_f64 * 0.4).ln_1p();
         let mean = (3.6 - (25.0_f64.ln() - 0.5 * variance)) / variance.sqrt();
-        let test = MiddleAndScatter::of(20, mean, 0.52 / variance.sqrt(), 0.0);
+        let test = MiddleAndScatter::from_count(20, mean, 0.52 / variance.sqrt(), 0.0);
         for (found, reference) in
             [(test.z, 5.285_66), (test.middle, 1.2525e-7), (test.scatter, 0.031_065_4), (test.combined, 7.924e-8)]
         {

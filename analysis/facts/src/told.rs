@@ -17,14 +17,14 @@ pub struct Delay {
 
 /// Where a fact holds, and what else would show it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Told {
+pub struct FactDetail {
     /// Shifts in which alone it was tested; all, if empty.
     pub shifts: Vec<String>,
     /// The effect that does the same; `None` where there is none, or where the log refuses it.
     pub delay: Option<Delay>,
 }
 
-impl Told {
+impl FactDetail {
     /// What to say behind the fact.
     pub fn words(&self) -> String {
         match &self.delay {

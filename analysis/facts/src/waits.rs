@@ -2,7 +2,7 @@
 
 use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
-use crate::told::Told;
+use crate::told::FactDetail;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use toolroom_statistics::Moments;
 
@@ -31,7 +31,7 @@ pub fn waits(place: &str, count: u64, recorded: f64, replicated: &[f64], score: 
         quantity: Quantity::QueueWait,
         place: place.to_owned(),
         pooled: false,
-        told: Told::default(),
+        told: FactDetail::default(),
         count,
         expected: count as f64,
         p,

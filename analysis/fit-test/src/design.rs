@@ -10,7 +10,7 @@ pub struct Group {
     /// Derivatives by what all groups share, a row a reading, per prior standard deviation.
     pub shared: DMatrix<f64>,
     /// Derivatives by what the group has of its own, per prior standard deviation.
-    pub own: DMatrix<f64>,
+    pub covariance: DMatrix<f64>,
     /// The fold with which it is left out.
     pub fold: usize,
 }
@@ -145,7 +145,7 @@ impl Design {
     pub fn add(&self, numbers: &[(DVector<f64>, Vec<DVector<f64>>)], columns: &mut [DVector<f64>]) {
         for (index, part) in self.parts.iter().enumerate() {
             for ((shared, locals), column) in numbers.iter().zip(columns.iter_mut()) {
-                let moved = &part.group.shared * shared + &part.group.own * &locals[index];
+                let moved = &part.group.shared * shared + &part.group.covariance * &locals[index];
                 let mut rows = column.rows_range_mut(part.rows.clone());
                 rows += moved;
             }
@@ -154,7 +154,7 @@ impl Design {
 
     /// Number of shared columns, and of those that each group has of its own.
     pub fn columns(&self) -> [usize; 2] {
-        [self.shared, self.parts.first().map_or(0, |part| part.group.own.ncols())]
+        [self.shared, self.parts.first().map_or(0, |part| part.group.covariance.ncols())]
     }
 
     /// For each of `signatures` the weights whose product with a column of residuals is its score after projection:
@@ -165,7 +165,7 @@ impl Design {
         let weigh = |columns: &DMatrix<f64>| {
             let mut to = columns.clone();
             for part in &self.parts {
-                let local = solved(&part.group.own, &columns.rows_range(part.rows.clone()).into_owned());
+                let local = solved(&part.group.covariance, &columns.rows_range(part.rows.clone()).into_owned());
                 to.rows_range_mut(part.rows.clone()).copy_from(&local);
             }
             to
@@ -193,7 +193,7 @@ impl Design {
 
 /// `V⁻¹ shared`.
 fn weighted(group: &Group) -> DMatrix<f64> {
-    solved(&group.own, &group.shared)
+    solved(&group.covariance, &group.shared)
 }
 
 /// `(1 + own·own')⁻¹ columns`.
@@ -223,9 +223,10 @@ fn factor(mut matrix: DMatrix<f64>) -> Cholesky<f64, Dyn> {
 fn sequence(group: &Group, without: &Cholesky<f64, Dyn>) -> Vec<Stretch> {
     let shared = without.l().solve_lower_triangular(&group.shared.transpose());
     let shared = shared.unwrap_or_else(|| DMatrix::zeros(group.shared.ncols(), group.shared.nrows()));
-    let (readings, counts, all) = (group.shared.nrows(), group.own.ncols(), group.own.ncols() + shared.nrows());
+    let (readings, counts, all) =
+        (group.shared.nrows(), group.covariance.ncols(), group.covariance.ncols() + shared.nrows());
     let mut scatter = DMatrix::zeros(readings, all);
-    scatter.columns_range_mut(..counts).copy_from(&group.own);
+    scatter.columns_range_mut(..counts).copy_from(&group.covariance);
     scatter.columns_range_mut(counts..).tr_copy_from(&shared);
     let mut unknown = DMatrix::<f64>::identity(all, all);
     let mut stretches = Vec::with_capacity(readings.div_ceil(LONGEST));
@@ -263,7 +264,7 @@ mod tests {
             .enumerate()
             .map(|(g, (rows, fold))| Group {
                 shared: DMatrix::from_fn(rows, 3, |i, j| value(i + g, j)),
-                own: DMatrix::from_fn(rows, 2, |i, j| value(j + 2 * g, i)),
+                covariance: DMatrix::from_fn(rows, 2, |i, j| value(j + 2 * g, i)),
                 fold,
             })
             .collect()
@@ -277,7 +278,7 @@ mod tests {
         for (g, group) in groups.iter().enumerate() {
             let n = group.shared.nrows();
             columns.view_mut((first, 0), (n, 3)).copy_from(&group.shared);
-            columns.view_mut((first, 3 + 2 * g), (n, 2)).copy_from(&group.own);
+            columns.view_mut((first, 3 + 2 * g), (n, 2)).copy_from(&group.covariance);
             first += n;
         }
         DMatrix::identity(rows, rows) + &columns * columns.transpose()
@@ -318,7 +319,7 @@ mod tests {
             let by_own = DMatrix::from_fn(count as usize, 1, |i, _| 0.12 * (i + 1) as f64);
             groups.push(Group {
                 shared: DMatrix::from_fn(count as usize, 1, |i, _| 0.1 * (i + 1) as f64),
-                own: by_own,
+                covariance: by_own,
                 fold,
             });
         }

@@ -30,10 +30,10 @@ impl Structured {
     /// use toolroom_fit_test::{Channel, Structured};
     /// let ramp: Vec<f64> = (0..8).map(f64::from).collect();
     /// let channel = Channel::new(vec![0..8], vec![ramp]);
-    /// let steep = Structured::of(&[-3.5, -2.6, -1.4, -0.5, 0.4, 1.5, 2.6, 3.5], &channel).unwrap();
+    /// let steep = Structured::from_scores(&[-3.5, -2.6, -1.4, -0.5, 0.4, 1.5, 2.6, 3.5], &channel).unwrap();
     /// assert!((steep.mean_square - 5.25).abs() < 0.1 && steep.error < 0.3);
     /// ```
-    pub fn of(scores: &[f64], channel: &Channel) -> Option<Self> {
+    pub fn from_scores(scores: &[f64], channel: &Channel) -> Option<Self> {
         let count = scores.len();
         let directions = directions(count, channel);
         if 2 * directions.len() > count || count == 0 {
@@ -143,7 +143,7 @@ mod tests {
                         scale * z
                     })
                     .collect();
-                Structured::of(&scores, &channel).unwrap()
+                Structured::from_scores(&scores, &channel).unwrap()
             };
             let draws: Vec<Structured> = (0..400).map(draw).collect();
             let count = draws.len() as f64;
@@ -172,7 +172,7 @@ mod tests {
                     0.5_f64.sqrt() * (slow + normal())
                 })
                 .collect();
-            Structured::of(&scores, &channel).unwrap()
+            Structured::from_scores(&scores, &channel).unwrap()
         };
         let draws: Vec<Structured> = (0..200).map(|_| draw()).collect();
         let mean = draws.iter().map(|own| own.mean_square).sum::<f64>() / 200.0;
@@ -194,7 +194,7 @@ mod tests {
                     let z: f64 = StandardNormal.sample(&mut random);
                     z + hidden(i)
                 };
-                Structured::of(&(0..168).map(noisy).collect::<Vec<f64>>(), &channel).unwrap().mean_square
+                Structured::from_scores(&(0..168).map(noisy).collect::<Vec<f64>>(), &channel).unwrap().mean_square
             };
             let mean = (0..100).map(&mut draw).sum::<f64>() / 100.0;
             // Three standard errors: one draw scatters by 0.16 (an independent calculation).
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn too_few_scores_for_their_directions_say_nothing() {
         let pairs = Channel::new((0..6).map(|i| 2 * i..2 * i + 2).collect(), vec![(0..12).map(f64::from).collect()]);
-        assert_eq!(Structured::of(&[0.5; 12], &pairs), None);
-        assert_eq!(Structured::of(&[], &Channel::default()), None);
+        assert_eq!(Structured::from_scores(&[0.5; 12], &pairs), None);
+        assert_eq!(Structured::from_scores(&[], &Channel::default()), None);
     }
 }

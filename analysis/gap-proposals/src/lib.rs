@@ -25,4 +25,4 @@ mod library;
 mod proposed;
 mod seen;
 
-pub use proposed::{Asking, NOTHING, Proposed, is_open, proposed};
+pub use proposed::{DescriptionRequest, NOTHING, Proposed, is_open, proposed};

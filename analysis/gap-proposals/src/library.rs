@@ -1,6 +1,6 @@
 //! Functions of what was recorded, each on each class of channels, as effects of a user.
 
-use crate::seen::{Seen, rounded};
+use crate::seen::{VaryingQuantity, rounded};
 
 /// Powers of a quantity over its median that are tried (assumption: laws of machining are power laws, and these are the usual
 /// exponents).
@@ -103,7 +103,7 @@ pub fn level() -> Function {
 }
 
 /// Functions of the quantities that were seen, each at most 1 over their ranges.
-pub fn functions(seen: &[Seen]) -> Vec<Function> {
+pub fn functions(seen: &[VaryingQuantity]) -> Vec<Function> {
     let mut all = Vec::new();
     let most = |values: &[f64]| rounded(values.iter().fold(0.0_f64, |most, value| most.max((value - 1.0).abs())));
     for (place, own) in seen.iter().enumerate() {
@@ -176,8 +176,8 @@ mod tests {
     use super::*;
     use toolroom_effects::{Context, Effect, Effects, UserEffect, parse_definitions};
 
-    fn quantities() -> Vec<Seen> {
-        let seen = |name, unit, least, middle, greatest| Seen { name, unit, least, middle, greatest };
+    fn quantities() -> Vec<VaryingQuantity> {
+        let seen = |name, unit, least, middle, greatest| VaryingQuantity { name, unit, least, middle, greatest };
         vec![
             seen("cutting_speed", "m/min", 120.0, 200.0, 260.0),
             seen("flank_wear", "mm", 0.0, 0.1, 0.3),

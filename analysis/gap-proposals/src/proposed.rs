@@ -1,7 +1,7 @@
 //! What describes the gap of a process of which no cause was named.
 
 use crate::library::{CLASSES, Class, Function, definition, functions, level};
-use crate::seen::{Seen, seen};
+use crate::seen::{VaryingQuantity, seen};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -11,7 +11,7 @@ use std::path::Path;
 use toolroom_apply::{Applied, applied_to, scope_json};
 use toolroom_effects::{Definition, parse_definitions};
 use toolroom_gap::{
-    Asked, Candidate, Diagnosis, EffectId, Forward, GapVerdict, Library, ModelFileError, NominalModel, Proposal,
+    Candidate, Diagnosis, EffectId, Forward, GapVerdict, Library, ModelFileError, NominalModel, ProcessData, Proposal,
     ProposedTerm, propose,
 };
 use toolroom_records::Records;
@@ -29,7 +29,7 @@ const NO_CAUSE: &str = "empirical, not a cause";
 
 /// A process whose gap is to be described.
 #[derive(Clone, Copy)]
-pub struct Asking<'a> {
+pub struct DescriptionRequest<'a> {
     /// Its word.
     pub process: &'a str,
     /// What was found of it.
@@ -76,7 +76,7 @@ pub fn is_open(process: &str, diagnosis: &Diagnosis) -> bool {
 ///
 /// # Errors
 /// [`ModelFileError::Defined`]: the model defines an effect by the id of a term.
-pub fn proposed(asking: &Asking<'_>) -> Result<Option<Proposed>, ModelFileError> {
+pub fn proposed(asking: &DescriptionRequest<'_>) -> Result<Option<Proposed>, ModelFileError> {
     if !is_open(asking.process, asking.diagnosis) {
         return Ok(None);
     }
@@ -113,7 +113,7 @@ fn is_structured(diagnosis: &Diagnosis, class: &Class) -> bool {
 
 /// The library of a process.
 struct Shelf<'a> {
-    seen: &'a [Seen],
+    seen: &'a [VaryingQuantity],
     /// Class and function of each definition.
     rows: Vec<(&'static str, Function)>,
     definitions: Vec<&'static Definition>,
@@ -122,7 +122,7 @@ struct Shelf<'a> {
 }
 
 impl<'a> Shelf<'a> {
-    fn new(asking: &Asking<'_>, seen: &'a [Seen], classes: &[&Class]) -> Self {
+    fn new(asking: &DescriptionRequest<'_>, seen: &'a [VaryingQuantity], classes: &[&Class]) -> Self {
         let functions = [functions(seen), vec![level()]].concat();
         let (mut rows, mut definitions, mut levels) = (Vec::new(), Vec::new(), Vec::new());
         for class in classes {
@@ -147,7 +147,7 @@ impl<'a> Shelf<'a> {
     }
 
     /// The model with the library, whose levels are tried on every part of the records, as named effects are.
-    fn model(&self, asking: &Asking<'_>) -> Result<NominalModel, ModelFileError> {
+    fn model(&self, asking: &DescriptionRequest<'_>) -> Result<NominalModel, ModelFileError> {
         let levels = self.levels.iter().map(|id| (*id, String::new()));
         let effects = asking.diagnosis.effects.iter();
         let named = effects.flat_map(|own| [(own.id, String::new()), (own.id, own.shape.clone())]);
@@ -181,7 +181,7 @@ impl<'a> Shelf<'a> {
 }
 
 /// The same model, each time without another part of its fitted groups.
-fn without(asking: &Asking<'_>, model: &NominalModel, whole: &dyn Forward) -> Vec<Asked> {
+fn without(asking: &DescriptionRequest<'_>, model: &NominalModel, whole: &dyn Forward) -> Vec<ProcessData> {
     let measured = &whole.frame().measured;
     let mut groups: Vec<&str> = measured.fitted_groups().map(|group| measured.groups[group].as_str()).collect();
     // Edges alternate between machines: every so many of them would be those of one.
@@ -203,12 +203,12 @@ fn named(diagnosis: &Diagnosis, model: &dyn Forward) -> Option<Vec<usize>> {
 }
 
 /// What is said of a proposal.
-fn told(asking: &Asking<'_>, shelf: &Shelf<'_>, library: &Library<'_>, found: &Proposal) -> Proposed {
+fn told(asking: &DescriptionRequest<'_>, shelf: &Shelf<'_>, library: &Library<'_>, proposal: &Proposal) -> Proposed {
     let Library { model, named, .. } = *library;
     let candidates = &model.frame().candidates;
-    let active: Vec<usize> = named.iter().copied().chain(found.terms.iter().map(|term| term.candidate)).collect();
-    let [without, with] = &found.points;
-    let applied = applied_to(model, model, &[], &found.basis, &active, Some([without, with]));
+    let active: Vec<usize> = named.iter().copied().chain(proposal.terms.iter().map(|term| term.candidate)).collect();
+    let [without, with] = &proposal.points;
+    let applied = applied_to(model, model, &[], &proposal.basis, &active, Some([without, with]));
     let words = |index: usize| {
         let where_to = model.written(index).scope.words();
         let id = candidates[index].id;
@@ -221,10 +221,10 @@ fn told(asking: &Asking<'_>, shelf: &Shelf<'_>, library: &Library<'_>, found: &P
         "1" => format!("{:.3}", term.size),
         unit => format!("{:.3} {unit}", term.size),
     };
-    let [low, high] = found.closure.ci90.map(|end| 100.0 * end);
+    let [low, high] = proposal.closure.ci90.map(|end| 100.0 * end);
     let closed = format!(
         "closes {:.0} % ({low:.0} … {high:.0}) of the gap on groups that had no part in the choice",
-        100.0 * found.closure.closed
+        100.0 * proposal.closure.closed
     );
     let mut text = format!(
         "# Terms that describe the gap of {}: {NO_CAUSE}. Together they {}.\n\
@@ -237,7 +237,7 @@ fn told(asking: &Asking<'_>, shelf: &Shelf<'_>, library: &Library<'_>, found: &P
         asking.file
     );
     let mut written: Vec<EffectId> = Vec::new();
-    for term in &found.terms {
+    for term in &proposal.terms {
         let own = words(term.candidate);
         let _ = writeln!(text, "\n# {own}: size {} ± {:.3}", with_unit(term), term.standard_error);
         let alike = as_good(term);
@@ -259,14 +259,14 @@ fn told(asking: &Asking<'_>, shelf: &Shelf<'_>, library: &Library<'_>, found: &P
             "size": { "value": term.size, "unit": unit(id), "se": term.standard_error }, "as_good": as_good(term),
         })
     };
-    let sizes = found.terms.iter().map(|term| format!("{} {}", words(term.candidate), with_unit(term)));
+    let sizes = proposal.terms.iter().map(|term| format!("{} {}", words(term.candidate), with_unit(term)));
     let note = format!("proposed ({NO_CAUSE}): {}; {closed}", sizes.collect::<Vec<_>>().join(" and "));
     let entry = json!({
         "kind": "empirical", "process": asking.process, "effect": asking.file,
-        "terms": found.terms.iter().map(term).collect::<Vec<_>>(),
-        "closure": { "closed": found.closure.closed, "ci90": found.closure.ci90, "before": found.closure.before,
-                     "after": found.closure.after },
-        "left_out": found.left_out, "note": NO_CAUSE,
+        "terms": proposal.terms.iter().map(term).collect::<Vec<_>>(),
+        "closure": { "closed": proposal.closure.closed, "ci90": proposal.closure.ci90, "before": proposal.closure.before,
+                     "after": proposal.closure.after },
+        "left_out": proposal.left_out, "note": NO_CAUSE,
     });
     Proposed { text, entry, note, applied }
 }

@@ -12,7 +12,7 @@ const VARIES: f64 = 1.05;
 
 /// A quantity of the context that varies, in its unit for people.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Seen {
+pub struct VaryingQuantity {
     /// Its name in formulas.
     pub name: &'static str,
     /// Unit for people.
@@ -30,9 +30,9 @@ pub fn rounded(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
 
-impl Seen {
+impl VaryingQuantity {
     /// The quantity called `name` with these values, SI; `None` where it does not vary.
-    fn of(name: &str, values: &[f64]) -> Option<Self> {
+    fn from_name(name: &str, values: &[f64]) -> Option<Self> {
         let field = vocabulary().find(|own| own.factor.is_none() && own.field.name == name)?.field;
         let shown = |value: &f64| unit::convert(*value, field.unit, field.display);
         let mut known: Vec<f64> =
@@ -69,7 +69,7 @@ impl Seen {
 }
 
 /// Quantities of the context that vary in records of `process`.
-pub fn seen(process: &str, records: &Records) -> Vec<Seen> {
+pub fn seen(process: &str, records: &Records) -> Vec<VaryingQuantity> {
     let column = |name: &str| records.numbers(name).map(<[f64]>::to_vec);
     let feed = if process == "milling" { "feed_per_tooth" } else { "feed_per_rev" };
     let quantities = [
@@ -83,7 +83,7 @@ pub fn seen(process: &str, records: &Records) -> Vec<Seen> {
         // The sensor is as old as the records.
         ("sensor_time", features::elapsed(records)),
     ];
-    quantities.iter().filter_map(|(name, values)| Seen::of(name, values.as_ref()?)).collect()
+    quantities.iter().filter_map(|(name, values)| VaryingQuantity::from_name(name, values.as_ref()?)).collect()
 }
 
 /// Time in cut of the edge of each row before it ends, s.

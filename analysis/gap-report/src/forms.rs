@@ -33,7 +33,7 @@ impl Page {
     }
 
     fn minutes(&self) -> Option<Minutes> {
-        Minutes::of(&self.readings, &self.rates)
+        Minutes::from_readings(&self.readings, &self.rates)
     }
 
     fn sentence(&self) -> String {

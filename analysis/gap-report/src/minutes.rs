@@ -41,7 +41,7 @@ pub struct Minutes {
 
 impl Minutes {
     /// Of readings of times; `None` where no time was measured, or not for a day.
-    pub fn of(readings: &Readings, rates: &Rates) -> Option<Self> {
+    pub fn from_readings(readings: &Readings, rates: &Rates) -> Option<Self> {
         let timed: Vec<usize> = (0..readings.channels.len())
             .filter(|channel| TIMES.contains(&readings.channels[*channel].name.as_str()))
             .collect();
@@ -105,11 +105,11 @@ mod tests {
         };
         let rates =
             Rates { currency: "EUR".to_owned(), by_machine: BTreeMap::from([("L1".to_owned(), 60.0 / 3600.0)]) };
-        let minutes = Minutes::of(&readings, &rates).expect("a week of times");
+        let minutes = Minutes::from_readings(&readings, &rates).expect("a week of times");
         let by_step: Vec<f64> = minutes.steps.iter().map(|step| step.minutes).collect();
         assert!((by_step[..4].iter().sum::<f64>() - by_step[4]).abs() < 1e-9, "{by_step:?}");
         assert_eq!(minutes.cost("feed_override").as_deref(), Some("2 min and 2 EUR a week"));
         assert!((by_step[2] - 2.0).abs() < 1e-12, "twenty operations, 6 s each");
-        assert!(Minutes::of(&Readings { list: vec![reading(0.0, 1.0)], ..readings }, &rates).is_none());
+        assert!(Minutes::from_readings(&Readings { list: vec![reading(0.0, 1.0)], ..readings }, &rates).is_none());
     }
 }

@@ -11,7 +11,7 @@ use toolroom_scenario::Scenario;
 
 impl Rates {
     /// Those of the machines of a scenario.
-    pub fn of(scenario: &Scenario) -> Self {
+    pub fn from_scenario(scenario: &Scenario) -> Self {
         let by_machine = scenario.machines.iter().map(|machine| (machine.name.clone(), machine.rate)).collect();
         Self { currency: scenario.currency.clone(), by_machine }
     }

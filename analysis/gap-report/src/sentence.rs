@@ -145,7 +145,7 @@ fn no_gap(diagnosis: &Diagnosis) -> String {
 mod tests {
     use super::*;
     use toolroom_effects::parse_definitions;
-    use toolroom_facts::{Fact, Finding, Quantity, Told};
+    use toolroom_facts::{Fact, FactDetail, Finding, Quantity};
     use toolroom_gap::{Cell, EffectId, NextExperiment, WEAR_RATE};
 
     fn diagnosis(verdict: GapVerdict) -> Diagnosis {
@@ -190,7 +190,7 @@ mod tests {
                     quantity: Quantity::TimeBetweenFailures,
                     place: "L1".to_owned(),
                     pooled: false,
-                    told: Told::default(),
+                    told: FactDetail::default(),
                     count: 10,
                     expected: 20.0,
                     p: 1e-4,

@@ -40,7 +40,7 @@ pub fn constants_of_facts(process: &str, diagnosis: &Diagnosis, known: &[Value])
 /// Entries of `applied.effects` for causes that a log tells from constants of the `scenario`. A size is that in all, with
 /// what the file states of it.
 pub fn causes_of_facts(process: &str, diagnosis: &Diagnosis, scenario: &Scenario) -> Vec<Value> {
-    let stated = &scenario.deviations;
+    let deviations = &scenario.deviations;
     let mut entries = Vec::new();
     for fact in found(diagnosis).filter(|fact| fact.is_cause()) {
         let Some(delay) = &fact.told.delay else { continue };
@@ -52,7 +52,7 @@ pub fn causes_of_facts(process: &str, diagnosis: &Diagnosis, scenario: &Scenario
         }
         let scope = Scope { names, ..Scope::default() };
         let same = |own: &&Deviation| own.effect.word() == delay.effect && own.scope == scope;
-        let before: f64 = stated.iter().filter(same).map(|own| own.size).sum();
+        let before: f64 = deviations.iter().filter(same).map(|own| own.size).sum();
         entries.push(json!({
             "kind": "cause", "id": delay.effect, "process": process, "target": "shop", "shape": {},
             "scope": scope_json(&scope),
@@ -102,9 +102,9 @@ fn is_moved(fact: &Fact, process: &str, known: &[Value]) -> bool {
     let mine = |own: &&Value| {
         own["process"] == process && own["parameter"] == fact.quantity.name() && own["scope"] == json!({})
     };
-    let mut moved = fact.model;
+    let mut model = fact.model;
     for own in known.iter().filter(mine) {
-        moved = moved * own["factor"].as_f64().unwrap_or(1.0) + own["summand"].as_f64().unwrap_or(0.0);
+        model = model * own["factor"].as_f64().unwrap_or(1.0) + own["summand"].as_f64().unwrap_or(0.0);
     }
-    moved != fact.model && !Fact { model: moved, ..fact.clone() }.is_far()
+    model != fact.model && !Fact { model: model, ..fact.clone() }.is_far()
 }

@@ -147,16 +147,16 @@ pub(crate) fn compared<const N: usize>(
 
 /// Mean wait of jobs before the machines of a pool, from the end of their operation before; of the first operation of a
 /// job no log tells it. Days of the record are batches.
-fn queue_wait(machines: &[String], seen: &Visits, [before, after]: [&[Visits]; 2]) -> Figure {
-    let waits = |seen: &Visits| recorded_waits(seen, |name| machines.iter().any(|own| own == name));
-    let mean = |seen: &Visits| waits(seen).iter().map(|(_, wait)| wait / 60.0).collect::<Moments>().mean();
+fn queue_wait(machines: &[String], visits: &Visits, [before, after]: [&[Visits]; 2]) -> Figure {
+    let waits = |visits: &Visits| recorded_waits(visits, |name| machines.iter().any(|own| own == name));
+    let mean = |visits: &Visits| waits(visits).iter().map(|(_, wait)| wait / 60.0).collect::<Moments>().mean();
     let mut days: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
-    for (ready, wait) in waits(seen) {
+    for (ready, wait) in waits(visits) {
         days.entry((ready / DAY).floor() as i64).or_default().push(wait / 60.0);
     }
     let days: Vec<f64> = days.into_values().map(|waits| waits.into_iter().collect::<Moments>().mean()).collect();
     let [nominal, applied] = [before, after].map(|logs| logs.iter().map(mean).collect());
-    let values = Replicated { recorded: mean(seen), error: error(&days), nominal, applied };
+    let values = Replicated { recorded: mean(visits), error: error(&days), nominal, applied };
     Figure { name: "queue_wait", station: Some(machines.join(", ")), unit: "min", values }
 }
 
@@ -181,32 +181,32 @@ const NAMES: [(&str, &str); 8] = [
 struct Figures([f64; NAMES.len()]);
 
 impl Figures {
-    fn of(shop: &Shop, seen: &Visits, mix: &BTreeMap<String, f64>, rates: &BTreeMap<String, f64>) -> Self {
-        let kpi = ShopKpi::of(shop, seen, mix);
+    fn of(shop: &Shop, visits: &Visits, mix: &BTreeMap<String, f64>, rates: &BTreeMap<String, f64>) -> Self {
+        let kpi = ShopKpi::from_shop(shop, visits, mix);
         let mut jobs: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
         let mut shifts: BTreeSet<(i64, String)> = BTreeSet::new();
         let mut cost = 0.0;
-        for visit in &seen.list {
+        for visit in &visits.list {
             let times = jobs.entry(&visit.job).or_insert((visit.start, visit.end));
             *times = (times.0.min(visit.start), times.1.max(visit.end));
-            let machine = &seen.machines[visit.machine];
+            let machine = &visits.machines[visit.machine];
             shifts.insert(((visit.start / DAY).floor() as i64, shop.shift(machine, visit.start)));
             let extra: f64 = visit.changes.iter().chain(&visit.holds).chain(&visit.stops).sum();
             let occupied = visit.cutting + visit.handling + visit.setup + extra;
             cost += rates.get(machine).copied().unwrap_or(0.0) * occupied;
         }
-        let earned: f64 = seen
+        let earned: f64 = visits
             .list
             .iter()
-            .filter_map(|visit| shop.programs.get(&seen.programs[visit.program]))
+            .filter_map(|visit| shop.programs.get(&visits.programs[visit.program]))
             .map(|own| own.time)
             .sum();
-        let in_shift: f64 = seen.in_shift.iter().flatten().map(|(from, to)| to - from).sum();
+        let in_shift: f64 = visits.in_shift.iter().flatten().map(|(from, to)| to - from).sum();
         let (mut up, mut down) = (0.0, 0.0);
-        for (machine, own) in seen.breakdowns.iter().enumerate() {
+        for (machine, own) in visits.breakdowns.iter().enumerate() {
             let repairs: f64 = own.repairs.iter().sum();
             (up, down) = (up + own.up, down + repairs);
-            cost += rates.get(&seen.machines[machine]).copied().unwrap_or(0.0) * repairs;
+            cost += rates.get(&visits.machines[machine]).copied().unwrap_or(0.0) * repairs;
         }
         let parts = jobs.len() as f64;
         let lead = jobs.values().map(|(from, to)| to - from).sum::<f64>() / parts;
@@ -224,23 +224,28 @@ impl Figures {
 }
 
 /// The log day by day: operations that began on it. Breakdowns have no day, and no part in it.
-fn by_day(seen: &Visits) -> Vec<Visits> {
+fn by_day(visits: &Visits) -> Vec<Visits> {
     let day = |time: f64| (time / DAY).floor() as i64;
-    let days: BTreeSet<i64> = seen.list.iter().map(|visit| day(visit.start)).collect();
+    let days: BTreeSet<i64> = visits.list.iter().map(|visit| day(visit.start)).collect();
     let one = |today: i64| {
-        let list = seen.list.iter().filter(|visit| day(visit.start) == today).cloned().collect();
+        let list = visits.list.iter().filter(|visit| day(visit.start) == today).cloned().collect();
         let (from, to) = (today as f64 * DAY, (today + 1) as f64 * DAY);
         let inside = |stays: &Vec<(f64, f64)>| {
             stays.iter().map(|own| (own.0.max(from), own.1.min(to))).filter(|own| own.0 < own.1).collect()
         };
-        Visits { list, breakdowns: Vec::new(), in_shift: seen.in_shift.iter().map(inside).collect(), ..seen.clone() }
+        Visits {
+            list,
+            breakdowns: Vec::new(),
+            in_shift: visits.in_shift.iter().map(inside).collect(),
+            ..visits.clone()
+        }
     };
     days.into_iter().map(one).collect()
 }
 
 /// Share of the time that each machine was not broken down.
-fn availabilities(seen: &Visits) -> Vec<f64> {
-    seen.breakdowns.iter().map(|own| own.up / (own.up + own.repairs.iter().sum::<f64>())).collect()
+fn availabilities(visits: &Visits) -> Vec<f64> {
+    visits.breakdowns.iter().map(|own| own.up / (own.up + own.repairs.iter().sum::<f64>())).collect()
 }
 
 /// Standard error of the mean of batches; those without a value do not count. Of fewer than two nothing is known: zero.

@@ -3,13 +3,13 @@
 use crate::GapStudyError;
 use std::path::{Path, PathBuf};
 use toolroom_apply::{Applied, Process, applied_to, model_hash};
-use toolroom_gap::{Asked, Diagnosed, NominalModel};
+use toolroom_gap::{DiagnosisWithBasis, NominalModel, ProcessData};
 use toolroom_records::{Records, write_csv};
 use toolroom_scenario::Calibration;
 use toolroom_shards::fingerprint;
 
 /// A model over its records.
-pub struct Known {
+pub struct RecordedModel {
     path: PathBuf,
     hash: String,
     process: &'static str,
@@ -18,10 +18,10 @@ pub struct Known {
     pub records: Option<Records>,
     aside: Vec<Calibration>,
     /// The model as its file states it, where calibration was set aside for the fit.
-    nominal: Option<Asked>,
+    nominal: Option<ProcessData>,
 }
 
-impl Known {
+impl RecordedModel {
     /// A model without usable records.
     pub fn nothing(model: &NominalModel, path: &Path, set: &[String]) -> Result<Self, GapStudyError> {
         let text = toolroom_form::bytes(path)
@@ -34,12 +34,12 @@ impl Known {
     }
 
     /// A model over its records, and the model that is fitted to them.
-    pub fn of(
+    pub fn from_nominal_model(
         model: NominalModel,
         path: &Path,
         set: &[String],
         records: &Records,
-        asked: &dyn Fn(&NominalModel) -> Asked,
+        asked: &dyn Fn(&NominalModel) -> ProcessData,
     ) -> Result<(Self, NominalModel), GapStudyError> {
         let mut known = Self::nothing(&model, path, set)?;
         let mut table = Vec::new();
@@ -63,7 +63,7 @@ impl Known {
     }
 
     /// The applied point of each part of a diagnosis.
-    pub fn applied(&self, asked: &Asked, diagnosed: &[Diagnosed]) -> Vec<Applied> {
+    pub fn applied(&self, asked: &ProcessData, diagnosed: &[DiagnosisWithBasis]) -> Vec<Applied> {
         let parts = asked.parts.iter().zip(diagnosed).enumerate();
         parts
             .map(|(i, (part, own))| {
@@ -82,7 +82,7 @@ impl Known {
 }
 
 /// Hash, rows and span of all records of a diagnosis.
-pub fn data(all: &[Known]) -> (String, usize, Option<(f64, f64)>) {
+pub fn data(all: &[RecordedModel]) -> (String, usize, Option<(f64, f64)>) {
     let hash = match all {
         [only] => only.data.clone(),
         _ => fingerprint(all.iter().map(|own| own.data.as_str()).collect::<Vec<_>>().join(" ").as_bytes()),

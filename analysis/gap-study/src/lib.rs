@@ -43,7 +43,9 @@ pub use error::GapStudyError;
 pub use figures::{Figure, figures, table};
 pub use rates::{RecoveryRate, rates, rates_table};
 pub use recorded::{RECORDED, recorded};
-pub use recovery::{ClosedFigure, Finding, GivenName, HiddenEntry, Put, RecoveredLog, RecoveryRequest, recovery};
+pub use recovery::{
+    ClosedFigure, FileWriter, Finding, GivenName, HiddenEntry, RecoveredLog, RecoveryRequest, recovery,
+};
 pub use request::{GapRequest, Reading};
 pub use study::{GapStudy, NAMES};
 pub use tables::{Table, tables};

@@ -24,7 +24,7 @@ impl Machines {
     ///
     /// # Errors
     /// [`GapStudyError`]: a file that cannot be read, events that are none.
-    pub fn of(
+    pub fn from_gap_request(
         request: &GapRequest<'_>,
         tables_of: &[Option<(NominalModel, Records)>],
         reading: &Reading<'_>,
@@ -40,7 +40,7 @@ impl Machines {
             None | Some(Err(RecordError::NoRows { wrong: false, .. })) => None,
             Some(read) => Some(reading.said(read)?),
         };
-        Ok(Some(Self { scenario, events, labels: ShiftLabels::of(records) }))
+        Ok(Some(Self { scenario, events, labels: ShiftLabels::from_records(records) }))
     }
 
     /// What the machines have recorded, beside what was found in the records of the process.

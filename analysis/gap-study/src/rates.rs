@@ -24,7 +24,7 @@ pub struct RecoveryRate {
 }
 
 impl RecoveryRate {
-    fn of(name: impl Into<String>, answers: impl IntoIterator<Item = bool>) -> Self {
+    fn from_name(name: impl Into<String>, answers: impl IntoIterator<Item = bool>) -> Self {
         let (count, of) = answers.into_iter().fold((0, 0), |(count, of), yes| (count + usize::from(yes), of + 1));
         Self { name: name.into(), count, of }
     }
@@ -44,39 +44,42 @@ impl RecoveryRate {
 pub fn rates(entries: &[HiddenEntry], logs: &[RecoveredLog]) -> Vec<RecoveryRate> {
     let verdict = |wanted: GapVerdict| logs.iter().map(move |log| log.verdict == wanted);
     let mut rates = vec![
-        RecoveryRate::of("no_gap", verdict(GapVerdict::NoGap)),
-        RecoveryRate::of("an effect named wrongly", logs.iter().map(RecoveredLog::wrong)),
-        RecoveryRate::of("a constant named by a fact", logs.iter().map(|log| !log.facts.is_empty())),
+        RecoveryRate::from_name("no_gap", verdict(GapVerdict::NoGap)),
+        RecoveryRate::from_name("an effect named wrongly", logs.iter().map(RecoveredLog::wrong)),
+        RecoveryRate::from_name("a constant named by a fact", logs.iter().map(|log| !log.facts.is_empty())),
     ];
     for other in GapVerdict::ALL.into_iter().filter(|own| *own != GapVerdict::NoGap) {
-        rates.push(RecoveryRate::of(other.name(), verdict(other)));
+        rates.push(RecoveryRate::from_name(other.name(), verdict(other)));
     }
     for (i, entry) in entries.iter().enumerate() {
         let place = if entry.scope.is_everywhere() { String::new() } else { format!(" ({})", entry.scope.words()) };
         let words = format!("{}{place}", entry.id);
         let own = || logs.iter().map(move |log| log.hidden[i]);
-        rates.push(RecoveryRate::of(format!("{words} found"), own().map(|own| own.found)));
-        rates.push(RecoveryRate::of(format!("{words}: scope right"), own().filter_map(|own| own.scope)));
-        rates.push(RecoveryRate::of(format!("{words}: interval holds the size"), own().filter_map(|own| own.covered)));
+        rates.push(RecoveryRate::from_name(format!("{words} found"), own().map(|own| own.found)));
+        rates.push(RecoveryRate::from_name(format!("{words}: scope right"), own().filter_map(|own| own.scope)));
+        rates.push(RecoveryRate::from_name(
+            format!("{words}: interval holds the size"),
+            own().filter_map(|own| own.covered),
+        ));
     }
     if entries.len() > 1 {
         let all = logs.iter().map(|log| log.hidden.iter().all(|own| own.found));
-        rates.push(RecoveryRate::of("everything hidden found", all));
+        rates.push(RecoveryRate::from_name("everything hidden found", all));
     }
     let fresh = || logs.iter().filter_map(|log| log.fresh);
-    rates.push(RecoveryRate::of(
+    rates.push(RecoveryRate::from_name(
         "no_gap on fresh records by the applied model",
         fresh().map(|own| own.0 == GapVerdict::NoGap),
     ));
-    rates.push(RecoveryRate::of("an effect named on fresh records", fresh().map(|own| own.1 > 0)));
+    rates.push(RecoveryRate::from_name("an effect named on fresh records", fresh().map(|own| own.1 > 0)));
     let mut names: Vec<&String> = logs.iter().flat_map(|log| &log.figures).map(|own| &own.name).collect();
     names.sort();
     names.dedup();
     for name in names {
         let own = || logs.iter().flat_map(|log| &log.figures).filter(move |own| own.name == *name);
         let told = own().filter(|own| own.truth >= CLOSES).map(|own| own.applied >= OF_TRUTH * own.truth);
-        rates.push(RecoveryRate::of(format!("{name} closes 0.8 of what the truth closes"), told));
-        rates.push(RecoveryRate::of(format!("gap of {name} grows"), own().map(|own| own.grew)));
+        rates.push(RecoveryRate::from_name(format!("{name} closes 0.8 of what the truth closes"), told));
+        rates.push(RecoveryRate::from_name(format!("gap of {name} grows"), own().map(|own| own.grew)));
     }
     rates.retain(|rate| rate.of > 0);
     rates

@@ -56,7 +56,7 @@ pub struct RecoveryRequest<'a> {
 }
 
 /// Writes a file, whose folder exists; refuses to replace what is not its own.
-pub type Put<'a, E> = &'a (dyn Fn(&Path, &[u8]) -> Result<(), E> + Sync);
+pub type FileWriter<'a, E> = &'a (dyn Fn(&Path, &[u8]) -> Result<(), E> + Sync);
 
 /// Records of a study are texts.
 pub(crate) fn no_other_table(path: &Path) -> Result<RawTable, RecordError> {
@@ -143,15 +143,15 @@ pub struct RecoveredLog {
 /// The entries of `truth` that `model` lacks.
 fn hidden(model: &Scenario, truth: &Scenario) -> Vec<HiddenEntry> {
     let entries = |scenario: &Scenario| {
-        let of_shop = scenario.deviations.iter().map(|own| {
-            let (id, entry) = (EffectId::from(own.effect), own.effect.entry());
-            let size = unit::convert(own.size, entry.size.unit, entry.size.display);
-            HiddenEntry { id, scope: own.scope.clone(), size, unit: entry.size.display }
+        let of_shop = scenario.deviations.iter().map(|deviation| {
+            let (id, entry) = (EffectId::from(deviation.effect), deviation.effect.entry());
+            let size = unit::convert(deviation.size, entry.size.unit, entry.size.display);
+            HiddenEntry { id, scope: deviation.scope.clone(), size, unit: entry.size.display }
         });
-        let of_tools = scenario.tools.iter().flat_map(|tool| &tool.variants.effects).map(|own| {
-            let (id, entry) = (EffectId::from(&own.effect), own.effect.entry());
-            let size = unit::convert(own.effect.size(), entry.size.unit, entry.size.display);
-            HiddenEntry { id, scope: own.scope.clone(), size, unit: entry.size.display }
+        let of_tools = scenario.tools.iter().flat_map(|tool| &tool.variants.effects).map(|tool| {
+            let (id, entry) = (EffectId::from(&tool.effect), tool.effect.entry());
+            let size = unit::convert(tool.effect.size(), entry.size.unit, entry.size.display);
+            HiddenEntry { id, scope: tool.scope.clone(), size, unit: entry.size.display }
         });
         of_shop.chain(of_tools).collect::<Vec<HiddenEntry>>()
     };
@@ -170,7 +170,7 @@ fn hidden(model: &Scenario, truth: &Scenario) -> Vec<HiddenEntry> {
 /// and what `put` refuses.
 pub fn recovery<E: From<GapStudyError> + Send>(
     request: &RecoveryRequest<'_>,
-    put: Put<'_, E>,
+    put: FileWriter<'_, E>,
     progress: &(dyn Fn(u32, u32) + Sync),
 ) -> Result<(Vec<HiddenEntry>, Vec<RecoveredLog>), E> {
     let truth = request.truth.unwrap_or(request.model);
@@ -191,7 +191,7 @@ pub fn recovery<E: From<GapStudyError> + Send>(
 
 fn log<E: From<GapStudyError>>(
     request: &RecoveryRequest<'_>,
-    put: Put<'_, E>,
+    put: FileWriter<'_, E>,
     (truth, entries): (&Path, &[HiddenEntry]),
     seed: u64,
 ) -> Result<RecoveredLog, E> {
@@ -236,7 +236,7 @@ fn log<E: From<GapStudyError>>(
 /// What an applied model makes of the key figures and of fresh records.
 fn after<E: From<GapStudyError>>(
     request: &RecoveryRequest<'_>,
-    put: Put<'_, E>,
+    put: FileWriter<'_, E>,
     (truth, seed): (&Path, u64),
     (folder, better): (&Path, &Path),
     log: &mut RecoveredLog,
@@ -265,7 +265,7 @@ fn closed(figure: &Figure, by_truth: &[Figure]) -> Option<ClosedFigure> {
 /// Records of a run of the truth, as tables of `folder`.
 fn simulated<E: From<GapStudyError>>(
     request: &RecoveryRequest<'_>,
-    put: Put<'_, E>,
+    put: FileWriter<'_, E>,
     (truth, seed): (&Path, u64),
     folder: &Path,
 ) -> Result<(), E> {

@@ -1,7 +1,7 @@
 //! The diagnosis of a data set, with its documents.
 
 use crate::constants::{causes_of_facts, complete, constants_of_facts, drop_said_twice};
-use crate::known::{self, Known};
+use crate::known::{self, RecordedModel};
 use crate::machines::Machines;
 use crate::user_effects::refused_in;
 use crate::{GapRequest, GapStudyError, Reading, Table, tables, usable};
@@ -14,10 +14,10 @@ use toolroom_effects::Definition;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{
-    Answers, Asked, Diagnosed, Diagnosis, EffectId, EffectRefusal, Forward, GapVerdict, NextExperiment, NominalModel,
-    NominalProcess, Point, add_dynamics, diagnosed_processes, joined,
+    Answers, Diagnosis, DiagnosisWithBasis, EffectId, EffectRefusal, Forward, GapVerdict, NextExperiment, NominalModel,
+    NominalProcess, Point, ProcessData, add_dynamics, diagnosed_processes, joined,
 };
-use toolroom_gap_proposals::{Asking, NOTHING, Proposed, is_open, proposed};
+use toolroom_gap_proposals::{DescriptionRequest, NOTHING, Proposed, is_open, proposed};
 use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
 use toolroom_records::{ColumnKind, Records};
 
@@ -39,9 +39,9 @@ pub struct GapStudy {
 }
 
 /// A process before it is diagnosed.
-struct Prepared {
-    asked: Asked,
-    known: Known,
+struct PreparedProcess {
+    asked: ProcessData,
+    known: RecordedModel,
     /// Model and records; none where the table holds no usable row.
     table: Option<(NominalModel, Records)>,
 }
@@ -58,7 +58,7 @@ impl GapStudy {
             tables.into_iter().zip(request.models).map(|(table, path)| prepared(table, path, request, reading));
         let (mut asked, mut stated, mut rest) = (Vec::new(), Vec::new(), Vec::new());
         for one in prepared {
-            let Prepared { asked: own, known, table } = one?;
+            let PreparedProcess { asked: own, known, table } = one?;
             asked.push(own);
             stated.push(known);
             rest.push(table);
@@ -83,7 +83,7 @@ impl GapStudy {
         let proposals = proposals(request, &mut answers, &rest, (&stated, &asked))?;
         let with_records = stated.iter().zip(&points).filter_map(|(known, own)| Some((known.records.as_ref()?, own)));
         let predictions = with_records.flat_map(|(records, points)| predictions_of(records, points)).collect();
-        let machines = Machines::of(request, &rest, reading)?;
+        let machines = Machines::from_gap_request(request, &rest, reading)?;
         let pages = completed(request, &mut answers, rest, &asked, machines.as_ref());
         let processes: Vec<Process<'_>> = stated.iter().zip(&points).map(|(known, own)| known.process(own)).collect();
         let mut document = document(answers.json(), &processes, known::data(&stated));
@@ -126,13 +126,18 @@ fn prepared(
     path: &Path,
     request: &GapRequest<'_>,
     reading: &Reading<'_>,
-) -> Result<Prepared, GapStudyError> {
+) -> Result<PreparedProcess, GapStudyError> {
     let Table { model, records } = table;
     let mut records = match records {
         Ok(records) => records,
         Err(why) => {
-            let asked = Asked { process: model.kind().name(), parts: Vec::new(), notes: vec![why], impossible: 0 };
-            return Ok(Prepared { asked, known: Known::nothing(&model, path, request.set)?, table: None });
+            let asked =
+                ProcessData { process: model.kind().name(), parts: Vec::new(), notes: vec![why], impossible: 0 };
+            return Ok(PreparedProcess {
+                asked,
+                known: RecordedModel::nothing(&model, path, request.set)?,
+                table: None,
+            });
         }
     };
     let mut outside: Vec<String> = Vec::new();
@@ -147,7 +152,7 @@ fn prepared(
         outside.iter().any(|own| own == name) || (every < usize::MAX && index % every == every - 1)
     };
     let asked = |model: &NominalModel| model.asked(&records, request.group, held);
-    let (known, model) = Known::of(model, path, request.set, &records, &asked)?;
+    let (known, model) = RecordedModel::from_nominal_model(model, path, request.set, &records, &asked)?;
     let asked = asked(&model);
     if asked.parts.iter().all(|part| part.frame().measured.is_empty())
         && !only_values_are_missing(&model, &records, &asked)
@@ -155,7 +160,7 @@ fn prepared(
         return Err(GapStudyError::NothingMeasured { notes: asked.notes });
     }
     usable(&asked, &records)?;
-    Ok(Prepared { asked, known, table: Some((model, records)) })
+    Ok(PreparedProcess { asked, known, table: Some((model, records)) })
 }
 
 /// Adds what facts contradict to what an application writes.
@@ -181,7 +186,7 @@ fn proposals(
     request: &GapRequest<'_>,
     answers: &mut Answers,
     tables: &[Option<(NominalModel, Records)>],
-    (stated, asked): (&[Known], &[Asked]),
+    (stated, asked): (&[RecordedModel], &[ProcessData]),
 ) -> Result<Vec<(usize, Proposed)>, GapStudyError> {
     let Some(file) = request.propose else { return Ok(Vec::new()) };
     let mut all = Vec::new();
@@ -196,7 +201,7 @@ fn proposals(
         }
         let held = |name: &str| !fitted(&asked[place], name);
         let (path, group, seed) = (&request.models[place], request.group, request.seed);
-        let asking = Asking { process, diagnosis, model, path, records, group, held: &held, file, seed };
+        let asking = DescriptionRequest { process, diagnosis, model, path, records, group, held: &held, file, seed };
         match proposed(&asking)? {
             Some(own) => {
                 diagnosis.notes.insert(0, own.note.clone());
@@ -213,17 +218,17 @@ fn proposals(
 fn split(
     answers: &Answers,
     tables: &[Option<(NominalModel, Records)>],
-    stated: &[Known],
-    asked: &[Asked],
+    stated: &[RecordedModel],
+    asked: &[ProcessData],
     request: &GapRequest<'_>,
-) -> Option<Vec<Asked>> {
+) -> Option<Vec<ProcessData>> {
     let mut any = false;
     let mut all = Vec::new();
     for (i, (process, diagnosis)) in answers.processes.iter().enumerate() {
         let own = &asked[i];
         let Some((model, records)) = &tables[i] else {
             let (notes, impossible) = (own.notes.clone(), own.impossible);
-            all.push(Asked { process, parts: Vec::new(), notes, impossible });
+            all.push(ProcessData { process, parts: Vec::new(), notes, impossible });
             continue;
         };
         // Records that the model has seen are held against what it was before them, which has no parts.
@@ -239,7 +244,7 @@ fn split(
 }
 
 /// Whether a group is part of the fit.
-fn fitted(asked: &Asked, name: &str) -> bool {
+fn fitted(asked: &ProcessData, name: &str) -> bool {
     let measured = asked.parts.iter().map(|part| &part.frame().measured);
     measured.flat_map(|own| own.groups.iter().zip(&own.fitted)).any(|(group, fitted)| group == name && *fitted)
 }
@@ -308,8 +313,8 @@ const LIKELY: f64 = 4.0;
 const MOST_SPLIT: usize = 2;
 
 /// Whether a diagnosis names an effect that acts on a part of the records and that the first one did not know.
-fn names_a_part(answers: &Answers, before: &[Asked], now: &[Asked]) -> bool {
-    let knows = |asked: &Asked, id: EffectId, shape: &str| {
+fn names_a_part(answers: &Answers, before: &[ProcessData], now: &[ProcessData]) -> bool {
+    let knows = |asked: &ProcessData, id: EffectId, shape: &str| {
         let candidates = asked.parts.iter().flat_map(|part| &part.frame().candidates);
         candidates.into_iter().any(|own| own.id == id && own.shape == shape)
     };
@@ -319,7 +324,7 @@ fn names_a_part(answers: &Answers, before: &[Asked], now: &[Asked]) -> bool {
 }
 
 /// Whether a table in which nothing was measured has a place for it, so that more rows are all it lacks.
-fn only_values_are_missing(model: &NominalModel, records: &Records, asked: &Asked) -> bool {
+fn only_values_are_missing(model: &NominalModel, records: &Records, asked: &ProcessData) -> bool {
     if let NominalProcess::Shop(_) = model.process {
         return visits(records).list.is_empty();
     }
@@ -330,16 +335,16 @@ fn only_values_are_missing(model: &NominalModel, records: &Records, asked: &Aske
 /// The first row in which an effect of a user gives no value at the size that was found.
 fn refused_at(part: &dyn Forward, applied: &Applied) -> Option<EffectRefusal> {
     let (frame, mut point) = (part.frame(), Point::nominal(part));
-    for found in &applied.effects {
-        let stated = frame.words.effects.iter().find(|(own, _)| *own == found.candidate);
-        point.effects[found.candidate] = found.size - stated.map_or(0.0, |(_, size)| *size);
+    for effect in &applied.effects {
+        let stated = frame.words.effects.iter().find(|(own, _)| *own == effect.candidate);
+        point.effects[effect.candidate] = effect.size - stated.map_or(0.0, |(_, size)| *size);
     }
     let refusal = part.refusal(&point)?;
     Some(EffectRefusal { row: frame.record_of(refusal.row), ..refusal })
 }
 
 /// The applied point of each part of each process.
-fn points(stated: &[Known], asked: &[Asked], diagnosed: &[Vec<Diagnosed>]) -> Vec<Vec<Applied>> {
+fn points(stated: &[RecordedModel], asked: &[ProcessData], diagnosed: &[Vec<DiagnosisWithBasis>]) -> Vec<Vec<Applied>> {
     let all = stated.iter().zip(asked).zip(diagnosed);
     all.map(|((known, own), diagnosed)| known.applied(own, diagnosed)).collect()
 }
@@ -349,7 +354,7 @@ fn completed(
     request: &GapRequest<'_>,
     answers: &mut Answers,
     tables: Vec<Option<(NominalModel, Records)>>,
-    asked: &[Asked],
+    asked: &[ProcessData],
     machines: Option<&Machines>,
 ) -> Vec<Page> {
     let mut pages: Vec<Page> = Vec::new();
@@ -385,7 +390,7 @@ fn completed(
 
 /// Rates of the machines of a model file, where it is a scenario.
 fn rates(path: &Path, set: &[String]) -> Option<Rates> {
-    toolroom_scenario_file::read(path, set).ok().map(|read| Rates::of(&read.scenario))
+    toolroom_scenario_file::read(path, set).ok().map(|read| Rates::from_scenario(&read.scenario))
 }
 
 #[cfg(test)]

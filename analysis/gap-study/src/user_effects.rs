@@ -4,7 +4,7 @@ use crate::GapStudyError;
 use std::path::Path;
 use toolroom_effects::{Definition, read_effects_file};
 use toolroom_form::ReadError;
-use toolroom_gap::{Asked, EffectRefusal};
+use toolroom_gap::{EffectRefusal, ProcessData};
 use toolroom_records::Records;
 
 /// Why the effects of a user were not read.
@@ -39,7 +39,7 @@ impl UserEffectsError {
 ///
 /// # Errors
 /// [`GapStudyError::EffectValue`] with the first operation in which one does not.
-pub fn usable(asked: &Asked, records: &Records) -> Result<(), GapStudyError> {
+pub fn usable(asked: &ProcessData, records: &Records) -> Result<(), GapStudyError> {
     asked.refusal().map_or(Ok(()), |refusal| Err(refused_in(records, refusal)))
 }
 

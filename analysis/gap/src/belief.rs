@@ -44,12 +44,12 @@ fn together(model: &dyn Forward, moved: &[f64], needed: &[f64], reach: &mut [f64
     }
 }
 
-/// The model of `before` with no constant farther from nominal than is believed, or than `after` needs it; `None` where
+/// The model of `previous` with no constant farther from nominal than is believed, or than `after` needs it; `None` where
 /// that is how it stands.
-fn believed(context: Diagnosing<'_>, before: &Trial, after: Option<&Trial>) -> Option<Trial> {
+fn believed(context: Diagnosing<'_>, previous: &Trial, after: Option<&Trial>) -> Option<Trial> {
     let Diagnosing { model, basis, folds, .. } = context;
     let needed = after.map(|after| calibration(model, after)).unwrap_or_default();
-    let moved = calibration(model, before);
+    let moved = calibration(model, previous);
     let reach = |(i, allowance): (usize, &bool)| {
         if *allowance { f64::INFINITY } else { needed.get(i).map_or(0.0, |x: &f64| x.abs()).max(FAR_CONSTANT) }
     };
@@ -58,7 +58,7 @@ fn believed(context: Diagnosing<'_>, before: &Trial, after: Option<&Trial>) -> O
     if moved.iter().zip(&reach).all(|(x, reach)| x.abs() <= *reach) {
         return None;
     }
-    let (linear, active) = (&before.fit.linear, &before.fit.active);
+    let (linear, active) = (&previous.fit.linear, &previous.fit.active);
     let mut point = linear.point.clone();
     let parameters = point.parameters.len();
     let near = |(x, reach): (&mut f64, &f64)| *x = x.clamp(-reach, *reach);
@@ -69,9 +69,9 @@ fn believed(context: Diagnosing<'_>, before: &Trial, after: Option<&Trial>) -> O
     Some(Trial::of(model, basis, folds, fit.settled(model)).within(reach))
 }
 
-/// Whether the model of `after` does without a constant beyond belief that the model of `before` needs.
-pub(super) fn spares(context: Diagnosing<'_>, before: &Trial, after: &Trial) -> bool {
-    believed(context, before, Some(after)).is_some()
+/// Whether the model of `next_trial` does without a constant beyond belief that the model of `previous` needs.
+pub(super) fn spares(context: Diagnosing<'_>, previous: &Trial, next_trial: &Trial) -> bool {
+    believed(context, previous, Some(next_trial)).is_some()
 }
 
 /// What constants that go beyond belief close on groups left out; `None` where none does.
@@ -83,18 +83,18 @@ pub(super) fn closed_by_constants(context: Diagnosing<'_>, base: &Trial) -> Opti
     Some(closures(model, basis, &before, &after, &groups, &[], seed).0)
 }
 
-/// Residuals of groups left out: of `before` within belief, and of `after`; `left_out` works out those of one model.
+/// Residuals of groups left out: of `previous` within belief, and of `next_trial`; `left_out` works out those of one model.
 pub(super) fn held_against<'a>(
     context: Diagnosing<'a>,
-    before: &Trial,
-    after: &Trial,
+    previous: &Trial,
+    next_trial: &Trial,
     left_out: impl Fn(Diagnosing<'a>, &Trial) -> LeftOut + Sync,
 ) -> (LeftOut, LeftOut) {
-    let within = || match believed(context, before, Some(after)) {
+    let within = || match believed(context, previous, Some(next_trial)) {
         Some(within) => left_out(context, &within),
-        None => left_out(context, before),
+        None => left_out(context, previous),
     };
-    rayon::join(within, || left_out(context, after))
+    rayon::join(within, || left_out(context, next_trial))
 }
 
 /// Closure of `trial` over the nominal `base` on the groups of the fit, each predicted by a fit to

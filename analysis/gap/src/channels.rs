@@ -1,7 +1,7 @@
 //! Channels that are models of their own, diagnosed one by one and answered for together.
 
 use super::constants::GATE;
-use super::diagnose::{CELLS, Diagnosed, diagnose_by};
+use super::diagnose::{CELLS, DiagnosisWithBasis, diagnose_by};
 use super::enough::too_little;
 use super::pooled::pooled;
 use super::{Budget, Diagnosis, Fitness, Forward, GapVerdict, Method, NextExperiment};
@@ -14,12 +14,17 @@ pub fn diagnose_parts(parts: &[Box<dyn Forward>], seed: u64) -> Diagnosis {
 }
 
 /// [`diagnose_parts`] of one of `processes` of a data set, with what the answer rests on.
-pub(super) fn diagnose_among(parts: &[Box<dyn Forward>], processes: usize, seed: u64) -> (Diagnosis, Vec<Diagnosed>) {
+pub(super) fn diagnose_among(
+    parts: &[Box<dyn Forward>],
+    processes: usize,
+    seed: u64,
+) -> (Diagnosis, Vec<DiagnosisWithBasis>) {
     if let Some(why) = too_little(parts) {
         return (Diagnosis::cannot_tell(why), Vec::new());
     }
     let method = Method { processes, ..Method::default() };
-    let mut diagnosed: Vec<Diagnosed> = parts.iter().map(|part| diagnose_by(part.as_ref(), method, seed)).collect();
+    let mut diagnosed: Vec<DiagnosisWithBasis> =
+        parts.iter().map(|part| diagnose_by(part.as_ref(), method, seed)).collect();
     if diagnosed.len() == 1 {
         return (diagnosed[0].diagnosis.clone(), diagnosed);
     }
@@ -52,12 +57,12 @@ fn label(diagnosis: &mut Diagnosis, name: &str, count: usize) {
     diagnosis.notes.iter_mut().for_each(|note| *note = format!("{name}: {note}"));
 }
 
-fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Diagnosis {
+fn merged(parts: &[Box<dyn Forward>], diagnosed: &[DiagnosisWithBasis], seed: u64) -> Diagnosis {
     let each = || diagnosed.iter().map(|each| &each.diagnosis);
     let verdict = GapVerdict::of_all(each().map(|own| own.verdict));
     let named: Vec<usize> = (0..parts.len()).filter(|i| !diagnosed[*i].diagnosis.effects.is_empty()).collect();
     let counted: Vec<usize> = if named.is_empty() { (0..parts.len()).collect() } else { named };
-    let pool: Vec<(usize, &dyn Forward, &Diagnosed)> =
+    let pool: Vec<(usize, &dyn Forward, &DiagnosisWithBasis)> =
         counted.iter().map(|i| (0, parts[*i].as_ref(), &diagnosed[*i])).collect();
     let mut cells: Vec<_> = each().flat_map(|own| own.cells.clone()).collect();
     cells.sort_by(|a, b| b.score.abs().total_cmp(&a.score.abs()));

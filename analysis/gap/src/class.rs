@@ -46,20 +46,20 @@ fn by_evidence(
 }
 
 /// `candidate` and what comes near to it beside the rest of the model, with the evidence of each.
-fn in_place(beside: &Trial, candidate: usize) -> Vec<(usize, Evidence)> {
-    let strengths = beside.strengths();
-    let cosine = beside.scores().cosine;
+fn in_place(rival: &Trial, candidate: usize) -> Vec<(usize, Evidence)> {
+    let strengths = rival.strengths();
+    let cosine = rival.scores().cosine;
     let near = |other: &usize| {
         let strong =
             strengths[*other] > 0.0 && strengths[*other].powi(2) > ROUGHLY / RIVAL * strengths[candidate].powi(2);
-        !beside.fit.active.contains(other) && (*other == candidate || strong || cosine[(candidate, *other)] > SAME)
+        !rival.fit.active.contains(other) && (*other == candidate || strong || cosine[(candidate, *other)] > SAME)
     };
     // What is still asked for beside another effect is not what that one explains.
     let takes_over = |(other, evidence): &(usize, Evidence)| {
-        let both = || beside.with_all(&[candidate, *other]);
+        let both = || rival.with_all(&[candidate, *other]);
         *other == candidate || cosine[(candidate, *other)] > SAME || gain(&both(), evidence) <= PAIR_GATE
     };
-    let with = |other: usize| (other, beside.with(other));
+    let with = |other: usize| (other, rival.with(other));
     let mut all: Vec<(usize, Evidence)> = (0..strengths.len()).filter(near).map(with).filter(takes_over).collect();
     all.sort_by(|a, b| b.1.profile.total_cmp(&a.1.profile));
     all

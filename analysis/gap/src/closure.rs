@@ -2,10 +2,10 @@
 
 use super::constants::{NINETY, TOO_FEW};
 use super::left_out::LeftOut;
-use super::measures::{CLOSABLE, Left, Measures, apart, usual};
+use super::measures::{CLOSABLE, Measures, ResidualPair, apart, usual};
 use super::noise::HUBER;
 use super::trial::Trial;
-use super::{Apart, Basis, ChannelId, Closure, Forward, Measured, Transform};
+use super::{Basis, ChannelId, Closure, Forward, Measured, OutlyingReading, Transform};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -79,7 +79,7 @@ pub fn closures(
     };
     let one = |place: usize| {
         let fits: Vec<&Sums> = fits.iter().map(|fit| &fit[place]).collect();
-        let left: Vec<Left> = if place < channels {
+        let left: Vec<ResidualPair> = if place < channels {
             readings(model, basis, [base, chosen], scored, place).into_iter().map(|(_, own)| own).collect()
         } else {
             among_channels(model, basis, [base, chosen], scored, &among)
@@ -97,7 +97,7 @@ fn readings(
     [base, chosen]: [&LeftOut; 2],
     scored: &[usize],
     channel: usize,
-) -> Vec<(usize, Left)> {
+) -> Vec<(usize, ResidualPair)> {
     let measured = &model.frame().measured;
     let transform = measured.channels[channel].transform;
     let off = |i: usize, residual: &[f64]| match transform {
@@ -121,7 +121,7 @@ fn readings(
         let deviation =
             if transform == Transform::Log { deviation * measured.observations[i].value.exp() } else { deviation };
         let (before, after) = (off(i, &base.residual), off(i, &chosen.residual));
-        (i, Left { before, after, deviation, usual: usual_of[i] })
+        (i, ResidualPair { before, after, deviation, usual: usual_of[i] })
     };
     let places = scored.iter().flat_map(|group| measured.spans[*group].clone());
     places.filter(|i| measured.observations[*i].channel == channel).map(weight_of).collect()
@@ -134,7 +134,7 @@ fn among_channels(
     left: [&LeftOut; 2],
     scored: &[usize],
     count: &[bool],
-) -> Vec<Left> {
+) -> Vec<ResidualPair> {
     let readings_of = |channel: usize| readings(model, basis, left, scored, channel);
     let all = (0..count.len()).filter(|channel| count[*channel]).flat_map(readings_of);
     all.map(|(_, reading)| reading.standardised()).collect()
@@ -147,20 +147,25 @@ pub(super) fn standardised(
     basis: &Basis,
     left: [&LeftOut; 2],
     touched: &[ChannelId],
-) -> Vec<Left> {
+) -> Vec<ResidualPair> {
     let measured = &model.frame().measured;
     among_channels(model, basis, left, &scored(measured), &counted(measured, touched))
 }
 
 /// Readings in the groups `scored` that stand apart with either model.
-pub(super) fn standing_apart(model: &dyn Forward, basis: &Basis, left: [&LeftOut; 2], scored: &[usize]) -> Vec<Apart> {
+pub(super) fn standing_apart(
+    model: &dyn Forward,
+    basis: &Basis,
+    left: [&LeftOut; 2],
+    scored: &[usize],
+) -> Vec<OutlyingReading> {
     let frame = model.frame();
     let measured = &frame.measured;
     let closed_by = |channel: usize| {
-        let (places, lefts): (Vec<usize>, Vec<Left>) =
+        let (places, lefts): (Vec<usize>, Vec<ResidualPair>) =
             readings(model, basis, left, scored, channel).into_iter().unzip();
         let about = &measured.channels[channel];
-        let row = |at: usize| Apart {
+        let row = |at: usize| OutlyingReading {
             row: frame.record_of(measured.observations[places[at]].row),
             operation_id: String::new(),
             channel: about.id,
@@ -204,7 +209,7 @@ pub(super) fn huber(standard: f64) -> f64 {
 }
 
 /// `fits` are sums with fits to other groups; none where the fit counts as it is. `left` are the readings themselves.
-pub(super) fn closure(sums: &Sums, fits: &[&Sums], left: &[Left], seed: u64) -> Closure {
+pub(super) fn closure(sums: &Sums, fits: &[&Sums], left: &[ResidualPair], seed: u64) -> Closure {
     let groups: Vec<usize> = (0..sums.count.len()).filter(|i| sums.count[*i] > 0.0).collect();
     // Every group counts alike: else the one with the most readings would decide.
     let root = |values: &[f64], groups: &[usize]| {

@@ -10,7 +10,7 @@ use super::rules::{Judged, Refusal, Rule, agreed, stands};
 use super::stepwise;
 use super::stops;
 use super::trial::{Remainder, Trial};
-use super::{Closure, EffectId, Found, GapVerdict, NotNamed};
+use super::{Closure, EffectId, GapVerdict, NotNamed, RuleFinding};
 
 impl Decision {
     /// The model that the data ask for, named or not, if they ask loudly enough: few groups, whose agreement nobody can
@@ -119,7 +119,7 @@ fn ranked(context: Diagnosing<'_>, decision: &Decision, effects: usize) -> Vec<u
 fn not_named(decision: &mut Decision, context: Diagnosing<'_>, index: usize, rules: Vec<(&'static Rule, String)>) {
     let candidates = &context.model.frame().candidates;
     let effects = decision.trials[index].fit.active.iter().map(|index| candidates[*index].id).collect();
-    let found = |(rule, found): (&Rule, String)| Found { rule: rule.id, asks: rule.reason, found };
+    let found = |(rule, found): (&Rule, String)| RuleFinding { rule: rule.id, asks: rule.reason, found };
     decision
         .not_named
         .push(NotNamed { effects, rules: rules.into_iter().map(|(rule, each)| found((rule, each))).collect() });
@@ -143,8 +143,8 @@ fn unsplit(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> us
     // An effect that is only ever tried on parts has nothing that it could be instead.
     let Some(everywhere) = (0..candidates.len()).find(alike) else { return index };
     let parts = (0..candidates.len()).filter(|other| candidates[*other].id == candidates[candidate].id).count();
-    let known = decision.trials.iter().position(|trial| trial.fit.active == [everywhere]);
-    let whole = known.unwrap_or_else(|| {
+    let position = decision.trials.iter().position(|trial| trial.fit.active == [everywhere]);
+    let whole = position.unwrap_or_else(|| {
         decision.trials.push(context.trial(&decision.base.fit, &[everywhere]));
         decision.trials.len() - 1
     });
@@ -230,14 +230,14 @@ fn choose(context: Diagnosing<'_>, decision: &mut Decision) {
 }
 
 /// Names the effects of trial `index`.
-fn named(context: Diagnosing<'_>, decision: &mut Decision, index: usize, closed: &Closure, after: Remainder) {
+fn named(context: Diagnosing<'_>, decision: &mut Decision, index: usize, closed: &Closure, remainder: Remainder) {
     if closed.closed <= 0.0 {
         let id = context.model.frame().candidates[decision.trials[index].fit.active[0]].id;
         let why = "the form of the equations drowns what it closes on groups left out; beside the form allowance";
         decision.reasons.push(format!("{id}: {why} they are predicted better for certain"));
     }
     decision.chosen = Some(index);
-    decision.after = Some(after);
+    decision.after = Some(remainder);
     if context.basis.method.abstention
         && let Some((other, note)) = shape(context, decision, index, closed)
     {

@@ -33,7 +33,7 @@ pub(super) const CELLS: usize = 12;
 const FAR: f64 = 2.0;
 
 /// A diagnosis with what it rests on.
-pub struct Diagnosed {
+pub struct DiagnosisWithBasis {
     /// What it says.
     pub diagnosis: Diagnosis,
     /// The decision behind it.
@@ -44,7 +44,7 @@ pub struct Diagnosed {
     pub(super) held_out: [LeftOut; 2],
 }
 
-impl Diagnosed {
+impl DiagnosisWithBasis {
     /// Candidates of the model that are named.
     pub fn named(&self) -> &[usize] {
         if self.diagnosis.effects.is_empty() { &[] } else { &self.decision.model().fit.active }
@@ -52,19 +52,19 @@ impl Diagnosed {
 }
 
 /// Diagnoses the gap between `model` and what was measured. The same `seed` gives the same answer.
-pub fn diagnose(model: &dyn Forward, seed: u64) -> Diagnosed {
+pub fn diagnose(model: &dyn Forward, seed: u64) -> DiagnosisWithBasis {
     diagnose_by(model, Method::default(), seed)
 }
 
 /// [`diagnose`] by parts of the method only.
-pub fn diagnose_by(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
+pub fn diagnose_by(model: &dyn Forward, method: Method, seed: u64) -> DiagnosisWithBasis {
     if method.allowance && method.scatter {
         return diagnosed(model, method, seed);
     }
     diagnosed(&Bare::new(model, method), method, seed)
 }
 
-fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
+fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> DiagnosisWithBasis {
     let (basis, refit) = settled(model, method);
     if let Some(narrowed) = Narrowed::new(model, &basis, &refit) {
         let (basis, refit) = settled(&narrowed.model, method);
@@ -92,7 +92,7 @@ const NOT_FITTED: &str = "the calibrated model has no finite prediction of these
                           edges on which it would break long before they did";
 
 /// The diagnosis by a nominal model that was calibrated.
-fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed {
+fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> DiagnosisWithBasis {
     let folds = folds(&model.frame().measured);
     let context = Diagnosing { model, basis: &basis, folds: &folds, seed };
     let mut decision = decide(context, context.trial_of(refit));
@@ -149,7 +149,7 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
         diagnosis.verdict = GapVerdict::CannotTell;
         diagnosis.effects.clear();
         diagnosis.notes.insert(0, NOT_FITTED.to_owned());
-        return Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] };
+        return DiagnosisWithBasis { diagnosis, decision, basis, held_out: [base_left, chosen_left] };
     }
     let pushed = || hidden_by_calibration(model, &decision.base, &hidden);
     let stated_channels = (0..measured.channels.len()).any(|channel| model.scatter_is_known(channel));
@@ -180,16 +180,16 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
     let far = diagnosis.far_gains();
     diagnosis.notes.extend(far);
     diagnosis.next = next(&diagnosis);
-    Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }
+    DiagnosisWithBasis { diagnosis, decision, basis, held_out: [base_left, chosen_left] }
 }
 
 /// How much channels scatter of which nobody states it, where their sensors do not explain it.
-fn scattering(model: &dyn Forward, stated: &Basis) -> Vec<String> {
+fn scattering(model: &dyn Forward, basis: &Basis) -> Vec<String> {
     let measured = &model.frame().measured;
     let unstated = (0..measured.channels.len()).filter(|channel| measured.unstated[*channel]);
-    let wide = unstated.filter(|channel| stated.noise.scale[*channel] > WIDE);
+    let wide = unstated.filter(|channel| basis.noise.scale[*channel] > WIDE);
     let note = |channel: usize| {
-        let (about, scale) = (&measured.channels[channel], stated.noise.scale[channel]);
+        let (about, scale) = (&measured.channels[channel], basis.noise.scale[channel]);
         let places = measured.observations.iter().filter(|own| own.channel == channel);
         let mut sheet: Vec<f64> = places.map(|own| own.deviation).collect();
         let sheet = toolroom_statistics::median(&mut sheet);

@@ -23,9 +23,9 @@ impl<'a> Diagnosing<'a> {
         self.model.frame().candidates.len()
     }
 
-    /// The fit of the `active` candidates, started from `from`, with its evidence.
-    pub fn trial(self, from: &Fit, active: &[usize]) -> Trial {
-        Trial::new(self.model, self.basis, self.folds, from, active)
+    /// The fit of the `active` candidates, started from `start_fit`, with its evidence.
+    pub fn trial(self, start_fit: &Fit, active: &[usize]) -> Trial {
+        Trial::new(self.model, self.basis, self.folds, start_fit, active)
     }
 
     /// The evidence of a finished fit.

@@ -119,7 +119,7 @@ pub struct Closure {
 
 /// A reading that stands apart from all others of its channel, with the named effects as without.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Apart {
+pub struct OutlyingReading {
     /// Row of the records.
     pub row: usize,
     /// Its operation; empty where nobody said.
@@ -192,7 +192,7 @@ pub struct Diagnosis {
     /// Groups on which it was scored.
     pub held_out: Vec<String>,
     /// Readings in those that stand apart.
-    pub apart: Vec<Apart>,
+    pub apart: Vec<OutlyingReading>,
     /// Where the gap goes.
     pub budget: Budget,
     /// What cannot be seen.
@@ -229,12 +229,12 @@ pub struct NotNamed {
     /// Its effects.
     pub effects: Vec<EffectId>,
     /// The rules that stood against it, in their order.
-    pub rules: Vec<Found>,
+    pub rules: Vec<RuleFinding>,
 }
 
 /// What a rule of the decision found against a model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct RuleFinding {
     /// Word of the rule.
     pub rule: &'static str,
     /// What the rule asks.
@@ -275,7 +275,7 @@ pub struct Ranked {
 
 impl NotNamed {
     fn json(&self) -> Value {
-        let rule = |found: &Found| json!({ "id": found.rule, "asks": found.asks, "found": found.found });
+        let rule = |found: &RuleFinding| json!({ "id": found.rule, "asks": found.asks, "found": found.found });
         json!({ "effects": EffectId::words(&self.effects), "rules": self.rules.iter().map(rule).collect::<Vec<_>>() })
     }
 }

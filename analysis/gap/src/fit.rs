@@ -162,13 +162,15 @@ pub(super) fn fit_within(
 }
 
 /// The point at a share of the way from one to another.
-fn towards(from: &Point, to: &Point, share: f64) -> Point {
-    let part = |from: &[f64], to: &[f64]| from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
+fn towards(start: &Point, target: &Point, share: f64) -> Point {
+    let part = |start: &[f64], target: &[f64]| {
+        start.iter().zip(target).map(|(start, target)| start + share * (target - start)).collect()
+    };
     Point {
-        parameters: part(&from.parameters, &to.parameters),
-        surfaces: part(&from.surfaces, &to.surfaces),
-        effects: part(&from.effects, &to.effects),
-        locals: from.locals.iter().zip(&to.locals).map(|(from, to)| part(from, to)).collect(),
+        parameters: part(&start.parameters, &target.parameters),
+        surfaces: part(&start.surfaces, &target.surfaces),
+        effects: part(&start.effects, &target.effects),
+        locals: start.locals.iter().zip(&target.locals).map(|(start, target)| part(start, target)).collect(),
     }
 }
 
@@ -307,10 +309,10 @@ fn locals(
 }
 
 /// Greatest move of a shared number, in prior standard deviations or ordinary sizes.
-fn distance(model: &dyn Forward, from: &Point, to: &Point) -> f64 {
+fn distance(model: &dyn Forward, start: &Point, target: &Point) -> f64 {
     let greatest = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    let effects = from.effects.iter().zip(&to.effects).zip(&model.frame().candidates);
+    let effects = start.effects.iter().zip(&target.effects).zip(&model.frame().candidates);
     let effects = effects.map(|((a, b), candidate)| (a - b).abs() / candidate.typical).fold(0.0, f64::max);
-    let locals = from.locals.iter().zip(&to.locals).map(|(a, b)| greatest(a, b)).fold(0.0, f64::max);
-    greatest(&from.parameters, &to.parameters).max(effects).max(locals)
+    let locals = start.locals.iter().zip(&target.locals).map(|(a, b)| greatest(a, b)).fold(0.0, f64::max);
+    greatest(&start.parameters, &target.parameters).max(effects).max(locals)
 }

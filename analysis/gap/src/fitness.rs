@@ -149,7 +149,7 @@ impl<'a> Test<'a> {
             };
             Group {
                 shared: matrix(&shared, &|_| 1.0),
-                own: matrix(&locals, &|kind| basis.local_scale[kind]),
+                covariance: matrix(&locals, &|kind| basis.local_scale[kind]),
                 fold: fold_of[*group],
             }
         };
@@ -394,7 +394,7 @@ impl<'a> Test<'a> {
             let of_channel: Vec<f64> = places.iter().map(|place| scores[*place]).collect();
             let count = of_channel.len() as f64;
             let mean = of_channel.iter().map(|z| z * z).sum::<f64>() / count;
-            let (estimate, error) = match Structured::of(&of_channel, layout) {
+            let (estimate, error) = match Structured::from_scores(&of_channel, layout) {
                 Some(own) => (own.mean_square, own.error),
                 // All that is beyond the noise of the sheet may be structure; groups, not readings, are independent.
                 None => {

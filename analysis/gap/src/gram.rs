@@ -22,7 +22,7 @@ pub fn normal_equations(
     folds: &[Vec<usize>],
 ) -> Gram {
     let batches = batches(measured, noise, linear, columns, residual, folds);
-    Gram::of(&batches, local_scale, !folds.is_empty())
+    Gram::from_batches(&batches, local_scale, !folds.is_empty())
 }
 
 /// The same for several scales of the local factors, without folds.
@@ -35,7 +35,7 @@ pub(super) fn at_scales(
     local_scales: &[Vec<f64>],
 ) -> Vec<Gram> {
     let batches = batches(measured, noise, linear, columns, residual, &[]);
-    local_scales.iter().map(|local_scale| Gram::of(&batches, local_scale, false)).collect()
+    local_scales.iter().map(|local_scale| Gram::from_batches(&batches, local_scale, false)).collect()
 }
 
 /// Products of whitened columns, by fold or by batches of the fitted groups; at least one.

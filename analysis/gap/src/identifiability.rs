@@ -164,14 +164,15 @@ fn least(model: &dyn Forward, basis: &Basis, trial: &Trial, index: usize, moved:
     if score == 0.0 {
         return f64::INFINITY;
     }
-    let mut left = linear.effects[index].clone();
+    let mut effects = linear.effects[index].clone();
     for (column, x) in linear.nuisance.iter().zip(moved.iter()) {
-        left.iter_mut().zip(column).for_each(|(left, slope)| *left -= slope * x);
+        effects.iter_mut().zip(column).for_each(|(effects, slope)| *effects -= slope * x);
     }
     let forms = super::tolerance::columns(model, linear, &[index], &[1.0]);
     let columns: Vec<&[f64]> = forms.iter().map(Vec::as_slice).collect();
     let measured = &model.frame().measured;
-    let gram = super::gram::normal_equations(measured, &basis.noise, linear, &columns, &left, &basis.local_scale, &[]);
+    let gram =
+        super::gram::normal_equations(measured, &basis.noise, linear, &columns, &effects, &basis.local_scale, &[]);
     let lost: f64 = (0..forms.len()).map(|form| (gram.total[(form, gram.last())] / score).powi(2)).sum();
     convincing(score, (UNLUCKY * lost.sqrt()).min((1.0 - ANYHOW) * score))
 }

@@ -90,10 +90,10 @@ pub use basis::Basis;
 pub use channels::diagnose_parts;
 pub use constants::{FEWEST_GROUPS, NINETY};
 pub use decision::Decision;
-pub use diagnose::{Diagnosed, diagnose, diagnose_by};
+pub use diagnose::{DiagnosisWithBasis, diagnose, diagnose_by};
 pub use diagnosis::{
-    Apart, Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed,
-    Ranked, Tried,
+    Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, NamedEffect, NextExperiment, NotNamed, OutlyingReading,
+    Ranked, RuleFinding, Tried,
 };
 pub use dynamics::{DriftExplanation, DynamicsDrift, StructureChange, add_dynamics};
 pub use fit::{Fit, fit};
@@ -103,7 +103,7 @@ pub use identifiability::{Identifiable, identifiability};
 pub use joined::joined;
 pub use linear::{Linear, predict};
 pub use machine_facts::add_machine_facts;
-pub use measures::{Left, Measures, apart};
+pub use measures::{Measures, ResidualPair, apart};
 pub use method::{Bare, Method};
 pub use noise::Noise;
 pub use outside::Outside;
@@ -114,10 +114,10 @@ pub use score::Scores;
 pub use shift_labels::ShiftLabels;
 pub use toolroom_evidence::{EFFECT_PRIOR, Evidence, Gram};
 pub use toolroom_nominal::{
-    Asked, Candidate, Channel, ChannelId, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EffectId,
-    EffectRefusal, EmpiricalSizes, Family, Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel,
-    NominalProcess, Observation, On, Parameter, Point, Settings, Stated, Surface, Transform, Untried, WEAR_RATE, Words,
-    WrittenEffect, cutting, empirical, features, grinding, program, sensor_sheet,
+    Candidate, Channel, ChannelId, Covariate, Declarations, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS,
+    EffectId, EffectRefusal, EmpiricalSizes, Family, Forward, Frame, Local, Measured, ModelFileError, Movable,
+    NominalModel, NominalProcess, Observation, On, Parameter, Point, ProcessData, Settings, Surface, Transform,
+    Untried, WEAR_RATE, Words, WrittenEffect, cutting, empirical, features, grinding, program, sensor_sheet,
 };
 pub use trial::Trial;
 

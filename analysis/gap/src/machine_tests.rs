@@ -82,8 +82,8 @@ fn a_delay_of_one_shift_is_no_constant() {
     let diagnosis = told(55, &delayed(ShopEffect::OperatorDelay, 25.0, &[("shift", "S2")]));
     let [fact] = found(&diagnosis)[..] else { panic!("{}", diagnosis.terminal()) };
     assert_eq!((fact.place.as_str(), &fact.told.shifts[..]), ("L1, L2, M1, M2", &["S2".to_owned()][..]));
-    let named = fact.told.delay.as_ref().expect("a delay");
-    assert!(named.told && (named.size - 25.0).abs() < 2.0, "{named:?}");
+    let delay = fact.told.delay.as_ref().expect("a delay");
+    assert!(delay.told && (delay.size - 25.0).abs() < 2.0, "{delay:?}");
     // What the file states itself is no finding, and neither is what a constant of it states.
     let stated = Scenario { deviations: vec![Deviation::new(ShopEffect::OperatorDelay, 25.0)], ..shipped_shop() };
     let events = of_shop(56, &|scenario| {
@@ -113,7 +113,7 @@ fn a_shift_is_called_as_the_records_of_the_process_call_it() {
     let mut turning = shipped_shop();
     turning.calendars.clear();
     turning.machines.iter_mut().for_each(|machine| machine.calendar = None);
-    add_machine_facts(&turning, of(RecordKind::Shop), &ShiftLabels::of(&records), &mut diagnosis, 1);
+    add_machine_facts(&turning, of(RecordKind::Shop), &ShiftLabels::from_records(&records), &mut diagnosis, 1);
     let late = |fact: &Fact| fact.place == "L1, L2" || fact.told.shifts == ["late"];
     let told: Vec<&Fact> = found(&diagnosis).into_iter().filter(|fact| fact.is_cause()).collect();
     assert!(!told.is_empty() && told.iter().all(|fact| late(fact)), "{}", diagnosis.terminal());

@@ -24,7 +24,7 @@ pub(super) const CLOSABLE: f64 = 0.2;
 
 /// What two models leave of one reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Left {
+pub struct ResidualPair {
     /// Residual of the model without effects.
     pub before: f64,
     /// Residual with them.
@@ -35,7 +35,7 @@ pub struct Left {
     pub usual: f64,
 }
 
-impl Left {
+impl ResidualPair {
     /// The same in standard deviations of the noise.
     pub fn standardised(self) -> Self {
         let [before, after, usual] = [self.before, self.after, self.usual].map(|value| value / self.deviation);
@@ -81,8 +81,8 @@ pub struct Measures {
 }
 
 /// Places of the readings that stand apart: far off before and after, and by much more than is usual of their like.
-pub fn apart(readings: &[Left]) -> Vec<usize> {
-    let far = |own: &Left| {
+pub fn apart(readings: &[ResidualPair]) -> Vec<usize> {
+    let far = |own: &ResidualPair| {
         own.before.abs().min(own.after.abs()) > FAR * own.deviation && own.before.abs() > BEYOND * own.usual
     };
     (0..readings.len()).filter(|i| far(&readings[*i])).collect()
@@ -94,20 +94,20 @@ impl Measures {
         Self { mean: f64::NAN, mean_without_apart: f64::NAN, rms: f64::NAN, robust: f64::NAN, of_closable: f64::NAN };
 
     /// Of readings, each with what two models leave of it.
-    pub fn of(readings: &[Left]) -> Self {
+    pub fn of(readings: &[ResidualPair]) -> Self {
         let apart = apart(readings);
-        let ordinary: Vec<Left> =
+        let ordinary: Vec<ResidualPair> =
             readings.iter().enumerate().filter(|(i, _)| !apart.contains(i)).map(|(_, own)| *own).collect();
-        let mean = |readings: &[Left]| {
-            let sum = |of: fn(&Left) -> f64| readings.iter().map(of).sum::<f64>().abs();
+        let mean = |readings: &[ResidualPair]| {
+            let sum = |of: fn(&ResidualPair) -> f64| readings.iter().map(of).sum::<f64>().abs();
             1.0 - sum(|own| own.after) / sum(|own| own.before)
         };
-        let total = |readings: &[Left], of: &dyn Fn(&Left) -> f64| readings.iter().map(of).sum::<f64>();
+        let total = |readings: &[ResidualPair], of: &dyn Fn(&ResidualPair) -> f64| readings.iter().map(of).sum::<f64>();
         let ratio = |of: &dyn Fn(f64, f64) -> f64| {
             let after = total(readings, &|own| of(own.after, own.deviation));
             (after / total(readings, &|own| of(own.before, own.deviation))).sqrt()
         };
-        let square = |of: fn(&Left) -> f64| total(&ordinary, &|own| of(own).powi(2));
+        let square = |of: fn(&ResidualPair) -> f64| total(&ordinary, &|own| of(own).powi(2));
         let (before, after, floor) = (square(|own| own.before), square(|own| own.after), square(|own| own.deviation));
         let closable = before - floor;
         Self {
@@ -138,9 +138,9 @@ fn huber(standard: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn readings(before: [f64; 8], after: [f64; 8]) -> Vec<Left> {
+    fn readings(before: [f64; 8], after: [f64; 8]) -> Vec<ResidualPair> {
         let usual = usual(&before, &[], &[0; 8])[0];
-        let left = |(before, after): (f64, f64)| Left { before, after, deviation: 1.0, usual };
+        let left = |(before, after): (f64, f64)| ResidualPair { before, after, deviation: 1.0, usual };
         before.into_iter().zip(after).map(left).collect()
     }
 
@@ -170,7 +170,8 @@ mod tests {
         let before: Vec<f64> = BEFORE.into_iter().chain([110.0, 118.0, 125.0]).collect();
         let places = |repeats: &[Option<usize>], kinds: &[usize]| {
             let usual = usual(&before, repeats, kinds).into_iter();
-            let left = |(before, usual): (&f64, f64)| Left { before: *before, after: 100.0, deviation: 1.0, usual };
+            let left =
+                |(before, usual): (&f64, f64)| ResidualPair { before: *before, after: 100.0, deviation: 1.0, usual };
             apart(&before.iter().zip(usual).map(left).collect::<Vec<_>>())
         };
         let mut kinds = [0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1];
@@ -199,9 +200,9 @@ mod tests {
     fn the_unit_of_the_readings_does_not_matter() {
         let all = readings(BEFORE, AFTER);
         for unit in [1e-6, 60.0, 1e3] {
-            let scaled: Vec<Left> = all
+            let scaled: Vec<ResidualPair> = all
                 .iter()
-                .map(|own| Left {
+                .map(|own| ResidualPair {
                     before: unit * own.before,
                     after: unit * own.after,
                     deviation: unit * own.deviation,

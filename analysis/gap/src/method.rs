@@ -82,12 +82,12 @@ impl<'a> Bare<'a> {
     }
 
     /// The point of the whole model: what was left out is zero.
-    pub fn whole(&self, at: &Point) -> Point {
+    pub fn whole(&self, point: &Point) -> Point {
         let mut whole = Point::nominal(self.model);
-        self.kept[0].iter().zip(&at.parameters).for_each(|(i, x)| whole.parameters[*i] = *x);
-        self.kept[1].iter().zip(&at.surfaces).for_each(|(i, x)| whole.surfaces[*i] = *x);
-        whole.effects.clone_from(&at.effects);
-        whole.locals.iter_mut().zip(&at.locals).for_each(|(all, own)| all.clone_from(own));
+        self.kept[0].iter().zip(&point.parameters).for_each(|(i, x)| whole.parameters[*i] = *x);
+        self.kept[1].iter().zip(&point.surfaces).for_each(|(i, x)| whole.surfaces[*i] = *x);
+        whole.effects.clone_from(&point.effects);
+        whole.locals.iter_mut().zip(&point.locals).for_each(|(all, own)| all.clone_from(own));
         whole
     }
 }
@@ -97,23 +97,23 @@ impl Forward for Bare<'_> {
         &self.frame
     }
 
-    fn simulate(&self, at: &Point) -> Vec<f64> {
-        self.model.simulate(&self.whole(at))
+    fn simulate(&self, point: &Point) -> Vec<f64> {
+        self.model.simulate(&self.whole(point))
     }
 
-    fn refusal(&self, at: &Point) -> Option<EffectRefusal> {
-        self.model.refusal(&self.whole(at))
+    fn refusal(&self, point: &Point) -> Option<EffectRefusal> {
+        self.model.refusal(&self.whole(point))
     }
 
     fn scatter_is_known(&self, channel: usize) -> bool {
         self.model.scatter_is_known(channel)
     }
 
-    fn chains(&self, at: &Point) -> Vec<Chain> {
-        if self.frame.locals.is_empty() { Vec::new() } else { self.model.chains(&self.whole(at)) }
+    fn chains(&self, point: &Point) -> Vec<Chain> {
+        if self.frame.locals.is_empty() { Vec::new() } else { self.model.chains(&self.whole(point)) }
     }
 
-    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+    fn slopes(&self, point: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
         let along: Vec<Direction> = along
             .iter()
             .map(|direction| match direction {
@@ -121,7 +121,7 @@ impl Forward for Bare<'_> {
                 Direction::Effect(_) | Direction::Local(_) => *direction,
             })
             .collect();
-        self.model.slopes(&self.whole(at), raw, &along)
+        self.model.slopes(&self.whole(point), raw, &along)
     }
 
     fn written(&self, candidate: usize) -> WrittenEffect {

@@ -25,7 +25,7 @@ const SUSPECTS: usize = 8;
 
 /// What a pair would reach.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Separated {
+pub struct PairSeparation {
     /// The suspect.
     pub a: EffectId,
     /// The other suspect that it is mistaken for; `None` where calibration and scatter take it up.
@@ -36,7 +36,7 @@ pub struct Separated {
     pub after: f64,
 }
 
-impl Separated {
+impl PairSeparation {
     /// What the suspect is mistaken for, in words.
     fn other(&self) -> &'static str {
         self.b.map_or("calibration and scatter", EffectId::word)
@@ -53,7 +53,7 @@ pub struct Block {
     /// Machine time, min.
     pub minutes: f64,
     /// Pairs of the plan.
-    pub pairs: Vec<Separated>,
+    pub pairs: Vec<PairSeparation>,
     /// Gain in separation per minute.
     pub worth: f64,
     /// The runs, channels left to be measured.
@@ -79,9 +79,9 @@ pub fn plan(model: &NominalModel, records: &Records, group: Option<&str>, diagno
         // Runs that are only planned have no readings: they scatter as the records do.
         let (mut after, _) = seen(model, &records.followed_by(&offered.runs), group, Some(&asked), Some(&scatter));
         after.at_sizes_of(&before);
-        let pairs: Vec<Separated> = open
+        let pairs: Vec<PairSeparation> = open
             .iter()
-            .map(|(a, b)| Separated {
+            .map(|(a, b)| PairSeparation {
                 a: *a,
                 b: *b,
                 before: separation(&before, *a, *b),
@@ -195,16 +195,16 @@ fn part_seen(model: &dyn Forward, asked: Option<&[EffectId]>, scatter: Option<&S
 }
 
 /// `√T_ab`, or the score of `a` alone.
-fn separation(seen: &SeenEffects, a: EffectId, b: Option<EffectId>) -> f64 {
-    let place = |id: EffectId| seen.ids.iter().position(|known| *known == id);
+fn separation(seen_effects: &SeenEffects, a: EffectId, b: Option<EffectId>) -> f64 {
+    let place = |id: EffectId| seen_effects.ids.iter().position(|known| *known == id);
     let Some(i) = place(a) else { return 0.0 };
-    let cosine = b.and_then(place).and_then(|j| seen.cosines.get(i)?.get(j).copied()).unwrap_or(0.0);
-    seen.scores[i] * (1.0 - cosine * cosine).max(0.0).sqrt()
+    let cosine = b.and_then(place).and_then(|j| seen_effects.cosines.get(i)?.get(j).copied()).unwrap_or(0.0);
+    seen_effects.scores[i] * (1.0 - cosine * cosine).max(0.0).sqrt()
 }
 
 /// What is open: the class of a named effect; else every effect that the records could hardly show,
 /// and pairs of those that they could.
-fn open(diagnosis: &Diagnosis, seen: &SeenEffects) -> Vec<(EffectId, Option<EffectId>)> {
+fn open(diagnosis: &Diagnosis, seen_effects: &SeenEffects) -> Vec<(EffectId, Option<EffectId>)> {
     let mut open: Vec<(EffectId, Option<EffectId>)> = Vec::new();
     for effect in &diagnosis.effects {
         let others = effect.class.iter().filter(|other| **other != effect.id);
@@ -213,23 +213,24 @@ fn open(diagnosis: &Diagnosis, seen: &SeenEffects) -> Vec<(EffectId, Option<Effe
     if !open.is_empty() {
         return open;
     }
-    let mut order: Vec<usize> = (0..seen.ids.len()).collect();
-    order.sort_by(|a, b| seen.scores[*a].total_cmp(&seen.scores[*b]));
+    let mut order: Vec<usize> = (0..seen_effects.ids.len()).collect();
+    order.sort_by(|a, b| seen_effects.scores[*a].total_cmp(&seen_effects.scores[*b]));
     if diagnosis.verdict == GapVerdict::Unknown {
-        for (a, b) in pairs(seen) {
-            open.push((seen.ids[a], Some(seen.ids[b])));
+        for (a, b) in pairs(seen_effects) {
+            open.push((seen_effects.ids[a], Some(seen_effects.ids[b])));
         }
     }
-    let hidden = order.iter().filter(|i| seen.scores[**i] < DETECTABLE);
-    open.extend(hidden.map(|i| (seen.ids[*i], None)));
+    let hidden = order.iter().filter(|i| seen_effects.scores[**i] < DETECTABLE);
+    open.extend(hidden.map(|i| (seen_effects.ids[*i], None)));
     open.truncate(SUSPECTS);
     open
 }
 
 /// Pairs with nearly the same signature.
-fn pairs(seen: &SeenEffects) -> Vec<(usize, usize)> {
-    let count = seen.ids.len();
-    let close = |a: usize, b: usize| seen.cosines.get(a).and_then(|row| row.get(b)).is_some_and(|cosine| *cosine > 0.9);
+fn pairs(seen_effects: &SeenEffects) -> Vec<(usize, usize)> {
+    let count = seen_effects.ids.len();
+    let close =
+        |a: usize, b: usize| seen_effects.cosines.get(a).and_then(|row| row.get(b)).is_some_and(|cosine| *cosine > 0.9);
     (0..count).flat_map(|a| (a + 1..count).filter(move |b| close(a, *b)).map(move |b| (a, b))).collect()
 }
 
@@ -241,7 +242,7 @@ impl Plan {
 
     /// For programs.
     pub fn json(&self) -> Value {
-        let pair = |pair: &Separated| json!({ "a": pair.a.word(), "b": pair.other(), "z_before": pair.before, "z_after": pair.after });
+        let pair = |pair: &PairSeparation| json!({ "a": pair.a.word(), "b": pair.other(), "z_before": pair.before, "z_after": pair.after });
         let block = |block: &Block| {
             json!({
                 "design": block.design, "edges": REPLICATES, "operations": block.operations,

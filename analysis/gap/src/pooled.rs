@@ -2,14 +2,14 @@
 
 use super::closure::{FITS, Sums, closure, counted, huber, scored, standardised};
 use super::left_out::LeftOut;
-use super::measures::Left;
-use super::{ChannelId, Closure, Diagnosed, Forward};
+use super::measures::ResidualPair;
+use super::{ChannelId, Closure, DiagnosisWithBasis, Forward};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Closure over several models, in units of noise; those of one process share groups of one name.
 /// Where an effect is named only the channels count that it touches.
-pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure {
+pub fn pooled(parts: &[(usize, &dyn Forward, &DiagnosisWithBasis)], seed: u64) -> Closure {
     let sums = |draw: Option<usize>| {
         let mut sums: BTreeMap<(usize, &str), [f64; 4]> = BTreeMap::new();
         for (process, model, diagnosed) in parts {
@@ -31,7 +31,7 @@ pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure
         Sums { before: column(0), after: column(1), floor: column(2), count: column(3) }
     };
     let fits: Vec<Sums> = (0..FITS).into_par_iter().map(|draw| sums(Some(draw))).collect();
-    let left: Vec<Left> = parts
+    let left: Vec<ResidualPair> = parts
         .iter()
         .flat_map(|(_, model, diagnosed)| {
             let [base, chosen] = &diagnosed.held_out;
@@ -42,6 +42,6 @@ pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure
 }
 
 /// Channels that the named effects touch.
-fn touched(diagnosed: &Diagnosed) -> Vec<ChannelId> {
+fn touched(diagnosed: &DiagnosisWithBasis) -> Vec<ChannelId> {
     diagnosed.diagnosis.effects.iter().flat_map(|effect| effect.id.channels()).collect()
 }

@@ -9,10 +9,10 @@
 //! (Bonferroni).
 
 use super::channels::{diagnose_among, mean_budget};
-use super::diagnose::Diagnosed;
+use super::diagnose::DiagnosisWithBasis;
 use super::pooled::pooled;
 use super::summary::{named, named_effect, percent, rounded, verdict, with_unit};
-use super::{Asked, ChannelId, Closure, Diagnosis, EffectId, Forward, GapVerdict, Untried};
+use super::{ChannelId, Closure, Diagnosis, EffectId, Forward, GapVerdict, ProcessData, Untried};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -42,7 +42,7 @@ pub struct Answers {
 ///
 /// # Panics
 /// Without processes.
-pub fn diagnose_processes(asked: &[Asked], seed: u64) -> Answers {
+pub fn diagnose_processes(asked: &[ProcessData], seed: u64) -> Answers {
     diagnosed_processes(asked, seed).0
 }
 
@@ -50,12 +50,13 @@ pub fn diagnose_processes(asked: &[Asked], seed: u64) -> Answers {
 ///
 /// # Panics
 /// Without processes.
-pub fn diagnosed_processes(asked: &[Asked], seed: u64) -> (Answers, Vec<Vec<Diagnosed>>) {
-    let all: Vec<(Diagnosis, Vec<Diagnosed>)> = asked.iter().map(|own| answered(own, asked.len(), seed)).collect();
+pub fn diagnosed_processes(asked: &[ProcessData], seed: u64) -> (Answers, Vec<Vec<DiagnosisWithBasis>>) {
+    let all: Vec<(Diagnosis, Vec<DiagnosisWithBasis>)> =
+        asked.iter().map(|own| answered(own, asked.len(), seed)).collect();
     let total = match &all[..] {
         [(only, _)] => only.total.clone(),
         _ => {
-            let mut pool: Vec<(usize, &dyn Forward, &Diagnosed)> = Vec::new();
+            let mut pool: Vec<(usize, &dyn Forward, &DiagnosisWithBasis)> = Vec::new();
             for (process, (own, (_, diagnosed))) in asked.iter().zip(&all).enumerate() {
                 pool.extend(own.parts.iter().zip(diagnosed).map(|(part, each)| (process, part.as_ref(), each)));
             }
@@ -77,7 +78,7 @@ pub fn diagnosed_processes(asked: &[Asked], seed: u64) -> (Answers, Vec<Vec<Diag
     (Answers { processes, total, untried }, diagnosed)
 }
 
-fn answered(asked: &Asked, processes: usize, seed: u64) -> (Diagnosis, Vec<Diagnosed>) {
+fn answered(asked: &ProcessData, processes: usize, seed: u64) -> (Diagnosis, Vec<DiagnosisWithBasis>) {
     let (mut diagnosis, mut diagnosed) = diagnose_among(&asked.parts, processes, seed);
     // A condition in a wrong unit bends every channel; those that still look possible prove nothing.
     if asked.impossible > 1 && !diagnosis.effects.is_empty() {

@@ -16,7 +16,7 @@ use super::{Diagnosis, EffectId, NamedEffect};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, BTreeSet};
-use toolroom_nominal::Stated;
+use toolroom_nominal::Declarations;
 use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score, scope_names};
 use toolroom_scenario::{Deviation, MICRO_STOP, Occasion, Scope, ShopConstant, ShopEffect, calibrated};
 use toolroom_statistics::Moments;
@@ -68,9 +68,15 @@ struct Call<'a> {
 
 /// Scores the waits before every pool of machines whose jobs come from another machine. What the file states of the shop,
 /// effects and calibration, acts with and without the named effects.
-pub fn queues(shop: &Shop, seen: &Visits, stated: &Stated, diagnosis: &Diagnosis, seed: u64) -> Vec<QueueScore> {
-    let calls = calls(seen);
-    let model = Occupation::new(shop, seen, stated, diagnosis);
+pub fn queues(
+    shop: &Shop,
+    visits: &Visits,
+    stated: &Declarations,
+    diagnosis: &Diagnosis,
+    seed: u64,
+) -> Vec<QueueScore> {
+    let calls = calls(visits);
+    let model = Occupation::new(shop, visits, stated, diagnosis);
     let one = |pool: &Vec<usize>| {
         let mut in_pool: Vec<&Call<'_>> = calls.iter().filter(|call| pool.contains(&call.visit.machine)).collect();
         in_pool.sort_by(|a, b| a.ready.total_cmp(&b.ready));
@@ -80,16 +86,16 @@ pub fn queues(shop: &Shop, seen: &Visits, stated: &Stated, diagnosis: &Diagnosis
             return None;
         }
         let wait = |at: &usize| (in_pool[*at].visit.start - in_pool[*at].ready).max(0.0);
-        let [without, with] = [false, true].map(|effects| fit(seen, pool, &in_pool, &scored, &model, effects, seed));
+        let [without, with] = [false, true].map(|effects| fit(visits, pool, &in_pool, &scored, &model, effects, seed));
         Some(QueueScore {
-            machines: pool.iter().map(|machine| seen.machines[*machine].clone()).collect(),
+            machines: pool.iter().map(|machine| visits.machines[*machine].clone()).collect(),
             waits: scored.len(),
             recorded: scored.iter().map(wait).sum::<f64>() / scored.len() as f64,
             without,
             with,
         })
     };
-    pools(seen).iter().filter_map(one).collect()
+    pools(visits).iter().filter_map(one).collect()
 }
 
 impl QueueScore {
@@ -114,23 +120,23 @@ impl QueueScore {
 
 /// Waits between two operations of a job before the machines that `of_pool` holds for: when the job was ready, and for how
 /// long it waited, s.
-pub fn recorded_waits(seen: &Visits, of_pool: impl Fn(&str) -> bool) -> Vec<(f64, f64)> {
-    let calls = calls(seen);
-    let known = calls.iter().filter(|call| call.known && of_pool(&seen.machines[call.visit.machine]));
+pub fn recorded_waits(visits: &Visits, of_pool: impl Fn(&str) -> bool) -> Vec<(f64, f64)> {
+    let calls = calls(visits);
+    let known = calls.iter().filter(|call| call.known && of_pool(&visits.machines[call.visit.machine]));
     known.map(|call| (call.ready, (call.visit.start - call.ready).max(0.0))).collect()
 }
 
 /// Names of the machines of each pool: those that run the same programs.
-pub fn pools_of(seen: &Visits) -> Vec<Vec<String>> {
-    let names = |pool: &Vec<usize>| pool.iter().map(|machine| seen.machines[*machine].clone()).collect();
-    pools(seen).iter().map(names).collect()
+pub fn pools_of(visits: &Visits) -> Vec<Vec<String>> {
+    let names = |pool: &Vec<usize>| pool.iter().map(|machine| visits.machines[*machine].clone()).collect();
+    pools(visits).iter().map(names).collect()
 }
 
 /// Machines that run the same programs.
-fn pools(seen: &Visits) -> Vec<Vec<usize>> {
+fn pools(visits: &Visits) -> Vec<Vec<usize>> {
     let mut pools: Vec<(BTreeSet<usize>, BTreeSet<usize>)> = Vec::new();
-    for machine in 0..seen.machines.len() {
-        let of_machine = seen.list.iter().filter(|visit| visit.machine == machine);
+    for machine in 0..visits.machines.len() {
+        let of_machine = visits.list.iter().filter(|visit| visit.machine == machine);
         let mut merged =
             (BTreeSet::from([machine]), of_machine.map(|visit| visit.program).collect::<BTreeSet<usize>>());
         let (same, other) = pools.into_iter().partition(|(_, programs)| !programs.is_disjoint(&merged.1));
@@ -162,8 +168,8 @@ fn calls(seen: &Visits) -> Vec<Call<'_>> {
 }
 
 /// An operation of a log as scopes see it. A log has no tools, lots and people: what is scoped by them holds nowhere.
-pub(super) fn occasion<'a>(shop: &Shop, seen: &'a Visits, visit: &Visit) -> Occasion<'a> {
-    let (program, machine) = (&seen.programs[visit.program], &seen.machines[visit.machine]);
+pub(super) fn occasion<'a>(shop: &Shop, visits: &'a Visits, visit: &Visit) -> Occasion<'a> {
+    let (program, machine) = (&visits.programs[visit.program], &visits.machines[visit.machine]);
     let mut place = Occasion::at(visit.start);
     place.set("machine", machine.as_str());
     place.set("shift", shop.shift(machine, visit.start));
@@ -179,15 +185,15 @@ struct Occupation<'a> {
     shop: &'a Shop,
     seen: &'a Visits,
     /// The file, whose calibration the factors are counted from.
-    file: &'a Stated,
+    file: &'a Declarations,
     /// Calibration factors by the name of the parameter.
     factors: BTreeMap<&'a str, f64>,
-    stated: Vec<Acting>,
-    named: Vec<Acting>,
+    stated: Vec<ActingEffect>,
+    named: Vec<ActingEffect>,
 }
 
 /// An effect as it acts on the time of an operation.
-struct Acting {
+struct ActingEffect {
     id: EffectId,
     /// Whether it follows the recorded overrides.
     as_recorded: bool,
@@ -196,7 +202,7 @@ struct Acting {
     size: f64,
 }
 
-impl Acting {
+impl ActingEffect {
     fn named(effect: &NamedEffect) -> Self {
         let scope = Scope { names: scope_names(&effect.shape), ..Scope::default() };
         Self { id: effect.id, as_recorded: effect.shape == "as recorded", scope, size: effect.size }
@@ -214,11 +220,11 @@ impl Acting {
 }
 
 impl<'a> Occupation<'a> {
-    fn new(shop: &'a Shop, seen: &'a Visits, file: &'a Stated, diagnosis: &'a Diagnosis) -> Self {
+    fn new(shop: &'a Shop, visits: &'a Visits, file: &'a Declarations, diagnosis: &'a Diagnosis) -> Self {
         let factors = diagnosis.calibration.iter().map(|own| (own.parameter.as_str(), own.value)).collect();
-        let named = diagnosis.effects.iter().map(Acting::named).collect();
-        let stated = file.deviations.iter().map(Acting::stated).collect();
-        Self { shop, seen, file, factors, stated, named }
+        let named = diagnosis.effects.iter().map(ActingEffect::named).collect();
+        let stated = file.deviations.iter().map(ActingEffect::stated).collect();
+        Self { shop, seen: visits, file, factors, stated, named }
     }
 
     /// Product of the calibrated factors; a constant that the records did not move stays at 1.
@@ -286,7 +292,7 @@ impl<'a> Occupation<'a> {
 }
 
 fn fit(
-    seen: &Visits,
+    visits: &Visits,
     pool: &[usize],
     calls: &[&Call<'_>],
     scored: &[usize],
@@ -300,10 +306,10 @@ fn fit(
         for (index, call) in calls.iter().enumerate() {
             let mut random = ChaCha8Rng::seed_from_u64(seed);
             random.set_stream((replication * calls.len() + index) as u64);
-            let start = |server: usize| seen.working(pool[server], call.ready.max(free[server]));
+            let start = |server: usize| visits.working(pool[server], call.ready.max(free[server]));
             let server = (0..pool.len()).min_by(|a, b| start(*a).total_cmp(&start(*b))).unwrap_or(0);
             let begun = start(server);
-            free[server] = seen.worked(pool[server], begun, model.draw(call.visit, with_effects, &mut random));
+            free[server] = visits.worked(pool[server], begun, model.draw(call.visit, with_effects, &mut random));
             waits[index].push(begun - call.ready);
         }
     }

@@ -15,24 +15,24 @@ impl Forward for Reframed<'_> {
         &self.frame
     }
 
-    fn simulate(&self, at: &Point) -> Vec<f64> {
-        self.model.simulate(at)
+    fn simulate(&self, point: &Point) -> Vec<f64> {
+        self.model.simulate(point)
     }
 
-    fn refusal(&self, at: &Point) -> Option<EffectRefusal> {
-        self.model.refusal(at)
+    fn refusal(&self, point: &Point) -> Option<EffectRefusal> {
+        self.model.refusal(point)
     }
 
     fn scatter_is_known(&self, channel: usize) -> bool {
         self.model.scatter_is_known(channel)
     }
 
-    fn chains(&self, at: &Point) -> Vec<Chain> {
-        self.model.chains(at)
+    fn chains(&self, point: &Point) -> Vec<Chain> {
+        self.model.chains(point)
     }
 
-    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
-        self.model.slopes(at, raw, along)
+    fn slopes(&self, point: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+        self.model.slopes(point, raw, along)
     }
 
     fn written(&self, candidate: usize) -> WrittenEffect {

@@ -165,15 +165,15 @@ impl<'a> Judged<'a> {
         Self::new(context, decision, trial, &decision.base, lead)
     }
 
-    /// `trial` against the model without what it adds to `beside`.
-    pub fn against(context: Diagnosing<'a>, decision: &'a Decision, trial: &'a Trial, beside: &'a Trial) -> Self {
+    /// `trial` against the model without what it adds to `rival`.
+    pub fn against(context: Diagnosing<'a>, decision: &'a Decision, trial: &'a Trial, rival: &'a Trial) -> Self {
         let count = context.candidates();
-        let lead = decision.gain_of(trial, count) - decision.gain_of(beside, count);
-        Self::new(context, decision, trial, beside, lead)
+        let lead = decision.gain_of(trial, count) - decision.gain_of(rival, count);
+        Self::new(context, decision, trial, rival, lead)
     }
 
-    fn new(context: Diagnosing<'a>, decision: &'a Decision, trial: &'a Trial, beside: &'a Trial, lead: f64) -> Self {
-        Self { context, decision, trial, beside, lead, own: OnceLock::new(), after: OnceLock::new() }
+    fn new(context: Diagnosing<'a>, decision: &'a Decision, trial: &'a Trial, rival: &'a Trial, lead: f64) -> Self {
+        Self { context, decision, trial, beside: rival, lead, own: OnceLock::new(), after: OnceLock::new() }
     }
 
     /// The rules that stand against the model, with what they found; without abstention only those of

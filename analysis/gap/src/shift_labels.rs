@@ -16,7 +16,7 @@ pub struct ShiftLabels {
 
 impl ShiftLabels {
     /// What the `records` of a process say; nothing where they name no shifts.
-    pub fn of(records: &Records) -> Self {
+    pub fn from_records(records: &Records) -> Self {
         let mut all = Self::default();
         let Some(shifts) = records.texts("shift") else { return all };
         let (operations, machines) = (records.texts("operation_id"), records.texts("machine"));

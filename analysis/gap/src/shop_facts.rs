@@ -12,7 +12,7 @@ use toolroom_facts::survival::{Life, lives};
 use toolroom_facts::times::{share_above, times};
 use toolroom_facts::waits::waits;
 use toolroom_facts::{Fact, Quantity, adjusted, findings, slight};
-use toolroom_nominal::Stated;
+use toolroom_nominal::Declarations;
 use toolroom_nominal::shop::{Breakdowns, SHORT_STOP, Shop, Station, Visit, Visits, visits};
 use toolroom_records::Records;
 use toolroom_scenario::{Distribution, FailureClock, FailureMode, ShopEffect};
@@ -28,7 +28,7 @@ const UNEXPLAINED: f64 = 5.0;
 /// Tests the facts of a log, adds them to what is said of it, and takes back what they contradict: a constant of
 /// the file that the log rejects, or a queue that nothing explains, leaves no `no_gap`. `stated` is what its file
 /// says beside the plan.
-pub fn add_facts(shop: &Shop, records: &Records, stated: &Stated, diagnosis: &mut Diagnosis, seed: u64) {
+pub fn add_facts(shop: &Shop, records: &Records, stated: &Declarations, diagnosis: &mut Diagnosis, seed: u64) {
     let seen = visits(records);
     let scores = queues(shop, &seen, stated, diagnosis, seed);
     let named = |id: EffectId| diagnosis.effects.iter().any(|effect| effect.id == id);
@@ -105,10 +105,10 @@ fn same(a: &FailureMode, b: &FailureMode) -> bool {
 }
 
 /// Times between failures and to repair: of each machine, and of all machines with one law together.
-pub(super) fn of_failures(shop: &Shop, seen: &Visits, shaped: bool, seed: u64) -> Vec<Fact> {
+pub(super) fn of_failures(shop: &Shop, visits: &Visits, shaped: bool, seed: u64) -> Vec<Fact> {
     let mut facts = Vec::new();
     let mut pools: Vec<(&FailureMode, Vec<usize>)> = Vec::new();
-    for (machine, name) in seen.machines.iter().enumerate() {
+    for (machine, name) in visits.machines.iter().enumerate() {
         let Some(mode) = shop.station(name).and_then(only) else { continue };
         match pools.iter_mut().find(|(other, _)| same(other, mode)) {
             Some((_, machines)) => machines.push(machine),
@@ -116,13 +116,13 @@ pub(super) fn of_failures(shop: &Shop, seen: &Visits, shaped: bool, seed: u64) -
         }
     }
     for (mode, machines) in &pools {
-        let all: Vec<&Breakdowns> = machines.iter().map(|machine| &seen.breakdowns[*machine]).collect();
-        let place = machines.iter().map(|machine| seen.machines[*machine].as_str()).collect::<Vec<_>>().join(", ");
+        let all: Vec<&Breakdowns> = machines.iter().map(|machine| &visits.breakdowns[*machine]).collect();
+        let place = machines.iter().map(|machine| visits.machines[*machine].as_str()).collect::<Vec<_>>().join(", ");
         facts.extend(of_mode(mode, place, &all, shaped, seed));
         if machines.len() > 1 {
             for machine in machines {
-                let breakdowns = [&seen.breakdowns[*machine]];
-                facts.extend(of_mode(mode, seen.machines[*machine].clone(), &breakdowns, true, seed));
+                let breakdowns = [&visits.breakdowns[*machine]];
+                facts.extend(of_mode(mode, visits.machines[*machine].clone(), &breakdowns, true, seed));
             }
         }
     }
@@ -152,29 +152,29 @@ fn of_mode(mode: &FailureMode, place: String, all: &[&Breakdowns], shaped: bool,
 }
 
 /// Lives of the edges of every machine.
-fn of_edges(shop: &Shop, seen: &Visits) -> Vec<Fact> {
+fn of_edges(shop: &Shop, visits: &Visits) -> Vec<Fact> {
     let lives_of = |(machine, name): (usize, &String)| {
-        let ended = seen.edge_lives.iter().filter(|own| own.0 == machine);
-        let ages = seen.edge_ages.iter().filter(|own| own.0 == machine);
+        let ended = visits.edge_lives.iter().filter(|own| own.0 == machine);
+        let ages = visits.edge_ages.iter().filter(|own| own.0 == machine);
         let mut recorded: Vec<Life> = ended.map(|own| Life { time: own.2, ended: true }).collect();
         recorded.extend(ages.map(|own| Life { time: own.1, ended: false }));
         lives(name, &recorded, &shop.station(name)?.lives, LIFE)
     };
-    seen.machines.iter().enumerate().filter_map(lives_of).collect()
+    visits.machines.iter().enumerate().filter_map(lives_of).collect()
 }
 
 /// How loading and unloading scatters at every machine, among operations of one program in one shift. Delays of operators
 /// that the file states are no part of it.
-fn of_handling(shop: &Shop, seen: &Visits, stated: &Stated) -> Vec<Fact> {
+fn of_handling(shop: &Shop, visits: &Visits, stated: &Declarations) -> Vec<Fact> {
     let late = |visit: &Visit| -> f64 {
-        let place = occasion(shop, seen, visit);
+        let place = occasion(shop, visits, visit);
         let delays =
             stated.deviations.iter().filter(|own| own.effect == ShopEffect::OperatorDelay && own.scope.holds(&place));
         delays.map(|own| own.size).sum()
     };
     let times_of = |(machine, name): (usize, &String)| {
         let mut alike: BTreeMap<(usize, String), Vec<f64>> = BTreeMap::new();
-        for visit in seen.list.iter().filter(|visit| visit.machine == machine) {
+        for visit in visits.list.iter().filter(|visit| visit.machine == machine) {
             let handling = visit.handling - late(visit);
             if handling > 0.0 {
                 alike.entry((visit.program, shop.shift(name, visit.start))).or_default().push(handling);
@@ -183,7 +183,7 @@ fn of_handling(shop: &Shop, seen: &Visits, stated: &Stated) -> Vec<Fact> {
         let recorded: Vec<Vec<f64>> = alike.into_values().collect();
         spread(Quantity::HandlingScatter, name, &recorded, &shop.station(name)?.handling)
     };
-    seen.machines.iter().enumerate().filter_map(times_of).collect()
+    visits.machines.iter().enumerate().filter_map(times_of).collect()
 }
 
 fn of_queue(score: &QueueScore, explained: bool) -> Option<Fact> {

@@ -1,7 +1,7 @@
 //! What a shop tells of itself.
 
 use super::shop::*;
-use crate::{Diagnosis, EffectId, GapVerdict, NominalModel, NominalProcess, Settings, Stated, diagnose};
+use crate::{Declarations, Diagnosis, EffectId, GapVerdict, NominalModel, NominalProcess, Settings, diagnose};
 use toolroom_facts::{Finding, Quantity};
 use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, Records};
@@ -88,11 +88,11 @@ fn one_short_repair_in_ten_days_contradicts_nothing_that_a_file_states() {
     let records = recorded(7, &[]);
     let (times, states) = (records.numbers("time").expect("times"), records.texts("state").expect("states"));
     let machines = records.texts("machine").expect("machines");
-    let at = states.iter().position(|state| state == "down").expect("a breakdown");
-    let next = (at + 1..records.len()).find(|row| machines[*row] == machines[at]).expect("it is repaired");
+    let position = states.iter().position(|state| state == "down").expect("a breakdown");
+    let next = (position + 1..records.len()).find(|row| machines[*row] == machines[position]).expect("it is repaired");
     // What the machine does later comes later: only this repair is shorter.
     let mut shorter = times.to_vec();
-    shorter[at] = times[next] - 120.0;
+    shorter[position] = times[next] - 120.0;
     let mut records = records.clone();
     records.set_numbers("time", shorter);
     let (forward, _) = nominal().over(&records, None, |_, _| false);
@@ -108,14 +108,14 @@ fn stops_of_the_simulated_shop_are_named_and_close_the_gap_of_its_cycle() {
     let model = nominal();
     let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
     assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
-    let named = &diagnosis.effects[0];
-    assert_eq!((named.id.word(), diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
-    assert!((1.8..2.2).contains(&named.size), "{} 1/h", named.size);
+    let effects = &diagnosis.effects[0];
+    assert_eq!((effects.id.word(), diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
+    assert!((1.8..2.2).contains(&effects.size), "{} 1/h", effects.size);
     let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
     let seen = visits(&records);
-    let figure = |deviations: &[Deviation]| ShopKpi::of(shop, &visits(&recorded(9, deviations)), &mix(&seen));
-    let (measured, before) = (ShopKpi::of(shop, &seen, &mix(&seen)), figure(&[]));
-    let after = figure(&[Deviation::new(ShopEffect::MicroStops, named.size / 3600.0)]);
+    let figure = |deviations: &[Deviation]| ShopKpi::from_shop(shop, &visits(&recorded(9, deviations)), &mix(&seen));
+    let (measured, before) = (ShopKpi::from_shop(shop, &seen, &mix(&seen)), figure(&[]));
+    let after = figure(&[Deviation::new(ShopEffect::MicroStops, effects.size / 3600.0)]);
     let gap = |kpi: &ShopKpi| (measured.cycle_time - kpi.cycle_time).abs();
     assert!(gap(&before) > 2.0 && gap(&after) < 0.3 * gap(&before), "{measured:?} {before:?} {after:?}");
     assert!(after.throughput < before.throughput && after.effectiveness < before.effectiveness);
@@ -139,7 +139,7 @@ fn holds_of_the_simulated_shop_are_named_with_their_length() {
     assert!((held - 0.05).abs() < 0.01, "{held}");
     // The cycle grows by 15 s a hold and by nothing else.
     let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
-    let cycle = |records: &Records| ShopKpi::of(shop, &visits(records), &mix(&seen)).cycle_time;
+    let cycle = |records: &Records| ShopKpi::from_shop(shop, &visits(records), &mix(&seen)).cycle_time;
     let longer = cycle(&records) - cycle(&recorded(11, &[]));
     assert!((longer - 15.0 * held).abs() < 0.2, "{longer} s");
 }
@@ -164,7 +164,7 @@ fn an_effect_of_one_machine_or_part_is_named_there_with_its_size_and_its_queue()
         assert!((found / size - 1.0).abs() < 0.05, "{found} instead of {size}");
         // The replay of the queues slows the operations of the scope alone.
         let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
-        for queue in queues(shop, &visits(&records), &Stated::default(), &diagnosis, 1) {
+        for queue in queues(shop, &visits(&records), &Declarations::default(), &diagnosis, 1) {
             assert!(queue.with.score.abs() < 4.0, "{id}: {}", queue.words(true));
         }
     }
@@ -228,7 +228,7 @@ fn handling_that_scatters_more_than_its_file_is_a_constant_of_it() {
         let model = nominal();
         let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
         let mut diagnosis = diagnose(model.over(records, None, |_, _| false).0.as_ref(), 1).diagnosis;
-        add_facts(shop, records, &Stated::default(), &mut diagnosis, 1);
+        add_facts(shop, records, &Declarations::default(), &mut diagnosis, 1);
         diagnosis
     };
     let diagnosis = found(&of_shop(1, &uneven));
@@ -277,7 +277,7 @@ fn queues_of_the_true_shop_fit_and_slow_machines_show_in_them() {
         let mut diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
         // As if calibration knew nothing of what makes the shop slow.
         diagnosis.calibration.clear();
-        queues(shop, &visits(records), &Stated::default(), &diagnosis, 1)
+        queues(shop, &visits(records), &Declarations::default(), &diagnosis, 1)
     };
     let scores = scored(&recorded(7, &[]));
     let mills = scores.iter().find(|score| score.machines == ["M1", "M2"]).expect("a pool of mills");
@@ -292,9 +292,12 @@ fn queues_of_the_true_shop_fit_and_slow_machines_show_in_them() {
 #[test]
 fn a_machine_works_around_its_absences() {
     let away = vec![vec![(10.0, 20.0), (20.0, 30.0), (50.0, 60.0)]];
-    let seen = Visits { away, ..Visits::default() };
-    assert_eq!((seen.working(0, 5.0), seen.working(0, 12.0), seen.working(0, 30.0)), (5.0, 30.0, 30.0));
-    assert_eq!((seen.worked(0, 5.0, 5.0), seen.worked(0, 5.0, 6.0), seen.worked(0, 30.0, 25.0)), (10.0, 31.0, 65.0));
+    let visits = Visits { away, ..Visits::default() };
+    assert_eq!((visits.working(0, 5.0), visits.working(0, 12.0), visits.working(0, 30.0)), (5.0, 30.0, 30.0));
+    assert_eq!(
+        (visits.worked(0, 5.0, 5.0), visits.worked(0, 5.0, 6.0), visits.worked(0, 30.0, 25.0)),
+        (10.0, 31.0, 65.0)
+    );
 }
 
 #[test]
@@ -331,7 +334,7 @@ fn with_facts(records: &Records) -> Diagnosis {
     let model = nominal();
     let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
     let mut diagnosis = diagnose(model.over(records, None, |_, _| false).0.as_ref(), 1).diagnosis;
-    add_facts(shop, records, &Stated::default(), &mut diagnosis, 1);
+    add_facts(shop, records, &Declarations::default(), &mut diagnosis, 1);
     diagnosis
 }
 

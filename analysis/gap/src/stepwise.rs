@@ -182,8 +182,8 @@ pub(super) fn swapped(context: Diagnosing<'_>, decision: &mut Decision, index: u
 /// first.
 fn fitted(context: Diagnosing<'_>, decision: &mut Decision, index: usize, sought: &[Vec<usize>]) -> Vec<usize> {
     let first = decision.trials.len();
-    let from = decision.trials[index].fit.clone();
-    let fitted: Vec<Trial> = sought.par_iter().map(|active| context.trial(&from, active)).collect();
+    let fit = decision.trials[index].fit.clone();
+    let fitted: Vec<Trial> = sought.par_iter().map(|active| context.trial(&fit, active)).collect();
     decision.trials.extend(fitted);
     let profile = |index: &usize| decision.trials[*index].evidence.profile;
     let admissible = |index: &usize| decision.trials[*index].evidence.admissible;

@@ -33,22 +33,22 @@ pub struct Trial {
 
 impl Trial {
     /// The fit of the `active` candidates with its evidence.
-    pub fn new(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], from: &Fit, active: &[usize]) -> Self {
-        Self::of(model, basis, folds, Self::fitted(model, basis, from, active).settled(model))
+    pub fn new(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], start_fit: &Fit, active: &[usize]) -> Self {
+        Self::of(model, basis, folds, Self::fitted(model, basis, start_fit, active).settled(model))
     }
 
-    /// Fits the `active` candidates, starting where `from` was fitted and, since a model without
+    /// Fits the `active` candidates, starting where `start_fit` was fitted and, since a model without
     /// them may have gone far astray, from the nominal point.
-    pub(super) fn fitted(model: &dyn Forward, basis: &Basis, from: &Fit, active: &[usize]) -> Fit {
+    pub(super) fn fitted(model: &dyn Forward, basis: &Basis, start_fit: &Fit, active: &[usize]) -> Fit {
         let start = |linear: &Linear| fit(model, &basis.noise, linear.clone(), active, &basis.local_scale);
-        let from_there = Self::without_others(model, &from.linear, active);
+        let from_there = Self::without_others(model, &start_fit.linear, active);
         let (near, (far, sized)) = rayon::join(
             || start(&from_there),
             || rayon::join(|| start(&basis.nominal), || Self::from_size(model, basis, active)),
         );
         let fitted = [Some(near), Some(far), sized];
         let best = fitted.into_iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost));
-        best.unwrap_or_else(|| from.clone())
+        best.unwrap_or_else(|| start_fit.clone())
     }
 
     /// `linear` without the effects that are not `active`: a fit moves no others, and one that was there before would stay.

@@ -1,6 +1,6 @@
 //! The base of a shop whose machines, parts and orders stand in tables of an order system.
 
-use crate::checked::{Checked, checked};
+use crate::checked::{CheckResult, checked};
 use std::fs;
 use std::path::{Path, PathBuf};
 use toolroom_form::{Fault, ReadError};
@@ -8,7 +8,7 @@ use toolroom_shop_import::ShopMapping;
 
 /// What is checked of a scenario that was refused only because it names no machine, part or arrivals, where a mapping of
 /// tables in its folder takes it as its base: the tables give what is missing. Anything else stays refused.
-pub fn of_tables(path: &Path, error: ReadError) -> Result<Checked, ReadError> {
+pub fn of_tables(path: &Path, error: ReadError) -> Result<CheckResult, ReadError> {
     let ReadError::Faults(list) = &error else { return Err(error) };
     if !list.problems.iter().all(|problem| gives(&problem.fault)) {
         return Err(error);

@@ -8,11 +8,11 @@ use std::path::Path;
 use toolroom_form::Echo;
 
 /// Reads a file with the values of `--set`.
-pub type Reader = fn(&Path, &[String]) -> Result<Checked, KindError>;
+pub type Reader = fn(&Path, &[String]) -> Result<CheckResult, KindError>;
 
 /// A file that its reader accepts.
 #[derive(Clone, Debug)]
-pub struct Checked {
+pub struct CheckResult {
     /// Its values as they were understood, where the reader tells them.
     pub echo: Vec<Echo>,
     /// What programs are told beside file and verdict.
@@ -22,7 +22,7 @@ pub struct Checked {
 }
 
 /// What a reader found in a file of a kind: `name` is its own, if it has one.
-pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> Checked {
+pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> CheckResult {
     let mut result = Map::new();
     result.insert("kind".to_owned(), json!(word));
     result.extend(name.map(|name| ("name".to_owned(), json!(name))));
@@ -30,10 +30,10 @@ pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> C
         result.insert("values".to_owned(), json!(echo));
     }
     let warnings = unusual(&echo);
-    Checked { echo, result, summary: format!("valid: {more}") }.warned(&warnings)
+    CheckResult { echo, result, summary: format!("valid: {more}") }.warned(&warnings)
 }
 
-impl Checked {
+impl CheckResult {
     /// The same with warnings, for people and programs.
     pub(crate) fn warned(mut self, warnings: &[Warning]) -> Self {
         if warnings.is_empty() {

@@ -1,7 +1,7 @@
 //! Diagnoses: JSON that `gap diagnose` writes and `gap apply` reads, held against their schema.
 
 use crate::places::{key, refused};
-use crate::{Checked, Described, FileKind, KindError, checked};
+use crate::{CheckResult, FileKind, KindError, SchemaSource, checked};
 use serde_json::Value;
 use std::path::Path;
 use toolroom_form::Refusal;
@@ -14,11 +14,11 @@ pub const KIND: FileKind = FileKind {
     doc: "diagnosis.json of gap diagnose",
     signs: &["verdict"],
     read: Some(check),
-    form: Described::Text(SCHEMA),
+    form: SchemaSource::Text(SCHEMA),
 };
 
 /// What `check` says of a diagnosis: whether it is one, and what it found.
-fn check(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+fn check(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     if !set.is_empty() {
         return Err(KindError::Unchangeable { kind: "diagnosis" });
     }
@@ -159,7 +159,7 @@ mod tests {
             let mut value = whole.clone();
             change(&mut value);
             std::fs::write(&path, serde_json::to_string_pretty(&value).expect("JSON")).expect("written");
-            assert_eq!(FileKind::of(&path).expect("a kind").word, "diagnosis");
+            assert_eq!(FileKind::from_path(&path).expect("a kind").word, "diagnosis");
             check(&path, &[]).expect_err("refused").to_string()
         };
         assert!(said(&|value| value["verdict"] = json!("gone")).contains("one of effect, constant"));

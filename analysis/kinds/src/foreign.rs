@@ -99,12 +99,12 @@ mod tests {
         ] {
             let path = folder.path().join(name);
             std::fs::write(&path, bytes).expect("written");
-            let fix = FileKind::of(&path).expect_err(name).fix();
+            let fix = FileKind::from_path(&path).expect_err(name).fix();
             assert!(fix.contains(verb), "{name}: {fix}");
         }
         // A file of keys in another encoding is not a measurement.
         let path = folder.path().join("shop.toml");
         std::fs::write(&path, b"title = \"\xD6\xE5\xF5\"\n").expect("written");
-        assert!(FileKind::of(&path).expect_err("refused").to_string().contains("Windows-1251"));
+        assert!(FileKind::from_path(&path).expect_err("refused").to_string().contains("Windows-1251"));
     }
 }

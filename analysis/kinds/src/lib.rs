@@ -8,7 +8,7 @@
 //! use toolroom_kinds::FileKind;
 //! # std::env::set_current_dir("../..").unwrap();
 //! let file = Path::new("scenarios/grinding/cycle.toml");
-//! let kind = FileKind::of(file).unwrap();
+//! let kind = FileKind::from_path(file).unwrap();
 //! assert_eq!(kind.word, "cycle");
 //! let found = (kind.read.unwrap())(file, &["limits.stock=\"-1 mm\"".to_owned()]);
 //! assert!(found.is_err());
@@ -94,7 +94,7 @@ pub const CODES: &[(&str, &str)] = &[
     ),
 ];
 
-pub use checked::{Checked, Reader, checked};
+pub use checked::{CheckResult, Reader, checked};
 pub use error::KindError;
 pub use samples::Sample;
 pub use warning::Warning;
@@ -124,12 +124,12 @@ pub struct FileKind {
     /// The reader of the verb; none where toolroom writes such files only.
     pub read: Option<Reader>,
     /// What describes it to editors.
-    pub form: Described,
+    pub form: SchemaSource,
 }
 
 /// The JSON schema of a kind.
 #[derive(Debug)]
-pub enum Described {
+pub enum SchemaSource {
     /// Made from the form of the reader.
     By(&'static Form),
     /// Made from forms of which a file has one.
@@ -147,112 +147,112 @@ pub static KINDS: &[FileKind] = &[
         doc: "A shop under policies, for run and compare",
         signs: &["shop", "part", "arrivals", "dispatch", "calendar", "failure", "deviation"],
         read: Some(readers::scenario),
-        form: Described::By(&SCENARIO),
+        form: SchemaSource::By(&SCENARIO),
     },
     FileKind {
         word: "effects",
         doc: "Effects of your own, for --effects of gap and point",
         signs: &["effect"],
         read: Some(readers::effects),
-        form: Described::By(&EFFECTS_FILE),
+        form: SchemaSource::By(&EFFECTS_FILE),
     },
     FileKind {
         word: "structure",
         doc: "Vibration modes from a tap test, for `structure` of lobes files; modes writes them",
         signs: &["measurement", "covariance", "residual", "station", "mass_loss"],
         read: Some(readers::structure),
-        form: Described::By(&STRUCTURE),
+        form: SchemaSource::By(&STRUCTURE),
     },
     FileKind {
         word: "coefficients",
         doc: "Cutting-force coefficients, for `coefficients` of lobes files; coefficients writes them",
         signs: &["tangential", "edge_tangential"],
         read: Some(readers::coefficients),
-        form: Described::By(&COEFFICIENTS),
+        form: SchemaSource::By(&COEFFICIENTS),
     },
     FileKind {
         word: "tool",
         doc: "A tool as round segments, for swap",
         signs: &["segment"],
         read: Some(readers::tool),
-        form: Described::By(&TOOL),
+        form: SchemaSource::By(&TOOL),
     },
     FileKind {
         word: "lobes",
         doc: "A stability chart, for lobes",
         signs: &["chart", "mode", "chuck", "lathe", "point"],
         read: Some(readers::chart),
-        form: Described::By(&LOBES),
+        form: SchemaSource::By(&LOBES),
     },
     FileKind {
         word: "life",
         doc: "A study of tool lives, for life",
         signs: &["condition", "lives", "sampling", "passes", "early", "replacement", "sensitivity"],
         read: Some(readers::study),
-        form: Described::By(&toolroom_life::file::STUDY),
+        form: SchemaSource::By(&toolroom_life::file::STUDY),
     },
     FileKind {
         word: "program-setup",
         doc: "Stock and tools of a part program, for program --setup",
         signs: &["stock"],
         read: Some(readers::program_setup),
-        form: Described::By(&toolroom_stock::SETUP),
+        form: SchemaSource::By(&toolroom_stock::SETUP),
     },
     FileKind {
         word: "cycle",
         doc: "A grinding cycle to be designed, for grind",
         signs: &["limits", "conditions", "dressing"],
         read: Some(readers::cycle),
-        form: Described::By(&CYCLE),
+        form: SchemaSource::By(&CYCLE),
     },
     FileKind {
         word: "contour",
         doc: "A contour to be milled, for contour",
         signs: &["section"],
         read: Some(readers::planned),
-        form: Described::By(&CONTOUR),
+        form: SchemaSource::By(&CONTOUR),
     },
     FileKind {
         word: "setup",
         doc: "Passes around a contour that a part program draws, for contour --gcode",
         signs: &["pass", "cutter_side", "path_error", "form_error", "corners"],
         read: Some(readers::setup),
-        form: Described::By(&SETUP),
+        form: SchemaSource::By(&SETUP),
     },
     FileKind {
         word: "mapping",
         doc: "What the columns of a measured table are, for import csv",
         signs: &["column", "keep", "rows_per_operation"],
         read: Some(readers::mapping),
-        form: Described::By(&MAPPING),
+        form: SchemaSource::By(&MAPPING),
     },
     FileKind {
         word: "shop-mapping",
         doc: "What the tables of an order system are, for import shop",
         signs: &["table"],
         read: Some(readers::shop_mapping),
-        form: Described::By(&toolroom_shop_import::SHOP_MAPPING),
+        form: SchemaSource::By(&toolroom_shop_import::SHOP_MAPPING),
     },
     FileKind {
         word: "gap",
         doc: "A nominal model of power laws or part programs, or a scenario taken as one, for gap",
         signs: &["gap", "program"],
         read: Some(readers::nominal),
-        form: Described::ByOneOf(&NominalModel::FORMS),
+        form: SchemaSource::ByOneOf(&NominalModel::FORMS),
     },
     FileKind {
         word: "machine",
         doc: "The control, drives, spindle and tool changer of a machine, for program --drives",
         signs: &["drives", "control"],
         read: Some(readers::machine),
-        form: Described::By(&toolroom_drives::MACHINE),
+        form: SchemaSource::By(&toolroom_drives::MACHINE),
     },
     FileKind {
         word: "parameter-set",
         doc: "Constants of one tool in one work material, for parameter_set of tools and believed_model of policies",
         signs: &["based_on", "handbook", "law", "material", "prior", "parameters"],
         read: Some(readers::parameter_set),
-        form: Described::By(&toolroom_wear::PARAMETER_SET),
+        form: SchemaSource::By(&toolroom_wear::PARAMETER_SET),
     },
     plan::KIND,
     diagnosis::KIND,
@@ -274,7 +274,7 @@ impl FileKind {
     ///
     /// # Errors
     /// The file cannot be read, or has no sign of any kind.
-    pub fn of(path: &Path) -> Result<&'static Self, KindError> {
+    pub fn from_path(path: &Path) -> Result<&'static Self, KindError> {
         if records::by_place(path) {
             return Ok(&records::KIND);
         }
@@ -311,8 +311,8 @@ impl FileKind {
     /// Never: schemas that are texts of their own are JSON, which a test asks.
     pub fn schema(&self) -> Value {
         match self.form {
-            Described::By(form) => schema(form, &self.title()),
-            Described::ByOneOf(forms) => {
+            SchemaSource::By(form) => schema(form, &self.title()),
+            SchemaSource::ByOneOf(forms) => {
                 let any: Vec<Value> = forms.iter().map(|form| schema(form, form.doc)).collect();
                 json!({
                     "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -321,8 +321,8 @@ impl FileKind {
                     "anyOf": any,
                 })
             }
-            Described::Text(text) => serde_json::from_str(text).expect("a schema of the repository is JSON"),
-            Described::Rows(schema) => schema(),
+            SchemaSource::Text(text) => serde_json::from_str(text).expect("a schema of the repository is JSON"),
+            SchemaSource::Rows(schema) => schema(),
         }
     }
 
@@ -357,7 +357,7 @@ mod tests {
                 std::fs::write(folder.path().join(name), text).expect("written");
             }
             let file = folder.path().join(sample.files[0].0);
-            let told = FileKind::of(&file).expect("a kind");
+            let told = FileKind::from_path(&file).expect("a kind");
             // A scenario may be a nominal model: the reader of scenarios is asked first.
             assert!(told.word == kind.word || kind.word == "gap", "{} is told as {}", kind.word, told.word);
             let read = (kind.read.expect("a reader"))(&file, &[]);
@@ -369,7 +369,7 @@ mod tests {
     fn the_reference_has_every_key_of_every_kind() {
         for kind in KINDS {
             let page = kind.reference();
-            let Described::By(form) = kind.form else { continue };
+            let SchemaSource::By(form) = kind.form else { continue };
             for key in form.keys {
                 assert!(page.contains(&format!("| `{}` |", key.name)), "{}: {}", kind.word, key.name);
             }
@@ -386,11 +386,11 @@ mod tests {
         for (i, kind) in KINDS.iter().enumerate() {
             for sign in kind.signs {
                 assert!(KINDS[i + 1..].iter().all(|other| !other.signs.contains(sign)), "{sign}");
-                if let Described::By(form) = kind.form {
+                if let SchemaSource::By(form) = kind.form {
                     assert!(form.key(sign).is_some(), "{} has no {sign}", kind.word);
                 }
                 for other in KINDS.iter().skip(i + 1) {
-                    let Described::By(form) = other.form else { continue };
+                    let SchemaSource::By(form) = other.form else { continue };
                     assert!(form.key(sign).is_none(), "{} has {sign} of {} too", other.word, kind.word);
                 }
             }

@@ -1,7 +1,7 @@
 //! Plans of shards: JSON that `--plan` writes, and that `shard` and `merge` read.
 
 use crate::places::{key, refused};
-use crate::{Checked, Described, FileKind, KindError, checked};
+use crate::{CheckResult, FileKind, KindError, SchemaSource, checked};
 use std::path::Path;
 use toolroom_form::{ReadError, Refusal};
 use toolroom_shards::{Plan, Work};
@@ -12,11 +12,11 @@ pub const KIND: FileKind = FileKind {
     doc: "A plan of shards, which --plan of life, compare and lobes writes",
     signs: &["pieces", "shards"],
     read: Some(check),
-    form: Described::Text(include_str!("../../../scenarios/schema/plan.schema.json")),
+    form: SchemaSource::Text(include_str!("../../../scenarios/schema/plan.schema.json")),
 };
 
 /// What `check` says of a plan: whether a shard of it would begin.
-fn check(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+fn check(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     if !set.is_empty() {
         return Err(KindError::Unchangeable { kind: "plan" });
     }
@@ -46,7 +46,7 @@ fn content(plan: &Plan) -> Result<&'static str, ReadError> {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Described, FileKind};
+    use crate::{FileKind, SchemaSource};
     use serde_json::{Value, json};
     use std::path::PathBuf;
     use toolroom_shards::{PLAN, Plan, Work};
@@ -63,7 +63,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("plan.json");
         std::fs::write(&path, serde_json::to_string_pretty(value).expect("JSON")).expect("written");
-        let kind = FileKind::of(&path).expect("a kind");
+        let kind = FileKind::from_path(&path).expect("a kind");
         assert_eq!(kind.word, "plan");
         (kind.read.expect("a reader"))(&path, &[]).map(|checked| checked.summary).map_err(|error| error.to_string())
     }
@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn the_schema_of_plans_has_their_fields_and_words() {
         let kind = FileKind::named("plan").expect("plans");
-        assert!(matches!(kind.form, Described::Text(_)));
+        assert!(matches!(kind.form, SchemaSource::Text(_)));
         let schema = kind.schema();
         let fields = |value: &Value| value.as_object().expect("an object").keys().cloned().collect::<Vec<_>>();
         let plan = Plan { schema: PLAN, ..plan() };

@@ -2,7 +2,7 @@
 
 use crate::KindError;
 use crate::base;
-use crate::checked::{Checked, checked};
+use crate::checked::{CheckResult, checked};
 use crate::empirical::empirical;
 use crate::places::{header, nominal as nominal_place, parameter, refused};
 use crate::warning::{Warning, unusual};
@@ -20,19 +20,19 @@ use toolroom_scenario_file::{self as file, ScenarioFile};
 use toolroom_shop_import::ShopMapping;
 use toolroom_wear::{Origin, Pair, ParameterSet, SetError, TURNING_SETS};
 
-pub fn program_setup(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn program_setup(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let file = toolroom_stock::Setup::read(path, set)?;
     let tools = file.content.tools.len();
     let plural = if tools == 1 { "" } else { "s" };
     Ok(checked("program-setup", None, file.echo, &format!("a stock and {tools} tool{plural}")))
 }
 
-pub fn machine(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn machine(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let file = toolroom_drives::Machine::read(path, set)?;
     Ok(checked("machine", None, file.echo, "a machine with its control and drives"))
 }
 
-pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn scenario(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let ScenarioFile { scenario, echo, text, variants, .. } = match file::read(path, set) {
         Ok(read) => read,
         Err(error) => return Ok(base::of_tables(path, error)?),
@@ -73,7 +73,7 @@ pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     ) + &workload.text();
     let strange = unusual(&echo);
     let warnings: Vec<Warning> = workload.warnings.into_iter().chain(empirical(&scenario)).chain(strange).collect();
-    Ok(Checked { echo, result, summary }.warned(&warnings))
+    Ok(CheckResult { echo, result, summary }.warned(&warnings))
 }
 
 /// `1 machine`, `2 machines`.
@@ -81,32 +81,32 @@ fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-pub fn chart(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn chart(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let file = toolroom_planning::lobes::read(path, set)?;
     let points = file.content.points.len();
     Ok(checked("lobes", Some(&file.content.name), file.echo, &format!("a chart with {points} operating points")))
 }
 
-pub fn structure(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn structure(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let file = toolroom_lobes::read_structure(path, set)?;
     let modes = file.content.modes.len();
     Ok(checked("structure", Some(&file.content.name), file.echo, &format!("a structure of {modes} modes")))
 }
 
-pub fn coefficients(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn coefficients(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let file = toolroom_lobes::read_coefficients(path, set)?;
     let deviation = 100.0 * file.content.deviation;
     let summary = format!("coefficients of the cutting force, known to {deviation:.1} %");
     Ok(checked("coefficients", Some(&file.content.name), file.echo, &summary))
 }
 
-pub fn tool(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn tool(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let file = toolroom_modes::read_tool(path, set)?;
     let segments = file.content.segments.len();
     Ok(checked("tool", Some(&file.content.name), file.echo, &format!("a tool of {segments} segments")))
 }
 
-pub fn study(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn study(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let file = toolroom_life::file::read(path, set)?;
     let study = &file.content.study;
     let summary =
@@ -114,48 +114,48 @@ pub fn study(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     Ok(checked("life", Some(&study.name), file.echo, &summary))
 }
 
-pub fn cycle(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn cycle(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let echo = CycleDesign::read(path, set)?.echo;
     Ok(checked("cycle", None, echo, "a grinding cycle that can be worked out"))
 }
 
-pub fn planned(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn planned(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let Task { file, echo, .. } = Task::checked(path, set)?;
     Ok(checked("contour", Some(&file.name), echo, &format!("a contour with {} passes", file.passes.len())))
 }
 
-pub fn setup(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn setup(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let file = read_setup(path, set)?;
     let passes = file.content;
     let summary = format!("a setup of {passes} passes; a part program draws the contour: toolroom contour --gcode");
     Ok(checked("setup", None, file.echo, &summary))
 }
 
-pub fn mapping(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn mapping(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let mapping = Mapping::read(path, set)?;
     let summary = format!("a mapping of {} columns to {} records", mapping.columns.len(), mapping.kind.name());
     Ok(checked("mapping", None, Vec::new(), &summary))
 }
 
-pub fn shop_mapping(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn shop_mapping(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let mapping = ShopMapping::read(path, set)?;
     let summary = format!("a mapping of tables of a shop: {}", mapping.tables().join(", "));
     Ok(checked("shop-mapping", None, Vec::new(), &summary))
 }
 
-pub fn effects(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn effects(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let read = |walk: &mut Walk, root: &Section<'_>| Some(read_definitions(walk, root));
     let file = toolroom_form::read(path, set, &EFFECTS_FILE, read)?;
     let ids = file.content.iter().map(|own| own.entry().id).collect::<Vec<_>>().join(", ");
     Ok(checked("effects", None, file.echo, &format!("effects of your own: {ids}")))
 }
 
-pub fn nominal(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn nominal(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let model = NominalModel::read(path, set).map_err(|error| nominal_place(path, error))?;
     Ok(checked("gap", None, Vec::new(), &format!("a nominal model of {} records", model.kind().name())))
 }
 
-pub fn parameter_set(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+pub fn parameter_set(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let set = ParameterSet::read(path, set, &[&TURNING_SETS, &MILLING_CATALOGUE])?;
     let refuse = |error: SetError| {
         // The file was read before.
@@ -216,7 +216,7 @@ pub fn parameter_set(path: &Path, set: &[String]) -> Result<Checked, KindError> 
             significant(pair.life(&cut).cutting_time / 60.0),
         ));
     }
-    Ok(Checked { summary, ..checked })
+    Ok(CheckResult { summary, ..checked })
 }
 
 /// Whether a group acts on tool life: heat and its measurement do not under a law without temperature.

@@ -1,7 +1,7 @@
 //! Tables of measured records: CSV files, and folders of them.
 
 use crate::places::refused;
-use crate::{Checked, Described, FileKind, KindError, checked};
+use crate::{CheckResult, FileKind, KindError, SchemaSource, checked};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use toolroom_form::{ReadError, Refusal};
@@ -13,7 +13,7 @@ pub const KIND: FileKind = FileKind {
     doc: "Measured records (operations.csv, cuts.csv, trials.csv, events.csv, stretches.csv), or a folder of them",
     signs: &[],
     read: Some(check),
-    form: Described::Rows(schema),
+    form: SchemaSource::Rows(schema),
 };
 
 /// Kinds by what a table has to have, the most particular first.
@@ -51,7 +51,7 @@ fn kind_of(text: &str) -> Option<RecordKind> {
 }
 
 /// What `check` says of records: rows and columns that are used, and what is left out, as the verbs that take them report it.
-fn check(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+fn check(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     if !set.is_empty() {
         return Err(KindError::Unchangeable { kind: "table of records" });
     }
@@ -122,7 +122,7 @@ mod tests {
         let path = folder.path().join("operations.csv");
         std::fs::write(&path, TURNED).expect("written");
         for place in [path.as_path(), folder.path()] {
-            let kind = FileKind::of(place).expect("a kind");
+            let kind = FileKind::from_path(place).expect("a kind");
             assert_eq!(kind.word, "records");
             let found = (kind.read.expect("a reader"))(place, &[]).expect("records");
             assert!(found.summary.contains("1 rows, columns operation_id"), "{}", found.summary);

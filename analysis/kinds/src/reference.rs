@@ -1,6 +1,6 @@
 //! A page of reference for each kind of file, in Markdown.
 
-use crate::{Described, FileKind};
+use crate::{FileKind, SchemaSource};
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -20,16 +20,16 @@ impl FileKind {
             text.push_str("```\n\n");
         }
         match self.form {
-            Described::By(form) => text.push_str(&toolroom_form::reference(form)),
-            Described::ByOneOf(forms) => {
+            SchemaSource::By(form) => text.push_str(&toolroom_form::reference(form)),
+            SchemaSource::ByOneOf(forms) => {
                 for form in forms {
                     text.push_str(&toolroom_form::reference(form));
                 }
             }
-            Described::Text(_) => text.push_str(&of_schema(&self.schema())),
-            Described::Rows(_) => text.push_str(&of_rows(&self.schema())),
+            SchemaSource::Text(_) => text.push_str(&of_schema(&self.schema())),
+            SchemaSource::Rows(_) => text.push_str(&of_rows(&self.schema())),
         }
-        if self.read.is_some() && !matches!(self.form, Described::Text(_) | Described::Rows(_)) {
+        if self.read.is_some() && !matches!(self.form, SchemaSource::Text(_) | SchemaSource::Rows(_)) {
             text.push_str("A number stands with its unit in quotes, `\"2 min\"`; ratios may stand bare.\n");
         }
         text

@@ -228,14 +228,14 @@ fn shipped(word: &str, copy: &Path) -> Vec<PathBuf> {
     found.sort();
     // Units of others need a program that can run them.
     found.retain(|path| !path.to_string_lossy().contains("fmu-"));
-    found.retain(|path| FileKind::of(path).expect("a kind").word == word);
+    found.retain(|path| FileKind::from_path(path).expect("a kind").word == word);
     found
 }
 
-fn copied(from: &Path, to: &Path) {
-    fs::create_dir_all(to).expect("a folder");
-    for entry in fs::read_dir(from).expect("a folder").map(|entry| entry.expect("an entry").path()) {
-        let there = to.join(entry.file_name().expect("a name"));
+fn copied(source: &Path, target: &Path) {
+    fs::create_dir_all(target).expect("a folder");
+    for entry in fs::read_dir(source).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+        let there = target.join(entry.file_name().expect("a name"));
         if entry.is_dir() {
             copied(&entry, &there);
         } else {

@@ -77,7 +77,7 @@ impl<'a> Counting<'a> {
     }
 
     /// Of a run that is over, from its log.
-    pub fn of(scenario: &'a Scenario, log: &RunLog) -> Self {
+    pub fn from_scenario(scenario: &'a Scenario, log: &RunLog) -> Self {
         let mut counting = Self::new(scenario);
         log.operations.iter().for_each(|row| counting.operation(*row));
         log.states.iter().for_each(|row| counting.state(*row));

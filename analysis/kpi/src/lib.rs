@@ -81,7 +81,7 @@ pub fn kpis(scenario: &Scenario) -> Vec<Kpi> {
 /// assert_eq!(toolroom_kpi::evaluate(&scenario, &log).len(), toolroom_kpi::kpis(&scenario).len());
 /// ```
 pub fn evaluate(scenario: &Scenario, log: &RunLog) -> Vec<f64> {
-    Counting::of(scenario, log).values()
+    Counting::from_scenario(scenario, log).values()
 }
 
 /// The machines whose speed the policy sets, by their tools (the lathes); all machines in a shop

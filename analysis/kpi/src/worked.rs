@@ -77,8 +77,9 @@ impl Run {
         let log = toolroom_shop::run(&scenario, 0, 0).expect("a run");
         identity(&scenario, &log);
         let values = evaluate(&scenario, &log);
-        let policy =
-            std::sync::Arc::new(toolroom_scenario::policies::ResolvedPolicy::of(&scenario, 0).expect("a policy"));
+        let policy = std::sync::Arc::new(
+            toolroom_scenario::policies::ResolvedPolicy::from_scenario(&scenario, 0).expect("a policy"),
+        );
         let shop = toolroom_shop::Shop::with_recorder(&scenario, policy, 0, Counting::new(&scenario)).expect("a shop");
         let counted = shop.run().expect("a run").values();
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
@@ -103,7 +104,7 @@ impl Run {
 
     /// Good parts and paid machine time.
     fn parts_and_cost(&self) -> (u32, f64) {
-        let counting = Counting::of(&self.scenario, &self.log);
+        let counting = Counting::from_scenario(&self.scenario, &self.log);
         let tally = counting.tally();
         (tally.good, tally.machine_cost)
     }
@@ -111,7 +112,7 @@ impl Run {
 
 /// PBT = AUBT + ADOT: the time that the calendar plans (and overtime) is that of the states in shift.
 fn identity(scenario: &Scenario, log: &RunLog) {
-    for (machine, tally) in Counting::of(scenario, log).tally().machines.iter().enumerate() {
+    for (machine, tally) in Counting::from_scenario(scenario, log).tally().machines.iter().enumerate() {
         let planned = tally.planned_busy_time();
         let spent = tally.busy_time() + tally.state(toolroom_shop::runlog::MachineState::Idle);
         let name = &scenario.machines[machine].name;
@@ -279,9 +280,9 @@ fn plain(text: &str) -> impl Fn(&str) -> f64 {
     let log = toolroom_shop::run(&scenario, 0, 0).unwrap();
     let (values, kpis) = (evaluate(&scenario, &log), kpis(&scenario));
     move |id| {
-        let found =
+        let position =
             kpis.iter().position(|kpi| kpi.definition.id == id && kpi.machine.is_none_or(|machine| machine == 0));
-        values[found.unwrap_or_else(|| panic!("no figure {id}"))]
+        values[position.unwrap_or_else(|| panic!("no figure {id}"))]
     }
 }
 

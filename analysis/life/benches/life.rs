@@ -48,8 +48,8 @@ const ROUNDS: usize = 7;
 const RATIOS: usize = 5;
 
 /// Seconds that lives `from..to` take in a pool.
-fn in_pool(pool: &rayon::ThreadPool, study: &Study, from: u64, to: u64) -> f64 {
-    pool.install(|| seconds(|| drop(lives(study, &study.cells[0], from, to, false))))
+fn in_pool(pool: &rayon::ThreadPool, study: &Study, start: u64, end: u64) -> f64 {
+    pool.install(|| seconds(|| drop(lives(study, &study.cells[0], start, end, false))))
 }
 
 fn pool(threads: usize) -> rayon::ThreadPool {
@@ -64,8 +64,8 @@ struct Alone {
 }
 
 impl Alone {
-    fn new(case: usize, from: u64, to: u64) -> Self {
-        let words = ["alone".to_owned(), case.to_string(), from.to_string(), to.to_string()];
+    fn new(case: usize, start: u64, end: u64) -> Self {
+        let words = ["alone".to_owned(), case.to_string(), start.to_string(), end.to_string()];
         let mut process = Command::new(std::env::current_exe().expect("this program"))
             .args(words)
             .stdin(Stdio::piped())
@@ -96,10 +96,10 @@ impl Alone {
 }
 
 /// What such a process does.
-fn obey(study: &Study, from: u64, to: u64) {
+fn obey(study: &Study, start: u64, end: u64) {
     let pool = pool(1);
     for _ in std::io::stdin().lines() {
-        println!("{}", in_pool(&pool, study, from, to));
+        println!("{}", in_pool(&pool, study, start, end));
     }
 }
 

@@ -66,7 +66,7 @@ pub struct Interval {
 
 /// How far a sample reaches: beyond it a law says what nobody has seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct SampleReach {
     /// Greatest age that was observed.
     pub last: f64,
     /// Share of edges that were still good then, by the estimate without a law.
@@ -75,8 +75,8 @@ pub struct Seen {
     pub restricted_mean: f64,
 }
 
-impl Seen {
-    fn of(sample: &Sample, empirical: &[Step]) -> Self {
+impl SampleReach {
+    fn from_sample(sample: &Sample, empirical: &[Step]) -> Self {
         let last = sample.range().1;
         let (mut from, mut good, mut restricted_mean) = (0.0, 1.0, 0.0);
         for step in empirical.iter().filter(|step| step.age <= last) {
@@ -112,7 +112,7 @@ pub struct Analysis {
     /// Families that the sample does not determine, and why.
     pub refused: Vec<(Family, SampleError)>,
     /// How far the lives reach.
-    pub seen: Seen,
+    pub reach: SampleReach,
     /// Reliability without a law: Kaplan–Meier, or Turnbull where ends lie between inspections.
     pub empirical: Vec<Step>,
     /// Laws of the resampled lives, of the family of the first fit.
@@ -143,7 +143,7 @@ impl Analysis {
     /// Whether the lives say when to replace: the best age is one that was observed, or running to failure
     /// is best and the mean life known.
     pub fn replacement_seen(&self) -> bool {
-        if self.by_age.age.is_finite() { self.seen.reaches(self.by_age.age) } else { self.seen.reaches_mean() }
+        if self.by_age.age.is_finite() { self.reach.reaches(self.by_age.age) } else { self.reach.reaches_mean() }
     }
 }
 
@@ -214,7 +214,7 @@ pub fn analyse(sample: &Sample, request: &Request) -> Result<Analysis, SampleErr
         |of: fn(&Replacement) -> f64| bootstrap::quantiles(best_of.iter().map(of).collect(), request.confidence);
     Ok(Analysis {
         refused,
-        seen: Seen::of(sample, &empirical),
+        reach: SampleReach::from_sample(sample, &empirical),
         empirical,
         reliability: band(&by_age(Law::survival)),
         hazard: band(&by_age(Law::hazard)),

@@ -532,7 +532,7 @@ fn copula(walk: &mut Walk, root: &Section<'_>, named: &[String]) -> Option<Copul
         }
         entries.push((first, second, value));
     }
-    let copula = Copula::of(names.len(), &entries);
+    let copula = Copula::from_dimensions(names.len(), &entries);
     if copula.is_none() {
         let fault = Fault::Contradiction {
             first: "correlations",

@@ -112,13 +112,13 @@ fn highest(mut tops: Vec<Maximum>) -> Vec<Maximum> {
 }
 
 /// The same from a law that is near already: a refit to resampled lives.
-pub(super) fn refit(sample: &Sample, near: &Fit) -> Option<Fit> {
-    let family = near.law.family();
+pub(super) fn refit(sample: &Sample, start_fit: &Fit) -> Option<Fit> {
+    let family = start_fit.law.family();
     sample.suffices(family.parameters()).ok()?;
-    let likelihood = |x: &[f64]| log_likelihood(sample, &law(family, x, near.unit));
-    let peak = maximise_near(&likelihood, &near.peak.at, &near.peak.information);
+    let likelihood = |x: &[f64]| log_likelihood(sample, &law(family, x, start_fit.unit));
+    let peak = maximise_near(&likelihood, &start_fit.peak.at, &start_fit.peak.information);
     let settled = peak.filter(|peak| peak.at.iter().all(|x| x.abs() < FARTHEST));
-    settled.map(|peak| Fit::new(sample, family, near.unit, peak)).or_else(|| fit(sample, family).ok())
+    settled.map(|peak| Fit::new(sample, family, start_fit.unit, peak)).or_else(|| fit(sample, family).ok())
 }
 
 /// Logarithm of the likelihood of a law.

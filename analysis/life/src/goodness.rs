@@ -70,7 +70,7 @@ pub fn anderson_darling(sample: &Sample, law: &Law) -> f64 {
 /// bootstrap of statistics with estimated parameters).
 pub fn test(sample: &Sample, fitted: &Fit, samples: u32, seed: u64) -> Goodness {
     let distance = anderson_darling(sample, &fitted.law);
-    let plan = Observing::of(sample);
+    let plan = Observing::from_sample(sample);
     let streams = Streams::new(seed, 0);
     let farther = (0..samples).into_par_iter().filter_map(|i| {
         let mut stream = streams.at(Entity::named("goodness of fit"), Purpose::Measurement, u64::from(i));
@@ -96,7 +96,7 @@ struct Observing {
 }
 
 impl Observing {
-    fn of(sample: &Sample) -> Self {
+    fn from_sample(sample: &Sample) -> Self {
         let mirrored = sample.lives().iter().map(|(life, weight)| match *life {
             Observation::Censored(age) => (Observation::Failed(age), *weight),
             Observation::Failed(_) | Observation::Between(..) => (Observation::Censored(life.age()), *weight),

@@ -382,8 +382,8 @@ impl Law {
     }
 
     /// Mean time that an edge lives between two ages that lie close together, `∫ R du`.
-    pub(super) fn lived_between(&self, from: f64, to: f64) -> f64 {
-        panels(from, to, CLOSE, |t| self.survival(t))
+    pub(super) fn lived_between(&self, start: f64, end: f64) -> f64 {
+        panels(start, end, CLOSE, |t| self.survival(t))
     }
 
     /// [`Law::mean_residual_life`] at ascending ages, from the last one backwards.
@@ -435,17 +435,17 @@ const LEGENDRE: [(f64, f64); 4] = [
 ];
 
 /// Integral by 8-point Gauss–Legendre on 32 equal parts: 1e-10 for survival functions.
-pub(super) fn integral(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
-    panels(from, to, 32, f)
+pub(super) fn integral(start: f64, end: f64, f: impl Fn(f64) -> f64) -> f64 {
+    panels(start, end, 32, f)
 }
 
 /// Panels between ages of a curve, which are sixty or more over the whole range.
 const CLOSE: usize = 2;
 
-fn panels(from: f64, to: f64, parts: usize, f: impl Fn(f64) -> f64) -> f64 {
-    let half = 0.5 * (to - from) / parts as f64;
+fn panels(start: f64, end: f64, parts: usize, f: impl Fn(f64) -> f64) -> f64 {
+    let half = 0.5 * (end - start) / parts as f64;
     let part = |i: usize| {
-        let centre = from + half * (2 * i + 1) as f64;
+        let centre = start + half * (2 * i + 1) as f64;
         LEGENDRE.iter().map(|(x, w)| w * (f(centre - half * x) + f(centre + half * x))).sum::<f64>()
     };
     half * (0..parts).map(part).sum::<f64>()

@@ -217,7 +217,7 @@ fn lead(analysis: &Analysis, words: &Words) -> String {
     let best = &analysis.fits[0];
     let unit = if words.unit.is_empty() { String::new() } else { format!(" {}", words.unit) };
     let n = |value: f64| toolroom_chart::number(value, 3);
-    let seen = &analysis.seen;
+    let seen = &analysis.reach;
     let mean = if seen.reaches_mean() {
         format!("mean life {}{unit}", n(analysis.mean.value))
     } else {
@@ -242,7 +242,7 @@ fn text(groups: &[Group], regression: Option<&Regression>, words: &Words, reques
             continue;
         };
         let sample = &group.sample;
-        let seen = &analysis.seen;
+        let seen = &analysis.reach;
         let (mean, cv) = page::moments(sample, &analysis.fits[0].fit.law);
         let moments = if seen.reaches_mean() {
             format!("{} {}, CV {}", words.key("mean"), n(mean), n(cv))

@@ -43,8 +43,8 @@ pub fn json(sample: &Sample, analysis: &Analysis, words: &Words) -> Map<String, 
     let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
     let pair = |low: f64, high: f64| json!([finite(low), finite(high)]);
     // Beyond what was observed there is nothing to state.
-    let seen = |value: f64| if analysis.seen.reaches(value) { finite(value) } else { Value::Null };
-    let whole = analysis.seen.reaches_mean();
+    let seen = |value: f64| if analysis.reach.reaches(value) { finite(value) } else { Value::Null };
+    let whole = analysis.reach.reaches_mean();
     let quantiles: Map<String, Value> = [("b1", 0.01), ("b10", 0.1), ("b50", 0.5), ("b90", 0.9)]
         .into_iter()
         .map(|(name, share)| (words.key(name), seen(law.quantile(share))))
@@ -89,7 +89,7 @@ pub fn json(sample: &Sample, analysis: &Analysis, words: &Words) -> Map<String, 
         replacement.insert("blocks".to_owned(), block);
     } else {
         replacement.insert(words.key("age"), Value::Null);
-        replacement.insert(words.key("not_reached_by"), json!(analysis.seen.last));
+        replacement.insert(words.key("not_reached_by"), json!(analysis.reach.last));
     }
     let banded = |estimate: &Interval, reached: bool| {
         let value = if reached { finite(estimate.value) } else { Value::Null };
@@ -102,11 +102,11 @@ pub fn json(sample: &Sample, analysis: &Analysis, words: &Words) -> Map<String, 
     object.insert("ended".to_owned(), json!(sample.ended()));
     object.insert(words.key("mean"), if whole { json!(mean) } else { Value::Null });
     object.insert("cv".to_owned(), if whole { json!(cv) } else { Value::Null });
-    object.insert(words.key("restricted_mean"), json!(analysis.seen.restricted_mean));
-    object.insert(words.key("last_observation"), json!(analysis.seen.last));
+    object.insert(words.key("restricted_mean"), json!(analysis.reach.restricted_mean));
+    object.insert(words.key("last_observation"), json!(analysis.reach.last));
     object.insert("km".to_owned(), steps.collect());
     object.insert("quantiles".to_owned(), Value::Object(quantiles));
-    object.insert(words.key("b10"), banded(&analysis.b10, analysis.seen.reaches(analysis.b10.value)));
+    object.insert(words.key("b10"), banded(&analysis.b10, analysis.reach.reaches(analysis.b10.value)));
     object.insert(words.key("mean_life"), banded(&analysis.mean, whole));
     object.insert("fits".to_owned(), Value::Array(fits));
     object.insert("refused".to_owned(), Value::Array(refused));
@@ -144,9 +144,9 @@ pub fn tiles(sample: &Sample, analysis: &Analysis, words: &Words, confidence: f6
     let n = |value: f64| toolroom_chart::number(value, 4);
     let unit = if words.unit.is_empty() { String::new() } else { format!(" {}", words.unit) };
     let percent = 100.0 * confidence;
-    let unseen = || format!("not reached by {}{unit}", n(analysis.seen.last));
+    let unseen = || format!("not reached by {}{unit}", n(analysis.reach.last));
     let banded = |label: &str, estimate: &Interval| {
-        if !analysis.seen.reaches(estimate.value) {
+        if !analysis.reach.reaches(estimate.value) {
             return Tile::new(label, "not reached", unseen());
         }
         Tile::new(
@@ -155,11 +155,11 @@ pub fn tiles(sample: &Sample, analysis: &Analysis, words: &Words, confidence: f6
             format!("{percent} % interval {} … {}", n(estimate.low), n(estimate.high)),
         )
     };
-    let mean = if analysis.seen.reaches_mean() {
+    let mean = if analysis.reach.reaches_mean() {
         banded("mean life", &analysis.mean)
     } else {
-        let note = format!("restricted mean, up to the last observation at {}{unit}", n(analysis.seen.last));
-        Tile::new("mean life so far", format!("{}{unit}", n(analysis.seen.restricted_mean)), note)
+        let note = format!("restricted mean, up to the last observation at {}{unit}", n(analysis.reach.last));
+        Tile::new("mean life so far", format!("{}{unit}", n(analysis.reach.restricted_mean)), note)
     };
     let best = &analysis.by_age;
     let replaced = if !analysis.replacement_seen() {

@@ -223,7 +223,7 @@ mod tests {
         assert!(matches!(Sample::weighted([(Failed(1.0), -1.0)]), Err(SampleError::Weight { .. })));
         let censored = Sample::new([Censored(5.0), Censored(7.0)]).unwrap();
         assert_eq!(censored.suffices(2), Err(SampleError::AllCensored { count: 2, longest: 7.0 }));
-        let one = Sample::new([Failed(5.0), Failed(5.0)]).unwrap();
-        assert_eq!(one.suffices(2), Err(SampleError::TooFew { distinct: 1, parameters: 2 }));
+        let sample = Sample::new([Failed(5.0), Failed(5.0)]).unwrap();
+        assert_eq!(sample.suffices(2), Err(SampleError::TooFew { distinct: 1, parameters: 2 }));
     }
 }

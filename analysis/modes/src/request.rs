@@ -79,7 +79,7 @@ impl Request<'_> {
             return Err(refused(format!("--highest: {text} is no frequency"), HIGHEST));
         }
         let scale = |text: &String| {
-            let found = text.split_once('=').and_then(|(name, value)| FullScale::of(name, value));
+            let found = text.split_once('=').and_then(|(name, value)| FullScale::from_name(name, value));
             found.ok_or_else(|| refused(format!("--scale: {text} is no full scale of a channel"), SCALE))
         };
         let scales = self.scales.iter().map(scale).collect::<Result<Vec<_>, _>>()?;

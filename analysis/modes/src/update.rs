@@ -322,16 +322,16 @@ mod tests {
     fn ten_cuts_move_the_modes_as_an_independent_grid_says() {
         let (structure, file) = case();
         let options = UpdateOptions { particles: 1500, seed: 3, coefficients: 0.0 };
-        let found = ModesUpdate::new(&structure, &file, &cuts(&CUTS), &options).unwrap();
+        let modes_update = ModesUpdate::new(&structure, &file, &cuts(&CUTS), &options).unwrap();
         for (learnt, [mean, sd]) in
-            found.modes[0].1.iter().zip([[578.79, 7.19], [0.02910, 0.00447], [10.527e6, 0.932e6]])
+            modes_update.modes[0].1.iter().zip([[578.79, 7.19], [0.02910, 0.00447], [10.527e6, 0.932e6]])
         {
             assert!((learnt.after[0] - mean).abs() < 0.15 * sd, "{learnt:?} {mean}");
             assert!((learnt.after[1] / sd - 1.0).abs() < 0.15, "{learnt:?} {sd}");
         }
-        assert!(!found.drifted(), "{}", found.surprise);
-        let (speed, depth, chatter) = found.next.unwrap();
-        assert!(speed > 300.0 && depth > 0.0 && (0.3..0.7).contains(&chatter), "{:?}", found.next);
+        assert!(!modes_update.drifted(), "{}", modes_update.surprise);
+        let (speed, depth, chatter) = modes_update.next.unwrap();
+        assert!(speed > 300.0 && depth > 0.0 && (0.3..0.7).contains(&chatter), "{:?}", modes_update.next);
     }
 
     #[test]
@@ -341,8 +341,8 @@ mod tests {
         // Deep cuts far above every limit that are quiet, and shallow ones that chatter.
         let odd: Vec<(f64, f64, bool)> =
             (0..8).map(|i| (3000.0 + 500.0 * f64::from(i), if i % 2 == 0 { 1.4 } else { 0.1 }, i % 2 == 1)).collect();
-        let found = ModesUpdate::new(&structure, &file, &cuts(&odd), &options).unwrap();
-        assert!(found.drifted(), "{}", found.surprise);
+        let modes_update = ModesUpdate::new(&structure, &file, &cuts(&odd), &options).unwrap();
+        assert!(modes_update.drifted(), "{}", modes_update.surprise);
         let exact = Structure { deviations: vec![[0.0; 3]], ..structure };
         assert_eq!(ModesUpdate::new(&exact, &file, &cuts(&odd), &options).unwrap_err(), UpdateError::Exact);
     }

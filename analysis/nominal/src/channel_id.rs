@@ -77,7 +77,7 @@ vocabulary! {
 
 impl ChannelId {
     /// The channel of a column of the records; `None` for a column that is none.
-    pub fn of(column: &RecordColumn) -> Option<Self> {
+    pub fn from_record_column(column: &RecordColumn) -> Option<Self> {
         Self::from_word(column.name)
     }
 }
@@ -110,7 +110,7 @@ mod tests {
     fn every_column_that_a_model_can_predict_is_a_channel() {
         for column in RecordKind::ALL.into_iter().flat_map(RecordKind::columns) {
             if column.kind == ColumnKind::Channel {
-                assert!(ChannelId::of(column).is_some(), "{} has no id", column.name);
+                assert!(ChannelId::from_record_column(column).is_some(), "{} has no id", column.name);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::constants::{FASTEST, OVERRIDDEN};
 use super::features::{self, standardised};
-use super::search::{self, Rows, Shape, Sought, Way};
+use super::search::{self, Rows, SearchContext, Shape, Way};
 use super::{Candidate, Channel, ChannelId, EffectId, Untried};
 use toolroom_effects::{Definition, Effect, Search};
 use toolroom_records::Records;
@@ -79,7 +79,7 @@ pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candid
         }
         column => search::greatest(seen.records, column),
     };
-    let sought = Sought { process, records: seen.records, greatest: &greatest, ways: &[Way::Lots] };
+    let sought = SearchContext { process, records: seen.records, greatest: &greatest, ways: &[Way::Lots] };
     for effect in &search::effects_of(process, seen.defined) {
         let (effect_id, entry) = (EffectId::from(effect), effect.entry());
         let touched: Vec<&str> = entry.channels.iter().map(|touched| touched.channel).collect();

@@ -194,8 +194,8 @@ mod tests {
     #[test]
     fn what_an_effect_moves_is_a_channel() {
         for effect in EffectId::catalogue() {
-            for touched in effect.entry().channels {
-                assert!(ChannelId::from_word(touched.channel).is_some(), "{effect} moves {}", touched.channel);
+            for channel in effect.entry().channels {
+                assert!(ChannelId::from_word(channel.channel).is_some(), "{effect} moves {}", channel.channel);
             }
         }
     }

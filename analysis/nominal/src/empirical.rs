@@ -54,7 +54,7 @@ pub struct Empirical {
 /// Channels of `records` that an empirical model can answer for, in the order of their columns.
 pub fn channels(records: &Records, settings: &Settings) -> Vec<(ChannelId, &'static RecordColumn)> {
     let columns = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
-    let columns = columns.filter_map(|column| Some((ChannelId::of(column)?, column)));
+    let columns = columns.filter_map(|column| Some((ChannelId::from_record_column(column)?, column)));
     let wanted = |name: &str| settings.channels.is_empty() || settings.channels.iter().any(|own| own == name);
     let measured = columns.filter(|(_, column)| {
         wanted(column.name)
@@ -188,8 +188,8 @@ impl Empirical {
 /// Conditions that the nominal response of a channel knows: those of the file, or all.
 fn known(channel: ChannelId, settings: &Settings) -> Vec<String> {
     let timed = TIMED.contains(&channel).then(|| "cutting_time".to_owned());
-    let named = settings.conditions.clone();
-    named.unwrap_or_else(|| CONDITIONS.iter().map(|name| (*name).to_owned()).chain(timed).collect())
+    let conditions = settings.conditions.clone();
+    conditions.unwrap_or_else(|| CONDITIONS.iter().map(|name| (*name).to_owned()).chain(timed).collect())
 }
 
 /// Time in cut of each edge at the end of a row, s; its operations, where no times are recorded.
@@ -226,23 +226,23 @@ impl Forward for Empirical {
         Vec::new()
     }
 
-    fn simulate(&self, at: &Point) -> Vec<f64> {
+    fn simulate(&self, point: &Point) -> Vec<f64> {
         let measured = &self.frame.measured;
         let mut value: Vec<f64> = self.growth.clone();
         let deviations = self.frame.parameters.iter().map(|parameter| parameter.deviation);
-        for ((feature, x), deviation) in self.laws.iter().zip(&at.parameters).zip(deviations) {
+        for ((feature, x), deviation) in self.laws.iter().zip(&point.parameters).zip(deviations) {
             if *x != 0.0 {
                 value.iter_mut().zip(feature).for_each(|(value, feature)| *value += deviation * x * feature);
             }
         }
         value.iter_mut().for_each(|value| *value = self.level * value.exp());
-        for (action, size) in self.actions.iter().zip(&at.effects).filter(|(_, size)| **size != 0.0) {
+        for (action, size) in self.actions.iter().zip(&point.effects).filter(|(_, size)| **size != 0.0) {
             action.act(*size, &mut value);
         }
         // Last, so that what differs from edge to edge bends no effect.
         let locals = &self.frame.locals;
         for ((value, course), group) in value.iter_mut().zip(&self.course).zip(&measured.group_of_row) {
-            let [level, slope] = [0, 1].map(|kind| locals[kind].deviation * at.locals[kind][*group]);
+            let [level, slope] = [0, 1].map(|kind| locals[kind].deviation * point.locals[kind][*group]);
             *value *= (level + slope * course).exp();
         }
         measured.observations.iter().map(|observation| value[observation.row]).collect()

@@ -79,7 +79,7 @@ pub struct WrittenEffect {
 
 impl WrittenEffect {
     /// Shape and scope of an effect of a process.
-    pub fn of(effect: &Effect, scope: &Scope) -> Self {
+    pub fn from_effect(effect: &Effect, scope: &Scope) -> Self {
         let record = effect.parameters();
         let fields = record.fields().iter().enumerate().filter(|(_, field)| field.name != "size");
         let shape = fields.filter_map(|(i, field)| Some((field.name, record.value(i)?, field.unit, field.display)));
@@ -123,21 +123,21 @@ pub trait Forward: Sync {
     /// What the model knows and what may be moved.
     fn frame(&self) -> &Frame;
     /// Raw values (SI) of every observation, without surfaces.
-    fn simulate(&self, at: &Point) -> Vec<f64>;
+    fn simulate(&self, point: &Point) -> Vec<f64>;
     /// How a scenario says the candidate; the default of a record is its id alone.
     fn written(&self, candidate: usize) -> WrittenEffect;
     /// Whether all that the values of a channel scatter by is known beforehand, from the scenario and its sensor sheet.
     fn scatter_is_known(&self, channel: usize) -> bool;
-    /// The first row in which an effect of a user gives no value at `at`, so that no prediction there counts; `None` of a
+    /// The first row in which an effect of a user gives no value at `point`, so that no prediction there counts; `None` of a
     /// model that evaluates no such effects.
-    fn refusal(&self, at: &Point) -> Option<EffectRefusal>;
+    fn refusal(&self, point: &Point) -> Option<EffectRefusal>;
     /// How the transformed values of each group scatter from row to row about a point, beside the errors of the
     /// sensors; empty where the model does not say.
-    fn chains(&self, at: &Point) -> Vec<Chain>;
+    fn chains(&self, point: &Point) -> Vec<Chain>;
     /// Derivatives of the raw values by each of `along`; `raw` is [`Forward::simulate`] at the same point.
-    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+    fn slopes(&self, point: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
         let slope = |direction: &Direction| {
-            let (ahead, step) = direction.ahead(self.frame(), at);
+            let (ahead, step) = direction.ahead(self.frame(), point);
             let mut there = self.simulate(&ahead);
             there.iter_mut().zip(raw).for_each(|(there, here)| *there = (*there - here) / step);
             there

@@ -4,13 +4,13 @@ use super::{Direction, EffectRefusal, Forward, Frame, Point, Transform, WrittenE
 use toolroom_innovations::Chain;
 
 /// A model whose nominal point is what its file states.
-pub(super) struct Given {
+pub(super) struct FileNominal {
     model: Box<dyn Forward>,
     frame: Frame,
     base: Point,
 }
 
-impl Given {
+impl FileNominal {
     /// The model counted from what its file states; the model itself where that is nothing.
     pub fn around(model: Box<dyn Forward>) -> Box<dyn Forward> {
         let words = &model.frame().words;
@@ -50,37 +50,37 @@ impl Given {
     }
 }
 
-impl Forward for Given {
+impl Forward for FileNominal {
     fn frame(&self) -> &Frame {
         &self.frame
     }
 
-    fn simulate(&self, at: &Point) -> Vec<f64> {
-        let mut raw = self.model.simulate(&self.from(at));
+    fn simulate(&self, point: &Point) -> Vec<f64> {
+        let mut raw = self.model.simulate(&self.from(point));
         raw.iter_mut().zip(self.surfaces()).for_each(|(raw, (factor, summand))| *raw = *raw * factor + summand);
         raw
     }
 
-    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+    fn slopes(&self, point: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
         let surfaces = self.surfaces();
         let inner: Vec<f64> = raw.iter().zip(&surfaces).map(|(raw, (factor, add))| (raw - add) / factor).collect();
-        let mut slopes = self.model.slopes(&self.from(at), &inner, along);
+        let mut slopes = self.model.slopes(&self.from(point), &inner, along);
         for slope in &mut slopes {
             slope.iter_mut().zip(&surfaces).for_each(|(slope, (factor, _))| *slope *= factor);
         }
         slopes
     }
 
-    fn refusal(&self, at: &Point) -> Option<EffectRefusal> {
-        self.model.refusal(&self.from(at))
+    fn refusal(&self, point: &Point) -> Option<EffectRefusal> {
+        self.model.refusal(&self.from(point))
     }
 
     fn scatter_is_known(&self, channel: usize) -> bool {
         self.model.scatter_is_known(channel)
     }
 
-    fn chains(&self, at: &Point) -> Vec<Chain> {
-        let from = self.from(at);
+    fn chains(&self, point: &Point) -> Vec<Chain> {
+        let from = self.from(point);
         let mut chains = self.model.chains(&from);
         if chains.is_empty() || self.base.surfaces.iter().all(|x| *x == 0.0) {
             return chains;

@@ -2,11 +2,11 @@
 
 use super::cutting::Cutting;
 use super::empirical::{self, Empirical};
-use super::given::Given;
+use super::given::FileNominal;
 use super::grinding::Grinding;
 use super::program::{self, ProgramModel, Stretches};
 use super::shop::{Shop, ShopModel};
-use super::{Candidate, EffectId, EffectRefusal, Forward, Point, Settings, Stated};
+use super::{Candidate, Declarations, EffectId, EffectRefusal, Forward, Point, Settings};
 use std::path::Path;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_effects::Definition;
@@ -49,11 +49,11 @@ pub struct NominalModel {
     /// Priors and sensors.
     pub settings: Settings,
     /// Effects, deviations and calibration of the file.
-    pub stated: Stated,
+    pub stated: Declarations,
 }
 
 /// A process of a data set with its nominal model over its table.
-pub struct Asked {
+pub struct ProcessData {
     /// `turning`, `grinding` …
     pub process: &'static str,
     /// The model, in parts that know nothing of each other; none where no row is of use.
@@ -64,7 +64,7 @@ pub struct Asked {
     pub impossible: usize,
 }
 
-impl Asked {
+impl ProcessData {
     /// The first row of the records in which an effect of a user gives no value, in the model as its file states it or at
     /// an ordinary size that the diagnosis tries.
     pub fn refusal(&self) -> Option<EffectRefusal> {
@@ -186,10 +186,10 @@ impl NominalModel {
         }
         if outline.as_ref().is_some_and(is_plain) {
             let read = toolroom_form::read(path, overrides, &PLAIN, file::gap_section)?;
-            return Self::of(file, Some(read.content), None);
+            return Self::from_file(file, Some(read.content), None);
         }
         let read = file::read(path, overrides)?;
-        Self::of(file, read.gap, Some(&read.scenario))
+        Self::from_file(file, read.gap, Some(&read.scenario))
     }
 
     /// [`NominalModel::read`] of a text; `file` is its name in messages.
@@ -205,13 +205,17 @@ impl NominalModel {
         }
         if is_plain(&outline) {
             let read = toolroom_form::parse(file, text, overrides, &PLAIN, file::gap_section)?;
-            return Self::of(file.to_owned(), Some(read.content), None);
+            return Self::from_file(file.to_owned(), Some(read.content), None);
         }
         let read = file::parse(file, text, overrides)?;
-        Self::of(file.to_owned(), read.gap, Some(&read.scenario))
+        Self::from_file(file.to_owned(), read.gap, Some(&read.scenario))
     }
 
-    fn of(file: String, section: Option<GapSection>, scenario: Option<&Scenario>) -> Result<Self, ModelFileError> {
+    fn from_file(
+        file: String,
+        section: Option<GapSection>,
+        scenario: Option<&Scenario>,
+    ) -> Result<Self, ModelFileError> {
         let tools = scenario.map_or(&[][..], |scenario| &scenario.tools);
         let wanted = section.as_ref().and_then(|section| section.process.clone());
         let wanted = wanted.or_else(|| tools.first().map(|tool| tool.process.name().to_owned()));
@@ -231,7 +235,8 @@ impl NominalModel {
             }
         };
         let tool = tools.iter().position(|tool| tool.process.name() == wanted);
-        let stated = scenario.map_or_else(Stated::default, |scenario| Stated::of(scenario, tool));
+        let stated =
+            scenario.map_or_else(Declarations::default, |scenario| Declarations::from_scenario(scenario, tool));
         let mut model = Self { process, settings: Settings::default(), stated };
         if let Some(section) = section {
             model.stated.seen.clone_from(&section.seen);
@@ -247,7 +252,7 @@ impl NominalModel {
         let process = NominalProcess::Program(Box::new(programs));
         let settings =
             section.map_or_else(|| Ok(Settings::default()), |own| settings(file, &own, RecordKind::Program))?;
-        Ok(Self { process, settings, stated: Stated::default() })
+        Ok(Self { process, settings, stated: Declarations::default() })
     }
 
     /// The same model for records that its calibration has seen: what `gap apply` wrote is not counted, so that the
@@ -295,8 +300,8 @@ impl NominalModel {
 
     /// The same in parts that know nothing of each other, at least one: the channels of an
     /// empirical model, or the whole.
-    pub fn asked(&self, records: &Records, group: Option<&str>, held: impl Fn(usize, &str) -> bool) -> Asked {
-        let asked = |parts, notes| Asked { process: self.kind().name(), parts, notes, impossible: 0 };
+    pub fn asked(&self, records: &Records, group: Option<&str>, held: impl Fn(usize, &str) -> bool) -> ProcessData {
+        let asked = |parts, notes| ProcessData { process: self.kind().name(), parts, notes, impossible: 0 };
         if let NominalProcess::Program(model) = &self.process {
             let groups = self.groups(records, group, &held);
             let stretches = Stretches::new((**model).clone(), records, groups, &self.settings);
@@ -305,7 +310,7 @@ impl NominalModel {
         }
         if let NominalProcess::Shop(shop) = &self.process {
             let (model, notes) = ShopModel::new(shop, records, group, &held, &self.settings, &self.stated);
-            return asked(vec![Given::around(Box::new(model))], notes);
+            return asked(vec![FileNominal::around(Box::new(model))], notes);
         }
         let all = self.parts_of_all(records, group, &held);
         let mut suspicious: Vec<_> = all.iter().flat_map(|part| super::units::suspicious(part.as_ref())).collect();
@@ -318,7 +323,7 @@ impl NominalModel {
         let impossible = suspicious.len();
         let assumed = parts.iter().flat_map(|part| part.frame().notes.clone());
         let notes = suspicious.into_iter().map(|(_, note)| note).chain(assumed).collect();
-        Asked { impossible, ..asked(parts, notes) }
+        ProcessData { impossible, ..asked(parts, notes) }
     }
 
     /// Names of the groups, that of each row, and which of them are fitted.
@@ -354,13 +359,31 @@ impl NominalModel {
         let (settings, stated) = (&self.settings, &self.stated);
         match &self.process {
             NominalProcess::Turning(turning) => {
-                vec![Given::around(Box::new(Cutting::new((**turning).clone(), records, groups, settings, stated)))]
+                vec![FileNominal::around(Box::new(Cutting::new(
+                    (**turning).clone(),
+                    records,
+                    groups,
+                    settings,
+                    stated,
+                )))]
             }
             NominalProcess::Milling(milling) => {
-                vec![Given::around(Box::new(Cutting::new((**milling).clone(), records, groups, settings, stated)))]
+                vec![FileNominal::around(Box::new(Cutting::new(
+                    (**milling).clone(),
+                    records,
+                    groups,
+                    settings,
+                    stated,
+                )))]
             }
             NominalProcess::Grinding(infeed) => {
-                vec![Given::around(Box::new(Grinding::new((**infeed).clone(), records, groups, settings, stated)))]
+                vec![FileNominal::around(Box::new(Grinding::new(
+                    (**infeed).clone(),
+                    records,
+                    groups,
+                    settings,
+                    stated,
+                )))]
             }
             NominalProcess::Empirical => {
                 let part = |column| -> Box<dyn Forward> {

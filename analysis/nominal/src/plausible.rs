@@ -42,7 +42,7 @@ pub fn suspicious(records: &Records) -> Vec<(ChannelId, String)> {
         list.push((ChannelId::SpindlePower, with_slip(note, ratio, POWER)));
     }
     let columns = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
-    for (column, id) in columns.filter_map(|column| Some((column, ChannelId::of(column)?))) {
+    for (column, id) in columns.filter_map(|column| Some((column, ChannelId::from_record_column(column)?))) {
         if list.iter().all(|(channel, _)| *channel != id)
             && let Some(note) = beyond(records, column).or_else(|| odd_groups(records, column.name))
         {

@@ -47,7 +47,7 @@ pub(super) struct Shape {
 }
 
 /// What the records and their model can tell of effects.
-pub(super) struct Sought<'a> {
+pub(super) struct SearchContext<'a> {
     pub process: &'static str,
     pub records: &'a Records,
     /// Greatest value of a quantity of the context, where it varies.
@@ -64,7 +64,7 @@ pub(super) enum Way {
     WheelPosition,
 }
 
-impl Sought<'_> {
+impl SearchContext<'_> {
     /// Shapes of an effect that acts on the process.
     ///
     /// # Errors

@@ -4,12 +4,12 @@ use super::parts::Part;
 use super::{Candidate, EffectId, Frame, Movable, Words};
 use toolroom_effects::Definition;
 use toolroom_records::Records;
-use toolroom_scenario::{Calibration, Deviation, Moved, Occasion, Scenario, Scope, SwitchedEffect};
+use toolroom_scenario::{Calibration, CalibrationShift, Deviation, Occasion, Scenario, Scope, SwitchedEffect};
 
 /// Effects, deviations and calibration of a model file. Fits count from what they say: the nominal model is that
 /// which `run` simulates.
 #[derive(Clone, Debug, Default)]
-pub struct Stated {
+pub struct Declarations {
     /// Name of the tool whose process is diagnosed.
     pub tool: Option<String>,
     /// Its effects.
@@ -32,9 +32,9 @@ pub struct Stated {
     pub places: Vec<(String, String)>,
 }
 
-impl Stated {
+impl Declarations {
     /// What a scenario states about a tool, or about the shop.
-    pub fn of(scenario: &Scenario, tool: Option<usize>) -> Self {
+    pub fn from_scenario(scenario: &Scenario, tool: Option<usize>) -> Self {
         let tool = tool.map(|index| &scenario.tools[index]);
         let handling = |machine: &toolroom_scenario::MachineType| {
             (machine.name.clone(), machine.load_time.mean() + machine.unload_time.mean())
@@ -108,19 +108,21 @@ impl Stated {
         }
     }
 
-    /// Takes the calibration that matches `what` out, with the value that it gives: the logarithm of a factor, or
+    /// Takes the calibration that matches `movable` out, with the value that it gives: the logarithm of a factor, or
     /// a summand.
-    pub fn take(&mut self, what: &Movable) -> Option<(Calibration, f64)> {
+    pub fn take(&mut self, movable: &Movable) -> Option<(Calibration, f64)> {
         let same = |own: &Calibration| {
-            own.parameter == what.parameter && own.target == what.target && self.normal(&own.scope) == what.scope
+            own.parameter == movable.parameter
+                && own.target == movable.target
+                && self.normal(&own.scope) == movable.scope
         };
         let place = self.calibrations.iter().position(same)?;
         let value = match self.calibrations[place].moved {
-            Moved::Factor(factor) if !what.summand => factor.ln(),
-            Moved::Summand(summand) if what.summand => summand,
-            Moved::Factor(_) | Moved::Summand(_) => return None,
+            CalibrationShift::Factor(factor) if !movable.summand => factor.ln(),
+            CalibrationShift::Summand(summand) if movable.summand => summand,
+            CalibrationShift::Factor(_) | CalibrationShift::Summand(_) => return None,
         };
-        let value = if what.inverse { -value } else { value };
+        let value = if movable.inverse { -value } else { value };
         Some((self.calibrations.remove(place), value))
     }
 }
@@ -136,19 +138,19 @@ pub(crate) fn occasion<'a>(records: &'a Records, row: usize, tool: Option<&str>)
 
 impl Words {
     /// Finds what the file states of the parameters and surfaces of a frame; their spread becomes the file's.
-    pub(super) fn settle(frame: &mut Frame, stated: &mut Stated) {
+    pub(super) fn settle(frame: &mut Frame, stated: &mut Declarations) {
         let words = std::mem::take(&mut frame.words);
         let mut found = Self { effects: words.effects.clone(), ..Self::default() };
         for (name, movable) in &words.movable {
             for (i, parameter) in frame.parameters.iter_mut().enumerate().filter(|(_, own)| own.name == *name) {
                 if let Some((calibration, value)) = stated.take(movable) {
-                    parameter.deviation = Stated::spread(&calibration, parameter.deviation);
+                    parameter.deviation = Declarations::spread(&calibration, parameter.deviation);
                     found.parameters.push((i, value / parameter.deviation));
                 }
             }
             for (i, surface) in frame.surfaces.iter_mut().enumerate().filter(|(_, own)| own.name == *name) {
                 if let Some((calibration, value)) = stated.take(movable) {
-                    surface.deviation = Stated::spread(&calibration, surface.deviation);
+                    surface.deviation = Declarations::spread(&calibration, surface.deviation);
                     found.surfaces.push((i, value / surface.deviation));
                 }
             }

@@ -4,7 +4,7 @@
 //! was is replaced; any other one is not, but by `--force`. Inputs of the command are never replaced.
 
 use crate::error::OutputError;
-use crate::listed::{Listed, Standing, hash, permit};
+use crate::listed::{FileStatus, Listed, hash, permit};
 use crate::lock::Lock;
 use crate::signals::{self, Begun, Tidy};
 use serde_json::{Value, json};
@@ -59,9 +59,9 @@ impl Files {
         if !is_special(path) {
             let (folder, name) = split(&real(path))?;
             let mut standing = Listed::default().standing(&folder, &name)?;
-            let there = if standing == Standing::Foreign { fs::read_to_string(path).ok() } else { None };
+            let there = if standing == FileStatus::Foreign { fs::read_to_string(path).ok() } else { None };
             if there.is_some_and(|there| there == text || ours(&there)) {
-                standing = Standing::Ours;
+                standing = FileStatus::Ours;
             }
             permit(path, standing, &self.inputs, self.force)?;
         }
@@ -87,13 +87,13 @@ impl Files {
         let _lock = Lock::wait(&folder)?;
         let mut listed = read(&folder);
         let standing = listed.standing(&folder, &name)?;
-        let same = standing != Standing::Free && standing != Standing::Folder && hash(&draft.place)? == new;
+        let same = standing != FileStatus::Free && standing != FileStatus::Folder && hash(&draft.place)? == new;
         if !same {
             // It may have been changed while the work went on.
             permit(&draft.place, standing, &self.inputs, self.force)?;
         }
         // Both hashes until the file has its name: whenever the program ends, the file is known.
-        let earlier = if standing == Standing::Ours { Some(hash(&draft.place)?) } else { None };
+        let earlier = if standing == FileStatus::Ours { Some(hash(&draft.place)?) } else { None };
         listed.remove(&name);
         earlier.into_iter().chain([new]).for_each(|hash| listed.add(&name, hash));
         let list = json!({ "schema": 1, "about": "files that toolroom wrote here, with a hash of each", "files": listed.json() });
@@ -176,5 +176,5 @@ fn split(path: &Path) -> Result<(PathBuf, String), OutputError> {
 /// The list of a folder; empty where there is none that can be read: then nothing there is ours.
 fn read(folder: &Path) -> Listed {
     let text = fs::read_to_string(folder.join(LIST)).unwrap_or_default();
-    serde_json::from_str::<Value>(&text).ok().and_then(|list| Listed::of(&list)).unwrap_or_default()
+    serde_json::from_str::<Value>(&text).ok().and_then(|list| Listed::from_manifest(&list)).unwrap_or_default()
 }

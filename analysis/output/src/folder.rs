@@ -7,7 +7,7 @@
 
 use crate::error::OutputError;
 use crate::files::real;
-use crate::listed::{Listed, Standing, hash, permit};
+use crate::listed::{FileStatus, Listed, hash, permit};
 use crate::lock::Lock;
 use crate::signals::{self, Begun, Tidy, tidy};
 use serde_json::{Value, json};
@@ -122,8 +122,8 @@ impl OutputDir {
         for name in names.filter(|name| !listed.has(name)) {
             let mut standing = listed.standing(&self.place, name)?;
             let ours = if name == MARK { self.earlier != Earlier::Nothing } else { self.earlier == Earlier::Unlisted };
-            if standing == Standing::Foreign && ours {
-                standing = Standing::Ours;
+            if standing == FileStatus::Foreign && ours {
+                standing = FileStatus::Ours;
             }
             permit(&self.target.join(name), standing, &self.inputs, self.force)?;
         }
@@ -273,12 +273,12 @@ impl OutputDir {
         let mut run = manifest(&self.draft).unwrap_or_default();
         run["files"] = new.json();
         // Until all files have their names both runs are listed: whenever the program ends, they are known.
-        let between = json!({
+        let json = json!({
             "schema": 1, "version": run["version"], "command": run["command"], "complete": false,
             "files": old.with(&new).json(),
         });
-        self.put_json("between", &between)?;
-        let unchanged = |name: &&str| matches!(old.standing(&self.place, name), Ok(Standing::Ours));
+        self.put_json("between", &json)?;
+        let unchanged = |name: &&str| matches!(old.standing(&self.place, name), Ok(FileStatus::Ours));
         let gone: Vec<&str> = old.names().filter(|name| !new.has(name)).filter(unchanged).collect();
         self.put_json(MARK, &run)?;
         let _publishing = signals::publishing();
@@ -346,7 +346,7 @@ fn manifest(place: &Path) -> Option<Value> {
 fn earlier(place: &Path) -> Earlier {
     match manifest(place) {
         None => Earlier::Nothing,
-        Some(run) => Listed::of(&run).map_or(Earlier::Unlisted, Earlier::Listed),
+        Some(run) => Listed::from_manifest(&run).map_or(Earlier::Unlisted, Earlier::Listed),
     }
 }
 
@@ -370,16 +370,17 @@ mod tests {
 
     /// A run that writes these files; what is then in its folder.
     fn run(target: &Path, names: &[&str]) -> Vec<String> {
-        let out = OutputDir::create(target, names, [], false).expect("a free place");
+        let output_dir = OutputDir::create(target, names, [], false).expect("a free place");
         for name in names {
-            if let Some(folder) = out.draft().join(name).parent() {
+            if let Some(folder) = output_dir.draft().join(name).parent() {
                 fs::create_dir_all(folder).expect("writable");
             }
-            out.put(name, name).expect("writable");
+            output_dir.put(name, name).expect("writable");
         }
-        out.put_json(MARK, &json!({ "schema": 1, "version": "0", "command": "x", "complete": true }))
+        output_dir
+            .put_json(MARK, &json!({ "schema": 1, "version": "0", "command": "x", "complete": true }))
             .expect("writable");
-        out.publish().expect("writable");
+        output_dir.publish().expect("writable");
         files_in(target).expect("readable")
     }
 
@@ -405,7 +406,7 @@ mod tests {
         run(&target, &["kpi.csv", "tools.csv"]);
         // Half of the second run has its names, `run.json` lists both runs.
         let mut between = manifest(&target).expect("ours");
-        let mut listed = Listed::of(&between).expect("listed");
+        let mut listed = Listed::from_manifest(&between).expect("listed");
         fs::write(target.join("kpi.csv"), "new").expect("writable");
         listed.add("kpi.csv", fingerprint(b"new"));
         listed.add("jobs.csv", fingerprint(b"never there"));
@@ -418,11 +419,11 @@ mod tests {
     fn what_was_computed_stays_where_a_file_came_in_the_way() {
         let folder = tempfile::tempdir().expect("a folder");
         let target = folder.path().join("out");
-        let out = OutputDir::create(&target, &[], [], false).expect("a free place");
-        out.put_json(MARK, &json!({ "schema": 1, "version": "0", "command": "x" })).expect("writable");
-        out.put("kpi.csv", "computed").expect("writable");
+        let output_dir = OutputDir::create(&target, &[], [], false).expect("a free place");
+        output_dir.put_json(MARK, &json!({ "schema": 1, "version": "0", "command": "x" })).expect("writable");
+        output_dir.put("kpi.csv", "computed").expect("writable");
         fs::write(target.join("kpi.csv"), "mine").expect("writable");
-        let failure = out.publish().expect_err("the file is somebody's");
+        let failure = output_dir.publish().expect_err("the file is somebody's");
         assert!(failure.to_string().contains("what was computed stays in"), "{failure:?}");
         assert_eq!(fs::read_to_string(target.join("kpi.csv")).expect("there"), "mine");
         let kept = target.join(format!("partial-{}", std::process::id())).join("kpi.csv");

@@ -25,7 +25,7 @@ pub fn fitted(text: &str, width: usize) -> String {
     out
 }
 
-fn wrap(line: &str, width: usize, out: &mut String) {
+fn wrap(line: &str, width: usize, text: &mut String) {
     let hang = hanging(line, width);
     let mut column = 0;
     // Gaps within a line stand for columns: they are kept.
@@ -37,14 +37,14 @@ fn wrap(line: &str, width: usize, out: &mut String) {
         }
         let length = piece.chars().count();
         if column > 0 && column + gap + length > width {
-            out.push('\n');
-            out.extend(std::iter::repeat_n(' ', hang));
+            text.push('\n');
+            text.extend(std::iter::repeat_n(' ', hang));
             column = hang;
         } else {
-            out.extend(std::iter::repeat_n(' ', gap));
+            text.extend(std::iter::repeat_n(' ', gap));
             column += gap;
         }
-        out.push_str(piece);
+        text.push_str(piece);
         column += length;
         gap = 1;
     }

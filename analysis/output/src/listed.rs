@@ -14,7 +14,7 @@ pub struct Listed(BTreeMap<String, Vec<String>>);
 
 /// How a file stands to what is listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Standing {
+pub enum FileStatus {
     /// Nothing has the name.
     Free,
     /// As toolroom wrote it.
@@ -29,7 +29,7 @@ pub enum Standing {
 
 impl Listed {
     /// The list in a manifest; `None` where it has none.
-    pub fn of(manifest: &Value) -> Option<Self> {
+    pub fn from_manifest(manifest: &Value) -> Option<Self> {
         let mut listed = Self::default();
         for file in manifest["files"].as_array()? {
             listed.add(file["name"].as_str()?, file["hash"].as_str()?.to_owned());
@@ -72,20 +72,20 @@ impl Listed {
     }
 
     /// How the file of a name in `folder` stands.
-    pub fn standing(&self, folder: &Path, name: &str) -> Result<Standing, OutputError> {
+    pub fn standing(&self, folder: &Path, name: &str) -> Result<FileStatus, OutputError> {
         let path = folder.join(name);
         let unreadable = |source| OutputError::Unwritable { path: path.clone(), source };
         match fs::metadata(&path) {
             // A link that leads nowhere is somebody's, too.
-            Err(error) if error.kind() == ErrorKind::NotFound && !path.is_symlink() => return Ok(Standing::Free),
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Standing::Foreign),
+            Err(error) if error.kind() == ErrorKind::NotFound && !path.is_symlink() => return Ok(FileStatus::Free),
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(FileStatus::Foreign),
             Err(error) => return Err(unreadable(error)),
-            Ok(there) if there.is_dir() => return Ok(Standing::Folder),
+            Ok(there) if there.is_dir() => return Ok(FileStatus::Folder),
             Ok(_) => {}
         }
-        let Some(hashes) = self.0.get(name) else { return Ok(Standing::Foreign) };
+        let Some(hashes) = self.0.get(name) else { return Ok(FileStatus::Foreign) };
         let hash = hash(&path)?;
-        Ok(if hashes.contains(&hash) { Standing::Ours } else { Standing::Changed })
+        Ok(if hashes.contains(&hash) { FileStatus::Ours } else { FileStatus::Changed })
     }
 }
 
@@ -95,7 +95,7 @@ pub fn hash(path: &Path) -> Result<String, OutputError> {
 }
 
 /// Refuses a file that must not be replaced; `force` lets replace what is not an input or a folder.
-pub fn permit(path: &Path, standing: Standing, inputs: &[PathBuf], force: bool) -> Result<(), OutputError> {
+pub fn permit(path: &Path, standing: FileStatus, inputs: &[PathBuf], force: bool) -> Result<(), OutputError> {
     let shown = path.display();
     let real = fs::canonicalize(path).ok();
     if real.is_some() && inputs.iter().any(|input| fs::canonicalize(input).ok() == real) {
@@ -103,14 +103,14 @@ pub fn permit(path: &Path, standing: Standing, inputs: &[PathBuf], force: bool) 
         return Err(OutputError::refused(message, "choose another place; nothing was changed"));
     }
     let message = match standing {
-        Standing::Free | Standing::Ours => return Ok(()),
-        Standing::Folder => {
+        FileStatus::Free | FileStatus::Ours => return Ok(()),
+        FileStatus::Folder => {
             let message = format!("{shown} is a folder, where a file is to be written");
             return Err(OutputError::refused(message, "choose another place; nothing was changed"));
         }
-        Standing::Changed | Standing::Foreign if force => return Ok(()),
-        Standing::Changed => format!("{shown} was changed since toolroom wrote it"),
-        Standing::Foreign => format!("{shown} was not written by toolroom"),
+        FileStatus::Changed | FileStatus::Foreign if force => return Ok(()),
+        FileStatus::Changed => format!("{shown} was changed since toolroom wrote it"),
+        FileStatus::Foreign => format!("{shown} was not written by toolroom"),
     };
     let help = "move it away, choose another place, or replace it with --force; nothing was changed";
     Err(OutputError::refused(message, help))

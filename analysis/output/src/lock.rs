@@ -21,7 +21,7 @@ pub struct Lock {
 impl Lock {
     /// Takes the lock of a folder, or refuses with the process that has it.
     pub fn take(folder: &Path) -> Result<Self, OutputError> {
-        Self::of(folder, |file| match file.try_lock() {
+        Self::from_path(folder, |file| match file.try_lock() {
             Err(TryLockError::WouldBlock) => Ok(false),
             Err(TryLockError::Error(error)) => Err(error),
             Ok(()) => Ok(true),
@@ -36,11 +36,11 @@ impl Lock {
 
     /// Takes the lock of a folder as soon as nobody has it.
     pub fn wait(folder: &Path) -> Result<Self, OutputError> {
-        let locked = Self::of(folder, |file| file.lock().map(|()| true))?;
+        let locked = Self::from_path(folder, |file| file.lock().map(|()| true))?;
         locked.ok_or_else(|| OutputError::Work { message: format!("{} cannot be locked", folder.display()) })
     }
 
-    fn of(folder: &Path, lock: impl Fn(&File) -> std::io::Result<bool>) -> Result<Option<Self>, OutputError> {
+    fn from_path(folder: &Path, lock: impl Fn(&File) -> std::io::Result<bool>) -> Result<Option<Self>, OutputError> {
         let path = folder.join(LOCK);
         let unwritable = |source| OutputError::Unwritable { path: folder.to_owned(), source };
         let process_id = std::process::id().to_string();

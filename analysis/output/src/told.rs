@@ -24,7 +24,7 @@ pub fn json_error(code: &str, message: &str, help: Option<&str>) -> Value {
 
 /// The place that a message begins with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Told<'a> {
+struct MessagePlace<'a> {
     file: &'a str,
     line: Option<usize>,
     column: Option<usize>,
@@ -33,7 +33,11 @@ struct Told<'a> {
 /// The place at the beginning of a message. What stands there is a file where it `exists`, or where the command named it
 /// and the system did not open it. A name may hold colons and spaces of its own: the longest beginning that is a file
 /// counts.
-fn place<'a>(message: &'a str, exists: &dyn Fn(&str) -> bool, named: &dyn Fn(&str) -> bool) -> Option<Told<'a>> {
+fn place<'a>(
+    message: &'a str,
+    exists: &dyn Fn(&str) -> bool,
+    named: &dyn Fn(&str) -> bool,
+) -> Option<MessagePlace<'a>> {
     let first = message.lines().next().unwrap_or_default();
     let first = first.strip_prefix("cannot read ").unwrap_or(first);
     let split = |at: usize| (&first[..at], &first[at..]);
@@ -45,10 +49,10 @@ fn place<'a>(message: &'a str, exists: &dyn Fn(&str) -> bool, named: &dyn Fn(&st
     let places = first.char_indices().filter(|(_, sign)| matches!(sign, ':' | ' ' | ',')).map(|(at, _)| split(at));
     let (file, rest) = places.filter(is_place).last()?;
     let Some((line, rest)) = LINE_WORDS.iter().find_map(|word| number(rest.strip_prefix(word)?)) else {
-        return Some(Told { file, line: None, column: None });
+        return Some(MessagePlace { file, line: None, column: None });
     };
     let column = rest.strip_prefix(':').and_then(number).map(|(column, _)| column);
-    Some(Told { file, line: Some(line), column })
+    Some(MessagePlace { file, line: Some(line), column })
 }
 
 /// What stands between a file and the number of a line.

@@ -174,7 +174,7 @@ fn find(dir: &Path, kind: RecordKind) -> Result<PathBuf, RecordError> {
 }
 
 /// A column of the file that is used.
-struct Used {
+struct UsedColumn {
     at: usize,
     name: String,
     column: Option<&'static RecordColumn>,
@@ -222,8 +222,13 @@ fn understand(file: &str, table: &RawTable, kind: RecordKind) -> Result<(Records
     Ok((ordered(records, &mut report), report))
 }
 
-fn header(file: &str, table: &RawTable, kind: RecordKind, report: &mut ReadReport) -> Result<Vec<Used>, RecordError> {
-    let mut used: Vec<Used> = Vec::new();
+fn header(
+    file: &str,
+    table: &RawTable,
+    kind: RecordKind,
+    report: &mut ReadReport,
+) -> Result<Vec<UsedColumn>, RecordError> {
+    let mut used: Vec<UsedColumn> = Vec::new();
     for (place, title) in table.header.iter().enumerate() {
         let (name, read) = name_and_unit(title);
         let name = name.to_ascii_lowercase().replace([' ', '-'], "_");
@@ -255,7 +260,7 @@ fn header(file: &str, table: &RawTable, kind: RecordKind, report: &mut ReadRepor
             }
         };
         report.columns.push(title.clone());
-        used.push(Used { at: place, name, column: known, unit, factor, offset });
+        used.push(UsedColumn { at: place, name, column: known, unit, factor, offset });
     }
     Ok(used)
 }
@@ -265,13 +270,13 @@ const IDENTITY: [&str; 7] =
     ["operation_id", "trial_id", "tool_id", "wheel_id", "dressing_cycle", "sequence", "part_in_cycle"];
 
 /// A row that is used: its place in the table and its numbers, SI.
-struct Kept {
+struct UsedRow {
     at: usize,
     numbers: Vec<f64>,
 }
 
 /// Rows that are used, and whether some are not for what they hold.
-fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadReport) -> (Vec<Kept>, bool) {
+fn rows(table: &RawTable, used: &[UsedColumn], kind: RecordKind, report: &mut ReadReport) -> (Vec<UsedRow>, bool) {
     let mut wrong = false;
     let mut kept = Vec::with_capacity(table.rows.len());
     let mut first_of: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
@@ -348,7 +353,7 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
             }
             first_of.insert(key, *line);
         }
-        kept.push(Kept { at: row, numbers });
+        kept.push(UsedRow { at: row, numbers });
     }
     for (column, (places, line, reason)) in beyond {
         // A few slips are no values; a whole channel in another unit is for the diagnosis to say.

@@ -28,11 +28,11 @@ pub(crate) struct CellRef {
 
 /// What is wrong before it has its place in words.
 #[derive(Clone, Debug)]
-pub(crate) enum Found {
+pub(crate) enum UnplacedFault {
     /// In a cell.
-    Cell(CellRef, Told),
+    Cell(CellRef, Diagnostic),
     /// Elsewhere.
-    Place(Spot, Told),
+    Place(Spot, Diagnostic),
 }
 
 /// A place, in words and for programs.
@@ -46,7 +46,7 @@ pub(crate) struct Spot {
     pub line: Option<usize>,
 }
 
-impl Found {
+impl UnplacedFault {
     /// Table and row of a fault in a row.
     pub fn row(&self) -> Option<(usize, usize)> {
         match self {
@@ -63,7 +63,7 @@ impl Found {
 
 /// What is wrong, and the likely fix.
 #[derive(Clone, Debug)]
-pub(crate) struct Told {
+pub(crate) struct Diagnostic {
     pub code: &'static str,
     pub message: String,
     pub fix: Option<String>,
@@ -138,10 +138,12 @@ impl ShopImportError {
         }
     }
 
-    pub(crate) fn tables(mut found: Vec<Found>, places: &Places<'_>) -> Self {
-        let key = |found: &Found| match found {
-            Found::Cell(cell, _) => (1, cell.table, cell.row.map_or(0, |row| row + 1), cell.column.unwrap_or(0)),
-            Found::Place(..) => (0, 0, 0, 0),
+    pub(crate) fn tables(mut found: Vec<UnplacedFault>, places: &Places<'_>) -> Self {
+        let key = |found: &UnplacedFault| match found {
+            UnplacedFault::Cell(cell, _) => {
+                (1, cell.table, cell.row.map_or(0, |row| row + 1), cell.column.unwrap_or(0))
+            }
+            UnplacedFault::Place(..) => (0, 0, 0, 0),
         };
         found.sort_by_key(key);
         let more = found.len().saturating_sub(MOST_TOLD);
@@ -160,7 +162,7 @@ pub(crate) struct Places<'a> {
 
 impl Places<'_> {
     /// A fault of the scenario that was made, at the cell of the faulty value.
-    pub fn translated(&self, problem: &Problem, draft: &Draft) -> Found {
+    pub fn translated(&self, problem: &Problem, draft: &Draft) -> UnplacedFault {
         let fix = problem.fault.fix().map(|fix| match fix.split_once("known: ") {
             // A shop has thousands of names; the nearest is worth more than all of them.
             Some((near, known)) if known.chars().count() > LISTED => {
@@ -169,21 +171,21 @@ impl Places<'_> {
             }
             Some(_) | None => fix,
         });
-        let told = Told { code: problem.fault.code(), message: problem.fault.to_string(), fix };
+        let told = Diagnostic { code: problem.fault.code(), message: problem.fault.to_string(), fix };
         match draft.origin(problem.span.start) {
-            Some(cell) => Found::Cell(cell, told),
+            Some(cell) => UnplacedFault::Cell(cell, told),
             None => {
                 let (line, column) = place(&draft.text, problem.span.start);
                 let file = self.base.display().to_string();
-                Found::Place(Spot { words: format!("{file}:{line}:{column}"), file, line: Some(line) }, told)
+                UnplacedFault::Place(Spot { words: format!("{file}:{line}:{column}"), file, line: Some(line) }, told)
             }
         }
     }
 
-    fn told(&self, found: Found) -> TableFault {
-        let (spot, Told { code, message, fix }) = match found {
-            Found::Cell(cell, told) => (self.spot(cell), told),
-            Found::Place(spot, told) => (spot, told),
+    fn told(&self, found: UnplacedFault) -> TableFault {
+        let (spot, Diagnostic { code, message, fix }) = match found {
+            UnplacedFault::Cell(cell, told) => (self.spot(cell), told),
+            UnplacedFault::Place(spot, told) => (spot, told),
         };
         let Spot { words, file, line } = spot;
         TableFault { code, place: words, file, line, message, fix }

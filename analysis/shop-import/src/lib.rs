@@ -45,7 +45,7 @@ pub use fault::{ShopImportError, TableFault};
 pub use mapping::{SHOP_MAPPING, ShopMapping};
 
 use draft::Draft;
-use fault::Found;
+use fault::UnplacedFault;
 use std::path::{Path, PathBuf};
 use toolroom_form::{Outline, ReadError};
 use toolroom_scenario_file::ScenarioFile;
@@ -101,11 +101,12 @@ pub fn import_shop(map: &Path, out: &Path) -> Result<Imported, ShopImportError> 
         Ok(file) if faults.is_empty() => Ok(Imported { text: draft.text, file, notes, inputs }),
         Ok(_) => Err(ShopImportError::tables(faults, &place)),
         Err(ReadError::Faults(list)) => {
-            let told: Vec<_> = faults.iter().filter_map(Found::row).collect();
+            let told: Vec<_> = faults.iter().filter_map(UnplacedFault::row).collect();
             // A value that could not be written is missing, which is no fault of its own.
-            let follows = |found: &Found| found.is_whole_row() && found.row().is_some_and(|row| told.contains(&row));
+            let follows =
+                |found: &UnplacedFault| found.is_whole_row() && found.row().is_some_and(|row| told.contains(&row));
             let found = list.problems.iter().map(|problem| place.translated(problem, &draft));
-            let found: Vec<Found> = found.filter(|found| !follows(found)).collect();
+            let found: Vec<UnplacedFault> = found.filter(|found| !follows(found)).collect();
             faults.extend(found);
             Err(ShopImportError::tables(faults, &place))
         }

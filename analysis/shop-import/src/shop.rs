@@ -1,7 +1,7 @@
 //! Rows to sections of a scenario.
 
 use crate::draft::Draft;
-use crate::fault::{CellRef, Found, Told};
+use crate::fault::{CellRef, Diagnostic, UnplacedFault};
 use crate::mapping::{TableKind, TableMap};
 use crate::source::{Source, at};
 use crate::value::{clock, literal, moment, quoted, told, with_unit, worded};
@@ -49,18 +49,18 @@ impl RowOf<'_> {
     }
 
     /// The text that has to be there; a fault is noted where it is not.
-    fn due(self, name: &str, faults: &mut Vec<Found>) -> Option<String> {
+    fn due(self, name: &str, faults: &mut Vec<UnplacedFault>) -> Option<String> {
         let text = self.text(name);
         // A column that the table lacks altogether was noted before.
         if text.is_none() && self.column(name).is_none_or(|column| self.table.source.columns[column].is_some()) {
-            faults.push(Found::Cell(self.cell_ref(name), told(format!("`{name}` is empty"), None)));
+            faults.push(UnplacedFault::Cell(self.cell_ref(name), told(format!("`{name}` is empty"), None)));
         }
         text
     }
 }
 
 /// The sections of all tables.
-pub(crate) fn write(draft: &mut Draft, maps: &[TableMap], sources: &[Source], faults: &mut Vec<Found>) {
+pub(crate) fn write(draft: &mut Draft, maps: &[TableMap], sources: &[Source], faults: &mut Vec<UnplacedFault>) {
     let tables: Vec<Table<'_>> =
         maps.iter().zip(sources).enumerate().map(|(index, (map, source))| Table { index, map, source }).collect();
     let of_kind = |kind: TableKind| tables.iter().copied().filter(move |table| table.map.kind == kind);
@@ -84,7 +84,7 @@ fn rows(table: Table<'_>) -> impl Iterator<Item = RowOf<'_>> {
 }
 
 /// A section for every row.
-fn plain(draft: &mut Draft, title: &str, table: Table<'_>, faults: &mut Vec<Found>) {
+fn plain(draft: &mut Draft, title: &str, table: Table<'_>, faults: &mut Vec<UnplacedFault>) {
     for row in rows(table) {
         draft.section(title, row.origin());
         keys(draft, row, &[], faults);
@@ -92,7 +92,7 @@ fn plain(draft: &mut Draft, title: &str, table: Table<'_>, faults: &mut Vec<Foun
 }
 
 /// The keys of a section that a row gives, but for `without`.
-fn keys(draft: &mut Draft, row: RowOf<'_>, without: &[&str], faults: &mut Vec<Found>) {
+fn keys(draft: &mut Draft, row: RowOf<'_>, without: &[&str], faults: &mut Vec<UnplacedFault>) {
     let Table { index, map, source } = row.table;
     for (number, column) in map.columns.iter().enumerate() {
         let Some(key) = map.kind.key(&column.name).filter(|_| !without.contains(&column.name.as_str())) else {
@@ -102,7 +102,7 @@ fn keys(draft: &mut Draft, row: RowOf<'_>, without: &[&str], faults: &mut Vec<Fo
         let origin = at(index, Some(row.row), Some(number));
         match literal(key, column, cell, &source.units[number]) {
             Ok(value) => draft.value(&column.name, &value, origin),
-            Err(told) => faults.push(Found::Cell(origin, told)),
+            Err(told) => faults.push(UnplacedFault::Cell(origin, told)),
         }
     }
     for (name, value) in &map.default {
@@ -123,7 +123,7 @@ struct PartRows<'a> {
 }
 
 /// Parts, their components and routings: in the order of the table of parts, without one in that of the routings.
-fn parts<'a>(draft: &mut Draft, tables: &[Table<'a>], faults: &mut Vec<Found>) {
+fn parts<'a>(draft: &mut Draft, tables: &[Table<'a>], faults: &mut Vec<UnplacedFault>) {
     let mut parts: Vec<PartRows<'a>> = Vec::new();
     let mut index: HashMap<String, usize> = HashMap::new();
     let listed = tables.iter().any(|table| table.map.kind == TableKind::Parts);
@@ -146,7 +146,10 @@ fn parts<'a>(draft: &mut Draft, tables: &[Table<'a>], faults: &mut Vec<Found>) {
                         let near = nearest(&name, known.iter().map(String::as_str));
                         let fix = near.map(|near| format!("did you mean `{near}`?"));
                         let message = format!("there is no part \"{name}\" in the table of parts");
-                        faults.push(Found::Cell(row.cell_ref("part"), Told { code: "unknown-name", message, fix }));
+                        faults.push(UnplacedFault::Cell(
+                            row.cell_ref("part"),
+                            Diagnostic { code: "unknown-name", message, fix },
+                        ));
                         continue;
                     }
                     None => {
@@ -164,7 +167,7 @@ fn parts<'a>(draft: &mut Draft, tables: &[Table<'a>], faults: &mut Vec<Found>) {
     parts.into_iter().for_each(|part| write_part(draft, part, faults));
 }
 
-fn write_part(draft: &mut Draft, mut part: PartRows<'_>, faults: &mut Vec<Found>) {
+fn write_part(draft: &mut Draft, mut part: PartRows<'_>, faults: &mut Vec<UnplacedFault>) {
     draft.section("part", part.first.origin());
     match part.own {
         Some(row) => keys(draft, row, &[], faults),
@@ -179,7 +182,7 @@ fn write_part(draft: &mut Draft, mut part: PartRows<'_>, faults: &mut Vec<Found>
                 Some(quantity) => draft.value("quantity", &quantity.to_string(), row.cell_ref("quantity")),
                 None => {
                     let wrong = told(format!("\"{quantity}\" is no whole number"), None);
-                    faults.push(Found::Cell(row.cell_ref("quantity"), wrong));
+                    faults.push(UnplacedFault::Cell(row.cell_ref("quantity"), wrong));
                 }
             }
         }
@@ -191,7 +194,7 @@ fn write_part(draft: &mut Draft, mut part: PartRows<'_>, faults: &mut Vec<Found>
                 Ok(sequence) if sequence.is_finite() => sequence,
                 _ => {
                     let wrong = told(format!("\"{text}\" is no number of an operation"), None);
-                    faults.push(Found::Cell(row.cell_ref("sequence"), wrong));
+                    faults.push(UnplacedFault::Cell(row.cell_ref("sequence"), wrong));
                     continue;
                 }
             },
@@ -199,7 +202,7 @@ fn write_part(draft: &mut Draft, mut part: PartRows<'_>, faults: &mut Vec<Found>
         };
         if row.column("sequence").is_some() && sequences.iter().any(|(other, _)| *other == sequence) {
             let wrong = told(format!("two operations of \"{}\" have the number {sequence}", part.name), None);
-            faults.push(Found::Cell(row.cell_ref("sequence"), wrong));
+            faults.push(UnplacedFault::Cell(row.cell_ref("sequence"), wrong));
         }
         sequences.push((sequence, number));
     }
@@ -227,7 +230,7 @@ struct CalendarRows<'a> {
     holidays: Vec<String>,
 }
 
-fn calendars(draft: &mut Draft, table: Table<'_>, faults: &mut Vec<Found>) {
+fn calendars(draft: &mut Draft, table: Table<'_>, faults: &mut Vec<UnplacedFault>) {
     let mut calendars: Vec<CalendarRows<'_>> = Vec::new();
     for row in rows(table) {
         let Some(name) = row.due("name", faults) else { continue };
@@ -251,7 +254,7 @@ fn calendars(draft: &mut Draft, table: Table<'_>, faults: &mut Vec<Found>) {
             // First and last day, or one.
             match moment(map, cell) {
                 Ok(day) => calendar.holidays.push(day.get(..10).unwrap_or(&day).to_owned()),
-                Err(told) => faults.push(Found::Cell(row.cell_ref("holiday"), told)),
+                Err(told) => faults.push(UnplacedFault::Cell(row.cell_ref("holiday"), told)),
             }
         }
     }
@@ -271,18 +274,18 @@ fn calendars(draft: &mut Draft, table: Table<'_>, faults: &mut Vec<Found>) {
 }
 
 /// A shift, of one column or of two.
-fn shift(row: RowOf<'_>, faults: &mut Vec<Found>) -> Option<String> {
+fn shift(row: RowOf<'_>, faults: &mut Vec<UnplacedFault>) -> Option<String> {
     let mut part = |name: &str, text: &str| match clock(text.trim()) {
         Ok(clock) => Some(clock),
         Err(told) => {
-            faults.push(Found::Cell(row.cell_ref(name), told));
+            faults.push(UnplacedFault::Cell(row.cell_ref(name), told));
             None
         }
     };
     if let Some(text) = row.text("shift") {
         let Some((from, to)) = text.split_once('-') else {
             let fix = Some("such as 06:00-14:00".to_owned());
-            faults.push(Found::Cell(row.cell_ref("shift"), told(format!("\"{text}\" is no shift"), fix)));
+            faults.push(UnplacedFault::Cell(row.cell_ref("shift"), told(format!("\"{text}\" is no shift"), fix)));
             return None;
         };
         return Some(format!("{}-{}", part("shift", from)?, part("shift", to)?));
@@ -292,7 +295,7 @@ fn shift(row: RowOf<'_>, faults: &mut Vec<Found>) -> Option<String> {
 }
 
 /// Setup matrices from a row for every pair of groups.
-fn setup_matrix(draft: &mut Draft, table: Table<'_>, faults: &mut Vec<Found>) {
+fn setup_matrix(draft: &mut Draft, table: Table<'_>, faults: &mut Vec<UnplacedFault>) {
     let mut matrices: Vec<(String, Vec<RowOf<'_>>)> = Vec::new();
     for row in rows(table) {
         let name = row.text("name").unwrap_or_else(|| "setup".to_owned());
@@ -315,7 +318,7 @@ fn setup_matrix(draft: &mut Draft, table: Table<'_>, faults: &mut Vec<Found>) {
             }
             if pairs.insert((from.clone(), to.clone()), *row).is_some() {
                 let wrong = told(format!("the change from \"{from}\" to \"{to}\" is there twice"), None);
-                faults.push(Found::Cell(row.origin(), wrong));
+                faults.push(UnplacedFault::Cell(row.origin(), wrong));
             }
         }
         let first = rows[0];
@@ -328,13 +331,13 @@ fn setup_matrix(draft: &mut Draft, table: Table<'_>, faults: &mut Vec<Found>) {
         draft.piece("times = [\n", first.origin());
         for from in before {
             draft.piece("    [", first.origin());
-            for to in &groups {
-                let Some(row) = pairs.get(&(from.clone(), to.clone())) else {
-                    if from != *to {
-                        let message = format!("setup matrix \"{name}\" has no time from \"{from}\" to \"{to}\"");
+            for group in &groups {
+                let Some(row) = pairs.get(&(from.clone(), group.clone())) else {
+                    if from != *group {
+                        let message = format!("setup matrix \"{name}\" has no time from \"{from}\" to \"{group}\"");
                         let fix = Some("add a row for it".to_owned());
                         let place = at(table.index, None, None);
-                        faults.push(Found::Cell(place, Told { code: "missing-pair", message, fix }));
+                        faults.push(UnplacedFault::Cell(place, Diagnostic { code: "missing-pair", message, fix }));
                     }
                     // The same group again takes nothing, unless a row says so.
                     draft.piece("\"0 min\", ", first.origin());
@@ -346,7 +349,7 @@ fn setup_matrix(draft: &mut Draft, table: Table<'_>, faults: &mut Vec<Found>) {
                 });
                 match written {
                     Ok(time) => draft.piece(&format!("{}, ", quoted(&time)), row.cell_ref("time")),
-                    Err(told) => faults.push(Found::Cell(row.cell_ref("time"), told)),
+                    Err(told) => faults.push(UnplacedFault::Cell(row.cell_ref("time"), told)),
                 }
             }
             draft.piece("],\n", first.origin());

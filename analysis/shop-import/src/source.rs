@@ -1,6 +1,6 @@
 //! Tables of cells, and which of their rows count.
 
-use crate::fault::{CellRef, Found, ShopImportError, Spot, Told, letters};
+use crate::fault::{CellRef, Diagnostic, ShopImportError, Spot, UnplacedFault, letters};
 use crate::mapping::TableMap;
 use std::path::Path;
 use toolroom_form::nearest;
@@ -67,7 +67,7 @@ impl Source {
 }
 
 /// Reads the table of a mapping. Columns that are missing are noted among `faults`.
-pub(crate) fn read(path: &Path, map: &TableMap, faults: &mut Vec<Found>) -> Result<Source, ShopImportError> {
+pub(crate) fn read(path: &Path, map: &TableMap, faults: &mut Vec<UnplacedFault>) -> Result<Source, ShopImportError> {
     let grid = grid(path, map)?;
     let refused = |reason: String| ShopImportError::Table { file: map.file.clone(), reason };
     let mut rows = grid.rows.into_iter().filter(|row| row.cells.iter().any(|cell| !cell.text.is_empty()));
@@ -88,12 +88,12 @@ pub(crate) fn read(path: &Path, map: &TableMap, faults: &mut Vec<Found>) -> Resu
             let near = nearest(from, titles.iter().copied())
                 .map_or_else(String::new, |near| format!("did you mean `{near}`? "));
             let known: Vec<&str> = titles.iter().copied().filter(|title| !title.is_empty()).collect();
-            let told = Told {
+            let told = Diagnostic {
                 code: "table-cell",
                 message: format!("there is no column \"{from}\""),
                 fix: Some(format!("{near}columns: {}", known.join(", "))),
             };
-            faults.push(Found::Place(place(), told));
+            faults.push(UnplacedFault::Place(place(), told));
         }
         found
     };
@@ -107,14 +107,14 @@ pub(crate) fn read(path: &Path, map: &TableMap, faults: &mut Vec<Found>) -> Resu
         for (at, comparison) in keep.iter().filter_map(|(at, comparison)| Some(((*at)?, comparison))) {
             let cell = row.cells.get(at).map_or("", |cell| cell.text.trim());
             counts = comparison.holds(cell).unwrap_or_else(|| {
-                let told = Told {
+                let told = Diagnostic {
                     code: "where",
                     message: format!("`where` compares {} with a number, but it is \"{cell}\"", comparison.column),
                     fix: Some("mend the cell, or leave the row out by another comparison before this one".to_owned()),
                 };
                 let sheet = grid.sheet.as_ref().map_or_else(String::new, |sheet| format!(", sheet {sheet}"));
                 let words = format!("{}{sheet}, row {}, cell {}{}", map.file, row.line, letters(at), row.line);
-                faults.push(Found::Place(Spot { words, file: map.file.clone(), line: Some(row.line) }, told));
+                faults.push(UnplacedFault::Place(Spot { words, file: map.file.clone(), line: Some(row.line) }, told));
                 false
             });
             if !counts {

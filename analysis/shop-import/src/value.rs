@@ -1,6 +1,6 @@
 //! A cell as the value of a key, as scenarios write it.
 
-use crate::fault::Told;
+use crate::fault::Diagnostic;
 use crate::mapping::ColumnMap;
 use crate::source::Cell;
 use toml::Value as Toml;
@@ -25,14 +25,14 @@ pub(crate) fn worded<'a>(column: &'a ColumnMap, cell: &'a Cell) -> &'a str {
 }
 
 /// A cell as the value of `key`; `header` is the unit in the header of its column.
-pub(crate) fn literal(key: &Key, column: &ColumnMap, cell: &Cell, header: &str) -> Result<String, Told> {
+pub(crate) fn literal(key: &Key, column: &ColumnMap, cell: &Cell, header: &str) -> Result<String, Diagnostic> {
     if DATES.contains(&key.name) {
         return moment(column, cell).map(|moment| quoted(&moment));
     }
     of_kind(&key.kind, column, worded(column, cell), header)
 }
 
-fn of_kind(kind: &Kind, column: &ColumnMap, text: &str, header: &str) -> Result<String, Told> {
+fn of_kind(kind: &Kind, column: &ColumnMap, text: &str, header: &str) -> Result<String, Diagnostic> {
     match kind {
         Kind::Quantity(quantity) => with_unit(column, text, header, quantity.unit, quantity.display).map(|text| {
             // A ratio may be a bare number.
@@ -67,7 +67,7 @@ fn of_kind(kind: &Kind, column: &ColumnMap, text: &str, header: &str) -> Result<
         Kind::List(item) => {
             let items = text.split(SEPARATORS).map(str::trim).filter(|text| !text.is_empty());
             let meant = |text: &'_ str| column.values.get(text).map_or_else(|| text.to_owned(), Clone::clone);
-            let items: Result<Vec<String>, Told> =
+            let items: Result<Vec<String>, Diagnostic> =
                 items.map(|text| of_kind(item, column, &meant(text), header)).collect();
             items.map(|items| format!("[{}]", items.join(", ")))
         }
@@ -93,7 +93,13 @@ pub(crate) fn whole(text: &str) -> Option<i64> {
 }
 
 /// A number with the unit of its column; what already has a unit stays as it is.
-pub(crate) fn with_unit(column: &ColumnMap, text: &str, header: &str, si: &str, display: &str) -> Result<String, Told> {
+pub(crate) fn with_unit(
+    column: &ColumnMap,
+    text: &str,
+    header: &str,
+    si: &str,
+    display: &str,
+) -> Result<String, Diagnostic> {
     if text.parse::<f64>().is_err() {
         return Ok(text.to_owned());
     }
@@ -112,7 +118,7 @@ pub(crate) fn with_unit(column: &ColumnMap, text: &str, header: &str, si: &str, 
 }
 
 /// A date, or a time since the start with its unit.
-pub(crate) fn moment(column: &ColumnMap, cell: &Cell) -> Result<String, Told> {
+pub(crate) fn moment(column: &ColumnMap, cell: &Cell) -> Result<String, Diagnostic> {
     let text = worded(column, cell);
     let (time, has_clock) = match column.format.as_deref().filter(|_| !cell.is_date) {
         Some(format) => {
@@ -135,7 +141,7 @@ pub(crate) fn moment(column: &ColumnMap, cell: &Cell) -> Result<String, Told> {
 }
 
 /// A time of the day, `6:00` or `06:00:00`, as calendars write it.
-pub(crate) fn clock(text: &str) -> Result<String, Told> {
+pub(crate) fn clock(text: &str) -> Result<String, Diagnostic> {
     let padded = if text.find(':') == Some(1) { format!("0{text}") } else { text.to_owned() };
     match date::clock(&padded) {
         Some(time) => {
@@ -146,6 +152,6 @@ pub(crate) fn clock(text: &str) -> Result<String, Told> {
     }
 }
 
-pub(crate) fn told(message: String, fix: Option<String>) -> Told {
-    Told { code: "table-cell", message, fix }
+pub(crate) fn told(message: String, fix: Option<String>) -> Diagnostic {
+    Diagnostic { code: "table-cell", message, fix }
 }

@@ -270,7 +270,7 @@ impl Snapshot {
 fn digests(scenario: &Scenario, policies: &[usize], at: f64) -> Result<Vec<Vec<String>>, SnapshotError> {
     let time = SimTime::from_seconds(at).map_err(ShopError::from)?;
     let of_policy = |policy: &usize| {
-        let resolved = Arc::new(ResolvedPolicy::of(scenario, *policy).map_err(ShopError::from)?);
+        let resolved = Arc::new(ResolvedPolicy::from_scenario(scenario, *policy).map_err(ShopError::from)?);
         let one = |replication: u32| -> Result<String, SnapshotError> {
             let world = scenario.drawn(replication).map_err(ShopError::from)?;
             let mut shop = Shop::with_recorder(&world, Arc::clone(&resolved), replication, Silent)?;

@@ -26,8 +26,8 @@ fn the_same_shop_is_recognised_and_another_one_is_not() {
     assert_eq!(read_back, snapshot);
     let file = read_back.scenario(&["shop.horizon=\"200 h\"".to_owned()]).unwrap();
     read_back.verify(&file.scenario, &[0]).expect("a later end changes nothing before");
-    let other = read_back.scenario(&["shop.seed=2".to_owned()]).unwrap();
-    let told = read_back.verify(&other.scenario, &[0]).unwrap_err().to_string();
+    let scenario = read_back.scenario(&["shop.seed=2".to_owned()]).unwrap();
+    let told = read_back.verify(&scenario.scenario, &[0]).unwrap_err().to_string();
     assert_eq!(told, "replication 0 under policy \"programmed\" is not the run of the snapshot");
 }
 

@@ -15,7 +15,7 @@ mod one_run;
 mod warm_up;
 
 pub use one_run::OneRun;
-pub use warm_up::{Cut, MOST_RUNS, SteadyError, Wanted, WarmUp, find};
+pub use warm_up::{Cut, MOST_RUNS, SteadyError, WarmUp, WarmUpSearch, find};
 
 use toolroom_scenario::Scenario;
 use toolroom_shop::runlog::{EdgeRow, EventRow, JobOutcome, JobRow, OperationRow, PassRow, StateRow};
@@ -33,7 +33,7 @@ pub struct LeadTimes {
 
 impl LeadTimes {
     /// Of jobs that leave at or after the end of the scenario's warm-up, in batches of `size` jobs at first.
-    pub fn of(scenario: &Scenario, size: u64) -> Self {
+    pub fn from_scenario(scenario: &Scenario, size: u64) -> Self {
         let components = (0..scenario.parts.len()).map(|part| scenario.is_component(part)).collect();
         Self { components, from: scenario.warm_up, times: Batched::by(size) }
     }

@@ -13,11 +13,11 @@ impl OneRun {
     /// A recorder for one long run: jobs one by one, as long as there are few. `None` for a shop that ends by itself:
     /// its run is one value, and what happens in it is not what happens in the long run.
     pub fn recorder(scenario: &Scenario) -> Option<LeadTimes> {
-        (!scenario.is_terminating()).then(|| LeadTimes::of(scenario, 1))
+        (!scenario.is_terminating()).then(|| LeadTimes::from_scenario(scenario, 1))
     }
 
     /// What was recorded; `None` where fewer jobs than [`BATCHES`] left the shop.
-    pub fn of(recorded: &LeadTimes) -> Option<Self> {
+    pub fn from_lead_times(recorded: &LeadTimes) -> Option<Self> {
         batch_means(recorded.times(), CONFIDENCE).map(Self)
     }
 

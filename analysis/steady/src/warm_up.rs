@@ -44,7 +44,7 @@ pub struct Cut {
 
 /// A shop whose warm-up is sought.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted<'a> {
+pub struct WarmUpSearch<'a> {
     /// Name of the variant; empty for the shop as it is.
     pub name: &'a str,
     /// The shop.
@@ -104,7 +104,7 @@ impl SteadyError {
 /// # Errors
 /// See [`SteadyError`].
 pub fn find(
-    shops: &[Wanted<'_>],
+    shops: &[WarmUpSearch<'_>],
     policies: &[usize],
     replications: u32,
     threads: usize,
@@ -121,7 +121,8 @@ pub fn find(
             let name = name(shop, policy);
             let failed =
                 |replication, source| SteadyError::Shop { name: name.clone(), replication, source: Box::new(source) };
-            let resolved = ResolvedPolicy::of(shop.scenario, policy).map_err(|source| failed(0, source.into()))?;
+            let resolved =
+                ResolvedPolicy::from_scenario(shop.scenario, policy).map_err(|source| failed(0, source.into()))?;
             let resolved = Arc::new(resolved);
             let run = |replication: u32| {
                 let ran = lead_times(shop.scenario, &resolved, replication, stop);
@@ -137,7 +138,7 @@ pub fn find(
 }
 
 /// What a shop under a policy is called.
-fn name(shop: &Wanted<'_>, policy: usize) -> String {
+fn name(shop: &WarmUpSearch<'_>, policy: usize) -> String {
     let policy = shop.scenario.policies.get(policy).map_or("", |policy| policy.name.as_str());
     if shop.name.is_empty() { policy.to_owned() } else { format!("{}, {policy}", shop.name) }
 }
@@ -150,7 +151,7 @@ fn lead_times(
     stop: &AtomicBool,
 ) -> Result<Option<Batched>, ShopError> {
     let world = scenario.drawn(replication)?;
-    let recorder = LeadTimes { from: 0.0, ..LeadTimes::of(scenario, MSER_BATCH) };
+    let recorder = LeadTimes { from: 0.0, ..LeadTimes::from_scenario(scenario, MSER_BATCH) };
     let shop = Shop::with_recorder(&world, Arc::clone(policy), replication, recorder)?;
     Ok(unless_stopped(shop, scenario.horizon, stop)?.map(|recorder| recorder.times().clone()))
 }

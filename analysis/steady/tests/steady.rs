@@ -6,7 +6,7 @@ use toolroom_scenario::Scenario;
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_scenario_file::parse;
 use toolroom_shop::{Shop, Silent};
-use toolroom_steady::{OneRun, SteadyError, Wanted, WarmUp, find};
+use toolroom_steady::{OneRun, SteadyError, WarmUp, WarmUpSearch, find};
 
 /// A queue that begins empty: exponential arrivals and service, a load of 90 %.
 fn queue(horizon: &str, load: &str) -> Scenario {
@@ -21,7 +21,7 @@ fn queue(horizon: &str, load: &str) -> Scenario {
 }
 
 fn found(scenario: &Scenario, threads: usize) -> Result<WarmUp, SteadyError> {
-    let shops = [Wanted { name: "", scenario }];
+    let shops = [WarmUpSearch { name: "", scenario }];
     find(&shops, &[0], scenario.replications, threads, &AtomicBool::new(false))
 }
 
@@ -52,7 +52,7 @@ fn a_queue_that_only_grows_is_told_to_run_longer() {
 fn a_run_with_too_few_jobs_and_one_that_is_stopped_are_refused() {
     assert!(matches!(found(&queue("10 min", "54"), 1), Err(SteadyError::TooShort { .. })));
     let scenario = queue("100 h", "54");
-    let stopped = find(&[Wanted { name: "", scenario: &scenario }], &[0], 2, 1, &AtomicBool::new(true));
+    let stopped = find(&[WarmUpSearch { name: "", scenario: &scenario }], &[0], 2, 1, &AtomicBool::new(true));
     assert!(matches!(stopped, Err(SteadyError::Stopped)));
 }
 
@@ -60,13 +60,13 @@ fn a_run_with_too_few_jobs_and_one_that_is_stopped_are_refused() {
 fn one_long_run_knows_its_mean_as_well_as_it_says() {
     // M/M/1 at 50 % load: a job stays two minutes (Kleinrock I, eq. 3.26). 2000 h are 60 000 jobs.
     let scenario = Scenario { warm_up: 36_000.0, seeks_warm_up: false, ..queue("2000 h", "30") };
-    let policy = Arc::new(ResolvedPolicy::of(&scenario, 0).unwrap());
+    let policy = Arc::new(ResolvedPolicy::from_scenario(&scenario, 0).unwrap());
     let mut held = 0;
     for replication in 0..20 {
         let recorder = (Silent, OneRun::recorder(&scenario));
         let shop = Shop::with_recorder(&scenario, Arc::clone(&policy), replication, recorder).unwrap();
         let (_, recorded) = shop.run().unwrap();
-        let one = OneRun::of(&recorded.expect("it goes on")).expect("60 000 jobs");
+        let one = OneRun::from_lead_times(&recorded.expect("it goes on")).expect("60 000 jobs");
         held += u32::from(!one.means().interval.excludes(120.0));
         assert!(one.means().size >= 2048 && one.means().interval.within(0.05), "{one:?}");
     }

@@ -122,14 +122,14 @@ impl Replications {
 
 /// Why two runs cannot be paired, from their `run.json`; `None` where they drew the same random
 /// numbers.
-pub fn unpaired(one: &Value, two: &Value) -> Option<String> {
-    if one["version"] != two["version"] {
-        return Some(format!("versions {} and {} made them", one["version"], two["version"]));
+pub fn unpaired(value: &Value, two: &Value) -> Option<String> {
+    if value["version"] != two["version"] {
+        return Some(format!("versions {} and {} made them", value["version"], two["version"]));
     }
-    if one["seed"] != two["seed"] {
-        return Some(format!("their seeds are {} and {}", one["seed"], two["seed"]));
+    if value["seed"] != two["seed"] {
+        return Some(format!("their seeds are {} and {}", value["seed"], two["seed"]));
     }
-    for (run, which) in [(one, "first"), (two, "second")] {
+    for (run, which) in [(value, "first"), (two, "second")] {
         if !run[STREAMS].is_object() {
             return Some(format!("run.json of the {which} does not say what draws its random numbers"));
         }
@@ -139,13 +139,13 @@ pub fn unpaired(one: &Value, two: &Value) -> Option<String> {
             let list = run[STREAMS][kind].as_array().into_iter().flatten();
             list.map(|name| name.as_str().unwrap_or_default().to_owned()).collect()
         };
-        let (one, two) = (names(one), names(two));
-        if one == two {
+        let (value, two) = (names(value), names(two));
+        if value == two {
             return None;
         }
         let only = |these: &[String], those: &[String]| these.iter().find(|name| !those.contains(name)).cloned();
         let (what, whose) = (&kind[..kind.len() - 1], "of the");
-        Some(match (only(&one, &two), only(&two, &one)) {
+        Some(match (only(&value, &two), only(&two, &value)) {
             (Some(name), _) => format!("{what} `{name}` {whose} first is not in the second"),
             (None, Some(name)) => format!("{what} `{name}` {whose} second is not in the first"),
             (None, None) => format!("their {kind} differ in number or order"),

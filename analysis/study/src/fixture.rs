@@ -126,7 +126,7 @@ pub(crate) fn scenario() -> Scenario {
                 operation("grind", vec![2], 1, grinding),
             ],
         }],
-        arrivals: vec![Arrival::of(0, ArrivalPattern::Schedule(vec![(0.0, 2)]))],
+        arrivals: vec![Arrival::from_part(0, ArrivalPattern::Schedule(vec![(0.0, 2)]))],
         policies: vec![policy("constant", SpeedRule::BestCost), policy("adaptive", SpeedRule::MinimumWear)],
         ..Scenario::empty()
     }

@@ -66,22 +66,22 @@ pub fn scenario(plan: &Plan) -> Result<(ScenarioFile, Vec<usize>), PlannedError>
     Ok((file, policies))
 }
 
-/// Computes one shard into the directory `out`.
+/// Computes one shard into the directory `folder`.
 ///
 /// # Errors
 /// See [`PlannedError`].
-pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), PlannedError> {
+pub fn shard(plan: &Plan, number: u64, folder: &Path) -> Result<(), PlannedError> {
     let (file, policies) = scenario(plan)?;
     let mut failed = None;
-    let ran = toolroom_shards::run(plan, number, out, |(from, to), _| {
+    let ran = toolroom_shards::run(plan, number, folder, |(from, to), _| {
         // Replications are 32-bit numbers by the form of the file.
         let runs = stored_runs(&file.scenario, &policies, from as u32, to as u32).map_err(|error| {
             failed = Some(error);
             let source = std::io::Error::other("the shop stopped");
-            ShardError::File { path: out.to_owned(), source }
+            ShardError::File { path: folder.to_owned(), source }
         })?;
         let digest = stored_digest(&file.scenario, &policies, (from, to), &runs)
-            .map_err(|why| ShardError::Malformed { path: out.to_owned(), why })?;
+            .map_err(|why| ShardError::Malformed { path: folder.to_owned(), why })?;
         Ok(Computed { content: runs, digest, rows: false })
     });
     match failed {

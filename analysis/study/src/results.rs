@@ -23,7 +23,7 @@ use crate::compare::Comparison;
 use crate::logs::{Format, LogError, LogWriter};
 use crate::planner;
 use crate::report::report;
-use crate::statistics_section::Pictured;
+use crate::statistics_section::PicturedRun;
 use crate::study::{
     Finished, FinishedError, Progress, StoppedShop, Study, StudyError, StudyOptions, run_study, run_study_as_far,
 };
@@ -238,7 +238,7 @@ pub(crate) fn write_files(
             in_file(directory, name, |out| planner::write(name, scenario, study, out))?;
         }
     }
-    let pictured = Pictured::of(scenario, study).map_err(|source| ResultError::Again { source })?;
+    let pictured = PicturedRun::from_scenario(scenario, study).map_err(|source| ResultError::Again { source })?;
     if let Some(pictured) = pictured.as_ref().filter(|_| !scenario.orders.is_empty()) {
         in_file(directory, planner::SEQUENCES, |out| planner::write_sequences(scenario, &pictured.log, out))?;
     }

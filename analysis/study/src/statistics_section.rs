@@ -40,7 +40,7 @@ impl StatisticsWanted {
     ///
     /// # Errors
     /// [`StatisticsError`]: a figure that is not known, a precision or a difference that is none.
-    pub fn of(scenario: &Scenario, section: &Statistics) -> Result<Self, StatisticsError> {
+    pub fn from_scenario(scenario: &Scenario, section: &Statistics) -> Result<Self, StatisticsError> {
         if let Some(primary) = &section.primary {
             check_figure(scenario, "primary", primary)?;
         }
@@ -85,19 +85,19 @@ fn check_figure(scenario: &Scenario, key: &str, id: &str) -> Result<(), Statisti
 
 /// The run that schedule and sequences show: the first, or with a primary figure the one of the median of it.
 #[derive(Clone, Debug)]
-pub(crate) struct Pictured<'a> {
+pub(crate) struct PicturedRun<'a> {
     /// Number of the replication, from 0.
     pub replication: u32,
     /// Its log.
     pub log: std::borrow::Cow<'a, RunLog>,
 }
 
-impl<'a> Pictured<'a> {
+impl<'a> PicturedRun<'a> {
     /// That of a study; `None` where no run has a log.
     ///
     /// # Errors
     /// [`ShopError`] where the run, made again for its log, stops.
-    pub fn of(scenario: &Scenario, study: &'a Study) -> Result<Option<Self>, ShopError> {
+    pub fn from_scenario(scenario: &Scenario, study: &'a Study) -> Result<Option<Self>, ShopError> {
         let Some(first) = study.first_logs.first() else { return Ok(None) };
         let replication = study.primary.as_deref().and_then(|id| median_of(scenario, study, id)).unwrap_or(0);
         let log = if replication == 0 {
@@ -147,7 +147,7 @@ mod tests {
 
     fn wanted(section: &str) -> Result<StatisticsWanted, StatisticsError> {
         let file = file(section);
-        StatisticsWanted::of(&file.scenario, &file.statistics)
+        StatisticsWanted::from_scenario(&file.scenario, &file.statistics)
     }
 
     #[test]
@@ -178,10 +178,10 @@ mod tests {
             run_study(&scenario, &options, None, &|_| {}, &AtomicBool::new(false)).expect("a study")
         };
         let first = study(None);
-        let pictured = Pictured::of(&scenario, &first).expect("it runs").expect("a log");
+        let pictured = PicturedRun::from_scenario(&scenario, &first).expect("it runs").expect("a log");
         assert_eq!((pictured.replication, pictured.words(&first)), (0, "First replication".to_owned()));
         let by_time = study(Some("lead_time"));
-        let pictured = Pictured::of(&scenario, &by_time).expect("it runs").expect("a log");
+        let pictured = PicturedRun::from_scenario(&scenario, &by_time).expect("it runs").expect("a log");
         let values = by_time.values(0, by_time.index("lead_time").expect("a figure"));
         let less = values.iter().filter(|value| **value < values[pictured.replication as usize]).count();
         assert_eq!((values.len(), less), (5, 2), "{values:?}");

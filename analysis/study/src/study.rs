@@ -25,7 +25,7 @@ use crate::kpi::{self, Counting, Kpi, unless_stopped};
 use crate::logs::{LogError, LogWriter};
 use crate::planner::Figures;
 use crate::tune::Tuning;
-use crate::variants::{self, Found, VariantRuns, VariantShop, Wanted};
+use crate::variants::{self, SelectedShop, VariantRuns, VariantShop, Wanted};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -161,7 +161,7 @@ pub struct Study {
     /// Variants of the shop, run as often on the same random numbers.
     pub(crate) variants: Vec<VariantRuns>,
     /// The best of them, where that was requested.
-    pub(crate) selection: Option<Found>,
+    pub(crate) selection: Option<SelectedShop>,
     /// By policy and replication: key figures, then what a planner asks.
     values: Vec<Rows>,
     /// Edges of the lathes over all replications, by policy, as [`EdgeLife::numbers`].
@@ -334,7 +334,7 @@ impl StoppedShop {
     /// # Errors
     /// [`ShopError`] where the shop could not even be opened.
     pub fn again(&self, scenario: &Scenario) -> Result<(RunLog, Option<ShopError>), ShopError> {
-        let resolved = Arc::new(ResolvedPolicy::of(scenario, self.policy)?);
+        let resolved = Arc::new(ResolvedPolicy::from_scenario(scenario, self.policy)?);
         let world = scenario.drawn(self.replication)?;
         Ok(Shop::with_recorder(&world, resolved, self.replication, RunLog::default())?.run_as_far())
     }
@@ -347,7 +347,7 @@ fn whole((study, stopped): (Study, Option<StoppedShop>)) -> Result<Study, StudyE
 /// The policies worked out.
 fn resolve(scenario: &Scenario, policies: &[usize]) -> Result<BTreeMap<usize, Arc<ResolvedPolicy>>, StudyError> {
     let resolve = |&policy: &usize| {
-        let resolved = ResolvedPolicy::of(scenario, policy);
+        let resolved = ResolvedPolicy::from_scenario(scenario, policy);
         resolved
             .map(|resolved| (policy, Arc::new(resolved)))
             .map_err(|source| StudyError::Shop(stopped(scenario, policy, 0, source.into())))
@@ -373,7 +373,7 @@ impl Run {
     /// A run that is over, from its log.
     #[cfg(test)]
     fn of_log(scenario: &Scenario, log: RunLog) -> Self {
-        Self::of(scenario, &Counting::of(scenario, &log), Some(log))
+        Self::of(scenario, &Counting::from_scenario(scenario, &log), Some(log))
     }
 
     /// What was counted, and the log, where one was kept.
@@ -442,7 +442,7 @@ where
         match (&run, &options.journal) {
             (Err(_), _) => _ = last_wanted.fetch_min(replication, Ordering::Relaxed),
             (Ok(run), Some(journal)) if known.is_none() && !with_log => {
-                journal.add(&StoredRun::of(policy, replication, run));
+                journal.add(&StoredRun::from_policy(policy, replication, run));
             }
             (Ok(_), _) => {}
         }
@@ -555,7 +555,7 @@ impl Study {
         logs: Option<&mut LogWriter>,
     ) -> Result<(), StudyError> {
         self.digest = fnv(self.digest, &run.digest.to_le_bytes());
-        self.one_run[position] = run.lead_times.as_ref().and_then(OneRun::of);
+        self.one_run[position] = run.lead_times.as_ref().and_then(OneRun::from_lead_times);
         self.values[position].push(&run.values);
         run.lives.iter().for_each(|life| self.edge_lives[position].push(&life.numbers()));
         if let Some(log) = run.log {

@@ -197,10 +197,10 @@ fn fit(rows: &mut [Vec<Cell>], optional: &[usize], style: Style) -> usize {
 }
 
 /// Says that columns were left out.
-fn left_out(count: usize, out: &mut String) {
+fn left_out(count: usize, text: &mut String) {
     if count > 0 {
         let plural = if count == 1 { "" } else { "s" };
-        let _ = writeln!(out, "({count} more column{plural} with --wide)");
+        let _ = writeln!(text, "({count} more column{plural} with --wide)");
     }
 }
 
@@ -262,7 +262,7 @@ fn title(scenario: &Scenario, kpi: &Kpi) -> Cell {
     if kpi.definition.display == "%" { kpi.definition.title.to_owned().into() } else { label(scenario, kpi).into() }
 }
 
-fn alone(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Style, out: &mut String) {
+fn alone(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Style, text: &mut String) {
     let policy = &comparison.policies[0];
     let mut rows = vec![vec![Cell::default(), policy.name.clone().into(), study.interval_name().to_owned().into()]];
     for (index, kpi) in told(study, comparison) {
@@ -275,10 +275,10 @@ fn alone(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Sty
         rows.push(row);
     }
     fit(&mut rows, &[], style);
-    align(&rows, &[0, 2], Style::default(), out);
+    align(&rows, &[0, 2], Style::default(), text);
 }
 
-fn pair(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Style, out: &mut String) {
+fn pair(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Style, text: &mut String) {
     let (baseline, other) = (&comparison.policies[0], &comparison.policies[1]);
     let head = format!("difference ({})", study.interval_name());
     let mut rows = vec![vec![Cell::default(), baseline.name.clone().into(), other.name.clone().into(), head.into()]];
@@ -295,7 +295,7 @@ fn pair(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
         rows.push(vec![title(scenario, kpi), value(values[0]), value(values[1]), cell]);
     }
     fit(&mut rows, &[], style);
-    align(&rows, &[0, 3], style, out);
+    align(&rows, &[0, 3], style, text);
 }
 
 fn many(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Style, out: &mut String) {
@@ -357,22 +357,22 @@ fn many(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
 }
 
 /// Variants of the shop.
-fn varied(scenario: &Scenario, study: &Study, out: &mut String) {
+fn varied(scenario: &Scenario, study: &Study, text: &mut String) {
     for table in variants::tables(scenario, study) {
         let under = table.policy.map_or_else(String::new, |policy| format!(" under {policy}"));
-        let _ = writeln!(out, "variants{under}");
+        let _ = writeln!(text, "variants{under}");
         let cells = |row: Vec<String>| row.into_iter().map(Cell::from).collect::<Vec<_>>();
         let rows: Vec<Vec<Cell>> = std::iter::once(table.head).chain(table.rows).map(cells).collect();
-        align(&rows, &[0], Style::default(), out);
+        align(&rows, &[0], Style::default(), text);
     }
     if !study.variants.is_empty() {
         for line in variants::MEANING {
-            let _ = writeln!(out, "  {line}");
+            let _ = writeln!(text, "  {line}");
         }
     }
     if let Some(selection) = &study.selection {
         for line in selection.sentences() {
-            let _ = writeln!(out, "{line}");
+            let _ = writeln!(text, "{line}");
         }
     }
 }

@@ -7,7 +7,7 @@ mod branch;
 mod selection;
 
 pub use branch::{NoBranch, POSSIBLE, branched};
-pub use selection::{Found, NoSelection, Wanted};
+pub use selection::{NoSelection, SelectedShop, Wanted};
 
 use crate::figure::{decimals, label, plain, shown, signed};
 use crate::kpi::Kpi;
@@ -103,7 +103,7 @@ pub struct VariantRuns {
 
 impl VariantRuns {
     /// Figures of a study of the variant.
-    fn of(name: &str, scenario: &Scenario, study: &Study) -> Self {
+    fn from_name(name: &str, scenario: &Scenario, study: &Study) -> Self {
         let count = study.policies.len();
         Self { name: name.to_owned(), values: (0..count).map(|policy| figures(scenario, study, policy)).collect() }
     }
@@ -161,7 +161,7 @@ pub(crate) fn run(
             study.complete = false;
             return Ok(());
         }
-        runs.push(VariantRuns::of(&variant.name, &variant.scenario, &done));
+        runs.push(VariantRuns::from_name(&variant.name, &variant.scenario, &done));
     }
     study.variants = runs;
     if let Some(wanted) = &options.select {
@@ -217,7 +217,7 @@ pub(crate) fn tables(scenario: &Scenario, study: &Study) -> Vec<VariantTable> {
     if study.variants.is_empty() {
         return Vec::new();
     }
-    let base = VariantRuns::of(AS_IT_IS, scenario, study);
+    let base = VariantRuns::from_name(AS_IT_IS, scenario, study);
     let shop = shop_figures(study);
     let table = |policy: usize| {
         let defined = |figure: usize| {
@@ -269,7 +269,7 @@ pub(crate) fn json(scenario: &Scenario, study: &Study) -> Option<Value> {
     if study.variants.is_empty() {
         return None;
     }
-    let base = VariantRuns::of(AS_IT_IS, scenario, study);
+    let base = VariantRuns::from_name(AS_IT_IS, scenario, study);
     let interval = |interval: Interval| json!({ "mean": interval.mean, "ci95": [interval.low(), interval.high()], "n": interval.count });
     let variant = |runs: &VariantRuns| {
         let policies = (0..study.policies.len()).map(|policy| {
@@ -301,7 +301,7 @@ pub const FILE: &str = "variants.csv";
 /// Writes one row a variant, policy, replication and figure of the shop, the shop as it is included.
 pub(crate) fn write(scenario: &Scenario, study: &Study, out: impl io::Write) -> io::Result<()> {
     let mut csv = CsvWriter::new(out, ["variant", "policy", "replication", "kpi", "unit", "value"])?;
-    let base = VariantRuns::of(AS_IT_IS, scenario, study);
+    let base = VariantRuns::from_name(AS_IT_IS, scenario, study);
     for runs in std::iter::once(&base).chain(&study.variants) {
         for (policy, replications) in runs.values.iter().enumerate() {
             for (replication, values) in (0u32..).zip(replications) {

@@ -65,10 +65,10 @@ impl Estimates {
     ///     let mean = f64::from((x - 3) * (x - 3));
     ///     Trial { at: vec![f64::from(x)], values: vec![mean, mean + 5.0] }
     /// };
-    /// let found = Estimates::of(&(0..7).map(trial).collect::<Vec<_>>());
+    /// let found = Estimates::from_trials(&(0..7).map(trial).collect::<Vec<_>>());
     /// assert!((found.least.unwrap()[0] - 3.0).abs() < 1e-9 && (found.means[5] - found.means[3] - 4.0).abs() < 1e-9);
     /// ```
-    pub fn of(trials: &[Trial]) -> Self {
+    pub fn from_trials(trials: &[Trial]) -> Self {
         let (means, variance) = separated(trials);
         let none = Self { means: means.clone(), variance, deviation: None, least: None };
         let Some(mut best) = lowest(&means) else { return none };
@@ -258,11 +258,11 @@ mod tests {
                 Trial { values: shared.iter().map(|own| mean + own + 1.5 * noise.next()).collect(), at }
             };
             let trials: Vec<Trial> = grid().into_iter().map(trial).collect();
-            let found = Estimates::of(&trials);
+            let estimates = Estimates::from_trials(&trials);
             let own: Vec<f64> = trials.iter().map(|trial| trial.values.iter().sum::<f64>()).collect();
             let loss = |place: Option<usize>| truth(&trials[place.expect("a trial")].at) - 34.0;
             by_mean += loss(lowest(&own)) / 60.0;
-            by_estimate += loss(lowest(&found.means)) / 60.0;
+            by_estimate += loss(lowest(&estimates.means)) / 60.0;
         }
         assert!(by_estimate < 0.75 * by_mean, "{by_estimate} against {by_mean}");
     }
@@ -280,7 +280,7 @@ mod tests {
         };
         let kinked = |trials: &[Trial]| {
             let place = trials.iter().position(|trial| trial.at == [3.0, 2.0]).expect("a trial");
-            Estimates::of(trials).means[place] - truth(&[3.0, 2.0])
+            Estimates::from_trials(trials).means[place] - truth(&[3.0, 2.0])
         };
         assert!((kinked(&trials(400)) + 0.8).abs() < 0.15, "{}", kinked(&trials(400)));
         assert!(kinked(&trials(3)) > -0.6, "{}", kinked(&trials(3)));
@@ -289,8 +289,8 @@ mod tests {
     #[test]
     fn settings_without_a_value_are_infinite_and_few_points_have_no_surface() {
         let trial = |x: f64, value: f64| Trial { at: vec![x], values: vec![value] };
-        let found = Estimates::of(&[trial(0.0, 3.0), trial(1.0, f64::INFINITY), trial(2.0, 1.0)]);
-        assert_eq!((found.means, found.least), (vec![3.0, f64::INFINITY, 1.0], None));
-        assert_eq!(Estimates::of(&[]).means, Vec::<f64>::new());
+        let estimates = Estimates::from_trials(&[trial(0.0, 3.0), trial(1.0, f64::INFINITY), trial(2.0, 1.0)]);
+        assert_eq!((estimates.means, estimates.least), (vec![3.0, f64::INFINITY, 1.0], None));
+        assert_eq!(Estimates::from_trials(&[]).means, Vec::<f64>::new());
     }
 }

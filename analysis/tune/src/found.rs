@@ -21,7 +21,7 @@ impl Field<'_> {
                 100.0 * request.collapse
             );
             let excluded = self.excluded(&estimated, f64::INFINITY, 0.0);
-            return TunedPolicy { evaluations: self.spent, excluded, ..given(&self.rule.name, reason) };
+            return TunedPolicy { evaluations: self.runs_spent, excluded, ..given(&self.rule.name, reason) };
         };
         let least = estimated[best];
         let place = best;
@@ -54,7 +54,7 @@ impl Field<'_> {
             settings: settings.collect(),
             given: None,
             changes: self.changes(best),
-            evaluations: self.spent,
+            evaluations: self.runs_spent,
             objective: Some(self.in_file(moments.mean())),
             standard_error: Some(self.search.scale * moments.standard_error()),
             collapsed: Some(best.share(|run: &Run| run.collapsed).0),

@@ -77,7 +77,7 @@ pub(super) struct Field<'a> {
     pub points: Vec<Point>,
     /// Replications that it may take.
     budget: u32,
-    pub spent: u32,
+    pub runs_spent: u32,
 }
 
 impl TriedRun {
@@ -89,7 +89,7 @@ impl TriedRun {
         )
     }
 
-    fn of((policy, change, settings, replication): Trial, run: Run) -> Self {
+    fn from_change((policy, change, settings, replication): Trial, run: Run) -> Self {
         let Run { objective, edges, collapsed, failed } = run;
         Self { policy, change, settings, replication, objective: objective.to_bits(), edges, collapsed, failed }
     }
@@ -114,7 +114,7 @@ impl Search<'_> {
         let field = |tool_change| {
             let rule = PolicyRule { tool_change, ..rule.clone() };
             let axes = Axis::all(&rule, reference);
-            Field { search: self, rule, axes, points: Vec::new(), budget, spent: 0 }
+            Field { search: self, rule, axes, points: Vec::new(), budget, runs_spent: 0 }
         };
         let mut fields: Vec<Field<'_>> = rule.change_rules(reference.life).into_iter().map(field).collect();
         if let [only] = fields.as_mut_slice() {
@@ -125,7 +125,8 @@ impl Search<'_> {
         for field in &mut fields {
             field.tune()?;
         }
-        let left = |fields: &[Field<'_>]| self.request.budget - fields.iter().map(|field| field.spent).sum::<u32>();
+        let left =
+            |fields: &[Field<'_>]| self.request.budget - fields.iter().map(|field| field.runs_spent).sum::<u32>();
         let ranked = |fields: &mut [Field<'_>]| fields.sort_by(|a, b| a.least().total_cmp(&b.least()));
         // The better rules get what is left, the best of them the most.
         ranked(&mut fields);
@@ -134,7 +135,7 @@ impl Search<'_> {
             fields[place].go_on(more)?;
         }
         ranked(&mut fields);
-        let evaluations = fields.iter().map(|field| field.spent).sum();
+        let evaluations = fields.iter().map(|field| field.runs_spent).sum();
         let tool_changes = fields.iter().map(Field::tried).collect();
         Ok(TunedPolicy { evaluations, tool_changes, ..fields[0].told() })
     }
@@ -187,13 +188,13 @@ impl Field<'_> {
         let best: Vec<usize> = self.known().into_iter().take(SHARING).collect();
         let Some(&first) = best.first() else { return Ok(()) };
         // The replications of the first grid stay those of the share that it was laid with.
-        let total = self.spent + more;
+        let total = self.runs_spent + more;
         let each = more as usize / best.len();
         for point in best {
             let count = self.points[point].runs.len() + each;
             self.run_within(&[point], count, total)?;
         }
-        let count = self.points[first].runs.len() + (total - self.spent) as usize;
+        let count = self.points[first].runs.len() + (total - self.runs_spent) as usize;
         self.run_within(&[first], count, total)
     }
 
@@ -212,13 +213,13 @@ impl Field<'_> {
         let mut looked = 2 * first;
         for (round, count) in FINALISTS.into_iter().enumerate() {
             let finalists: Vec<usize> = self.best(looked).into_iter().take(count).collect();
-            let left = (budget - self.spent) as usize;
+            let left = (budget - self.runs_spent) as usize;
             let share = if round + 1 < FINALISTS.len() { left / 2 } else { left };
             looked += share / finalists.len().max(1);
             self.run_to(&finalists, looked)?;
         }
         if let Some(&best) = self.best(looked).first() {
-            let count = self.points[best].runs.len() + (budget - self.spent) as usize;
+            let count = self.points[best].runs.len() + (budget - self.runs_spent) as usize;
             self.run_to(&[best], count)?;
         }
         Ok(())
@@ -241,7 +242,7 @@ impl Field<'_> {
                 continue;
             }
             let scenario = Scenario { policies: vec![self.rule_at(values)], ..self.search.scenario.clone() };
-            let policy = Arc::new(ResolvedPolicy::of(&scenario, 0)?);
+            let policy = Arc::new(ResolvedPolicy::from_scenario(&scenario, 0)?);
             self.points.push(Point { values: values.clone(), policy, runs: Vec::new() });
         }
         Ok(())
@@ -258,7 +259,7 @@ impl Field<'_> {
 
     /// The same until the field has spent `total` replications.
     fn run_within(&mut self, points: &[usize], count: usize, total: u32) -> Result<(), TuneError> {
-        let left = total.saturating_sub(self.spent) as usize;
+        let left = total.saturating_sub(self.runs_spent) as usize;
         let missing =
             points.iter().flat_map(|&point| (self.points[point].runs.len()..count).map(move |run| (point, run)));
         // One replication of all points after the other, so that a budget that runs short leaves them alike.
@@ -273,7 +274,7 @@ impl Field<'_> {
         for ((point, _), run) in tasks.iter().zip(done) {
             self.points[*point].runs.push(run?);
         }
-        self.spent += tasks.len() as u32;
+        self.runs_spent += tasks.len() as u32;
         Ok(())
     }
 
@@ -286,7 +287,7 @@ impl Field<'_> {
             None => {
                 let run = self.simulate(point, replication)?;
                 if let Some(journal) = self.search.journal {
-                    journal.add(&TriedRun::of(trial, run));
+                    journal.add(&TriedRun::from_change(trial, run));
                 }
                 run
             }
@@ -328,7 +329,7 @@ impl Field<'_> {
             at: self.axes.iter().zip(&point.values).map(|(axis, value)| axis.position(*value)).collect(),
             values: point.runs.iter().map(|run| run.objective).collect(),
         };
-        Estimates::of(&self.points.iter().map(tried).collect::<Vec<_>>())
+        Estimates::from_trials(&self.points.iter().map(tried).collect::<Vec<_>>())
     }
 
     /// Admissible points with so many replications, the best first.
@@ -353,7 +354,7 @@ impl Field<'_> {
             let Some((number, up, value)) = next else { return Ok(()) };
             let others: usize =
                 self.axes.iter().map(|axis| axis.values.len()).product::<usize>() / self.axes[number].values.len();
-            let cost = self.spent as usize + others * count;
+            let cost = self.runs_spent as usize + others * count;
             if cost as f64 > EXTENDED * f64::from(self.budget) {
                 return Ok(());
             }

@@ -269,14 +269,14 @@ impl Stream {
     fn alarm(&mut self, name: &str, statistic: f64) -> Alarm {
         let change = Change::of(&self.scores);
         let (best, (first, last)) = (change.best(), change.span());
-        let after = &self.scores[best..];
+        let scores = &self.scores[best..];
         let alarm = Alarm {
             stream: name.to_owned(),
             time: self.times.last().copied().unwrap_or(0.0),
             statistic,
             change: self.times[best],
             span: [self.times[first], self.times[last]],
-            shift: after.iter().sum::<f64>() / after.len() as f64,
+            shift: scores.iter().sum::<f64>() / scores.len() as f64,
         };
         self.values.drain(..best);
         self.times.drain(..best);
@@ -311,7 +311,7 @@ mod tests {
     const DAY: f64 = 86400.0;
 
     /// Blocks of Student-5 noise, shifted by `shift` standard deviations from a day on.
-    fn blocks(count: usize, from: usize, shift: f64, seed: u64) -> Vec<Block> {
+    fn blocks(count: usize, start: usize, shift: f64, seed: u64) -> Vec<Block> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || {
             (-2.0 * random.random::<f64>().max(1e-300).ln()).sqrt()
@@ -327,7 +327,7 @@ mod tests {
             rows: 20,
             readings: vec![("cutting_force L1".to_owned(), Reading::Value(value))],
         };
-        (0..count).map(|day| block(day, student() + if day >= from { shift } else { 0.0 })).collect()
+        (0..count).map(|day| block(day, student() + if day >= start { shift } else { 0.0 })).collect()
     }
 
     #[test]

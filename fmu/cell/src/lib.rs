@@ -125,7 +125,7 @@ impl Cell {
             let what = format!("effect `{}` of tool `{}`", own.effect.entry().id, tool.name);
             return refused(what, "a unit has the effects of the catalogue and none of your own; export without it");
         }
-        let resolved = ResolvedPolicy::of(scenario, policy)?;
+        let resolved = ResolvedPolicy::from_scenario(scenario, policy)?;
         let name = &scenario.policies[policy].name;
         let controller = controller(&resolved, (machine, pass), cut, cuts.len(), turning)
             .map_err(|reason| CellError::NotOffered { what: format!("policy `{name}`"), reason })?;
@@ -235,13 +235,13 @@ fn operation<'s>(scenario: &'s Scenario, machine: usize, choice: &Choice) -> Res
 
 /// The policy for a cut as a controller; the reason where no unit stands for it.
 fn controller(
-    resolved: &ResolvedPolicy,
+    resolved_policy: &ResolvedPolicy,
     (machine, pass): (usize, u32),
     cut: Cut,
     passes: usize,
     turning: &Turning,
 ) -> Result<SpeedController, &'static str> {
-    let settings = resolved.of_pass(machine, pass).settings();
+    let settings = resolved_policy.of_pass(machine, pass).settings();
     if settings.acts_on_chatter {
         return Err("what it does about chatter is not exported");
     }

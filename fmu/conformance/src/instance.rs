@@ -16,7 +16,7 @@ use tempfile::TempDir;
 pub struct Failed(pub String);
 
 impl Failed {
-    fn of(error: impl Display) -> Self {
+    fn from_display(error: impl Display) -> Self {
         Self(error.to_string())
     }
 }
@@ -32,12 +32,12 @@ pub enum Unit {
 impl Unit {
     /// Unpacks and reads the unit in `file`.
     pub fn open(file: &str) -> Result<Self, Failed> {
-        let folder = TempDir::new().map_err(Failed::of)?;
-        extract_zip_archive(file, folder.path()).map_err(Failed::of)?;
-        match peek_fmi_major_version(&folder.path().join("modelDescription.xml")).map_err(Failed::of)? {
-            FMIMajorVersion::V2 => FMU2Builder::new(&file).map(Self::Two).map_err(Failed::of),
+        let folder = TempDir::new().map_err(Failed::from_display)?;
+        extract_zip_archive(file, folder.path()).map_err(Failed::from_display)?;
+        match peek_fmi_major_version(&folder.path().join("modelDescription.xml")).map_err(Failed::from_display)? {
+            FMIMajorVersion::V2 => FMU2Builder::new(&file).map(Self::Two).map_err(Failed::from_display),
             FMIMajorVersion::V3 => {
-                let mut builder = FMU3Builder::new(&file).map_err(Failed::of)?;
+                let mut builder = FMU3Builder::new(&file).map_err(Failed::from_display)?;
                 // Units without Event Mode may refuse to be asked for it.
                 (builder.eventModeUsed, builder.earlyReturnAllowed) = (false, false);
                 Ok(Self::Three(builder))
@@ -70,16 +70,16 @@ impl Unit {
     pub fn instance(&self, output: &str) -> Result<Instance, Failed> {
         let (calls, reference) = match self {
             Self::Two(builder) => {
-                let reference = builder.model_description.variable_by_name(output).map_err(Failed::of)?.valueReference;
-                let unit = builder.instantiate_cs("unit").map_err(Failed::of)?;
+                let reference = builder.model_description.variable_by_name(output).map_err(Failed::from_display)?.valueReference;
+                let unit = builder.instantiate_cs("unit").map_err(Failed::from_display)?;
                 ok2("fmi2SetupExperiment", unit.setupExperiment(None, 0.0, None))?;
                 ok2("fmi2EnterInitializationMode", unit.enterInitializationMode())?;
                 ok2("fmi2ExitInitializationMode", unit.exitInitializationMode())?;
                 (Calls::Two(unit), reference)
             }
             Self::Three(builder) => {
-                let reference = builder.model_description.variable_by_name(output).map_err(Failed::of)?.valueReference;
-                let unit = builder.instantiate_cs("unit").map_err(Failed::of)?;
+                let reference = builder.model_description.variable_by_name(output).map_err(Failed::from_display)?.valueReference;
+                let unit = builder.instantiate_cs("unit").map_err(Failed::from_display)?;
                 ok3("fmi3EnterInitializationMode", unit.enterInitializationMode(None, 0.0, None))?;
                 ok3("fmi3ExitInitializationMode", unit.exitInitializationMode())?;
                 (Calls::Three(unit), reference)

@@ -27,7 +27,7 @@ pub fn register_program() {
 fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal> {
     let path = tidy(request.path);
     let wiring = request.wiring;
-    let unit = Unit::load(&path, &Isolation::of(wiring.isolation, wiring.call_limit))
+    let unit = Unit::load(&path, &Isolation::from_unit_isolation(wiring.isolation, wiring.call_limit))
         .map_err(|error| UnitRefusal { reason: error.to_string(), fix: fix(&error).unwrap_or_else(|| ask(&path)) })?;
     let process = UnitProcess::new(Arc::new(unit), request.process, request.inputs, request.outputs, request.wiring);
     let process = process.map_err(|error| UnitRefusal {
@@ -40,7 +40,7 @@ fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefu
 impl Isolation {
     /// Where the code of a unit runs, as a scenario says it. Workers are this program with a verb of its own; a program
     /// that only uses the library, such as Python, has the installed `toolroom` beside it.
-    pub fn of(isolation: UnitIsolation, call_limit: Option<f64>) -> Self {
+    pub fn from_unit_isolation(isolation: UnitIsolation, call_limit: Option<f64>) -> Self {
         match isolation {
             UnitIsolation::None => Self::None,
             UnitIsolation::Process => {

@@ -24,7 +24,7 @@ pub struct Port {
 
 impl Port {
     /// The port of a scalar variable.
-    pub fn of(variable: &Variable) -> Self {
+    pub fn from_variable(variable: &Variable) -> Self {
         Self { value_type: variable.value_type, reference: variable.reference, count: 1 }
     }
 }
@@ -47,7 +47,7 @@ fn said(messages: &[String]) -> String {
 
 /// How a communication step ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stepped {
+pub enum StepResult {
     /// At its end.
     Whole,
     /// Before its end, at this time (s): the unit discarded the rest (`fmi2Discard`), or all of it (`fmi3Discard`, after
@@ -105,14 +105,14 @@ pub struct Answer {
     /// Texts read, in order.
     pub texts: Vec<String>,
     /// How the last step ended.
-    pub stepped: Stepped,
+    pub stepped: StepResult,
     /// The last serialised state.
     pub bytes: Vec<u8>,
 }
 
 impl Default for Answer {
     fn default() -> Self {
-        Self { values: Vec::new(), texts: Vec::new(), stepped: Stepped::Whole, bytes: Vec::new() }
+        Self { values: Vec::new(), texts: Vec::new(), stepped: StepResult::Whole, bytes: Vec::new() }
     }
 }
 
@@ -145,7 +145,7 @@ trait Calls: std::fmt::Debug + Send {
     fn get(&mut self, port: Port, values: &mut Vec<f64>) -> Result<(), CallError>;
     /// Appends the text of each element.
     fn get_text(&mut self, port: Port, texts: &mut Vec<String>) -> Result<(), CallError>;
-    fn step(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError>;
+    fn step(&mut self, time: f64, duration: f64) -> Result<StepResult, CallError>;
     fn save(&mut self, place: Place) -> Result<(), CallError>;
     fn restore(&mut self, place: Place) -> Result<(), CallError>;
     fn forget(&mut self, place: Place) -> Result<(), CallError>;
@@ -206,7 +206,7 @@ impl Local {
     ) -> Result<(), CallError> {
         answer.values.clear();
         answer.texts.clear();
-        answer.stepped = Stepped::Whole;
+        answer.stepped = StepResult::Whole;
         for (number, action) in actions.iter().enumerate() {
             begin(number);
             match *action {
@@ -224,7 +224,7 @@ impl Local {
                 Action::GetText(port) => self.0.get_text(port, &mut answer.texts)?,
                 Action::Step { time, duration } => {
                     answer.stepped = self.0.step(time, duration)?;
-                    if answer.stepped != Stepped::Whole {
+                    if answer.stepped != StepResult::Whole {
                         break;
                     }
                 }
@@ -276,7 +276,7 @@ impl Instance {
     ///
     /// # Errors
     /// As [`Instance::act`].
-    pub fn step(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError> {
+    pub fn step(&mut self, time: f64, duration: f64) -> Result<StepResult, CallError> {
         let mut answer = Answer::default();
         self.act(&[Action::Step { time, duration }], &mut answer)?;
         Ok(answer.stepped)

@@ -111,7 +111,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl Keeping {
     /// Tries the unit out: whether its state can be written, and the state of a new edge. `look` reads what is to be
     /// known of the new edge.
-    pub fn of(maker: &Maker<'_>, look: &[Action<'_>]) -> Result<(Self, Vec<f64>, Vec<f64>), CallError> {
+    pub fn from_maker(maker: &Maker<'_>, look: &[Action<'_>]) -> Result<(Self, Vec<f64>, Vec<f64>), CallError> {
         let interface = maker.unit.interface();
         let mut instance = maker.instance()?;
         let mut answer = Answer::default();

@@ -68,7 +68,7 @@ pub use platform::{Binary, PLATFORMS, Platform};
 #[cfg(feature = "fmi")]
 pub use {
     importer::{register, register_program},
-    instance::{Action, Answer, CallError, Instance, Port, StartValue, Stepped},
+    instance::{Action, Answer, CallError, Instance, Port, StartValue, StepResult},
     machine::UnitProcess,
     parts::Retaking,
     unit::{CALL_LIMIT, Driven, Isolation, LoadError, Steps, Unit, WorkerProgram},

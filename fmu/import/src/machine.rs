@@ -1,6 +1,6 @@
 //! A unit in the place of a process of the shop.
 
-use crate::instance::{Action, Answer, Place, Port, StartValue, Stepped};
+use crate::instance::{Action, Answer, Place, Port, StartValue, StepResult};
 use crate::keeping::{Keeping, KeepingError, Maker, Turn};
 use crate::parts::Parts;
 use crate::unit::{Steps, Unit};
@@ -95,7 +95,7 @@ impl UnitProcess {
             Steps::Every(step) => Some(step),
             Steps::Unknown => Some(wiring.step.ok_or(WiringError::FixedStep)?),
         };
-        let mut wires = Wires::of(description, inputs, "input", &wiring.inputs)?;
+        let mut wires = Wires::from_model_description(description, inputs, "input", &wiring.inputs)?;
         let speed = wires.index("cutting_speed").ok_or(WiringError::NoSpeed)?;
         // A unit without ramps is given the speed in small parts.
         let acceleration = wires.index("cutting_acceleration").or_else(|| {
@@ -105,7 +105,7 @@ impl UnitProcess {
             Some(wires.fields.len() - 1)
         });
         let counted: Vec<Field> = outputs.iter().copied().chain([ENERGY]).collect();
-        let mut outputs = Wires::of(description, &counted, "output", &wiring.outputs)?;
+        let mut outputs = Wires::from_model_description(description, &counted, "output", &wiring.outputs)?;
         let energy = outputs.take(ENERGY.name).or_else(|| inner(description, &ENERGY));
         let events = events(description, wiring)?;
         let start_values = start_values(description, wiring)?;
@@ -113,7 +113,7 @@ impl UnitProcess {
         let flags = events.iter().map(|(_, port)| Action::Get(*port));
         let look: Vec<Action<'_>> = watch.wear().map(Action::Get).into_iter().chain(flags).collect();
         let maker = Maker { unit: &unit, start_values: &start_values };
-        let (keeping, mut fresh, seen) = Keeping::of(&maker, &look)?;
+        let (keeping, mut fresh, seen) = Keeping::from_maker(&maker, &look)?;
         let (wear, flags) = seen.split_at(usize::from(watch.wear().is_some()));
         fresh.push(wear.first().copied().map_or(0.0, |wear| watch.inward(wear)));
         fresh.extend(flags);
@@ -276,28 +276,28 @@ impl UnitProcess {
             let try_from = Try { from, length: part, save: self.halves(), check: step.first && done == 0.0 };
             let (stepped, event) = self.attempt(turn, answer, u, &try_from, step.before, seen)?;
             match stepped {
-                Stepped::Whole if event.is_some() && self.halves() => {
+                StepResult::Whole if event.is_some() && self.halves() => {
                     let (length, event) = self.locate(turn, answer, u, from, part, step.before, seen)?;
                     return Ok((done + length, event));
                 }
-                Stepped::Whole => {
+                StepResult::Whole => {
                     parts.taken();
                     if event.is_some() {
                         return Ok((parts.done, event));
                     }
                 }
-                Stepped::Part(reached) if self.retakes() && parts.discarded(reached - from) => {
+                StepResult::Part(reached) if self.retakes() && parts.discarded(reached - from) => {
                     if self.halves() {
                         turn.act(&[Action::Restore(START)], false, answer)?;
                     }
                 }
-                Stepped::Part(reached) => {
+                StepResult::Part(reached) => {
                     let way = if self.retakes() { "" } else { ", and cannot go back for a shorter one" };
                     return Err(KeepingError::Impossible(format!(
                         "at {from} s it discarded a step of {part} s, came to {reached} s{way}"
                     )));
                 }
-                Stepped::Ended(end) => {
+                StepResult::Ended(end) => {
                     return Err(KeepingError::Impossible(format!(
                         "at {end} s it ended its simulation (terminateSimulation); a machine of a shop has no end"
                     )));
@@ -316,7 +316,7 @@ impl UnitProcess {
         step: &Try,
         before: &[bool],
         seen: &mut [f64],
-    ) -> Result<(Stepped, Option<ProcessEvent>), KeepingError> {
+    ) -> Result<(StepResult, Option<ProcessEvent>), KeepingError> {
         let mut actions = Vec::new();
         actions.extend(step.save.then_some(Action::Save(START)));
         self.set(u, &mut actions);
@@ -334,7 +334,7 @@ impl UnitProcess {
             seen[0] = self.watch.check(outputs, step.from, seen[0])?;
             values = rest;
         }
-        if answer.stepped != Stepped::Whole {
+        if answer.stepped != StepResult::Whole {
             return Ok((answer.stepped, None));
         }
         let (flags, values) = values.split_at(self.events.len());
@@ -342,7 +342,7 @@ impl UnitProcess {
         seen[1..].copy_from_slice(flags);
         let rose =
             self.events.iter().zip(before.iter().zip(flags)).find(|(_, (before, now))| !**before && **now != 0.0);
-        Ok((Stepped::Whole, rose.map(|((event, _), _)| *event)))
+        Ok((StepResult::Whole, rose.map(|((event, _), _)| *event)))
     }
 
     /// What comes of `actions` at the state `x`, by another instance where the first one fails: a worker that died since
@@ -373,7 +373,7 @@ impl UnitProcess {
         turn: &mut Turn<'_>,
         answer: &mut Answer,
         u: &[f64],
-        from: f64,
+        start: f64,
         length: f64,
         before: &[bool],
         seen: &mut [f64],
@@ -383,7 +383,7 @@ impl UnitProcess {
         let mut last = None;
         while loud - quiet > EVENT_TIME * length {
             let middle = 0.5 * (quiet + loud);
-            let event = self.again(turn, answer, u, from, middle, before, seen)?;
+            let event = self.again(turn, answer, u, start, middle, before, seen)?;
             if event.is_some() {
                 loud = middle
             } else {
@@ -398,7 +398,7 @@ impl UnitProcess {
             return Ok((loud, rose.map(|(event, _)| *event)));
         }
         seen[0] = wear.min(seen[0]);
-        Ok((loud, self.again(turn, answer, u, from, loud, before, seen)?))
+        Ok((loud, self.again(turn, answer, u, start, loud, before, seen)?))
     }
 
     /// The step again, from the state saved at its start.
@@ -408,18 +408,18 @@ impl UnitProcess {
         turn: &mut Turn<'_>,
         answer: &mut Answer,
         u: &[f64],
-        from: f64,
+        start: f64,
         length: f64,
         before: &[bool],
         seen: &mut [f64],
     ) -> Result<Option<ProcessEvent>, KeepingError> {
         turn.act(&[Action::Restore(START)], false, answer)?;
         seen[0] = f64::NEG_INFINITY; // the state is an earlier one
-        let step = Try { from, length, save: false, check: false };
+        let step = Try { from: start, length, save: false, check: false };
         match self.attempt(turn, answer, u, &step, before, seen)? {
-            (Stepped::Whole, event) => Ok(event),
+            (StepResult::Whole, event) => Ok(event),
             (stepped, _) => Err(KeepingError::Impossible(format!(
-                "at {from} s it took a step that holds an event, and then not one of {length} s ({stepped:?})"
+                "at {start} s it took a step that holds an event, and then not one of {length} s ({stepped:?})"
             ))),
         }
     }

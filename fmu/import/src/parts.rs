@@ -3,7 +3,7 @@
 //! After `fmi2Discard` a unit goes on from a state that was saved before the step only; after `fmi3Discard` it is where it
 //! was before the step, and a shorter one may be tried at once.
 
-use crate::instance::{Action, Answer, CallError, Instance, Place, Stepped};
+use crate::instance::{Action, Answer, CallError, Instance, Place, StepResult};
 use crate::unit::{Steps, Unit};
 
 /// Halvings of one part before it is given up (assumption: 2⁻³⁰ of a step is no step).
@@ -68,7 +68,7 @@ pub struct Retaking {
 
 impl Retaking {
     /// Of instances of `unit`.
-    pub fn of(unit: &Unit) -> Self {
+    pub fn from_unit(unit: &Unit) -> Self {
         let (free, two) = (unit.steps() == Steps::Any, unit.description().major == 2);
         let saves = free && two && unit.interface().saves_state();
         Self { possible: free && (saves || !two), saves }
@@ -86,7 +86,7 @@ impl Retaking {
         (time, goal): (f64, f64),
         after: &[Action<'_>],
         answer: &mut Answer,
-    ) -> Result<Stepped, CallError> {
+    ) -> Result<StepResult, CallError> {
         let step = [Action::Step { time, duration: goal - time }];
         let plain = || before.iter().chain(&step).chain(after).copied();
         if self.saves {
@@ -102,7 +102,7 @@ impl Retaking {
         } else {
             instance.act(&plain().collect::<Vec<_>>(), answer)?;
         }
-        let Stepped::Part(mut reached) = answer.stepped else { return Ok(answer.stepped) };
+        let StepResult::Part(mut reached) = answer.stepped else { return Ok(answer.stepped) };
         let mut parts = Parts::of(goal - time);
         while self.possible && parts.discarded(reached - time - parts.done) {
             let back = self.saves.then_some(Action::Restore(START));
@@ -113,21 +113,21 @@ impl Retaking {
                 actions.push(Action::Step { time: from, duration: parts.part });
                 instance.act(&actions, answer)?;
                 match answer.stepped {
-                    Stepped::Whole => parts.taken(),
-                    Stepped::Part(time) => {
+                    StepResult::Whole => parts.taken(),
+                    StepResult::Part(time) => {
                         reached = time;
                         break;
                     }
-                    Stepped::Ended(_) => return Ok(answer.stepped),
+                    StepResult::Ended(_) => return Ok(answer.stepped),
                 }
                 if !parts.left() {
                     instance.act(after, answer)?;
-                    return Ok(Stepped::Whole);
+                    return Ok(StepResult::Whole);
                 }
                 actions.clear();
             }
         }
-        Ok(Stepped::Part(reached))
+        Ok(StepResult::Part(reached))
     }
 }
 

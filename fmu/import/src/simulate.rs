@@ -1,7 +1,7 @@
 //! A unit on its own: inputs from a table, outputs to a table.
 
 use crate::description::{ModelDescription, ValueType, Variable};
-use crate::instance::{Action, Answer, CallError, Instance, Port, StartValue, Stepped, bytes_of};
+use crate::instance::{Action, Answer, CallError, Instance, Port, StartValue, StepResult, bytes_of};
 use crate::parts::Retaking;
 use crate::unit::{Steps, Unit};
 use crate::wire::{WiringError, start_values};
@@ -190,7 +190,7 @@ impl Inputs {
                 return Err(refused(1, format!("a column \"{}\" is missing: an array is set as a whole", names[i])));
             }
             inputs.signals.push(Signal {
-                port: Port { count: names.len() as u32, ..Port::of(variable) },
+                port: Port { count: names.len() as u32, ..Port::from_variable(variable) },
                 interpolated: variable.variability == "continuous",
                 columns: columns.into_iter().flatten().collect(),
             });
@@ -294,7 +294,7 @@ fn outputs<'a>(description: &'a ModelDescription, start: &BTreeMap<String, Strin
     };
     let output = |variable: &'a Variable| {
         let names = elements(description, variable, start)?;
-        let port = Port { count: names.len() as u32, ..Port::of(variable) };
+        let port = Port { count: names.len() as u32, ..Port::from_variable(variable) };
         let action = if is_number(variable) { Action::Get(port) } else { Action::GetText(port) };
         Some(Output { variable, action, names })
     };
@@ -382,7 +382,7 @@ pub fn simulate(
     let failed = |time| move |source| SimulateError::Call { time, source };
     let mut instance = Instance::new(unit, &start_values, start).map_err(failed(start))?;
     let (mut time, mut done) = (start, Done { start, stop, step, steps: steps as u64, ended: false });
-    let (mut answer, mut retaking) = (Answer::default(), Retaking::of(unit));
+    let (mut answer, mut retaking) = (Answer::default(), Retaking::from_unit(unit));
     let gets: Vec<Action<'_>> = outputs.iter().map(|output| output.action).collect();
     for number in 0..=steps as u64 {
         // The last step ends at the stop time, however the steps round.
@@ -409,12 +409,12 @@ pub fn simulate(
             }
         };
         match stepped {
-            Stepped::Whole => {}
-            Stepped::Part(reached) => {
+            StepResult::Whole => {}
+            StepResult::Part(reached) => {
                 table.flush()?;
                 return Err(SimulateError::Discarded { time, step: goal - time, reached });
             }
-            Stepped::Ended(end) => {
+            StepResult::Ended(end) => {
                 done = Done { stop: end, steps: number, ended: true, ..done };
                 goal = end;
                 instance.act(&gets, &mut answer).map_err(failed(end))?;

@@ -33,7 +33,7 @@ impl Watch {
         let wired = outputs.fields.iter().zip(&outputs.wires).filter_map(|(field, wire)| Some((field, (*wire)?)));
         let outputs: Vec<Watched> = wired
             .map(|(field, wire)| {
-                let variable = description.variables.iter().find(|variable| Port::of(variable) == wire.port);
+                let variable = description.variables.iter().find(|variable| Port::from_variable(variable) == wire.port);
                 Watched {
                     variable: variable.map_or_else(String::new, |variable| variable.name.clone()),
                     unit: variable

@@ -110,7 +110,7 @@ pub struct Wires {
 impl Wires {
     /// Wires `fields` to variables of `causality`, those of `given` by name and the others where
     /// a variable of the same name is found.
-    pub(crate) fn of(
+    pub(crate) fn from_model_description(
         description: &ModelDescription,
         fields: &[Field],
         causality: &'static str,
@@ -207,7 +207,7 @@ fn wire(
     variable: &Variable,
     given: Option<&str>,
 ) -> Result<Wire, WiringError> {
-    let port = Port::of(variable);
+    let port = Port::from_variable(variable);
     if field.kind != Kind::Real || field.unit == "1" && given.is_none() && variable.unit.is_none() {
         return Ok(Wire { port, factor: 1.0, offset: 0.0 });
     }
@@ -264,7 +264,7 @@ pub(crate) fn events(
             None => found(description, event.name(), "output"),
         };
         let boolean = variable.filter(|variable| variable.value_type == ValueType::Boolean);
-        events.extend(boolean.map(|variable| (event, Port::of(variable))));
+        events.extend(boolean.map(|variable| (event, Port::from_variable(variable))));
     }
     Ok(events)
 }
@@ -300,7 +300,7 @@ pub fn start_values(description: &ModelDescription, wiring: &Wiring) -> Result<V
             || WiringError::StartValue { variable: name.clone(), value: text.clone(), value_type: variable.value_type };
         let extents = description.extents(variable, &wiring.start).ok_or_else(refused)?;
         let count = extents.iter().product::<u64>() as u32;
-        let port = Port { count, ..Port::of(variable) };
+        let port = Port { count, ..Port::from_variable(variable) };
         let number = |text: &str| match text {
             "true" => Some(1.0),
             "false" => Some(0.0),

@@ -299,8 +299,8 @@ fn an_archive_that_leads_out_of_its_folder_is_not_unpacked() {
         let refused = archive.unpack(target.path()).expect_err("refused");
         assert!(matches!(refused, ArchiveError::Traversal { .. }), "{name}: {refused}");
         assert_eq!(std::fs::read_dir(target.path()).expect("a folder").count(), 0, "{name}: nothing was written");
-        let found = check(&mut archive).findings;
-        assert!(found.iter().any(|each| each.rule == Rule::Archive && each.severity == Severity::Error), "{name}");
+        let findings = check(&mut archive).findings;
+        assert!(findings.iter().any(|each| each.rule == Rule::Archive && each.severity == Severity::Error), "{name}");
     }
     let path = unit(&folder, TWO, &[("resources\\tools.csv", b"x")]);
     Archive::open(&path).expect("a zip file").unpack(target.path()).expect("inside");

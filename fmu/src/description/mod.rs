@@ -59,7 +59,7 @@ pub struct Description {
 
 impl Description {
     /// Describes the unit `U`.
-    pub fn of<U: Unit>() -> Self {
+    pub fn new<U: Unit>() -> Self {
         let variables = variables::<U>();
         Self {
             identifier: U::IDENTIFIER,
@@ -72,7 +72,7 @@ impl Description {
             experiment: U::EXPERIMENT,
             token: token_text(token::<U>()),
             generated: date::generated(),
-            dependencies: Dependencies::of::<U>(),
+            dependencies: Dependencies::new::<U>(),
             variables,
         }
     }

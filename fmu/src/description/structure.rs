@@ -31,7 +31,7 @@ impl Dependencies {
     }
 
     /// Tries the unit `U`.
-    pub fn of<U: Unit>() -> Self {
+    pub fn new<U: Unit>() -> Self {
         let mut found = Self::default();
         for unknown in unknowns::<U>() {
             found.0.insert(unknown.reference(), Vec::new());

@@ -1,7 +1,7 @@
 //! The face of an instance to the C interfaces.
 
 use super::Instance;
-use crate::component::{Component, Stepped, Update};
+use crate::component::{Component, StepResult, Update};
 use crate::fault::Outcome;
 use crate::log::{Log, Status};
 use crate::mode::Mode;
@@ -65,7 +65,7 @@ impl<U: Unit> Component for Instance<U> {
     fn indicators(&mut self, indicators: &mut [f64]) -> Outcome {
         self.read_indicators(indicators)
     }
-    fn do_step(&mut self, time: f64, step: f64) -> Outcome<Stepped> {
+    fn do_step(&mut self, time: f64, step: f64) -> Outcome<StepResult> {
         self.advance(time, step)
     }
     fn time(&self) -> f64 {

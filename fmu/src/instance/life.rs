@@ -61,13 +61,13 @@ impl<U: Unit> Instance<U> {
         Ok(Update { states_changed, next_event })
     }
 
-    pub(super) fn leave_event(&mut self, call: &'static str, to: Mode) -> Outcome {
-        let fits = (to == Mode::Continuous) == (self.interface == Interface::ModelExchange);
+    pub(super) fn leave_event(&mut self, call: &'static str, mode: Mode) -> Outcome {
+        let fits = (mode == Mode::Continuous) == (self.interface == Interface::ModelExchange);
         if !fits {
             return Err(Fault::Mode { call, mode: self.core.mode }.into());
         }
         self.expect(call, &[Mode::Event])?;
-        self.core.mode = to;
+        self.core.mode = mode;
         Ok(Status::Ok)
     }
 

@@ -1,7 +1,7 @@
 //! Co-simulation: a step, event by event.
 
 use super::Instance;
-use crate::component::{Interface, Stepped};
+use crate::component::{Interface, StepResult};
 use crate::fault::{Fault, Outcome};
 use crate::mode::Mode;
 use crate::unit::Unit;
@@ -26,7 +26,7 @@ impl<U: Unit> Instance<U> {
     ///
     /// An importer with Event Mode is handed each event as it happens, if it allows a step to end
     /// early; for every other the unit goes on by itself and tells of the event by its outputs.
-    pub(super) fn advance(&mut self, time: f64, step: f64) -> Outcome<Stepped> {
+    pub(super) fn advance(&mut self, time: f64, step: f64) -> Outcome<StepResult> {
         self.expect("DoStep", &[Mode::Step])?;
         if !(time.is_finite() && step > 0.0 && step.is_finite()) {
             return Err(Fault::Step { time, step }.into());
@@ -85,7 +85,7 @@ impl<U: Unit> Instance<U> {
         Ok((advance, advance.event.is_none()))
     }
 
-    fn follow(&mut self, time: f64, step: f64) -> Outcome<Stepped> {
+    fn follow(&mut self, time: f64, step: f64) -> Outcome<StepResult> {
         let end = time + step;
         let stops_early = matches!(self.interface, Interface::CoSimulation { event_mode: true, early_return: true });
         self.core.time = time;
@@ -118,7 +118,7 @@ impl<U: Unit> Instance<U> {
                     self.lose(happened);
                 }
                 if new && stops_early && left > 0.0 {
-                    return Ok(Stepped { time: self.core.time, event: true, early: true });
+                    return Ok(StepResult { time: self.core.time, event: true, early: true });
                 }
             }
             if worn_out {
@@ -131,7 +131,7 @@ impl<U: Unit> Instance<U> {
             }
         }
         self.core.time = end;
-        Ok(Stepped { time: end, event: event && self.uses_event_mode(), early: false })
+        Ok(StepResult { time: end, event: event && self.uses_event_mode(), early: false })
     }
 
     /// Edges of the renewal inputs, and the policy's command where it is due.

@@ -19,7 +19,7 @@ use tempfile::TempDir;
 use toolroom_fmu_import::simulate::{Done, SimulateError, checked, own_steps};
 use toolroom_fmu_import::wire::start_values;
 use toolroom_fmu_import::{
-    Action, Answer, ArchiveError, Driven, Instance, Isolation, LoadError, ModelDescription, Port, Retaking, Stepped,
+    Action, Answer, ArchiveError, Driven, Instance, Isolation, LoadError, ModelDescription, Port, Retaking, StepResult,
     Unit,
 };
 use toolroom_process::Wiring;
@@ -276,7 +276,7 @@ impl System {
             let instance = Instance::new(unit, &values, start)
                 .map_err(|source| self.failed(index, SimulateError::Call { time: start, source }))?;
             run.instances.push(instance);
-            run.retaking.push(Retaking::of(unit));
+            run.retaking.push(Retaking::from_unit(unit));
             let values = run.act(self, index, &[], start)?;
             run.values.push(values);
         }
@@ -358,12 +358,12 @@ impl Run {
             self.answer.stepped
         };
         match stepped {
-            Stepped::Whole => Ok((self.read(system, index, time)?, None)),
-            Stepped::Part(reached) => {
+            StepResult::Whole => Ok((self.read(system, index, time)?, None)),
+            StepResult::Part(reached) => {
                 let source = SimulateError::Discarded { time, step: goal - time, reached };
                 Err(system.failed(index, source))
             }
-            Stepped::Ended(end) => Ok((self.act(system, index, &[], end)?, Some(end))),
+            StepResult::Ended(end) => Ok((self.act(system, index, &[], end)?, Some(end))),
         }
     }
 }

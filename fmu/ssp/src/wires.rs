@@ -48,7 +48,7 @@ pub(crate) fn outputs(structure: &SystemStructure, index: usize, description: &M
         let unit = variable.unit.as_ref().filter(|unit| *unit != "1");
         let unit = unit.map_or(String::new(), |unit| format!(" [{unit}]"));
         let name = format!("{}.{}", component.name, variable.name);
-        Output { port: Port::of(variable), head: format!("{name}{unit}"), name: variable.name.clone() }
+        Output { port: Port::from_variable(variable), head: format!("{name}{unit}"), name: variable.name.clone() }
     };
     description.variables.iter().filter(named).filter(|variable| is_number(variable)).map(output).collect()
 }
@@ -107,7 +107,7 @@ pub(crate) fn wires(
             // The transformation comes after the units were converted.
             (factor, offset) = (factor * unit, factor * shift + offset);
         }
-        Ok(Wire { from: (from.component, place), to: to.component, port: Port::of(&target), factor, offset })
+        Ok(Wire { from: (from.component, place), to: to.component, port: Port::from_variable(&target), factor, offset })
     };
     structure.connections.iter().map(wire).collect()
 }

@@ -50,8 +50,8 @@ fn modes(draw: &mut Draw, count: usize, plane: bool) -> Vec<Mode> {
 }
 
 /// Whether a depth lies so near to an end that answers may differ.
-fn near(found: &StableIntervals, depth: f64) -> bool {
-    found.ends.iter().any(|end| (depth / end.limit.depth - 1.0).abs() < BAND)
+fn near(stable_intervals: &StableIntervals, depth: f64) -> bool {
+    stable_intervals.ends.iter().any(|end| (depth / end.limit.depth - 1.0).abs() < BAND)
 }
 
 fn turning(draw: &mut Draw, speeds: usize, depths: usize, counts: &mut Counts) -> Result<(), ChatterError> {

@@ -64,14 +64,14 @@ pub(crate) fn root(
 pub(crate) fn brackets(
     mut f: impl FnMut(f64) -> Result<f64, ChatterError>,
     (from, first): (f64, f64),
-    to: f64,
+    end: f64,
     steps: usize,
     stop_at_first: bool,
 ) -> Result<Vec<[(f64, f64); 2]>, ChatterError> {
     let mut found = Vec::new();
     let mut last = (from, first);
     for step in 1..=steps {
-        let x = from + (to - from) * step as f64 / steps as f64;
+        let x = from + (end - from) * step as f64 / steps as f64;
         let here = (x, f(x)?);
         if (here.1 > 0.0) != (last.1 > 0.0) {
             found.push([last, here]);

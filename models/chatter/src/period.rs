@@ -11,12 +11,12 @@ use std::sync::Arc;
 pub(crate) struct Term {
     /// Block (a, b) of channels at node j: `gain[(a · channels + b) · nodes + j]`.
     pub gain: Vec<f64>,
-    pub past: Past,
+    pub past: EarlierCut,
 }
 
 /// Where the displacement of the earlier cut is found.
 #[derive(Clone, Debug)]
-pub(crate) enum Past {
+pub(crate) enum EarlierCut {
     /// At the same nodes one period ago.
     OnePeriodAgo,
     /// At a time of its own for every node.
@@ -175,8 +175,8 @@ impl LinearMap for PeriodMap<'_> {
                 for b in 0..channels {
                     for j in 0..n {
                         let earlier = match &term.past {
-                            Past::OnePeriodAgo => same[b * n + j],
-                            Past::At(samples) => {
+                            EarlierCut::OnePeriodAgo => same[b * n + j],
+                            EarlierCut::At(samples) => {
                                 let sample = &samples[j];
                                 let nodes = sample.weights.len();
                                 let history: &[f64] = if sample.present { before } else { past };

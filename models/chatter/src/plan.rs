@@ -1,7 +1,7 @@
 //! From the geometry of a cut and the motion of the spindle to a [`Period`].
 
 use crate::gauss::Rule;
-use crate::period::{Element, Past, PastSample, Period, Stretch, Term};
+use crate::period::{EarlierCut, Element, PastSample, Period, Stretch, Term};
 use crate::response::{Modes, Response, nodes_for, parts_for};
 use crate::speed_variation::Started;
 use std::f64::consts::TAU;
@@ -180,10 +180,10 @@ pub(crate) fn assemble<C: Cut>(
         let terms = stretch.terms.iter().map(|term| {
             let steady = matches!(motion, Motion::Constant(_)) && (term.delay - turn).abs() < 1e-9 * turn;
             let past = if steady {
-                Past::OnePeriodAgo
+                EarlierCut::OnePeriodAgo
             } else {
                 let at = |angle: &f64| motion.time_at_wrapped(angle - origin - term.delay, turn, period);
-                Past::At(angles.iter().map(|angle| locate(&slots, index, at(angle), period)).collect())
+                EarlierCut::At(angles.iter().map(|angle| locate(&slots, index, at(angle), period)).collect())
             };
             let teeth = &term.teeth;
             Term { gain: sample(frame, n, |j| sum(teeth.iter().map(|tooth| cut.gain(tooth, angles[j])))), past }

@@ -161,12 +161,12 @@ mod tests {
 
     const CERTAIN: Scatter = Scatter { natural_frequency: 0.0, damping_ratio: 0.0, coefficients: 0.0 };
 
-    fn even(from: f64, to: f64, count: usize) -> Vec<f64> {
-        (0..count).map(|i| from + (to - from) * i as f64 / (count - 1) as f64).collect()
+    fn even(start: f64, end: f64, count: usize) -> Vec<f64> {
+        (0..count).map(|i| start + (end - start) * i as f64 / (count - 1) as f64).collect()
     }
 
-    fn rpm(from: f64, to: f64, count: usize) -> Vec<f64> {
-        even(from / 60.0 * TAU, to / 60.0 * TAU, count)
+    fn rpm(start: f64, end: f64, count: usize) -> Vec<f64> {
+        even(start / 60.0 * TAU, end / 60.0 * TAU, count)
     }
 
     #[test]

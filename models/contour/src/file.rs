@@ -8,7 +8,9 @@ use crate::{
 };
 use std::ops::Range;
 use std::sync::Arc;
-use toolroom_form::{ContentFault, Fault, FormFile, Got, ReadError, Section, Value, Walk, example, fill_record, parse};
+use toolroom_form::{
+    ContentFault, Fault, FormFile, ReadError, Section, SectionValue, Value, Walk, example, fill_record, parse,
+};
 use toolroom_process::parameters::places;
 use toolroom_program::Control;
 
@@ -217,7 +219,7 @@ fn refuse(walk: &mut Walk, span: Range<usize>, error: ContourError) {
 }
 
 /// The point that a list of two lengths is; `None` where a problem was noted.
-fn point_of(walk: &mut Walk, key: &str, got: &Got<'_>) -> Option<Point> {
+fn point_of(walk: &mut Walk, key: &str, got: &SectionValue<'_>) -> Option<Point> {
     let Value::List(list) = &got.value else { return None };
     match list.as_slice() {
         [x, y] => match (&x.value, &y.value) {

@@ -81,9 +81,9 @@ impl Profile {
 }
 
 impl Trace {
-    /// Greatest distance of a profile from the sections that were drawn for it from number `from` on, m.
-    pub(crate) fn residual(&self, profile: Profile, from: usize) -> f64 {
-        let drawn = self.drawn(from);
+    /// Greatest distance of a profile from the sections that were drawn for it from number `start` on, m.
+    pub(crate) fn residual(&self, profile: Profile, start: usize) -> f64 {
+        let drawn = self.drawn(start);
         let Some(first) = drawn.first() else { return 0.0 };
         // The profile begins at the normal angle 0, where it runs along +Y.
         let (turn, origin) = (first.heading - FRAC_PI_2, profile.at(0.0));

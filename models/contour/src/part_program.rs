@@ -227,10 +227,10 @@ impl Writer<'_> {
         }
     }
 
-    fn arc(&mut self, left: bool, from: Point, to: Point, center: Point, feed: &str) {
+    fn arc(&mut self, left: bool, start: Point, target: Point, center: Point, feed: &str) {
         let code = if left { "G3" } else { "G2" };
-        let (i, j) = (clean((center.x - from.x) * 1e3), clean((center.y - from.y) * 1e3));
-        self.line(&format!("{code} {} I{i:.4} J{j:.4} {feed}", xy(to)));
+        let (i, j) = (clean((center.x - start.x) * 1e3), clean((center.y - start.y) * 1e3));
+        self.line(&format!("{code} {} I{i:.4} J{j:.4} {feed}", xy(target)));
     }
 
     fn corner(&mut self, before: &Section, after: &Section, corner: &CornerMove) {

@@ -77,18 +77,18 @@ impl Rim {
         }
     }
 
-    /// Intervals of the angles from `from` over `span`, rad, in which `inside` holds, each as its start and end; it changes
+    /// Intervals of the angles from `start` over `span`, rad, in which `inside` holds, each as its start and end; it changes
     /// only at `angles`, which are used up.
     pub fn intervals(
         &self,
-        from: f64,
+        start: f64,
         span: f64,
         angles: &mut Vec<f64>,
         inside: impl Fn(f64) -> bool,
     ) -> Vec<(f64, f64)> {
         let mut list: Vec<(f64, f64)> = Vec::new();
-        self.parts(from, span, angles, |low, high| {
-            let (low, high) = (from + low, from + high);
+        self.parts(start, span, angles, |low, high| {
+            let (low, high) = (start + low, start + high);
             if inside(0.5 * (low + high)) {
                 match list.last_mut() {
                     Some(last) if low - last.1 < 1e-12 => last.1 = high,
@@ -99,10 +99,10 @@ impl Rim {
         list
     }
 
-    /// Hands on the parts between neighbouring `angles`, from `from` over `span`, each by its start and end after `from`.
-    pub(crate) fn parts(&self, from: f64, span: f64, angles: &mut Vec<f64>, mut part: impl FnMut(f64, f64)) {
+    /// Hands on the parts between neighbouring `angles`, from `start` over `span`, each by its start and end after `start`.
+    pub(crate) fn parts(&self, start: f64, span: f64, angles: &mut Vec<f64>, mut part: impl FnMut(f64, f64)) {
         for angle in angles.iter_mut() {
-            *angle = (*angle - from).rem_euclid(TAU);
+            *angle = (*angle - start).rem_euclid(TAU);
         }
         angles.retain(|angle| *angle < span);
         angles.extend([0.0, span]);

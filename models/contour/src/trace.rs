@@ -188,9 +188,9 @@ impl Trace {
         Ok(())
     }
 
-    /// Sections from number `from` on.
-    pub(crate) fn drawn(&self, from: usize) -> &[Section] {
-        &self.sections[from..]
+    /// Sections from number `start` on.
+    pub(crate) fn drawn(&self, start: usize) -> &[Section] {
+        &self.sections[start..]
     }
 
     /// Says of which arc the last section is a part, rad.
@@ -257,8 +257,8 @@ impl Trace {
     }
 
     /// Refuses what does not come back to its first section.
-    fn closes(&self, first: &Section) -> Result<(), ContourError> {
-        let gap = self.pen.distance(first.start);
+    fn closes(&self, section: &Section) -> Result<(), ContourError> {
+        let gap = self.pen.distance(section.start);
         if misses(gap) { Err(ContourError::Open { gap }) } else { Ok(()) }
     }
 }

@@ -115,10 +115,10 @@ mod tests {
             let sampled = (0..=2000)
                 .map(|i| section.at(length * f64::from(i) / 2000.0).distance(point))
                 .fold(f64::INFINITY, f64::min);
-            let found = track.distance(point);
-            prop_assert!(found <= sampled + 1e-12 && sampled < found + length / 2000.0, "{found} {sampled}");
-            for reach in [0.5 * found, 0.999 * found, 1.001 * found, 2.0 * found] {
-                prop_assert_eq!(track.reaches(point, reach), found < reach);
+            let distance = track.distance(point);
+            prop_assert!(distance <= sampled + 1e-12 && sampled < distance + length / 2000.0, "{distance} {sampled}");
+            for reach in [0.5 * distance, 0.999 * distance, 1.001 * distance, 2.0 * distance] {
+                prop_assert_eq!(track.reaches(point, reach), distance < reach);
             }
         }
     }

@@ -86,12 +86,12 @@ impl Planner<'_> {
         for (i, (section, feed)) in path.iter().enumerate() {
             let steps = (section.length / (feed * step)).ceil().max(1.0);
             let dt = section.length / feed / steps;
-            let mut from = section.start;
+            let mut start = section.start;
             for n in 1..=steps as u64 {
                 let to = section.at(section.length * n as f64 / steps);
-                x.step(from.x, to.x, dt, gain, velocity_loop);
-                y.step(from.y, to.y, dt, gain, velocity_loop);
-                from = to;
+                x.step(start.x, to.x, dt, gain, velocity_loop);
+                y.step(start.y, to.y, dt, gain, velocity_loop);
+                start = to;
                 let point = Point { x: x.position, y: y.position };
                 while beside < i && position(&path[beside].0, point).0 >= path[beside].0.length {
                     beside += 1;

@@ -12,7 +12,7 @@ mod turning;
 pub use milling::MillingStructure;
 pub(crate) use milling::{Tooth, ToothCell};
 use switch::{Cell, one_step};
-pub(crate) use switch::{Judged, first_switch};
+pub(crate) use switch::{RoundedVerdict, first_switch};
 pub use turning::TurningStructure;
 pub(crate) use turning::{Edge, EdgeCell};
 

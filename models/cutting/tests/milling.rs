@@ -278,15 +278,15 @@ fn an_effect_moves_the_channels_that_its_catalogue_row_names() {
         }
         let (with_wear, output) = run(&with(entry.id, entry.size.max * 1e-2));
         let mut seen = 0;
-        for touched in entry.channels {
-            let difference = match (touched.channel, MillingOutput::<f64>::index_of(touched.channel)) {
+        for channel in entry.channels {
+            let difference = match (channel.channel, MillingOutput::<f64>::index_of(channel.channel)) {
                 ("flank_wear", _) => with_wear - wear,
                 (_, Some(i)) => output.get(i).unwrap_or(f64::NAN) - bare.get(i).unwrap_or(f64::NAN),
                 _ => continue,
             };
             seen += 1;
-            let expected = if touched.sign == Sign::Rises { 1.0 } else { -1.0 };
-            assert!(difference * expected > 0.0, "{}: {} moves by {difference}", entry.id, touched.channel);
+            let expected = if channel.sign == Sign::Rises { 1.0 } else { -1.0 };
+            assert!(difference * expected > 0.0, "{}: {} moves by {difference}", entry.id, channel.channel);
         }
         // Chips end a life; they move no output of a cutter that still cuts.
         assert!(seen > 0 || entry.id == "chipping", "{} shows in no output", entry.id);

@@ -212,9 +212,9 @@ fn a_known_effect_changes_what_it_should() {
         effects: Effects::new(vec![Effect::named(id).expect("a known effect").with_size(size)]).expect("one effect"),
         ..process()
     };
-    let worn = TurningState { flank_wear: 0.3e-3, ..TurningState::default() };
+    let turning_state = TurningState { flank_wear: 0.3e-3, ..TurningState::default() };
     let u = TurningInput::default();
-    let (bare, more) = (process().output(&worn, &u), effect("wear_force", 0.2).output(&worn, &u));
+    let (bare, more) = (process().output(&turning_state, &u), effect("wear_force", 0.2).output(&turning_state, &u));
     assert!((more.cutting_force / bare.cutting_force - 1.2).abs() < 1e-12);
     let life = |turning: &Turning| turning.life(&u, LifeModel::Ode).expect("a life").0.cutting_time;
     for id in ["wear_acceleration", "run_in", "wear_temperature", "thermal_heredity"] {
@@ -266,13 +266,13 @@ fn an_effect_of_a_user_without_a_value_ends_a_step_and_leaves_the_state() {
     let turning = Turning { effects: Effects::new(vec![effect]).expect("one effect"), ..Turning::default() };
     let u = TurningInput::default();
     // Inside the window from the first instant on: the energy has no slope.
-    let worn = TurningState { flank_wear: 0.15e-3, ..TurningState::default() };
-    let mut x = worn;
+    let turning_state = TurningState { flank_wear: 0.15e-3, ..TurningState::default() };
+    let mut x = turning_state;
     let refused = turning.advance(&mut x, &u, 30.0).expect_err("no force, no energy");
-    assert_eq!((refused.code(), x), (Some("effect-value"), worn));
+    assert_eq!((refused.code(), x), (Some("effect-value"), turning_state));
     assert!(refused.to_string().contains("flank_wear 1.5000e-1 mm"), "{refused}");
     let looked = turning.advance_watched(&mut x, &u, 30.0, &[10.0], &mut |_, _, _| ());
-    assert_eq!((looked.map_err(|error| error.code()), x), (Err(Some("effect-value")), worn));
+    assert_eq!((looked.map_err(|error| error.code()), x), (Err(Some("effect-value")), turning_state));
     // Before it the step is taken.
     let mut x = TurningState { flank_wear: 0.05e-3, ..TurningState::default() };
     assert_eq!(turning.advance(&mut x, &u, 1.0).map(|step| step.elapsed), Ok(1.0));

@@ -343,8 +343,8 @@ fn modes_by_speed_count_at_their_speed() {
         assert_eq!(margin(&plain, speed), margin(&same, speed));
         assert!((margin(&drifting, speed) - margin(&plain, speed)).abs() > 0.005, "{speed}");
     }
-    let outside = TurningInput { cutting_speed: 4.5, ..turned(0.2e-3) };
-    assert_eq!(same.output(&same.initial(), &outside).stable, 0.0);
+    let turning_input = TurningInput { cutting_speed: 4.5, ..turned(0.2e-3) };
+    assert_eq!(same.output(&same.initial(), &turning_input).stable, 0.0);
     // A shop that scatters draws one machine for all speeds.
     let factor = |turning: &Turning, natural_frequency_factor: f64| {
         let u = TurningInput { cutting_speed: 2.9, natural_frequency_factor, ..turned(0.2e-3) };

@@ -113,15 +113,15 @@ impl Drives {
     /// assert!((time(0.0, 12_000.0) - 7.07).abs() < 0.01);
     /// assert!(time(3000.0, -3000.0) > time(0.0, 3000.0) + 0.9);
     /// ```
-    pub fn spindle_ramp(&self, from: f64, to: f64) -> f64 {
-        if from * to < 0.0 {
-            return self.time_from_rest(from.abs(), true) + self.time_from_rest(to.abs(), false);
+    pub fn spindle_ramp(&self, start: f64, end: f64) -> f64 {
+        if start * end < 0.0 {
+            return self.time_from_rest(start.abs(), true) + self.time_from_rest(end.abs(), false);
         }
-        let (from, to) = (from.abs(), to.abs());
-        if to >= from {
-            self.time_from_rest(to, false) - self.time_from_rest(from, false)
+        let (start, end) = (start.abs(), end.abs());
+        if end >= start {
+            self.time_from_rest(end, false) - self.time_from_rest(start, false)
         } else {
-            self.time_from_rest(from, true) - self.time_from_rest(to, true)
+            self.time_from_rest(start, true) - self.time_from_rest(end, true)
         }
     }
 

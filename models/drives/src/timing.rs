@@ -378,13 +378,13 @@ impl Timer {
 }
 
 /// Speed at the corner between two motions, m/s.
-fn corner(before: &Step, after: &Step, drives: &Drives) -> f64 {
-    let top = before.top.min(after.top);
+fn corner(previous: &Step, following: &Step, drives: &Drives) -> f64 {
+    let top = previous.top.min(following.top);
     if drives.corner_step > 0.0 {
-        let change = before.end.iter().zip(after.start).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let change = previous.end.iter().zip(following.start).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         return top.min(drives.corner_step / change.max(1e-12));
     }
-    let dot: f64 = before.end.iter().zip(after.start).map(|(a, b)| a * b).sum();
+    let dot: f64 = previous.end.iter().zip(following.start).map(|(a, b)| a * b).sum();
     let half = (0.5 * (1.0 + dot.clamp(-1.0, 1.0))).sqrt();
     // Without a turn the speed is that of the motions, whatever the rounding of `half`.
     let acceleration = 1.0 / drives.inverse_acceleration;
@@ -392,8 +392,9 @@ fn corner(before: &Step, after: &Step, drives: &Drives) -> f64 {
 }
 
 /// Whether a motion goes on at the speed of the one before it without slowing down between them.
-fn smooth(before: &Step, after: &Step, drives: &Drives) -> bool {
-    (before.top - after.top).abs() <= 1e-9 * before.top && corner(before, after, drives) >= before.top * (1.0 - 1e-9)
+fn smooth(previous: &Step, following: &Step, drives: &Drives) -> bool {
+    (previous.top - following.top).abs() <= 1e-9 * previous.top
+        && corner(previous, following, drives) >= previous.top * (1.0 - 1e-9)
 }
 
 /// Speeds before each step and behind the last, m/s.

@@ -29,10 +29,10 @@ fn hurco() -> Drives {
 }
 
 /// Two tools, as the post processor of the box writes them.
-fn change(from: u32, to: u32) -> String {
+fn change(start: u32, end: u32) -> String {
     format!(
-        "G0 G17 G40 G80 G90\nT1 M6\nG0 G90 G54 X10. Y0. S{from} M3\nZ1. M8\nG1 Z-1. F100.\nX100.\nG0 Z1.\nM5\nG91 G28 Z0. M9\n\
-         M01\nT2 M6\nG0 G90 G54 X50. Y20. S{to} M3\nZ1. M8\nG1 Z-1. F100.\nG0 Z1.\nM5\nG91 G28 Z0. M9\nG90 G58 X12. Y20.\nM30\n"
+        "G0 G17 G40 G80 G90\nT1 M6\nG0 G90 G54 X10. Y0. S{start} M3\nZ1. M8\nG1 Z-1. F100.\nX100.\nG0 Z1.\nM5\nG91 G28 Z0. M9\n\
+         M01\nT2 M6\nG0 G90 G54 X50. Y20. S{end} M3\nZ1. M8\nG1 Z-1. F100.\nG0 Z1.\nM5\nG91 G28 Z0. M9\nG90 G58 X12. Y20.\nM30\n"
     )
 }
 

@@ -136,10 +136,10 @@ fn as_told(measured: &Measurement, options: &FitOptions) -> Result<Fit, Dynamics
     let poles = stabilisation(&turned);
     let mut search =
         Search { likelihood, known_scale, range: [measured.frequencies[0], measured.frequencies[lines - 1]] };
-    let most = options.modes.unwrap_or(if options.picks.is_empty() { MOST_MODES } else { options.picks.len() });
+    let modes = options.modes.unwrap_or(if options.picks.is_empty() { MOST_MODES } else { options.picks.len() });
     let columns = Search::columns(&poles, &options.picks);
     let forced = options.modes.is_some() || !options.picks.is_empty();
-    let mut found = search.modes(&columns, &poles, most, forced);
+    let mut found = search.modes(&columns, &poles, modes, forced);
     if found.is_none() {
         // Where nothing stands out of the noise, the best that there is tells why it must not be used.
         search.likelihood = Likelihood::new(&turned, f64::from(averages.unwrap_or(1)));
@@ -279,11 +279,11 @@ impl Search {
     /// The modes where what is left is more than noise and one of them stands for two: close modes of which noise has hidden one
     /// column are a broad one, whose band bars further candidates. Both halves have to stand out of the noise. Where the noise is
     /// not known (responses without coherence, computed ones), nothing says that more than noise is left.
-    fn divided(&mut self, mut found: Maximum, most: usize) -> Maximum {
-        while self.known_scale && found.model.modes.len() < most && found.chi2 >= MISFIT * found.freedom as f64 {
-            let count = found.model.modes.len();
+    fn divided(&mut self, mut maximum: Maximum, most: usize) -> Maximum {
+        while self.known_scale && maximum.model.modes.len() < most && maximum.chi2 >= MISFIT * maximum.freedom as f64 {
+            let count = maximum.model.modes.len();
             let halves = |r: usize| {
-                let mut trial = found.model.clone();
+                let mut trial = maximum.model.clone();
                 let mode = trial.modes.remove(r);
                 for side in [-0.5, 0.5] {
                     trial.modes.push(RealMode {
@@ -294,14 +294,14 @@ impl Search {
                 }
                 trial
             };
-            let both = (0..count).filter_map(|r| self.doubled(&found.model, r)).collect::<Vec<_>>();
+            let both = (0..count).filter_map(|r| self.doubled(&maximum.model, r)).collect::<Vec<_>>();
             let trials: Vec<Model> = both.into_iter().chain((0..count).map(halves)).collect();
             let apart = |trial| self.pruned(trial, most, false).filter(|divided| divided.model.modes.len() > count);
             let Some(divided) = trials.into_iter().find_map(apart) else { break };
-            found = divided;
+            maximum = divided;
         }
-        self.likelihood.reweigh(&found.model);
-        found
+        self.likelihood.reweigh(&maximum.model);
+        maximum
     }
 
     /// The model with mode `r` as two at the same pole, where responses across are measured and the residues there are those of
@@ -334,12 +334,12 @@ impl Search {
 
     /// The model with each mode that moves in both directions as one along x and one along y, where no response across is
     /// measured: nobody knows the sign between them, and a symmetric spindle has two equal modes.
-    fn parted(&mut self, found: Maximum) -> Option<Maximum> {
+    fn parted(&mut self, maximum: Maximum) -> Option<Maximum> {
         let moves = |mode: &RealMode| mode.shape.iter().all(|part| *part != 0.0);
-        if self.crossed() || self.likelihood.directions.len() < 2 || !found.model.modes.iter().any(moves) {
-            return Some(found);
+        if self.crossed() || self.likelihood.directions.len() < 2 || !maximum.model.modes.iter().any(moves) {
+            return Some(maximum);
         }
-        let mut model = found.model;
+        let mut model = maximum.model;
         let modes = std::mem::take(&mut model.modes);
         for mode in modes {
             if !moves(&mode) {
@@ -364,14 +364,14 @@ impl Search {
 
     /// The model without parts of shapes that do not differ from zero, where no response across is measured: each would have a
     /// direction of a few degrees by noise alone.
-    fn aligned(&mut self, found: Maximum) -> Option<Maximum> {
+    fn aligned(&mut self, maximum: Maximum) -> Option<Maximum> {
         if self.crossed() || self.likelihood.directions.len() < 2 {
-            return Some(found);
+            return Some(maximum);
         }
-        let (mut model, mut changed) = (found.model.clone(), false);
+        let (mut model, mut changed) = (maximum.model.clone(), false);
         for (r, mode) in model.modes.iter_mut().enumerate() {
             let weak = |d: usize| {
-                let sd = (self.scale(&found) * found.covariance[(4 * r + 2 + d, 4 * r + 2 + d)]).sqrt();
+                let sd = (self.scale(&maximum) * maximum.covariance[(4 * r + 2 + d, 4 * r + 2 + d)]).sqrt();
                 // Of the residue, whose standard deviation is 2 |part| sd.
                 mode.shape[d].abs() < 2.0 * SIGNIFICANT_PART * sd
             };
@@ -382,7 +382,7 @@ impl Search {
                 }
             }
         }
-        if changed { self.refined(&model) } else { Some(found) }
+        if changed { self.refined(&model) } else { Some(maximum) }
     }
 
     /// How much of the misfit that is left a further mode explains, and its residues xx, xy, yy.
@@ -423,8 +423,8 @@ impl Search {
     }
 
     /// Residue of mode `r` over its standard deviation; zero where it is no mode: overdamped, or far beyond the range.
-    fn strength(&self, found: &Maximum, r: usize) -> f64 {
-        let mode = &found.model.modes[r];
+    fn strength(&self, maximum: &Maximum, r: usize) -> f64 {
+        let mode = &maximum.model.modes[r];
         let frequency = mode.frequency / TAU;
         if mode.damping_ratio > GREATEST_DAMPING
             || frequency < REACH[0] * self.range[0]
@@ -438,11 +438,11 @@ impl Search {
         let mut variance = 0.0;
         for (i, a) in &gradient {
             for (j, b) in &gradient {
-                variance += a * b * found.covariance[(*i, *j)];
+                variance += a * b * maximum.covariance[(*i, *j)];
             }
         }
         let residue: f64 = mode.shape.iter().map(|part| part * part).sum();
-        if residue > 0.0 { residue / (self.scale(found) * variance).sqrt() } else { 0.0 }
+        if residue > 0.0 { residue / (self.scale(maximum) * variance).sqrt() } else { 0.0 }
     }
 
     /// The last refinement, with lower residuals where they differ from zero.

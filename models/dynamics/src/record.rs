@@ -58,7 +58,7 @@ pub struct FullScale {
 impl FullScale {
     /// From a name and a quantity such as `x.acceleration` and `50 g`; `None` for another name or unit, and for a value that
     /// is not positive.
-    pub fn of(name: &str, quantity: &str) -> Option<Self> {
+    pub fn from_name(name: &str, quantity: &str) -> Option<Self> {
         let quantity = quantity.trim();
         let end = quantity.find(|letter: char| letter.is_ascii_whitespace())?;
         let value: f64 = quantity[..end].parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0)?;
@@ -264,12 +264,12 @@ mod tests {
 
     #[test]
     fn full_scale_has_name_and_unit() {
-        let scale = FullScale::of("y.acceleration", "50 g").unwrap();
+        let scale = FullScale::from_name("y.acceleration", "50 g").unwrap();
         assert_eq!((scale.signal, scale.direction), (Signal::Response(Motion::Acceleration), Direction::Y));
         assert!((scale.value - 490.3325).abs() < 1e-9);
-        assert_eq!(FullScale::of("force", "500 N").unwrap().value, 500.0);
+        assert_eq!(FullScale::from_name("force", "500 N").unwrap().value, 500.0);
         for (name, quantity) in [("force", "500"), ("force", "500 g"), ("force", "-1 N"), ("z.force", "1 N")] {
-            assert_eq!(FullScale::of(name, quantity), None, "{name} {quantity}");
+            assert_eq!(FullScale::from_name(name, quantity), None, "{name} {quantity}");
         }
     }
 

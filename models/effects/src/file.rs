@@ -56,7 +56,7 @@ pub struct EffectList<'a> {
 
 impl<'a> EffectList<'a> {
     /// The list under `effects` of a section; `None` without the key, and where a value of another type was refused.
-    pub fn of(walk: &mut Walk, section: &Section<'a>) -> Option<Self> {
+    pub fn from_walk(walk: &mut Walk, section: &Section<'a>) -> Option<Self> {
         let got = section.got("effects")?;
         let subject = if section.path.is_empty() { String::new() } else { format!("{}: ", section.path) };
         match &got.value {
@@ -99,7 +99,7 @@ impl<'a> EffectList<'a> {
 /// The effects that a section lists under `effects`; every one has to act on `process`, where it is known.
 /// Without the key, and where a problem was noted, there are none.
 pub fn read_effects(walk: &mut Walk, section: &Section<'_>, process: Option<&'static str>) -> Effects {
-    let Some(list) = EffectList::of(walk, section) else { return Effects::default() };
+    let Some(list) = EffectList::from_walk(walk, section) else { return Effects::default() };
     let effects = list.entries.iter().filter_map(|entry| list.read(walk, entry.clone(), &[])).collect();
     let checked = Effects::new(effects).and_then(|effects| {
         process.map_or(Ok(()), |process| effects.check(process))?;

@@ -24,14 +24,14 @@ pub struct Key {
     /// Whether it has to be there.
     pub need: Need,
     /// The choice of another key of the section under which it applies; always, if `None`.
-    pub when: Option<When>,
+    pub when: Option<KeyCondition>,
     /// One line for people.
     pub doc: &'static str,
 }
 
 /// The condition under which a key applies: `key` has one of `values`.
 #[derive(Clone, Copy, Debug)]
-pub struct When {
+pub struct KeyCondition {
     /// The deciding key.
     pub key: &'static str,
     /// Its values under which this one applies.
@@ -271,7 +271,7 @@ impl Key {
 
     /// The same key, applying only where `key` has one of `values`.
     pub const fn when(mut self, key: &'static str, values: &'static [&'static str]) -> Self {
-        self.when = Some(When { key, values });
+        self.when = Some(KeyCondition { key, values });
         self
     }
 }

@@ -10,7 +10,7 @@ pub type Span = Range<usize>;
 
 /// A value of a section.
 #[derive(Clone, Debug)]
-pub struct Got<'d> {
+pub struct SectionValue<'d> {
     /// Where it stands.
     pub span: Span,
     /// Whether the file gives it; else it is the default.
@@ -31,7 +31,7 @@ pub enum Value<'d> {
     /// `true` or `false`.
     Flag(bool),
     /// Several values.
-    List(Vec<Got<'d>>),
+    List(Vec<SectionValue<'d>>),
     /// Not looked into yet.
     Raw(DeValue<'d>),
     /// Refused; the problem is noted.
@@ -49,12 +49,12 @@ pub struct Section<'d> {
     pub span: Span,
     /// As people are told it, `machine L1`.
     pub path: String,
-    pub(crate) values: BTreeMap<&'static str, Got<'d>>,
+    pub(crate) values: BTreeMap<&'static str, SectionValue<'d>>,
 }
 
 impl<'d> Section<'d> {
     /// The value of a key with its place.
-    pub fn got(&self, key: &str) -> Option<&Got<'d>> {
+    pub fn got(&self, key: &str) -> Option<&SectionValue<'d>> {
         self.values.get(key)
     }
 
@@ -113,18 +113,18 @@ impl<'d> Section<'d> {
     /// The quantities of a list in SI units; `None` where one of them has a problem.
     pub fn numbers(&self, key: &str) -> Option<Vec<f64>> {
         let Value::List(list) = &self.got(key)?.value else { return None };
-        let number = |got: &Got<'_>| if let Value::Si(value) = got.value { Some(value) } else { None };
+        let number = |got: &SectionValue<'_>| if let Value::Si(value) = got.value { Some(value) } else { None };
         list.iter().map(number).collect()
     }
 
     /// The texts of a list.
     pub fn texts(&self, key: &str) -> Vec<String> {
-        let text = |got: &Got<'_>| if let Value::Text(text) = &got.value { Some(text.clone()) } else { None };
+        let text = |got: &SectionValue<'_>| if let Value::Text(text) = &got.value { Some(text.clone()) } else { None };
         self.list(key).iter().filter_map(text).collect()
     }
 
     /// The values of a list with their places; none where it is left out.
-    pub fn list(&self, key: &str) -> &[Got<'d>] {
+    pub fn list(&self, key: &str) -> &[SectionValue<'d>] {
         match self.got(key).map(|got| &got.value) {
             Some(Value::List(list)) => list,
             _ => &[],

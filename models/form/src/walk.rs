@@ -2,7 +2,7 @@
 
 use crate::fault::{Fault, nearest};
 use crate::form::{CURRENCIES, Form, Key, Kind, Need, Quantity};
-use crate::section::{Got, RuleTable, Section, Span, Value};
+use crate::section::{RuleTable, Section, SectionValue, Span, Value};
 use crate::words::{described, example, expected, fix, meant, quoted, range, understood};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -127,7 +127,8 @@ impl Walk {
             match (raw, key.need) {
                 (Some(raw), _) if applies == Some(false) => self.not_applicable(&section, key, raw.span(), case),
                 (Some(raw), _) => {
-                    let got = Got { span: raw.span(), given: true, value: self.value(key.name, &key.kind, raw) };
+                    let got =
+                        SectionValue { span: raw.span(), given: true, value: self.value(key.name, &key.kind, raw) };
                     self.note(&section.path, key, &got);
                     section.values.insert(key.name, got);
                 }
@@ -148,7 +149,7 @@ impl Walk {
                     let value = self.value(key.name, &key.kind, &raw);
                     // A default amount is zero, whatever its currency.
                     self.currencies.truncate(amounts);
-                    let got = Got { span: span.clone(), given: false, value };
+                    let got = SectionValue { span: span.clone(), given: false, value };
                     self.note(&section.path, key, &got);
                     section.values.insert(key.name, got);
                 }
@@ -328,7 +329,7 @@ impl Walk {
             }
             (Kind::Flag, DeValue::Boolean(flag)) => Value::Flag(*flag),
             (Kind::List(item), DeValue::Array(items)) => {
-                let read = |raw: &Spanned<DeValue<'d>>| Got {
+                let read = |raw: &Spanned<DeValue<'d>>| SectionValue {
                     span: raw.span(),
                     given: true,
                     value: self.value(key, item, raw),
@@ -337,7 +338,7 @@ impl Walk {
             }
             (Kind::List(item), DeValue::String(_)) => {
                 let value = self.value(key, item, raw);
-                Value::List(vec![Got { span, given: true, value }])
+                Value::List(vec![SectionValue { span, given: true, value }])
             }
             (Kind::Shorthand { word, .. } | Kind::Fields { word, .. }, other) if !other.is_table() => {
                 self.value(key, word, raw)
@@ -416,7 +417,7 @@ impl Walk {
         self.fault(span, fault);
     }
 
-    fn note(&mut self, path: &str, key: &Key, got: &Got<'_>) {
+    fn note(&mut self, path: &str, key: &Key, got: &SectionValue<'_>) {
         let Some(mut value) = understood(&key.kind, &got.value) else { return };
         if matches!(key.kind, Kind::Quantity(quantity) if quantity.display.starts_with("EUR"))
             && !self.currency.is_empty()

@@ -10,7 +10,7 @@ use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessE
 const WHOLE: f64 = 1e-9;
 
 /// How wheel and part press on each other.
-struct Pressed<N> {
+struct ContactForces<N> {
     terms: Terms<N>,
     process_stiffness: N,
     system_stiffness: N,
@@ -187,7 +187,7 @@ impl<N: Number> Infeed<N> {
         }
     }
 
-    fn pressed(&self, x: &State<N>, u: &Input<N>) -> Pressed<N> {
+    fn pressed(&self, x: &State<N>, u: &Input<N>) -> ContactForces<N> {
         let p = &self.parameters;
         let terms = self.terms(x, u);
         let process_stiffness = self.process_stiffness(x, u, &terms);
@@ -199,7 +199,7 @@ impl<N: Number> Infeed<N> {
         let rubbing = if pressed.re() < threshold.re() { pressed } else { threshold };
         let uncut = if x.depth_of_cut.re() > 0.0 { threshold } else { rubbing };
         let normal_force = uncut + process_stiffness * chip(x.depth_of_cut, p.force_exponent, REFERENCE_DEPTH);
-        Pressed { terms, process_stiffness, system_stiffness, uncut, normal_force }
+        ContactForces { terms, process_stiffness, system_stiffness, uncut, normal_force }
     }
 
     /// [`Output::normal_force`] (N) of a wheel in contact, by itself.
@@ -219,7 +219,7 @@ impl<N: Number> Infeed<N> {
     /// length under a threshold force: assumption.
     pub(crate) fn output_in_cut(&self, x: &State<N>, u: &Input<N>) -> Output<N> {
         let p = &self.parameters;
-        let Pressed { terms, process_stiffness, system_stiffness, uncut, normal_force } = self.pressed(x, u);
+        let ContactForces { terms, process_stiffness, system_stiffness, uncut, normal_force } = self.pressed(x, u);
         let zero = N::from(0.0);
         let depth = x.depth_of_cut;
         let size_error = x.commanded_infeed - x.stock_removed;

@@ -119,7 +119,7 @@ impl PlungeShape {
     /// | a floor after spark-out | threshold force |
     /// | a trend of the residual | wheel wear or infeed scale, which cannot be told apart |
     /// | a late rise | dulling |
-    pub fn of(stock: &[(f64, f64)], infeed_per_rev: f64, force: &[f64], rise: usize) -> Option<Self> {
+    pub fn from_stock(stock: &[(f64, f64)], infeed_per_rev: f64, force: &[f64], rise: usize) -> Option<Self> {
         let rising = force.get(..rise).filter(|rising| rising.len() > 2)?;
         if stock.len() < 2 {
             return None;

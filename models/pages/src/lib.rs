@@ -7,11 +7,11 @@
 //! |---|---|
 //! | [`Source`], [`Lines`], [`Mark`] | a text in memory or in a file, its lines, and a place to go on from |
 //! | [`Reader`] | what makes items of lines |
-//! | [`Pages`], [`At`], [`Kept`] | the items of several texts by their index, and while they are read |
+//! | [`Pages`], [`At`], [`PageWindow`] | the items of several texts by their index, and while they are read |
 //! | [`ReadError`] | the text could not be read, or is another one than before |
 
 mod pages;
 mod source;
 
-pub use pages::{At, Kept, Pages, Reader};
+pub use pages::{At, PageWindow, Pages, Reader};
 pub use source::{Lines, Mark, ReadError, Source};

@@ -143,7 +143,7 @@ impl<R: Reader> Pages<R> {
         &mut self,
         source: &Source,
         reader: R,
-        mut each: impl FnMut(usize, &mut Kept<'_, R::Item>),
+        mut each: impl FnMut(usize, &mut PageWindow<'_, R::Item>),
     ) -> Result<Range<usize>, ReadError> {
         let (first, text) = (self.len, self.texts.len());
         let mut lines = source.lines();
@@ -155,7 +155,7 @@ impl<R: Reader> Pages<R> {
         let mut end = lines.mark();
         loop {
             if items.len() >= PAGE && !reading.goes_on() {
-                let mut kept = Kept { pages: &mut self.pages, items: &mut items, first: self.len };
+                let mut kept = PageWindow { pages: &mut self.pages, items: &mut items, first: self.len };
                 while given < kept.items.len() {
                     each(self.len + given, &mut kept);
                     given += 1;
@@ -171,13 +171,13 @@ impl<R: Reader> Pages<R> {
             }
             end = lines.mark();
             let whole = if reading.goes_on() { items.len().saturating_sub(1) } else { items.len() };
-            let mut kept = Kept { pages: &mut self.pages, items: &mut items, first: self.len };
+            let mut kept = PageWindow { pages: &mut self.pages, items: &mut items, first: self.len };
             while given < whole {
                 each(self.len + given, &mut kept);
                 given += 1;
             }
         }
-        let mut kept = Kept { pages: &mut self.pages, items: &mut items, first: self.len };
+        let mut kept = PageWindow { pages: &mut self.pages, items: &mut items, first: self.len };
         while given < kept.items.len() {
             each(self.len + given, &mut kept);
             given += 1;
@@ -296,13 +296,13 @@ impl<R: Reader> Pages<R> {
 }
 
 /// Items while a text is read: the one that was read last, and those before it that stay.
-pub struct Kept<'a, I> {
+pub struct PageWindow<'a, I> {
     pages: &'a mut [Page<I>],
     items: &'a mut Vec<I>,
     first: usize,
 }
 
-impl<I> Kept<'_, I> {
+impl<I> PageWindow<'_, I> {
     /// An item that stays, or one of the page that is read; `None` where it is gone.
     pub fn item(&mut self, index: usize) -> Option<&mut I> {
         if index >= self.first {

@@ -55,8 +55,8 @@ impl Drawing {
     }
 
     /// A straight line.
-    pub fn line(&mut self, layer: &str, from: [f64; 3], to: [f64; 3]) {
-        let [a, b] = [from, to];
+    pub fn line(&mut self, layer: &str, start: [f64; 3], end: [f64; 3]) {
+        let [a, b] = [start, end];
         self.entity("LINE", layer, &[(10, a[0]), (20, a[1]), (30, a[2]), (11, b[0]), (21, b[1]), (31, b[2])]);
     }
 

@@ -135,7 +135,7 @@ struct Writer {
     dialect: Dialect,
     text: String,
     /// Position as written, `None` before the first motion of an axis.
-    at: [Option<f64>; 9],
+    position: [Option<f64>; 9],
     feed: String,
     plane: [usize; 3],
     speed: f64,
@@ -178,7 +178,7 @@ impl Writer {
         Self {
             dialect,
             text: text.to_owned(),
-            at: [None; 9],
+            position: [None; 9],
             feed: String::new(),
             plane: PLANES[0],
             speed: 0.0,
@@ -279,7 +279,7 @@ impl Writer {
         for axis in (0..3).filter(|axis| axes[*axis]) {
             let sign = if self.klartext() { "+" } else { "" };
             let _ = write!(words, " {}{sign}{zero}", AXES[axis]);
-            self.at[axis] = None;
+            self.position[axis] = None;
         }
         if words.is_empty() {
             return;
@@ -322,8 +322,8 @@ impl Writer {
     /// Whether an axis has to be written to get to `end`.
     fn changes(&self, axis: usize, end: &Axes) -> bool {
         let place = Self::round(end[axis]);
-        let unset = self.at[axis].is_none() && (!self.known[axis] || (axis > 2 && place == 0.0));
-        self.at[axis] != Some(place) && !unset
+        let unset = self.position[axis].is_none() && (!self.known[axis] || (axis > 2 && place == 0.0));
+        self.position[axis] != Some(place) && !unset
     }
 
     /// Words of the axes that change, or all that are known; the position is theirs afterwards.
@@ -333,7 +333,7 @@ impl Writer {
             let place = Self::round(end[axis]);
             if self.changes(axis, end) || forced[axis] {
                 let _ = write!(words, " {}{}", AXES[axis], self.value(place));
-                self.at[axis] = Some(place);
+                self.position[axis] = Some(place);
             }
         }
         words
@@ -398,7 +398,7 @@ impl Writer {
             self.line(&format!("G{}", plane_code(arc.plane)));
         }
         // The end is rounded first; the centre keeps its distance from the start as it was written.
-        let from = [u, v].map(|axis| self.at[axis].unwrap_or(motion.start[axis]));
+        let from = [u, v].map(|axis| self.position[axis].unwrap_or(motion.start[axis]));
         let centre = [Self::round(arc.centre[0]), Self::round(arc.centre[1])];
         let turns = ((arc.angle - 1e-9) / TAU).floor().max(0.0);
         // An arc so short that its ends are written alike would be read as a full circle.
@@ -424,7 +424,8 @@ impl Writer {
                 self.line(&format!("CC X{} Y{}", self.value(pole[0]), self.value(pole[1])));
                 self.line(&format!("CP IPA{sign}{angle} Z{height} {sense}{feed}"));
                 let [x, y] = turned(from, pole, turn);
-                (self.at[u], self.at[v], self.at[w]) = (Some(x), Some(y), Some(Self::round(motion.end[w])));
+                (self.position[u], self.position[v], self.position[w]) =
+                    (Some(x), Some(y), Some(Self::round(motion.end[w])));
             } else {
                 self.line(&format!("CC X{} Y{}", self.value(centre[0]), self.value(centre[1])));
                 let words = self.axes(&motion.end, forced);
@@ -475,14 +476,14 @@ fn turned(point: [f64; 2], pole: [f64; 2], angle: f64) -> [f64; 2] {
     [pole[0] + cos * x - sin * y, pole[1] + sin * x + cos * y]
 }
 
-/// The pole about which `angle` turns `from` to `end`; `None` where turns so near a whole number tell little of it.
-fn pole(from: [f64; 2], end: [f64; 2], angle: f64) -> Option<[f64; 2]> {
+/// The pole about which `angle` turns `start` to `end`; `None` where turns so near a whole number tell little of it.
+fn pole(start: [f64; 2], end: [f64; 2], angle: f64) -> Option<[f64; 2]> {
     /// Twice the sine of half the angle that still tells the pole (assumption).
     const LEAST: f64 = 0.05;
     let (sin, cos) = angle.sin_cos();
     let determinant = 2.0 * (1.0 - cos);
     // (1 − R)·pole = end − R·from.
-    let [x, y] = turned(from, [0.0, 0.0], angle);
+    let [x, y] = turned(start, [0.0, 0.0], angle);
     let [x, y] = [end[0] - x, end[1] - y];
     let side = 1.0 - cos;
     (determinant > LEAST * LEAST).then(|| [(side * x - sin * y) / determinant, (sin * x + side * y) / determinant])

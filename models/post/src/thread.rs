@@ -169,7 +169,7 @@ impl Writer {
         }
         // A cycle has a feed of its own, and ends where it began.
         self.feed.clear();
-        self.at[2] = Some(Self::round(up.end[2]));
+        self.position[2] = Some(Self::round(up.end[2]));
         Ok(())
     }
 

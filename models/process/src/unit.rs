@@ -308,8 +308,8 @@ pub fn convert(value: f64, from: &str, to: &str) -> f64 {
 }
 
 /// SI to a unit. Dividing by the reciprocal keeps `60 m/min` exactly 1 m/s.
-fn ratio(si: f64, to: Unit) -> f64 {
-    (si - to.offset) / to.factor
+fn ratio(si: f64, unit: Unit) -> f64 {
+    (si - unit.offset) / unit.factor
 }
 
 /// Length of the number at the start of `text`; an exponent needs its digits.

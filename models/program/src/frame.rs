@@ -44,10 +44,10 @@ impl Frame {
         Self { matrix, shift: self.base(inner.shift) }
     }
 
-    pub fn base(&self, at: Axes) -> Axes {
-        let mut base: Axes = std::array::from_fn(|i| at[i] + self.shift[i]);
+    pub fn base(&self, axes: Axes) -> Axes {
+        let mut base: Axes = std::array::from_fn(|i| axes[i] + self.shift[i]);
         for i in 0..3 {
-            base[i] = (0..3).map(|k| self.matrix[i][k] * at[k]).sum::<f64>() + self.shift[i];
+            base[i] = (0..3).map(|k| self.matrix[i][k] * axes[k]).sum::<f64>() + self.shift[i];
         }
         base
     }
@@ -59,7 +59,7 @@ impl Frame {
         }
         let m = &self.matrix;
         let less: [f64; 3] = std::array::from_fn(|i| base[i] - self.shift[i]);
-        let mut at: Axes = std::array::from_fn(|i| base[i] - self.shift[i]);
+        let mut axes: Axes = std::array::from_fn(|i| base[i] - self.shift[i]);
         let minor = |i: usize, j: usize| {
             let (a, b) = ((i + 1) % 3, (i + 2) % 3);
             let (c, d) = ((j + 1) % 3, (j + 2) % 3);
@@ -67,9 +67,9 @@ impl Frame {
         };
         let determinant: f64 = (0..3).map(|j| m[0][j] * minor(0, j)).sum();
         for i in 0..3 {
-            at[i] = (0..3).map(|k| minor(k, i) * less[k]).sum::<f64>() / determinant;
+            axes[i] = (0..3).map(|k| minor(k, i) * less[k]).sum::<f64>() / determinant;
         }
-        at
+        axes
     }
 
     /// Factor of lengths in a plane and whether it is mirrored; `None` where circles do not stay circles of the plane.

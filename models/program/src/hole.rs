@@ -234,12 +234,12 @@ impl Kernel {
                 let [u, v, _] = self.plane;
                 let mut step = Target::default();
                 (step.step[u], step.step[v]) = (Some(shift[0]), Some(shift[1]));
-                let mut back = Target::default();
-                (back.step[u], back.step[v]) = (Some(-shift[0]), Some(-shift[1]));
+                let mut target = Target::default();
+                (target.step[u], target.step[v]) = (Some(-shift[0]), Some(-shift[1]));
                 self.spindle(Sense::Oriented);
                 self.straight(&step, true)?;
                 self.across(hole.level, true)?;
-                self.straight(&back, true)?;
+                self.straight(&target, true)?;
                 self.restart(sense);
                 return Ok(());
             }

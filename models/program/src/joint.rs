@@ -18,7 +18,7 @@ pub(crate) enum Joint {
 
 /// A motion that waits for the next, since a joint stands between them.
 #[derive(Clone, Debug)]
-pub(crate) struct Waiting {
+pub(crate) struct PendingMotion {
     motion: Motion,
     joint: Joint,
     /// Line of the program and of its caller, and depth of calls.
@@ -40,7 +40,7 @@ fn unlike() -> Fault {
     Fault::new("a chamfer or rounding stands between two straight motions at feed in the plane; write its line or arc")
 }
 
-impl Waiting {
+impl PendingMotion {
     /// The motion that waits, the joint, and the motion behind it, shortened.
     fn join(mut self, mut next: Motion) -> Result<[Motion; 3], Fault> {
         let [u, v, _] = self.plane;
@@ -145,7 +145,7 @@ impl Kernel {
         let surface = self.surface.filter(|_| self.lathe && self.feed_mode == FeedMode::Revolution);
         let surface = surface.zip(self.feed).map(|(surface, feed)| [feed, surface, self.clamp]);
         let place = (self.line, self.main_line, self.depth);
-        self.waiting = Some(Waiting { motion, joint, place, plane: self.plane, surface });
+        self.waiting = Some(PendingMotion { motion, joint, place, plane: self.plane, surface });
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 use crate::control::Control;
 use crate::error::Fault;
 use crate::frame::Frame;
-use crate::joint::{Joint, Waiting};
+use crate::joint::{Joint, PendingMotion};
 use crate::lathe::surface_time;
 use crate::motion::{
     AXES, Arc, Axes, Event, EventKind, Motion, Offset, PLANES, Path, Purpose, Sense, arc_tolerance, centre_by_radius,
@@ -39,9 +39,9 @@ impl Target {
         self.absolute[axis].is_some() || self.step[axis].is_some()
     }
 
-    /// Where an axis goes from `from`, mm or degrees.
-    pub fn end(&self, axis: usize, from: &Axes) -> f64 {
-        self.absolute[axis].unwrap_or(from[axis] + self.step[axis].unwrap_or(0.0))
+    /// Where an axis goes from `start`, mm or degrees.
+    pub fn end(&self, axis: usize, start: &Axes) -> f64 {
+        self.absolute[axis].unwrap_or(start[axis] + self.step[axis].unwrap_or(0.0))
     }
 
     /// One axis at a place.
@@ -68,7 +68,7 @@ pub(crate) struct Kernel {
     pub control: Control,
     /// Workpiece coordinates, mm and degrees; 0 where not known.
     pub at: Axes,
-    pub known: [bool; 9],
+    pub referenced: [bool; 9],
     pub frame: Frame,
     pub plane: [usize; 3],
     /// mm of a unit; `None` until a code says it.
@@ -103,7 +103,7 @@ pub(crate) struct Kernel {
     pub moved: bool,
     /// The chamfer or rounding of the block, and the motion that waits for the one behind its own.
     pub joint: Option<Joint>,
-    pub waiting: Option<Waiting>,
+    pub waiting: Option<PendingMotion>,
     /// Something that is no motion stands between two motions that a joint would join.
     pub torn: bool,
     /// Line of the last jump back; 0 before the first.
@@ -119,7 +119,7 @@ impl Kernel {
         let scale = control.units.map(|units| units.scale());
         let mut kernel = Self {
             at: control.start.map(|place| place.unwrap_or(0.0)),
-            known: control.start.map(|place| place.is_some()),
+            referenced: control.start.map(|place| place.is_some()),
             feed: control.feed,
             control,
             frame: Frame::IDENTITY,
@@ -222,13 +222,14 @@ impl Kernel {
         let (mut start, end) = (self.frame.base(from), self.frame.base(to));
         let mut unknown = false;
         for axis in 0..9 {
-            if !self.known[axis] && target.step[axis].is_some_and(|step| step != 0.0) && self.blind_step.is_none() {
+            if !self.referenced[axis] && target.step[axis].is_some_and(|step| step != 0.0) && self.blind_step.is_none()
+            {
                 self.blind_step = Some(self.line);
             }
-            if !self.known[axis] && target.absolute[axis].is_some() {
+            if !self.referenced[axis] && target.absolute[axis].is_some() {
                 // It comes from nowhere known and counts as standing.
                 start[axis] = end[axis];
-                self.known[axis] = true;
+                self.referenced[axis] = true;
                 unknown = true;
             }
         }
@@ -336,13 +337,14 @@ impl Kernel {
         (middle[u], middle[v]) = (centre[0], centre[1]);
         let middle = self.frame.base(middle);
         // A full circle and an arc by steps are the same wherever they begin.
-        if let Some(axis) = [u, v].into_iter().find(|axis| !self.known[*axis] && target.absolute[*axis].is_some()) {
+        if let Some(axis) = [u, v].into_iter().find(|axis| !self.referenced[*axis] && target.absolute[*axis].is_some())
+        {
             return Err(Fault::new(format!(
                 "the arc begins at a place of {0} that only the machine knows, so it has no length: name {0} before it, or give --start",
                 AXES[axis]
             )));
         }
-        let lost = !self.known[u] || !self.known[v];
+        let lost = !self.referenced[u] || !self.referenced[v];
         let (from, to, mut unknown) = self.arrive(target, from, to);
         unknown |= lost;
         let radius = radius * factor;
@@ -487,7 +489,7 @@ impl Kernel {
     /// Axes are somewhere that only the machine knows.
     pub fn forget(&mut self, axes: impl Iterator<Item = usize>) {
         for axis in axes {
-            self.known[axis] = false;
+            self.referenced[axis] = false;
             self.at[axis] = 0.0;
         }
     }

@@ -128,13 +128,13 @@ impl Motion {
 }
 
 impl Arc {
-    fn reach(&self, at: &Axes) -> f64 {
-        (at[self.plane[0]] - self.centre[0]).hypot(at[self.plane[1]] - self.centre[1])
+    fn reach(&self, axes: &Axes) -> f64 {
+        (axes[self.plane[0]] - self.centre[0]).hypot(axes[self.plane[1]] - self.centre[1])
     }
 
-    fn tangent(&self, motion: &Motion, at: &Axes) -> [f64; 3] {
+    fn tangent(&self, motion: &Motion, axes: &Axes) -> [f64; 3] {
         let [u, v, w] = self.plane;
-        let arm = [at[u] - self.centre[0], at[v] - self.centre[1]];
+        let arm = [axes[u] - self.centre[0], axes[v] - self.centre[1]];
         let reach = arm[0].hypot(arm[1]).max(f64::MIN_POSITIVE);
         let sign = if self.left { 1.0 } else { -1.0 };
         let (round, rise) = (self.radius * self.angle, motion.end[w] - motion.start[w]);
@@ -151,15 +151,15 @@ pub(crate) fn norm(a: [f64; 3]) -> f64 {
     (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt()
 }
 
-/// Angle turned from `from` to `to` around `centre`, rad, above 0 and at most a full turn: the same point twice is a
+/// Angle turned from `start` to `end` around `centre`, rad, above 0 and at most a full turn: the same point twice is a
 /// full circle.
-pub(crate) fn sweep(from: [f64; 2], to: [f64; 2], centre: [f64; 2], left: bool) -> f64 {
-    let (a, b) = ([from[0] - centre[0], from[1] - centre[1]], [to[0] - centre[0], to[1] - centre[1]]);
+pub(crate) fn sweep(start: [f64; 2], end: [f64; 2], centre: [f64; 2], left: bool) -> f64 {
+    let (a, b) = ([start[0] - centre[0], start[1] - centre[1]], [end[0] - centre[0], end[1] - centre[1]]);
     let cross = a[0] * b[1] - a[1] * b[0];
     let dot = a[0] * b[0] + a[1] * b[1];
     let turn = if left { cross.atan2(dot) } else { (-cross).atan2(dot) };
     let turn = turn.rem_euclid(TAU);
-    let chord = (to[0] - from[0]).hypot(to[1] - from[1]);
+    let chord = (end[0] - start[0]).hypot(end[1] - start[1]);
     // Ends are rounded to the last digits: a point within a nanometre is the same point.
     if chord < 1e-6 || turn == 0.0 { TAU } else { turn }
 }
@@ -170,10 +170,10 @@ pub(crate) fn arc_tolerance(radius: f64) -> f64 {
     0.01_f64.max(2e-3 * radius)
 }
 
-/// Centre of the arc of `radius` from `from` to `to`; a negative radius takes the long way. `None` where the points
+/// Centre of the arc of `radius` from `start` to `end`; a negative radius takes the long way. `None` where the points
 /// coincide or are too far apart.
-pub(crate) fn centre_by_radius(from: [f64; 2], to: [f64; 2], radius: f64, left: bool) -> Option<[f64; 2]> {
-    let chord = [to[0] - from[0], to[1] - from[1]];
+pub(crate) fn centre_by_radius(start: [f64; 2], end: [f64; 2], radius: f64, left: bool) -> Option<[f64; 2]> {
+    let chord = [end[0] - start[0], end[1] - start[1]];
     let span = chord[0].hypot(chord[1]);
     let height = radius * radius - 0.25 * span * span;
     // Half a chord may exceed the radius by the tolerance of the end point.
@@ -183,7 +183,7 @@ pub(crate) fn centre_by_radius(from: [f64; 2], to: [f64; 2], radius: f64, left: 
     }
     let side = if left == (radius > 0.0) { 1.0 } else { -1.0 };
     let height = side * height.max(0.0).sqrt() / span;
-    Some([0.5 * (from[0] + to[0]) - height * chord[1], 0.5 * (from[1] + to[1]) + height * chord[0]])
+    Some([0.5 * (start[0] + end[0]) - height * chord[1], 0.5 * (start[1] + end[1]) + height * chord[0]])
 }
 
 /// How the spindle turns.

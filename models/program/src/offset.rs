@@ -181,9 +181,9 @@ impl Offsetting {
         Ok(out)
     }
 
-    fn tight(&self, before: usize, after: usize) -> Fault {
+    fn tight(&self, previous: usize, after: usize) -> Fault {
         Fault::new(format!(
-            "the cutter of {} mm does not fit between lines {before} and {after}: take a smaller one or another contour",
+            "the cutter of {} mm does not fit between lines {previous} and {after}: take a smaller one or another contour",
             2.0 * self.radius
         ))
     }
@@ -223,7 +223,7 @@ impl Offsetting {
     }
 
     /// The motion moved sideways by the radius.
-    fn beside(&self, motion: &Motion, before: usize, line: usize) -> Result<Motion, Fault> {
+    fn beside(&self, motion: &Motion, previous: usize, line: usize) -> Result<Motion, Fault> {
         let (first, last) = self.directions(motion);
         let start = along(self.pick(&motion.start), self.normal(first), self.radius);
         let end = along(self.pick(&motion.end), self.normal(last), self.radius);
@@ -233,7 +233,7 @@ impl Offsetting {
                 // A cutter on the inner side of an arc runs on a smaller one.
                 let radius = if arc.left == self.left { arc.radius - self.radius } else { arc.radius + self.radius };
                 if radius <= SAME {
-                    return Err(self.tight(before, line));
+                    return Err(self.tight(previous, line));
                 }
                 let mut arc_motion = *motion;
                 let [u, v, _] = self.plane;

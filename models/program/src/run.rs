@@ -126,7 +126,7 @@ impl Run {
     /// Position of each axis up to now, mm and degrees; X of a lathe as a diameter. `None` where not known.
     pub fn position(&self) -> [Option<f64>; 9] {
         let factors = self.factors();
-        std::array::from_fn(|axis| self.kernel.known[axis].then(|| factors[axis] * self.kernel.at[axis]))
+        std::array::from_fn(|axis| self.kernel.referenced[axis].then(|| factors[axis] * self.kernel.at[axis]))
     }
 
     /// Factor from each axis of a motion to what the program writes: 2 of X of a lathe, which is a diameter in programs and a
@@ -183,7 +183,7 @@ impl Run {
 
     /// Words behind a fault that are refused whatever it left undone, so that all of them can be mended at once. Faults that
     /// may follow from the first one, such as an arc that misses its end, are not told.
-    fn further(&mut self, first: &ProgramError) -> Vec<ProgramError> {
+    fn further(&mut self, program_error: &ProgramError) -> Vec<ProgramError> {
         let mut list: Vec<ProgramError> = Vec::new();
         let mut left = FURTHER.min(self.kernel.control.steps.saturating_sub(self.steps));
         while left > 0 && list.len() + 1 < ProgramError::MOST {
@@ -196,7 +196,7 @@ impl Run {
                     if fault.refuses {
                         let error = self.error(fault);
                         let here = (&error.file, error.line);
-                        if std::iter::once(first).chain(&list).all(|known| (&known.file, known.line) != here) {
+                        if std::iter::once(program_error).chain(&list).all(|known| (&known.file, known.line) != here) {
                             list.push(error);
                         }
                     }

@@ -27,7 +27,7 @@ const PIECES: u32 = 64;
 const RAMP_PIECES: f64 = 500.0;
 
 /// What a stretch of a motion meets, as it is handed on to those who look.
-pub(crate) enum Seen<'a> {
+pub(crate) enum Encounter<'a> {
     /// No material within the margin.
     Air,
     /// None engaged, but some within the margin.
@@ -37,10 +37,10 @@ pub(crate) enum Seen<'a> {
 }
 
 /// Takes the shares of a motion between which a stretch lies, and what it meets; in order.
-pub(crate) type Look<'l> = dyn FnMut(f64, f64, Seen<'_>) + 'l;
+pub(crate) type Look<'l> = dyn FnMut(f64, f64, Encounter<'_>) + 'l;
 
 /// A piece among those of its motion, with who looks: the way before it and the whole way, m.
-type Among<'r, 'l> = (&'r mut Look<'l>, f64, f64);
+type PieceInMotion<'r, 'l> = (&'r mut Look<'l>, f64, f64);
 
 /// Distance, m, from material within which a way is not in air for those who look (assumption).
 pub(crate) const MARGIN: f64 = 1e-3;
@@ -317,7 +317,7 @@ impl Cutting {
         tool: &Tool,
         (feed, speed): (f64, f64),
         (cut, sums): (&mut Cut, &mut Sums),
-        mut among: Option<Among<'_, '_>>,
+        mut among: Option<PieceInMotion<'_, '_>>,
     ) {
         let path = &piece.path;
         let low = piece.from.min(piece.to);
@@ -359,7 +359,7 @@ impl Cutting {
                         continue;
                     }
                     let share = |way: f64| (*before + way) / *length;
-                    look(share(from), share(to), if near { Seen::Near } else { Seen::Air });
+                    look(share(from), share(to), if near { Encounter::Near } else { Encounter::Air });
                 }
                 sums.air += to - from;
                 continue;
@@ -380,7 +380,7 @@ impl Cutting {
             }
             if let Some((look, before, length)) = &mut among {
                 let share = |way: f64| (*before + way) / *length;
-                look(share(from), share(to), Seen::Cut(&bound, &samples, tool));
+                look(share(from), share(to), Encounter::Cut(&bound, &samples, tool));
             }
             cut.take(&samples, &bound);
             // Simpson's rule over the step.

@@ -176,9 +176,9 @@ impl Front {
         front
     }
 
-    fn arc(&self, from: f64, to: f64) -> Part {
-        let reach = 2.0 * self.rim.radius * (0.25 * (to - from)).sin();
-        Part { from, to, middle: self.rim.at(self.begin + 0.5 * (from + to)), reach }
+    fn arc(&self, start: f64, end: f64) -> Part {
+        let reach = 2.0 * self.rim.radius * (0.25 * (end - start)).sin();
+        Part { from: start, to: end, middle: self.rim.at(self.begin + 0.5 * (start + end)), reach }
     }
 
     /// Takes the region within `reach` of a track out.

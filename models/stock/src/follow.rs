@@ -1,6 +1,6 @@
 //! What a program's events mean for the stock: tool, spindle and height as the program goes on.
 
-use crate::cutting::{Cut, Cutting, Look, Seen};
+use crate::cutting::{Cut, Cutting, Encounter, Look};
 use crate::load::Load;
 use crate::setup::Setup;
 use std::f64::consts::TAU;
@@ -116,9 +116,9 @@ impl<'a> Follower<'a> {
     ) -> Result<Option<Cut>, NoTool> {
         let feed = if motion.rapid || motion.time <= 0.0 { 0.0 } else { 1e-3 * motion.length / motion.time };
         let speed = self.speed;
-        let mut look = |from: f64, to: f64, seen: Seen<'_>| match seen {
-            Seen::Air | Seen::Near => trace(from, to, 0.0, None),
-            Seen::Cut(bound, samples, tool) => {
+        let mut look = |from: f64, to: f64, seen: Encounter<'_>| match seen {
+            Encounter::Air | Encounter::Near => trace(from, to, 0.0, None),
+            Encounter::Cut(bound, samples, tool) => {
                 trace(from, to, bound.angle(), Load::most(bound, samples, tool, feed, speed));
             }
         };

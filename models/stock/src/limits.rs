@@ -84,7 +84,7 @@ pub struct FeedLimits {
 impl FeedLimits {
     /// The limits of a parameter set for a tool of this diameter and length, m: those that do not depend on the work at hand. The size
     /// of a tooth is known only where the diameter is that of the set.
-    pub fn of(set: &Parameters, diameter: f64, overhang: f64) -> Self {
+    pub fn from_parameters(set: &Parameters, diameter: f64, overhang: f64) -> Self {
         let (machine, cutter) = (&set.machine, &set.cutter);
         let radius = 0.5 * diameter;
         let same = (diameter / cutter.diameter - 1.0).abs() < 1e-9;
@@ -156,7 +156,7 @@ const UNIT_FEED: f64 = 1e-4;
 const RUBS: f64 = 1e-6;
 
 impl Demand {
-    pub fn of(engaged: &Engaged, tool: &Tool) -> Self {
+    pub fn from_engaged(engaged: &Engaged, tool: &Tool) -> Self {
         // The chip is thickest where the tooth moves across the direction of travel: at the front.
         let thickest = |(from, to): &(f64, f64)| {
             if *from <= 0.0 && *to >= 0.0 { 1.0 } else { from.cos().max(to.cos()) }

@@ -1,6 +1,6 @@
 //! Motions through a stock of heights over a grid.
 
-use crate::cutting::{Cut, Look, MARGIN, Seen, Sums};
+use crate::cutting::{Cut, Encounter, Look, MARGIN, Sums};
 use crate::engaged::{Engaged, Place};
 use crate::load::{Load, Tool, wear_rate};
 use crate::map::Map;
@@ -72,12 +72,12 @@ impl Map {
                 sums.air += step;
                 if let Some(look) = &mut look {
                     let near = !self.engaged(tool, &place(middle, heading), MARGIN).layers.is_empty();
-                    look(from, to, if near { Seen::Near } else { Seen::Air });
+                    look(from, to, if near { Encounter::Near } else { Encounter::Air });
                 }
                 continue;
             }
             if let Some(look) = &mut look {
-                look(from, to, Seen::Cut(&bound, &samples, tool));
+                look(from, to, Encounter::Cut(&bound, &samples, tool));
             }
             cut.take(&samples, &bound);
             sums.take(&samples, step, |engaged| wear_rate(engaged, tool, feed, speed));

@@ -1,6 +1,6 @@
 //! Feeds of a program inside the limits of its tools.
 
-use crate::cutting::Seen;
+use crate::cutting::Encounter;
 use crate::follow::{FollowError, Follower};
 use crate::limits::{AtWork, Demand, FeedLimit, FeedLimits};
 use crate::setup::Setup;
@@ -216,7 +216,8 @@ impl FeedPlan {
                 EventKind::Home(axes) => follower.home(axes[2]),
                 EventKind::Motion(motion) => {
                     let mut steps = Vec::new();
-                    let mut see = |from: f64, to: f64, seen: Seen<'_>| steps.push(Step { from, to, kind: way(seen) });
+                    let mut see =
+                        |from: f64, to: f64, seen: Encounter<'_>| steps.push(Step { from, to, kind: way(seen) });
                     follower
                         .motion_seen(&motion, Some(&mut see))
                         .map_err(|reason| FollowError::NoTool { line: event.line, reason })?;
@@ -356,13 +357,13 @@ impl FeedPlan {
 }
 
 /// What a step meets.
-fn way(seen: Seen<'_>) -> Way {
+fn way(seen: Encounter<'_>) -> Way {
     match seen {
-        Seen::Air => Way::Air,
-        Seen::Near => Way::Near,
-        Seen::Cut(bound, samples, tool) => {
-            let samples = samples.each_ref().map(|engaged| Demand::of(engaged, tool));
-            Way::Cut([Demand::of(bound, tool), Demand::heaviest(&samples)])
+        Encounter::Air => Way::Air,
+        Encounter::Near => Way::Near,
+        Encounter::Cut(bound, samples, tool) => {
+            let samples = samples.each_ref().map(|engaged| Demand::from_engaged(engaged, tool));
+            Way::Cut([Demand::from_engaged(bound, tool), Demand::heaviest(&samples)])
         }
     }
 }
@@ -375,16 +376,16 @@ fn plannable(motion: &Motion) -> bool {
 }
 
 /// The part of a motion between two shares of it, with this feed, m/s.
-fn part(motion: &Motion, from: f64, to: f64, feed: f64) -> Motion {
+fn part(motion: &Motion, start: f64, end: f64, feed: f64) -> Motion {
     let path = match motion.path {
         Path::Line => Path::Line,
-        Path::Arc(arc) => Path::Arc(Arc { angle: arc.angle * (to - from), ..arc }),
+        Path::Arc(arc) => Path::Arc(Arc { angle: arc.angle * (end - start), ..arc }),
     };
-    let length = motion.length * (to - from);
+    let length = motion.length * (end - start);
     Motion {
         path,
-        start: if from > 0.0 { motion.position(from) } else { motion.start },
-        end: if to < 1.0 { motion.position(to) } else { motion.end },
+        start: if start > 0.0 { motion.position(start) } else { motion.start },
+        end: if end < 1.0 { motion.position(end) } else { motion.end },
         time: 1e-3 * length / feed,
         length,
         ..*motion

@@ -407,7 +407,7 @@ fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
         };
         let overhang = section.si("length").or(set.as_ref().map(|set| set.cutter.overhang));
         let base = match (&set, overhang) {
-            (Some(set), Some(overhang)) => FeedLimits::of(set, diameter, overhang),
+            (Some(set), Some(overhang)) => FeedLimits::from_parameters(set, diameter, overhang),
             (None, _) | (_, None) => FeedLimits::default(),
         };
         let floor = set.as_ref().map_or(0.0, |set| set.cutter.roughness_floor);

@@ -113,8 +113,8 @@ impl Pair {
     }
 
     /// The same between two states of wear, m.
-    pub fn life_between(&self, from: f64, to: f64, cut_at: impl Fn(f64) -> Cut) -> Life {
-        self.life_integral(from, to, KINKED, |flank_wear| {
+    pub fn life_between(&self, start: f64, end: f64, cut_at: impl Fn(f64) -> Cut) -> Life {
+        self.life_integral(start, end, KINKED, |flank_wear| {
             let cut = cut_at(flank_wear);
             (self.contact(&cut), cut.cutting_speed)
         })
@@ -122,12 +122,12 @@ impl Pair {
 
     fn life_integral<'a>(
         &self,
-        from: f64,
-        to: f64,
+        start: f64,
+        end: f64,
         accuracy: f64,
         contact_at: impl Fn(f64) -> (Contact<'a>, f64),
     ) -> Life {
-        let [cutting_time, path, mechanical_wear, thermal_wear] = self.over_wear(from, to, accuracy, |flank_wear| {
+        let [cutting_time, path, mechanical_wear, thermal_wear] = self.over_wear(start, end, accuracy, |flank_wear| {
             let (contact, speed) = contact_at(flank_wear);
             let wear = contact.steady_wear(flank_wear);
             let rate = wear.rate(speed);
@@ -143,13 +143,13 @@ impl Pair {
     }
 
     /// ∫ f dh in the variable ln(1 + h/scale), in which the run-in is as wide as the rest.
-    fn over_wear<const D: usize>(&self, from: f64, to: f64, accuracy: f64, f: impl Fn(f64) -> [f64; D]) -> [f64; D] {
+    fn over_wear<const D: usize>(&self, start: f64, end: f64, accuracy: f64, f: impl Fn(f64) -> [f64; D]) -> [f64; D] {
         let scale = self.curve_scale();
         let integrand = |x: f64| {
             let stretch = x.exp();
             f(scale * (stretch - 1.0)).map(|value| value * scale * stretch)
         };
-        quadrature::integrate(integrand, (from / scale).ln_1p(), (to / scale).ln_1p(), accuracy)
+        quadrature::integrate(integrand, (start / scale).ln_1p(), (end / scale).ln_1p(), accuracy)
     }
 
     fn life_slopes(&self, cut: &Cut) -> Slopes {

@@ -133,12 +133,12 @@ pub struct Observer {
     covariance: [[f64; STATES]; STATES],
     /// Level of the wear factor of edges before this one.
     level: WearLevel,
-    known: Option<Known>,
+    known: Option<LastCut>,
 }
 
 /// What the last cut gave; at another speed it costs little to adapt.
 #[derive(Clone, Copy, Debug)]
-struct Known {
+struct LastCut {
     contact: Coefficients,
     load: Load<f64>,
 }
@@ -271,11 +271,11 @@ impl Observer {
     }
 
     /// Contact and forces of a cut.
-    fn at<'a>(pair: &'a Pair, known: &mut Option<Known>, cut: &Cut) -> (Contact<'a>, Load<f64>) {
-        let same = |known: &Known| cut.at_speed(known.contact.cut.cutting_speed) == known.contact.cut;
+    fn at<'a>(pair: &'a Pair, known: &mut Option<LastCut>, cut: &Cut) -> (Contact<'a>, Load<f64>) {
+        let same = |known: &LastCut| cut.at_speed(known.contact.cut.cutting_speed) == known.contact.cut;
         let known = match known {
             Some(known) if same(known) => *known,
-            _ => *known.insert(Known { contact: pair.contact(cut).coefficients(), load: pair.force.load(cut) }),
+            _ => *known.insert(LastCut { contact: pair.contact(cut).coefficients(), load: pair.force.load(cut) }),
         };
         let speed = cut.cutting_speed;
         (pair.contact_of(known.contact).at_speed(speed), pair.force.at_speed(&known.load, speed))

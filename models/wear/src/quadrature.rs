@@ -38,12 +38,12 @@ const DEPTH: u32 = 40;
 /// Nodes and weights of QUADPACK (Piessens et al. 1983), routine `qk15`.
 pub(crate) fn integrate<const D: usize>(
     mut f: impl FnMut(f64) -> [f64; D],
-    from: f64,
-    to: f64,
+    start: f64,
+    end: f64,
     relative: f64,
 ) -> [f64; D] {
-    let middle = 0.5 * (from + to);
-    let halves = [(from, middle), (middle, to)].map(|(a, b)| (a, b, rule(&mut f, a, b)));
+    let middle = 0.5 * (start + end);
+    let halves = [(start, middle), (middle, end)].map(|(a, b)| (a, b, rule(&mut f, a, b)));
     let scale: [f64; D] = std::array::from_fn(|i| relative * halves.iter().map(|half| half.2.0[i].abs()).sum::<f64>());
     let mut total = [0.0; D];
     for (a, b, estimate) in halves {
@@ -54,8 +54,8 @@ pub(crate) fn integrate<const D: usize>(
 
 fn refine<const D: usize>(
     f: &mut impl FnMut(f64) -> [f64; D],
-    from: f64,
-    to: f64,
+    start: f64,
+    end: f64,
     (value, error): ([f64; D], [f64; D]),
     scale: &[f64; D],
     depth: u32,
@@ -69,16 +69,16 @@ fn refine<const D: usize>(
         }
         return;
     }
-    let middle = 0.5 * (from + to);
-    for (a, b) in [(from, middle), (middle, to)] {
+    let middle = 0.5 * (start + end);
+    for (a, b) in [(start, middle), (middle, end)] {
         let estimate = rule(f, a, b);
         refine(f, a, b, estimate, scale, depth - 1, total);
     }
 }
 
 /// Kronrod estimate and its distance from the Gauss estimate.
-fn rule<const D: usize>(f: &mut impl FnMut(f64) -> [f64; D], from: f64, to: f64) -> ([f64; D], [f64; D]) {
-    let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
+fn rule<const D: usize>(f: &mut impl FnMut(f64) -> [f64; D], start: f64, end: f64) -> ([f64; D], [f64; D]) {
+    let (centre, half) = (0.5 * (start + end), 0.5 * (end - start));
     let (mut kronrod, mut gauss) = ([0.0; D], [0.0; D]);
     let mut add = |node: usize, value: [f64; D]| {
         for i in 0..D {

@@ -6,7 +6,7 @@ use crate::{Boundary, WorkingTime};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joined {
     /// The instant, s.
-    pub at: f64,
+    pub junction: f64,
     /// Working time before it.
     pub before: Hours,
     /// Working time from it on.
@@ -51,7 +51,7 @@ impl Hours {
 
 impl Joined {
     fn at(&self, time: f64) -> &Hours {
-        if time < self.at { &self.before } else { &self.after }
+        if time < self.junction { &self.before } else { &self.after }
     }
 
     /// Whether work goes on at `time`, s.
@@ -61,25 +61,29 @@ impl Joined {
 
     /// Working time from the start of the run to `time`, s.
     pub(crate) fn worked_until(&self, time: f64) -> f64 {
-        let later = if time > self.at { self.after.worked_until(time) - self.after.worked_until(self.at) } else { 0.0 };
-        self.before.worked_until(time.min(self.at)) + later
+        let later = if time > self.junction {
+            self.after.worked_until(time) - self.after.worked_until(self.junction)
+        } else {
+            0.0
+        };
+        self.before.worked_until(time.min(self.junction)) + later
     }
 
     /// The next change strictly after `time`.
     pub(crate) fn next_boundary(&self, time: f64) -> Option<Boundary> {
         let next = |hours: &Hours, time: f64| hours.shifts().and_then(|shifts| shifts.next_boundary(time));
-        if time >= self.at {
+        if time >= self.junction {
             return next(&self.after, time);
         }
-        if let Some(earlier) = next(&self.before, time).filter(|boundary| boundary.time < self.at) {
+        if let Some(earlier) = next(&self.before, time).filter(|boundary| boundary.time < self.junction) {
             return Some(earlier);
         }
         // Nothing changes from `time` until the calendars do.
-        let starts = self.after.works_at(self.at);
+        let starts = self.after.works_at(self.junction);
         if starts == self.before.works_at(time) {
-            next(&self.after, self.at)
+            next(&self.after, self.junction)
         } else {
-            Some(Boundary { time: self.at, starts })
+            Some(Boundary { time: self.junction, starts })
         }
     }
 
@@ -120,11 +124,11 @@ mod tests {
 
     #[test]
     fn hours_change_where_they_are_joined() {
-        let joined = Joined { at: 34.0, before: day(6.0, 14.0), after: day(6.0, 22.0) };
+        let joined = Joined { junction: 34.0, before: day(6.0, 14.0), after: day(6.0, 22.0) };
         assert_eq!(boundaries(&joined, 5), [(6.0, true), (14.0, false), (30.0, true), (46.0, false), (54.0, true)]);
         assert_eq!((joined.worked_until(34.0), joined.worked_until(48.0)), (12.0, 24.0));
         assert!(!joined.works_at(15.0) && joined.works_at(39.0));
-        let later = Joined { at: 40.0, ..joined.clone() };
+        let later = Joined { junction: 40.0, ..joined.clone() };
         assert_eq!(boundaries(&later, 5), [(6.0, true), (14.0, false), (30.0, true), (38.0, false), (40.0, true)]);
         // Where nothing changes there is no change.
         let same = Joined { after: joined.before.clone(), ..joined };
@@ -133,12 +137,12 @@ mod tests {
 
     #[test]
     fn what_is_there_from_an_instant_on_begins_then() {
-        let new = Joined { at: 10.0, before: Hours::Never, after: Hours::Always };
+        let new = Joined { junction: 10.0, before: Hours::Never, after: Hours::Always };
         assert_eq!(boundaries(&new, 3), [(10.0, true)]);
         assert_eq!((new.worked_until(10.0), new.worked_until(25.0), new.shift_at(12.0)), (0.0, 15.0, None));
         let shifts = Joined { after: day(6.0, 14.0), ..new };
         assert_eq!(boundaries(&shifts, 3), [(10.0, true), (14.0, false), (30.0, true)]);
-        let gone = Joined { at: 10.0, before: Hours::Always, after: Hours::Never };
+        let gone = Joined { junction: 10.0, before: Hours::Always, after: Hours::Never };
         assert_eq!(boundaries(&gone, 3), [(10.0, false)]);
     }
 }

@@ -89,9 +89,9 @@ const DEAD_TOLERATED: usize = 64;
 const _: () = assert!(TIME_SHIFT + 63 == u128::BITS && Class::ALL.len() <= 1 << CLASS_BITS);
 
 #[inline]
-fn pack(at: SimTime, class: Class, sequence: u64, slot: u32) -> u128 {
+fn pack(time: SimTime, class: Class, sequence: u64, slot: u32) -> u128 {
     let order = ((class as u64) << SEQUENCE_BITS | sequence) as u128;
-    (at.to_bits() as u128) << TIME_SHIFT | order << SLOT_BITS | slot as u128
+    (time.to_bits() as u128) << TIME_SHIFT | order << SLOT_BITS | slot as u128
 }
 
 #[inline]
@@ -164,9 +164,9 @@ impl<E: Copy> Calendar<E> {
     /// [`KernelError::InThePast`] if `at` is before [`Calendar::now`], [`KernelError::Full`] if all
     /// 2^28 slots are taken, by pending events or by cancelled ones that still wait in the heap.
     #[inline]
-    pub fn schedule(&mut self, at: SimTime, class: Class, event: E) -> Result<EventKey, KernelError> {
-        if at < self.now {
-            return Err(KernelError::InThePast { at, now: self.now });
+    pub fn schedule(&mut self, time: SimTime, class: Class, event: E) -> Result<EventKey, KernelError> {
+        if time < self.now {
+            return Err(KernelError::InThePast { at: time, now: self.now });
         }
         if self.sequence == SEQUENCE_END {
             self.renumber();
@@ -184,7 +184,7 @@ impl<E: Copy> Calendar<E> {
             }
             None => return Err(KernelError::Full { pending: self.len() }),
         };
-        self.heap.push(pack(at, class, self.sequence, slot));
+        self.heap.push(pack(time, class, self.sequence, slot));
         self.sequence += 1;
         self.scheduled += 1;
         Ok(EventKey { slot, serial })
@@ -256,10 +256,10 @@ impl<E: Copy> Calendar<E> {
     /// # Ok::<(), toolroom_kernel::KernelError>(())
     /// ```
     #[inline]
-    pub fn pop_before(&mut self, at: SimTime, class: Class) -> Option<E> {
+    pub fn pop_before(&mut self, time: SimTime, class: Class) -> Option<E> {
         let packed = self.heap.peek()?;
         // Every key of an earlier time or class is below the first one of (at, class).
-        if packed >= pack(at, class, 0, 0) || time_of(packed) != at {
+        if packed >= pack(time, class, 0, 0) || time_of(packed) != time {
             return None;
         }
         self.pop().map(|(_, event)| event)

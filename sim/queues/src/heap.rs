@@ -9,7 +9,7 @@
 //! waits for long is then taken from the end of a list, with its keys beside those of its neighbours. Whoever takes a job
 //! also knows which ones come soon.
 
-use super::queue::{Ranked, Waiting};
+use super::queue::{QueueEntry, Ranked};
 use std::cmp::Ordering;
 
 /// Knots below a knot.
@@ -86,7 +86,7 @@ impl Heap {
     }
 
     /// Takes out the job that goes first.
-    pub fn pop(&mut self) -> Option<Waiting> {
+    pub fn pop(&mut self) -> Option<QueueEntry> {
         if self.order.len() > self.sorted.len().max(SHORT) {
             self.sort();
         }
@@ -140,7 +140,7 @@ impl Heap {
     }
 
     /// Keeps the jobs for which a condition holds.
-    pub fn retain(&mut self, keeps: impl Fn(&Waiting) -> bool) {
+    pub fn retain(&mut self, keeps: impl Fn(&QueueEntry) -> bool) {
         let (jobs, free) = (&self.jobs, &mut self.free);
         let mut kept = |knot: &Knot| {
             let kept = keeps(&jobs[knot.place as usize].waiting);

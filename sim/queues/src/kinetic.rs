@@ -14,7 +14,7 @@
 //! J. Basch, L. J. Guibas, J. Hershberger, Data structures for mobile data, Journal of Algorithms 31 (1999) 1.
 
 use super::heap::ordered;
-use super::queue::{Facts, Keys, Ranked, Waiting};
+use super::queue::{Facts, Keys, QueueEntry, Ranked};
 use super::tournament::{Entry, Game, Tournament};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -114,7 +114,7 @@ fn common(rule: DispatchRule, facts: &Facts) -> Common {
 }
 
 impl Kinetic {
-    pub fn of(plan: Plan) -> Self {
+    pub fn from_plan(plan: Plan) -> Self {
         Self {
             plan,
             groups: Vec::new(),
@@ -133,7 +133,7 @@ impl Kinetic {
     }
 
     /// A job comes; `keys` are its keys under the rules, of which those stand that are no tournament's.
-    pub fn join(&mut self, waiting: Waiting, facts: Facts, keys: Keys) {
+    pub fn join(&mut self, waiting: QueueEntry, facts: Facts, keys: Keys) {
         let Plan { ahead, outer, rule } = self.plan;
         let mut level = [0; MOST_RULES - 1];
         level.iter_mut().zip(&keys[..ahead]).for_each(|(each, key)| *each = ordered(*key));
@@ -161,7 +161,7 @@ impl Kinetic {
                 groups[group as usize].name = Some(name);
                 return group;
             }
-            groups.push(Tournament::of(name));
+            groups.push(Tournament::from_name(name));
             (groups.len() - 1) as u32
         });
         let slot = entry.waiting.slot as usize;
@@ -173,7 +173,7 @@ impl Kinetic {
     }
 
     /// A job is gone.
-    pub fn leave(&mut self, slot: u32) -> Option<Waiting> {
+    pub fn leave(&mut self, slot: u32) -> Option<QueueEntry> {
         let (_, entry) = self.pull(slot)?;
         self.count -= 1;
         // No rounding stays where nobody waits.
@@ -196,7 +196,7 @@ impl Kinetic {
 
     /// Takes out the job that goes first at a time, s; `keys` gives the keys of a job at this moment from the mean time
     /// of all.
-    pub fn take(&mut self, now: f64, keys: impl Fn(&Waiting, &Facts, f64) -> Keys) -> Option<Waiting> {
+    pub fn take(&mut self, now: f64, keys: impl Fn(&QueueEntry, &Facts, f64) -> Keys) -> Option<QueueEntry> {
         let mean = self.total / self.count as f64;
         self.ripen(now);
         let look_ahead = (KeyOptions::ATC_K * mean).max(f64::MIN_POSITIVE);
@@ -311,13 +311,13 @@ mod tests {
             rules.extend(AFTER[after]);
             rules.truncate(MOST_RULES);
             let Some(plan) = Plan::of(&rules) else { return Ok(()) };
-            let (mut scan, mut kinetic) = (Queue::of(QueueKind::Scan), Queue::of(QueueKind::Kinetic(plan)));
+            let (mut scan, mut kinetic) = (Queue::from_queue_kind(QueueKind::Scan), Queue::from_queue_kind(QueueKind::Kinetic(plan)));
             let mut now = 0.0;
             let mut gone: Vec<u32> = Vec::new();
             for (number, &(draw, what)) in (0u32..).zip(&steps) {
                 now += ((draw >> 40) % 5) as f64;
                 if what < 2 {
-                    let waiting = Waiting { since: SimTime::from_seconds(now).unwrap(), number, slot: number, operation: 0 };
+                    let waiting = QueueEntry { since: SimTime::from_seconds(now).unwrap(), number, slot: number, operation: 0 };
                     let standing_facts = facts(draw, whole);
                     let standing = |facts: &Facts| keys_under(&rules, now, facts, &Moment::default());
                     for queue in [&mut scan, &mut kinetic] {
@@ -329,12 +329,12 @@ mod tests {
                     kinetic.leave(slot);
                     gone.push(slot);
                 } else {
-                    let keys = |waiting: &Waiting, facts: &Facts, mean: Measures| {
+                    let keys = |waiting: &QueueEntry, facts: &Facts, mean: Measures| {
                         let next_work = facts.next_station.map_or(0.0, |station| ((draw >> (8 * station)) % 6) as f64);
                         let setup = if facts.setup_group as u64 == draw % 3 { 0.0 } else { facts.setup_time };
                         keys_under(&rules, waiting.since.seconds(), facts, &Moment { now, mean, next_work, setup, ..Moment::default() })
                     };
-                    let here = |waiting: &Waiting| !gone.contains(&waiting.slot);
+                    let here = |waiting: &QueueEntry| !gone.contains(&waiting.slot);
                     let measures = |facts: &Facts| Measures { time: facts.time, setup: 0.0 };
                     let one = scan.take(now, here, measures, keys).map(|waiting| waiting.number);
                     let other = kinetic.take(now, here, measures, keys).map(|waiting| waiting.number);

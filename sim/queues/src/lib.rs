@@ -19,4 +19,4 @@ mod tournament;
 
 pub use keys::{Measures, Moment, keys};
 pub use kinetic::Plan;
-pub use queue::{Facts, Keys, Queue, QueueKind, Ranked, Waiting};
+pub use queue::{Facts, Keys, Queue, QueueEntry, QueueKind, Ranked};

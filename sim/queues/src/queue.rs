@@ -10,7 +10,7 @@ use toolroom_scenario::MOST_RULES;
 
 /// A place in a queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Waiting {
+pub struct QueueEntry {
     /// When the job came to this queue.
     pub since: SimTime,
     /// Job number: the tie break.
@@ -62,13 +62,13 @@ pub struct Ranked {
     /// Its keys.
     pub keys: Keys,
     /// Its place.
-    pub waiting: Waiting,
+    pub waiting: QueueEntry,
 }
 
 impl Ord for Ranked {
     fn cmp(&self, other: &Self) -> Ordering {
         let keys = self.keys.iter().zip(&other.keys).map(|(a, b)| a.total_cmp(b));
-        let arrival = |waiting: &Waiting| (waiting.since, waiting.number);
+        let arrival = |waiting: &QueueEntry| (waiting.since, waiting.number);
         keys.fold(Ordering::Equal, Ordering::then).then(arrival(&self.waiting).cmp(&arrival(&other.waiting)))
     }
 }
@@ -96,7 +96,7 @@ pub struct Queue(Order);
 enum Order {
     /// First come, first served: by arrival at the queue, then job number.
     Line {
-        jobs: VecDeque<Waiting>,
+        jobs: VecDeque<QueueEntry>,
         /// Length at which places of jobs that are gone are looked for.
         full: usize,
     },
@@ -108,7 +108,7 @@ enum Order {
     },
     /// By keys that change with the clock, other queues or the machine: a decision looks at all once.
     Scan {
-        jobs: Vec<(Waiting, Facts)>,
+        jobs: Vec<(QueueEntry, Facts)>,
         /// As above.
         full: usize,
     },
@@ -135,12 +135,12 @@ const FULL: usize = 64;
 
 impl Queue {
     /// An empty queue of a kind.
-    pub fn of(kind: QueueKind) -> Self {
+    pub fn from_queue_kind(kind: QueueKind) -> Self {
         Self(match kind {
             QueueKind::Line => Order::Line { jobs: VecDeque::new(), full: FULL },
             QueueKind::Heap => Order::Heap { jobs: Heap::default(), full: FULL },
             QueueKind::Scan => Order::Scan { jobs: Vec::new(), full: FULL },
-            QueueKind::Kinetic(plan) => Order::Kinetic(Box::new(Kinetic::of(plan))),
+            QueueKind::Kinetic(plan) => Order::Kinetic(Box::new(Kinetic::from_plan(plan))),
         })
     }
 
@@ -148,10 +148,10 @@ impl Queue {
     /// `here` tells whether a job still waits for what its place says.
     pub fn join(
         &mut self,
-        waiting: Waiting,
+        waiting: QueueEntry,
         facts: impl FnOnce() -> Facts,
         keys: impl FnOnce(&Facts) -> Keys,
-        here: impl Fn(&Waiting) -> bool,
+        here: impl Fn(&QueueEntry) -> bool,
     ) {
         match &mut self.0 {
             Order::Line { jobs, full } => {
@@ -159,7 +159,7 @@ impl Queue {
                     jobs.retain(&here);
                     *full = (2 * jobs.len()).max(FULL);
                 }
-                let after = |other: &Waiting| (other.since, other.number) > (waiting.since, waiting.number);
+                let after = |other: &QueueEntry| (other.since, other.number) > (waiting.since, waiting.number);
                 if jobs.back().is_some_and(after) {
                     let behind = jobs.iter().rev().take_while(|other| after(other)).count();
                     jobs.insert(jobs.len() - behind, waiting);
@@ -199,7 +199,7 @@ impl Queue {
 
     /// Takes out the job that goes first where keys stand, so that neither clock nor machine counts; `None` where they do not.
     #[inline]
-    pub fn take_standing(&mut self, here: impl Fn(&Waiting) -> bool) -> Option<Option<Waiting>> {
+    pub fn take_standing(&mut self, here: impl Fn(&QueueEntry) -> bool) -> Option<Option<QueueEntry>> {
         match &mut self.0 {
             Order::Line { jobs, .. } => Some(std::iter::from_fn(|| jobs.pop_front()).find(here)),
             Order::Heap { jobs, .. } => Some(std::iter::from_fn(|| jobs.pop()).find(here)),
@@ -224,16 +224,16 @@ impl Queue {
     pub fn take(
         &mut self,
         now: f64,
-        here: impl Fn(&Waiting) -> bool,
+        here: impl Fn(&QueueEntry) -> bool,
         measures: impl Fn(&Facts) -> Measures,
-        keys: impl Fn(&Waiting, &Facts, Measures) -> Keys,
-    ) -> Option<Waiting> {
+        keys: impl Fn(&QueueEntry, &Facts, Measures) -> Keys,
+    ) -> Option<QueueEntry> {
         match &mut self.0 {
             Order::Line { .. } | Order::Heap { .. } => self.take_standing(here).flatten(),
             Order::Scan { jobs, .. } => {
                 jobs.retain(|(waiting, _)| here(waiting));
                 let mean = mean(jobs, measures);
-                let ranked = |(waiting, facts): &(Waiting, Facts)| Ranked {
+                let ranked = |(waiting, facts): &(QueueEntry, Facts)| Ranked {
                     keys: keys(waiting, facts, mean),
                     waiting: *waiting,
                 };
@@ -250,15 +250,15 @@ impl Queue {
     /// forgotten. Only a queue whose keys may change is asked.
     pub fn in_order(
         &mut self,
-        here: impl Fn(&Waiting) -> bool,
+        here: impl Fn(&QueueEntry) -> bool,
         measures: impl Fn(&Facts) -> Measures,
-        keys: impl Fn(&Waiting, &Facts, Measures) -> Keys,
-    ) -> Vec<Waiting> {
+        keys: impl Fn(&QueueEntry, &Facts, Measures) -> Keys,
+    ) -> Vec<QueueEntry> {
         let Order::Scan { jobs, .. } = &mut self.0 else { unreachable!("queues of batch machines are looked through") };
         jobs.retain(|(waiting, _)| here(waiting));
         let mean = mean(jobs, measures);
         let ranked =
-            |(waiting, facts): &(Waiting, Facts)| Ranked { keys: keys(waiting, facts, mean), waiting: *waiting };
+            |(waiting, facts): &(QueueEntry, Facts)| Ranked { keys: keys(waiting, facts, mean), waiting: *waiting };
         let mut all: Vec<Ranked> = jobs.iter().map(ranked).collect();
         all.sort_unstable();
         all.dedup_by_key(|ranked| ranked.waiting.number);
@@ -282,7 +282,7 @@ impl Queue {
 }
 
 /// Means over jobs.
-fn mean(jobs: &[(Waiting, Facts)], measures: impl Fn(&Facts) -> Measures) -> Measures {
+fn mean(jobs: &[(QueueEntry, Facts)], measures: impl Fn(&Facts) -> Measures) -> Measures {
     let add = |sum: Measures, own: Measures| Measures { time: sum.time + own.time, setup: sum.setup + own.setup };
     let sum = jobs.iter().map(|(_, facts)| measures(facts)).fold(Measures { time: -0.0, setup: 0.0 }, add);
     Measures { time: sum.time / jobs.len() as f64, setup: sum.setup / jobs.len() as f64 }
@@ -301,11 +301,11 @@ mod tests {
 
     /// The order in which a queue gives jobs (arrival, number, key), one after the other.
     fn order(kind: QueueKind, jobs: &[(f64, u32, f64)], gone: u32) -> Vec<u32> {
-        let mut queue = Queue::of(kind);
-        let here = |waiting: &Waiting| waiting.number != gone;
+        let mut queue = Queue::from_queue_kind(kind);
+        let here = |waiting: &QueueEntry| waiting.number != gone;
         for &(since, number, time) in jobs {
             let since = SimTime::from_seconds(since).unwrap();
-            let waiting = Waiting { since, number, slot: number, operation: 0 };
+            let waiting = QueueEntry { since, number, slot: number, operation: 0 };
             queue.join(waiting, || Facts { time, ..Facts::default() }, |facts| key(facts.time), here);
         }
         std::iter::from_fn(|| queue.take(0.0, here, |_| Measures::default(), |_, facts, _| key(facts.time)))
@@ -330,13 +330,13 @@ mod tests {
 
     /// The same where jobs come and go in turns: after each of `bursts` so many are taken.
     fn in_turns(kind: QueueKind, bursts: &[(usize, usize)], keys: u32) -> Vec<u32> {
-        let (mut queue, mut number, mut taken) = (Queue::of(kind), 0u32, Vec::new());
-        let here = |waiting: &Waiting| waiting.number % 7 != 3;
+        let (mut queue, mut number, mut taken) = (Queue::from_queue_kind(kind), 0u32, Vec::new());
+        let here = |waiting: &QueueEntry| waiting.number % 7 != 3;
         for &(come, go) in bursts {
             for _ in 0..come {
                 let since = SimTime::from_seconds(f64::from(number / 5)).unwrap();
                 let time = f64::from(number.wrapping_mul(2_654_435_761) >> 8 & keys);
-                let waiting = Waiting { since, number, slot: number, operation: 0 };
+                let waiting = QueueEntry { since, number, slot: number, operation: 0 };
                 queue.join(waiting, || Facts { time, ..Facts::default() }, |facts| key(facts.time), here);
                 number += 1;
             }

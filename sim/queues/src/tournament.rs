@@ -4,14 +4,14 @@
 //! side in memory, so that a match is played without looking at the jobs, but where rounding may hide which key is lesser.
 
 use super::keys::{Moment, key};
-use super::queue::{Facts, Keys, Waiting};
+use super::queue::{Facts, Keys, QueueEntry};
 use std::cmp::Ordering;
 use toolroom_scenario::{DispatchRule, KeyOptions};
 
 /// A job in a tournament.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    pub waiting: Waiting,
+    pub waiting: QueueEntry,
     pub facts: Facts,
     /// Keys under the rules; only those behind that of the tournament are used.
     pub keys: Keys,
@@ -207,7 +207,7 @@ fn both(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
 }
 
 impl<N> Tournament<N> {
-    pub fn of(name: N) -> Self {
+    pub fn from_name(name: N) -> Self {
         let (entries, lines, free) = (Vec::new(), Vec::new(), Vec::new());
         Self { name: Some(name), entries, lines, free, heats: Vec::new(), matches: Vec::new() }
     }

@@ -140,9 +140,9 @@ pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<ScenarioFil
 }
 
 impl ScenarioFile {
-    fn new(file: FormFile<resolve::Resolved>) -> Self {
+    fn new(file: FormFile<resolve::ScenarioContent>) -> Self {
         let FormFile { content, echo, text, files } = file;
-        let resolve::Resolved { scenario, output, gap, tune, variants, statistics } = content;
+        let resolve::ScenarioContent { scenario, output, gap, tune, variants, statistics } = content;
         Self { scenario, echo, output, gap, tune, variants, statistics, text, files }
     }
 }

@@ -58,7 +58,7 @@ fn arranged(walk: &mut Walk, section: &Section<'_>, key: &str, file: &str, read:
 }
 
 /// A row of a list.
-pub(super) fn row(got: &toolroom_form::Got<'_>) -> Vec<f64> {
+pub(super) fn row(got: &toolroom_form::SectionValue<'_>) -> Vec<f64> {
     let Value::List(cells) = &got.value else { return Vec::new() };
     cells.iter().map(|cell| if let Value::Si(time) = cell.value { time } else { f64::NAN }).collect()
 }

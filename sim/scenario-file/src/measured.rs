@@ -6,7 +6,9 @@ use toml::de::DeValue;
 use toolroom_effects::{EffectList, Effects};
 use toolroom_form::{Fault, Form, Key, Kind, Quantity, Section, Span, Value, Walk, nearest};
 use toolroom_process::unit;
-use toolroom_scenario::{Calibration, Deviation, Moved, SCOPE_NAMES, Scope, ShopEffect, SwitchedEffect, Target};
+use toolroom_scenario::{
+    Calibration, CalibrationShift, Deviation, SCOPE_NAMES, Scope, ShopEffect, SwitchedEffect, Target,
+};
 
 const NAMES: Kind = Kind::List(&Kind::Name);
 const FACTOR: Kind = Kind::positive("1", "1", 1e6, "1.04");
@@ -170,7 +172,7 @@ pub(super) fn effects(
     process: &'static str,
     names: &Names,
 ) -> Vec<SwitchedEffect> {
-    let Some(read) = EffectList::of(walk, tool) else { return Vec::new() };
+    let Some(read) = EffectList::from_walk(walk, tool) else { return Vec::new() };
     let mut list: Vec<SwitchedEffect> = Vec::new();
     for entry in &read.entries {
         let place = entry.span();
@@ -247,8 +249,8 @@ pub(super) fn calibrations(walk: &mut Walk, root: &Section<'_>, names: &Names) -
         };
         let summand = amount(walk, &section, "summand", &amounts(unit, unit, f64::MIN, f64::MAX));
         let moved = match (section.si("factor"), summand) {
-            (Some(factor), None) if !section.given("summand") => Moved::Factor(factor),
-            (None, Some(summand)) if !section.given("factor") => Moved::Summand(summand),
+            (Some(factor), None) if !section.given("summand") => CalibrationShift::Factor(factor),
+            (None, Some(summand)) if !section.given("factor") => CalibrationShift::Summand(summand),
             _ => {
                 if section.given("factor") == section.given("summand") {
                     let fault = Fault::Contradiction {
@@ -263,7 +265,7 @@ pub(super) fn calibrations(walk: &mut Walk, root: &Section<'_>, names: &Names) -
                 continue;
             }
         };
-        let unit = if matches!(moved, Moved::Factor(_)) { "1" } else { unit };
+        let unit = if matches!(moved, CalibrationShift::Factor(_)) { "1" } else { unit };
         let calibration = Calibration {
             parameter,
             target,

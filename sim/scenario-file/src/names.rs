@@ -3,7 +3,7 @@
 use super::choices::ProcessKind;
 use toml::de::{DeTable, DeValue};
 use toolroom_effects::Definition;
-use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
+use toolroom_form::{Fault, Section, SectionValue, Span, Value, Walk, nearest};
 use toolroom_scenario::{Fixture, ToolType};
 
 /// Machines, tools and calendars under their names, as references see them.
@@ -112,13 +112,13 @@ pub(super) fn named<'d>(
 pub(super) fn reference<'a>(
     walk: &mut Walk,
     kind: &'static str,
-    got: Option<&Got<'_>>,
+    got: Option<&SectionValue<'_>>,
     known: impl Iterator<Item = &'a str> + Clone,
 ) -> Option<usize> {
     let got = got?;
     let Value::Text(name) = &got.value else { return None };
-    let found = known.clone().position(|each| each == name);
-    if found.is_none() {
+    let position = known.clone().position(|each| each == name);
+    if position.is_none() {
         let fault = Fault::UnknownName {
             kind,
             name: name.clone(),
@@ -127,7 +127,7 @@ pub(super) fn reference<'a>(
         };
         walk.fault(got.span.clone(), fault);
     }
-    found
+    position
 }
 
 /// The machines under a key, each once, in the order of the file.

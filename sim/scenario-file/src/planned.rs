@@ -162,7 +162,7 @@ pub(super) fn policies(walk: &mut Walk, scenario: &Scenario, places: &[Span]) {
         return;
     }
     for (policy, place) in places.iter().enumerate() {
-        if let Err(ResolveError::Policy { policy, tool, source }) = ResolvedPolicy::of(scenario, policy) {
+        if let Err(ResolveError::Policy { policy, tool, source }) = ResolvedPolicy::from_scenario(scenario, policy) {
             walk.fault(place.clone(), ScenarioFault::Policy { policy, tool, reason: source });
         }
     }

@@ -1,6 +1,6 @@
 //! Rules by which a queue is ordered.
 
-use toolroom_form::{Fault, Got, Section, Value, Walk};
+use toolroom_form::{Fault, Section, SectionValue, Value, Walk};
 use toolroom_scenario::{DispatchRule, MOST_RULES};
 
 /// Rules under the key `rule`; `None` where there are none.
@@ -10,7 +10,8 @@ pub(super) fn queue_rules(walk: &mut Walk, section: &Section<'_>) -> Option<Vec<
 
 /// Rules under a key; `None` where there are none.
 pub(super) fn rules_under(walk: &mut Walk, section: &Section<'_>, key: &str) -> Option<Vec<DispatchRule>> {
-    let rule = |got: &Got<'_>| if let Value::Text(word) = &got.value { DispatchRule::named(word) } else { None };
+    let rule =
+        |got: &SectionValue<'_>| if let Value::Text(word) = &got.value { DispatchRule::named(word) } else { None };
     let rules: Vec<DispatchRule> = section.list(key).iter().filter_map(rule).collect();
     if rules.len() > MOST_RULES {
         let fault = Fault::WrongType {

@@ -16,12 +16,12 @@ use toolroom_effects::read_definitions;
 use toolroom_form::{Fault, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
 use toolroom_scenario::{
-    BatchUnit, Buffer, Calibration, Distribution, GapSection, MachineType, Moved, Scenario, Shared, Target, ToolType,
-    TuneRequest, Variants,
+    BatchUnit, Buffer, Calibration, CalibrationShift, Distribution, GapSection, MachineType, Scenario, Shared, Target,
+    ToolType, TuneRequest, Variants,
 };
 
 /// What a file says.
-pub(super) struct Resolved {
+pub(super) struct ScenarioContent {
     pub scenario: Scenario,
     pub output: Output,
     pub gap: Option<GapSection>,
@@ -31,7 +31,7 @@ pub(super) struct Resolved {
 }
 
 /// Resolves a whole file; `None` only where `[shop]` is no section.
-pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> {
+pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<ScenarioContent> {
     let shop = walk.table(root, "shop");
     let currency = shop.as_ref().and_then(|shop| shop.text("currency")).unwrap_or("EUR").to_owned();
     walk.currency.clone_from(&currency);
@@ -168,7 +168,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     planned::policies(walk, &scenario, &places);
     progress::check(walk, root, &scenario);
     let statistics = rules::statistics(walk, root);
-    Some(Resolved { scenario, output, gap, tune, variants, statistics })
+    Some(ScenarioContent { scenario, output, gap, tune, variants, statistics })
 }
 
 fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<MachineType>, Vec<Buffer>) {
@@ -183,11 +183,11 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<Mach
         let speed_range = speed_range(walk, &section);
         let own_rules = queue_rules(walk, &section);
         let batch = jobs::batch(walk, &section);
-        let worn = walk.sections(&section, "edge_at_start", None);
+        let sections = walk.sections(&section, "edge_at_start", None);
         let known = || names.all.tools.iter().map(String::as_str);
         let mut edge =
             |own: &Section<'_>| Some((reference(walk, "tool", own.got("tool"), known())?, own.required("flank_wear")));
-        let edges_at_start: Vec<(usize, f64)> = worn.iter().filter_map(&mut edge).collect();
+        let edges_at_start: Vec<(usize, f64)> = sections.iter().filter_map(&mut edge).collect();
         let count = section.count("count");
         let mut indices = Vec::new();
         for i in 1..=count.unwrap_or(1) {
@@ -320,7 +320,7 @@ fn varied(walk: &mut Walk, mut tool: ToolType, calibrations: &[(Calibration, Spa
     if constants.is_empty() && tool.variants.effects.is_empty() {
         return tool;
     }
-    match Variants::of(&tool.process, tool.variants.effects.clone(), &constants) {
+    match Variants::from_process_model(&tool.process, tool.variants.effects.clone(), &constants) {
         Ok((process, variants)) => ToolType { process, variants, ..tool },
         Err(reason) => {
             let place = places.first().map_or(0..0, |place| (*place).clone());
@@ -350,8 +350,8 @@ fn scatter_moved(walk: &mut Walk, tool: &mut ToolType, calibrations: &[(Calibrat
         };
         let value = tool.scatter.get(i).unwrap_or(0.0);
         let value = match calibration.moved {
-            Moved::Factor(factor) => value * factor,
-            Moved::Summand(summand) => value + summand,
+            CalibrationShift::Factor(factor) => value * factor,
+            CalibrationShift::Summand(summand) => value + summand,
         };
         match fields[i].check(value) {
             Ok(()) if calibration.scope.is_everywhere() => {

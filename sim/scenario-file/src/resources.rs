@@ -63,8 +63,8 @@ pub(super) fn attendance(walk: &mut Walk, operation: &Section<'_>, names: &Names
     }
     let mut skill = |section: &Section<'_>, key: &'static str| {
         let name = section.text(key)?;
-        let found = names.skills.iter().position(|known| known == name);
-        if found.is_none() {
+        let position = names.skills.iter().position(|known| known == name);
+        if position.is_none() {
             let fault = ScenarioFault::SkillNobody {
                 skill: name.to_owned(),
                 nearest: nearest(name, names.skills.iter().map(String::as_str)).map(str::to_owned),
@@ -72,7 +72,7 @@ pub(super) fn attendance(walk: &mut Walk, operation: &Section<'_>, names: &Names
             };
             walk.fault(section.span_of(key), fault);
         }
-        found
+        position
     };
     let (setup, load) = (skill(&section, "setup"), skill(&section, "load"));
     let run = match &run {

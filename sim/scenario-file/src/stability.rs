@@ -72,13 +72,13 @@ pub(super) fn around_milling(
 }
 
 /// The cutter of the file and that of the tool are one.
-pub(super) fn same_cutter(walk: &mut Walk, tool: &Section<'_>, drawn: &Cutter, milling: &Milling) {
+pub(super) fn same_cutter(walk: &mut Walk, tool: &Section<'_>, cutter: &Cutter, milling: &Milling) {
     let (teeth, diameter) = (milling.cutter.teeth as usize, milling.cutter.diameter);
-    if drawn.teeth != teeth || (drawn.diameter / diameter - 1.0).abs() > 1e-6 {
+    if cutter.teeth != teeth || (cutter.diameter / diameter - 1.0).abs() > 1e-6 {
         let reason = format!(
             "its cutter has {} teeth and {} mm, that of the tool {teeth} and {} mm",
-            drawn.teeth,
-            drawn.diameter * 1e3,
+            cutter.teeth,
+            cutter.diameter * 1e3,
             diameter * 1e3
         );
         refused(walk, tool, reason);

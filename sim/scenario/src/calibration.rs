@@ -71,7 +71,7 @@ impl Target {
 
 /// How a calibration changes its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Moved {
+pub enum CalibrationShift {
     /// Multiplies it.
     Factor(f64),
     /// Adds to it, SI.
@@ -86,7 +86,7 @@ pub struct Calibration {
     /// To what it belongs.
     pub target: Target,
     /// What it does.
-    pub moved: Moved,
+    pub moved: CalibrationShift,
     /// Standard error of the logarithm of the factor, or of the summand, SI.
     pub standard_error: Option<f64>,
     /// Standard deviation of the same before any data.
@@ -193,8 +193,8 @@ fn moved_by(all: &[Calibration], parameter: &str, place: &Occasion<'_>, value: f
         calibration.parameter == parameter && calibration.target.has(place) && calibration.scope.holds(place)
     }) {
         match calibration.moved {
-            Moved::Factor(by) => factor *= by,
-            Moved::Summand(by) => summand += by,
+            CalibrationShift::Factor(by) => factor *= by,
+            CalibrationShift::Summand(by) => summand += by,
         }
     }
     value * factor + summand

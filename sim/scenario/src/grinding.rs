@@ -36,13 +36,14 @@ impl CycleWork {
     /// assert_eq!(cycle.programmed.map(|phase| phase.revolutions), [19, 5, 3]);
     /// ```
     pub fn new(
-        believed: Infeed,
+        infeed_model: Infeed,
         conditions: Input,
         limits: CycleLimits,
         wear_compensation: f64,
     ) -> Result<Self, CycleError> {
         let none = GrindingPhase { infeed_per_rev: 0.0, revolutions: 0 };
-        let mut work = Self { believed, conditions, limits, wear_compensation, programmed: [none; Self::PHASES] };
+        let mut work =
+            Self { believed: infeed_model, conditions, limits, wear_compensation, programmed: [none; Self::PHASES] };
         work.programmed = work.design(1.0)?;
         Ok(work)
     }

@@ -57,7 +57,7 @@ mod variants;
 pub use assembly::{Component, Pegging, Reorder, Stock};
 pub use batch::{Batch, BatchFamily, BatchUnit, DrawUnit, WorkPer};
 pub use branch::{Branch, Urgency};
-pub use calibration::{Calibration, Moved, ShopConstant, Target, calibrated, calibrated_channel};
+pub use calibration::{Calibration, CalibrationShift, ShopConstant, Target, calibrated, calibrated_channel};
 pub use contour::{ContourRule, ContourWork};
 pub use control::{
     Assignment, CardLoop, Control, DueRule, KeyOptions, KeyTime, MOST_LOOPS, NextQueue, QueueChoice, ReleaseRule,

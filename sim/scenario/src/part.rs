@@ -197,7 +197,7 @@ pub struct Arrival {
 
 impl Arrival {
     /// A source of single pieces of one part, due by its allowance.
-    pub fn of(part: usize, pattern: ArrivalPattern) -> Self {
+    pub fn from_part(part: usize, pattern: ArrivalPattern) -> Self {
         let (quantity, due) = (Distribution::Constant(1.0), DueRule::Allowance);
         Self { name: None, parts: vec![(part, 1.0)], quantity, priority: 0, weight: 1.0, due, pattern }
     }

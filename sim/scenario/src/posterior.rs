@@ -261,8 +261,8 @@ fn equal(table: &DrawTable, place: usize) -> Result<(), String> {
     if !table.rows.is_empty() && !first.parse::<f64>().is_ok_and(|weight| weight > 0.0 && weight.is_finite()) {
         return Err(format!("row 1: a draw of weight {first} is none; weights are equal and above 0"));
     }
-    let other = table.rows.iter().position(|row| told(row) != first);
-    other.map_or(Ok(()), |row| {
+    let position = table.rows.iter().position(|row| told(row) != first);
+    position.map_or(Ok(()), |row| {
         Err(format!("row {}: the weights differ; draws are to be resampled to equal weights", row + 1))
     })
 }

@@ -257,7 +257,8 @@ impl ToolType {
         if constants.is_empty() && self.variants.effects.is_empty() {
             tool.process = bare;
         } else {
-            (tool.process, tool.variants) = Variants::of(&bare, self.variants.effects.clone(), &constants)?;
+            (tool.process, tool.variants) =
+                Variants::from_process_model(&bare, self.variants.effects.clone(), &constants)?;
         }
         Ok(tool)
     }

@@ -1,6 +1,6 @@
 //! A tool's process under the effects and constants that act only on some operations.
 
-use crate::{Calibration, Moved, Occasion, ProcessModel, Scope};
+use crate::{Calibration, CalibrationShift, Occasion, ProcessModel, Scope};
 use std::sync::Arc;
 use toolroom_effects::{Effect, Effects};
 use toolroom_process::Process as _;
@@ -35,7 +35,7 @@ pub struct Variants {
 /// One entry: an effect, or a constant that is moved.
 enum Entry<'a> {
     Effect(Effect),
-    Constant(&'a str, &'a str, Moved),
+    Constant(&'a str, &'a str, CalibrationShift),
 }
 
 impl Variants {
@@ -49,7 +49,7 @@ impl Variants {
     ///
     /// # Errors
     /// Parameter that the process does not have, or a word about entries that cannot stand together.
-    pub fn of(
+    pub fn from_process_model(
         process: &ProcessModel,
         effects: Vec<SwitchedEffect>,
         constants: &[&Calibration],
@@ -144,15 +144,15 @@ pub fn move_constant(
     mut groups: Vec<(&'static str, &mut dyn toolroom_process::AnyRecord)>,
     group: &str,
     field: &str,
-    moved: Moved,
+    moved: CalibrationShift,
 ) -> Result<(), String> {
     for (name, record) in &mut groups {
         let fields = record.fields();
         if let Some(i) = fields.iter().position(|own| own.name == field).filter(|_| *name == group) {
             let value = record.value(i).unwrap_or(f64::NAN);
             let value = match moved {
-                Moved::Factor(factor) => value * factor,
-                Moved::Summand(summand) => value + summand,
+                CalibrationShift::Factor(factor) => value * factor,
+                CalibrationShift::Summand(summand) => value + summand,
             };
             fields[i].check(value).map_err(|error| format!("{group}.{field}: {error}"))?;
             record.set_value(i, value);

@@ -139,7 +139,7 @@ fn job_shop(dispatch: DispatchRule) -> Scenario {
                 part(format!("part {i}"), operations.collect())
             })
             .collect(),
-        arrivals: (0..60).map(|part| Arrival::of(part, ArrivalPattern::Poisson { rate: 0.85 / 60.0 })).collect(),
+        arrivals: (0..60).map(|part| Arrival::from_part(part, ArrivalPattern::Poisson { rate: 0.85 / 60.0 })).collect(),
         dispatch: vec![dispatch],
         ..scenario()
     }
@@ -173,7 +173,7 @@ fn demo() -> Scenario {
             tool("wheel", ProcessModel::Infeed(Arc::new(Infeed::default()))),
         ],
         parts: vec![part("ring".to_owned(), route)],
-        arrivals: vec![Arrival::of(0, ArrivalPattern::ConstantWork { jobs: 12 })],
+        arrivals: vec![Arrival::from_part(0, ArrivalPattern::ConstantWork { jobs: 12 })],
         policies: [
             SpeedRule::Programmed,
             SpeedRule::BestRate,
@@ -191,7 +191,7 @@ fn events(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("job shop");
     for dispatch in [DispatchRule::Fifo, DispatchRule::ShortestProcessingTime] {
         let scenario = job_shop(dispatch);
-        let policy = Arc::new(ResolvedPolicy::of(&scenario, 0).unwrap());
+        let policy = Arc::new(ResolvedPolicy::from_scenario(&scenario, 0).unwrap());
         let log = Shop::with_recorder(&scenario, policy.clone(), 0, RunLog::default()).unwrap().run().unwrap();
         group.throughput(Throughput::Elements(log.calendar_events));
         group.bench_function(BenchmarkId::new("full log", format!("{dispatch:?}")), |bench| {
@@ -211,7 +211,7 @@ fn shift(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("shift of six machines");
     group.sample_size(10);
     for (index, rule) in scenario.policies.iter().enumerate() {
-        let policy = Arc::new(ResolvedPolicy::of(&scenario, index).unwrap());
+        let policy = Arc::new(ResolvedPolicy::from_scenario(&scenario, index).unwrap());
         let log = Shop::with_recorder(&scenario, policy.clone(), 0, RunLog::default()).unwrap().run().unwrap();
         group.throughput(Throughput::Elements(log.passes.len() as u64));
         group.bench_function(BenchmarkId::new("run", &rule.name), |bench| {
@@ -220,7 +220,7 @@ fn shift(criterion: &mut Criterion) {
             });
         });
         group.bench_function(BenchmarkId::new("resolve", &rule.name), |bench| {
-            bench.iter(|| ResolvedPolicy::of(black_box(&scenario), index).unwrap());
+            bench.iter(|| ResolvedPolicy::from_scenario(black_box(&scenario), index).unwrap());
         });
     }
     group.finish();

@@ -27,17 +27,17 @@ impl<R: Recorder> Shop<'_, R> {
         let operation = &self.scenario.parts[ordered.part].operations[next as usize];
         let batch = operation.machines.iter().any(|machine| self.scenario.machines[*machine].batch.is_some());
         let awaited = self.world.awaits_first((order, next));
-        if awaited && !batch && !self.world.ahead.contains(&(order, next)) {
-            self.world.ahead.push((order, next));
+        if awaited && !batch && !self.world.setups_ahead.contains(&(order, next)) {
+            self.world.setups_ahead.push((order, next));
         }
     }
 
     /// Machines that are free and have no job to take are set up for orders that are on their way.
     pub(super) fn set_up_ahead(&mut self) -> Result<(), ShopError> {
         let mut place = 0;
-        while let Some(&(order, operation)) = self.world.ahead.get(place) {
+        while let Some(&(order, operation)) = self.world.setups_ahead.get(place) {
             if self.world.machines_wanted((order, operation)) == 0 {
-                self.world.ahead.remove(place);
+                self.world.setups_ahead.remove(place);
                 continue;
             }
             let part = self.scenario.orders[order as usize].part;
@@ -58,7 +58,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn begin_ahead(&mut self, machine: usize, (order, operation): (u32, u32), setup: f64) -> Result<(), ShopError> {
         let origin = Origin::Order(order);
         let Some(of) = self.world.jobs.find(|job| job.origin == origin && !job.stand_in) else {
-            self.world.ahead.retain(|wanted| wanted.0 != order); // none of its jobs is in the shop
+            self.world.setups_ahead.retain(|wanted| wanted.0 != order); // none of its jobs is in the shop
             return Ok(());
         };
         let now = self.now();

@@ -12,7 +12,7 @@ use toolroom_scenario::{ArrivalPattern, Pegging};
 
 /// Pieces in stock that came together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stocked {
+pub struct StockArrival {
     /// Where they came from.
     pub origin: Origin,
     /// How many of them are left.
@@ -27,7 +27,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// Whether a job may take pieces in stock: where they are made for its order, or for none.
-    fn is_for(&self, own: Stocked, slot: u32) -> bool {
+    fn is_for(&self, own: StockArrival, slot: u32) -> bool {
         let made_for = match own.origin {
             Origin::Order(order) => self.scenario.orders[order as usize].parent,
             Origin::Source(_) | Origin::Crib(_) | Origin::Stock(_) => None,
@@ -95,7 +95,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// Finished pieces of a component come to its stock.
     pub(super) fn stock(&mut self, part: usize, origin: Origin, pieces: u32) -> Result<(), ShopError> {
-        self.world.stock[part].push_back(Stocked { origin, pieces });
+        self.world.stock[part].push_back(StockArrival { origin, pieces });
         for machine in 0..self.layout.takes[part].len() {
             self.may_choose(self.layout.takes[part][machine] as usize);
         }

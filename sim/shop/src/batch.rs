@@ -4,12 +4,12 @@
 //! came first has waited for long enough. Of several families that are ready the one goes whose best job,
 //! by the rules of the queue, is better; it fills the machine in the order of the queue.
 
-use super::dispatch::Weighing;
+use super::dispatch::QueueChange;
 use super::event::Event;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use toolroom_kernel::{Entity, EventKey, Purpose, SimTime};
-use toolroom_queues::Waiting;
+use toolroom_queues::QueueEntry;
 use toolroom_scenario::{Batch, BatchFamily, BatchUnit, Work, WorkPer};
 
 /// What a machine that makes batches remembers.
@@ -24,7 +24,7 @@ pub struct BatchState {
 /// Jobs of one family that wait, in the order of the queue.
 struct Family {
     key: u32,
-    members: Vec<Waiting>,
+    members: Vec<QueueEntry>,
     size: u64,
     oldest: SimTime,
 }
@@ -67,7 +67,7 @@ impl<R: Recorder> Shop<'_, R> {
         for &slot in &members {
             self.leave_line(slot);
             self.world.jobs.at_mut(slot).waiting = false;
-            self.weigh(slot, Weighing::Leaves);
+            self.weigh(slot, QueueChange::Leaves);
         }
         let lead = members.remove(0);
         self.begin(machine, lead, members)?;

@@ -14,7 +14,7 @@ use toolroom_scenario::{Branch, DispatchRule, MachineChoice, Scenario, Urgency};
 
 /// The queue of a machine under its rules.
 pub(super) fn queue_of(scenario: &Scenario, machine: usize, rules: &[DispatchRule]) -> Queue {
-    Queue::of(if scenario.machines[machine].batch.is_some() {
+    Queue::from_queue_kind(if scenario.machines[machine].batch.is_some() {
         QueueKind::Scan
     } else {
         queue_kind(rules, &scenario.control.keys)

@@ -12,7 +12,7 @@ use super::world::World;
 use super::{Shop, ShopError};
 use crate::runlog::LogEvent;
 use toolroom_queues::{Moment, keys};
-use toolroom_queues::{Queue, Waiting};
+use toolroom_queues::{Queue, QueueEntry};
 use toolroom_scenario::{CardLoop, DispatchRule, Scenario};
 
 /// Cards of all loops.
@@ -51,15 +51,15 @@ pub(super) fn loops_in(set: u64) -> impl Iterator<Item = usize> + Clone {
 }
 
 /// Rules of the backlog of a loop.
-fn rules_of<'a>(scenario: &'a Scenario, own: &'a CardLoop) -> &'a [DispatchRule] {
-    if own.rules.is_empty() { &scenario.dispatch } else { &own.rules }
+fn rules_of<'a>(scenario: &'a Scenario, card_loop: &'a CardLoop) -> &'a [DispatchRule] {
+    if card_loop.rules.is_empty() { &scenario.dispatch } else { &card_loop.rules }
 }
 
 impl Cards {
-    pub(super) fn of(scenario: &Scenario) -> Self {
+    pub(super) fn from_scenario(scenario: &Scenario) -> Self {
         let backlog = |own: &CardLoop| {
             let kind = queue_kind(rules_of(scenario, own), &scenario.control.keys);
-            Backlog { taken: 0, queue: Queue::of(kind) }
+            Backlog { taken: 0, queue: Queue::from_queue_kind(kind) }
         };
         Self { loops: scenario.control.loops.iter().map(backlog).collect(), ..Self::default() }
     }
@@ -137,7 +137,7 @@ impl<R: Recorder> Shop<'_, R> {
         let rules = rules_of(scenario, &scenario.control.loops[index]);
         let World { cards, jobs, .. } = &mut self.world;
         let job = jobs.at(slot);
-        let waiting = Waiting { since: job.queued, number: job.number, slot, operation: job.operation };
+        let waiting = QueueEntry { since: job.queued, number: job.number, slot, operation: job.operation };
         let machine = scenario.parts[job.row.part as usize].operations[job.operation as usize].machines[0];
         cards.loops[index].queue.join(
             waiting,
@@ -273,7 +273,7 @@ impl<R: Recorder> Shop<'_, R> {
 }
 
 /// Whether a job still waits for a card, and for what its place in a backlog says.
-fn is_parked(jobs: &super::job::Jobs, waiting: &Waiting) -> bool {
+fn is_parked(jobs: &super::job::Jobs, waiting: &QueueEntry) -> bool {
     let job = jobs.get(waiting.slot);
     job.is_some_and(|job| {
         job.parked && job.number == waiting.number && job.operation == waiting.operation && job.queued == waiting.since

@@ -3,7 +3,7 @@
 
 use super::draws;
 use super::machine::{InCut, in_cut};
-use super::pass::{Opened, Place};
+use super::pass::{PassStart, Place};
 use super::ports::{Ports, write};
 use super::program::{Block, Program};
 use super::recorder::Recorder;
@@ -33,7 +33,7 @@ impl<R: Recorder> Shop<'_, R> {
         let mut program = program(plan, allowance, ports);
         program.skip(plan.time() * (1.0 - machining.piece.share_left));
         let duration = plan.time() * machining.piece.share_left;
-        let seen = Observation {
+        let observation = Observation {
             path: plan.path_length * machining.piece.share_left,
             edge_path: edge.row.path,
             edge_time: edge.row.cutting_time,
@@ -44,8 +44,8 @@ impl<R: Recorder> Shop<'_, R> {
             true_wear: None,
             true_edge: None,
         };
-        if edge.row.passes > 0 && controller.change_due(&seen, &Conditions::constant(first.0), duration) {
-            edge.spent = Some(ChangeReason::Rule);
+        if edge.row.passes > 0 && controller.change_due(&observation, &Conditions::constant(first.0), duration) {
+            edge.change_reason = Some(ChangeReason::Rule);
             return self.begin_change(machine);
         }
         let mut input = tool_plan.input.clone();
@@ -59,7 +59,7 @@ impl<R: Recorder> Shop<'_, R> {
         state.segment.program = program;
         state.segment.start_input = input;
         let depth_of_cut = plan.depth_of_cut;
-        let opened = Opened { feed: first.1, depth_of_cut, speed: first.0, ..Opened::lasting(duration) };
+        let opened = PassStart { feed: first.1, depth_of_cut, speed: first.0, ..PassStart::lasting(duration) };
         self.open_pass(machine, place, opened);
         self.plan_segment(machine)
     }

@@ -18,7 +18,7 @@ pub struct CrewState {
 }
 
 impl CrewState {
-    pub(super) fn of(crew: &Crew) -> Self {
+    pub(super) fn from_crew(crew: &Crew) -> Self {
         Self { free: crew.count, waiting: VecDeque::new() }
     }
 }

@@ -37,7 +37,7 @@ pub struct CribState {
 }
 
 impl CribState {
-    pub(super) fn of(crib: &Crib) -> Self {
+    pub(super) fn from_crib(crib: &Crib) -> Self {
         Self { there: (0..crib.edges).map(|_| 0).collect(), ..Self::default() }
     }
 }

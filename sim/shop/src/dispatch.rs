@@ -10,7 +10,7 @@ use super::{Shop, ShopError};
 use rand::RngExt;
 use toolroom_kernel::{Purpose, Streams};
 use toolroom_queues::Plan;
-use toolroom_queues::{Facts, Keys, Queue, QueueKind, Waiting};
+use toolroom_queues::{Facts, Keys, Queue, QueueEntry, QueueKind};
 use toolroom_queues::{Measures, Moment, keys};
 use toolroom_scenario::{Assignment, Blocking, DispatchRule, KeyOptions, NextQueue, Preemption, Scenario, SlackBy};
 
@@ -29,12 +29,12 @@ pub(super) fn queue_kind(rules: &[DispatchRule], options: &KeyOptions) -> QueueK
 
 /// Whether a job still waits for what a place in a queue says.
 #[inline]
-fn is_here(jobs: &Jobs, waiting: &Waiting) -> bool {
+fn is_here(jobs: &Jobs, waiting: &QueueEntry) -> bool {
     let job = jobs.get(waiting.slot);
     job.is_some_and(|job| {
-        let this = job.waiting && job.number == waiting.number && job.operation == waiting.operation;
+        let operation = job.waiting && job.number == waiting.number && job.operation == waiting.operation;
         // An inspection may have sent it back to the same operation.
-        this && job.queued == waiting.since
+        operation && job.queued == waiting.since
     })
 }
 
@@ -153,7 +153,7 @@ impl<R: Recorder> Shop<'_, R> {
                 let Some(slot) = self.pick(machine)? else { break };
                 let taker = self.preferred(machine, slot);
                 self.keep(taker, slot);
-                self.weigh(slot, Weighing::Leaves);
+                self.weigh(slot, QueueChange::Leaves);
                 if self.world.flow.is_limited() {
                     self.leave_buffer(slot);
                 }
@@ -171,7 +171,7 @@ impl<R: Recorder> Shop<'_, R> {
                 return self.dispatch(); // jobs that were offered are back in line
             }
         }
-        if !self.world.ahead.is_empty() {
+        if !self.world.setups_ahead.is_empty() {
             self.set_up_ahead()?;
         }
         Ok(())
@@ -277,7 +277,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// A job joins the queues of its operation.
     pub(super) fn wait(&mut self, slot: u32) {
-        self.weigh(slot, Weighing::Comes);
+        self.weigh(slot, QueueChange::Comes);
         self.queue_up(slot);
     }
 
@@ -320,7 +320,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn join(&mut self, machine: usize, slot: u32) {
         let (scenario, layout, streams, jobs) = (self.scenario, &self.layout, &self.streams, &self.world.jobs);
         let job = jobs.at(slot);
-        let waiting = Waiting { since: job.queued, number: job.number, slot, operation: job.operation };
+        let waiting = QueueEntry { since: job.queued, number: job.number, slot, operation: job.operation };
         let branched = self.world.branched;
         let rules = || branch::rules(scenario, branched, machine);
         self.world.machines[machine].queue.join(
@@ -332,7 +332,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// Keeps the work that waits at the station of a job's operation, where a rule looks at it.
-    pub(super) fn weigh(&mut self, slot: u32, weighing: Weighing) {
+    pub(super) fn weigh(&mut self, slot: u32, weighing: QueueChange) {
         if !self.layout.looks_ahead {
             return;
         }
@@ -341,11 +341,11 @@ impl<R: Recorder> Shop<'_, R> {
         let time = self.layout.time(&self.world.jobs, slot, part, operation);
         let (count, work) = &mut self.world.waiting_work[self.layout.operations[part][operation].station as usize];
         match weighing {
-            Weighing::Comes => {
+            QueueChange::Comes => {
                 *count += 1;
                 *work += time;
             }
-            Weighing::Leaves => {
+            QueueChange::Leaves => {
                 *count -= 1;
                 // No rounding stays where nobody waits.
                 *work = if *count == 0 { 0.0 } else { *work - time };
@@ -353,7 +353,7 @@ impl<R: Recorder> Shop<'_, R> {
         }
     }
 
-    pub(super) fn choose(&mut self, machine: usize) -> Option<Waiting> {
+    pub(super) fn choose(&mut self, machine: usize) -> Option<QueueEntry> {
         let jobs = &self.world.jobs;
         let queue = &mut self.world.machines[machine].queue;
         if let Some(first) = queue.take_standing(|waiting| is_here(jobs, waiting)) {
@@ -370,7 +370,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// Jobs that wait at a machine which makes batches, in the order of its rules.
-    pub(super) fn in_order(&mut self, machine: usize) -> Vec<Waiting> {
+    pub(super) fn in_order(&mut self, machine: usize) -> Vec<QueueEntry> {
         let (queue, look) = self.look(machine);
         queue.in_order(
             |waiting| is_here(look.jobs, waiting),
@@ -424,7 +424,7 @@ impl Look<'_> {
         Measures { time: if with_setup { facts.time + setup } else { facts.time }, setup }
     }
 
-    pub(super) fn keys(&self, waiting: &Waiting, facts: &Facts, mean: Measures) -> Keys {
+    pub(super) fn keys(&self, waiting: &QueueEntry, facts: &Facts, mean: Measures) -> Keys {
         let work_at = |station: u32| {
             let together = &self.layout.overlapping[station as usize];
             let waiting = together.iter().map(|station| self.waiting_work[*station as usize].1).sum::<f64>();
@@ -465,7 +465,7 @@ pub(super) fn started_work(scenario: &Scenario, layout: &Layout, world: &World, 
 
 /// Whether a job begins to wait or waits no longer.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Weighing {
+pub(super) enum QueueChange {
     Comes,
     Leaves,
 }

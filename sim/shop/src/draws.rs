@@ -56,7 +56,7 @@ impl Ranks {
     /// One stream for every operation with plain work of every part of a source. They belong to the names of part and operation
     /// and to the name of the source or, without one, its place among those of the part, so that other parts and sources change
     /// nothing.
-    pub fn of(scenario: &Scenario, layout: &Layout, streams: &Streams, source: usize) -> Vec<Self> {
+    pub fn from_scenario(scenario: &Scenario, layout: &Layout, streams: &Streams, source: usize) -> Vec<Self> {
         let of_part = |&(number, _): &(usize, f64)| {
             let unnamed = |other: &&Arrival| other.name.is_none() && other.brings(number);
             let place = scenario.arrivals[..source].iter().filter(unnamed).count() as u64;

@@ -26,7 +26,7 @@ pub struct Edge {
     /// Cutting time on the edge when the noise was drawn, s.
     pub noise_time: f64,
     /// Why it has to leave, once that is known.
-    pub spent: Option<ChangeReason>,
+    pub change_reason: Option<ChangeReason>,
     /// What the controller knows about it.
     pub observer: Option<Observer>,
     /// What the force told about a wheel since it was dressed.

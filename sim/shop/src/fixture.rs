@@ -40,7 +40,7 @@ impl FixtureState {
 
 /// Machines with work that lacks a fixture or a person.
 #[derive(Clone, Debug, Default)]
-pub struct Lacking {
+pub struct Shortages {
     /// Those machines.
     machines: Vec<u32>,
     /// Whether something has become free since they chose.

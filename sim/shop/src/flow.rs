@@ -22,7 +22,7 @@ pub struct Flow {
     /// service, those on its machines and those that have reserved a place.
     pub buffers: Vec<Vec<u32>>,
     /// Jobs that are done on a machine and cannot move on, in the order in which they were held up.
-    pub(super) held: Vec<Held>,
+    pub(super) held: Vec<BlockedJob>,
     /// Jobs that have not found room in the shop yet, in the order of their release, by part.
     pub(super) doors: Vec<VecDeque<(u64, u32)>>,
     /// Machines with work for which no place can be reserved, with blocking before service.
@@ -46,7 +46,7 @@ pub enum Place {
 
 /// A job that cannot move on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Held {
+pub(super) struct BlockedJob {
     /// Number among all that were held up.
     pub order: u64,
     pub slot: u32,
@@ -134,7 +134,7 @@ impl<R: Recorder> Shop<'_, R> {
         let order = flow.count;
         match machine {
             Some(machine) => {
-                flow.held.push(Held { order, slot, machine: machine as u32, output: None });
+                flow.held.push(BlockedJob { order, slot, machine: machine as u32, output: None });
                 flow.suspect = true;
                 self.world.machines[machine].blocked = Some(slot);
                 self.show_state(machine);
@@ -169,7 +169,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// The first job that can move; `through`: also through a full buffer to an idle machine.
     fn next_move(&self, through: bool) -> Option<Move> {
         let flow = &self.world.flow;
-        let on = |(place, held): (usize, &Held)| {
+        let on = |(place, held): (usize, &BlockedJob)| {
             if let Some(to) = self.place_for(held.slot, through) {
                 return Some((held.order, Move::On(place, to)));
             }
@@ -237,7 +237,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// The place that a held job leaves is free.
-    pub(super) fn let_go(&mut self, held: Held) {
+    pub(super) fn let_go(&mut self, held: BlockedJob) {
         match held.output {
             Some(buffer) => self.world.flow.remove(buffer, held.slot),
             None => {
@@ -250,12 +250,12 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// A job takes its place before its operation and waits there.
-    fn enter(&mut self, slot: u32, to: Place) {
+    fn enter(&mut self, slot: u32, place: Place) {
         let now = self.now();
         let job = self.world.jobs.at_mut(slot);
         job.queued = now;
         let reserved = job.reserved.take().is_some();
-        if let Place::Buffer(buffer) = to {
+        if let Place::Buffer(buffer) = place {
             job.buffer = Some(buffer);
             if !reserved {
                 self.world.flow.buffers[buffer].push(slot);

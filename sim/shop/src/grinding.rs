@@ -3,7 +3,7 @@
 use super::draws::owner;
 use super::layout::phase_duration;
 use super::machine::{InCut, MOUNTED, in_cut};
-use super::pass::{Opened, Place};
+use super::pass::{PassStart, Place};
 use super::ports::write;
 use super::program::{Block, Program};
 use super::recorder::Recorder;
@@ -87,7 +87,7 @@ impl<R: Recorder> Shop<'_, R> {
         let infeed_per_rev = phases.first().map_or(0.0, |phase| phase.infeed_per_rev);
         write(&mut input, ports.feed, infeed_per_rev);
         let program = Program { blocks: phases.iter().map(block).collect() };
-        let opened = Opened { feed: infeed_per_rev, readings, ..Opened::lasting(program.duration()) };
+        let opened = PassStart { feed: infeed_per_rev, readings, ..PassStart::lasting(program.duration()) };
         state.segment.program = program;
         state.segment.start_input = input;
         self.open_pass(machine, place, opened);
@@ -114,7 +114,7 @@ impl<R: Recorder> Shop<'_, R> {
             let mut indicators = [0.0; 2];
             infeed.event_indicators(&part, &Input::from_slice(&state.segment.input), &mut indicators);
             if indicators[1] >= 0.0 {
-                edge.spent = Some(ChangeReason::Dressing);
+                edge.change_reason = Some(ChangeReason::Dressing);
             }
         }
     }
@@ -124,7 +124,7 @@ impl<R: Recorder> Shop<'_, R> {
         let Some(controller) = self.controllers.grinding(first_pass) else { return };
         let edge = self.world.machines[machine].edges[place.tool].as_mut().expect(MOUNTED);
         if controller.dressing_due(edge.row.parts, &edge.wheel) == Some(true) {
-            edge.spent = Some(ChangeReason::Dressing);
+            edge.change_reason = Some(ChangeReason::Dressing);
         }
     }
 }

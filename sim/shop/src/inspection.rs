@@ -127,17 +127,17 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// A job goes back to an operation: its times from there on are drawn anew.
-    pub(super) fn send_back(&mut self, slot: u32, to: u32) {
+    pub(super) fn send_back(&mut self, slot: u32, end: u32) {
         let scenario = self.scenario;
         let job = self.world.jobs.at_mut(slot);
         job.visits += 1;
-        let from = std::mem::replace(&mut job.operation, to);
+        let from = std::mem::replace(&mut job.operation, end);
         let (entity, visit, part, origin) = (job.entity, u64::from(job.visits), job.row.part as usize, job.origin);
         if let Origin::Order(order) = origin {
-            self.world.repeat_in_lot(order, to, from);
+            self.world.repeat_in_lot(order, end, from);
             self.look_again(order);
         }
-        for index in to as usize..=from as usize {
+        for index in end as usize..=from as usize {
             if matches!(scenario.parts[part].operations[index].work, Work::Plain(_)) {
                 let mut stream = self.streams.at(entity.part(index as u64), Purpose::Processing, visit);
                 self.draw_work(slot, index, &mut stream);

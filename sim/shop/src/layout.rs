@@ -135,7 +135,8 @@ pub(super) struct Passes {
 impl Layout {
     pub fn of(scenario: &Scenario) -> Result<Self, ShopError> {
         check(scenario)?;
-        let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
+        let tools: Vec<ToolPlan> =
+            scenario.tools.iter().map(|tool| ToolPlan::from_process_model(&tool.process)).collect();
         let pass_times = programmed_pass_times(scenario, &tools);
         let programmed = totals(&pass_times);
         let mut groups: Vec<String> = Vec::new();
@@ -238,7 +239,9 @@ impl Layout {
         let one_step: Vec<bool> = one_step.collect();
         let bare = is_bare(scenario);
         let quick = super::quick::machines(scenario, &operations, one_step.clone(), (bare, looks_ahead));
-        let plan = |index: usize| MachinePlan::of(scenario, index, assembles[index], [one_step[index], quick[index]]);
+        let plan = |index: usize| {
+            MachinePlan::from_scenario(scenario, index, assembles[index], [one_step[index], quick[index]])
+        };
         let machine_plans = (0..scenario.machines.len()).map(plan).collect();
         let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
         let means = |part: &Part| part.operations.iter().map(|own| own.work.plain_time()).collect();
@@ -352,7 +355,7 @@ impl Layout {
 }
 
 impl ToolPlan {
-    fn of(process: &ProcessModel) -> Self {
+    fn from_process_model(process: &ProcessModel) -> Self {
         let structure = process.has_structure();
         let process = process.machine_process();
         let ports = Ports { structure, ..Ports::of(process) };
@@ -396,7 +399,7 @@ fn in_order(pattern: &ArrivalPattern) -> Vec<usize> {
 /// cutting speed (turning); a grinding phase takes its revolutions over the work speed. Plain work is
 /// no time in cut. An operation whose tool does not exist has none.
 pub fn programmed_cutting_times(scenario: &Scenario) -> Vec<Vec<f64>> {
-    let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
+    let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::from_process_model(&tool.process)).collect();
     totals(&programmed_pass_times(scenario, &tools))
 }
 

@@ -85,7 +85,7 @@ mod transport;
 mod vibration;
 mod world;
 
-pub use assembly::Stocked;
+pub use assembly::StockArrival;
 pub use batch::BatchState;
 pub use cards::Cards;
 pub use chatter::{Reaction, Surface};
@@ -95,7 +95,7 @@ pub use cut::Segment;
 pub use edge::Edge;
 pub use error::{CODES, Refusal, ShopError};
 pub use event::Event;
-pub use fixture::{FixtureState, Lacking};
+pub use fixture::{FixtureState, Shortages};
 pub use flow::{Flow, Place};
 pub use job::{Job, Jobs, Origin};
 pub use layout::programmed_cutting_times;
@@ -107,7 +107,7 @@ pub use program::{Block, Program};
 pub use release::Pool;
 pub use sequence::Followed;
 pub use stock::StockState;
-pub use toolroom_queues::{Queue, Waiting};
+pub use toolroom_queues::{Queue, QueueEntry};
 pub use transport::{Call, TransportState, VehicleState};
 pub use world::{FailureState, SourceState, World};
 
@@ -164,7 +164,7 @@ pub struct Shop<'a, R = RunLog> {
 /// assert!(log.passes.len() > 1000);
 /// ```
 pub fn run(scenario: &Scenario, policy: usize, replication: u32) -> Result<RunLog, ShopError> {
-    let resolved = Arc::new(ResolvedPolicy::of(scenario, policy)?);
+    let resolved = Arc::new(ResolvedPolicy::from_scenario(scenario, policy)?);
     let world = scenario.drawn(replication)?;
     Shop::with_recorder(&world, resolved, replication, RunLog::default())?.run()
 }
@@ -176,7 +176,7 @@ impl<'a> Shop<'a, RunLog> {
     /// # Errors
     /// [`ShopError`] for indices that point nowhere and for policies that cannot be resolved.
     pub fn new(scenario: &'a Scenario, policy: usize, replication: u32) -> Result<Self, ShopError> {
-        let resolved = Arc::new(ResolvedPolicy::of(scenario, policy)?);
+        let resolved = Arc::new(ResolvedPolicy::from_scenario(scenario, policy)?);
         Shop::with_recorder(scenario, resolved, replication, RunLog::default())
     }
 }
@@ -203,7 +203,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
         let machines = scenario.machines.iter().enumerate().map(machine).collect();
         let source = |index| {
             let entity = source_entity(scenario, "arrivals", index);
-            let ranks = Ranks::of(scenario, &layout, &streams, index);
+            let ranks = Ranks::from_scenario(scenario, &layout, &streams, index);
             SourceState { released: 0, releases: 0, pieces: 0, stream: streams.open(entity, Purpose::Arrival), ranks }
         };
         let failure = FailureState { count: 0, failed: false, left: 0.0, repair: 0.0, since: SimTime::ZERO, due: None };
@@ -217,16 +217,16 @@ impl<'a, R: Recorder> Shop<'a, R> {
             waiting_work: vec![(0, 0.0); layout.overlapping.len()],
             candidates: Vec::new(),
             operators: Vec::new(),
-            crews: scenario.crews.iter().map(CrewState::of).collect(),
-            transports: scenario.transports.iter().map(TransportState::of).collect(),
+            crews: scenario.crews.iter().map(CrewState::from_crew).collect(),
+            transports: scenario.transports.iter().map(TransportState::from_transport).collect(),
             attended: vec![SimTime::ZERO; if scenario.operators.is_empty() { 0 } else { scenario.machines.len() }],
             awaiting: Vec::new(),
             fixtures: vec![FixtureState::default(); scenario.shared.fixtures.len()],
-            cribs: scenario.shared.cribs.iter().map(CribState::of).collect(),
+            cribs: scenario.shared.cribs.iter().map(CribState::from_crib).collect(),
             sequences: vec![Followed::default(); scenario.machines.len()],
             upkeep: Vec::new(),
             upkeep_waiting: 0,
-            lacking: Lacking::default(),
+            lacking: Shortages::default(),
             flow: Flow::of(scenario),
             stock: vec![VecDeque::new(); scenario.parts.len()],
             stocks: vec![StockState::default(); scenario.shared.stocks.len()],
@@ -234,10 +234,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
             anew: vec![0; scenario.orders.len()],
             challengers: Vec::new(),
             branched: false,
-            cards: Cards::of(scenario),
+            cards: Cards::from_scenario(scenario),
             pool: Pool::default(),
             dividing: Vec::new(),
-            ahead: Vec::new(),
+            setups_ahead: Vec::new(),
         };
         let pairs = scenario.tools.iter().map(|tool| draws::pair(&tool.scatter, &streams, &tool.name)).collect();
         let mut shop = Self {
@@ -391,7 +391,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
     /// # Errors
     /// [`ShopError`] for an unknown policy and one that cannot be resolved.
     pub fn set_policy(&mut self, policy: usize) -> Result<(), ShopError> {
-        let resolved = ResolvedPolicy::of(self.scenario, policy)?;
+        let resolved = ResolvedPolicy::from_scenario(self.scenario, policy)?;
         if resolved != *self.controllers {
             self.controllers = Arc::new(resolved);
             for machine in &mut self.world.machines {

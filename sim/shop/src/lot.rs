@@ -7,7 +7,7 @@
 //! as take its jobs in the instant in which the first is taken, and each does its share of them.
 
 use super::Shop;
-use super::dispatch::Weighing;
+use super::dispatch::QueueChange;
 use super::job::Origin;
 use super::recorder::Recorder;
 use super::world::World;
@@ -103,10 +103,10 @@ impl World {
         }
     }
 
-    /// One more job of an order has to pass the operations from `from` on, where several are in the shop.
-    pub(super) fn join_lot(&mut self, order: u32, from: u32) {
+    /// One more job of an order has to pass the operations from `start` on, where several are in the shop.
+    pub(super) fn join_lot(&mut self, order: u32, start: u32) {
         let Some(lot) = self.lot_mut(order) else { return };
-        lot.steps.iter_mut().skip(from as usize).for_each(|step| step.left += 1);
+        lot.steps.iter_mut().skip(start as usize).for_each(|step| step.left += 1);
     }
 
     /// Pieces of an order begin anew: one more job has to pass all operations, where several are in the shop. Machines are not
@@ -118,11 +118,11 @@ impl World {
         }
     }
 
-    /// A job of an order has to pass the operations `to` to `from` once more, where several are in the shop.
-    pub(super) fn repeat_in_lot(&mut self, order: u32, to: u32, from: u32) {
+    /// A job of an order has to pass the operations `end` to `start` once more, where several are in the shop.
+    pub(super) fn repeat_in_lot(&mut self, order: u32, end: u32, start: u32) {
         let Some(lot) = self.lot_mut(order) else { return };
         lot.returned = true;
-        lot.steps[to as usize..=from as usize].iter_mut().for_each(|step| step.left += 1);
+        lot.steps[end as usize..=start as usize].iter_mut().for_each(|step| step.left += 1);
     }
 
     /// The job that [`World::next_of_lot`] would take.
@@ -156,11 +156,11 @@ impl World {
     }
 
     /// A machine is kept for an order whose jobs are on their way.
-    pub(super) fn keep_ahead(&mut self, (order, operation): (u32, u32), kept: KeptMachine) {
+    pub(super) fn keep_ahead(&mut self, (order, operation): (u32, u32), kept_machine: KeptMachine) {
         if let Some(step) = self.step_mut((order, operation)) {
-            step.machines.push(kept);
+            step.machines.push(kept_machine);
         }
-        let state = &mut self.machines[kept.machine as usize];
+        let state = &mut self.machines[kept_machine.machine as usize];
         (state.kept_for, state.set_up) = (Some((order, operation)), true);
     }
 }
@@ -198,8 +198,8 @@ impl<R: Recorder> Shop<'_, R> {
         step.line.extend(&moving);
         let divided = step.divided;
         let machines: Vec<usize> = step.machines.iter().map(|kept| kept.machine as usize).collect();
-        moving.iter().for_each(|slot| self.weigh(*slot, Weighing::Comes));
-        self.world.ahead.retain(|wanted| *wanted != (order, operation));
+        moving.iter().for_each(|slot| self.weigh(*slot, QueueChange::Comes));
+        self.world.setups_ahead.retain(|wanted| *wanted != (order, operation));
         if machines.is_empty() {
             self.offer(order, operation);
             return;
@@ -353,7 +353,7 @@ impl<R: Recorder> Shop<'_, R> {
             return;
         }
         let machines = std::mem::take(&mut step.machines);
-        self.world.ahead.retain(|wanted| *wanted != (order, operation));
+        self.world.setups_ahead.retain(|wanted| *wanted != (order, operation));
         machines.into_iter().for_each(|kept| self.set_free(kept.machine as usize));
         if self.world.lot_mut(order).is_some_and(|lot| operation as usize + 1 == lot.steps.len()) {
             self.world.lots[order as usize] = None; // all are through

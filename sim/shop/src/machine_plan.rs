@@ -26,7 +26,7 @@ pub(super) struct MachinePlan {
 
 impl MachinePlan {
     /// The machine number `index`; `assembles` where any of its operations needs components.
-    pub fn of(scenario: &Scenario, index: usize, assembles: bool, [one_step, is_quick]: [bool; 2]) -> Self {
+    pub fn from_scenario(scenario: &Scenario, index: usize, assembles: bool, [one_step, is_quick]: [bool; 2]) -> Self {
         let machine = &scenario.machines[index];
         let calendar = machine.calendar.map(|calendar| &scenario.calendars[calendar]);
         let fits_shifts = calendar.is_some_and(|calendar| calendar.start_only_if_fits);

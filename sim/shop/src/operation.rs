@@ -349,7 +349,7 @@ impl<R: Recorder> Shop<'_, R> {
         let tool = task.machining().tool as usize;
         let dull = self.world.machines[machine].edges[tool]
             .as_ref()
-            .is_some_and(|edge| edge.spent == Some(ChangeReason::Dressing));
+            .is_some_and(|edge| edge.change_reason == Some(ChangeReason::Dressing));
         if dull {
             self.begin_dressing(machine);
         } else {

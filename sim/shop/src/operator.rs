@@ -45,7 +45,7 @@ const SHARES: f64 = 1e-6;
 
 /// A step that waits for somebody.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Awaiting {
+pub(super) struct StepRequest {
     keys: Keys,
     /// When its job came to the queue, s, and its number: the tie breaks.
     arrival: (f64, u32),
@@ -56,7 +56,7 @@ pub(super) struct Awaiting {
     left: Option<SimTime>,
 }
 
-impl Awaiting {
+impl StepRequest {
     /// What somebody leaves in this instant passes to another before anything else is served.
     fn order(&self, other: &Self, now: SimTime) -> Ordering {
         let passed = (self.left != Some(now)).cmp(&(other.left != Some(now)));
@@ -218,7 +218,7 @@ impl<R: Recorder> Shop<'_, R> {
         let keys = keys_of(self, machine, slot);
         let job = self.world.jobs.at(slot);
         let arrival = (job.queued.seconds(), job.number);
-        self.world.awaiting.push(Awaiting { keys, arrival, machine: machine as u32, skill, share, left: None });
+        self.world.awaiting.push(StepRequest { keys, arrival, machine: machine as u32, skill, share, left: None });
         self.world.machines[machine].task.as_mut().expect(IN_WORK).waits = true;
     }
 
@@ -256,7 +256,7 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now();
         self.world.awaiting.sort_by(|a, b| a.order(b, now));
         let mut next = 0;
-        while let Some(&Awaiting { machine, skill, share, .. }) = self.world.awaiting.get(next) {
+        while let Some(&StepRequest { machine, skill, share, .. }) = self.world.awaiting.get(next) {
             let Some(operator) = self.free_operator(skill, share) else {
                 next += 1;
                 continue;

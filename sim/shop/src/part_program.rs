@@ -1,7 +1,7 @@
 //! Part programs: every tool call is a pass of its tool, its spans are the commands of that pass.
 
 use super::machine::{IN_WORK, InCut, Machining, in_cut};
-use super::pass::{LONG, Opened, Place};
+use super::pass::{LONG, PassStart, Place};
 use super::ports::{Ports, read, write};
 use super::program::{Block, Program};
 use super::recorder::Recorder;
@@ -26,7 +26,7 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         let InCut { machining: Machining { moved, piece, .. }, edge, .. } =
             in_cut(&mut state.task, &mut state.edges[place.tool]);
-        let seen = Observation {
+        let observation = Observation {
             path: call.path * piece.share_left,
             edge_path: edge.row.path,
             edge_time: edge.row.cutting_time,
@@ -40,8 +40,8 @@ impl<R: Recorder> Shop<'_, R> {
         let main = longest(call);
         let in_cut_time: f64 = call.spans.iter().filter(|span| span.cut.is_some()).map(|span| span.time).sum();
         let conditions = Conditions::constant(main.map_or(0.0, |cut| cut.cutting_speed));
-        if edge.row.passes > 0 && controller.change_due(&seen, &conditions, in_cut_time * piece.share_left) {
-            edge.spent = Some(ChangeReason::Rule);
+        if edge.row.passes > 0 && controller.change_due(&observation, &conditions, in_cut_time * piece.share_left) {
+            edge.change_reason = Some(ChangeReason::Rule);
             return self.begin_change(machine);
         }
         let mut program = program(call, ports);
@@ -64,7 +64,7 @@ impl<R: Recorder> Shop<'_, R> {
         state.segment.program = program;
         state.segment.start_input = input;
         let (feed, depth_of_cut) = main.map_or((0.0, 0.0), |cut| (cut.feed_per_tooth, cut.depth_of_cut));
-        let opened = Opened { feed, depth_of_cut, speed: conditions.start_speed, ..Opened::lasting(duration) };
+        let opened = PassStart { feed, depth_of_cut, speed: conditions.start_speed, ..PassStart::lasting(duration) };
         self.open_pass(machine, place, opened);
         self.plan_segment(machine)
     }

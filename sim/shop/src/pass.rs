@@ -30,7 +30,7 @@ pub(super) struct Place {
 }
 
 /// What a pass begins with.
-pub(super) struct Opened {
+pub(super) struct PassStart {
     /// Time that it takes, s.
     pub duration: f64,
     /// Feed or infeed of its row, m.
@@ -45,7 +45,7 @@ pub(super) struct Opened {
     pub readings: Vec<ForceReading>,
 }
 
-impl Opened {
+impl PassStart {
     /// A pass of one layer, in s, without feed, depth and speed.
     pub fn lasting(duration: f64) -> Self {
         Self { duration, feed: 0.0, depth_of_cut: 0.0, speed: 0.0, layers: 1, readings: Vec::new() }
@@ -76,7 +76,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn next_pass_of(&mut self, machine: usize, place: Place) -> Result<(), ShopError> {
         let plan = self.layout.passes(place.part, place.operation);
         let edge = self.world.machines[machine].edges[place.tool].as_ref();
-        if edge.is_some_and(|edge| edge.spent.is_some_and(|reason| reason != ChangeReason::Dressing)) {
+        if edge.is_some_and(|edge| edge.change_reason.is_some_and(|reason| reason != ChangeReason::Dressing)) {
             return self.begin_change(machine);
         }
         let spoiled = self.world.machines[machine].task.as_ref().is_some_and(|task| task.machining().piece.spoiled);
@@ -153,7 +153,7 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         let InCut { machining: Machining { moved, piece, .. }, edge, .. } =
             in_cut(&mut state.task, &mut state.edges[place.tool]);
-        let seen = Observation {
+        let observation = Observation {
             path: cut.path_length * piece.share_left,
             edge_path: edge.row.path,
             edge_time: edge.row.cutting_time,
@@ -164,7 +164,7 @@ impl<R: Recorder> Shop<'_, R> {
             true_wear: controller.sees_true_wear().then(|| read(&edge.state, ports.flank_wear_state, 0.0)),
             true_edge: controller.sees_edge().then_some(&edge.scatter),
         };
-        let conditions = controller.choose(&seen);
+        let conditions = controller.choose(&observation);
         let tool = &self.scenario.tools[place.tool];
         let tool_plan = &self.layout.tools[place.tool];
         let mut input = std::mem::take(&mut state.segment.start_input);
@@ -173,13 +173,13 @@ impl<R: Recorder> Shop<'_, R> {
         let duration = if ports.feed_rate.is_some() {
             cut_duration(cut, process, tool_plan, &input) * piece.share_left * f64::from(conditions.layers)
         } else {
-            let duration = conditions.duration(seen.path);
+            let duration = conditions.duration(observation.path);
             let change = conditions.end_speed - conditions.start_speed;
             write(&mut input, ports.cutting_acceleration, if change == 0.0 { 0.0 } else { change / duration });
             duration
         };
-        if edge.row.passes > 0 && controller.change_due(&seen, &conditions, duration) {
-            edge.spent = Some(ChangeReason::Rule);
+        if edge.row.passes > 0 && controller.change_due(&observation, &conditions, duration) {
+            edge.change_reason = Some(ChangeReason::Rule);
             state.segment.start_input = input;
             return self.begin_change(machine);
         }
@@ -212,14 +212,14 @@ impl<R: Recorder> Shop<'_, R> {
         self.open_pass(
             machine,
             place,
-            Opened { feed, depth_of_cut: depth, speed, layers, ..Opened::lasting(duration) },
+            PassStart { feed, depth_of_cut: depth, speed, layers, ..PassStart::lasting(duration) },
         );
         self.plan_segment(machine)
     }
 
     /// A pass begins.
-    pub(super) fn open_pass(&mut self, machine: usize, place: Place, opened: Opened) {
-        let Opened { duration, feed, depth_of_cut, speed, layers, readings } = opened;
+    pub(super) fn open_pass(&mut self, machine: usize, place: Place, opened: PassStart) {
+        let PassStart { duration, feed, depth_of_cut, speed, layers, readings } = opened;
         let now = self.now().seconds();
         let ports = &self.layout.tools[place.tool].ports;
         let process = self.process(machine, place.tool).machine_process();
@@ -449,13 +449,13 @@ impl<R: Recorder> Shop<'_, R> {
             piece.size_error = row.size_error;
         }
         // An edge that was mounted past its wear limit never crosses it.
-        let worn = edge.spent.is_none()
+        let worn = edge.change_reason.is_none()
             && !segment.has(ProcessEvent::WearLimit)
             && process.holds(ProcessEvent::WearLimit, &edge.state, &segment.input);
         let mounted_worn = worn.then_some((0.0, ProcessEvent::WearLimit));
         for (after, event) in mounted_worn.into_iter().chain(segment.passed.iter().copied()) {
             match event {
-                ProcessEvent::WearLimit => edge.spent = edge.spent.or(Some(ChangeReason::WearLimit)),
+                ProcessEvent::WearLimit => edge.change_reason = edge.change_reason.or(Some(ChangeReason::WearLimit)),
                 ProcessEvent::Burn => piece.burnt = true,
                 // These end the cut or say that the wheel is due, which is seen to elsewhere.
                 ProcessEvent::ThermalCollapse | ProcessEvent::Chipping | ProcessEvent::DressingDue => {}
@@ -491,7 +491,7 @@ impl<R: Recorder> Shop<'_, R> {
         let risk = self.moved(ShopConstant::Scrap, machine, risk);
         let state = &mut self.world.machines[machine];
         let InCut { machining, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
-        edge.spent = Some(match event {
+        edge.change_reason = Some(match event {
             ProcessEvent::ThermalCollapse => ChangeReason::ThermalCollapse,
             ProcessEvent::Chipping => ChangeReason::Chipping,
             ProcessEvent::WearLimit | ProcessEvent::Burn | ProcessEvent::DressingDue => {
@@ -513,7 +513,7 @@ impl<R: Recorder> Shop<'_, R> {
         let edge = self.world.machines[machine].edges[place.tool].as_mut().expect(MOUNTED);
         let Some(limit) = controller.reading_limit().map(|limit| limit + later) else { return 0.0 };
         let sensors = controller.sensors();
-        if edge.spent.is_some() || !edge.row.passes.is_multiple_of(sensors.read_every) {
+        if edge.change_reason.is_some() || !edge.row.passes.is_multiple_of(sensors.read_every) {
             return 0.0;
         }
         let reading = u64::from(edge.row.passes);
@@ -523,7 +523,7 @@ impl<R: Recorder> Shop<'_, R> {
             observer.read(flank_wear, sensors);
         }
         if flank_wear >= limit {
-            edge.spent = Some(ChangeReason::Rule);
+            edge.change_reason = Some(ChangeReason::Rule);
         }
         sensors.reading_time
     }

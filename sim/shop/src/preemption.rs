@@ -5,7 +5,7 @@
 //! What the interrupted job has of its setup is lost, and so is its loading; the part leaves the machine and
 //! waits in the queue with its old time of arrival.
 
-use super::dispatch::Weighing;
+use super::dispatch::QueueChange;
 use super::machine::{Content, Step};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
@@ -50,7 +50,7 @@ impl<R: Recorder> Shop<'_, R> {
                 self.displace(machine)?;
                 self.stop_waiting(slot, None);
                 self.keep(machine, slot);
-                self.weigh(slot, Weighing::Leaves);
+                self.weigh(slot, QueueChange::Leaves);
                 self.supply(slot)?;
                 self.clamp(slot);
                 self.begin(machine, slot, Vec::new())?;

@@ -196,7 +196,7 @@ mod tests {
     fn quick_machines_leave_the_log_of_all_steps_one_by_one() {
         for (rule, setups) in [("fifo", false), ("fifo", true), ("spt", false), ("cr", true), ("least_setup", true)] {
             let scenario = shop(rule, setups);
-            let policy = Arc::new(ResolvedPolicy::of(&scenario, 0).unwrap());
+            let policy = Arc::new(ResolvedPolicy::from_scenario(&scenario, 0).unwrap());
             let mut slow = Shop::with_recorder(&scenario, policy, 0, RunLog::default()).unwrap();
             let layout = Arc::make_mut(&mut slow.layout);
             assert!(layout.machine_plans.iter().all(|plan| plan.is_quick));

@@ -10,7 +10,7 @@ use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::LogEvent;
 use toolroom_kernel::SimTime;
-use toolroom_queues::{Keys, Ranked, Waiting};
+use toolroom_queues::{Keys, QueueEntry, Ranked};
 use toolroom_scenario::{DispatchRule, ReleaseRule};
 
 /// Share of a norm that sums of times may be off by rounding.
@@ -175,7 +175,7 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at(slot);
         let machine = self.scenario.parts[job.row.part as usize].operations[job.operation as usize].machines[0];
         let facts = facts(self.scenario, &self.layout, &self.streams, (&self.world.jobs, slot), (machine, sequence));
-        let waiting = Waiting { since: entry.since, number: job.number, slot, operation: job.operation };
+        let waiting = QueueEntry { since: entry.since, number: job.number, slot, operation: job.operation };
         let now = self.now().seconds();
         let look = Look {
             scenario: self.scenario,

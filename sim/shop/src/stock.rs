@@ -3,7 +3,7 @@
 //! What is on order counts as in stock when it is asked whether more have to come. Lots that the shop makes are jobs like
 //! those of a source; bought ones come after a time.
 
-use super::assembly::Stocked;
+use super::assembly::StockArrival;
 use super::event::Event;
 use super::job::{Job, Origin};
 use super::recorder::Recorder;
@@ -30,7 +30,7 @@ impl<R: Recorder> Shop<'_, R> {
         for (index, stock) in self.scenario.shared.stocks.iter().enumerate() {
             if stock.quantity > 0 {
                 let origin = Origin::Stock(index as u32);
-                self.world.stock[stock.part].push_back(Stocked { origin, pieces: stock.quantity });
+                self.world.stock[stock.part].push_back(StockArrival { origin, pieces: stock.quantity });
             }
             self.reorder(index)?;
         }

@@ -57,7 +57,7 @@ impl<R: Recorder> Shop<'_, R> {
         let (mut length, aging) = (left, work.aging);
         if let Some(tool) = tool {
             let edge = &self.world.machines[machine].edges[tool];
-            let (none, spent) = (edge.is_none(), edge.as_ref().is_some_and(|edge| edge.spent.is_some()));
+            let (none, spent) = (edge.is_none(), edge.as_ref().is_some_and(|edge| edge.change_reason.is_some()));
             if spent || none && !self.finds_edge(machine, tool)? {
                 return self.begin_change(machine);
             }
@@ -83,7 +83,7 @@ impl<R: Recorder> Shop<'_, R> {
         edge.row.cutting_time += elapsed;
         edge.row.parts += u32::from(work.left == 0.0);
         if edge.life_left == 0.0 {
-            edge.spent = Some(ChangeReason::WearLimit);
+            edge.change_reason = Some(ChangeReason::WearLimit);
         }
     }
 

@@ -66,7 +66,7 @@ impl<R: Recorder> Shop<'_, R> {
             scatter,
             noise: 0.0,
             noise_time: 0.0,
-            spent: None,
+            change_reason: None,
             observer: None,
             wheel: WheelEstimate::default(),
             samples: 0,
@@ -160,7 +160,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn retire(&mut self, machine: usize, tool: usize) {
         if let Some(mut edge) = self.world.machines[machine].edges[tool].take() {
             self.scenario.tools[tool].process.machine_process().retire(&edge.state);
-            edge.row.reason = edge.spent.unwrap_or(ChangeReason::EndOfRun);
+            edge.row.reason = edge.change_reason.unwrap_or(ChangeReason::EndOfRun);
             if let Some(observer) = edge.observer.take() {
                 self.world.machines[machine].learnt[tool] = Some(observer);
             }
@@ -176,7 +176,7 @@ impl<R: Recorder> Shop<'_, R> {
                 if let Some(edge) = &mut self.world.machines[machine].edges[tool] {
                     if edge.row.removed.is_nan() {
                         edge.row.removed = now;
-                        edge.spent = None; // known to be worn, still in the machine
+                        edge.change_reason = None; // known to be worn, still in the machine
                     }
                     self.retire(machine, tool);
                 }

@@ -51,7 +51,7 @@ pub struct Call {
 }
 
 impl TransportState {
-    pub(super) fn of(transport: &Transport) -> Self {
+    pub(super) fn from_transport(transport: &Transport) -> Self {
         let vehicle = VehicleState { at: 0, to: 0, busy: false, job: None };
         let count = transport.count as usize;
         Self { vehicles: vec![vehicle; count], calls: VecDeque::new(), beside: vec![Vec::new(); count] }

@@ -81,8 +81,8 @@ impl<'a> Listener<'a> {
     }
 
     /// Time in an unstable cut so far, s.
-    fn counted(&self, at: &Instant) -> f64 {
-        read(&at.state, self.ports.chatter_time, 0.0)
+    fn counted(&self, instant: &Instant) -> f64 {
+        read(&instant.state, self.ports.chatter_time, 0.0)
     }
 
     /// A piece of the segment that was cut under one command without an event, from `start` to `end`.
@@ -132,12 +132,12 @@ impl<'a> Listener<'a> {
         Ok(at)
     }
 
-    fn observe(&mut self, at: &Instant) {
-        self.process.output(&at.state, &at.input, &mut self.output);
+    fn observe(&mut self, instant: &Instant) {
+        self.process.output(&instant.state, &instant.input, &mut self.output);
     }
 
-    fn is_unstable(&mut self, at: &Instant) -> bool {
-        self.observe(at);
+    fn is_unstable(&mut self, instant: &Instant) -> bool {
+        self.observe(instant);
         read(&self.output, self.ports.stable, 1.0) < 0.5
     }
 

@@ -1,17 +1,17 @@
 //! Everything of a shop that changes, as plain data.
 
-use super::assembly::Stocked;
+use super::assembly::StockArrival;
 use super::cards::Cards;
 use super::crew::CrewState;
 use super::crib::CribState;
 use super::draws::Ranks;
-use super::fixture::{FixtureState, Lacking};
+use super::fixture::{FixtureState, Shortages};
 use super::flow::Flow;
 use super::job::Jobs;
 use super::lot::Lot;
 use super::machine::Machine;
 use super::maintenance::UpkeepState;
-use super::operator::{Awaiting, OperatorState};
+use super::operator::{OperatorState, StepRequest};
 use super::release::Pool;
 use super::sequence::Followed;
 use super::stock::StockState;
@@ -50,11 +50,11 @@ pub struct World {
     /// Maintenance that is due and has not begun.
     pub(super) upkeep_waiting: u32,
     /// Machines with work that lacks one of them.
-    pub(super) lacking: Lacking,
+    pub(super) lacking: Shortages,
     /// Since when somebody attends to every machine, by machine; nothing without people.
     pub(super) attended: Vec<SimTime>,
     /// Steps that wait for somebody.
-    pub(super) awaiting: Vec<Awaiting>,
+    pub(super) awaiting: Vec<StepRequest>,
     /// Cards of loops, and jobs that wait for them.
     pub cards: Cards,
     /// Jobs that are not let into the shop yet.
@@ -62,7 +62,7 @@ pub struct World {
     /// Places in buffers, and jobs that cannot move on.
     pub flow: Flow,
     /// Finished components that are not built in yet, by part, the first come in front.
-    pub stock: Vec<VecDeque<Stocked>>,
+    pub stock: Vec<VecDeque<StockArrival>>,
     /// Components that are ordered when few are left, as in the scenario.
     pub stocks: Vec<StockState>,
     /// Orders of which pieces begin anew in this instant, and how many.
@@ -80,7 +80,7 @@ pub struct World {
     /// Orders and operations that machines begin in this instant: others may still join them.
     pub(super) dividing: Vec<(u32, u32)>,
     /// Orders on their way to operations for which a machine may be set up.
-    pub(super) ahead: Vec<(u32, u32)>,
+    pub(super) setups_ahead: Vec<(u32, u32)>,
     /// Machines that may choose a job now.
     pub(super) candidates: Vec<u32>,
 }

@@ -141,32 +141,32 @@ impl Report {
         out
     }
 
-    fn write_tiles(&self, out: &mut String) {
+    fn write_tiles(&self, text: &mut String) {
         if self.tiles.is_empty() {
             return;
         }
-        out.push_str("<dl class=\"tiles\">");
+        text.push_str("<dl class=\"tiles\">");
         for t in &self.tiles {
             let _ = write!(
-                out,
+                text,
                 "<div><dt>{}</dt><dd>{}</dd><dd class=\"note\">{}</dd></div>",
                 escape(&t.label),
                 escape(&t.value),
                 escape(&t.note)
             );
         }
-        out.push_str("</dl>\n");
+        text.push_str("</dl>\n");
     }
 
-    fn write_contents(&self, out: &mut String) {
+    fn write_contents(&self, text: &mut String) {
         if self.sections.len() <= 4 {
             return;
         }
-        out.push_str("<nav aria-label=\"Contents\"><h2>Contents</h2><ol>");
+        text.push_str("<nav aria-label=\"Contents\"><h2>Contents</h2><ol>");
         for (i, section) in self.sections.iter().enumerate() {
-            let _ = write!(out, "<li><a href=\"#section-{}\">{}</a></li>", i + 1, escape(section.heading()));
+            let _ = write!(text, "<li><a href=\"#section-{}\">{}</a></li>", i + 1, escape(section.heading()));
         }
-        out.push_str("</ol></nav>\n");
+        text.push_str("</ol></nav>\n");
     }
 
     /// Writes the report: first beside its place, then renamed into it, so that whoever opens
@@ -193,10 +193,10 @@ impl Report {
     }
 }
 
-fn write_footer(out: &mut String, p: &Provenance) {
-    out.push_str("<footer><h2>Provenance</h2><table><tbody>");
+fn write_footer(text: &mut String, p: &Provenance) {
+    text.push_str("<footer><h2>Provenance</h2><table><tbody>");
     let mut row = |name: &str, value: &str| {
-        let _ = write!(out, "<tr><th scope=\"row\">{}</th><td><code>{}</code></td></tr>", escape(name), escape(value));
+        let _ = write!(text, "<tr><th scope=\"row\">{}</th><td><code>{}</code></td></tr>", escape(name), escape(value));
     };
     row("Version", &p.version);
     row("Command", &p.command);
@@ -206,7 +206,7 @@ fn write_footer(out: &mut String, p: &Provenance) {
     for (name, hash) in &p.inputs {
         row(name, hash);
     }
-    out.push_str("</tbody></table></footer>");
+    text.push_str("</tbody></table></footer>");
 }
 
 #[cfg(test)]

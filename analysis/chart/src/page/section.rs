@@ -29,27 +29,27 @@ impl Figure {
         self
     }
 
-    fn write(&self, out: &mut String, number: usize) {
+    fn write(&self, text: &mut String, number: usize) {
         let _ = write!(
-            out,
+            text,
             "<figure id=\"figure-{number}\"><div class=\"chart\">{}</div><figcaption><b>Figure {number}.</b> {}</figcaption>",
             self.svg,
             escape(&self.caption)
         );
         let total = self.data.rows().len();
         if total > 0 {
-            out.push_str("<details><summary>Data</summary>");
-            write_table(out, &self.data, None, ROWS, plain);
+            text.push_str("<details><summary>Data</summary>");
+            write_table(text, &self.data, None, ROWS, plain);
             if total > ROWS {
                 let rest = self.file.as_ref().map_or_else(
                     || "the others are in the result files of the run".to_owned(),
                     |f| format!("all of them are in {}", escape(f)),
                 );
-                let _ = write!(out, "<p>The first {ROWS} of {total} rows; {rest}.</p>");
+                let _ = write!(text, "<p>The first {ROWS} of {total} rows; {rest}.</p>");
             }
-            out.push_str("</details>");
+            text.push_str("</details>");
         }
-        out.push_str("</figure>\n");
+        text.push_str("</figure>\n");
     }
 }
 
@@ -110,25 +110,25 @@ impl Item {
 
 /// Radio buttons with the names, then the figures; the style sheet shows the figure of the button that is set. A page
 /// on paper shows all of them.
-fn write_choice(out: &mut String, choices: &[(String, Figure)], figures: &mut usize) {
+fn write_choice(text: &mut String, choices: &[(String, Figure)], figures: &mut usize) {
     let group = *figures + 1;
-    let _ = write!(out, "<div class=\"choice\" role=\"group\">");
+    let _ = write!(text, "<div class=\"choice\" role=\"group\">");
     for (index, (name, _)) in choices.iter().enumerate() {
         let checked = if index == 0 { " checked=\"checked\"" } else { "" };
         let id = format!("choice-{group}-{}", index + 1);
         let _ = write!(
-            out,
+            text,
             "<input type=\"radio\" name=\"choice-{group}\" id=\"{id}\"{checked}/><label for=\"{id}\">{}</label>",
             escape(name)
         );
     }
     for (_, figure) in choices {
         *figures += 1;
-        out.push_str("<div class=\"panel\">");
-        figure.write(out, *figures);
-        out.push_str("</div>");
+        text.push_str("<div class=\"panel\">");
+        figure.write(text, *figures);
+        text.push_str("</div>");
     }
-    out.push_str("</div>\n");
+    text.push_str("</div>\n");
 }
 
 /// A heading with paragraphs, tables, figures, notes and warnings below, in the order of the calls.
@@ -208,25 +208,25 @@ impl Section {
         &self.heading
     }
 
-    pub(super) fn write(&self, out: &mut String, number: usize, figures: &mut usize) {
+    pub(super) fn write(&self, text: &mut String, number: usize, figures: &mut usize) {
         let _ = write!(
-            out,
+            text,
             "<section id=\"section-{number}\"><h2><span class=\"n\">{number}</span>{}</h2>",
             escape(&self.heading)
         );
         for items in self.items.chunk_by(|one, next| one.is_block() && next.is_block()) {
             let is_grid = items[0].is_block();
             if is_grid {
-                out.push_str("<div class=\"blocks\">");
+                text.push_str("<div class=\"blocks\">");
             }
             for item in items {
-                item.write(out, figures);
+                item.write(text, figures);
             }
             if is_grid {
-                out.push_str("</div>");
+                text.push_str("</div>");
             }
         }
-        out.push_str("</section>\n");
+        text.push_str("</section>\n");
     }
 }
 

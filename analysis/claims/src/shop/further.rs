@@ -388,8 +388,8 @@ impl Recorder for Watch {
         }
         let part = row.part as usize;
         self.parts.resize(self.parts.len().max(part + 1), [0.0; 3]);
-        let own = &mut self.parts[part];
-        *own = [own[0] + 1.0, own[1] + row.finish - row.arrival, own[2] + row.finish - row.start];
+        let parts = &mut self.parts[part];
+        *parts = [parts[0] + 1.0, parts[1] + row.finish - row.arrival, parts[2] + row.finish - row.start];
         self.begun[0] += 1.0;
         if row.start != self.last_start {
             self.begun[1] += 1.0;
@@ -470,7 +470,7 @@ impl Case {
             changes.push(format!("shop.horizon=\"{} h\"", self.hours));
         }
         let file = parse("claim.toml", self.text, &changes).unwrap_or_else(|error| panic!("{}: {error}", self.claim));
-        let policy = Arc::new(ResolvedPolicy::of(&file.scenario, 0)?);
+        let policy = Arc::new(ResolvedPolicy::from_scenario(&file.scenario, 0)?);
         let watch = Watch { from: file.scenario.warm_up, last_start: f64::NAN, ..Watch::default() };
         let watch = Shop::with_recorder(&file.scenario, policy, 0, watch)?.run()?;
         let computed = watch.value(self.measure, file.scenario.horizon - file.scenario.warm_up);

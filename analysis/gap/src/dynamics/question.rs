@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
-use toolroom_facts::{Fact, Quantity, Told};
+use toolroom_facts::{Fact, FactDetail, Quantity};
 use toolroom_nominal::{HeardCut, StructurePrior};
 use toolroom_records::{CHATTER_FREQUENCY_DEVIATION, WRONG_CHATTER_RECORD};
 
@@ -370,7 +370,7 @@ impl Question {
             quantity,
             place: drift.machine.clone(),
             pooled: false,
-            told: Told::default(),
+            told: FactDetail::default(),
             count: drift.chattered as u64,
             expected: drift.expected,
             p: drift.p,

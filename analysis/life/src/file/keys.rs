@@ -1,7 +1,7 @@
 //! The sections of a study file.
 
 use super::words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, SamplingWord};
-use toolroom_form::{Form, Key, Kind, Need, When, joined};
+use toolroom_form::{Form, Key, KeyCondition, Kind, Need, joined};
 use toolroom_process::{Field, Record};
 use toolroom_scenario::SpeedRule;
 use toolroom_scenario_file::SENSORS;
@@ -129,7 +129,7 @@ const NUMBERS: [Key; SpeedRule::KEYS.len()] = {
         if let Need::Optional = keys[key].need {
             keys[key] = Key {
                 need: Need::Required,
-                when: Some(When { key: "speed", values: PRICED }),
+                when: Some(KeyCondition { key: "speed", values: PRICED }),
                 doc: "Shadow price of edges",
                 ..keys[key]
             };

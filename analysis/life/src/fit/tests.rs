@@ -152,8 +152,8 @@ fn weights_count_as_equal_lives() {
 fn what_determines_no_law_is_refused() {
     let censored = Sample::new([5.0, 7.0].map(Censored)).unwrap();
     assert!(matches!(fit(&censored, Family::Weibull), Err(SampleError::AllCensored { .. })));
-    let one = Sample::new([Failed(5.0)]).unwrap();
-    assert!(matches!(fit(&one, Family::Weibull), Err(SampleError::TooFew { distinct: 1, parameters: 2 })));
+    let sample = Sample::new([Failed(5.0)]).unwrap();
+    assert!(matches!(fit(&sample, Family::Weibull), Err(SampleError::TooFew { distinct: 1, parameters: 2 })));
     let two = Sample::new([Failed(5.0), Failed(6.0)]).unwrap();
     assert!(matches!(fit(&two, Family::Weibull3), Err(SampleError::TooFew { distinct: 2, parameters: 3 })));
     assert!(fit(&two, Family::Weibull).is_ok());

@@ -158,13 +158,13 @@ fn live_in_parts(
     }
 }
 
-/// The wear between `from` and `to` at which the contact is as hot as the edge bears.
-fn collapse(contact: &Contact<'_>, temperature: f64, mut from: f64, mut to: f64) -> f64 {
+/// The wear between `start` and `end` at which the contact is as hot as the edge bears.
+fn collapse(contact: &Contact<'_>, temperature: f64, mut start: f64, mut end: f64) -> f64 {
     for _ in 0..40 {
-        let middle = 0.5 * (from + to);
-        *(if contact.steady_temperature(middle) > temperature { &mut to } else { &mut from }) = middle;
+        let middle = 0.5 * (start + end);
+        *(if contact.steady_temperature(middle) > temperature { &mut end } else { &mut start }) = middle;
     }
-    from
+    start
 }
 
 /// Share of the limit at a level: evenly spaced in the variable in which run-in is as wide as the

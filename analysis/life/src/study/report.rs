@@ -115,7 +115,7 @@ fn overview(worked: &[Worked<'_>]) -> Table {
             tally.paths.quantile(0.05).into(),
             (path / (life + 2.0)).into(),
             match &cell.analysis {
-                Ok(analysis) if analysis.seen.reaches(analysis.b10.value) => analysis.b10.value,
+                Ok(analysis) if analysis.reach.reaches(analysis.b10.value) => analysis.b10.value,
                 Ok(_) | Err(_) => f64::NAN,
             }
             .into(),
@@ -189,8 +189,8 @@ fn summary(
                 .insert("replacement_by_wear".to_owned(), json!({ "flank_wear [mm]": wear * 1e3, "cost_rate": rate }));
         }
         if let Some([low, middle, high]) = cell.median_edge {
-            let drawn = json!({ "draws": study.worlds.len(), "median [min]": middle, "ci90 [min]": [low, high] });
-            object.insert("edge_of_median_level".to_owned(), drawn);
+            let json = json!({ "draws": study.worlds.len(), "median [min]": middle, "ci90 [min]": [low, high] });
+            object.insert("edge_of_median_level".to_owned(), json);
         }
         if study.early > 0.0 {
             let (probability, error) = early(tally);
@@ -245,8 +245,8 @@ fn text(inputs: &Inputs<'_>, worked: &[Worked<'_>]) -> String {
     for cell in worked {
         let tally = cell.tally;
         let b10 = match &cell.analysis {
-            Ok(analysis) if analysis.seen.reaches(analysis.b10.value) => number(analysis.b10.value, 3),
-            Ok(analysis) => format!("> {}", number(analysis.seen.last, 3)),
+            Ok(analysis) if analysis.reach.reaches(analysis.b10.value) => number(analysis.b10.value, 3),
+            Ok(analysis) => format!("> {}", number(analysis.reach.last, 3)),
             Err(_) => "–".to_owned(),
         };
         let _ = writeln!(
@@ -290,7 +290,7 @@ fn text(inputs: &Inputs<'_>, worked: &[Worked<'_>]) -> String {
         let best = &analysis.by_age;
         let first = name(worked[0].cell);
         let _ = if !analysis.replacement_seen() {
-            writeln!(text, "{first}: when to replace is not reached by t = {} min", number(analysis.seen.last, 3))
+            writeln!(text, "{first}: when to replace is not reached by t = {} min", number(analysis.reach.last, 3))
         } else if best.age.is_finite() {
             writeln!(
                 text,

@@ -144,7 +144,7 @@ impl Copula {
     }
 
     /// Of `dimensions` inputs with the correlations (first, second, value); the others are 0.
-    pub fn of(dimensions: usize, correlations: &[(usize, usize, f64)]) -> Option<Self> {
+    pub fn from_dimensions(dimensions: usize, correlations: &[(usize, usize, f64)]) -> Option<Self> {
         let mut matrix = DMatrix::identity(dimensions, dimensions);
         for &(i, j, value) in correlations {
             (matrix[(i, j)], matrix[(j, i)]) = (value, value);

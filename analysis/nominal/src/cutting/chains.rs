@@ -19,10 +19,10 @@ const RUNAWAY: f64 = 1e6;
 const ENDLESS: f64 = 1.0;
 
 impl<P: Nominal> Cutting<P> {
-    /// The chain of each edge about `at`; none where the scenario says nothing of its scatter.
-    pub(super) fn chains_at(&self, at: &Point) -> Vec<Chain> {
+    /// The chain of each edge about `point`; none where the scenario says nothing of its scatter.
+    pub(super) fn chains_at(&self, point: &Point) -> Vec<Chain> {
         let Some(scattered) = &self.scattered else { return Vec::new() };
-        let setting = self.setting(at);
+        let setting = self.setting(point);
         (0..self.rows.len()).into_par_iter().map(|group| self.chain(&setting, scattered, group)).collect()
     }
 

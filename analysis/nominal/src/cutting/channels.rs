@@ -32,7 +32,7 @@ pub(super) fn source<P: Nominal>(channel: ChannelId) -> Source {
 pub(super) fn channels<P: Nominal>(records: &Records, settings: &Settings) -> Vec<(Channel, Vec<f64>)> {
     let columns = records.kind.columns().iter();
     let measured = columns.filter(|column| column.kind == ColumnKind::Channel);
-    let measured = measured.filter_map(|column| Some((ChannelId::of(column)?, column)));
+    let measured = measured.filter_map(|column| Some((ChannelId::from_record_column(column)?, column)));
     let known = measured.filter(|(id, column)| {
         P::Output::index_of(column.name).is_some() || matches!(id, ChannelId::CycleTime | ChannelId::FlankWear)
     });

@@ -15,7 +15,7 @@ pub use nominal::Nominal;
 use super::cutting_effects::{self, Action};
 use super::features::{self, standardised};
 use super::settings::Settings;
-use super::stated::Stated;
+use super::stated::Declarations;
 use super::{
     ChannelId, Discrepancy, Discrepant, Forward, Frame, Local, Measured, On, Parameter, Point, Role, Surface, broken,
 };
@@ -24,7 +24,7 @@ use run::Step;
 use scattered::Scattered;
 use toolroom_process::Record;
 use toolroom_records::Records;
-use toolroom_scenario::Moved;
+use toolroom_scenario::CalibrationShift;
 
 /// What a parameter of the fit does to the simulation.
 enum Change {
@@ -105,7 +105,7 @@ pub struct Cutting<P: Nominal> {
 struct Fixed {
     group: String,
     field: String,
-    moved: Moved,
+    moved: CalibrationShift,
     /// Rows on which it is moved, 1 or 0 each; all, if none.
     rows: Option<Vec<f64>>,
 }
@@ -147,7 +147,7 @@ impl<P: Nominal> Cutting<P> {
         records: &Records,
         groups: (Vec<String>, Vec<usize>, Vec<bool>),
         settings: &Settings,
-        stated: &Stated,
+        stated: &Declarations,
     ) -> Self {
         let mut stated = stated.clone();
         let process = unbroken(process);

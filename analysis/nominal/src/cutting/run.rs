@@ -36,8 +36,8 @@ pub(super) struct Step {
 }
 
 impl Step {
-    fn new(from: f64, end: f64, seen: bool, lag: f64) -> Self {
-        let length = end - from;
+    fn new(start: f64, end: f64, seen: bool, lag: f64) -> Self {
+        let length = end - start;
         let lagged = if lag.is_finite() {
             let end = lag * -(-length / lag).exp_m1();
             [lag * (1.0 - end / length), end]
@@ -167,18 +167,18 @@ impl<P: Nominal> Cutting<P> {
         x
     }
 
-    pub(super) fn setting<'a>(&'a self, at: &'a Point) -> Setting<'a, P> {
+    pub(super) fn setting<'a>(&'a self, point: &'a Point) -> Setting<'a, P> {
         let mut setting = Setting {
-            processes: self.masks.iter().map(|mask| self.process_at(at, *mask)).collect(),
+            processes: self.masks.iter().map(|mask| self.process_at(point, *mask)).collect(),
             variant_of_row: &self.variant_of_row,
-            at,
+            at: point,
             of_land: Vec::new(),
             wear: 0.0,
             of_row: Vec::new(),
             lots: Vec::new(),
             start: 1.0,
         };
-        for ((change, x), parameter) in self.changes.iter().zip(&at.parameters).zip(&self.frame.parameters) {
+        for ((change, x), parameter) in self.changes.iter().zip(&point.parameters).zip(&self.frame.parameters) {
             let weight = parameter.deviation * x;
             match change {
                 _ if weight == 0.0 => {}
@@ -189,7 +189,7 @@ impl<P: Nominal> Cutting<P> {
                 Change::Constant { .. } => {}
             }
         }
-        for (action, size) in self.actions.iter().zip(&at.effects) {
+        for (action, size) in self.actions.iter().zip(&point.effects) {
             if let (Action::Lot(.., rows), true) = (action, *size != 0.0) {
                 setting.lots.push((*size, rows));
             }
@@ -198,11 +198,11 @@ impl<P: Nominal> Cutting<P> {
     }
 
     /// The process of a point: constants and effects of the rows in which the entries of `mask` act.
-    fn process_at(&self, at: &Point, mask: u128) -> P {
+    fn process_at(&self, point: &Point, mask: u128) -> P {
         let mut process = self.process.clone();
         let mut effects: Vec<Effect> = process.effects().iter().copied().collect();
         let mut bit = 0;
-        for (action, size) in self.actions.iter().zip(&at.effects) {
+        for (action, size) in self.actions.iter().zip(&point.effects) {
             match action {
                 Action::Effect(effect) if *size != 0.0 => effects.push(effect.with_size(*size)),
                 Action::Scoped(effect, ..) => {
@@ -229,7 +229,7 @@ impl<P: Nominal> Cutting<P> {
                 let _ = move_constant(process.parameters_mut(), &fixed.group, &fixed.field, fixed.moved);
             }
         }
-        for ((change, x), parameter) in self.changes.iter().zip(&at.parameters).zip(&self.frame.parameters) {
+        for ((change, x), parameter) in self.changes.iter().zip(&point.parameters).zip(&self.frame.parameters) {
             let Change::Constant { group, name } = change else { continue };
             if *x == 0.0 {
                 continue;
@@ -433,14 +433,14 @@ impl<P: Nominal> Forward for Cutting<P> {
     fn frame(&self) -> &Frame {
         &self.frame
     }
-    fn simulate(&self, at: &Point) -> Vec<f64> {
-        let setting = self.setting(at);
+    fn simulate(&self, point: &Point) -> Vec<f64> {
+        let setting = self.setting(point);
         let edges: Vec<Vec<f64>> = (0..self.rows.len())
             .into_par_iter()
             .map(|group| self.edge(&setting, group, &mut |_, work| work()))
             .collect();
         let mut raw = edges.concat();
-        for (action, size) in self.actions.iter().zip(&at.effects) {
+        for (action, size) in self.actions.iter().zip(&point.effects) {
             if let Action::Reading { channel, column, .. } = action
                 && *size != 0.0
             {
@@ -453,8 +453,8 @@ impl<P: Nominal> Forward for Cutting<P> {
         }
         raw
     }
-    fn refusal(&self, at: &Point) -> Option<EffectRefusal> {
-        let setting = self.setting(at);
+    fn refusal(&self, point: &Point) -> Option<EffectRefusal> {
+        let setting = self.setting(point);
         if !setting.processes.iter().any(|process| process.effects().has_defined()) {
             return None;
         }
@@ -466,11 +466,11 @@ impl<P: Nominal> Forward for Cutting<P> {
         // The error of a signed channel is bounded from below, so that it is not that of the sheet.
         self.scattered.is_some() && !P::SIGNED.contains(&self.frame.measured.channels[channel].id)
     }
-    fn chains(&self, at: &Point) -> Vec<Chain> {
-        self.chains_at(at)
+    fn chains(&self, point: &Point) -> Vec<Chain> {
+        self.chains_at(point)
     }
-    fn slopes(&self, at: &Point, _raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
-        self.slopes_along(at, along)
+    fn slopes(&self, point: &Point, _raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+        self.slopes_along(point, along)
     }
     fn written(&self, candidate: usize) -> WrittenEffect {
         self.written_effect(candidate)

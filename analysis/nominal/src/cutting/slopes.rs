@@ -18,7 +18,7 @@ const SMALL: f64 = 1e-6;
 const SCALES: [f64; 3] = [0.03e-3, 100.0, 0.1];
 
 /// What a run of its own needs in a row beside what all have in common: conditions and factor on the wear rate.
-type Own<'a, P> = (<P as Nominal>::Held<'a>, f64);
+type RowSetting<'a, P> = (<P as Nominal>::Held<'a>, f64);
 
 /// How a direction acts.
 enum Way<'a, P> {
@@ -50,9 +50,9 @@ struct Carried<'a, 's, P: Nominal> {
 
 impl<P: Nominal> Cutting<P> {
     /// Derivatives of the raw values by each of `along`.
-    pub(super) fn slopes_along(&self, at: &Point, along: &[Direction]) -> Vec<Vec<f64>> {
-        let here = self.setting(at);
-        let ahead: Vec<(Point, f64)> = along.iter().map(|direction| direction.ahead(&self.frame, at)).collect();
+    pub(super) fn slopes_along(&self, point: &Point, along: &[Direction]) -> Vec<Vec<f64>> {
+        let here = self.setting(point);
+        let ahead: Vec<(Point, f64)> = along.iter().map(|direction| direction.ahead(&self.frame, point)).collect();
         let ways: Vec<Way<'_, P>> = along.iter().zip(&ahead).map(|(way, ahead)| self.way(*way, ahead)).collect();
         let groups: Vec<Vec<Vec<f64>>> =
             (0..self.rows.len()).into_par_iter().map(|group| self.edge_slopes(&here, &ways, group)).collect();
@@ -112,7 +112,7 @@ impl<P: Nominal> Cutting<P> {
         for (place, row) in rows.iter().enumerate() {
             let (u, factor) = self.conditions(here, group, *row);
             let (held, of_land) = (here.process(*row).held(&u), here.of_land(*row));
-            let own: Vec<Option<Own<'_, P>>> = ways
+            let own: Vec<Option<RowSetting<'_, P>>> = ways
                 .iter()
                 .map(|way| match way {
                     Way::Seen(setting, _) | Way::Run(setting, _) => {

@@ -2,14 +2,14 @@
 
 use super::{Action, Cutting, Nominal};
 use crate::parts::{MOST, MOST_RATES, Part, parts, wear_rate};
-use crate::stated::Stated;
+use crate::stated::Declarations;
 use crate::{Candidate, ChannelId, EffectId};
 use toolroom_effects::{Effect, Search, UserEffect};
 use toolroom_records::Records;
 
 impl<P: Nominal> Cutting<P> {
     /// Adds the effects that are to be split, on every part of the records that two groups at least lie in.
-    pub(super) fn split(&mut self, records: &Records, stated: &Stated) {
+    pub(super) fn split(&mut self, records: &Records, stated: &Declarations) {
         if !stated.is_split() {
             return;
         }
@@ -33,7 +33,7 @@ impl<P: Nominal> Cutting<P> {
 
     /// Adds a rate of wear that is another one on a part of the records, where wear is measured: first of all, since an effect
     /// on a part may only stand for that.
-    fn rate(&mut self, parts: &[Part], stated: &Stated) {
+    fn rate(&mut self, parts: &[Part], stated: &Declarations) {
         let read = self.frame.measured.channels.iter().any(|channel| channel.id == ChannelId::FlankWear);
         let Some(definition) = wear_rate(&stated.defined).filter(|_| read) else { return };
         let entry = definition.entry();

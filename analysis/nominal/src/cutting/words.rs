@@ -2,18 +2,18 @@
 
 use super::{Action, Change, Cutting, Fixed, Nominal};
 use crate::features::first_of_group;
-use crate::stated::{Stated, occasion};
+use crate::stated::{Declarations, occasion};
 use crate::{Candidate, ChannelId, EffectId, Movable, Parameter, Role, Surface, Words, WrittenEffect};
 use toolroom_effects::Effect;
 use toolroom_records::Records;
-use toolroom_scenario::{MICRO_STOP, Moved, Scope, ShopEffect, Target};
+use toolroom_scenario::{CalibrationShift, MICRO_STOP, Scope, ShopEffect, Target};
 
 /// Spread of a calibration that no parameter of the model has, where the file gives none (assumption).
 const UNKNOWN: f64 = 0.05;
 
 impl<P: Nominal> Cutting<P> {
     /// Takes over what the file states about these rows.
-    pub(super) fn state(&mut self, records: &Records, stated: &mut Stated) {
+    pub(super) fn state(&mut self, records: &Records, stated: &mut Declarations) {
         self.name(stated);
         self.switch_on(records, stated);
         self.deviate(records, stated);
@@ -23,7 +23,7 @@ impl<P: Nominal> Cutting<P> {
     }
 
     /// The words of a scenario for parameters and surfaces.
-    fn name(&mut self, stated: &Stated) {
+    fn name(&mut self, stated: &Declarations) {
         let Some(tool) = stated.tool.clone() else { return };
         let tool = || Target::Tool(tool.clone());
         let mut list: Vec<(String, Movable)> = Vec::new();
@@ -74,7 +74,7 @@ impl<P: Nominal> Cutting<P> {
     }
 
     /// Effects of the tool: sizes of their candidates, which are added where the records requested none.
-    fn switch_on(&mut self, records: &Records, stated: &Stated) {
+    fn switch_on(&mut self, records: &Records, stated: &Declarations) {
         for entry in &stated.effects {
             let (effect, scope) = (entry.effect, stated.normal(&entry.scope));
             let same = |action: &Action| match action {
@@ -116,7 +116,7 @@ impl<P: Nominal> Cutting<P> {
     }
 
     /// Effects of the shop that show in the time of an operation.
-    fn deviate(&mut self, records: &Records, stated: &Stated) {
+    fn deviate(&mut self, records: &Records, stated: &Declarations) {
         let Some(channel) = self.frame.measured.channels.iter().position(|channel| channel.id == ChannelId::CycleTime)
         else {
             return;
@@ -131,8 +131,8 @@ impl<P: Nominal> Cutting<P> {
                     && (deviation.effect == ShopEffect::FeedHold
                         || self.written_effect(i).recorded.is_some() == deviation.recorded.is_some())
             };
-            let found = self.frame.candidates.iter().enumerate().position(same);
-            let index = found.or_else(|| {
+            let position = self.frame.candidates.iter().enumerate().position(same);
+            let index = position.or_else(|| {
                 let rows = stated.rows(records, &scope);
                 let value = |row: usize| match deviation.effect {
                     ShopEffect::FeedOverride => Some(self.durations[row]),
@@ -159,14 +159,14 @@ impl<P: Nominal> Cutting<P> {
     }
 
     /// Calibration that no parameter or surface has yet: with a scope, or of something else.
-    fn move_others(&mut self, records: &Records, stated: &mut Stated) {
+    fn move_others(&mut self, records: &Records, stated: &mut Declarations) {
         let known = |own: &Movable, parameter: &str, target: &Target, scope: &Scope, summand: bool| {
             own.parameter == parameter && own.target == *target && own.scope == *scope && own.summand == summand
         };
         let cycle = self.frame.measured.channels.iter().position(|channel| channel.id == ChannelId::CycleTime);
         for (number, calibration) in stated.calibrations.clone().into_iter().enumerate() {
             let scope = stated.normal(&calibration.scope);
-            let summand = matches!(calibration.moved, Moved::Summand(_));
+            let summand = matches!(calibration.moved, CalibrationShift::Summand(_));
             let words = &self.frame.words.movable;
             if words.iter().any(|(_, word)| known(word, &calibration.parameter, &calibration.target, &scope, summand)) {
                 continue;
@@ -205,7 +205,7 @@ impl<P: Nominal> Cutting<P> {
                 true
             };
             let moved = match (calibration.parameter.as_str(), calibration.moved) {
-                ("wear_rate", Moved::Factor(_)) => {
+                ("wear_rate", CalibrationShift::Factor(_)) => {
                     self.frame.parameters.push(Parameter {
                         name: name.clone(),
                         deviation: spread,
@@ -214,8 +214,8 @@ impl<P: Nominal> Cutting<P> {
                     self.changes.push(Change::WearFeature(rows));
                     true
                 }
-                ("handling_time", Moved::Summand(_)) => surface(cycle, rows, true),
-                ("handling_time" | "programmed_time", Moved::Factor(factor)) => {
+                ("handling_time", CalibrationShift::Summand(_)) => surface(cycle, rows, true),
+                ("handling_time" | "programmed_time", CalibrationShift::Factor(factor)) => {
                     // A share of a time: as a summand it is its logarithm that moves.
                     let times = if calibration.parameter == "handling_time" { &self.handling } else { &self.durations };
                     let share = (factor - 1.0) / factor.ln();
@@ -224,8 +224,8 @@ impl<P: Nominal> Cutting<P> {
                     surface(cycle, feature, true)
                 }
                 (parameter, moved) => match (parameter.split_once('.'), moved) {
-                    (Some(("gain", name)), Moved::Factor(_)) => surface(channel(name), rows, false),
-                    (Some(("offset", name)), Moved::Summand(_)) => surface(channel(name), rows, true),
+                    (Some(("gain", name)), CalibrationShift::Factor(_)) => surface(channel(name), rows, false),
+                    (Some(("offset", name)), CalibrationShift::Summand(_)) => surface(channel(name), rows, true),
                     (Some((group, field)), moved) if calibration.constant().is_some() => {
                         let rows = (!scope.is_everywhere()).then_some(rows);
                         self.fixed.push(Fixed { group: group.to_owned(), field: field.to_owned(), moved, rows });
@@ -266,8 +266,8 @@ impl<P: Nominal> Cutting<P> {
     /// How a scenario says a candidate.
     pub(super) fn written_effect(&self, candidate: usize) -> WrittenEffect {
         match &self.actions[candidate] {
-            Action::Effect(effect) => WrittenEffect::of(effect, &Scope::default()),
-            Action::Scoped(effect, scope, _) => WrittenEffect::of(effect, scope),
+            Action::Effect(effect) => WrittenEffect::from_effect(effect, &Scope::default()),
+            Action::Scoped(effect, scope, _) => WrittenEffect::from_effect(effect, scope),
             Action::Lot(_, name, _) => WrittenEffect { scope: of_lot(name), ..WrittenEffect::default() },
             Action::Reading { scope, recorded, .. } => {
                 WrittenEffect { scope: scope.clone(), recorded: *recorded, ..WrittenEffect::default() }

@@ -2,8 +2,8 @@
 
 use super::Grinding;
 use crate::parts::{MOST, parts};
-use crate::search::{self, Rows, Shape, Sought, Way};
-use crate::stated::Stated;
+use crate::search::{self, Rows, SearchContext, Shape, Way};
+use crate::stated::Declarations;
 use crate::{Candidate, EffectId, Untried};
 use toolroom_effects::{Definition, Effect};
 use toolroom_infeed::Infeed;
@@ -37,7 +37,7 @@ impl Grinding {
             column => search::greatest(records, column),
         };
         let ways = &[Way::Coolants, Way::WheelPosition];
-        let sought = Sought { process: Infeed::NAME, records, greatest: &greatest, ways };
+        let sought = SearchContext { process: Infeed::NAME, records, greatest: &greatest, ways };
         for effect in search::effects_of(Infeed::NAME, defined) {
             let id = EffectId::from(&effect);
             let shapes = match sought.shapes(effect) {
@@ -66,7 +66,7 @@ impl Grinding {
     }
 
     /// Adds the effects that are to be split, on every part of the trials that two dressings at least lie in.
-    pub(super) fn split(&mut self, records: &Records, stated: &Stated) {
+    pub(super) fn split(&mut self, records: &Records, stated: &Declarations) {
         if !stated.is_split() {
             return;
         }

@@ -17,7 +17,7 @@ pub use conditions::dressings;
 
 use super::features;
 use super::settings::{MACHINE_GAIN, Settings};
-use super::stated::Stated;
+use super::stated::Declarations;
 use super::{
     Channel, ChannelId, EffectRefusal, Forward, Frame, Local, Measured, Parameter, Point, Role, Surface, Transform,
     WrittenEffect,
@@ -79,7 +79,7 @@ impl Grinding {
         records: &Records,
         groups: (Vec<String>, Vec<usize>, Vec<bool>),
         settings: &Settings,
-        stated: &Stated,
+        stated: &Declarations,
     ) -> Self {
         let (names, group_of_row, fitted) = groups;
         let mut rows = vec![Vec::new(); names.len()];
@@ -162,20 +162,20 @@ impl Grinding {
     }
 
     /// Sum of the fitted changes that `of` finds in a kind of change, as a logarithm or share.
-    fn moved(&self, at: &Point, of: impl Fn(&Change) -> f64) -> f64 {
-        let moves = self.changes.iter().zip(&at.parameters).zip(&self.frame.parameters);
+    fn moved(&self, point: &Point, of: impl Fn(&Change) -> f64) -> f64 {
+        let moves = self.changes.iter().zip(&point.parameters).zip(&self.frame.parameters);
         moves.map(|((change, x), parameter)| of(change) * parameter.deviation * x).sum()
     }
 
     /// The process at a point, with the effects that act on all trials.
-    fn process_at(&self, at: &Point) -> Infeed {
+    fn process_at(&self, point: &Point) -> Infeed {
         let mut process = self.process.clone();
-        let stiffness = self.moved(at, |change| f64::from(u8::from(matches!(change, Change::ProcessStiffness))));
-        let system = self.moved(at, |change| f64::from(u8::from(matches!(change, Change::SystemStiffness))));
+        let stiffness = self.moved(point, |change| f64::from(u8::from(matches!(change, Change::ProcessStiffness))));
+        let system = self.moved(point, |change| f64::from(u8::from(matches!(change, Change::SystemStiffness))));
         process.parameters.process_stiffness *= stiffness.exp();
         process.parameters.system_stiffness *= system.exp();
         let mut effects: Vec<Effect> = self.process.effects.iter().copied().collect();
-        for (action, size) in self.actions.iter().zip(&at.effects) {
+        for (action, size) in self.actions.iter().zip(&point.effects) {
             if let Action::Effect { effect, .. } = action
                 && *size != 0.0
             {
@@ -187,12 +187,12 @@ impl Grinding {
     }
 
     /// The process on one trial, where an effect acts on a part of them.
-    fn process_on(&self, process: &Infeed, at: &Point, row: usize) -> Option<Infeed> {
+    fn process_on(&self, process: &Infeed, point: &Point, row: usize) -> Option<Infeed> {
         let acting = |(action, size): (&Action, &f64)| match action {
             Action::Scoped { effect, rows, .. } if *size != 0.0 && rows[row] != 0.0 => Some(effect.with_size(*size)),
             Action::Scoped { .. } | Action::Effect { .. } | Action::Coolant(_) => None,
         };
-        let more: Vec<Effect> = self.actions.iter().zip(&at.effects).filter_map(acting).collect();
+        let more: Vec<Effect> = self.actions.iter().zip(&point.effects).filter_map(acting).collect();
         (!more.is_empty()).then(|| {
             let effects = Effects::overlaid(process.effects.iter().copied().chain(more).collect());
             Infeed { effects, ..process.clone() }
@@ -201,36 +201,37 @@ impl Grinding {
 
     /// Readings of all trials after one dressing, each of a workpiece that is harder by the share `harder` than those
     /// before it.
-    fn dressing(&self, process: &Infeed, at: &Point, group: usize, harder: f64) -> Vec<Plunge> {
-        self.dressing_by_row(process, at, (group, harder), &mut |_, work| work())
+    fn dressing(&self, process: &Infeed, point: &Point, group: usize, harder: f64) -> Vec<Plunge> {
+        self.dressing_by_row(process, point, (group, harder), &mut |_, work| work())
     }
 
     /// The same, `each` of whose rows is handed the work on it.
     fn dressing_by_row(
         &self,
         process: &Infeed,
-        at: &Point,
+        point: &Point,
         (group, harder): (usize, f64),
         each: &mut RowByRow<'_>,
     ) -> Vec<Plunge> {
         let c = &self.conditions;
         let mut process = process.clone();
         if let Some(row) = self.rows[group].first() {
-            let machine = self.moved(at, |change| if let Change::Machine(_, rows) = change { rows[*row] } else { 0.0 });
+            let machine =
+                self.moved(point, |change| if let Change::Machine(_, rows) = change { rows[*row] } else { 0.0 });
             process.parameters.system_stiffness *= machine.exp();
         }
-        let share = |kind: fn(&Change) -> bool| self.moved(at, |change| f64::from(u8::from(kind(change))));
+        let share = |kind: fn(&Change) -> bool| self.moved(point, |change| f64::from(u8::from(kind(change))));
         let scale = share(|change| matches!(change, Change::Scale)).exp();
         let exponent = share(|change| matches!(change, Change::Exponent));
         let ramp = RAMP[0] + share(|change| matches!(change, Change::Ramp));
-        let factor = (self.frame.locals[0].deviation * at.locals[0][group]).exp();
+        let factor = (self.frame.locals[0].deviation * point.locals[0][group]).exp();
         let by_command =
-            self.actions.iter().zip(&at.effects).any(|(action, size)| *size != 0.0 && action.is_by_command());
+            self.actions.iter().zip(&point.effects).any(|(action, size)| *size != 0.0 && action.is_by_command());
         let p = &process.parameters;
         let mut wheel = process.initial();
         let mut readings = Vec::with_capacity(self.rows[group].len());
         let mut follow = |row: &usize| {
-            let scoped = self.process_on(&process, at, *row);
+            let scoped = self.process_on(&process, point, *row);
             let process = scoped.as_ref().unwrap_or(&process);
             let worn = process.effects.iter().filter(|effect| matches!(effect, Effect::WheelWear(_))).map(Effect::size);
             let wear = (p.wheel_wear_ratio + worn.sum::<f64>()) * p.work_diameter / p.wheel_diameter;
@@ -241,7 +242,7 @@ impl Grinding {
             let changed: f64 = self
                 .actions
                 .iter()
-                .zip(&at.effects)
+                .zip(&point.effects)
                 .map(|(action, size)| if let Action::Coolant(rows) = action { size * rows[*row] } else { 0.0 })
                 .sum();
             let u = Input {
@@ -277,7 +278,7 @@ impl Grinding {
 fn channels(records: &Records, settings: &Settings) -> Vec<(Channel, Vec<f64>)> {
     let columns = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
     let with_values = columns.filter_map(|column| {
-        let (id, values) = (ChannelId::of(column)?, records.numbers(column.name)?.to_vec());
+        let (id, values) = (ChannelId::from_record_column(column)?, records.numbers(column.name)?.to_vec());
         values.iter().any(|value| value.is_finite()).then_some((id, column, values))
     });
     with_values
@@ -300,9 +301,9 @@ impl Forward for Grinding {
     fn scatter_is_known(&self, _channel: usize) -> bool {
         self.scattered.is_some()
     }
-    fn refusal(&self, at: &Point) -> Option<EffectRefusal> {
-        let process = self.process_at(at);
-        let candidates = self.actions.iter().zip(&at.effects);
+    fn refusal(&self, point: &Point) -> Option<EffectRefusal> {
+        let process = self.process_at(point);
+        let candidates = self.actions.iter().zip(&point.effects);
         let mut scoped = candidates.filter_map(|(action, size)| match action {
             Action::Scoped { effect, .. } if *size != 0.0 => Some(effect),
             Action::Scoped { .. } | Action::Effect { .. } | Action::Coolant(_) => None,
@@ -311,17 +312,17 @@ impl Forward for Grinding {
             return None;
         }
         first_refusal(self.rows.len(), |group, each| {
-            self.dressing_by_row(&process, at, (group, 0.0), each);
+            self.dressing_by_row(&process, point, (group, 0.0), each);
         })
     }
-    fn chains(&self, at: &Point) -> Vec<Chain> {
-        self.chains_at(at)
+    fn chains(&self, point: &Point) -> Vec<Chain> {
+        self.chains_at(point)
     }
-    fn simulate(&self, at: &Point) -> Vec<f64> {
-        let process = self.process_at(at);
+    fn simulate(&self, point: &Point) -> Vec<f64> {
+        let process = self.process_at(point);
         let measured = &self.frame.measured;
         let of_group = |group: usize| {
-            let readings = self.dressing(&process, at, group, 0.0);
+            let readings = self.dressing(&process, point, group, 0.0);
             let place: std::collections::BTreeMap<usize, usize> =
                 self.rows[group].iter().enumerate().map(|(place, row)| (*row, place)).collect();
             let span = &measured.observations[measured.spans[group].clone()];

@@ -27,17 +27,17 @@ impl Scattered {
 }
 
 impl Grinding {
-    /// The chain of each dressing about `at`: hardness moves all readings of a trial, and nothing is carried to the
+    /// The chain of each dressing about `point`: hardness moves all readings of a trial, and nothing is carried to the
     /// next one. None where workpieces are all alike.
-    pub(super) fn chains_at(&self, at: &Point) -> Vec<Chain> {
+    pub(super) fn chains_at(&self, point: &Point) -> Vec<Chain> {
         let Some(Scattered { hardness: [lot, piece], lots }) = &self.scattered else { return Vec::new() };
         if *lot == 0.0 && *piece == 0.0 {
             return Vec::new();
         }
-        let process = self.process_at(at);
+        let process = self.process_at(point);
         let measured = &self.frame.measured;
         let chain = |group: usize| {
-            let [nominal, harder] = [0.0, SMALL].map(|harder| self.dressing(&process, at, group, harder));
+            let [nominal, harder] = [0.0, SMALL].map(|harder| self.dressing(&process, point, group, harder));
             let place: BTreeMap<usize, usize> =
                 self.rows[group].iter().enumerate().map(|(place, row)| (*row, place)).collect();
             let mut readings = vec![Vec::new(); self.rows[group].len()];

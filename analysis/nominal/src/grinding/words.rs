@@ -2,14 +2,14 @@
 
 use super::catalogue::Action;
 use super::{Change, Grinding};
-use crate::stated::Stated;
+use crate::stated::Declarations;
 use crate::{Candidate, EffectId, Movable, Words, WrittenEffect};
 use toolroom_records::Records;
 use toolroom_scenario::{Scope, Target, move_constant};
 
 impl Grinding {
     /// Takes over what the file states about these rows.
-    pub(super) fn state(&mut self, records: &Records, stated: &mut Stated) {
+    pub(super) fn state(&mut self, records: &Records, stated: &mut Declarations) {
         let Some(tool) = stated.tool.clone() else { return };
         let tool = || Target::Tool(tool.clone());
         let mut list: Vec<(String, Movable)> = Vec::new();
@@ -54,13 +54,14 @@ impl Grinding {
     }
 
     /// Effects of the wheel: sizes of their candidates, which are added where the records requested none.
-    fn switch_on(&mut self, records: &Records, stated: &Stated) {
+    fn switch_on(&mut self, records: &Records, stated: &Declarations) {
         for entry in &stated.effects {
             let (effect, scope) = (entry.effect, stated.normal(&entry.scope));
             let same = |index: usize| {
                 let written = self.written_effect(index);
                 self.frame.candidates[index].id == EffectId::from(&effect)
-                    && written == WrittenEffect { recorded: written.recorded, ..WrittenEffect::of(&effect, &scope) }
+                    && written
+                        == WrittenEffect { recorded: written.recorded, ..WrittenEffect::from_effect(&effect, &scope) }
             };
             let found = (0..self.actions.len()).find(|index| same(*index));
             let index = match found {
@@ -94,14 +95,14 @@ impl Grinding {
     pub(super) fn written_effect(&self, candidate: usize) -> WrittenEffect {
         match &self.actions[candidate] {
             Action::Effect { effect, by_command } => {
-                let mut written = WrittenEffect::of(effect, &Scope::default());
+                let mut written = WrittenEffect::from_effect(effect, &Scope::default());
                 if *by_command {
                     // No scenario has a word for it: an application refuses it rather than lose it.
                     written.shape.push(("positioned_since_dressing", 1.0, "1", "1"));
                 }
                 written
             }
-            Action::Scoped { effect, scope, .. } => WrittenEffect::of(effect, scope),
+            Action::Scoped { effect, scope, .. } => WrittenEffect::from_effect(effect, scope),
             Action::Coolant(_) => {
                 let name = &self.frame.candidates[candidate].shape;
                 let name = name.strip_prefix("coolant ").unwrap_or(name).to_owned();

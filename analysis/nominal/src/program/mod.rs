@@ -377,11 +377,11 @@ impl Forward for Stretches {
         WrittenEffect { shape, ..WrittenEffect::default() }
     }
 
-    fn simulate(&self, at: &Point) -> Vec<f64> {
-        let rapid = at.parameters.first().map_or(1.0, |x| (RAPID * x).exp());
+    fn simulate(&self, point: &Point) -> Vec<f64> {
+        let rapid = point.parameters.first().map_or(1.0, |x| (RAPID * x).exp());
         let mut times = self.nominal(rapid, None);
         let mut before: Option<Vec<f64>> = None;
-        for (action, size) in self.actions.iter().zip(&at.effects).filter(|(_, size)| **size != 0.0) {
+        for (action, size) in self.actions.iter().zip(&point.effects).filter(|(_, size)| **size != 0.0) {
             match action {
                 Action::Feature(index) => {
                     times.iter_mut().zip(&self.features[*index]).for_each(|(time, feature)| *time += size * feature);

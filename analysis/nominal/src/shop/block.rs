@@ -305,19 +305,19 @@ impl Blocks {
     /// Lives of edges and times between breakdowns, by machine and day of their end.
     fn rare(
         &mut self,
-        seen: &Visits,
+        visits: &Visits,
         group: &dyn Fn(usize, f64) -> Option<usize>,
         empty: &dyn Fn(usize, Option<usize>, String, f64, usize) -> Block,
     ) {
         let mut split: BTreeMap<usize, (usize, f64, Vec<f64>, Vec<f64>)> = BTreeMap::new();
-        for (machine, time, life) in &seen.edge_lives {
+        for (machine, time, life) in &visits.edge_lives {
             if let Some(group) = group(*machine, *time) {
                 split.entry(group).or_insert((*machine, *time, Vec::new(), Vec::new())).2.push(life.ln());
             }
         }
         let mut used: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-        seen.failure_gaps.iter().for_each(|(machine, _, used_for)| used.entry(*machine).or_default().push(*used_for));
-        for (machine, time, used_for) in &seen.failure_gaps {
+        visits.failure_gaps.iter().for_each(|(machine, _, used_for)| used.entry(*machine).or_default().push(*used_for));
+        for (machine, time, used_for) in &visits.failure_gaps {
             let days = &used[machine];
             let mean = days.iter().sum::<f64>() / days.len() as f64;
             if let (Some(group), true) = (group(*machine, *time), days.len() >= 4) {

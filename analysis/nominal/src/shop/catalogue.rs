@@ -43,10 +43,10 @@ fn later(shop: &Shop) -> f64 {
 
 impl ShopModel {
     /// Every effect that the log can show, with the parts of it on which one may act alone.
-    pub(super) fn catalogue(&mut self, shop: &Shop, seen: &Visits) {
+    pub(super) fn catalogue(&mut self, shop: &Shop, visits: &Visits) {
         let blocks = &self.blocks.list;
         let has = |figure: Figure| self.place(figure).len() == 1;
-        let scopes = parts(shop, seen, blocks);
+        let scopes = parts(shop, visits, blocks);
         let mut list: Vec<(EffectId, String, f64, Action)> = Vec::new();
         if has(Figure::CuttingTime) {
             let everywhere = vec![1.0; blocks.len()];
@@ -54,7 +54,7 @@ impl ShopModel {
             for (scope, on) in &scopes {
                 list.push((EffectId::FEED_OVERRIDE, scope.clone(), OVERRIDDEN, Action::Slower(on.clone())));
             }
-            if seen.overridden {
+            if visits.overridden {
                 let all = blocks.iter().flat_map(|block| block.excesses.iter()).filter(|excess| **excess > 1e-3);
                 let (sum, count) = all.fold((0.0, 0.0), |(sum, count), excess| (sum + excess, count + 1.0));
                 if sum > 0.0 {
@@ -66,7 +66,7 @@ impl ShopModel {
                     ));
                 }
             }
-            let speeds: Vec<f64> = seen
+            let speeds: Vec<f64> = visits
                 .programs
                 .iter()
                 .map(|name| shop.programs.get(name).map_or(0.0, |program| program.feed_speeds))
@@ -102,8 +102,8 @@ impl ShopModel {
             }
         }
         if has(Figure::FeedHoldTime) {
-            let holds: usize = seen.list.iter().map(|visit| visit.holds.len()).sum();
-            let share = holds as f64 / seen.list.len().max(1) as f64;
+            let holds: usize = visits.list.iter().map(|visit| visit.holds.len()).sum();
+            let share = holds as f64 / visits.list.len().max(1) as f64;
             list.push((EffectId::FEED_HOLD, String::new(), 10.0, Action::Hold(share)));
         }
         if has(Figure::EdgeLife) {

@@ -16,17 +16,17 @@ pub struct ShopKpi {
 }
 
 /// Operations by program: the mix on which logs are compared.
-pub fn mix(seen: &Visits) -> BTreeMap<String, f64> {
+pub fn mix(visits: &Visits) -> BTreeMap<String, f64> {
     let mut counts = BTreeMap::new();
-    for visit in &seen.list {
-        *counts.entry(seen.programs[visit.program].clone()).or_insert(0.0) += 1.0;
+    for visit in &visits.list {
+        *counts.entry(visits.programs[visit.program].clone()).or_insert(0.0) += 1.0;
     }
     counts
 }
 
 impl ShopKpi {
     /// Of a log; programs of the mix that it or the nominal shop does not know are left out.
-    pub fn of(shop: &Shop, seen: &Visits, mix: &BTreeMap<String, f64>) -> Self {
+    pub fn from_shop(shop: &Shop, seen: &Visits, mix: &BTreeMap<String, f64>) -> Self {
         let mut occupied: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
         for visit in &seen.list {
             let changes: f64 = visit.changes.iter().chain(&visit.holds).chain(&visit.stops).sum();

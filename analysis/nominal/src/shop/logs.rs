@@ -21,8 +21,8 @@ pub fn groups_of(shop: &Shop, events: &Records, by: Option<&str>) -> BTreeSet<St
 /// Another log of the shop, moved behind `first` where it is not: by whole periods of all calendars,
 /// so that shifts stay what they are.
 #[must_use]
-pub fn after(shop: &Shop, first: &Records, mut second: Records) -> Records {
-    let (Some(times_before), Some(times)) = (first.numbers("time"), second.numbers("time")) else { return second };
+pub fn after(shop: &Shop, records: &Records, mut second: Records) -> Records {
+    let (Some(times_before), Some(times)) = (records.numbers("time"), second.numbers("time")) else { return second };
     let end = times_before.iter().copied().fold(f64::NEG_INFINITY, f64::max) + APART;
     let start = times.iter().copied().fold(f64::INFINITY, f64::min);
     if start < end {

@@ -2,8 +2,8 @@
 
 use super::super::features::standardised;
 use super::super::{
-    Channel, Covariate, Direction, EffectRefusal, Family, Forward, Frame, Local, Measured, Point, Role, Settings,
-    Stated, Surface, WrittenEffect,
+    Channel, Covariate, Declarations, Direction, EffectRefusal, Family, Forward, Frame, Local, Measured, Point, Role,
+    Settings, Surface, WrittenEffect,
 };
 use super::block::{Block, Blocks, ROOT_SCORE, TAIL};
 use super::catalogue::Action;
@@ -66,7 +66,7 @@ impl ShopModel {
         group: Option<&str>,
         held: &dyn Fn(usize, &str) -> bool,
         settings: &Settings,
-        stated: &Stated,
+        stated: &Declarations,
     ) -> (Self, Vec<String>) {
         let seen = visits(records);
         let mut notes = seen.notes.clone();
@@ -143,7 +143,7 @@ impl ShopModel {
         shifts
     }
 
-    fn calibration(&mut self, shop: &Shop, seen: &Visits) {
+    fn calibration(&mut self, shop: &Shop, visits: &Visits) {
         let rows = self.blocks.list.len();
         let blocks = &self.blocks.list;
         let (mut surfaces, mut movable) = (Vec::new(), Vec::new());
@@ -165,7 +165,7 @@ impl ShopModel {
         add(Constant::Change.into(), change.clone(), ones(), CHANGE, false);
         let scatter = |block: &Block| block.program.map_or(0.0, |program| self.blocks.scatter[program]);
         let scatters: Vec<f64> = blocks.iter().map(scatter).collect();
-        for (program, name) in seen.programs.iter().enumerate() {
+        for (program, name) in visits.programs.iter().enumerate() {
             let of_program = on(&|block| block.program == Some(program));
             let level = if self.blocks.known[program] { PROGRAM } else { UNKNOWN };
             add(Constant::ProgrammedTime(name).into(), time.clone(), of_program.clone(), level, false);
@@ -195,7 +195,7 @@ impl ShopModel {
         add(Constant::Lives.into(), self.place(Figure::EdgeLife), ones(), 0.15, false);
         add("rate of booked stops".to_owned().into(), self.place(Figure::StopCount), ones(), SCATTER, false);
         add("scores of breakdowns".to_owned().into(), self.place(Figure::FailureInterval), ones(), 0.02, false);
-        for (machine, name) in seen.machines.iter().enumerate() {
+        for (machine, name) in visits.machines.iter().enumerate() {
             let of_machine = on(&|block| block.machine == machine);
             add(Constant::MachineGain(name).into(), time.clone(), of_machine.clone(), MACHINE, false);
             let stranger = shop.station(name).is_none();
@@ -254,7 +254,7 @@ impl ShopModel {
         ];
     }
 
-    fn covariates(&mut self, seen: &Visits) {
+    fn covariates(&mut self, visits: &Visits) {
         let blocks = &self.blocks.list;
         let mut covariates = Vec::new();
         let mut add = |name: String, values: Vec<f64>| {
@@ -277,10 +277,10 @@ impl ShopModel {
         for shift in self.shifts() {
             add(format!("shift={shift}"), level(&|block| block.shift == shift));
         }
-        for (machine, name) in seen.machines.iter().enumerate() {
+        for (machine, name) in visits.machines.iter().enumerate() {
             add(format!("machine={name}"), level(&|block| block.machine == machine));
         }
-        for (program, name) in seen.programs.iter().enumerate() {
+        for (program, name) in visits.programs.iter().enumerate() {
             add(format!("program={name}"), level(&|block| block.program == Some(program)));
         }
         self.frame.covariates = covariates;
@@ -288,12 +288,12 @@ impl ShopModel {
 }
 
 impl ShopModel {
-    /// Raw values of every observation, given the shapes of [`ShopModel::shapes`] at the rates of `at`.
-    fn simulated(&self, at: &Point, shapes: &Shapes) -> Vec<f64> {
-        let rates = self.rates(at);
+    /// Raw values of every observation, given the shapes of [`ShopModel::shapes`] at the rates of `point`.
+    fn simulated(&self, point: &Point, shapes: &Shapes) -> Vec<f64> {
+        let rates = self.rates(point);
         let of_program = self.of_programs(&rates, shapes);
         let of = |wanted: &dyn Fn(&Action) -> bool| -> f64 {
-            self.actions.iter().zip(&at.effects).filter(|(action, _)| wanted(action)).map(|(_, size)| *size).sum()
+            self.actions.iter().zip(&point.effects).filter(|(action, _)| wanted(action)).map(|(_, size)| *size).sum()
         };
         let booked = of(&|action| matches!(action, Action::Booked));
         let hold = of(&|action| matches!(action, Action::Hold(_)));
@@ -307,10 +307,10 @@ impl ShopModel {
             let known = block.program.and_then(|program| of_program[program]?.get(&rates[row].to_bits()));
             let shape = known.and_then(|classes| classes.get(block.class)).copied().unwrap_or_default();
             let group = measured.group_of_row[row];
-            let local = |kind: usize| (self.frame.locals[kind].deviation * at.locals[kind][group]).exp();
+            let local = |kind: usize| (self.frame.locals[kind].deviation * point.locals[kind][group]).exp();
             // Two overrides that act together multiply, as they do in a run.
             let (mut slower, mut delay, mut change, mut blocks, mut overridden) = (1.0, 0.0, 0.0, 0.0, 0.0);
-            for (action, size) in self.actions.iter().zip(&at.effects) {
+            for (action, size) in self.actions.iter().zip(&point.effects) {
                 match action {
                     Action::Slower(weights) => slower *= 1.0 + size * weights[row],
                     Action::Overridden(mean) => overridden += size / mean,
@@ -345,8 +345,8 @@ impl Forward for ShopModel {
         &self.frame
     }
 
-    fn simulate(&self, at: &Point) -> Vec<f64> {
-        self.simulated(at, &self.shapes(&[at]))
+    fn simulate(&self, point: &Point) -> Vec<f64> {
+        self.simulated(point, &self.shapes(&[point]))
     }
 
     fn refusal(&self, _at: &Point) -> Option<EffectRefusal> {
@@ -411,9 +411,9 @@ fn families(surfaces: &[Surface], times: &[(Vec<usize>, &'static str)]) -> Vec<F
 }
 
 /// Groups of blocks and the group of each.
-pub(super) fn groups(blocks: &Blocks, seen: &Visits, by: Option<&str>) -> (Vec<String>, Vec<usize>) {
+pub(super) fn groups(blocks: &Blocks, visits: &Visits, by: Option<&str>) -> (Vec<String>, Vec<usize>) {
     let name = |block: &Block| match by {
-        Some("machine") => seen.machines[block.machine].clone(),
+        Some("machine") => visits.machines[block.machine].clone(),
         Some("shift") => block.shift.clone(),
         Some("day") => format!("day {:.0}", (block.time / 86400.0).floor() + 1.0),
         _ => blocks.groups[block.group].clone(),
@@ -427,8 +427,8 @@ pub(super) fn groups(blocks: &Blocks, seen: &Visits, by: Option<&str>) -> (Vec<S
 }
 
 /// What the nominal shop expects of a block; NaN where it has no opinion.
-fn nominal(shop: &Shop, seen: &Visits, blocks: &Blocks, block: &Block) -> Figures {
-    let station = shop.station(&seen.machines[block.machine]);
+fn nominal(shop: &Shop, visits: &Visits, blocks: &Blocks, block: &Block) -> Figures {
+    let station = shop.station(&visits.machines[block.machine]);
     // A machine that the nominal shop does not know is compared with itself.
     let of_machine = |figure: Figure| {
         let others = blocks.list.iter().filter(|other| other.machine == block.machine);
@@ -438,7 +438,7 @@ fn nominal(shop: &Shop, seen: &Visits, blocks: &Blocks, block: &Block) -> Figure
     let handling = station
         .map_or_else(|| of_machine(Figure::HandlingTime), |station| station.handling[station.handling.len() / 2]);
     // What the file itself says of the times: plain work may be skewed.
-    let known = block.program.and_then(|program| shop.programs.get(&seen.programs[program]));
+    let known = block.program.and_then(|program| shop.programs.get(&visits.programs[program]));
     let planned = known.map_or(Shape::SYMMETRIC, |program| program.planned);
     let mut figures = Figures::all(f64::NAN);
     figures[Figure::CuttingTime] = block.program.map_or(f64::NAN, |program| blocks.times[program]);
@@ -457,8 +457,8 @@ fn nominal(shop: &Shop, seen: &Visits, blocks: &Blocks, block: &Block) -> Figure
     figures
 }
 
-fn life_slope(shop: &Shop, seen: &Visits, block: &Block) -> f64 {
-    shop.station(&seen.machines[block.machine]).and_then(|station| station.edge_life).map_or(0.0, |life| life.growth)
+fn life_slope(shop: &Shop, visits: &Visits, block: &Block) -> f64 {
+    shop.station(&visits.machines[block.machine]).and_then(|station| station.edge_life).map_or(0.0, |life| life.growth)
 }
 
 /// Mean root magnitude of normal scores, under an exponential distribution of the same mean, of times
@@ -481,12 +481,12 @@ const SLIPS: [(f64, &str); 3] =
     [(60.0, "minutes given as seconds, or seconds as minutes"), (3600.0, "hours"), (1000.0, "milliseconds")];
 
 /// What to say where all times are an impossible multiple of the nominal ones.
-fn unit_slip(shop: &Shop, seen: &Visits) -> Option<String> {
+fn unit_slip(shop: &Shop, visits: &Visits) -> Option<String> {
     let ratio = |visit: &super::Visit| {
-        let program = shop.programs.get(&seen.programs[visit.program])?;
+        let program = shop.programs.get(&visits.programs[visit.program])?;
         Some(visit.cutting / program.time)
     };
-    let mut ratios: Vec<f64> = seen.list.iter().filter_map(ratio).collect();
+    let mut ratios: Vec<f64> = visits.list.iter().filter_map(ratio).collect();
     let ratio = median(&mut ratios);
     if ratio.is_nan() || (0.3..3.3).contains(&ratio) {
         return None;

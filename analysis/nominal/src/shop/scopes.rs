@@ -16,10 +16,10 @@ pub(super) type Part = (String, Vec<f64>);
 
 /// Parts of the blocks on which an effect may act: shifts, machines and parts one by one, pools of machines, and machines
 /// and pools in one shift. Of parts that hold the same blocks the first counts.
-pub(super) fn parts(shop: &Shop, seen: &Visits, blocks: &[Block]) -> Vec<Part> {
-    let part = |block: &Block| block.program.and_then(|program| Some(seen.programs[program].split_once('/')?.0));
+pub(super) fn parts(shop: &Shop, visits: &Visits, blocks: &[Block]) -> Vec<Part> {
+    let part = |block: &Block| block.program.and_then(|program| Some(visits.programs[program].split_once('/')?.0));
     let shifts: Vec<String> = blocks.iter().map(|block| block.shift.clone()).collect();
-    let machines: Vec<String> = blocks.iter().map(|block| seen.machines[block.machine].clone()).collect();
+    let machines: Vec<String> = blocks.iter().map(|block| visits.machines[block.machine].clone()).collect();
     let made: Vec<String> = blocks.iter().map(|block| part(block).unwrap_or_default().to_owned()).collect();
     let mut found: Vec<Part> = Vec::new();
     let mut add = |shape: String, on: Vec<f64>| {
@@ -36,11 +36,11 @@ pub(super) fn parts(shop: &Shop, seen: &Visits, blocks: &[Block]) -> Vec<Part> {
             add(format!("{key}={level}"), on(names, &|name| name == level));
         }
     }
-    let pools = pools(shop, seen);
-    for pool in pools.iter().chain(&all_but_one(seen)) {
+    let pools = pools(shop, visits);
+    for pool in pools.iter().chain(&all_but_one(visits)) {
         add(format!("machine={}", pool.join("|")), on(&machines, &|name| pool.contains(&name)));
     }
-    let alone = seen.machines.iter().map(|name| vec![name.as_str()]);
+    let alone = visits.machines.iter().map(|name| vec![name.as_str()]);
     let (places, turns) = (alone.chain(pools).collect::<Vec<_>>(), levels(&shifts));
     if places.len() * turns.len() <= MOST_CROSSED {
         for place in &places {
@@ -63,18 +63,18 @@ fn levels(names: &[String]) -> Vec<&str> {
 }
 
 /// Several of the machines that have something in common, but not all: those of one process, those that run one program.
-fn pools<'a>(shop: &Shop, seen: &'a Visits) -> Vec<Vec<&'a str>> {
-    let process = |machine: usize| shop.station(&seen.machines[machine]).map(|station| station.process.as_str());
-    let kinds: BTreeSet<&str> = (0..seen.machines.len()).filter_map(process).collect();
+fn pools<'a>(shop: &Shop, visits: &'a Visits) -> Vec<Vec<&'a str>> {
+    let process = |machine: usize| shop.station(&visits.machines[machine]).map(|station| station.process.as_str());
+    let kinds: BTreeSet<&str> = (0..visits.machines.len()).filter_map(process).collect();
     let mut pools: Vec<Vec<&str>> =
-        kinds.iter().map(|kind| those(seen, &|machine| process(machine) == Some(*kind))).collect();
-    for program in 0..seen.programs.len() {
-        let runs = seen.list.iter().filter(|visit| visit.program == program).map(|visit| visit.machine);
+        kinds.iter().map(|kind| those(visits, &|machine| process(machine) == Some(*kind))).collect();
+    for program in 0..visits.programs.len() {
+        let runs = visits.list.iter().filter(|visit| visit.program == program).map(|visit| visit.machine);
         let runs: BTreeSet<usize> = runs.collect();
-        pools.push(those(seen, &|machine| runs.contains(&machine)));
+        pools.push(those(visits, &|machine| runs.contains(&machine)));
     }
     let mut several: Vec<Vec<&str>> = Vec::new();
-    for pool in pools.into_iter().filter(|pool| pool.len() > 1 && pool.len() < seen.machines.len()) {
+    for pool in pools.into_iter().filter(|pool| pool.len() > 1 && pool.len() < visits.machines.len()) {
         if !several.contains(&pool) {
             several.push(pool);
         }
@@ -83,16 +83,16 @@ fn pools<'a>(shop: &Shop, seen: &'a Visits) -> Vec<Vec<&'a str>> {
 }
 
 /// All machines but one of three or more.
-fn all_but_one(seen: &Visits) -> Vec<Vec<&str>> {
-    let count = seen.machines.len();
+fn all_but_one(visits: &Visits) -> Vec<Vec<&str>> {
+    let count = visits.machines.len();
     if !(3..=MOST_LEVELS).contains(&count) {
         return Vec::new();
     }
-    (0..count).map(|left_out| those(seen, &|machine| machine != left_out)).collect()
+    (0..count).map(|left_out| those(visits, &|machine| machine != left_out)).collect()
 }
 
 /// Names of the machines for which `test` holds.
-fn those<'a>(seen: &'a Visits, test: &dyn Fn(usize) -> bool) -> Vec<&'a str> {
-    let chosen = (0..seen.machines.len()).filter(|machine| test(*machine));
-    chosen.map(|machine| seen.machines[machine].as_str()).collect()
+fn those<'a>(visits: &'a Visits, test: &dyn Fn(usize) -> bool) -> Vec<&'a str> {
+    let chosen = (0..visits.machines.len()).filter(|machine| test(*machine));
+    chosen.map(|machine| visits.machines[machine].as_str()).collect()
 }

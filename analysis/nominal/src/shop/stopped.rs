@@ -34,9 +34,9 @@ impl Stopped {
 
 impl ShopModel {
     /// Rate of stops that nobody books in each block, 1/s.
-    pub(super) fn rates(&self, at: &Point) -> Vec<f64> {
+    pub(super) fn rates(&self, point: &Point) -> Vec<f64> {
         let mut rates = vec![0.0; self.blocks.list.len()];
-        for (action, size) in self.actions.iter().zip(&at.effects) {
+        for (action, size) in self.actions.iter().zip(&point.effects) {
             if let (Action::Stops(weights), true) = (action, *size != 0.0) {
                 rates.iter_mut().zip(weights).for_each(|(rate, weight)| *rate += size * weight);
             }

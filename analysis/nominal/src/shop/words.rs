@@ -3,13 +3,13 @@
 use super::catalogue::Action;
 use super::model::ShopModel;
 use super::visit::Visits;
-use crate::stated::Stated;
+use crate::stated::Declarations;
 use crate::{Candidate, EffectId, Words, WrittenEffect};
 use toolroom_scenario::{Calibration, Occasion, Scope, ShopEffect};
 
 impl ShopModel {
     /// Takes over what the file states about these blocks.
-    pub(super) fn state(&mut self, seen: &Visits, stated: &mut Stated) {
+    pub(super) fn state(&mut self, visits: &Visits, stated: &mut Declarations) {
         for deviation in stated.deviations.clone() {
             let same = |index: usize| {
                 let written = self.written_effect(index);
@@ -21,7 +21,7 @@ impl ShopModel {
             };
             let index = match (0..self.actions.len()).find(|index| same(*index)) {
                 Some(index) => index,
-                None => match self.scoped(seen, deviation.effect, &deviation.scope) {
+                None => match self.scoped(visits, deviation.effect, &deviation.scope) {
                     Some(action) => {
                         let id = EffectId::from(deviation.effect);
                         let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
@@ -56,12 +56,13 @@ impl ShopModel {
     }
 
     /// What a deviation with a scope does to the blocks; `None` where blocks do not tell.
-    fn scoped(&self, seen: &Visits, effect: ShopEffect, scope: &Scope) -> Option<Action> {
+    fn scoped(&self, visits: &Visits, effect: ShopEffect, scope: &Scope) -> Option<Action> {
         let weight = |block: &super::block::Block| {
             let mut occasion = Occasion::at(block.time);
-            occasion.set("machine", seen.machines[block.machine].clone());
+            occasion.set("machine", visits.machines[block.machine].clone());
             occasion.set("shift", block.shift.clone());
-            if let Some((part, operation)) = block.program.and_then(|program| seen.programs[program].split_once('/')) {
+            if let Some((part, operation)) = block.program.and_then(|program| visits.programs[program].split_once('/'))
+            {
                 occasion.set("part", part.to_owned());
                 occasion.set("operation", operation.to_owned());
             }

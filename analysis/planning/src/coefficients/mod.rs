@@ -172,9 +172,9 @@ impl CoefficientStudy {
 }
 
 /// What is admitted and rarely meant: feeds or forces of another unit.
-fn unusual(found: &Coefficients) -> Vec<String> {
+fn unusual(coefficients: &Coefficients) -> Vec<String> {
     let mut warnings = Vec::new();
-    let [from, to] = found.range.map(|feed| feed * 1e3);
+    let [from, to] = coefficients.range.map(|feed| feed * 1e3);
     let [least, most] = USUAL_FEED_PER_TOOTH;
     if from < least || to > most {
         warnings.push(format!(
@@ -186,7 +186,7 @@ fn unusual(found: &Coefficients) -> Vec<String> {
     let pressures = MATERIAL_GROUPS.iter().flat_map(|group| USUAL_FEED_PER_TOOTH.map(|f| group.pressure_at(f * 1e-3)));
     let (low, high) = pressures.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
     let usual = low / BEYOND_GROUPS..=high * BEYOND_GROUPS;
-    if let Some(tangential) = found.chip[0].filter(|coefficient| !usual.contains(&coefficient.value)) {
+    if let Some(tangential) = coefficients.chip[0].filter(|coefficient| !usual.contains(&coefficient.value)) {
         warnings.push(format!(
             "unusual: the tangential coefficient is {:.4} MPa; the groups of VDI 3323 have {:.0} to {:.0} MPa; are the units \
              of feed, force and depth right?",

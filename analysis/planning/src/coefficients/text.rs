@@ -141,8 +141,8 @@ impl CoefficientStudy {
 }
 
 /// What a test says of itself.
-fn tested(found: &Coefficients, text: &mut String) {
-    for (axis, line) in ["feed", "normal", "axis"].iter().zip(found.lines) {
+fn tested(coefficients: &Coefficients, text: &mut String) {
+    for (axis, line) in ["feed", "normal", "axis"].iter().zip(coefficients.lines) {
         let Some(line) = line else { continue };
         let _ = write!(text, "  along the {axis:6} residual {:.2} N", line.residual);
         let _ = match line.lack_of_fit {
@@ -153,7 +153,7 @@ fn tested(found: &Coefficients, text: &mut String) {
             None => writeln!(text, ", no feed was cut twice: the line cannot be tested"),
         };
     }
-    for warning in &found.warnings {
+    for warning in &coefficients.warnings {
         let _ = writeln!(text, "  warning: {warning}");
     }
 }

@@ -17,7 +17,7 @@ impl IdentificationStudy {
     /// `trials.csv`, `identify.json` and `report.html`.
     pub fn files(&self, provenance: Provenance) -> ResultFiles {
         let mut files = ResultFiles::default();
-        files.push("trials.csv", table(COLUMNS, self.found.trials.iter().map(row)));
+        files.push("trials.csv", table(COLUMNS, self.identification.trials.iter().map(row)));
         files.push("identify.json", format!("{:#}\n", self.summary()));
         files.push("report.html", report(self, provenance).html());
         files
@@ -25,7 +25,7 @@ impl IdentificationStudy {
 
     /// The result for programs.
     pub fn summary(&self) -> Value {
-        let found = &self.found;
+        let found = &self.identification;
         let trials: Vec<Value> = found
             .trials
             .iter()

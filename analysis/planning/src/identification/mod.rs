@@ -28,7 +28,7 @@ pub struct IdentificationStudy {
     /// Errors of measurement, and what is identified from.
     pub options: IdentifyOptions,
     /// Lag, stiffnesses and their intervals.
-    pub found: Identification,
+    pub identification: Identification,
 }
 
 impl IdentificationStudy {
@@ -40,7 +40,7 @@ impl IdentificationStudy {
         let found = identify(&trials, &options)?;
         let possible = |trial: &Trial| found.trials.iter().any(|lag| lag.trial_id == trial.trial_id);
         let trials = trials.into_iter().filter(possible).collect();
-        Ok(Self { title: title.into(), trials, options, found })
+        Ok(Self { title: title.into(), trials, options, identification: found })
     }
 }
 

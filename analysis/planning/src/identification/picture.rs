@@ -15,7 +15,7 @@ const MOST_TRACES: usize = 4;
 
 /// The report of an identification.
 pub(super) fn report(study: &IdentificationStudy, provenance: Provenance) -> Report {
-    let found = &study.found;
+    let found = &study.identification;
     let mut report = Report::new(format!("Grinding identification: {}", study.title)).lead(lead(study));
     report =
         report.tile(Tile::new("lag K", format!("{:.4}", found.lag.mean), interval("95 %", found.lag.ci95, 1.0, 3)));
@@ -76,7 +76,7 @@ pub(super) fn report(study: &IdentificationStudy, provenance: Provenance) -> Rep
 }
 
 fn lead(study: &IdentificationStudy) -> String {
-    let found = &study.found;
+    let found = &study.identification;
     let by = if found.trials.iter().all(|trial| trial.from_force.is_none()) {
         "stock"
     } else if found.trials.iter().all(|trial| trial.from_stock.is_none()) {
@@ -102,7 +102,7 @@ fn interval(name: &str, bounds: Option<[f64; 2]>, scale: f64, digits: usize) -> 
 }
 
 fn intervals(study: &IdentificationStudy) -> Intervals {
-    let found = &study.found;
+    let found = &study.identification;
     let mut chart = Intervals::new("Lag K and how well it is known", Axis::linear("Lag K", ""))
         .reference(found.lag.mean, "mean")
         .describe("Lag of each trial with two standard deviations of measurement, and intervals over all trials.");
@@ -150,7 +150,7 @@ fn whole_revolutions(most: f64) -> impl Iterator<Item = f64> {
 const MEASURED: Style = Style::nth(1).marker(Marker::Diamond);
 
 fn stock(study: &IdentificationStudy) -> Plot {
-    let (most, lag) = (longest(study), study.found.lag.mean);
+    let (most, lag) = (longest(study), study.identification.lag.mean);
     let infeed = plain_trials(study).next().map_or(0.0, |(trial, _)| trial.infeed_per_rev);
     let commanded = whole_revolutions(most).map(|n| (n, n * infeed * UM));
     let ground = whole_revolutions(most).map(|n| (n, stock_after(infeed, n, lag) * UM));
@@ -158,7 +158,7 @@ fn stock(study: &IdentificationStudy) -> Plot {
         .line("commanded infeed", commanded, Style::nth(0).colour(Colour::Ink).dash(Dash::Dashed))
         .line(format!("stock at the mean K of {lag:.4}"), ground, Style::nth(0))
         .describe("Commanded infeed, stock by the recursion, and measured stock over work revolutions.");
-    if let Some([less, more]) = study.found.half_revolution_range() {
+    if let Some([less, more]) = study.identification.half_revolution_range() {
         let band =
             whole_revolutions(most).map(|n| (n, stock_after(infeed, n, more) * UM, stock_after(infeed, n, less) * UM));
         plot = plot.band("stock at K of ∓ half a revolution", band, Style::nth(0));
@@ -167,7 +167,7 @@ fn stock(study: &IdentificationStudy) -> Plot {
 }
 
 fn deflection(study: &IdentificationStudy) -> Plot {
-    let (most, found) = (longest(study), &study.found);
+    let (most, found) = (longest(study), &study.identification);
     let curve = |lag: f64| whole_revolutions(most).map(move |n| (n, n - stock_after(1.0, n, lag)));
     let mut plot = Plot::new(
         "Stock behind infeed",
@@ -217,7 +217,7 @@ fn traces(study: &IdentificationStudy) -> Vec<Plot> {
 }
 
 fn lengths(study: &IdentificationStudy) -> Plot {
-    let (lag, best) = (study.found.lag.mean, study.found.best);
+    let (lag, best) = (study.identification.lag.mean, study.identification.best);
     let infeed = study.trials.iter().map(|trial| trial.infeed_per_rev).sum::<f64>() / study.trials.len() as f64;
     let most = f64::from(best.revolutions * 3).max(longest(study));
     let sd = |n: f64| lag_sd(lag, infeed, n, 0.0, &study.options.errors);
@@ -234,7 +234,7 @@ fn lengths(study: &IdentificationStudy) -> Plot {
 
 fn trials(study: &IdentificationStudy) -> Table {
     let mut table = Table::new(["trial", "K", "sd of K", "K by stock", "K by force", "Cp [N/um]", "J [N/um]", "Pz/Py"]);
-    for trial in &study.found.trials {
+    for trial in &study.identification.trials {
         let optional = |value: Option<f64>| value.unwrap_or(f64::NAN).into();
         table.push([
             trial.trial_id.as_str().into(),

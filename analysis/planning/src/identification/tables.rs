@@ -53,7 +53,7 @@ impl IdentificationStudy {
             }
             TrialsError::Identify(error)
         })?;
-        notes.extend(study.found.left_out.iter().map(|trial| format!("{}: left out: {trial}", trials.name)));
+        notes.extend(study.identification.left_out.iter().map(|trial| format!("{}: left out: {trial}", trials.name)));
         Ok((study, notes))
     }
 }

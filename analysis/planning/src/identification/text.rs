@@ -11,7 +11,7 @@ const N_PER_UM: f64 = 1e-6;
 impl IdentificationStudy {
     /// What the trials say, in a few lines.
     pub fn text(&self) -> String {
-        let found = &self.found;
+        let found = &self.identification;
         let plural = if self.trials.len() == 1 { "" } else { "s" };
         let mut text = format!("{}: {} trial{plural}\n", self.title, self.trials.len());
         let _ = writeln!(

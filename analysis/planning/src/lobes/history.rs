@@ -65,7 +65,7 @@ pub struct History<'a> {
     /// Spindle speed (rad/s) and depth (m).
     pub place: (f64, f64),
     /// The settled vibration.
-    pub settled: Settled,
+    pub final_state: Settled,
     /// Samples in a tooth period, or a revolution in turning.
     steps: usize,
     /// Frequencies (Hz) and amplitudes (m) up to twice the highest mode.
@@ -109,7 +109,7 @@ impl LobesFile {
         let steps = (period / settled.simulation.time_step).round() as usize;
         let spectrum = spectrum(&settled, self.cut.greatest_frequency());
         let lines = lines(&spectrum, &verdict, speed / TAU, teeth, period);
-        Ok(History { file: self, place, settled, steps, spectrum, lines, directions })
+        Ok(History { file: self, place, final_state: settled, steps, spectrum, lines, directions })
     }
 }
 
@@ -202,7 +202,7 @@ impl History<'_> {
                 })
             })
             .collect();
-        let Settled { periods, change, settled, band, .. } = self.settled;
+        let Settled { periods, change, settled, band, .. } = self.final_state;
         json!({
             "schema": 1,
             "name": self.file.name,
@@ -212,8 +212,8 @@ impl History<'_> {
             "settled": settled,
             "change": change,
             "band": band,
-            "pp_x [um]": self.settled.simulation.peak_to_peak(0) * 1e6,
-            "pp_y [um]": self.settled.simulation.peak_to_peak(1) * 1e6,
+            "pp_x [um]": self.final_state.simulation.peak_to_peak(0) * 1e6,
+            "pp_y [um]": self.final_state.simulation.peak_to_peak(1) * 1e6,
             "lines": lines,
         })
     }
@@ -231,14 +231,18 @@ impl History<'_> {
         files.push("history.json", format!("{:#}\n", self.json()));
         let axes = self.file.cut.axes();
         let (speed, depth) = (axes.speed.shown(self.place.0), axes.depth.shown(self.place.1));
-        let range = |direction: usize| format!("{:.1} um", self.settled.simulation.peak_to_peak(direction) * 1e6);
-        let settled = if self.settled.settled {
-            format!("It repeats within {:.1} % after {} periods.", 100.0 * self.settled.change, self.settled.periods)
+        let range = |direction: usize| format!("{:.1} um", self.final_state.simulation.peak_to_peak(direction) * 1e6);
+        let settled = if self.final_state.settled {
+            format!(
+                "It repeats within {:.1} % after {} periods.",
+                100.0 * self.final_state.change,
+                self.final_state.periods
+            )
         } else {
             format!(
                 "It still changes by {:.0} % after {} periods: it has two frequencies that do not fit, or grows on.",
-                100.0 * self.settled.change,
-                self.settled.periods
+                100.0 * self.final_state.change,
+                self.final_state.periods
             )
         };
         let mut report = Report::new(format!("{}: vibration at {speed:.0} rpm and {depth:.3} mm", self.file.title))
@@ -263,7 +267,7 @@ impl History<'_> {
 
     /// The samples of the last 20 periods.
     fn samples(&self) -> String {
-        let run = &self.settled.simulation;
+        let run = &self.final_state.simulation;
         let first = run.displacement.len().saturating_sub(20 * self.steps);
         let rows = (first..run.displacement.len()).map(|i| -> [Cell<'_>; 5] {
             let (u, f) = (run.displacement[i], run.force[i]);
@@ -286,7 +290,7 @@ impl History<'_> {
     }
 
     fn over_time(&self) -> Plot {
-        let run = &self.settled.simulation;
+        let run = &self.final_state.simulation;
         let shown = (10 * self.steps).min(run.displacement.len());
         let first = run.displacement.len() - shown;
         let mut plot = Plot::new(
@@ -327,7 +331,7 @@ impl History<'_> {
     }
 
     fn once_a_period(&self) -> Plot {
-        let run = &self.settled.simulation;
+        let run = &self.final_state.simulation;
         let mut plot = Plot::new(
             format!("{}: once a period", self.file.title),
             Axis::linear("Displacement a period before", "um"),

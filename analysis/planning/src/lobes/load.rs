@@ -117,11 +117,11 @@ impl LobesFile {
         let depths: Vec<f64> = (0..=DEPTHS).map(|i| self.chart.depth.end * i as f64 / DEPTHS as f64).collect();
         let errors = cut.surface_errors(speeds, &depths)?;
         let first = |errors: &[f64]| {
-            let beyond = errors.iter().position(|error| error.abs() > limit)?;
+            let index = errors.iter().position(|error| error.abs() > limit)?;
             // Between two depths the error is taken as a straight line; at depth zero it is zero.
-            let (before, after) = (errors[beyond - 1].abs(), errors[beyond].abs());
+            let (before, after) = (errors[index - 1].abs(), errors[index].abs());
             let share = (limit - before) / (after - before);
-            Some(depths[beyond - 1] + share * (depths[beyond] - depths[beyond - 1]))
+            Some(depths[index - 1] + share * (depths[index] - depths[index - 1]))
         };
         Ok(errors.chunks(depths.len()).map(|errors| first(errors).unwrap_or(f64::INFINITY)).collect())
     }

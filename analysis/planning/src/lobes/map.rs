@@ -204,16 +204,17 @@ impl ChartMap {
 }
 
 /// Lines of equal removal rate, which are hyperbolas.
-fn equal_rates(mut map: HeatMap, of: &ChartMap) -> HeatMap {
+fn equal_rates(mut map: HeatMap, chart_map: &ChartMap) -> HeatMap {
     const LINES: usize = 5;
-    let greatest = of.values.iter().copied().fold(0.0, f64::max);
-    let (speed, depth) = (of.speeds.last().copied().unwrap_or(1.0), of.depths.last().copied().unwrap_or(1.0));
+    let greatest = chart_map.values.iter().copied().fold(0.0, f64::max);
+    let (speed, depth) =
+        (chart_map.speeds.last().copied().unwrap_or(1.0), chart_map.depths.last().copied().unwrap_or(1.0));
     let rpm = |speed: f64| speed * 30.0 / std::f64::consts::PI;
     let style = Style::nth(0).colour(Colour::Grey).dash(Dash::Dotted);
     for line in 1..=LINES {
         let share = line as f64 / (LINES + 1) as f64;
         let rate = significant(format!("{:.2e}", greatest * share).parse().unwrap_or(0.0));
-        let points = of.speeds.iter().map(|at| (rpm(*at), depth * 1e3 * share * speed / at));
+        let points = chart_map.speeds.iter().map(|at| (rpm(*at), depth * 1e3 * share * speed / at));
         let within: Vec<(f64, f64)> = points.filter(|(_, deep)| *deep <= depth * 1e3).collect();
         let label = if line == 1 { format!("equal removal rate, steps of {rate} cm3/min") } else { String::new() };
         map = map.line(label, within, style);

@@ -56,8 +56,8 @@ impl Columns {
     ///
     /// # Errors
     /// [`ChatterError`] where the model refuses a value.
-    pub fn new(file: &LobesFile, from: u64, to: u64) -> Result<Self, ChatterError> {
-        let Lobes { verdicts, holes, .. } = file.cut.lobes(&file.chart, from as usize..to as usize)?;
+    pub fn new(file: &LobesFile, start: u64, end: u64) -> Result<Self, ChatterError> {
+        let Lobes { verdicts, holes, .. } = file.cut.lobes(&file.chart, start as usize..end as usize)?;
         Ok(Self { verdicts, holes })
     }
 

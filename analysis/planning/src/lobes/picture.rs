@@ -6,7 +6,7 @@ use super::robust::robust_table;
 use super::study::with_unit;
 use super::{ChartStudy, Curve, Judged, LobesFile, Quantity, word};
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
-use toolroom_chart::{Axis, Chart, ColourMap, HeatMap, Plot, StabilityLobes, Standing, Table};
+use toolroom_chart::{Axis, Chart, ColourMap, HeatMap, Plot, PointStability, StabilityLobes, Table};
 use toolroom_form::Echo;
 
 /// Growth beyond which colours do not tell points apart; a factor of e a period is far from the
@@ -81,12 +81,12 @@ pub(super) fn lobes(study: &ChartStudy<'_>) -> StabilityLobes {
         lobes = lobes.boundary("limit of the measured response", measured.limits.iter().map(shown));
     }
     for judgement in judgements.iter().flatten() {
-        let standing = Standing::of(judgement.verdict.stable, judgement.margin());
+        let standing = PointStability::from_stable(judgement.verdict.stable, judgement.margin());
         lobes = lobes.point("", shown(&(judgement.speed, judgement.depth)), standing);
     }
     if let Some(best) = &study.best {
         // It is stable with the probability that was requested.
-        lobes = lobes.point("best", shown(&(best.speed, best.depth)), Standing::Stable);
+        lobes = lobes.point("best", shown(&(best.speed, best.depth)), PointStability::Stable);
     }
     lobes
 }

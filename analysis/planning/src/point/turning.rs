@@ -107,9 +107,9 @@ fn minimum_wear_speed(turning: &Turning, state: &TurningState, input: &TurningIn
     }
     let intensity = |log_speed: f64| {
         let speed = log_speed.exp();
-        let held = TurningInput { cutting_speed: speed, ..*input };
-        let warm = TurningState { tool_body_temperature_rise: warm_body(turning, state, &held), ..*state };
-        turning.rates(&warm, &held).flank_wear / speed
+        let turning_input = TurningInput { cutting_speed: speed, ..*input };
+        let warm = TurningState { tool_body_temperature_rise: warm_body(turning, state, &turning_input), ..*state };
+        turning.rates(&warm, &turning_input).flank_wear / speed
     };
     let limits = &turning.pair.limits;
     least(intensity, (0.1 * limits.reference_speed).ln(), (6.0 * limits.reference_speed).ln()).exp()

@@ -14,7 +14,7 @@ use toolroom_stock::{FeedLimit, FeedLimits, FeedPlan, FollowError, Load, Setup};
 
 /// What is known of a program beside its text.
 #[derive(Clone, Copy, Debug)]
-pub struct Known<'a> {
+pub struct ProgramContext<'a> {
     /// Its time.
     pub cycle: &'a CycleTime,
     /// Stock and tools.
@@ -32,7 +32,7 @@ pub struct Known<'a> {
 pub fn report(
     name: &str,
     (source, control, drives): (&Source, &Control, &Drives),
-    known: &Known<'_>,
+    known: &ProgramContext<'_>,
     provenance: Provenance,
 ) -> Result<Report, FollowError> {
     let as_programmed = FeedPlan::default();
@@ -61,19 +61,19 @@ pub fn report(
         over_time = over_time.figure(figure);
     }
     report = report.section(over_time);
-    let mut spent =
+    let mut section =
         Section::new("Where the time goes").figure(parts(&course)).table("Seconds by tool", seconds(&course));
     if let Some(feeds) = known.feeds {
-        spent = spent.table("Use of the limits: 1 is all that is allowed", feeds.limits_table());
+        section = section.table("Use of the limits: 1 is all that is allowed", feeds.limits_table());
     }
     let notes: Vec<String> = known.cycle.notes().iter().map(|(line, text)| format!("line {line}: {text}")).collect();
     if !notes.is_empty() {
-        spent = spent.paragraph("What the reader noticed:").list(notes);
+        section = section.paragraph("What the reader noticed:").list(notes);
     }
-    Ok(report.section(spent).provenance(provenance))
+    Ok(report.section(section).provenance(provenance))
 }
 
-fn lead(known: &Known<'_>, course: &Course) -> String {
+fn lead(known: &ProgramContext<'_>, course: &Course) -> String {
     let (dialect, reason) = known.cycle.dialect();
     let read = format!("Read as a program for {dialect}: {reason}.");
     let planned = known.feeds.and_then(Feeds::planned_times).map(|(before, after)| {
@@ -82,7 +82,7 @@ fn lead(known: &Known<'_>, course: &Course) -> String {
     read + &planned.unwrap_or_else(|| format!(" It takes {:.1} s on this machine.", course.total))
 }
 
-fn tiles(known: &Known<'_>) -> Vec<Tile> {
+fn tiles(known: &ProgramContext<'_>) -> Vec<Tile> {
     let time = known.cycle.sum(|share| share.total);
     let changes: u32 = known.cycle.shares.iter().map(|share| share.changes).sum();
     let mut tiles = vec![match known.feeds.and_then(Feeds::planned_times) {
@@ -112,7 +112,7 @@ fn tiles(known: &Known<'_>) -> Vec<Tile> {
     tiles
 }
 
-fn warnings(known: &Known<'_>) -> Vec<String> {
+fn warnings(known: &ProgramContext<'_>) -> Vec<String> {
     let mut list = Vec::new();
     if let Some(engagement) = known.engagement {
         for (lines, what) in [
@@ -237,7 +237,7 @@ fn views(course: &Course) -> Vec<(String, Figure)> {
 }
 
 /// Feed, power, force, deflection and engagement over time.
-fn courses(known: &Known<'_>, course: &Course) -> Vec<Figure> {
+fn courses(known: &ProgramContext<'_>, course: &Course) -> Vec<Figure> {
     let planned = known.feeds.and_then(Feeds::planned_times).is_some();
     let end = course.total;
     let over = |value: &dyn Fn(&Leg) -> f64| -> Vec<(f64, f64)> {

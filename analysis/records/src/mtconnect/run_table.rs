@@ -57,8 +57,8 @@ pub fn run_table(
     let header = reader.headers()?.clone();
     let mut places = [0; COLUMNS.len()];
     for (place, column) in places.iter_mut().zip(COLUMNS) {
-        let found = header.iter().position(|name| name.trim_start_matches('\u{feff}') == column);
-        *place = found.ok_or(RunTableError::MissingColumn { column })?;
+        let position = header.iter().position(|name| name.trim_start_matches('\u{feff}') == column);
+        *place = position.ok_or(RunTableError::MissingColumn { column })?;
     }
     let mut runs: Vec<(Vec<String>, [f64; 5])> = Vec::new();
     let mut passed = 0;

@@ -57,7 +57,7 @@ pub struct Lines {
     /// Number of lines of the file.
     pub count: usize,
     /// Line and what of it was passed over.
-    pub passed: Vec<(usize, Passed)>,
+    pub finished_lines: Vec<(usize, Passed)>,
 }
 
 /// Levels of a condition.
@@ -79,16 +79,16 @@ pub fn parse_shdr(text: &str) -> Lines {
         let line = line.trim_end_matches('\r').trim_start_matches('\u{feff}');
         let line_number = index + 1;
         if let Some(mark) = &document {
-            lines.passed.push((line_number, Passed::Asset));
+            lines.finished_lines.push((line_number, Passed::Asset));
             if line.trim() == mark {
                 document = None;
             }
             continue;
         }
         if line.trim().is_empty() {
-            lines.passed.push((line_number, Passed::Empty));
+            lines.finished_lines.push((line_number, Passed::Empty));
         } else if line.starts_with('*') {
-            lines.passed.push((line_number, Passed::Command));
+            lines.finished_lines.push((line_number, Passed::Command));
         } else {
             document = read_line(line, line_number, &mut lines);
         }
@@ -100,16 +100,16 @@ pub fn parse_shdr(text: &str) -> Lines {
 fn read_line(line: &str, line_number: usize, lines: &mut Lines) -> Option<String> {
     let mut fields = line.split('|');
     let Some(time) = fields.next().and_then(seconds) else {
-        lines.passed.push((line_number, Passed::NoTime));
+        lines.finished_lines.push((line_number, Passed::NoTime));
         return None;
     };
     let fields: Vec<&str> = fields.map(str::trim).collect();
     if fields.is_empty() || fields[0].is_empty() {
-        lines.passed.push((line_number, Passed::NoValue));
+        lines.finished_lines.push((line_number, Passed::NoValue));
         return None;
     }
     if fields[0].starts_with('@') {
-        lines.passed.push((line_number, Passed::Asset));
+        lines.finished_lines.push((line_number, Passed::Asset));
         return fields.last().filter(|field| field.starts_with("--multiline--")).map(|mark| (*mark).to_owned());
     }
     let entry = |key: &str, value: &str| {
@@ -118,14 +118,14 @@ fn read_line(line: &str, line_number: usize, lines: &mut Lines) -> Option<String
     };
     if is_condition(&fields) {
         lines.entries.push(entry(fields[0], fields[1]));
-        lines.passed.push((line_number, Passed::Condition));
+        lines.finished_lines.push((line_number, Passed::Condition));
         return None;
     }
     let pairs = fields.chunks_exact(2);
     if let [key] = pairs.remainder()
         && !key.is_empty()
     {
-        lines.passed.push((line_number, Passed::OddKey));
+        lines.finished_lines.push((line_number, Passed::OddKey));
     }
     lines.entries.extend(pairs.filter(|pair| !pair[0].is_empty()).map(|pair| entry(pair[0], pair[1])));
     None
@@ -169,7 +169,7 @@ mod tests {
             some("d", "4"),
         ];
         assert_eq!(values(text), expected);
-        let passed: Vec<Passed> = parse_shdr(text).passed.into_iter().map(|(_, why)| why).collect();
+        let passed: Vec<Passed> = parse_shdr(text).finished_lines.into_iter().map(|(_, why)| why).collect();
         use Passed::*;
         assert_eq!(passed, [Command, Condition, Condition, Asset, Asset, Asset, OddKey, Empty, NoValue]);
     }

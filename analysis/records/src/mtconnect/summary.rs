@@ -10,7 +10,7 @@ pub fn summary(name: &str, lines: &Lines, sessions: &[Session]) -> String {
     let mut text =
         format!("{name}: {} lines, {} values, {} sessions", lines.count, lines.entries.len(), sessions.len());
     let mut passed: BTreeMap<Passed, (usize, usize)> = BTreeMap::new();
-    for (line, why) in &lines.passed {
+    for (line, why) in &lines.finished_lines {
         passed.entry(*why).or_insert((0, *line)).0 += 1;
     }
     for (why, (count, first)) in passed {

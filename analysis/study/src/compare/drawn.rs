@@ -29,10 +29,10 @@ impl DrawnDifference {
     /// use toolroom_study::compare::DrawnDifference;
     /// let draws = [-0.9, -0.4, -0.1, -0.7, 0.2, -0.6, -0.3, -0.5];
     /// let errors = [0.15, 0.12, 0.2, 0.14, 0.16, 0.15, 0.13, 0.18];
-    /// let found = DrawnDifference::of(&draws.into_iter().zip(errors).collect::<Vec<_>>()).unwrap();
+    /// let found = DrawnDifference::from_draws(&draws.into_iter().zip(errors).collect::<Vec<_>>()).unwrap();
     /// assert!((found.sd_parameters - 0.3114683).abs() < 1e-7 && (found.se_simulation - 0.0550426).abs() < 1e-7);
     /// ```
-    pub fn of(draws: &[(f64, f64)]) -> Option<Self> {
+    pub fn from_draws(draws: &[(f64, f64)]) -> Option<Self> {
         let count = draws.len() as f64;
         if draws.len() < 2 || draws.iter().any(|(mean, error)| !(mean.is_finite() && error.is_finite())) {
             return None;
@@ -56,7 +56,7 @@ impl DrawnDifference {
             let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
             (mean, (variance / count).sqrt())
         });
-        Self::of(&draws.collect::<Vec<_>>())
+        Self::from_draws(&draws.collect::<Vec<_>>())
     }
 
     /// Probability that the true difference is below zero, as far as the data of the calibration tell.

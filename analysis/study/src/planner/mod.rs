@@ -88,9 +88,9 @@ impl LoadKind {
     pub fn of_scenario(scenario: &Scenario) -> impl Iterator<Item = Self> {
         let states: Vec<MachineState> = MachineState::of(scenario).collect();
         let is_rare = |kind: Self| kind as usize > Self::Free as usize;
-        Self::ALL
-            .into_iter()
-            .filter(move |kind| !is_rare(*kind) || states.iter().any(|own| Self::of(*own) == Some(*kind)))
+        Self::ALL.into_iter().filter(move |kind| {
+            !is_rare(*kind) || states.iter().any(|own| Self::from_machine_state(*own) == Some(*kind))
+        })
     }
 
     /// Name in files.
@@ -112,7 +112,7 @@ impl LoadKind {
     }
 
     /// To which of them time in a state belongs that is in shift.
-    fn of(state: MachineState) -> Option<Self> {
+    fn from_machine_state(state: MachineState) -> Option<Self> {
         match state {
             MachineState::Cutting | MachineState::Working | MachineState::Handling => Some(Self::Production),
             MachineState::Setup => Some(Self::Setup),
@@ -273,7 +273,7 @@ impl Figures {
             for row in log.states.iter().filter(inside) {
                 let machine = row.machine as usize;
                 let (from, to) = (row.start.max(week.from), row.end.min(week.to));
-                if let Some(kind) = LoadKind::of(row.state) {
+                if let Some(kind) = LoadKind::from_machine_state(row.state) {
                     values[self.load(machine, number, kind)] += to - from;
                 }
                 let calendar = scenario.machines[machine].calendar.map(|index| &scenario.calendars[index]);
@@ -300,7 +300,7 @@ impl Figures {
                 let time = stay.share * (stay.end.min(week.to) - stay.start.max(week.from));
                 let person = machines + stay.operator as usize;
                 // On the way to a machine that waits.
-                let kind = match LoadKind::of(stay.state) {
+                let kind = match LoadKind::from_machine_state(stay.state) {
                     Some(LoadKind::WaitingOperator) | None => LoadKind::Delay,
                     Some(kind) => kind,
                 };

@@ -108,7 +108,7 @@ impl Figures {
     }
 
     fn add_work(&self, scenario: &Scenario, log: &RunLog, values: &mut [f64]) {
-        let left = WorkLeft::of(scenario);
+        let left = WorkLeft::from_scenario(scenario);
         let mut rows: Vec<Vec<&OperationRow>> = vec![Vec::new(); log.jobs.len()];
         for row in log.operations.iter().filter(|row| row.end.is_finite()) {
             rows[row.job as usize].push(row);
@@ -140,7 +140,7 @@ impl Figures {
 struct WorkLeft(Vec<Vec<(f64, f64)>>);
 
 impl WorkLeft {
-    fn of(scenario: &Scenario) -> Self {
+    fn from_scenario(scenario: &Scenario) -> Self {
         let handling = |machine: usize| {
             scenario.machines[machine].load_time.mean() + scenario.machines[machine].unload_time.mean()
         };

@@ -5,7 +5,7 @@ use crate::figure::plain;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use toolroom_chart::page::{Figure, Section};
-use toolroom_chart::{Axis, Plot, StabilityLobes, Standing, Table};
+use toolroom_chart::{Axis, Plot, PointStability, StabilityLobes, Table};
 use toolroom_process::unit::convert;
 use toolroom_scenario::policies::nominal_limit;
 use toolroom_scenario::{Cut, Operation, ProcessModel, Scenario, Work};
@@ -126,7 +126,7 @@ impl Pair<'_> {
             for (row, diameter) in source.log(position).map_or_else(Vec::new, |log| self.passes(source, log)) {
                 let speed = rpm(0.5 * (row.speed_start + row.speed_end), diameter);
                 let place = (speed.ln() / TOGETHER).round() as i64;
-                let standing = Standing::of(row.stability_margin >= 0.0, Some(row.stability_margin));
+                let standing = PointStability::from_stable(row.stability_margin >= 0.0, Some(row.stability_margin));
                 marks.entry((position, place, standing as u8)).or_default().push((speed, row.depth_of_cut));
                 let least = limits.entry((position, place)).or_insert((speed, f64::INFINITY));
                 if limit(row) < least.1 {
@@ -164,7 +164,7 @@ impl Pair<'_> {
         for ((position, _, standing), passes) in marks {
             let count = passes.len() as f64;
             let mean = |of: fn(&(f64, f64)) -> f64| passes.iter().map(of).sum::<f64>() / count;
-            let standing = Standing::ALL[usize::from(standing)];
+            let standing = PointStability::ALL[usize::from(standing)];
             lobes =
                 lobes.point(source.name(position), (mean(|pass| pass.0), millimetres(mean(|pass| pass.1))), standing);
         }

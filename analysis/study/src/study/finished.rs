@@ -2,7 +2,7 @@
 //! its report is drawn from again.
 
 use super::{EdgeLife, NamedLife, Precision, Run, Study, StudyError};
-use crate::variants::{Found, VariantRuns};
+use crate::variants::{SelectedShop, VariantRuns};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fs;
 use std::io;
@@ -29,7 +29,7 @@ pub struct Finished {
     variants: Vec<VariantRuns>,
     /// The best of them.
     #[serde(default)]
-    selection: Option<Found>,
+    selection: Option<SelectedShop>,
     /// Where it was read, with the log tables of the same replications.
     #[serde(skip)]
     pub directory: PathBuf,
@@ -37,7 +37,7 @@ pub struct Finished {
 
 /// [`Finished`] as it is written.
 #[derive(Serialize)]
-struct Told<'a> {
+struct FinishedFile<'a> {
     schema: u32,
     replications: u32,
     complete: bool,
@@ -49,7 +49,7 @@ struct Told<'a> {
     #[serde(skip_serializing_if = "<[VariantRuns]>::is_empty")]
     variants: &'a [VariantRuns],
     #[serde(skip_serializing_if = "Option::is_none")]
-    selection: Option<&'a Found>,
+    selection: Option<&'a SelectedShop>,
 }
 
 /// Figures of every replication of a policy.
@@ -108,7 +108,7 @@ impl Finished {
     /// Writes what a study has finished, row by row.
     pub(crate) fn write(study: &Study, out: impl io::Write) -> io::Result<()> {
         let policies = 0..study.policies.len();
-        let told = Told {
+        let told = FinishedFile {
             schema: 1,
             replications: study.replications,
             complete: study.complete,
@@ -153,7 +153,7 @@ impl Finished {
                 study.values[position].push(&values);
             }
             lives.iter().for_each(|life| study.edge_lives[position].push(&life.numbers()));
-            study.one_run[position] = run.lead_times.as_ref().and_then(OneRun::of);
+            study.one_run[position] = run.lead_times.as_ref().and_then(OneRun::from_lead_times);
             study.first_logs.extend(run.log);
         }
         study.digest = self.digest;

@@ -44,10 +44,15 @@ pub fn known_of(scenario: &Scenario, policies: &[usize], runs: Vec<StoredRun>) -
 ///
 /// # Errors
 /// As [`run_study`](super::run_study).
-pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) -> Result<Vec<StoredRun>, StudyError> {
+pub fn stored_runs(
+    scenario: &Scenario,
+    policies: &[usize],
+    start: u32,
+    end: u32,
+) -> Result<Vec<StoredRun>, StudyError> {
     let resolved = resolve(scenario, policies)?;
     let tasks: Vec<(u32, usize)> =
-        (from..to).flat_map(|replication| policies.iter().map(move |policy| (replication, *policy))).collect();
+        (start..end).flat_map(|replication| policies.iter().map(move |policy| (replication, *policy))).collect();
     let runs = tasks.into_par_iter().map(|(replication, policy)| {
         let run = || {
             let world = scenario.drawn(replication)?;
@@ -57,7 +62,7 @@ pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) 
                 .run()
         };
         let (counting, log) = run().map_err(|source| stopped(scenario, policy, replication, source))?;
-        Ok(StoredRun::of(policy, replication, &Run::of(scenario, &counting, log)))
+        Ok(StoredRun::from_policy(policy, replication, &Run::of(scenario, &counting, log)))
     });
     runs.collect::<Vec<_>>().into_iter().collect()
 }
@@ -94,7 +99,7 @@ pub fn stored_digest(
 }
 
 impl StoredRun {
-    pub(super) fn of(policy: usize, replication: u32, run: &Run) -> Self {
+    pub(super) fn from_policy(policy: usize, replication: u32, run: &Run) -> Self {
         Self {
             policy,
             replication,

@@ -8,20 +8,20 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// What one policy was tuned to, and what that is worth on fresh random numbers.
-struct Judged<'a> {
+struct TuningVerdict<'a> {
     policy: &'a TunedPolicy,
     role: String,
     /// Mean of the objective in the comparison, in the unit of files.
     judged: Option<f64>,
 }
 
-fn judged<'a>(tuning: &'a Tuning, study: &Study, comparison: &Comparison) -> Vec<Judged<'a>> {
+fn judged<'a>(tuning: &'a Tuning, study: &Study, comparison: &Comparison) -> Vec<TuningVerdict<'a>> {
     let index = study.index(&tuning.objective);
     let result = |policy: &'a TunedPolicy| {
         let position = comparison.policies.iter().position(|result| result.name == policy.name)?;
         let result = &comparison.policies[position];
         let judged = index.map(|index| study.kpis[index].definition.file_scale() * result.kpis[index].mean);
-        Some(Judged { policy, role: result.role.describe(), judged: judged.filter(|mean| mean.is_finite()) })
+        Some(TuningVerdict { policy, role: result.role.describe(), judged: judged.filter(|mean| mean.is_finite()) })
     };
     tuning.policies.iter().filter_map(result).collect()
 }
@@ -35,7 +35,7 @@ pub fn tuning_text(tuning: &Tuning, study: &Study, comparison: &Comparison) -> S
         tuning.seed,
         plain(100.0 * tuning.collapse, 1).trim_end_matches(".0"),
     );
-    for Judged { policy, judged, .. } in judged(tuning, study, comparison) {
+    for TuningVerdict { policy, judged, .. } in judged(tuning, study, comparison) {
         let _ = writeln!(text, "  {}: {}", policy.name, line(policy, judged, &tuning.unit));
     }
     if let Some(verdict) = &tuning.without_guard {
@@ -93,7 +93,7 @@ fn changes_tried(policy: &TunedPolicy, digits: usize) -> String {
 
 /// The same for programs: the key `tuning` of `summary.json`.
 pub fn tuning_json(tuning: &Tuning, study: &Study, comparison: &Comparison) -> Value {
-    let rows = judged(tuning, study, comparison).into_iter().map(|Judged { policy, role, judged }| {
+    let rows = judged(tuning, study, comparison).into_iter().map(|TuningVerdict { policy, role, judged }| {
         let settings = policy.settings.iter().map(|setting| (setting.key.clone(), json!(setting.value)));
         let flat = policy.settings.iter().map(|setting| (setting.key.clone(), json!([setting.flat.0, setting.flat.1])));
         json!({

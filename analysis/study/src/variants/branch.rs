@@ -16,53 +16,60 @@ pub const POSSIBLE: &str = "a shop that runs can take other rules (`dispatch.rul
      machines and people (`count`), other calendars, other priorities, weights and due dates of orders, and orders that are \
      released later";
 
-/// The shop `before` that becomes the shop `after` at `at`, s. `changes` are what made one of the other.
+/// The shop `previous` that becomes the shop `changed` at `at`, s. `changes` are what made one of the other.
 ///
 /// # Errors
 /// [`NoBranch`], in words: what a running shop cannot take.
-pub fn branched(before: &Scenario, after: &Scenario, at: f64, changes: &[String]) -> Result<Scenario, NoBranch> {
+pub fn branched(previous: &Scenario, changed: &Scenario, at: f64, changes: &[String]) -> Result<Scenario, NoBranch> {
     let refuse = |reason: String| Err(NoBranch { reason });
     let wrong: Vec<_> =
         changes.iter().filter(|change| !is_possible(change)).map(|change| format!("`{change}`")).collect();
     if !wrong.is_empty() {
         return refuse(format!("{} cannot change while the shop runs", wrong.join(", ")));
     }
-    if before.dispatch != after.dispatch && before.control.loops.iter().any(|own| own.rules.is_empty()) {
+    if previous.dispatch != changed.dispatch && previous.control.loops.iter().any(|own| own.rules.is_empty()) {
         return refuse(
             "`dispatch.rule` cannot change where backlogs of [[loop]] go by it; give them a `rule`".to_owned(),
         );
     }
-    let mut world = after.clone();
-    let (mut rules, mut calendars) = (Vec::new(), after.calendars.clone());
-    for (index, machine) in after.machines.iter().enumerate() {
-        let place = before.machines.iter().position(|own| own.name == machine.name);
-        if place.is_none() && after.blocking == Blocking::BeforeService {
+    let mut world = changed.clone();
+    let (mut rules, mut calendars) = (Vec::new(), changed.calendars.clone());
+    for (index, machine) in changed.machines.iter().enumerate() {
+        let place = previous.machines.iter().position(|own| own.name == machine.name);
+        if place.is_none() && changed.blocking == Blocking::BeforeService {
             return refuse(format!("machine \"{}\" cannot come with blocking before service", machine.name));
         }
-        rules.push(place.map_or_else(|| after.rules(index), |place| before.rules(place)).to_vec());
+        rules.push(place.map_or_else(|| changed.rules(index), |place| previous.rules(place)).to_vec());
         let earlier = match place {
             None => (Hours::Never, Paces::default()),
-            Some(place) => hours(before, before.machines[place].calendar),
+            Some(place) => hours(previous, previous.machines[place].calendar),
         };
-        world.machines[index].calendar = join(&mut calendars, after, machine.calendar, (at, earlier));
+        world.machines[index].calendar = join(&mut calendars, changed, machine.calendar, (at, earlier));
     }
-    for (index, operator) in after.operators.iter().enumerate() {
-        let place = before.operators.iter().position(|own| own.name == operator.name);
+    for (index, operator) in changed.operators.iter().enumerate() {
+        let place = previous.operators.iter().position(|own| own.name == operator.name);
         let never = (Hours::Never, Paces::default());
-        let earlier = place.map_or(never, |place| hours(before, before.operators[place].calendar));
-        world.operators[index].calendar = join(&mut calendars, after, operator.calendar, (at, earlier));
+        let earlier = place.map_or(never, |place| hours(previous, previous.operators[place].calendar));
+        world.operators[index].calendar = join(&mut calendars, changed, operator.calendar, (at, earlier));
     }
-    let gone =
-        before.machines.iter().map(|own| &own.name).find(|name| after.machines.iter().all(|own| own.name != **name));
+    let gone = previous
+        .machines
+        .iter()
+        .map(|own| &own.name)
+        .find(|name| changed.machines.iter().all(|own| own.name != **name));
     let left = || {
-        before.operators.iter().map(|own| &own.name).find(|name| after.operators.iter().all(|own| own.name != **name))
+        previous
+            .operators
+            .iter()
+            .map(|own| &own.name)
+            .find(|name| changed.operators.iter().all(|own| own.name != **name))
     };
     if let Some(name) = gone.or_else(left) {
         return refuse(format!("\"{name}\" cannot go while the shop runs; give it a calendar that ends"));
     }
     world.calendars = calendars;
-    let orders = urgencies(before, after, at).map_err(|reason| NoBranch { reason })?;
-    world.branch = Some(Branch { at, rules, machine_choice: before.machine_choice, orders });
+    let orders = urgencies(previous, changed, at).map_err(|reason| NoBranch { reason })?;
+    world.branch = Some(Branch { at, rules, machine_choice: previous.machine_choice, orders });
     Ok(world)
 }
 
@@ -87,24 +94,24 @@ fn hours(scenario: &Scenario, calendar: Option<usize>) -> (Hours, Paces) {
     })
 }
 
-/// The calendar that is the one of `after` from `at` on and `earlier` before, by index; it is added where that makes a
+/// The calendar that is the one of `changed` from `at` on and `earlier` before, by index; it is added where that makes a
 /// difference.
 fn join(
     calendars: &mut Vec<ShiftCalendar>,
-    after: &Scenario,
+    changed: &Scenario,
     calendar: Option<usize>,
     (at, earlier): (f64, (Hours, Paces)),
 ) -> Option<usize> {
-    let later = hours(after, calendar);
+    let later = hours(changed, calendar);
     if earlier == later {
         return calendar;
     }
     let ((before, before_pace), (later, later_pace)) = (earlier, later);
-    let usual = calendar.map(|calendar| &after.calendars[calendar]);
+    let usual = calendar.map(|calendar| &changed.calendars[calendar]);
     let name = format!("{} from {at} s", usual.map_or("always", |calendar| calendar.name.as_str()));
     calendars.push(ShiftCalendar {
         name,
-        time: WorkingTime::Joined(Box::new(Joined { at, before, after: later })),
+        time: WorkingTime::Joined(Box::new(Joined { junction: at, before, after: later })),
         at_end: usual.map_or(Interruption::Resume, |calendar| calendar.at_end),
         finish_within: usual.map_or(0.0, |calendar| calendar.finish_within),
         start_only_if_fits: usual.is_some_and(|calendar| calendar.start_only_if_fits),
@@ -114,11 +121,12 @@ fn join(
 }
 
 /// Orders as they were before; what is in the shop stays what it is.
-fn urgencies(before: &Scenario, after: &Scenario, at: f64) -> Result<Vec<Urgency>, String> {
-    let when = |time: f64| after.start.map_or_else(|| format!("{} h", time / 3600.0), |start| date::show(start + time));
-    let known = |order: &Order| before.orders.iter().find(|own| own.id == order.id);
+fn urgencies(previous: &Scenario, changed: &Scenario, at: f64) -> Result<Vec<Urgency>, String> {
+    let when =
+        |time: f64| changed.start.map_or_else(|| format!("{} h", time / 3600.0), |start| date::show(start + time));
+    let known = |order: &Order| previous.orders.iter().find(|own| own.id == order.id);
     let fixed = |order: &Order| Order { priority: 0, weight: 0.0, due: 0.0, customer: String::new(), ..order.clone() };
-    for order in &after.orders {
+    for order in &changed.orders {
         match known(order) {
             Some(own) if own.release <= at && fixed(own) != fixed(order) => {
                 return Err(format!(
@@ -139,11 +147,11 @@ fn urgencies(before: &Scenario, after: &Scenario, at: f64) -> Result<Vec<Urgency
         }
     }
     let missing =
-        before.orders.iter().find(|own| own.release <= at && after.orders.iter().all(|order| order.id != own.id));
+        previous.orders.iter().find(|own| own.release <= at && changed.orders.iter().all(|order| order.id != own.id));
     if let Some(order) = missing {
         return Err(format!("order \"{}\" is in the shop since {} and cannot go", order.id, when(order.release)));
     }
-    Ok(after.orders.iter().map(|order| known(order).unwrap_or(order).urgency()).collect())
+    Ok(changed.orders.iter().map(|order| known(order).unwrap_or(order).urgency()).collect())
 }
 
 #[cfg(test)]

@@ -122,7 +122,7 @@ impl Wanted {
 
 /// What was selected.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Found {
+pub struct SelectedShop {
     /// As it was asked for.
     asked: String,
     /// Probability of a right selection.
@@ -146,7 +146,7 @@ pub(super) fn select(
     options: &StudyOptions,
     wanted: &Wanted,
     stop: &AtomicBool,
-) -> Result<Option<Found>, StudyError> {
+) -> Result<Option<SelectedShop>, StudyError> {
     let policy = study.policies[0];
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
@@ -159,7 +159,7 @@ pub(super) fn select(
     } else {
         study.index(&wanted.kpi).unwrap_or(usize::MAX)
     };
-    let base = super::VariantRuns::of(AS_IT_IS, scenario, study);
+    let base = super::VariantRuns::from_name(AS_IT_IS, scenario, study);
     let mut samples: Vec<Vec<f64>> =
         std::iter::once(&base).chain(&study.variants).map(|runs| runs.sample(0, figure)).collect();
     let indifference = match wanted.indifference {
@@ -192,7 +192,7 @@ pub(super) fn select(
         return Ok(None);
     }
     let name = |own: &VariantShop| own.name.clone();
-    Ok(Some(Found {
+    Ok(Some(SelectedShop {
         asked: wanted.text.clone(),
         confidence: wanted.confidence,
         names: std::iter::once(AS_IT_IS.to_owned()).chain(options.variants.iter().map(name)).collect(),
@@ -206,7 +206,7 @@ fn usual_confidence() -> f64 {
     CONFIDENCE
 }
 
-impl Found {
+impl SelectedShop {
     /// What it would have cost to run all shops as often as the last.
     fn equal(&self) -> u32 {
         self.names.len() as u32 * self.replications.iter().copied().max().unwrap_or(0)

@@ -97,11 +97,11 @@ fn knowns(description: &ModelDescription, findings: &mut Findings) {
         derivatives.iter().filter_map(|&derivative| description.variables[derivative].derivative_of).collect();
     for unknown in description.structure.outputs.iter().chain(&description.structure.derivatives) {
         for &index in unknown.dependencies.iter().flatten() {
-            let known = &description.variables[index];
-            let continuous_output = known.causality == "output" && known.variability == "continuous";
+            let variables = &description.variables[index];
+            let continuous_output = variables.causality == "output" && variables.variability == "continuous";
             if derivatives.contains(&index) || (continuous_output && !states.contains(&index)) {
                 let name = &description.variables[unknown.variable].name;
-                let message = format!("{name} is said to depend on {}, which is no known", known.name);
+                let message = format!("{name} is said to depend on {}, which is no known", variables.name);
                 findings.line(Rule::Structure, Severity::Error, unknown.line, message);
             }
         }

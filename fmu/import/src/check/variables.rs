@@ -155,7 +155,7 @@ fn range(variable: &Variable) -> Vec<String> {
 fn references(description: &ModelDescription, findings: &mut Findings) {
     let mut seen: HashMap<(u32, Option<ValueType2>), &Variable> = HashMap::new();
     for variable in &description.variables {
-        let class = (description.major == 2).then(|| ValueType2::of(variable.value_type));
+        let class = (description.major == 2).then(|| ValueType2::from_value_type(variable.value_type));
         let Some(before) = seen.insert((variable.reference, class), variable) else { continue };
         let message = format!("{} and {} share the value reference {}", before.name, variable.name, variable.reference);
         if description.major == 3 {
@@ -177,7 +177,7 @@ enum ValueType2 {
 }
 
 impl ValueType2 {
-    fn of(value_type: ValueType) -> Self {
+    fn from_value_type(value_type: ValueType) -> Self {
         match value_type {
             ValueType::Float64 | ValueType::Float32 => Self::Real,
             ValueType::Integer(..) | ValueType::Enumeration => Self::Integer,

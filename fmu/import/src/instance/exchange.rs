@@ -8,7 +8,7 @@
 
 mod dormand_prince;
 
-use super::{CallError, Calls, Place, Port, Stepped};
+use super::{CallError, Calls, Place, Port, StepResult};
 use dormand_prince::{Stages, first_step};
 use std::collections::BTreeMap;
 use std::ffi::CStr;
@@ -185,11 +185,11 @@ impl<E: Equations> Calls for Exchange<E> {
         Ok(())
     }
 
-    fn step(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError> {
+    fn step(&mut self, time: f64, duration: f64) -> Result<StepResult, CallError> {
         let (end, mut now) = (time + duration, time);
         let mut events = 0;
         if self.settle(now)? {
-            return Ok(Stepped::Ended(now));
+            return Ok(StepResult::Ended(now));
         }
         loop {
             self.unit.enter_continuous_time_mode()?;
@@ -198,10 +198,10 @@ impl<E: Equations> Calls for Exchange<E> {
             let stop = if goal > now { self.integrate(&mut now, goal)? } else { Stop::Goal };
             self.unit.enter_event_mode()?;
             if matches!(stop, Stop::Ended) || self.settle(now)? {
-                return Ok(Stepped::Ended(now));
+                return Ok(StepResult::Ended(now));
             }
             if now >= end {
-                return Ok(Stepped::Whole);
+                return Ok(StepResult::Whole);
             }
             events = if now > before { 0 } else { events + 1 };
             if events > MOST_EVENTS {

@@ -3,7 +3,7 @@
 #![allow(unsafe_code)] // calls into a C library
 
 use super::exchange::{Equations, Update};
-use super::{CallError, Calls, DISCARD, FATAL, Messages, Place, Port, Stepped, owned};
+use super::{CallError, Calls, DISCARD, FATAL, Messages, Place, Port, StepResult, owned};
 use crate::description::ValueType;
 use crate::unit::{Functions, Library};
 use fmi::fmi3::binding::{Fmi3Binding, fmi3FMUState, fmi3Instance, fmi3InstanceEnvironment, fmi3Status, fmi3String};
@@ -239,7 +239,7 @@ impl Calls for Three {
         }
     }
 
-    fn step(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError> {
+    fn step(&mut self, time: f64, duration: f64) -> Result<StepResult, CallError> {
         let (mut event, mut terminate, mut early, mut reached) = (false, false, false, 0.0);
         let status = unsafe {
             self.binding().fmi3DoStep(
@@ -256,18 +256,18 @@ impl Calls for Three {
         if status == DISCARD && !terminate {
             // The standard has the unit in the state before the call: a shorter step may do.
             self.messages.forget();
-            return Ok(Stepped::Part(time));
+            return Ok(StepResult::Part(time));
         }
         self.judge("fmi3DoStep", status)?;
         let ends = time..=time + duration;
         if terminate {
             // A unit that does not tell where it stopped did so at the end of the step.
-            return Ok(Stepped::Ended(if ends.contains(&reached) { reached } else { time + duration }));
+            return Ok(StepResult::Ended(if ends.contains(&reached) { reached } else { time + duration }));
         }
         if early {
             return Err(self.messages.error("fmi3DoStep", "an early return, which was not allowed"));
         }
-        Ok(Stepped::Whole)
+        Ok(StepResult::Whole)
     }
 
     fn save(&mut self, place: Place) -> Result<(), CallError> {

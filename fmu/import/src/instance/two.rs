@@ -3,7 +3,7 @@
 #![allow(unsafe_code)] // calls into a C library
 
 use super::exchange::{Equations, Update};
-use super::{CallError, Calls, DISCARD, FATAL, Messages, Place, Port, Stepped, owned};
+use super::{CallError, Calls, DISCARD, FATAL, Messages, Place, Port, StepResult, owned};
 use crate::description::ValueType;
 use crate::unit::{Functions, Library};
 use fmi::fmi2::binding::{
@@ -122,7 +122,7 @@ impl Two {
     }
 
     /// What a unit says about a step that it discarded.
-    fn discarded(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError> {
+    fn discarded(&mut self, time: f64, duration: f64) -> Result<StepResult, CallError> {
         let (mut reached, mut ended) = (f64::NAN, 0);
         // SAFETY: the component is alive, the pointers hold for the call.
         let statuses = unsafe {
@@ -136,7 +136,7 @@ impl Two {
         if !(reached >= time && reached <= time + duration) {
             return Err(self.messages.error("fmi2DoStep", format!("discard, and {reached} s as the time it reached")));
         }
-        Ok(if statuses.1 <= 1 && ended != 0 { Stepped::Ended(reached) } else { Stepped::Part(reached) })
+        Ok(if statuses.1 <= 1 && ended != 0 { StepResult::Ended(reached) } else { StepResult::Part(reached) })
     }
 
     fn judge(&mut self, function: &str, status: u32) -> Result<(), CallError> {
@@ -227,12 +227,12 @@ impl Calls for Two {
         }
     }
 
-    fn step(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError> {
+    fn step(&mut self, time: f64, duration: f64) -> Result<StepResult, CallError> {
         let status = unsafe { self.binding().fmi2DoStep(self.component, time, duration, 0) };
         if status == DISCARD {
             return self.discarded(time, duration);
         }
-        self.judge("fmi2DoStep", status).map(|()| Stepped::Whole)
+        self.judge("fmi2DoStep", status).map(|()| StepResult::Whole)
     }
 
     fn save(&mut self, place: Place) -> Result<(), CallError> {

@@ -3,7 +3,7 @@
 //! A message is its length (4 bytes) and its content; numbers are little-endian. Both ends are the same program.
 
 use crate::description::ValueType;
-use crate::instance::{Action, Answer, CallError, Port, StartValue, Stepped};
+use crate::instance::{Action, Answer, CallError, Port, StartValue, StepResult};
 use crate::unit::{Equations, Plan};
 use std::ffi::CString;
 use std::io::{self, Read, Write};
@@ -312,9 +312,9 @@ pub(super) fn write_reply(reply: &Reply) -> Bytes {
             bytes.whole(answer.texts.len() as u32);
             answer.texts.iter().for_each(|text| bytes.bytes(text.as_bytes()));
             let (kind, time) = match answer.stepped {
-                Stepped::Whole => (0, 0.0),
-                Stepped::Part(time) => (1, time),
-                Stepped::Ended(time) => (2, time),
+                StepResult::Whole => (0, 0.0),
+                StepResult::Part(time) => (1, time),
+                StepResult::Ended(time) => (2, time),
             };
             bytes.byte(kind);
             bytes.real(time);
@@ -340,9 +340,9 @@ pub(super) fn read_reply(content: &[u8]) -> io::Result<Reply> {
     }
     let (values, texts) = (content.list(Content::real)?, content.list(Content::text)?);
     let stepped = match (content.byte()?, content.real()?) {
-        (0, _) => Stepped::Whole,
-        (1, time) => Stepped::Part(time),
-        (2.., time) => Stepped::Ended(time),
+        (0, _) => StepResult::Whole,
+        (1, time) => StepResult::Part(time),
+        (2.., time) => StepResult::Ended(time),
     };
     Ok(Ok(Answer { values, texts, stepped, bytes: content.bytes()?.to_vec() }))
 }
@@ -410,7 +410,7 @@ mod tests {
         #[test]
         fn a_reply_is_read_as_it_was_written(values: Vec<f32>, time in 0.0..1e9f64, bytes: Vec<u8>, text: String) {
             let values: Vec<f64> = values.into_iter().filter(|value| !value.is_nan()).map(f64::from).collect();
-            let reply = Ok(Answer { values, texts: vec![text.clone()], stepped: Stepped::Part(time), bytes });
+            let reply = Ok(Answer { values, texts: vec![text.clone()], stepped: StepResult::Part(time), bytes });
             prop_assert_eq!(read_reply(&content(&write_reply(&reply))).expect("sound"), reply);
             let reply = Err(CallError { function: text.clone(), status: "error".into(), messages: vec![text] });
             prop_assert_eq!(read_reply(&content(&write_reply(&reply))).expect("sound"), reply);

@@ -237,18 +237,18 @@ impl MillingForce {
     }
 
     /// Integral of [`MillingForce::directional`] over `from … to`.
-    pub(crate) fn directional_integral(&self, from: f64, to: f64) -> [f64; 4] {
-        let [ss, sc, cc] = square_integrals(from, to);
+    pub(crate) fn directional_integral(&self, start: f64, end: f64) -> [f64; 4] {
+        let [ss, sc, cc] = square_integrals(start, end);
         let (t, r) = (self.tangential, self.radial);
         [t * sc + r * ss, t * cc + r * sc, r * sc - t * ss, r * cc - t * sc]
     }
 }
 
 /// Integrals of sin², sin cos and cos² over `from … to`.
-pub(crate) fn square_integrals(from: f64, to: f64) -> [f64; 3] {
-    let (s1, c1) = to.sin_cos();
-    let (s0, c0) = from.sin_cos();
-    let half = 0.5 * (to - from);
+pub(crate) fn square_integrals(start: f64, end: f64) -> [f64; 3] {
+    let (s1, c1) = end.sin_cos();
+    let (s0, c0) = start.sin_cos();
+    let half = 0.5 * (end - start);
     let swing = 0.5 * (s1 * c1 - s0 * c0);
     [half - swing, 0.5 * (s1 * s1 - s0 * s0), half + swing]
 }

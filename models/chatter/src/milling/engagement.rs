@@ -92,8 +92,8 @@ impl Geometry {
 
     /// Every (tooth, arc, turns) that cuts somewhere in the stretch `from … to`; `turns` whole
     /// revolutions are to be added to the tooth's angle.
-    pub fn cutting(&self, from: f64, to: f64) -> Vec<(usize, usize, f64)> {
-        let middle = 0.5 * (from + to);
+    pub fn cutting(&self, start: f64, end: f64) -> Vec<(usize, usize, f64)> {
+        let middle = 0.5 * (start + end);
         let mut found = Vec::new();
         for (j, (offset, arcs)) in self.teeth.iter().enumerate() {
             for (a, arc) in arcs.iter().enumerate() {
@@ -160,15 +160,15 @@ impl Geometry {
     }
 }
 
-/// Sum over the straight teeth in cut of the directional matrices, at the share `from` of a tooth
+/// Sum over the straight teeth in cut of the directional matrices, at the share `start` of a tooth
 /// period or averaged over `from … to`. The period starts as tooth 0 enters.
-pub(crate) fn tooth_period_gain(cut: &Milling, from: f64, to: f64) -> [f64; 4] {
+pub(crate) fn tooth_period_gain(cut: &Milling, start: f64, end: f64) -> [f64; 4] {
     let pitch = TAU / cut.cutter.teeth as f64;
     let (entry, exit) = (cut.engagement.entry, cut.engagement.exit);
     let mut sum = [0.0; 4];
     for j in 0..cut.cutter.teeth {
-        let (a, b) = (entry + pitch * (from + j as f64), entry + pitch * (to + j as f64));
-        let part = if from == to {
+        let (a, b) = (entry + pitch * (start + j as f64), entry + pitch * (end + j as f64));
+        let part = if start == end {
             if a <= exit { cut.force.directional(a) } else { [0.0; 4] }
         } else if a < exit {
             cut.force.directional_integral(a, b.min(exit)).map(|entry| entry / (b - a))

@@ -124,8 +124,8 @@ impl<'a> Crossings<'a> {
     }
 
     /// Looks at an interval for a vibration of less width than the `best`; the interval where it is not known yet.
-    fn look(&self, from: f64, to: f64, best: &mut Best) -> Option<Waiting> {
-        match self.content(from, to, best.least_inverse) {
+    fn look(&self, start: f64, end: f64, best: &mut Best) -> Option<Waiting> {
+        match self.content(start, end, best.least_inverse) {
             Content::Nothing => None,
             Content::One(vibration) => {
                 // The boundary that is only touched is no limit.
@@ -134,7 +134,7 @@ impl<'a> Crossings<'a> {
                 }
                 None
             }
-            Content::Unknown(greatest_inverse_width) => Some(Waiting { greatest_inverse_width, from, to }),
+            Content::Unknown(greatest_inverse_width) => Some(Waiting { greatest_inverse_width, from: start, to: end }),
         }
     }
 
@@ -148,8 +148,8 @@ impl<'a> Crossings<'a> {
     }
 
     /// What the interval holds of widths whose inverse is at least `least_inverse`.
-    fn content(&self, from: f64, to: f64, least_inverse: f64) -> Content {
-        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    fn content(&self, start: f64, end: f64, least_inverse: f64) -> Content {
+        let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
         let value = self.line.at(middle);
         let Bounds { greatest_inverse_width, damped, slope, curvature, .. } = self.line.bounds(middle, half, &value);
         let off_axis = value.gain.im.abs() > slope * half;
@@ -159,12 +159,12 @@ impl<'a> Crossings<'a> {
         }
         if value.slope.im.abs() > curvature * half {
             // Monotone: one zero if the ends differ in sign.
-            let ends = [self.line.at(from), self.line.at(to)];
+            let ends = [self.line.at(start), self.line.at(end)];
             if (ends[0].gain.im > 0.0) == (ends[1].gain.im > 0.0) {
                 return Content::Nothing;
             }
             let change = if value.slope.im > 0.0 { 2 } else { -2 };
-            return self.neutral(self.zero(from, to, ends[1].gain.im > 0.0), change, least_inverse);
+            return self.neutral(self.zero(start, end, ends[1].gain.im > 0.0), change, least_inverse);
         }
         if half <= FINEST * middle {
             return self.neutral((middle, value), 0, least_inverse);
@@ -181,18 +181,18 @@ impl<'a> Crossings<'a> {
     }
 
     /// The only zero of `Im L` in an interval, by Newton's method kept within a bracket.
-    fn zero(&self, mut from: f64, mut to: f64, rises: bool) -> (f64, Value) {
-        let mut w = 0.5 * (from + to);
+    fn zero(&self, mut start: f64, mut end: f64, rises: bool) -> (f64, Value) {
+        let mut w = 0.5 * (start + end);
         loop {
             let value = self.line.at(w);
             if (value.gain.im > 0.0) == rises {
-                to = w
+                end = w
             } else {
-                from = w
+                start = w
             }
             let newton = w - value.gain.im / value.slope.im;
-            let next = if newton > from && newton < to { newton } else { 0.5 * (from + to) };
-            if (next - w).abs() <= 4.0 * f64::EPSILON * w || next == from || next == to {
+            let next = if newton > start && newton < end { newton } else { 0.5 * (start + end) };
+            if (next - w).abs() <= 4.0 * f64::EPSILON * w || next == start || next == end {
                 return (w, value);
             }
             w = next;

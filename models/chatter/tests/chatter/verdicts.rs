@@ -279,9 +279,9 @@ fn robust_speed_leaves_the_flank() {
         let mut speeds: Vec<f64> = axis.values("speed").unwrap();
         speeds.sort_by(|a, b| (a - rpm(12500.0)).abs().total_cmp(&(b - rpm(12500.0)).abs()));
         let ranked = cut.robust_speeds(&axis, depth, &scatter, 50, 7).unwrap();
-        let most = ranked[0].probability.value;
+        let value = ranked[0].probability.value;
         let equals: Vec<f64> =
-            ranked.iter().filter(|each| each.probability.value == most).map(|each| each.spindle_speed).collect();
+            ranked.iter().filter(|each| each.probability.value == value).map(|each| each.spindle_speed).collect();
         let first = speeds.iter().find(|speed| equals.contains(speed)).copied();
         assert_eq!(cut.most_probably_stable(&speeds, depth, &scatter, 50, 7).unwrap(), first, "{depth} m");
     }

@@ -84,12 +84,12 @@ type Corner = (Point, f64, usize);
 /// Elements of a layer.
 pub(super) fn elements(drawing: &Drawing<'_>, layer: Option<&str>, unit: f64) -> Result<Vec<Element>, FileError> {
     let mut list = Vec::new();
-    collect(drawing, &drawing.entities, &Wanted { layer, from: None, depth: 0 }, unit, &mut list)?;
+    collect(drawing, &drawing.entities, &EntityFilter { layer, from: None, depth: 0 }, unit, &mut list)?;
     Ok(list)
 }
 
 /// Which entities are wanted.
-pub(super) struct Wanted<'a> {
+pub(super) struct EntityFilter<'a> {
     /// The layer that is read; `None` for all.
     pub layer: Option<&'a str>,
     /// The layer of the insertion, which layer 0 of a block stands for.
@@ -102,7 +102,7 @@ pub(super) struct Wanted<'a> {
 pub(super) fn collect(
     drawing: &Drawing<'_>,
     entities: &[Entity<'_>],
-    wanted: &Wanted<'_>,
+    wanted: &EntityFilter<'_>,
     unit: f64,
     list: &mut Vec<Element>,
 ) -> Result<(), FileError> {
@@ -124,7 +124,7 @@ pub(super) fn collect(
         let drawn = wanted.from.filter(|_| entity.layer() == "0").unwrap_or(entity.layer());
         if entity.name == "INSERT" {
             // Its entities may be on other layers than itself.
-            insert::insert(drawing, entity, &Wanted { from: Some(drawn), ..*wanted }, unit, list)?;
+            insert::insert(drawing, entity, &EntityFilter { from: Some(drawn), ..*wanted }, unit, list)?;
             continue;
         }
         if wanted.layer.is_some_and(|layer| layer != drawn) {

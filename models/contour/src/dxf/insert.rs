@@ -3,7 +3,7 @@
 //! # Source
 //! Autodesk, "DXF Reference", INSERT and BLOCK: what is on layer 0 of a block is drawn on the layer of its insertion.
 
-use super::elements::{Element, Wanted, collect};
+use super::elements::{Element, EntityFilter, collect};
 use super::tags::{Drawing, Entity, fault};
 use crate::{FileError, Point};
 
@@ -18,7 +18,7 @@ const EQUAL: f64 = 1e-9;
 pub(super) fn insert(
     drawing: &Drawing<'_>,
     entity: &Entity<'_>,
-    wanted: &Wanted<'_>,
+    wanted: &EntityFilter<'_>,
     unit: f64,
     list: &mut Vec<Element>,
 ) -> Result<(), FileError> {
@@ -30,7 +30,7 @@ pub(super) fn insert(
         return Err(fault(entity.line, format!("blocks are inserted in blocks more than {DEPTH} deep; explode them")));
     }
     let mut own = Vec::new();
-    collect(drawing, &block.entities, &Wanted { depth: wanted.depth + 1, ..*wanted }, unit, &mut own)?;
+    collect(drawing, &block.entities, &EntityFilter { depth: wanted.depth + 1, ..*wanted }, unit, &mut own)?;
     if own.is_empty() {
         return Ok(());
     }

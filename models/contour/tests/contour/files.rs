@@ -145,10 +145,10 @@ fn a_part_program_reads_back_as_the_centre_path() {
         let plan = planner.optimal(Objective::Time).unwrap();
         let program = planner.part_program(&plan, &file.name).unwrap();
         let centre = read_back(&program);
-        let along = centre.length();
+        let length = centre.length();
         let corners: f64 = plan.corners.iter().map(|corner| corner.length).sum();
         let expected = file.contour.centre_length(file.parameters.cutter.radius()) + corners;
-        assert!((along - expected).abs() < 1e-6 * centre.sections.len() as f64, "{}: {along} {expected}", file.name);
+        assert!((length - expected).abs() < 1e-6 * centre.sections.len() as f64, "{}: {length} {expected}", file.name);
         assert_eq!(!plan.corners.is_empty(), loops);
     }
 }
@@ -168,10 +168,10 @@ fn part_programs_pass_corners_by_every_policy() {
         let program = planner.part_program(&plan, "mc1").unwrap();
         assert!(program.contains(word));
         assert_eq!(plan.corners.len(), 4);
-        let along = read_back(&program).length();
+        let length = read_back(&program).length();
         let moves: f64 = plan.corners.iter().map(|corner| corner.length).sum();
         let expected = file.contour.centre_length(16e-3) + moves;
-        assert!((along - expected).abs() < 1e-5, "{corners:?} {along} {expected}");
+        assert!((length - expected).abs() < 1e-5, "{corners:?} {length} {expected}");
     }
 }
 

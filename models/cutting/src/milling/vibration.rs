@@ -1,7 +1,7 @@
 //! Verdicts of milling.
 
 use super::{Milling, MillingInput, MillingState};
-use crate::vibration::{Judged, Tooth, ToothCell, Vibration, variation};
+use crate::vibration::{RoundedVerdict, Tooth, ToothCell, Vibration, variation};
 use std::f64::consts::FRAC_1_SQRT_2;
 use toolroom_effects::Terms;
 use toolroom_process::Number;
@@ -40,12 +40,12 @@ impl<N: Number> Milling<N> {
     }
 
     /// Whether the cut is unstable, and what this was rounded to.
-    pub(super) fn judge(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Judged<ToothCell> {
+    pub(super) fn judge(&self, x: &MillingState<N>, u: &MillingInput<N>) -> RoundedVerdict<ToothCell> {
         match &self.structure {
             Some(structure) if u.engaged.re() > 0.0 && u.cutting_speed.re() > 0.0 => {
                 structure.judge(&self.tooth(x, u, &self.effect_terms(x, u)))
             }
-            _ => Judged::QUIET,
+            _ => RoundedVerdict::QUIET,
         }
     }
 

@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_held_input_gives_what_the_process_gives_under_every_effect() {
-        let worn = TurningState {
+        let turning_state = TurningState {
             flank_wear: 0.23e-3,
             tool_body_temperature_rise: 310.0,
             thermal_damage: 0.2,
@@ -140,16 +140,16 @@ mod tests {
                 let case =
                     format!("{set} with {:?}", effects.iter().map(|effect| effect.entry().id).collect::<Vec<_>>());
                 let held = turning.held(&u);
-                let output = held.output(&worn);
-                assert_close(&output, &turning.output(&worn, &u), &case);
-                let readings = held.readings(&worn);
+                let output = held.output(&turning_state);
+                assert_close(&output, &turning.output(&turning_state, &u), &case);
+                let readings = held.readings(&turning_state);
                 for name in HeldTurning::READINGS {
                     let i = TurningOutput::<f64>::index_of(name).unwrap();
                     let (some, all) = (readings.get(i).unwrap(), output.get(i).unwrap());
                     assert!((some - all).abs() <= 1e-12 * all.abs(), "{case}: {name} is {some} instead of {all}");
                 }
                 let faster = TurningInput { wear_rate_factor: 1.7, ..u };
-                assert_close(&held.rates(&worn, 1.7), &turning.rates(&worn, &faster), &case);
+                assert_close(&held.rates(&turning_state, 1.7), &turning.rates(&turning_state, &faster), &case);
             }
         }
     }

@@ -53,15 +53,19 @@ impl Turning {
         if u.engaged == 0.0 || u.cutting_speed == 0.0 {
             return Err(endless("the edge is not in cut"));
         }
-        let held = TurningInput { cutting_acceleration: 0.0, ..*u };
+        let turning_input = TurningInput { cutting_acceleration: 0.0, ..*u };
         let rhs = |_: f64, y: &[f64; STATES]| {
             let mut slope = [0.0; STATES];
-            self.rates(&self.warm(y, &held, model), &held).write_to(&mut slope);
+            self.rates(&self.warm(y, &turning_input, model), &turning_input).write_to(&mut slope);
             slope
         };
         let events = |_: f64, y: &[f64; STATES]| {
-            let x = self.warm(y, &held, model);
-            self.pair.event_indicators(&x.wear(), &self.cut(&held, &self.terms(&x, &held).0), held.chipping_resistance)
+            let x = self.warm(y, &turning_input, model);
+            self.pair.event_indicators(
+                &x.wear(),
+                &self.cut(&turning_input, &self.terms(&x, &turning_input).0),
+                turning_input.chipping_resistance,
+            )
         };
         let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
         let stage =

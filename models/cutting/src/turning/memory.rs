@@ -12,11 +12,11 @@ use toolroom_wear::WEAR_EVENTS;
 /// forgotten where a parameter of that changes.
 #[derive(Clone, Debug, Default)]
 pub struct TurningMemory {
-    known: Option<Known>,
+    known: Option<LastEngagement>,
 }
 
 #[derive(Clone, Debug)]
-struct Known {
+struct LastEngagement {
     input: TurningInput,
     engagement: Kept,
     /// Worked out with the first outputs.
@@ -25,7 +25,7 @@ struct Known {
     last: Option<Last>,
 }
 
-impl Known {
+impl LastEngagement {
     /// Whether an input differs in nothing but the cutting speed, or not at all. Speeds on either side of 0 have nothing in
     /// common.
     fn differs_in_speed_at_most(&self, u: &TurningInput) -> bool {
@@ -101,7 +101,7 @@ impl Turning {
                 u.check()?;
                 let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
                 let engagement = self.engagement(x, u).keep();
-                known.insert(Known { input: *u, engagement, angles: OnceCell::new(), tolerance, last: None })
+                known.insert(LastEngagement { input: *u, engagement, angles: OnceCell::new(), tolerance, last: None })
             }
         };
         let engagement = self.engagement_of(&known.engagement);

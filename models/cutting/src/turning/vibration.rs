@@ -2,7 +2,7 @@
 
 use super::equations::Engagement;
 use super::{Turning, TurningInput, TurningState};
-use crate::vibration::{Edge, EdgeCell, Judged, Vibration, variation};
+use crate::vibration::{Edge, EdgeCell, RoundedVerdict, Vibration, variation};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 use toolroom_effects::Terms;
 use toolroom_process::Number;
@@ -53,12 +53,12 @@ impl<N: Number> Turning<N> {
     }
 
     /// Whether the cut is unstable, and what this was rounded to.
-    pub(super) fn judge(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Judged<EdgeCell> {
+    pub(super) fn judge(&self, x: &TurningState<N>, u: &TurningInput<N>) -> RoundedVerdict<EdgeCell> {
         match &self.structure {
             Some(structure) if u.engaged.re() > 0.0 && u.cutting_speed.re() > 0.0 => {
                 structure.judge(&self.edge(x, u, &self.effect_terms(x, u)))
             }
-            _ => Judged::QUIET,
+            _ => RoundedVerdict::QUIET,
         }
     }
 

@@ -1,8 +1,8 @@
 //! What vibrates in milling.
 
 use super::{
-    Boundary, Cell, DAMPING_STEP, Judged, LITTLE_DAMPING, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration,
-    coarse_damping, damping_grade, one_step, other, rounded, rounded_damping, scattered,
+    Boundary, Cell, DAMPING_STEP, LITTLE_DAMPING, Memo, Regeneration, RoundedVerdict, SPEED_STEP, STIFFNESS_STEP,
+    Vibration, coarse_damping, damping_grade, one_step, other, rounded, rounded_damping, scattered,
 };
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -313,11 +313,11 @@ impl MillingStructure {
     }
 
     /// Whether the cut is unstable, as [`MillingStructure::vibration`] has it but at less cost, and what this was rounded to.
-    pub(crate) fn judge(&self, tooth: &Tooth) -> Judged<ToothCell> {
+    pub(crate) fn judge(&self, tooth: &Tooth) -> RoundedVerdict<ToothCell> {
         let key = self.key(tooth);
         let cell = ToothCell { key, growth: rounded(tooth.depth / self.scale(tooth), STIFFNESS_STEP).0 };
         let boundary = self.boundary_of(tooth, &key);
-        Judged {
+        RoundedVerdict {
             cell: Some(cell),
             unstable: self.regenerates(tooth, &boundary),
             load: tooth.depth / self.scale(tooth),

@@ -1,7 +1,7 @@
 //! The instants at which a cut becomes unstable, and stable again.
 //!
 //! A verdict jumps, so that an integration that meets it at its stages only steps over a stretch that lies between two of
-//! them. Between two instants of one [`Judged::cell`] only the limit itself moves, with the wear of the edge: there the
+//! them. Between two instants of one [`RoundedVerdict::cell`] only the limit itself moves, with the wear of the edge: there the
 //! verdict changes once at most. All cells that a cut passes are looked at one by one, so that no stretch is too short.
 //!
 //! Where one cell follows the other with nothing between, and neither has its limit among the loads of that time, the verdict
@@ -9,7 +9,7 @@
 
 /// A verdict, and what it was rounded to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Judged<K> {
+pub(crate) struct RoundedVerdict<K> {
     /// The rounded quantities on which the limit depends; none out of cut.
     pub cell: Option<K>,
     /// Whether the cut is unstable.
@@ -20,7 +20,7 @@ pub(crate) struct Judged<K> {
     pub limits: [f64; 2],
 }
 
-impl<K> Judged<K> {
+impl<K> RoundedVerdict<K> {
     /// Out of cut, where nothing vibrates.
     pub const QUIET: Self = Self { cell: None, unstable: false, load: 0.0, limits: [f64::INFINITY; 2] };
 }
@@ -42,20 +42,20 @@ const ROUNDING: f64 = 1e-9;
 /// Share of the time that is searched to which an instant is found: some nanoseconds of a pass.
 const RESOLUTION: f64 = 1e-11;
 
-/// First instant after `from`, at most `to` (s), at which a cut is no longer what it is at `from`: `unstable` or not. At the
-/// instant itself the verdict has changed already. `judge` gives the verdict of an instant; that at `from` counts as
+/// First instant after `start`, at most `end` (s), at which a cut is no longer what it is at `start`: `unstable` or not. At the
+/// instant itself the verdict has changed already. `judge` gives the verdict of an instant; that at `start` counts as
 /// `unstable` whatever it gives.
 ///
 /// Quantities of a cell that go back within the time that is searched may hide a cell; over a step of an integration they go
 /// one way but for the process damping of an edge that is nearly sharp, which has one flat minimum.
 pub(crate) fn first_switch<K: Cell>(
-    from: f64,
-    to: f64,
+    start: f64,
+    end: f64,
     unstable: bool,
-    judge: impl Fn(f64) -> Judged<K>,
+    judge: impl Fn(f64) -> RoundedVerdict<K>,
 ) -> Option<f64> {
-    let search = Search { least: RESOLUTION * (to - from), unstable, judge: &judge };
-    search.between((from, &judge(from)), (to, &judge(to)))
+    let search = Search { least: RESOLUTION * (end - start), unstable, judge: &judge };
+    search.between((start, &judge(start)), (end, &judge(end)))
 }
 
 struct Search<'a, F> {
@@ -65,9 +65,13 @@ struct Search<'a, F> {
 }
 
 impl<F> Search<'_, F> {
-    fn between<K: Cell>(&self, (start, first): (f64, &Judged<K>), (end, last): (f64, &Judged<K>)) -> Option<f64>
+    fn between<K: Cell>(
+        &self,
+        (start, first): (f64, &RoundedVerdict<K>),
+        (end, last): (f64, &RoundedVerdict<K>),
+    ) -> Option<f64>
     where
-        F: Fn(f64) -> Judged<K>,
+        F: Fn(f64) -> RoundedVerdict<K>,
     {
         let switched = last.unstable != self.unstable;
         if !switched && (first.cell == last.cell || stays(first, last)) {
@@ -84,7 +88,7 @@ impl<F> Search<'_, F> {
 }
 
 /// Whether the verdicts of two cells that follow each other cannot change on the way from `first` to `last`.
-fn stays<K: Cell>(first: &Judged<K>, last: &Judged<K>) -> bool {
+fn stays<K: Cell>(first: &RoundedVerdict<K>, last: &RoundedVerdict<K>) -> bool {
     let (Some(cell), Some(next)) = (&first.cell, &last.cell) else { return false };
     let (least, greatest) = (first.load.min(last.load), first.load.max(last.load));
     let met = |limit: &f64| *limit >= least * (1.0 - ROUNDING) && *limit <= greatest * (1.0 + ROUNDING);
@@ -104,9 +108,9 @@ mod tests {
     }
 
     /// Cells of a tenth whose limits rise from one to the next; the load grows with the time.
-    fn judged(time: f64, limits: &[f64]) -> Judged<usize> {
+    fn judged(time: f64, limits: &[f64]) -> RoundedVerdict<usize> {
         let cell = ((10.0 * time) as usize).min(limits.len() - 1);
-        Judged { cell: Some(cell), unstable: time > limits[cell], load: time, limits: [limits[cell]; 2] }
+        RoundedVerdict { cell: Some(cell), unstable: time > limits[cell], load: time, limits: [limits[cell]; 2] }
     }
 
     #[test]
@@ -146,7 +150,7 @@ mod tests {
             let judge = |time: f64| {
                 let cell = cell(time);
                 let unstable = if cell == 0 { begins } else { unstable[cell] };
-                Judged { cell: Some(cell), unstable, load: 1.0, limits: [if unstable { 0.0 } else { 2.0 }; 2] }
+                RoundedVerdict { cell: Some(cell), unstable, load: 1.0, limits: [if unstable { 0.0 } else { 2.0 }; 2] }
             };
             let expected = (1..ends.len()).find(|cell| unstable[*cell] != begins).map(|cell| ends[cell - 1]);
             let found = first_switch(0.0, 1.0, begins, judge);

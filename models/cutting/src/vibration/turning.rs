@@ -1,8 +1,8 @@
 //! What vibrates in turning.
 
 use super::{
-    Boundary, Cell, Judged, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, damping_grade,
-    one_step, other, rounded, rounded_damping, scattered,
+    Boundary, Cell, Memo, Regeneration, RoundedVerdict, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping,
+    damping_grade, one_step, other, rounded, rounded_damping, scattered,
 };
 use std::f64::consts::TAU;
 use toolroom_chatter::paper::Reduced;
@@ -266,7 +266,7 @@ impl TurningStructure {
     }
 
     /// Whether the cut is unstable, as [`TurningStructure::vibration`] has it but at less cost, and what this was rounded to.
-    pub(crate) fn judge(&self, edge: &Edge) -> Judged<EdgeCell> {
+    pub(crate) fn judge(&self, edge: &Edge) -> RoundedVerdict<EdgeCell> {
         let key = self.key(edge);
         let stiffness = edge.depth * self.coefficient(edge);
         let cell = EdgeCell {
@@ -279,7 +279,7 @@ impl TurningStructure {
         let boundary = self.boundary_of(edge, &key);
         let unstable = self.regenerates(edge, &boundary) || modulated();
         let limit = boundary.limit * self.coefficient(edge);
-        Judged { cell: Some(cell), unstable, load: stiffness, limits: [limit, limit * (1.0 + STIFFNESS_STEP)] }
+        RoundedVerdict { cell: Some(cell), unstable, load: stiffness, limits: [limit, limit * (1.0 + STIFFNESS_STEP)] }
     }
 
     /// How the cut vibrates.

@@ -25,15 +25,15 @@ const UNITS: &str = "    -1\n   164\n         1SI: Meter (newton)           2\n 
                      1.0000000000000000D+00  1.0000000000000000D+00\n  2.7314999999999998D+02\n    -1\n";
 const VALUES: [[f64; 2]; 3] = [[-1.0, 0.5], [-2.0, 0.25], [-3.0, 0.125]];
 
-fn accelerance(found: &Measurement) -> Vec<Complex<f64>> {
+fn accelerance(measurement: &Measurement) -> Vec<Complex<f64>> {
     let w = |frequency: f64| std::f64::consts::TAU * frequency;
-    let pairs = found.functions[0].receptance.iter().zip(&found.frequencies);
+    let pairs = measurement.functions[0].receptance.iter().zip(&measurement.frequencies);
     pairs.map(|(value, frequency)| -value * w(*frequency).powi(2)).collect()
 }
 
-fn same(found: &Measurement, sign: f64) {
-    assert_eq!(found.frequencies, [100.0, 102.0, 104.0]);
-    for (value, [re, im]) in accelerance(found).iter().zip(VALUES) {
+fn same(measurement: &Measurement, sign: f64) {
+    assert_eq!(measurement.frequencies, [100.0, 102.0, 104.0]);
+    for (value, [re, im]) in accelerance(measurement).iter().zip(VALUES) {
         assert!((value - Complex::new(re, im) * sign).norm() < 1e-5, "{value}");
     }
 }

@@ -66,7 +66,7 @@ impl Amount {
     ///
     /// # Errors
     /// What is wrong, in words.
-    pub fn of(text: &str) -> Result<Self, String> {
+    pub fn from_text(text: &str) -> Result<Self, String> {
         let body = text.trim();
         let end = body.find(|letter: char| {
             letter.is_whitespace() || (letter.is_alphabetic() && !matches!(letter, 'e' | 'E')) || letter == '%'

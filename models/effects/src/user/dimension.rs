@@ -1,6 +1,6 @@
 //! Units of a formula, checked on its tree.
 
-use super::expression::{Binary, FormulaError, Function, Node, Unary, What};
+use super::expression::{Binary, FormulaError, Function, Node, NodeKind, Unary};
 use toolroom_process::unit;
 
 /// Powers of metre, kilogram, second, kelvin, ampere, mole, revolution, currency.
@@ -86,25 +86,25 @@ fn number(node: &Node, names: &[Powers], whose: &str) -> Result<(), FormulaError
 }
 
 /// Two parts of one unit: that unit, and which of them are temperatures on the scale of Celsius.
-fn alike(sign: &str, left: &Node, right: &Node, names: &[Powers]) -> Result<(Powers, [bool; 2]), FormulaError> {
-    let (a, b) = (meaning(left, names)?, meaning(right, names)?);
+fn alike(sign: &str, node: &Node, right: &Node, names: &[Powers]) -> Result<(Powers, [bool; 2]), FormulaError> {
+    let (a, b) = (meaning(node, names)?, meaning(right, names)?);
     if same(&a.powers, &b.powers) {
         return Ok((a.powers, [a.celsius, b.celsius]));
     }
     let message = format!("`{sign}` needs equal units: {} and {}", words(&a.powers), words(&b.powers));
-    Err(FormulaError { code: "effect-unit", message, span: left.span.start..right.span.end })
+    Err(FormulaError { code: "effect-unit", message, span: node.span.start..right.span.end })
 }
 
 fn meaning(node: &Node, names: &[Powers]) -> Result<Meaning, FormulaError> {
     let plain = |powers: Powers| Ok(Meaning { powers, celsius: false });
-    match &node.what {
-        What::Number(_, dimension) => plain(dimension.map(f64::from)),
-        What::Celsius(_) => Ok(Meaning { powers: KELVIN, celsius: true }),
-        What::Name(slot) => plain(names.get(*slot).copied().unwrap_or(NUMBER)),
-        What::Unary(Unary::Negative, of) => plain(difference(of, names)?),
-        What::Unary(Unary::Not, of) => number(of, names, "not").and_then(|()| plain(NUMBER)),
-        What::Binary(operator, left, right) => binary(node, *operator, left, right, names),
-        What::Call(function, arguments) => call(*function, arguments, names),
+    match &node.kind {
+        NodeKind::Number(_, dimension) => plain(dimension.map(f64::from)),
+        NodeKind::Celsius(_) => Ok(Meaning { powers: KELVIN, celsius: true }),
+        NodeKind::Name(slot) => plain(names.get(*slot).copied().unwrap_or(NUMBER)),
+        NodeKind::Unary(Unary::Negative, of) => plain(difference(of, names)?),
+        NodeKind::Unary(Unary::Not, of) => number(of, names, "not").and_then(|()| plain(NUMBER)),
+        NodeKind::Binary(operator, left, right) => binary(node, *operator, left, right, names),
+        NodeKind::Call(function, arguments) => call(*function, arguments, names),
     }
 }
 
@@ -121,7 +121,7 @@ fn binary(node: &Node, operator: Binary, left: &Node, right: &Node, names: &[Pow
         Binary::Subtract => {
             let (powers, celsius) = alike("-", left, right, names)?;
             // A temperature less one in degC is a difference; a number with a unit is a difference already.
-            let literal = |node: &Node| matches!(node.what, What::Number(..));
+            let literal = |node: &Node| matches!(node.kind, NodeKind::Number(..));
             if (celsius[1] && literal(left)) || (celsius[0] && literal(right)) {
                 difference(if celsius[0] { left } else { right }, names)?;
             }
@@ -169,12 +169,12 @@ fn power(node: &Node, base: &Node, exponent: &Node, names: &[Powers]) -> Result<
 
 /// Value of a part without names.
 pub(crate) fn constant(node: &Node) -> Option<f64> {
-    match &node.what {
-        What::Number(value, _) => Some(*value),
-        What::Celsius(_) | What::Name(_) | What::Call(..) => None,
-        What::Unary(Unary::Negative, of) => constant(of).map(|value| -value),
-        What::Unary(Unary::Not, _) => None,
-        What::Binary(operator, left, right) => {
+    match &node.kind {
+        NodeKind::Number(value, _) => Some(*value),
+        NodeKind::Celsius(_) | NodeKind::Name(_) | NodeKind::Call(..) => None,
+        NodeKind::Unary(Unary::Negative, of) => constant(of).map(|value| -value),
+        NodeKind::Unary(Unary::Not, _) => None,
+        NodeKind::Binary(operator, left, right) => {
             let (a, b) = (constant(left)?, constant(right)?);
             match operator {
                 Binary::Add => Some(a + b),
@@ -240,7 +240,7 @@ fn call(function: Function, arguments: &[Node], names: &[Powers]) -> Result<Mean
 /// [`FormulaError`] with the part that has another unit.
 pub(crate) fn fits(node: &Node, names: &[Powers], term: &Powers, factor: bool) -> Result<(), FormulaError> {
     if factor
-        && let What::Binary(Binary::Add | Binary::Subtract, left, right) = &node.what
+        && let NodeKind::Binary(Binary::Add | Binary::Subtract, left, right) = &node.kind
         && let (Ok(a), Ok(b)) = (of(left, names), of(right, names))
         && !same(&a, &b)
     {

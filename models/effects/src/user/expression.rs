@@ -120,13 +120,13 @@ impl Function {
 /// A part of a formula with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Node {
-    pub what: What,
+    pub kind: NodeKind,
     pub span: Span,
 }
 
 /// What a part of a formula is.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum What {
+pub(crate) enum NodeKind {
     /// A number, SI, with the powers of its unit.
     Number(f64, unit::Dimension),
     /// A temperature on the scale of Celsius, in kelvin.
@@ -146,17 +146,17 @@ impl Node {
 
     /// The parts of which it is made.
     pub fn parts(&self) -> Vec<&Node> {
-        match &self.what {
-            What::Number(..) | What::Celsius(_) | What::Name(_) => Vec::new(),
-            What::Unary(_, of) => vec![of],
-            What::Binary(_, left, right) => vec![left, right],
-            What::Call(_, arguments) => arguments.iter().collect(),
+        match &self.kind {
+            NodeKind::Number(..) | NodeKind::Celsius(_) | NodeKind::Name(_) => Vec::new(),
+            NodeKind::Unary(_, of) => vec![of],
+            NodeKind::Binary(_, left, right) => vec![left, right],
+            NodeKind::Call(_, arguments) => arguments.iter().collect(),
         }
     }
 
     /// Whether a quantity for which `wanted` holds occurs in it.
     pub fn names(&self, wanted: &dyn Fn(usize) -> bool) -> bool {
-        matches!(self.what, What::Name(slot) if wanted(slot)) || self.parts().iter().any(|part| part.names(wanted))
+        matches!(self.kind, NodeKind::Name(slot) if wanted(slot)) || self.parts().iter().any(|part| part.names(wanted))
     }
 }
 
@@ -207,9 +207,9 @@ struct Reader<'a> {
 
 type Read = Result<Node, FormulaError>;
 
-fn joined(operator: Binary, left: Node, right: Node) -> Node {
-    let span = left.span.start..right.span.end;
-    Node { what: What::Binary(operator, Box::new(left), Box::new(right)), span }
+fn joined(operator: Binary, node: Node, right: Node) -> Node {
+    let span = node.span.start..right.span.end;
+    Node { kind: NodeKind::Binary(operator, Box::new(node), Box::new(right)), span }
 }
 
 /// Length of the word at the start of a text.
@@ -288,7 +288,7 @@ impl<'a> Reader<'a> {
             return self.comparison();
         }
         let operand = self.deeper(Self::not)?;
-        Ok(Node { span: start..operand.span.end, what: What::Unary(Unary::Not, Box::new(operand)) })
+        Ok(Node { span: start..operand.span.end, kind: NodeKind::Unary(Unary::Not, Box::new(operand)) })
     }
 
     fn comparison(&mut self) -> Read {
@@ -344,7 +344,7 @@ impl<'a> Reader<'a> {
             return self.power();
         }
         let operand = self.deeper(Self::sign)?;
-        Ok(Node { span: start..operand.span.end, what: What::Unary(Unary::Negative, Box::new(operand)) })
+        Ok(Node { span: start..operand.span.end, kind: NodeKind::Unary(Unary::Negative, Box::new(operand)) })
     }
 
     fn power(&mut self) -> Read {
@@ -353,10 +353,10 @@ impl<'a> Reader<'a> {
             return Ok(base);
         }
         // `0.3 mm^2` is a square millimetre to one reader and the square of 0.3 mm to another.
-        let written = &self.text[base.span.clone()];
-        let bare = matches!(base.what, What::Number(_, power) if power != [0; 8]) && !written.starts_with('(');
+        let text = &self.text[base.span.clone()];
+        let bare = matches!(base.kind, NodeKind::Number(_, power) if power != [0; 8]) && !text.starts_with('(');
         if bare {
-            let message = format!("`{written}^` can be read in two ways; write ({written})^2 or 1 mm2");
+            let message = format!("`{text}^` can be read in two ways; write ({text})^2 or 1 mm2");
             return Err(FormulaError::parse(base.span.start..self.at, message));
         }
         let exponent = self.deeper(Self::sign)?;
@@ -371,7 +371,7 @@ impl<'a> Reader<'a> {
             if !self.take(")") {
                 return Err(FormulaError::parse(start..start + 1, "this bracket is not closed"));
             }
-            return Ok(Node { span: start..self.at, what: inner.what });
+            return Ok(Node { span: start..self.at, kind: inner.kind });
         }
         let first = self.rest().chars().next();
         match first {
@@ -404,7 +404,7 @@ impl<'a> Reader<'a> {
             return Err(FormulaError::parse(start..self.at, format!("`{number}` is no number")));
         };
         let Some(unit) = self.unit() else {
-            return Ok(Node { span: start..self.at, what: What::Number(value, [0; 8]) });
+            return Ok(Node { span: start..self.at, kind: NodeKind::Number(value, [0; 8]) });
         };
         let span = start..self.at;
         let written = &self.text[unit];
@@ -412,8 +412,12 @@ impl<'a> Reader<'a> {
             return Err(FormulaError::parse(span, format!("`{written}` is no unit")));
         };
         let si = value * read.factor + read.offset;
-        let what = if read.offset == 0.0 { What::Number(si, without_turns(read.dimension)) } else { What::Celsius(si) };
-        Ok(Node { what, span })
+        let what = if read.offset == 0.0 {
+            NodeKind::Number(si, without_turns(read.dimension))
+        } else {
+            NodeKind::Celsius(si)
+        };
+        Ok(Node { kind: what, span })
     }
 
     /// Whether a unit is next, from `at` on: its end.
@@ -453,7 +457,7 @@ impl<'a> Reader<'a> {
             return self.call(*function, start, *least, *most);
         }
         if let Some(slot) = self.names.iter().position(|name| *name == word) {
-            return Ok(Node { what: What::Name(slot), span });
+            return Ok(Node { kind: NodeKind::Name(slot), span });
         }
         let functions = || Function::ALL.iter().map(|(own, ..)| *own);
         let likeness = |own: &&str| jaro_winkler(own, word);
@@ -491,7 +495,7 @@ impl<'a> Reader<'a> {
             let message = format!("`{}` takes {due} arguments, here are {}", function.word(), arguments.len());
             return Err(FormulaError::parse(span, message));
         }
-        Ok(Node { what: What::Call(function, arguments), span })
+        Ok(Node { kind: NodeKind::Call(function, arguments), span })
     }
 }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::DeValue;
 use toolroom_form::{
-    Content, ContentFault, Fault, Form, Got, Key, Kind, ReadError, Section, Span, Value, Walk, nearest,
+    Content, ContentFault, Fault, Form, Key, Kind, ReadError, Section, SectionValue, Span, Value, Walk, nearest,
 };
 
 /// Processes on which an effect may act.
@@ -189,7 +189,7 @@ impl Faults<'_> {
                 return None;
             }
         };
-        match Amount::of(&text) {
+        match Amount::from_text(&text) {
             Ok(amount) => Some(amount),
             Err(reason) => {
                 self.note("effect-definition", span.clone(), format!("{what}: {reason}"));
@@ -231,7 +231,7 @@ impl Faults<'_> {
     }
 }
 
-fn raw_of<'d>(got: &Got<'d>) -> Option<(DeValue<'d>, Span)> {
+fn raw_of<'d>(got: &SectionValue<'d>) -> Option<(DeValue<'d>, Span)> {
     if let Value::Raw(raw) = &got.value { Some((raw.clone(), got.span.clone())) } else { None }
 }
 
@@ -293,7 +293,7 @@ fn sized(faults: &mut Faults<'_>, size: &Section<'_>) -> Option<(Amount, [Amount
     let (raw, span) = raw_of(size.got("ordinary")?)?;
     let ordinary = faults.amount(&raw, &span, "ordinary")?;
     let unit = size.text("unit").unwrap_or("1");
-    match Amount::of(&format!("1 {unit}")) {
+    match Amount::from_text(&format!("1 {unit}")) {
         Ok(one) if one.powers == ordinary.powers => {}
         Ok(_) => {
             faults.note("effect-unit", span, format!("the ordinary size has the unit {unit}"));

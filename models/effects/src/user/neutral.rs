@@ -2,7 +2,7 @@
 
 use super::definition::Change;
 use super::dimension::constant;
-use super::expression::{Binary, FormulaError, Function, Node, Unary, What};
+use super::expression::{Binary, FormulaError, Function, Node, NodeKind, Unary};
 use super::program::{Place, SHAPES, place};
 use super::slots::Quantity;
 use crate::Context;
@@ -14,7 +14,7 @@ const NEUTRAL_POINTS: usize = 200;
 const RANGE_POINTS: usize = 1000;
 
 /// A formula at size zero, as far as its tree tells.
-enum Known {
+enum ZeroForm {
     /// This number, whatever the context.
     Number(f64),
     /// Anything.
@@ -22,43 +22,45 @@ enum Known {
 }
 
 /// Value of a formula at size zero where its tree tells that it is the same in all contexts.
-fn at_zero(node: &Node) -> Known {
+fn at_zero(node: &Node) -> ZeroForm {
     if let Some(value) = constant(node) {
-        return Known::Number(value);
+        return ZeroForm::Number(value);
     }
-    match &node.what {
-        What::Number(value, _) | What::Celsius(value) => Known::Number(*value),
-        What::Name(slot) if place(*slot) == Place::Size => Known::Number(0.0),
-        What::Name(_) => Known::Open,
-        What::Unary(Unary::Negative, of) => match at_zero(of) {
-            Known::Number(value) => Known::Number(-value),
-            Known::Open => Known::Open,
+    match &node.kind {
+        NodeKind::Number(value, _) | NodeKind::Celsius(value) => ZeroForm::Number(*value),
+        NodeKind::Name(slot) if place(*slot) == Place::Size => ZeroForm::Number(0.0),
+        NodeKind::Name(_) => ZeroForm::Open,
+        NodeKind::Unary(Unary::Negative, of) => match at_zero(of) {
+            ZeroForm::Number(value) => ZeroForm::Number(-value),
+            ZeroForm::Open => ZeroForm::Open,
         },
-        What::Unary(Unary::Not, of) => match at_zero(of) {
-            Known::Number(value) => Known::Number(f64::from(u8::from(value == 0.0))),
-            Known::Open => Known::Open,
+        NodeKind::Unary(Unary::Not, of) => match at_zero(of) {
+            ZeroForm::Number(value) => ZeroForm::Number(f64::from(u8::from(value == 0.0))),
+            ZeroForm::Open => ZeroForm::Open,
         },
-        What::Binary(operator, left, right) => binary_at_zero(*operator, at_zero(left), at_zero(right)),
-        What::Call(function, arguments) => {
-            let values: Vec<Known> = arguments.iter().map(at_zero).collect();
+        NodeKind::Binary(operator, left, right) => binary_at_zero(*operator, at_zero(left), at_zero(right)),
+        NodeKind::Call(function, arguments) => {
+            let values: Vec<ZeroForm> = arguments.iter().map(at_zero).collect();
             called_at_zero(*function, &values)
         }
     }
 }
 
-fn binary_at_zero(operator: Binary, left: Known, right: Known) -> Known {
-    let truth = |holds: bool| Known::Number(f64::from(u8::from(holds)));
+fn binary_at_zero(operator: Binary, left: ZeroForm, right: ZeroForm) -> ZeroForm {
+    let truth = |holds: bool| ZeroForm::Number(f64::from(u8::from(holds)));
     match (operator, left, right) {
         // What is finite everywhere, which the range of the term asks for, times nothing is nothing.
-        (Binary::Multiply, Known::Number(0.0), _) | (Binary::Multiply, _, Known::Number(0.0)) => Known::Number(0.0),
-        (Binary::Divide, Known::Number(0.0), _) => Known::Number(0.0),
-        (Binary::Power, _, Known::Number(0.0)) | (Binary::Power, Known::Number(1.0), _) => Known::Number(1.0),
-        (_, Known::Number(a), Known::Number(b)) => match operator {
-            Binary::Add => Known::Number(a + b),
-            Binary::Subtract => Known::Number(a - b),
-            Binary::Multiply => Known::Number(a * b),
-            Binary::Divide => Known::Number(a / b),
-            Binary::Power => Known::Number(a.powf(b)),
+        (Binary::Multiply, ZeroForm::Number(0.0), _) | (Binary::Multiply, _, ZeroForm::Number(0.0)) => {
+            ZeroForm::Number(0.0)
+        }
+        (Binary::Divide, ZeroForm::Number(0.0), _) => ZeroForm::Number(0.0),
+        (Binary::Power, _, ZeroForm::Number(0.0)) | (Binary::Power, ZeroForm::Number(1.0), _) => ZeroForm::Number(1.0),
+        (_, ZeroForm::Number(a), ZeroForm::Number(b)) => match operator {
+            Binary::Add => ZeroForm::Number(a + b),
+            Binary::Subtract => ZeroForm::Number(a - b),
+            Binary::Multiply => ZeroForm::Number(a * b),
+            Binary::Divide => ZeroForm::Number(a / b),
+            Binary::Power => ZeroForm::Number(a.powf(b)),
             Binary::Less => truth(a < b),
             Binary::LessOrEqual => truth(a <= b),
             Binary::Greater => truth(a > b),
@@ -68,23 +70,23 @@ fn binary_at_zero(operator: Binary, left: Known, right: Known) -> Known {
             Binary::And => truth(a != 0.0 && b != 0.0),
             Binary::Or => truth(a != 0.0 || b != 0.0),
         },
-        _ => Known::Open,
+        _ => ZeroForm::Open,
     }
 }
 
-fn called_at_zero(function: Function, values: &[Known]) -> Known {
-    let number = |value: &Known| if let Known::Number(value) = value { Some(*value) } else { None };
+fn called_at_zero(function: Function, values: &[ZeroForm]) -> ZeroForm {
+    let number = |value: &ZeroForm| if let ZeroForm::Number(value) = value { Some(*value) } else { None };
     let all: Option<Vec<f64>> = values.iter().map(number).collect();
     if function == Function::If {
         return match (number(&values[0]), number(&values[1]), number(&values[2])) {
-            (Some(condition), a, b) => (if condition != 0.0 { a } else { b }).map_or(Known::Open, Known::Number),
-            (None, Some(a), Some(b)) if a == b => Known::Number(a),
-            (None, ..) => Known::Open,
+            (Some(condition), a, b) => (if condition != 0.0 { a } else { b }).map_or(ZeroForm::Open, ZeroForm::Number),
+            (None, Some(a), Some(b)) if a == b => ZeroForm::Number(a),
+            (None, ..) => ZeroForm::Open,
         };
     }
-    let Some(all) = all else { return Known::Open };
-    Known::Number(match function {
-        Function::If => return Known::Open,
+    let Some(all) = all else { return ZeroForm::Open };
+    ZeroForm::Number(match function {
+        Function::If => return ZeroForm::Open,
         Function::Minimum => all.iter().copied().fold(f64::INFINITY, f64::min),
         Function::Maximum => all.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         Function::Absolute => all[0].abs(),
@@ -193,8 +195,8 @@ pub(crate) fn neutral(node: &Node, change: &Change, fields: &[Field]) -> Result<
         }
     }
     match at_zero(node) {
-        Known::Number(value) if value == due => Ok(()),
-        Known::Number(_) | Known::Open => {
+        ZeroForm::Number(value) if value == due => Ok(()),
+        ZeroForm::Number(_) | ZeroForm::Open => {
             let form = if due == 1.0 { "1 + size * …" } else { "size * …" };
             Err(refused(format!("cannot be shown to be {due} at size 0 in every context; write it as {form}")))
         }

@@ -1,7 +1,7 @@
 //! Formulas as programs over a stack, for every number type.
 
 use super::dimension::constant;
-use super::expression::{Binary, Function, Node, Unary, What};
+use super::expression::{Binary, Function, Node, NodeKind, Unary};
 use super::slots::Quantity;
 use crate::Context;
 use toolroom_process::Number;
@@ -94,18 +94,18 @@ fn compile(node: &Node, operations: &mut Vec<Operation>) {
         operations.push(Operation::Number(value));
         return;
     }
-    match &node.what {
-        What::Number(value, _) | What::Celsius(value) => operations.push(Operation::Number(*value)),
-        What::Name(slot) => operations.push(match place(*slot) {
+    match &node.kind {
+        NodeKind::Number(value, _) | NodeKind::Celsius(value) => operations.push(Operation::Number(*value)),
+        NodeKind::Name(slot) => operations.push(match place(*slot) {
             Place::Size => Operation::Size,
             Place::Shape(i) => Operation::Shape(i),
             Place::Quantity(quantity) => Operation::Quantity(quantity),
         }),
-        What::Unary(operator, of) => {
+        NodeKind::Unary(operator, of) => {
             compile(of, operations);
             operations.push(Operation::Unary(*operator));
         }
-        What::Binary(operator, left, right) => {
+        NodeKind::Binary(operator, left, right) => {
             compile(left, operations);
             if let (Binary::Power, Some(exponent)) = (operator, constant(right)) {
                 operations.push(Operation::Power(exponent));
@@ -114,7 +114,7 @@ fn compile(node: &Node, operations: &mut Vec<Operation>) {
             compile(right, operations);
             operations.push(Operation::Binary(*operator));
         }
-        What::Call(function, arguments) => {
+        NodeKind::Call(function, arguments) => {
             arguments.iter().for_each(|argument| compile(argument, operations));
             operations.push(Operation::Call(*function, arguments.len()));
         }

@@ -170,7 +170,7 @@ pub fn fastest_cycle_while_dulling(
     limits: &CycleLimits,
     surface: Option<(&Surface, &DressingPlan, f64)>,
 ) -> Result<Cycle, CycleError> {
-    let roughness = surface.map(Roughness::of);
+    let roughness = surface.map(Roughness::from_dressing);
     let ground = std::f64::consts::PI * grinding.parameters.work_diameter * limits.stock;
     let end = State { removed_volume: wheel.removed_volume + ground, ..*wheel };
     let dulls = grinding.shares(wheel, input) != grinding.shares(&end, input);
@@ -187,7 +187,7 @@ pub(super) fn fastest_cycle_of_steady_wheel(
     limits: &CycleLimits,
     surface: Option<(&Surface, &DressingPlan, f64)>,
 ) -> Result<Cycle, CycleError> {
-    let roughness = surface.map(Roughness::of);
+    let roughness = surface.map(Roughness::from_dressing);
     let bent = grinding.parameters.force_exponent != 1.0;
     designed(Task { grinding, wheel, input, limits, roughness: roughness.as_ref() }, bent)
 }

@@ -271,8 +271,8 @@ impl<'a> Search<'a> {
         let (law, limits) = (&self.law, self.limits);
         let rough_infeed = rough_stock / f64::from(rough);
         if let Some(run) = &self.run {
-            let begun = Candidate { rough_infeed, finish_infeed, rough, finish, spark_out: 0, last_depth: 0.0 };
-            return (rough_infeed >= finish_infeed).then(|| run.complete(begun, longest)).flatten();
+            let candidate = Candidate { rough_infeed, finish_infeed, rough, finish, spark_out: 0, last_depth: 0.0 };
+            return (rough_infeed >= finish_infeed).then(|| run.complete(candidate, longest)).flatten();
         }
         if rough_infeed < finish_infeed || !self.rough_is_cool(rough_stock, rough) {
             return None;

@@ -72,7 +72,7 @@ pub(super) struct Roughness {
 
 impl Roughness {
     /// Of a surface measured at a wheel speed (m/s), after another dressing.
-    pub fn of((surface, dressing, measured_wheel_speed): (&Surface, &DressingPlan, f64)) -> Self {
+    pub fn from_dressing((surface, dressing, measured_wheel_speed): (&Surface, &DressingPlan, f64)) -> Self {
         Self { surface: *surface, dressing: *dressing, measured_wheel_speed }
     }
 

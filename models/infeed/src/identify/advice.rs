@@ -124,11 +124,12 @@ const CONTRADICTION: f64 = 3.0;
 /// Ratio of longest to shortest trial below which all have one length (assumption).
 const ONE_LENGTH: f64 = 1.5;
 
-pub(super) fn advice(trials: &[Trial], found: &Identification) -> Vec<Advice> {
+pub(super) fn advice(trials: &[Trial], identification: &Identification) -> Vec<Advice> {
     let mut advice = Vec::new();
-    let lag = found.lag.mean;
-    let measured = found.trials.iter().map(|trial| trial.lag.sd.powi(2)).sum::<f64>().sqrt() / trials.len() as f64;
-    let by_scatter = found.lag.ci95.map(|[low, high]| 0.5 * (high - low));
+    let lag = identification.lag.mean;
+    let measured =
+        identification.trials.iter().map(|trial| trial.lag.sd.powi(2)).sum::<f64>().sqrt() / trials.len() as f64;
+    let by_scatter = identification.lag.ci95.map(|[low, high]| 0.5 * (high - low));
     // Trials may agree by chance better than their errors allow.
     let half_width = by_scatter.unwrap_or(0.0).max(2.0 * measured);
     // dJ/J = dK/(K (1 − K)).
@@ -141,8 +142,8 @@ pub(super) fn advice(trials: &[Trial], found: &Identification) -> Vec<Advice> {
         advice.push(Advice::SingleTrial);
     }
     // The force tells its lag without a count of revolutions.
-    let by_stock_alone = found.trials.iter().all(|trial| trial.from_force.is_none());
-    if let Some([less, more]) = found.half_revolution_range().filter(|_| by_stock_alone)
+    let by_stock_alone = identification.trials.iter().all(|trial| trial.from_force.is_none());
+    if let Some([less, more]) = identification.half_revolution_range().filter(|_| by_stock_alone)
         && (lag - less).max(more - lag) > half_width
     {
         let (less, more) = (Rounded(less - lag), Rounded(more - lag));
@@ -150,17 +151,17 @@ pub(super) fn advice(trials: &[Trial], found: &Identification) -> Vec<Advice> {
     }
     let lengths = || trials.iter().map(|trial| trial.revolutions);
     let (least, most) = (lengths().fold(f64::INFINITY, f64::min), lengths().fold(0.0, f64::max));
-    let by_stock = found.trials.iter().all(|trial| trial.from_stock.is_some());
+    let by_stock = identification.trials.iter().all(|trial| trial.from_stock.is_some());
     if by_stock && trials.len() > 1 && most < ONE_LENGTH * least {
         advice.push(Advice::OneLength { least: Rounded(least), most: Rounded(most) });
     }
     if by_stock && most < settled(lag) {
-        advice.push(Advice::TooShort { settled: Rounded(settled(lag).ceil()), best: found.best.revolutions });
+        advice.push(Advice::TooShort { settled: Rounded(settled(lag).ceil()), best: identification.best.revolutions });
     }
-    if found.process_stiffness.is_none() {
+    if identification.process_stiffness.is_none() {
         advice.push(Advice::NoForce);
     }
-    advice.extend(contradiction(found));
+    advice.extend(contradiction(identification));
     let mut machines: Vec<&str> = trials.iter().filter_map(|trial| trial.machine.as_deref()).collect();
     machines.sort_unstable();
     machines.dedup();
@@ -171,8 +172,8 @@ pub(super) fn advice(trials: &[Trial], found: &Identification) -> Vec<Advice> {
 }
 
 /// Stock against force over the trials that have both.
-fn contradiction(found: &Identification) -> Option<Advice> {
-    let both = || found.trials.iter().filter_map(|trial| trial.from_stock.zip(trial.from_force));
+fn contradiction(identification: &Identification) -> Option<Advice> {
+    let both = || identification.trials.iter().filter_map(|trial| trial.from_stock.zip(trial.from_force));
     let n = both().count() as f64;
     let (stock, force, variance) = both().fold((0.0, 0.0, 0.0), |(stock, force, variance), (a, b)| {
         (stock + a.value / n, force + b.value / n, variance + (a.sd * a.sd + b.sd * b.sd) / (n * n))

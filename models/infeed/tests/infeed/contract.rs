@@ -56,15 +56,15 @@ fn an_effect_moves_the_channels_that_its_catalogue_row_names() {
         let effects = Effects::new(vec![effect.with_size(entry.size.max * 1e-2)]).expect("one effect");
         let (_, with_rough, with_end) = trial(&Infeed { effects, ..nominal.clone() });
         let mut seen = 0;
-        for touched in entry.channels {
-            let difference = match (touched.channel, Output::<f64>::index_of(touched.channel)) {
+        for channel in entry.channels {
+            let difference = match (channel.channel, Output::<f64>::index_of(channel.channel)) {
                 ("force_after_spark_out", _) => with_end.normal_force - end.normal_force,
                 (_, Some(i)) => with_rough.get(i).unwrap_or(f64::NAN) - rough.get(i).unwrap_or(f64::NAN),
                 _ => continue,
             };
             seen += 1;
-            let expected = if touched.sign == Sign::Rises { 1.0 } else { -1.0 };
-            assert!(difference * expected > 0.0, "{}: {} moves by {difference}", entry.id, touched.channel);
+            let expected = if channel.sign == Sign::Rises { 1.0 } else { -1.0 };
+            assert!(difference * expected > 0.0, "{}: {} moves by {difference}", entry.id, channel.channel);
         }
         assert!(seen > 0, "{} shows in no output", entry.id);
     }

@@ -21,7 +21,7 @@ fn trials(deviations: PlungeDeviations) -> (Vec<(f64, f64)>, Vec<f64>) {
 /// K_P, K_F, residual and its trend in um, F30/F10, F_end/F30.
 #[track_caller]
 fn shape_is((stock, force): (Vec<(f64, f64)>, Vec<f64>), expected: [f64; 6]) {
-    let shape = PlungeShape::of(&stock, 4.43e-6, &force, 30).expect("a shape");
+    let shape = PlungeShape::from_stock(&stock, 4.43e-6, &force, 30).expect("a shape");
     close(shape.stock_lag, expected[0], SIX_DIGITS);
     close(shape.force_lag, expected[1], SIX_DIGITS);
     close(shape.stock_residual, expected[2] * 1e-6, SIX_DIGITS);
@@ -58,7 +58,7 @@ fn every_hidden_effect_has_the_reference_shape() {
     let late = GAUGED.map(|n| (n as f64, stock_after(4.43e-6, n as f64 - 0.5, K))).to_vec();
     shape_is((late, force), [0.636606, 0.553, 0.118312, 0.0100276, 1.00268, 0.028599]);
     let (stock, force) = trials(none);
-    let shape = PlungeShape::of(&stock, 4.43e-6, &force, 30).expect("a shape");
+    let shape = PlungeShape::from_stock(&stock, 4.43e-6, &force, 30).expect("a shape");
     close(shape.stock_lag, K, 1e-7);
     close(shape.force_lag, K, 1e-7);
     assert!(shape.stock_residual < 1e-12);
@@ -94,8 +94,8 @@ const COS2: [[f64; 7]; 7] = [
     [0.000, 0.615, 0.000, 0.323, 0.043, 0.478, 1.000],
 ];
 
-fn cos2_within(told: &Separability, tolerance: f64) {
-    for (row, expected) in told.cos2.iter().zip(COS2) {
+fn cos2_within(separability: &Separability, tolerance: f64) {
+    for (row, expected) in separability.cos2.iter().zip(COS2) {
         for (cos2, expected) in row.iter().zip(expected) {
             assert!((cos2 - expected).abs() <= tolerance, "{cos2} computed, {expected} expected");
         }
@@ -158,9 +158,9 @@ fn without_deviations_a_plunge_is_the_process() {
 #[test]
 fn a_shape_needs_stock_and_a_rise() {
     let (stock, force) = trials(PlungeDeviations::default());
-    assert!(PlungeShape::of(&stock[..1], 4.43e-6, &force, 30).is_none());
-    assert!(PlungeShape::of(&stock, 4.43e-6, &force[..2], 2).is_none());
-    assert!(PlungeShape::of(&stock, 4.43e-6, &force, 99).is_none());
+    assert!(PlungeShape::from_stock(&stock[..1], 4.43e-6, &force, 30).is_none());
+    assert!(PlungeShape::from_stock(&stock, 4.43e-6, &force[..2], 2).is_none());
+    assert!(PlungeShape::from_stock(&stock, 4.43e-6, &force, 99).is_none());
 }
 
 proptest! {

@@ -1,6 +1,6 @@
 //! What the words of a block do.
 
-use super::codes::{Found, written};
+use super::codes::{CodeKind, written};
 use super::modes::Move;
 use super::once::Once;
 use super::run::Iso;
@@ -99,8 +99,8 @@ impl Iso {
         for (code, column) in &codes {
             let found = self.modal(*code, words, kernel).map_err(|fault| fault.or_at(*column))?;
             match found {
-                Found::Modal => {}
-                Found::Motion(motion) => {
+                CodeKind::Modal => {}
+                CodeKind::Motion(motion) => {
                     moves += 1;
                     if motion != Move::Cycle {
                         self.cycle = None;
@@ -110,14 +110,14 @@ impl Iso {
                     }
                     self.modes.motion = motion;
                 }
-                Found::Once(own) => {
+                CodeKind::Once(own) => {
                     if once != Once::Nothing {
                         let message = format!("G{} cannot stand in a block with the code before it", written(*code));
                         return Err(Fault::at(*column, message));
                     }
                     once = own;
                 }
-                Found::ExactStop => stop_here = true,
+                CodeKind::ExactStop => stop_here = true,
             }
             if moves > 1 {
                 return Err(Fault::at(*column, "two motions stand in one block; give each a block of its own"));

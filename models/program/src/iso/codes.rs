@@ -16,7 +16,7 @@ const FASTEST: f64 = 1e5;
 
 /// What a code is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Found {
+pub(super) enum CodeKind {
     Modal,
     Motion(Move),
     Once(Once),
@@ -77,8 +77,8 @@ impl Iso {
         Ok(())
     }
 
-    pub(super) fn modal(&mut self, code: u32, words: &mut Words, kernel: &mut Kernel) -> Result<Found, Fault> {
-        use Found::{ExactStop, Modal};
+    pub(super) fn modal(&mut self, code: u32, words: &mut Words, kernel: &mut Kernel) -> Result<CodeKind, Fault> {
+        use CodeKind::{ExactStop, Modal};
         let (linuxcnc, haas, lathe) =
             (self.dialect == Dialect::LinuxCnc, self.dialect == Dialect::Haas, self.is_lathe());
         let macros = self.macros();
@@ -86,12 +86,12 @@ impl Iso {
         let additional = |number: f64| (1.0..=300.0).contains(&number) && number.fract() == 0.0;
         let refuse = |reason: &str| Err(Fault::new(format!("G{}: {reason}", written(code))).refusing());
         Ok(match code {
-            0 => Found::Motion(Move::Rapid),
-            10 => Found::Motion(Move::Line),
-            20 | 30 => Found::Motion(Move::Arc { left: code == 30 }),
-            40 => Found::Once(Once::Dwell),
-            50 if linuxcnc => Found::Once(Once::Spline(true)),
-            51 if linuxcnc => Found::Once(Once::Spline(false)),
+            0 => CodeKind::Motion(Move::Rapid),
+            10 => CodeKind::Motion(Move::Line),
+            20 | 30 => CodeKind::Motion(Move::Arc { left: code == 30 }),
+            40 => CodeKind::Once(Once::Dwell),
+            50 if linuxcnc => CodeKind::Once(Once::Spline(true)),
+            51 if linuxcnc => CodeKind::Once(Once::Spline(false)),
             51 | 80 if macros => {
                 words.spend(b"PQR");
                 Modal
@@ -104,7 +104,7 @@ impl Iso {
             70 if linuxcnc => return refuse("diameters of a lathe are not followed for LinuxCNC; write G8 and radii"),
             80 if linuxcnc => Modal,
             90 if macros => ExactStop,
-            100 => Found::Once(Once::Data),
+            100 => CodeKind::Once(Once::Data),
             150 if !lathe && macros => {
                 self.modes.polar = None;
                 Modal
@@ -123,10 +123,10 @@ impl Iso {
             }
             // The place of the tool becomes the one that G28 or G30 goes to; nothing moves.
             281 | 301 if linuxcnc => Modal,
-            280 | 300 => Found::Once(Once::Home),
-            320 | 330 if lathe => Found::Motion(Move::Thread),
-            331 if linuxcnc => Found::Once(Once::RigidTap),
-            330 if linuxcnc => Found::Motion(Move::Thread),
+            280 | 300 => CodeKind::Once(Once::Home),
+            320 | 330 if lathe => CodeKind::Motion(Move::Thread),
+            331 if linuxcnc => CodeKind::Once(Once::RigidTap),
+            330 if linuxcnc => CodeKind::Motion(Move::Thread),
             382..=385 => return refuse("a probe moves until it touches, which depends on the workpiece"),
             310 => return refuse("a skip ends where a signal comes, which depends on the workpiece"),
             400 | 410 | 420 | 411 | 421 if linuxcnc || !matches!(code, 411 | 421) => {
@@ -149,24 +149,24 @@ impl Iso {
             434 | 435 => {
                 return refuse("control of the tool's tip moves rotary axes with linear ones, which is not followed");
             }
-            500 if lathe => Found::Once(Once::Set),
+            500 if lathe => CodeKind::Once(Once::Set),
             500 if macros => {
                 self.modes.scaling = None;
                 kernel.frame = self.modes.frame(kernel.plane);
                 Modal
             }
-            510 if macros && !lathe => Found::Once(Once::Scale),
+            510 if macros && !lathe => CodeKind::Once(Once::Scale),
             501 if macros && !lathe => {
                 if !words.any(b"XYZ") {
                     self.modes.mirror = [None; 3];
                     kernel.frame = self.modes.frame(kernel.plane);
                     return Ok(Modal);
                 }
-                Found::Once(Once::Mirror(false))
+                CodeKind::Once(Once::Mirror(false))
             }
-            511 if macros && !lathe => Found::Once(Once::Mirror(true)),
-            520 if macros || linuxcnc => Found::Once(Once::Local),
-            530 => Found::Once(Once::Machine),
+            511 if macros && !lathe => CodeKind::Once(Once::Mirror(true)),
+            520 if macros || linuxcnc => CodeKind::Once(Once::Local),
+            530 => CodeKind::Once(Once::Machine),
             // G54 P5 is G54.1 P5; P may belong to a call or a hole of the block instead.
             540 if macros && !calls && !words.has(b'R') && words.see(b'P').is_some_and(additional) => {
                 let number = words.whole(b'P', 1.0, 300.0)?.unwrap_or(1);
@@ -201,26 +201,26 @@ impl Iso {
                 kernel.exact = false;
                 Modal
             }
-            650 | 660 if macros => Found::Once(Once::Macro),
+            650 | 660 if macros => CodeKind::Once(Once::Macro),
             670 if macros => {
                 self.modal_macro = None;
                 Modal
             }
-            680 if macros && !lathe => Found::Once(Once::Rotate),
+            680 if macros && !lathe => CodeKind::Once(Once::Rotate),
             690 if macros && !lathe => {
                 self.modes.rotation = None;
                 kernel.frame = self.modes.frame(kernel.plane);
                 Modal
             }
-            700 | 710 | 720 if haas => Found::Once(Once::Pattern(code / 10)),
-            700 | 710 | 720 | 730 | 740 | 750 | 760 if lathe => Found::Once(Once::TwoBlocks(code / 10)),
+            700 | 710 | 720 if haas => CodeKind::Once(Once::Pattern(code / 10)),
+            700 | 710 | 720 | 730 | 740 | 750 | 760 if lathe => CodeKind::Once(Once::TwoBlocks(code / 10)),
             730 | 740 | 760 | 810..=890 if !lathe && code.is_multiple_of(10) => {
                 self.begin_cycle(code / 10, kernel)?;
-                Found::Motion(Move::Cycle)
+                CodeKind::Motion(Move::Cycle)
             }
             830..=850 | 870..=890 if lathe && code.is_multiple_of(10) => {
                 self.begin_drilling(code / 10, kernel);
-                Found::Motion(Move::Drilling)
+                CodeKind::Motion(Move::Drilling)
             }
             810..=890 if lathe && code.is_multiple_of(10) => {
                 return refuse(
@@ -235,7 +235,7 @@ impl Iso {
                 }
                 Modal
             }
-            900 | 920 | 940 if lathe => Found::Motion(Move::Lathe(code / 10)),
+            900 | 920 | 940 if lathe => CodeKind::Motion(Move::Lathe(code / 10)),
             900 => {
                 kernel.absolute = true;
                 Modal
@@ -248,7 +248,7 @@ impl Iso {
                 self.modes.arc_absolute = code == 901;
                 Modal
             }
-            920 => Found::Once(Once::Set),
+            920 => CodeKind::Once(Once::Set),
             921 | 922 if linuxcnc => {
                 self.modes.set = [0.0; 9];
                 kernel.frame = self.modes.frame(kernel.plane);
@@ -309,14 +309,14 @@ impl Iso {
                     "the pocket is a contour cycle of the control, which is not followed; post it as motions",
                 );
             }
-            120 | 130 if haas => Found::Once(Once::Pocket(code == 130)),
-            1000 | 1010 if haas => Found::Once(Once::Mirror(code == 1010)),
+            120 | 130 if haas => CodeKind::Once(Once::Pocket(code == 130)),
+            1000 | 1010 if haas => CodeKind::Once(Once::Mirror(code == 1010)),
             121 | 131 | 71 | 1070 => {
                 return refuse("the cylinder or polar interpolation is not followed; post the motions of the axes");
             }
             _ => {
                 if let Some(time) = kernel.control.g.get(&code) {
-                    return Ok(Found::Once(Once::TimeOnly(*time)));
+                    return Ok(CodeKind::Once(Once::TimeOnly(*time)));
                 }
                 return Err(Fault::new(unknown(&format!("G{}", written(code)), "g", &written(code))).refusing());
             }

@@ -181,7 +181,7 @@ impl Iso {
         for axis in 0..9 {
             let wanted = target.absolute[axis].or(target.step[axis]);
             let Some(wanted) = wanted else { continue };
-            if kernel.known[axis] {
+            if kernel.referenced[axis] {
                 let mut span = [0.0; 9];
                 span[axis] = position[axis] - wanted;
                 let linear = Frame { shift: [0.0; 9], ..kernel.frame };
@@ -190,7 +190,7 @@ impl Iso {
                 }
             } else {
                 kernel.at[axis] = wanted + kernel.frame.shift[axis];
-                kernel.known[axis] = true;
+                kernel.referenced[axis] = true;
             }
         }
         kernel.frame = self.modes.frame(kernel.plane);
@@ -243,11 +243,11 @@ impl Iso {
             let active = system == self.modes.system;
             if kind == Some(20) {
                 if active {
-                    if kernel.known[axis] {
+                    if kernel.referenced[axis] {
                         self.modes.work[axis] += position[axis] - value;
                     } else {
                         kernel.at[axis] = value + kernel.frame.shift[axis];
-                        kernel.known[axis] = true;
+                        kernel.referenced[axis] = true;
                     }
                 }
                 self.modes.offsets.entry(system).or_default()[axis] = None;
@@ -278,7 +278,7 @@ impl Iso {
         for axis in 0..9 {
             match (before[axis], now[axis]) {
                 (Some(before), Some(now)) => self.modes.work[axis] += now - before,
-                _ if axis < 3 || kernel.known[axis] => kernel.forget(std::iter::once(axis)),
+                _ if axis < 3 || kernel.referenced[axis] => kernel.forget(std::iter::once(axis)),
                 _ => {}
             }
         }

@@ -5,7 +5,7 @@ use crate::Dialect;
 use crate::error::Fault;
 use std::ops::ControlFlow;
 use toolroom_dialect::{Expression, Parser};
-use toolroom_pages::{Kept, Reader};
+use toolroom_pages::{PageWindow, Reader};
 
 /// A letter with its value.
 #[derive(Clone, Debug, PartialEq)]
@@ -392,16 +392,16 @@ impl Open {
 }
 
 /// Joins the parts of loops and conditions; `index` is the newest statement.
-pub(super) fn link(list: &mut Kept<'_, Statement>, index: usize, open: &mut Vec<Open>) {
+pub(super) fn link(list: &mut PageWindow<'_, Statement>, index: usize, open: &mut Vec<Open>) {
     let Some(statement) = list.item(index).filter(|statement| statement.code.flows()) else { return };
     let (code, number) = (statement.code.clone(), statement.end);
-    let change = |list: &mut Kept<'_, Statement>, at: usize, to: &dyn Fn(&mut Statement)| {
+    let change = |list: &mut PageWindow<'_, Statement>, at: usize, to: &dyn Fn(&mut Statement)| {
         if let Some(statement) = list.item(at) {
             to(statement);
         }
     };
-    let join = |list: &mut Kept<'_, Statement>, from: usize, to: usize| change(list, from, &|s| s.jump = to);
-    let unmatched = |list: &mut Kept<'_, Statement>, what: &str| {
+    let join = |list: &mut PageWindow<'_, Statement>, from: usize, to: usize| change(list, from, &|s| s.jump = to);
+    let unmatched = |list: &mut PageWindow<'_, Statement>, what: &str| {
         change(list, index, &|statement| {
             statement.code = Code::Fault(Fault::at(1, format!("{what} without its beginning")));
             // Nothing leads there; what is not 0 stays.

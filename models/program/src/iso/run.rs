@@ -146,7 +146,7 @@ impl Iso {
     }
 
     /// Statement of block `number`: forward from here, then from the top of the program.
-    pub(super) fn block_number(&mut self, number: u32, from: usize) -> Result<usize, Fault> {
+    pub(super) fn block_number(&mut self, number: u32, start: usize) -> Result<usize, Fault> {
         let count = self.statements.len();
         if self.numbered < count {
             let mut index = self.numbered;
@@ -159,13 +159,13 @@ impl Iso {
             self.numbers.sort_unstable();
             self.numbered = count;
         }
-        let unit = self.unit(from);
+        let unit = self.unit(start);
         let first = |least: usize| {
             let at = self.numbers.partition_point(|entry| *entry < (number, least as u32));
             let (known, index) = *self.numbers.get(at)?;
             Some(index as usize).filter(|index| known == number && *index < unit.end)
         };
-        first(unit.start.max(from + 1))
+        first(unit.start.max(start + 1))
             .or_else(|| first(unit.start))
             .ok_or_else(|| Fault::new(format!("there is no block N{number} in this program; check the number")))
     }

@@ -59,10 +59,10 @@ fn across(direction: Point, left: bool) -> Point {
     if left { [-direction[1], direction[0]] } else { [direction[1], -direction[0]] }
 }
 
-/// The tangent point of a circle as seen from `outside`: there a line from `outside` goes on as the arc that turns left or
+/// The tangent point of a circle as seen from `point`: there a line from `point` goes on as the arc that turns left or
 /// right about `centre`; `None` inside of it.
-fn touch(outside: Point, centre: Point, radius: f64, left: bool) -> Option<Point> {
-    let gap = [outside[0] - centre[0], outside[1] - centre[1]];
+fn touch(point: Point, centre: Point, radius: f64, left: bool) -> Option<Point> {
+    let gap = [point[0] - centre[0], point[1] - centre[1]];
     let distance = gap[0].hypot(gap[1]);
     if distance <= radius {
         return None;
@@ -93,9 +93,9 @@ fn with_height(mut target: Target, block: &Target, axis: usize) -> Target {
 }
 
 impl Approach {
-    /// The first point of the contour; `from` is where the approach begins.
-    pub fn end(&self, from: &Axes) -> Axes {
-        std::array::from_fn(|axis| self.target.end(axis, from))
+    /// The first point of the contour; `start` is where the approach begins.
+    pub fn end(&self, start: &Axes) -> Axes {
+        std::array::from_fn(|axis| self.target.end(axis, start))
     }
 }
 
@@ -163,13 +163,13 @@ impl Klartext {
     }
 
     /// Runs the approach that waits, to the beginning of an element.
-    pub(super) fn run_approach(&mut self, first: &Corner, kernel: &mut Kernel) -> Result<(), Fault> {
+    pub(super) fn run_approach(&mut self, corner: &Corner, kernel: &mut Kernel) -> Result<(), Fault> {
         let Some(approach) = self.approach.take() else { return Ok(()) };
         let from = kernel.program_at();
         let start = approach.end(&from);
         let [u, v, w] = kernel.plane;
         let point = [start[u], start[v]];
-        let d = self.tangent(first, &start, kernel).ok_or_else(|| {
+        let d = self.tangent(corner, &start, kernel).ok_or_else(|| {
             Fault::new("the approach needs an element in the plane behind it, whose direction it takes")
         })?;
         let (feed, line) = ((kernel.feed, kernel.feed_scale), kernel.line);

@@ -231,17 +231,17 @@ impl Siemens {
     /// The head of a subprogram: its parameters take the values of the call.
     fn procedure(&mut self, parameters: &[(String, Expression)], saves: bool, kernel: &Kernel) -> Result<(), Fault> {
         let Some(call) = self.calls.last().filter(|call| call.end.is_none()) else { return Ok(()) };
-        let given = call.arguments.clone();
-        if given.len() > parameters.len() {
+        let arguments = call.arguments.clone();
+        if arguments.len() > parameters.len() {
             return Err(Fault::new(format!(
                 "the call gives {} values, and the subprogram takes {}",
-                given.len(),
+                arguments.len(),
                 parameters.len()
             )));
         }
         let mut values = Vec::with_capacity(parameters.len());
         for (index, (_, otherwise)) in parameters.iter().enumerate() {
-            values.push(given.get(index).copied().flatten().map_or_else(|| self.value(otherwise), Ok)?);
+            values.push(arguments.get(index).copied().flatten().map_or_else(|| self.value(otherwise), Ok)?);
         }
         for ((name, _), value) in parameters.iter().zip(values) {
             self.define(name, value);

@@ -125,7 +125,7 @@ impl Siemens {
                 }
                 if self.modes.work != code {
                     // The first offset is the one in which the program counts.
-                    if self.modes.work != 500 || kernel.known.iter().take(3).all(|known| *known) && code == 500 {
+                    if self.modes.work != 500 || kernel.referenced.iter().take(3).all(|known| *known) && code == 500 {
                         kernel.forget(0..3);
                     }
                     self.modes.work = code;

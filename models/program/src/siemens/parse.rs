@@ -4,7 +4,7 @@ use crate::Dialect;
 use crate::error::Fault;
 use std::ops::ControlFlow;
 use toolroom_dialect::{Expression, Parser};
-use toolroom_pages::{Kept, Reader};
+use toolroom_pages::{PageWindow, Reader};
 
 /// How a value of an axis counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -477,7 +477,7 @@ impl Code {
 }
 
 /// Joins the parts of loops and conditions; `index` is the newest statement, `open` are those without end.
-pub(super) fn link(list: &mut Kept<'_, Statement>, index: usize, open: &mut Vec<usize>) {
+pub(super) fn link(list: &mut PageWindow<'_, Statement>, index: usize, open: &mut Vec<usize>) {
     let Some(code) = list.item(index).filter(|item| item.code.flows()).map(|item| item.code.clone()) else { return };
     let top = open.last().and_then(|last| list.item(*last)).map(|item| &item.code);
     let fits = match (&code, top) {

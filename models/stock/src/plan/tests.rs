@@ -59,10 +59,10 @@ fn every_limit_is_kept_wherever_a_planned_program_is_sampled() {
                 for i in 0..parts as u32 {
                     let (from, to) = (f64::from(i) / parts, f64::from(i + 1) / parts);
                     let way = if motion.rapid { piece } else { part(&piece, from, to, feed) };
-                    let mut look = |_: f64, _: f64, seen: Seen<'_>| {
-                        let Seen::Cut(_, samples, tool) = seen else { return };
+                    let mut look = |_: f64, _: f64, seen: Encounter<'_>| {
+                        let Encounter::Cut(_, samples, tool) = seen else { return };
                         let at_work = AtWork { tool, limits: &kept, speed };
-                        for demand in samples.iter().map(|engaged| Demand::of(engaged, tool)) {
+                        for demand in samples.iter().map(|engaged| Demand::from_engaged(engaged, tool)) {
                             let ratios = FeedLimit::ALL.map(|limit| at_work.ratio(limit, &demand, feed).unwrap_or(0.0));
                             if planned && !motion.rapid {
                                 worst = ratios.into_iter().fold(worst, f64::max);

@@ -1,7 +1,7 @@
 //! Calibrations, effects and deviations of a file act where they say.
 
 use toolroom_process::{AnyRecord, Process};
-use toolroom_scenario::{Moved, Occasion, ProcessModel, Target, calibrated};
+use toolroom_scenario::{CalibrationShift, Occasion, ProcessModel, Target, calibrated};
 use toolroom_scenario_file::parse;
 
 const SHOP: &str = include_str!("../../../../scenarios/gap/turning.toml");
@@ -36,7 +36,10 @@ fn a_calibration_moves_the_constant_of_its_tool() {
         (calibration.standard_error, calibration.prior, calibration.by.as_str()),
         (Some(0.01), Some(0.08), "diagnosis 9c41e0b2")
     );
-    assert_eq!((&calibration.target, calibration.moved), (&Target::Tool("insert".to_owned()), Moved::Factor(1.25)));
+    assert_eq!(
+        (&calibration.target, calibration.moved),
+        (&Target::Tool("insert".to_owned()), CalibrationShift::Factor(1.25))
+    );
 }
 
 #[test]

@@ -106,7 +106,7 @@ jobs = 1
 fn commanded(text: &str) -> Vec<f64> {
     let file = parse("mills.toml", text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let scenario = file.scenario;
-    let seen = Observation {
+    let observation = Observation {
         path: 0.1,
         edge_path: 0.0,
         edge_time: 0.0,
@@ -118,8 +118,8 @@ fn commanded(text: &str) -> Vec<f64> {
         true_edge: None,
     };
     let speed = |policy: usize| {
-        let policy = ResolvedPolicy::of(&scenario, policy).expect("a policy");
-        60.0 * policy.of_pass(0, 0).choose(&seen).start_speed
+        let policy = ResolvedPolicy::from_scenario(&scenario, policy).expect("a policy");
+        60.0 * policy.of_pass(0, 0).choose(&observation).start_speed
     };
     (0..scenario.policies.len()).map(speed).collect()
 }

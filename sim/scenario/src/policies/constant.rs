@@ -1,7 +1,7 @@
 //! One constant speed.
 
 use super::tool_change::wear_after;
-use super::{Believed, Conditions};
+use super::{BelievedModel, Conditions};
 use crate::SpeedChoice;
 use toolroom_wear::{Objective, Pair, Scatter};
 
@@ -61,7 +61,7 @@ pub(super) struct Edges<'a> {
 /// (milling) only a given speed can be had.
 pub(super) fn speed(
     choice: SpeedChoice,
-    believed: Option<&Believed>,
+    believed: Option<&BelievedModel>,
     cost: &ChangeCost,
     edges: Edges<'_>,
 ) -> Option<f64> {
@@ -104,7 +104,7 @@ const SPEEDS: usize = 96;
 
 /// Many edges at one speed.
 struct Fleet<'a> {
-    believed: &'a Believed,
+    believed: &'a BelievedModel,
     /// With the limit at which edges are changed.
     pair: &'a Pair,
     edges: Edges<'a>,
@@ -199,7 +199,7 @@ mod tests {
     fn best(pair: &Pair, cost: &ChangeCost, limit: f64, common_wear: f64, spoilage: Spoilage) -> f64 {
         let cut = toolroom_wear::Cut::nominal(3.0, 0.3e-3, 1.5e-3);
         let believed =
-            Believed { pair: Arc::new(pair.clone()), cut, path: 10.0, allowance: 0.0, edge_scatter: common_wear };
+            BelievedModel { pair: Arc::new(pair.clone()), cut, path: 10.0, allowance: 0.0, edge_scatter: common_wear };
         let scatter = Scatter { common_wear, ..Scatter::none() };
         let edges = Edges { limit, scatter: &scatter, spoilage };
         60.0 * speed(SpeedChoice::BestCost, Some(&believed), cost, edges).unwrap()

@@ -177,12 +177,12 @@ impl ContourPlan {
 }
 
 /// The gears that lie within the shop machine's range of cutting speeds, m/s.
-fn spindle(believed: &Machine, speed_range: (f64, f64), diameter: f64) -> Machine {
+fn spindle(machine: &Machine, speed_range: (f64, f64), diameter: f64) -> Machine {
     let spindle = |speed: f64| 2.0 * speed / diameter;
     Machine {
-        lowest_spindle_speed: believed.lowest_spindle_speed.max(spindle(speed_range.0)),
-        highest_spindle_speed: believed.highest_spindle_speed.min(spindle(speed_range.1)),
-        ..*believed
+        lowest_spindle_speed: machine.lowest_spindle_speed.max(spindle(speed_range.0)),
+        highest_spindle_speed: machine.highest_spindle_speed.min(spindle(speed_range.1)),
+        ..*machine
     }
 }
 

@@ -166,11 +166,11 @@ impl GrindingController {
         adaptation: Adaptation,
         dressing: DressingRule,
         sensors: &SensorSheet,
-        believed: &Infeed,
+        infeed_model: &Infeed,
         conditions: &Input,
     ) -> Self {
-        let system_stiffness = believed.parameters.system_stiffness;
-        let dressed = believed.output(&State::default(), conditions);
+        let system_stiffness = infeed_model.parameters.system_stiffness;
+        let dressed = infeed_model.output(&State::default(), conditions);
         Self {
             cycles,
             dulling,
@@ -179,7 +179,7 @@ impl GrindingController {
             sensors: *sensors,
             system_stiffness,
             compliance: dressed.process_stiffness / system_stiffness,
-            threshold_force: believed.parameters.threshold_force,
+            threshold_force: infeed_model.parameters.threshold_force,
         }
     }
 

@@ -189,7 +189,7 @@ pub struct Controller {
     range: (f64, f64),
     sensors: SensorSheet,
     /// What the controller believes about tool and work, and the cut as programmed.
-    believed: Option<Believed>,
+    believed: Option<BelievedModel>,
     /// Whether the rule needs an estimate of wear.
     observes: bool,
     /// What it is shown of the edge.
@@ -200,7 +200,7 @@ pub struct Controller {
 
 /// A believed model at a nominal cut.
 #[derive(Clone, Debug, PartialEq)]
-struct Believed {
+struct BelievedModel {
     /// Pair, its speed limits narrowed to the machine's.
     pair: Arc<Pair>,
     /// Feed and depth as programmed.
@@ -213,7 +213,7 @@ struct Believed {
     edge_scatter: f64,
 }
 
-impl Believed {
+impl BelievedModel {
     /// The highest speed of the pair's range at which an edge keeps clear of thermal collapse,
     /// m/s; `flank_wear` is that of the edge at a speed, m.
     fn safe_speed(&self, flank_wear: impl Fn(f64) -> f64) -> f64 {
@@ -232,18 +232,18 @@ enum Speed {
 
 impl Controller {
     /// The command for a pass, always within the limits of the machine.
-    pub fn choose(&self, seen: &Observation<'_>) -> Conditions {
+    pub fn choose(&self, observation: &Observation<'_>) -> Conditions {
         let conditions = match (&self.speed, &self.believed) {
             (Speed::Fixed(speed), _) => Conditions::constant(*speed),
-            (Speed::Schedule(schedule), _) => schedule::conditions(schedule, seen),
-            (Speed::Planned(planned), Some(believed)) => planned.conditions(believed, seen),
-            (Speed::SetIncrement(set), Some(believed)) => set.conditions(believed, seen),
+            (Speed::Schedule(schedule), _) => schedule::conditions(schedule, observation),
+            (Speed::Planned(planned), Some(believed)) => planned.conditions(believed, observation),
+            (Speed::SetIncrement(set), Some(believed)) => set.conditions(believed, observation),
             (Speed::Planned(_) | Speed::SetIncrement(_), None) => Conditions::constant(self.range.1), // only made with a believed model
         };
         let limited = |speed: f64| speed.max(self.range.0).min(self.range.1);
         let conditions = Conditions::ramp(limited(conditions.start_speed), limited(conditions.end_speed));
         match &self.stability {
-            Some(rule) => rule.applied(conditions, seen, self.range),
+            Some(rule) => rule.applied(conditions, observation, self.range),
             None => conditions,
         }
     }
@@ -351,7 +351,7 @@ mod tests {
             let range = (low, low + width);
             let controller = resolve::for_turning(&policy, &pair, &cut, range);
             let observer = controller.observer(Some(wear), None);
-            let seen = Observation {
+            let observation = Observation {
                 path,
                 edge_path,
                 edge_time: 60.0,
@@ -362,12 +362,12 @@ mod tests {
                 true_wear: controller.sees_true_wear().then_some(wear),
                 true_edge: None,
             };
-            let conditions = controller.choose(&seen);
+            let conditions = controller.choose(&observation);
             for speed in [conditions.start_speed, conditions.end_speed] {
                 prop_assert!(range.0 <= speed && speed <= range.1, "{:?}: {speed} outside {range:?}", policy.speed);
             }
             prop_assert!(conditions.duration(path) > 0.0);
-            controller.change_due(&seen, &conditions, conditions.duration(path));
+            controller.change_due(&observation, &conditions, conditions.duration(path));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What the sensors say about an edge.
 
-use super::Believed;
+use super::BelievedModel;
 use crate::SensorSheet;
 use rand_distr::{Distribution as _, StandardNormal};
 use toolroom_kernel::Stream;
@@ -59,7 +59,7 @@ const ALIASED: f64 = 0.1;
 
 /// What the filter of a new edge reckons with. `read` says whether wear is read from now on: only readings tell the gain of
 /// a sensor from wear.
-pub(super) fn noise(believed: &Believed, sensors: &SensorSheet, read: bool) -> ObserverNoise {
+pub(super) fn noise(believed: &BelievedModel, sensors: &SensorSheet, read: bool) -> ObserverNoise {
     let mut new = ObserverNoise {
         edge_rate: believed.edge_scatter,
         // The level of all edges is never known better than this (assumption).
@@ -90,7 +90,7 @@ pub struct Observer {
 
 impl Observer {
     /// For a new edge, or for one whose flank wear, m, was read; `read` as in [`noise`].
-    pub(super) fn new(believed: &Believed, sensors: &SensorSheet, read: bool, reading: Option<f64>) -> Self {
+    pub(super) fn new(believed: &BelievedModel, sensors: &SensorSheet, read: bool, reading: Option<f64>) -> Self {
         let new = noise(believed, sensors, read);
         let initial_wear = if reading.is_some() { sensors.flank_wear } else { new.initial_wear };
         let noise = ObserverNoise { initial_wear, ..new };
@@ -103,7 +103,7 @@ impl Observer {
     }
 
     /// For the next edge of the same kind, which is new.
-    pub(super) fn next_edge(&self, believed: &Believed, sensors: &SensorSheet) -> Self {
+    pub(super) fn next_edge(&self, believed: &BelievedModel, sensors: &SensorSheet) -> Self {
         let initial_wear = sensors.observer_noise(believed.allowance).initial_wear;
         Self { filter: self.filter.next_edge(initial_wear), cut: believed.cut, filtered_until: 0.0, speed: None }
     }

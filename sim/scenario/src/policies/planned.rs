@@ -1,7 +1,7 @@
 //! Rules that plan each pass on the believed model at the wear known: the paper's mode 1 and its
 //! literal form, the productivity rule, and what they would do if they knew more.
 
-use super::{Believed, Conditions, Observation};
+use super::{BelievedModel, Conditions, Observation};
 use toolroom_wear::{Cut, SpeedLaw, SpeedTable, ramp_limits};
 
 /// One law for all passes.
@@ -15,16 +15,18 @@ pub(super) struct Planned {
 }
 
 impl Planned {
-    pub fn new(believed: &Believed, law: SpeedLaw, factor: f64) -> Self {
+    pub fn new(believed: &BelievedModel, law: SpeedLaw, factor: f64) -> Self {
         let speed = |flank_wear: f64| believed.pair.law_speed(&believed.cut, law, factor, flank_wear);
         Self { law, factor, table: SpeedTable::tabulate(believed.pair.limits.wear_limit, speed) }
     }
 
-    pub fn conditions(&self, believed: &Believed, seen: &Observation<'_>) -> Conditions {
-        if seen.true_edge.is_none() {
-            return plan(believed, seen, |_, flank_wear| (self.table.speed_at(flank_wear), true));
+    pub fn conditions(&self, believed: &BelievedModel, observation: &Observation<'_>) -> Conditions {
+        if observation.true_edge.is_none() {
+            return plan(believed, observation, |_, flank_wear| (self.table.speed_at(flank_wear), true));
         }
-        plan(believed, seen, |cut, flank_wear| (believed.pair.law_speed(cut, self.law, self.factor, flank_wear), true))
+        plan(believed, observation, |cut, flank_wear| {
+            (believed.pair.law_speed(cut, self.law, self.factor, flank_wear), true)
+        })
     }
 }
 
@@ -34,15 +36,15 @@ impl Planned {
 ///
 /// `speed_at` gives the speed (m/s) for the cut as this edge meets it and a flank wear (m), and whether it meets the demand.
 pub(super) fn plan(
-    believed: &Believed,
-    seen: &Observation<'_>,
+    believed: &BelievedModel,
+    observation: &Observation<'_>,
     speed_at: impl Fn(&Cut, f64) -> (f64, bool),
 ) -> Conditions {
     let pair = &believed.pair;
-    let cut = seen.cut(&believed.cut);
-    let flank_wear = seen.flank_wear().unwrap_or(0.0);
-    let last_speed = Some(seen.last_speed.unwrap_or(cut.cutting_speed));
+    let cut = observation.cut(&believed.cut);
+    let flank_wear = observation.flank_wear().unwrap_or(0.0);
+    let last_speed = Some(observation.last_speed.unwrap_or(cut.cutting_speed));
     let law = |flank_wear: f64| speed_at(&cut, flank_wear);
-    let plan = pair.plan_pass_along(&cut, flank_wear, seen.path, &ramp_limits(pair), last_speed, law);
+    let plan = pair.plan_pass_along(&cut, flank_wear, observation.path, &ramp_limits(pair), last_speed, law);
     Conditions::ramp(plan.start_speed, plan.end_speed)
 }

@@ -4,7 +4,7 @@ use super::constant::{self, ChangeCost, Edges, Spoilage};
 use super::planned::Planned;
 use super::set_increment::SetIncrement;
 use super::{
-    Believed, ChangeRule, ContourPlan, Controller, GrindingController, PolicyError, Speed, Stability, schedule,
+    BelievedModel, ChangeRule, ContourPlan, Controller, GrindingController, PolicyError, Speed, Stability, schedule,
 };
 use crate::policies::ResolveError;
 use crate::{
@@ -31,7 +31,7 @@ impl ResolvedPolicy {
     /// # Errors
     /// [`ResolveError::UnknownPolicy`], [`ResolveError::UnknownIndex`] for an operation without tool
     /// or machine, [`ResolveError::Policy`] where a policy can not be worked out on the nominal model.
-    pub fn of(scenario: &Scenario, policy: usize) -> Result<Self, ResolveError> {
+    pub fn from_scenario(scenario: &Scenario, policy: usize) -> Result<Self, ResolveError> {
         let count = scenario.policies.len();
         let rule = scenario.policies.get(policy).ok_or(ResolveError::UnknownPolicy { index: policy, count })?;
         let mut resolved = Self {
@@ -95,7 +95,7 @@ impl ResolvedPolicy {
                         resolved.of_pass[place].push(u32::MAX);
                         continue;
                     }
-                    let key = Key { tool: index, cut, spoilage, machine: MachineKey::of(machine) };
+                    let key = Key { tool: index, cut, spoilage, machine: MachineKey::from_machine_type(machine) };
                     let same = known.iter().find(|(each, _)| *each == key).map(|(_, controller)| *controller);
                     let controller = match same {
                         Some(controller) => controller,
@@ -172,7 +172,7 @@ struct MachineKey {
 }
 
 impl MachineKey {
-    fn of(machine: &MachineType) -> Self {
+    fn from_machine_type(machine: &MachineType) -> Self {
         let &MachineType { rate, tool_change_time, magazine, refill_time, speed_range, .. } = machine;
         Self { rate, tool_change_time, magazine, refill_time, speed_range }
     }
@@ -222,7 +222,7 @@ fn controller(
     let knows = rule.knowledge();
     let adaptive = matches!(speed, Speed::Planned(_) | Speed::SetIncrement(_));
     let stability = match cut {
-        Some(cut) => Stability::of(rule.stability, &tool.process, cut, machine.speed_range)?,
+        Some(cut) => Stability::from_stability_rule(rule.stability, &tool.process, cut, machine.speed_range)?,
         None => None,
     };
     Ok(Controller {
@@ -240,14 +240,14 @@ fn controller(
 /// A speed rule on the believed model, m/s; as programmed where there is no model to plan with.
 fn speed(
     rule: &PolicyRule,
-    believed: Option<&Believed>,
+    believed: Option<&BelievedModel>,
     programmed: f64,
     cost: &ChangeCost,
     edges: Edges<'_>,
 ) -> Speed {
-    let on_model = |plan: &dyn Fn(&Believed) -> Speed| believed.map_or(Speed::Fixed(programmed), plan);
+    let on_model = |plan: &dyn Fn(&BelievedModel) -> Speed| believed.map_or(Speed::Fixed(programmed), plan);
     let factor = rule.speed_factor;
-    let planned = |law: &dyn Fn(&Believed) -> SpeedLaw| {
+    let planned = |law: &dyn Fn(&BelievedModel) -> SpeedLaw| {
         on_model(&|believed| Speed::Planned(Arc::new(Planned::new(believed, law(believed), factor))))
     };
     match rule.speed.entry().course {
@@ -268,7 +268,7 @@ fn speed(
 
 /// The price of the rate optimum, s/m, for edges that are changed at a flank wear of `limit` (m), each change being
 /// worth `change_time` (s), at speeds that keep clear of thermal collapse.
-fn shadow_price(believed: &Believed, change_time: f64, limit: f64) -> f64 {
+fn shadow_price(believed: &BelievedModel, change_time: f64, limit: f64) -> f64 {
     let mut pair = Pair::clone(&believed.pair);
     pair.limits.wear_limit = limit;
     let safe = |flank_wear: f64| believed.safe_speed(|_| flank_wear);
@@ -320,12 +320,12 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
 }
 
 /// The believed pair at a nominal cut, its speed range narrowed to the machine's.
-fn believe(tool: &ToolType, mut pair: Pair, cut: &Cut, machine: &MachineType) -> Believed {
+fn believe(tool: &ToolType, mut pair: Pair, cut: &Cut, machine: &MachineType) -> BelievedModel {
     let (slowest, fastest) = machine.speed_range;
     let limits = &mut pair.limits;
     limits.lowest_speed = limits.lowest_speed.max(slowest).min(fastest);
     limits.highest_speed = limits.highest_speed.max(slowest).min(fastest);
     let nominal = toolroom_wear::Cut::nominal(cut.cutting_speed, cut.feed, cut.depth_of_cut);
     let toolroom_wear::Scatter { allowance, common_wear, .. } = tool.scatter;
-    Believed { pair: Arc::new(pair), cut: nominal, path: cut.path_length, allowance, edge_scatter: common_wear }
+    BelievedModel { pair: Arc::new(pair), cut: nominal, path: cut.path_length, allowance, edge_scatter: common_wear }
 }

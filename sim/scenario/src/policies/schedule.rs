@@ -1,13 +1,13 @@
 //! Speed against the path that the edge has cut: adaptive without sensors.
 
-use super::{Believed, Conditions, Observation};
+use super::{BelievedModel, Conditions, Observation};
 use toolroom_wear::SpeedSchedule;
 
 /// Entries of a table.
 const ENTRIES: usize = 60;
 
 /// Tabulates the speed of least wear on the believed model, times `factor`.
-pub(super) fn tabulate(believed: &Believed, factor: f64) -> SpeedSchedule {
+pub(super) fn tabulate(believed: &BelievedModel, factor: f64) -> SpeedSchedule {
     let pair = &believed.pair;
     let speed = |flank_wear: f64| {
         let least_wear = factor * pair.minimum_wear_speed(&believed.cut, flank_wear);
@@ -17,6 +17,9 @@ pub(super) fn tabulate(believed: &Believed, factor: f64) -> SpeedSchedule {
 }
 
 /// Speed at the path of the edge now and after the pass.
-pub(super) fn conditions(schedule: &SpeedSchedule, seen: &Observation<'_>) -> Conditions {
-    Conditions::ramp(schedule.speed_at(seen.edge_path), schedule.speed_at(seen.edge_path + seen.path))
+pub(super) fn conditions(schedule: &SpeedSchedule, observation: &Observation<'_>) -> Conditions {
+    Conditions::ramp(
+        schedule.speed_at(observation.edge_path),
+        schedule.speed_at(observation.edge_path + observation.path),
+    )
 }

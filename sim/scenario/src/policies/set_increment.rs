@@ -1,7 +1,7 @@
 //! The paper's mode 2: the edge is to last for a set path.
 
 use super::planned::plan;
-use super::{Believed, Conditions, Observation};
+use super::{BelievedModel, Conditions, Observation};
 
 /// The wear left is shared out evenly over the path left.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,11 +13,11 @@ pub(super) struct SetIncrement {
 }
 
 impl SetIncrement {
-    pub fn conditions(&self, believed: &Believed, seen: &Observation<'_>) -> Conditions {
-        let wear_left = (believed.pair.limits.wear_limit - seen.flank_wear().unwrap_or(0.0)).max(0.0);
-        let path_left = (self.path_per_edge - seen.edge_path).max(seen.path);
+    pub fn conditions(&self, believed: &BelievedModel, observation: &Observation<'_>) -> Conditions {
+        let wear_left = (believed.pair.limits.wear_limit - observation.flank_wear().unwrap_or(0.0)).max(0.0);
+        let path_left = (self.path_per_edge - observation.edge_path).max(observation.path);
         let pair = &believed.pair;
-        plan(believed, seen, |cut, flank_wear| {
+        plan(believed, observation, |cut, flank_wear| {
             pair.intensity_speed(cut, flank_wear, wear_left / path_left, self.factor)
         })
     }

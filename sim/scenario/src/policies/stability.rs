@@ -64,7 +64,7 @@ enum Nominal {
 impl Stability {
     /// Works out `rule` for `cut` within the `range` of speeds of the machine; `None` where nothing
     /// is to be done or no structure is known.
-    pub(super) fn of(
+    pub(super) fn from_stability_rule(
         rule: StabilityRule,
         process: &ProcessModel,
         cut: &Cut,
@@ -86,10 +86,15 @@ impl Stability {
     }
 
     /// The command with the rule applied, within the `range` of the machine.
-    pub(super) fn applied(&self, requested: Conditions, seen: &Observation<'_>, range: (f64, f64)) -> Conditions {
+    pub(super) fn applied(
+        &self,
+        requested: Conditions,
+        observation: &Observation<'_>,
+        range: (f64, f64),
+    ) -> Conditions {
         match self.plan {
             Plan::Fixed(speed) => Conditions::constant(speed),
-            Plan::Reactive { .. } => seen.reaction.map_or(requested, Conditions::constant),
+            Plan::Reactive { .. } => observation.reaction.map_or(requested, Conditions::constant),
             Plan::Variation(variation) => {
                 // The greatest speed of the variation is the machine's to give as well.
                 let most = range.1 / (1.0 + variation.amplitude);
@@ -98,13 +103,13 @@ impl Stability {
                 Conditions { start_speed, end_speed, variation: Some(variation), ..requested }
             }
             Plan::Layers { share } => {
-                let limit = self.cut.limit(requested.start_speed, seen.flank_wear().unwrap_or(0.0));
+                let limit = self.cut.limit(requested.start_speed, observation.flank_wear().unwrap_or(0.0));
                 let layers = (self.cut.depth() / (share * limit)).ceil().clamp(1.0, MOST_LAYERS);
                 Conditions { layers: layers as u32, ..requested }
             }
             Plan::Constraint { margin } => {
                 let wanted = 0.5 * (requested.start_speed + requested.end_speed);
-                let flank_wear = seen.flank_wear().unwrap_or(0.0);
+                let flank_wear = observation.flank_wear().unwrap_or(0.0);
                 let deep_enough = self.cut.depth() / (1.0 - margin);
                 let fits = |speed: f64| self.cut.limit(speed, flank_wear) >= deep_enough;
                 match nearest(&self.cut.speeds(range), wanted, fits) {

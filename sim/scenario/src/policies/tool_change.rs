@@ -1,6 +1,6 @@
 //! When an edge is changed between passes.
 
-use super::{Believed, Conditions, Controller, Observation, Observer};
+use super::{BelievedModel, Conditions, Controller, Observation, Observer};
 use toolroom_wear::Cut;
 
 /// A tool change rule with its limits.
@@ -19,15 +19,18 @@ pub enum ChangeRule {
 impl Controller {
     /// Whether the edge is changed before the pass that was just planned and takes `duration`
     /// seconds. [`ChangeRule::WearLimit`] is decided by the reading after a pass.
-    pub fn change_due(&self, seen: &Observation<'_>, planned: &Conditions, duration: f64) -> bool {
+    pub fn change_due(&self, observation: &Observation<'_>, planned: &Conditions, duration: f64) -> bool {
         match self.change {
             ChangeRule::WearLimit(_) => false,
-            ChangeRule::PartCount(parts) => seen.edge_parts >= parts,
-            ChangeRule::CuttingTime(time) => seen.edge_time + duration > time,
+            ChangeRule::PartCount(parts) => observation.edge_parts >= parts,
+            ChangeRule::CuttingTime(time) => observation.edge_time + duration > time,
             ChangeRule::Predicted(limit) => {
-                let (Some(believed), Some(flank_wear)) = (&self.believed, seen.flank_wear()) else { return false };
-                let factor = seen.observer.map_or(1.0, Observer::wear_factor);
-                wear_after(believed, &seen.cut(&believed.cut), flank_wear, factor, seen.path, planned) > limit
+                let (Some(believed), Some(flank_wear)) = (&self.believed, observation.flank_wear()) else {
+                    return false;
+                };
+                let factor = observation.observer.map_or(1.0, Observer::wear_factor);
+                wear_after(believed, &observation.cut(&believed.cut), flank_wear, factor, observation.path, planned)
+                    > limit
             }
         }
     }
@@ -35,7 +38,7 @@ impl Controller {
 
 /// Flank wear after a planned pass of `cut` on the believed model, m; `factor` is that of the edge.
 pub(super) fn wear_after(
-    believed: &Believed,
+    believed: &BelievedModel,
     cut: &Cut,
     flank_wear: f64,
     factor: f64,

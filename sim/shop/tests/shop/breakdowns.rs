@@ -13,7 +13,7 @@ fn failing_server(part: Interruption) -> Scenario {
     let mut shop = scenarios::scenario();
     shop.machines[0].load_time = Distribution::Exponential { mean: 1.0 };
     shop.parts[0].operations[0].work = Work::Cutting(Vec::new());
-    shop.arrivals = vec![Arrival::of(0, ArrivalPattern::Poisson { rate: 0.6 })];
+    shop.arrivals = vec![Arrival::from_part(0, ArrivalPattern::Poisson { rate: 0.6 })];
     shop.failures = vec![FailureMode {
         name: None,
         machine: 0,

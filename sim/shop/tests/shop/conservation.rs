@@ -29,9 +29,9 @@ fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: 
         tools: vec![tool(Rubbing { wear_per_path: 0.011, wear_limit: 0.5, breaks_at: 0.55 })],
         parts: vec![part("shaft", vec![rough.clone(), fine]), part("ring", vec![rough])],
         arrivals: vec![
-            Arrival::of(0, ArrivalPattern::Poisson { rate: 0.015 }),
-            Arrival::of(1, ArrivalPattern::Batch { interval: 400.0, size: 4 }),
-            Arrival::of(1, ArrivalPattern::ConstantWork { jobs: 1 }),
+            Arrival::from_part(0, ArrivalPattern::Poisson { rate: 0.015 }),
+            Arrival::from_part(1, ArrivalPattern::Batch { interval: 400.0, size: 4 }),
+            Arrival::from_part(1, ArrivalPattern::ConstantWork { jobs: 1 }),
             jobs_at(&[(7000.0, 3), (10.0, 2)]),
         ],
         dispatch: vec![dispatch],

@@ -57,7 +57,7 @@ fn shop(contour: &str, passes: &[usize], rule: ContourRule, jobs: u32) -> Scenar
 }
 
 fn plan(shop: &Scenario, pass: u32) -> ContourPlan {
-    ResolvedPolicy::of(shop, 0).unwrap().contour(0, pass).unwrap().clone()
+    ResolvedPolicy::from_scenario(shop, 0).unwrap().contour(0, pass).unwrap().clone()
 }
 
 #[test]
@@ -208,7 +208,7 @@ fn a_pass_that_is_interrupted_is_the_same_pass() {
 fn a_contour_of_another_cutter_is_refused() {
     let mut other = shop(RK3, &[1], ContourRule::Time, 1);
     other.tools[0].process = ProcessModel::Milling(Arc::new(Milling::default())); // 12 mm
-    let Err(ResolveError::Policy { source, .. }) = ResolvedPolicy::of(&other, 0) else { panic!() };
+    let Err(ResolveError::Policy { source, .. }) = ResolvedPolicy::from_scenario(&other, 0) else { panic!() };
     assert!(source.to_string().contains("diameter in mm of 32, the tool has 12"), "{source}");
 }
 
@@ -224,7 +224,7 @@ proptest! {
     ) {
         let mut shop = shop(RK3, &[usize::from(finish)], RULES[rule], 1);
         shop.machines[0].speed_range = (low, low + width);
-        match ResolvedPolicy::of(&shop, 0) {
+        match ResolvedPolicy::from_scenario(&shop, 0) {
             Ok(resolved) => {
                 for section in &resolved.contour(0, 0).unwrap().sections {
                     let speed = section.cutting_speed;

@@ -142,7 +142,7 @@ fn a_cycle_that_is_interrupted_is_the_same_cycle() {
 #[test]
 fn a_cycle_that_no_wheel_can_run_is_refused_by_name() {
     let shop = grinder(dulling(), GrindingRule::Fixed { dulling: 15.0 }, DressingRule::Limit, 1);
-    let error = ResolvedPolicy::of(&shop, 0).unwrap_err().to_string();
+    let error = ResolvedPolicy::from_scenario(&shop, 0).unwrap_err().to_string();
     assert!(error.contains("policy `programmed`") && error.contains("temperature_rise"), "{error}");
 }
 

@@ -93,9 +93,9 @@ fn no_schedule_beats_the_optimum() {
 fn least_setup_keeps_the_setup_group_as_long_as_it_can() {
     let mut shop = scenarios::scenario();
     shop.machines[0].setup_time = 50.0;
-    let mut other = shop.parts[0].clone();
-    other.operations[0].setup_group = "b".to_owned();
-    shop.parts.push(other);
+    let mut parts = shop.parts[0].clone();
+    parts.operations[0].setup_group = "b".to_owned();
+    shop.parts.push(parts);
     // a b a b a, all there from the start.
     shop.arrivals = (0..5).map(|i| Arrival { parts: vec![(i % 2, 1.0)], ..jobs_at(&[(0.0, 1)]) }).collect();
     let makespan = |rule| {

@@ -20,7 +20,7 @@ fn queue(servers: usize, rate: f64, service: Distribution, customers: f64) -> Sc
     shop.machines = (0..servers).map(server).collect();
     shop.parts[0].operations[0].machines = (0..servers).collect();
     shop.parts[0].operations[0].work = Work::Cutting(Vec::new());
-    shop.arrivals = vec![Arrival::of(0, ArrivalPattern::Poisson { rate })];
+    shop.arrivals = vec![Arrival::from_part(0, ArrivalPattern::Poisson { rate })];
     shop.horizon = customers / rate;
     shop
 }
@@ -63,7 +63,7 @@ fn a_machine_that_stands_by_keeps_no_places_of_jobs_that_others_have_done() {
         shop.calendars = vec![ShiftCalendar::periodic("later", 1e7, shifts, Interruption::Resume)];
         shop.machines[1].calendar = Some(0);
         shop.dispatch = vec![rule];
-        let policy = Arc::new(ResolvedPolicy::of(&shop, 0).unwrap());
+        let policy = Arc::new(ResolvedPolicy::from_scenario(&shop, 0).unwrap());
         let mut running = Shop::with_recorder(&shop, policy, 0, Silent).unwrap();
         running.run_until(SimTime::from_seconds(shop.horizon).unwrap()).unwrap();
         let machines = &running.world().machines;
@@ -91,7 +91,7 @@ fn constant_work_in_process_gives_the_throughput_of_mean_value_analysis() {
             step
         })
         .collect();
-    shop.arrivals = vec![Arrival::of(0, ArrivalPattern::ConstantWork { jobs: 3 })];
+    shop.arrivals = vec![Arrival::from_part(0, ArrivalPattern::ConstantWork { jobs: 3 })];
     shop.horizon = 200_000.0;
     let log = run(&shop);
     let mut counts = vec![0.0; 1000];

@@ -214,7 +214,7 @@ pub fn scenario() -> Scenario {
 }
 
 pub fn jobs_at(times: &[(f64, u32)]) -> Arrival {
-    Arrival::of(0, ArrivalPattern::Schedule(times.to_vec()))
+    Arrival::from_part(0, ArrivalPattern::Schedule(times.to_vec()))
 }
 
 pub fn run(scenario: &Scenario) -> RunLog {

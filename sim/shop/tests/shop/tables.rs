@@ -23,8 +23,8 @@ fn reversed(text: &str, machines: bool) -> String {
     let mut all = String::new();
     for (place, (word, block)) in blocks.iter().enumerate() {
         let alike: Vec<usize> = (0..blocks.len()).filter(|other| blocks[*other].0 == *word).collect();
-        let own = alike.iter().position(|other| *other == place).expect("it is like itself");
-        all += if turns(word) { &blocks[alike[alike.len() - 1 - own]].1 } else { block };
+        let index = alike.iter().position(|other| *other == place).expect("it is like itself");
+        all += if turns(word) { &blocks[alike[alike.len() - 1 - index]].1 } else { block };
     }
     all
 }

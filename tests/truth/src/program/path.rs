@@ -114,8 +114,8 @@ pub(super) fn read(text: &str) -> Vec<Line> {
     lines
 }
 
-fn straight(from: [f64; 3], to: [f64; 3], rapid: bool, feed: f64) -> Option<Move> {
-    let span = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
+fn straight(start: [f64; 3], end: [f64; 3], rapid: bool, feed: f64) -> Option<Move> {
+    let span = [end[0] - start[0], end[1] - start[1], end[2] - start[2]];
     let length = (span[0] * span[0] + span[1] * span[1] + span[2] * span[2]).sqrt();
     let direction = span.map(|part| part / length);
     let longest = span.iter().fold(0.0_f64, |longest, part| longest.max(part.abs()));

@@ -168,11 +168,11 @@ static WHOLE: LazyLock<[Nodes; LEVELS]> = LazyLock::new(|| {
 });
 
 impl Nodes {
-    fn between(from: f64, to: f64) -> Self {
-        let (a, b) = (from.ln(), to.ln());
+    fn between(start: f64, end: f64) -> Self {
+        let (a, b) = (start.ln(), end.ln());
         let (centre, half) = (0.5 * (a + b), 0.5 * (b - a));
         let time_at = |node: f64| (centre + half * node).exp();
-        Self { half, stretches: [time_at(-NODE), time_at(NODE), to], middle: time_at(0.0) }
+        Self { half, stretches: [time_at(-NODE), time_at(NODE), end], middle: time_at(0.0) }
     }
 }
 
@@ -207,8 +207,8 @@ impl Panel {
     }
 
     /// The square of the land with its offset, which runs in evenly, over the two halves.
-    fn squares(&self, scale: f64, from: f64, to: f64) -> [Cubic; 2] {
-        let lands = [from + scale, scale * self.middle, to + scale];
+    fn squares(&self, scale: f64, start: f64, end: f64) -> [Cubic; 2] {
+        let lands = [start + scale, scale * self.middle, end + scale];
         let squares = lands.map(|land| land * land);
         let half = |i: usize, duration: f64| {
             // d (h + scale)²/d ln stretch = 2 (h + scale)²

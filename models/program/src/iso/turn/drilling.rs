@@ -123,7 +123,7 @@ fn hole_at(target: &Target, drilling: Drilling, kernel: &mut Kernel) -> Result<(
     };
     // The hole runs across the plane in force.
     let plane = std::mem::replace(&mut kernel.plane, if axis == 2 { PLANES[0] } else { PLANES[2] });
-    let done = kernel.hole(&Hole { reference, bottom, level: initial, pecks, dwell, exit, feed: None });
+    let hole = kernel.hole(&Hole { reference, bottom, level: initial, pecks, dwell, exit, feed: None });
     kernel.plane = plane;
-    done
+    hole
 }

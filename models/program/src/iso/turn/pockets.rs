@@ -52,12 +52,12 @@ impl Pocket<'_> {
     }
 
     /// Passes of one depth between two places, the last one first.
-    fn passes(&self, count: u32, from: Spot, to: Spot) -> Vec<Pass> {
-        let parts = self.profile.deeper(self.depth * f64::from(count), from, to);
+    fn passes(&self, count: u32, start: Spot, end: Spot) -> Vec<Pass> {
+        let parts = self.profile.deeper(self.depth * f64::from(count), start, end);
         let pass = |(first, last): &(Spot, Spot)| {
-            let mut before = self.profile.spots(from, *first);
+            let mut before = self.profile.spots(start, *first);
             before.reverse();
-            let (down_from, up_to) = (self.flank(&before), self.flank(&self.profile.spots(*last, to)));
+            let (down_from, up_to) = (self.flank(&before), self.flank(&self.profile.spots(*last, end)));
             Pass { count, from: *first, to: *last, down_from, up_to }
         };
         parts.iter().rev().map(pass).collect()

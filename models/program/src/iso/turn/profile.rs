@@ -44,8 +44,8 @@ pub(super) struct Profile {
 
 impl Profile {
     /// Depth of a place below the start, mm.
-    pub fn depth(&self, at: &Axes) -> f64 {
-        self.inwards * (at[self.across] - self.start[self.across])
+    pub fn depth(&self, axes: &Axes) -> f64 {
+        self.inwards * (axes[self.across] - self.start[self.across])
     }
 
     pub fn allowance(&self, axis: usize) -> f64 {
@@ -61,25 +61,25 @@ impl Profile {
     }
 
     /// Places from one to another, near enough that the depth between two of them rises or falls only.
-    pub fn spots(&self, from: Spot, to: Spot) -> Vec<Spot> {
-        let mut list = vec![from];
-        for motion in from.motion..=to.motion {
-            let first = if motion == from.motion { from.share } else { 0.0 };
-            let last = if motion == to.motion { to.share } else { 1.0 };
+    pub fn spots(&self, start: Spot, end: Spot) -> Vec<Spot> {
+        let mut list = vec![start];
+        for motion in start.motion..=end.motion {
+            let first = if motion == start.motion { start.share } else { 0.0 };
+            let last = if motion == end.motion { end.share } else { 1.0 };
             let pieces = if self.motions[motion].path == Path::Line { 1 } else { PIECES };
             let shares = (0..=pieces).map(|piece| f64::from(piece) / f64::from(pieces));
             list.extend(shares.map(|share| share.clamp(first, last.max(first))).map(|share| self.spot(motion, share)));
         }
-        list.push(to);
+        list.push(end);
         list
     }
 
     /// Parts between two places that lie deeper than `level`, mm.
-    pub fn deeper(&self, level: f64, from: Spot, to: Spot) -> Vec<(Spot, Spot)> {
+    pub fn deeper(&self, level: f64, start: Spot, end: Spot) -> Vec<(Spot, Spot)> {
         let inside = |spot: &Spot| self.depth(&spot.at) > level + 1e-9;
-        let spots = self.spots(from, to);
+        let spots = self.spots(start, end);
         let mut parts: Vec<(Spot, Spot)> = Vec::new();
-        let mut begun = inside(&from).then_some(from);
+        let mut begun = inside(&start).then_some(start);
         for pair in spots.windows(2) {
             let (a, b) = (pair[0], pair[1]);
             match (inside(&a), inside(&b)) {
@@ -88,7 +88,7 @@ impl Profile {
                 (true, true) | (false, false) => {}
             }
         }
-        parts.extend(begun.map(|first| (first, to)));
+        parts.extend(begun.map(|first| (first, end)));
         parts
     }
 
@@ -106,10 +106,10 @@ impl Profile {
     }
 
     /// Feeds along the contour with its allowances from one place to another.
-    pub fn follow(&self, from: Spot, to: Spot, kernel: &mut Kernel) -> Result<(), Fault> {
-        for index in from.motion..=to.motion {
-            let first = if index == from.motion { from.share } else { 0.0 };
-            let last = if index == to.motion { to.share } else { 1.0 };
+    pub fn follow(&self, start: Spot, end: Spot, kernel: &mut Kernel) -> Result<(), Fault> {
+        for index in start.motion..=end.motion {
+            let first = if index == start.motion { start.share } else { 0.0 };
+            let last = if index == end.motion { end.share } else { 1.0 };
             if last - first <= 1e-12 {
                 continue;
             }
@@ -158,16 +158,16 @@ impl Iso {
     /// The motions of a contour, in coordinates of the program; everything stands as before afterwards.
     pub(super) fn motions(&mut self, first: usize, last: usize, kernel: &mut Kernel) -> Result<Vec<Motion>, Fault> {
         let out = std::mem::take(&mut kernel.out);
-        let (at, known) = (kernel.at, kernel.known);
+        let (at, known) = (kernel.at, kernel.referenced);
         let (feed, scale, mode) = (kernel.feed, kernel.feed_scale, kernel.feed_mode);
         let (speed, surface, sense) = (kernel.speed, kernel.surface, kernel.sense);
         let program = kernel.program_at();
-        let done = self.contour(first, last, kernel);
+        let contour = self.contour(first, last, kernel);
         let events = std::mem::replace(&mut kernel.out, out);
-        (kernel.at, kernel.known) = (at, known);
+        (kernel.at, kernel.referenced) = (at, known);
         (kernel.feed, kernel.feed_scale, kernel.feed_mode) = (feed, scale, mode);
         (kernel.speed, kernel.surface, kernel.sense) = (speed, surface, sense);
-        done?;
+        contour?;
         let shift = [program[0] - at[0], program[2] - at[2]];
         let moved = |mut motion: Motion| {
             for (axis, part) in [(0, shift[0]), (2, shift[1])] {
