@@ -58,7 +58,7 @@ fn tested(args: &CoefficientsArgs, path: &Path, name: String) -> Result<Coeffici
     let bytes = bytes(path)?;
     let file = path.display().to_string();
     let text = String::from_utf8_lossy(&bytes);
-    let test = read_forces(&file, &text).map_err(|error| Failure::argument(error, GUIDE))?;
+    let test = read_forces(&file, &text).map_err(|error| Failure::located(error, GUIDE))?;
     let mut changes = vec!["--teeth".to_owned(), teeth.to_string(), "--depth".to_owned(), depth.clone()];
     changes.extend(["--immersion".to_owned(), args.immersion.to_string()]);
     changes.extend(args.axes.iter().map(|axes| format!("--axes={axes}")));

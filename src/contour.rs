@@ -4,12 +4,13 @@ use crate::args::ContourArgs;
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::speak::Voice;
-use crate::study::default_out;
+use crate::study::{RESUME, default_out};
+use serde_json::json;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_output::{OutputDir, provenance};
+use toolroom_output::{OutputDir, provenance, signals};
 use toolroom_planning::contour::{
-    Drawn, NAMES, StudyOptions, Task, edge_life, files, join_length, studies, summary, text,
+    DrawJournal, Drawn, NAMES, StudyOptions, Task, edge_life, files, join_length, studies, summary, text,
 };
 use toolroom_program::{Control, Dialect, Units};
 use toolroom_shards::fingerprint;
@@ -42,13 +43,18 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
     let output_dir = OutputDir::create(&target, NAMES, inputs, voice.force)?;
     let start = Instant::now();
     let options = options(args)?;
+    let provenance = origin(args, &task);
+    let head = json!([provenance.version, provenance.command, provenance.inputs, provenance.seed]);
+    let journal = DrawJournal::open(&output_dir.journal(args.resume)?.join("draws"), &head)?;
     let bar = Bar::of(voice, "plans");
-    let progress = |done, total| bar.at(Progress { done, total });
-    let studies = studies(&task.file, &options, &|note| voice.say(note), &progress);
+    let progress = |done, total| {
+        signals::keeps(format!("interrupted: {done} of {total} parts of the plan are kept"), RESUME.to_owned());
+        bar.at(Progress { done, total });
+    };
+    let studies = studies(&task.file, &options, &|note| voice.say(note), &progress, Some(&journal));
     bar.finish();
     let studies = studies.map_err(|refused| task.refused(&refused))?;
     let wall = start.elapsed();
-    let provenance = origin(args, &task);
     let dialect = args.post.as_deref().and_then(Dialect::named).unwrap_or(Dialect::Fanuc);
     let results = files(&task.file, &studies, provenance.clone(), dialect).map_err(|refused| task.refused(&refused))?;
     output_dir.put_all(&results)?;

@@ -8,6 +8,6 @@ use toolroom_study::results::FinishedRun;
 
 pub fn run(args: &DiffArgs, voice: &Voice) -> Result<(), Failure> {
     let difference =
-        RunDifference::read([&args.one, &args.two]).map_err(|error| Failure::argument(error, FinishedRun::FIX))?;
+        RunDifference::read([&args.one, &args.two]).map_err(|error| Failure::located(error, FinishedRun::FIX))?;
     if voice.json { voice.json(&difference.json()) } else { voice.data(difference.text()) }
 }

@@ -10,6 +10,7 @@ use toolroom_form::{FaultList, ReadError};
 use toolroom_gap::ModelFileError;
 use toolroom_gap_study::GapStudyError;
 use toolroom_kinds::KindError;
+use toolroom_location::{Located, Location};
 use toolroom_output::signals as stop;
 use toolroom_output::{OutputError, codes, json_error, json_refusal, shown_faults};
 use toolroom_process::ModelError;
@@ -36,6 +37,8 @@ pub enum Failure {
         message: String,
         /// The likely fix.
         help: Option<String>,
+        /// The file and line at fault, where one is.
+        at: Option<Location>,
     },
     /// The work could not be done although the input is right.
     Work {
@@ -45,6 +48,8 @@ pub enum Failure {
         message: String,
         /// The likely way out.
         help: Option<String>,
+        /// The file and line that it is about, where it is about one.
+        at: Option<Location>,
     },
     /// The work went as far as it could; what was complete is written.
     Stopped {
@@ -81,12 +86,41 @@ pub enum Failure {
 impl Failure {
     /// An argument that cannot be used, with the likely fix.
     pub fn argument(message: impl fmt::Display, help: impl fmt::Display) -> Self {
-        Self::Argument { message: message.to_string(), help: Some(help.to_string()) }
+        Self::Argument { message: message.to_string(), help: Some(help.to_string()), at: None }
+    }
+
+    /// An error that knows the file and line at fault, with the likely fix.
+    pub fn located(error: impl fmt::Display + Located, help: impl fmt::Display) -> Self {
+        Self::argument(&error, help).at(error.location())
+    }
+
+    /// What is wrong with a file as a whole, with the likely fix.
+    pub fn of_file(file: &Path, wrong: impl fmt::Display, help: impl fmt::Display) -> Self {
+        Self::argument(format_args!("{}: {wrong}", file.display()), help).at(Some(Location::of(file.display())))
+    }
+
+    /// A file that the system does not open, with the likely fix.
+    pub fn unreadable(file: &Path, error: impl fmt::Display, help: impl fmt::Display) -> Self {
+        let message = format!("{} cannot be read: {error}", file.display());
+        Self::argument(message, help).at(Some(Location::of(file.display())))
+    }
+
+    /// A file that cannot be read.
+    pub fn unread(file: &Path) -> impl Fn(io::Error) -> Self {
+        |error| Self::of_file(file, error, "check the path")
+    }
+
+    /// The same about a place in a file.
+    pub fn at(mut self, place: Option<Location>) -> Self {
+        if let Self::Argument { at, .. } | Self::Work { at, .. } = &mut self {
+            *at = place;
+        }
+        self
     }
 
     /// Work that could not be done, in words.
     pub fn work(message: impl fmt::Display) -> Self {
-        Self::Work { code: codes::WORK, message: message.to_string(), help: None }
+        Self::Work { code: codes::WORK, message: message.to_string(), help: None, at: None }
     }
 
     /// Work that could not be done, by an error; with the code of the model that refused, where one did.
@@ -100,7 +134,7 @@ impl Failure {
     }
 
     fn work_of(error: &(dyn Error + 'static), help: Option<String>) -> Self {
-        Self::Work { code: code_of_model(error).unwrap_or(codes::WORK), message: error.to_string(), help }
+        Self::Work { code: code_of_model(error).unwrap_or(codes::WORK), message: error.to_string(), help, at: None }
     }
 
     /// Work that went as far as it could before an error, with what is there.
@@ -128,7 +162,7 @@ impl Failure {
             Self::File(ReadError::Faults(list)) => refuse(voice, list),
             Self::File(error) => self.plain(voice, error, None, 2),
             Self::Tables { faults, more } => refuse_tables(voice, faults, *more),
-            Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
+            Self::Argument { message, help, .. } => self.plain(voice, message, help.as_deref(), 2),
             Self::Work { message, help, .. } => self.plain(voice, message, help.as_deref(), 1),
             Self::Stopped { message, help, .. } => self.plain(voice, message, Some(help), 1),
             Self::TooLittle { message } => {
@@ -161,7 +195,7 @@ impl Failure {
             return json_refusal(list);
         }
         let (message, help) = match self {
-            Self::Argument { message, help } | Self::Work { message, help, .. } => (message.clone(), help.clone()),
+            Self::Argument { message, help, .. } | Self::Work { message, help, .. } => (message.clone(), help.clone()),
             Self::File(error) => (error.to_string(), None),
             Self::TooLittle { message } | Self::Alarm { message } => (message.clone(), None),
             Self::Stopped { message, help, .. } | Self::Interrupted { message, help } => {
@@ -173,12 +207,27 @@ impl Failure {
                 (faults.first().map(|fault| fault.message.clone()).unwrap_or_default(), None)
             }
         };
-        let error = json_error(self.code(), &message, help.as_deref());
+        let error = json_error(self.code(), &message, help.as_deref(), self.place().as_ref());
         serde_json::json!({ "schema": 1, "error": error, "file": file.display().to_string(), "valid": false })
     }
 
+    /// The file and line at fault, where they are known.
+    fn place(&self) -> Option<Location> {
+        match self {
+            Self::Argument { at, .. } | Self::Work { at, .. } => at.clone(),
+            Self::File(error) => error.location(),
+            Self::Unwritable { path, .. } => Some(Location::of(path.display())),
+            Self::Tables { .. }
+            | Self::Stopped { .. }
+            | Self::TooLittle { .. }
+            | Self::Alarm { .. }
+            | Self::Interrupted { .. }
+            | Self::Json(_) => None,
+        }
+    }
+
     fn plain(&self, voice: &Voice, message: impl fmt::Display, help: Option<&str>, code: u8) -> ExitCode {
-        report_on(voice, self.code(), &message.to_string(), help);
+        report_on(voice, self.code(), &message.to_string(), help, self.place());
         voice.error(format_args!("error: {message}"));
         if let Some(help) = help {
             voice.error(format_args!("  help: {help}"));
@@ -200,7 +249,7 @@ impl From<ShopImportError> for Failure {
             ShopImportError::Read(error) => error.into(),
             ShopImportError::Cells { faults, more } => Self::Tables { faults, more },
             table @ ShopImportError::Table { .. } => {
-                Self::Argument { message: table.to_string(), help: fix.map(str::to_owned) }
+                Self::Argument { at: table.location(), message: table.to_string(), help: fix.map(str::to_owned) }
             }
         }
     }
@@ -220,7 +269,7 @@ impl From<RequestError> for Failure {
 
 impl From<FinishedRunError> for Failure {
     fn from(error: FinishedRunError) -> Self {
-        Self::argument(error, FinishedRun::FIX)
+        Self::located(error, FinishedRun::FIX)
     }
 }
 
@@ -230,7 +279,7 @@ impl From<GapStudyError> for Failure {
             return error.into();
         }
         match error.fix() {
-            Some(fix) => Self::argument(error, fix),
+            Some(fix) => Self::located(error, fix),
             None => Self::work_error(&error),
         }
     }
@@ -257,13 +306,15 @@ impl From<ShardError> for Failure {
         if let ShardError::Rows { .. } = error {
             return Self::work(format_args!("{error}; shards that were complete stay, go on with --resume"));
         }
-        Self::argument(&error, error.fix())
+        let fix = error.fix();
+        Self::located(error, fix)
     }
 }
 
 impl From<KindError> for Failure {
     fn from(error: KindError) -> Self {
-        if let KindError::Read(error) = error { error.into() } else { Self::argument(&error, error.fix()) }
+        let fix = error.fix();
+        if let KindError::Read(error) = error { error.into() } else { Self::located(error, fix) }
     }
 }
 
@@ -276,9 +327,9 @@ fn code_of_model(error: &(dyn Error + 'static)) -> Option<&'static str> {
 }
 
 /// Tells a program that asked for JSON why there is no result, unless one was printed before.
-pub fn report_on(voice: &Voice, code: &str, message: &str, help: Option<&str>) {
+pub fn report_on(voice: &Voice, code: &str, message: &str, help: Option<&str>, at: Option<Location>) {
     if voice.json && !voice.has_spoken() {
-        let error = json_error(code, message, help);
+        let error = json_error(code, message, help, at.as_ref());
         // Where standard output is gone there is nobody to tell.
         let _ = voice.json(&serde_json::json!({ "schema": 1, "error": error }));
     }

@@ -53,5 +53,6 @@ fn open(path: &Path) -> Result<Archive, Failure> {
 
 /// An archive that is no use, with the likely fix.
 fn refused(error: ArchiveError) -> Failure {
-    Failure::argument(&error, error.fix())
+    let fix = error.fix();
+    Failure::located(error, fix)
 }

@@ -85,10 +85,7 @@ fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Failure> {
 fn read(path: &Path) -> Result<Table, Failure> {
     let name = path.display().to_string();
     let bytes = toolroom_form::bytes(path).map_err(|error| {
-        Failure::argument(
-            format_args!("{name} cannot be read: {error}"),
-            "give a table of trials, such as scenarios/data/zb153u_trials.csv",
-        )
+        Failure::unreadable(path, error, "give a table of trials, such as scenarios/data/zb153u_trials.csv")
     })?;
     Ok(Table { name, bytes })
 }

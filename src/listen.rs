@@ -14,11 +14,11 @@ pub fn run(args: &ListenArgs, voice: &Voice) -> Result<(), Failure> {
     let request = ListenRequest { teeth: args.teeth, speed: &args.speed };
     let study =
         ListenStudy::new(&record(&args.record)?, air.as_ref(), &request, lobes.as_ref().map(|file| &file.content))
-            .map_err(|error| Failure::argument(error, "see docs/dynamics.md"))?;
+            .map_err(|error| Failure::located(error, "see docs/dynamics.md"))?;
     if voice.json { voice.json(&study.json()) } else { voice.data(study.text()) }
 }
 
 fn record(path: &Path) -> Result<Record, Failure> {
     read_record(&path.display().to_string(), &bytes(path)?, &[])
-        .map_err(|error| Failure::argument(error, "see docs/dynamics.md"))
+        .map_err(|error| Failure::located(error, "see docs/dynamics.md"))
 }

@@ -56,6 +56,7 @@ fn main() -> ExitCode {
     let Toolroom { command, common } = Toolroom::try_parse().unwrap_or_else(|error| refused(&error));
     let voice = Voice::new(&common);
     toolroom_study::draws::register();
+    toolroom_output::progress::watch_silence(voice.progress());
     #[cfg(feature = "fmu-import")]
     toolroom_fmu_import::register_program();
     // A worker ends when its program says so, and not by signals of the terminal.
@@ -85,7 +86,7 @@ fn refused(error: &clap::Error) -> ! {
         // The first paragraph; usage and the way to help follow it.
         let words: Vec<&str> = text.split("\n\n").next().unwrap_or_default().split_whitespace().collect();
         let message = words.join(" ");
-        failure::report_on(&voice, codes::USAGE, message.strip_prefix("error: ").unwrap_or(&message), None);
+        failure::report_on(&voice, codes::USAGE, message.strip_prefix("error: ").unwrap_or(&message), None, None);
     }
     error.exit()
 }

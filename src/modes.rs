@@ -2,6 +2,7 @@
 
 use crate::args::{ModesArgs, SwapArgs};
 use crate::failure::Failure;
+use crate::progress::Bar;
 use crate::speak::Voice;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -33,7 +34,7 @@ pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
     let scattered = args.scatter.iter().flat_map(|change| ["--scatter".to_owned(), change.clone()]);
     let inputs = [(name.clone(), bytes.as_slice())];
     let provenance = provenance("modes", &inputs, request.arguments().into_iter().chain(scattered), None);
-    let refused = |error| Failure::argument(error, GUIDE);
+    let refused = |error| Failure::located(error, GUIDE);
     if let Some(measured) = toolroom_dynamics::measure_by_speed(&name, &bytes).map_err(refused)? {
         return by_speed(args, measured, (&request.options()?, &provenance), &target, voice);
     }
@@ -94,7 +95,7 @@ fn update(args: &ModesArgs, cuts: &Path, lobes: &Path, voice: &Voice) -> Result<
     let found = read_cuts(&cuts.display().to_string(), &records, &file.content, args.machine.as_deref());
     let found = found.map_err(|error| {
         let fix = if matches!(error, CutsError::NamesNoMachine) { "leave it out" } else { GUIDE };
-        Failure::argument(error, fix)
+        Failure::located(error, fix)
     })?;
     if let Some(words) = found.words() {
         voice.say(words);
@@ -104,8 +105,11 @@ fn update(args: &ModesArgs, cuts: &Path, lobes: &Path, voice: &Voice) -> Result<
         coefficients: args.coefficients,
         ..UpdateOptions::default()
     };
-    let update = ModesUpdate::new(&structure.content, &file.content, &found.cuts, &options)
-        .map_err(|error| Failure::argument(error, GUIDE))?;
+    let bar = Bar::of(voice, "parts");
+    let progress = |done, total| bar.part(done, total);
+    let update = ModesUpdate::new(&structure.content, &file.content, &found.cuts, &options, &progress);
+    bar.finish();
+    let update = update.map_err(|error| Failure::argument(error, GUIDE))?;
     if voice.json {
         voice.json(&update.json())?;
     } else {
@@ -138,7 +142,7 @@ fn update(args: &ModesArgs, cuts: &Path, lobes: &Path, voice: &Voice) -> Result<
 pub fn responses(path: &Path) -> Result<Measured, Failure> {
     let bytes = bytes(path)?;
     let name = path.display().to_string();
-    let refused = |error| Failure::argument(error, GUIDE);
+    let refused = |error| Failure::located(error, GUIDE);
     Ok(match toolroom_dynamics::measure_by_speed(&name, &bytes).map_err(refused)? {
         Some(measured) => {
             let study = SpeedStudy::new(&name, measured, &FitOptions::default(), Scatter::NONE);
@@ -150,8 +154,7 @@ pub fn responses(path: &Path) -> Result<Measured, Failure> {
 
 /// The bytes of a measured file.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    let refused = |error| format!("{} cannot be read: {error}", path.display());
-    std::fs::read(path).map_err(|error| Failure::argument(refused(error), "see docs/dynamics.md for the files"))
+    std::fs::read(path).map_err(|error| Failure::unreadable(path, error, "see docs/dynamics.md for the files"))
 }
 
 /// `toolroom swap BASE --tool TOOL`.
@@ -165,7 +168,7 @@ pub fn swap(args: &SwapArgs, voice: &Voice) -> Result<(), Failure> {
     let mut comparison = None;
     if let Some((path, bytes)) = &given {
         let name = path.display().to_string();
-        let unread = |error| Failure::argument(error, GUIDE);
+        let unread = |error| Failure::located(error, GUIDE);
         let measured = toolroom_dynamics::measure(&name, bytes, &TapOptions::default()).map_err(unread)?;
         let tip = spindle.tip_at(&measured.frequencies, &tool.content, range).map_err(refused)?;
         let found = Comparison::new(&tip, tool.content.joint.as_ref(), &measured, args.fit_joint).map_err(refused)?;
@@ -216,7 +219,7 @@ fn spindle(args: &SwapArgs) -> Result<(Spindle, Vec<u8>), Failure> {
     let FitOptions { averages, direction, .. } = request.options()?;
     let (name, bytes) = (args.base.display().to_string(), bytes(&args.base)?);
     let measured = toolroom_dynamics::measure(&name, &bytes, &TapOptions::default());
-    let measured = measured.map_err(|error| Failure::argument(error, GUIDE))?;
+    let measured = measured.map_err(|error| Failure::located(error, GUIDE))?;
     let direction = direction.unwrap_or([1.0, 0.0]);
     Ok((Spindle::Tapped(Box::new(TappedBlank { measured, averages, blank, direction })), bytes))
 }

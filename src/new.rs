@@ -10,10 +10,7 @@ use toolroom_kinds::{FileKind, KINDS};
 
 pub fn run(args: &NewArgs, voice: &Voice) -> Result<(), Failure> {
     let kind = args.kind.unwrap_or(&KINDS[0]);
-    let Some(sample) = kind.sample() else {
-        let message = format!("files of the kind {} are written by toolroom: {}", kind.word, kind.doc);
-        return Err(Failure::argument(message, "choose another kind"));
-    };
+    let sample = kind.sample();
     let schema = args.dir.join(format!("{}.schema.json", kind.word));
     let schema_text = format!("{:#}\n", kind.schema());
     let files: Vec<(PathBuf, String)> = sample
@@ -50,9 +47,7 @@ pub fn run(args: &NewArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let next: Vec<String> = sample.next.iter().map(|command| format!("\n  {command}")).collect();
     voice.say(format_args!("wrote {}   next: cd {}{}", names.join(", "), args.dir.display(), next.concat()));
-    if args.kind.is_none()
-        && FileKind::named(&args.dir.display().to_string()).is_some_and(|kind| kind.sample().is_some())
-    {
+    if args.kind.is_none() && FileKind::named(&args.dir.display().to_string()).is_some() {
         let word = args.dir.display();
         voice.say(format_args!(
             "a scenario in the directory {word}; an example of the kind {word}: toolroom new {word} DIR"

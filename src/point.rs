@@ -24,5 +24,6 @@ fn refused(error: PointError) -> Failure {
     if let PointError::Value(refusal) = &error {
         return Failure::work_error(refusal);
     }
-    Failure::argument(&error, error.fix())
+    let fix = error.fix();
+    Failure::located(error, fix)
 }

@@ -2,11 +2,13 @@
 
 use crate::args::ProgramArgs;
 use crate::failure::Failure;
+use crate::progress::Bar;
 use crate::speak::Voice;
 use std::fs;
 use std::path::{Path, PathBuf};
 use toolroom_chart::page::Provenance;
 use toolroom_drives::{Drives, Machine};
+use toolroom_location::Location;
 use toolroom_output::{Files, provenance};
 use toolroom_planning::engagement::Engagement;
 use toolroom_planning::explain::Explanation;
@@ -47,10 +49,13 @@ fn many(list: &[PathBuf], args: &ProgramArgs, voice: &Voice) -> Result<(), Failu
         return Err(Failure::argument(format!("{option} is of one program"), "give one program"));
     }
     let mut rows = Vec::with_capacity(list.len());
+    let bar = Bar::of(voice, "programs");
     for file in list {
+        bar.part(rows.len() as u32, list.len() as u32);
         let (control, drives) = machine_of(file, args, None)?;
         rows.push((file.display().to_string(), CycleTime::new(open(file)?, &control, &drives, false)));
     }
+    bar.finish();
     if voice.json {
         voice.json(&overview_json(&rows))?;
     } else {
@@ -61,7 +66,8 @@ fn many(list: &[PathBuf], args: &ProgramArgs, voice: &Voice) -> Result<(), Failu
         .filter_map(|(name, row)| row.as_ref().err().map(|error| (name, error)))
         .flat_map(|(name, error)| error.all().map(move |one| format!("{name}:{one}")))
         .collect();
-    if refusals.is_empty() { Ok(()) } else { Err(Failure::argument(refusals.join("\n"), REFUSED)) }
+    let first = rows.iter().zip(list).find_map(|((_, row), file)| Some(place(file, row.as_ref().err()?)));
+    if refusals.is_empty() { Ok(()) } else { Err(Failure::argument(refusals.join("\n"), REFUSED).at(first)) }
 }
 
 /// Control and drives for a program.
@@ -93,6 +99,9 @@ fn machine_of(file: &Path, args: &ProgramArgs, setup: Option<&Setup>) -> Result<
     Ok((control, drives))
 }
 
+/// Steps of a program on which bars count: its cycle time, its engagement, its feeds, its files.
+const STEPS: u32 = 4;
+
 /// All that is told of one program.
 fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let name = file.display().to_string();
@@ -103,20 +112,23 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let setup = args.setup.as_deref().map(|path| Setup::read(path, &[])).transpose()?.map(|file| file.content);
     let (control, drives) = machine_of(file, args, setup.as_ref())?;
+    let bar = Bar::of(voice, "steps");
     let cycle = CycleTime::new(text.clone(), &control, &drives, args.blocks.is_some())
-        .map_err(|error| refused(&name, &error))?;
+        .map_err(|error| refused(file, &error))?;
+    bar.part(1, STEPS);
     let explanation = args
         .explain
         .map(|line| Explanation::new(&text, &control, &drives, line as usize))
         .transpose()
-        .map_err(|error| refused(&name, &error))?;
+        .map_err(|error| refused(file, &error))?;
     let engagement = setup
         .as_ref()
         .map(|setup| Engagement::new(text.clone(), &control, setup, args.motions.as_ref().map(|_| &drives)))
         .transpose()
-        .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
-    let feeds = feeds(&text, &control, &drives, setup.as_ref(), args)
-        .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
+        .map_err(|error| not_followed(file, &error))?;
+    bar.part(2, STEPS);
+    let feeds = feeds(&text, &control, &drives, setup.as_ref(), args).map_err(|error| not_followed(file, &error))?;
+    bar.part(3, STEPS);
     let put = |path: &Path, bytes: &[u8]| -> Result<(), Failure> {
         files.put(path, bytes)?;
         voice.say(format_args!("wrote {}", path.display()));
@@ -125,7 +137,7 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     if let Some(path) = &args.motions {
         let table =
             engagement.as_ref().map_or_else(|| motion_table(&text, &control, &drives), |table| Ok(table.table()));
-        put(path, table.map_err(|error| refused(&name, &error))?.as_bytes())?;
+        put(path, table.map_err(|error| refused(file, &error))?.as_bytes())?;
     }
     if let Some(path) = &args.blocks {
         put(path, cycle.table().as_bytes())?;
@@ -138,11 +150,11 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
             feeds: feeds.as_ref(),
         };
         let page = report(&name, (&text, &control, &drives), &known, origin(file, args)?)
-            .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
+            .map_err(|error| not_followed(file, &error))?;
         put(path, page.html().as_bytes())?;
     }
     if let Some(path) = &args.drawing {
-        let drawing = drawing(&text, &control).map_err(|error| refused(&name, &error))?;
+        let drawing = drawing(&text, &control).map_err(|error| refused(file, &error))?;
         put(path, drawing.text().as_bytes())?;
     }
     if let (Some(target), Some(path)) = (args.post.as_deref().and_then(Dialect::named), &args.out) {
@@ -150,7 +162,7 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
             Some(feeds) => feeds.post(text, &control, target),
             None => post(text, &control, target),
         };
-        let written = written.map_err(|error| refused(&name, &error))?;
+        let written = written.map_err(|error| refused(file, &error))?;
         put(path, written.text.as_bytes())?;
         if let [first, ..] = written.left_out[..] {
             voice.say(format_args!(
@@ -159,6 +171,7 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
             ));
         }
     }
+    bar.finish();
     let (dialect, reason) = cycle.dialect();
     voice.say(format_args!("read as a program for {dialect}: {reason}"));
     for (line, note) in cycle.notes() {
@@ -198,7 +211,7 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     }
     if let Some((limit, ratio, line)) = feeds.iter().flat_map(Feeds::broken).next().filter(|_| args.strict) {
         let message = format!("{name}:{line}: {} is {ratio:.2} times what is allowed", limit.word());
-        return Err(Failure::work(message));
+        return Err(Failure::work(message).at(Some(Location::line(name, line))));
     }
     let Some(engagement) = engagement.filter(|_| args.strict) else { return Ok(()) };
     let faults = [
@@ -208,15 +221,17 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         (engagement.gouges().first().map(|(line, _)| line), "the motion cuts into the part"),
     ];
     match faults.into_iter().find_map(|(line, fault)| Some((line?, fault))) {
-        Some((line, fault)) => Err(Failure::work(format_args!("{name}:{line}: {fault}"))),
+        Some((line, fault)) => {
+            let message = format!("{name}:{line}: {fault}");
+            Err(Failure::work(message).at(Some(Location::line(name, *line))))
+        }
         None => Ok(()),
     }
 }
 
 /// Command and input files of a report, but for the text of the setup.
 fn origin(file: &Path, args: &ProgramArgs) -> Result<Provenance, Failure> {
-    let bytes =
-        fs::read(file).map_err(|error| Failure::argument(format!("{}: {error}", file.display()), "check the path"))?;
+    let bytes = fs::read(file).map_err(Failure::unread(file))?;
     Ok(provenance("program", &[(file.display().to_string(), &bytes)], args.words(), None))
 }
 
@@ -235,9 +250,24 @@ fn feeds(
 }
 
 /// A refused program, with all words of it that are refused.
-fn refused(name: &str, error: &ProgramError) -> Failure {
-    let list: Vec<String> = error.all().map(|one| format!("{name}:{one}")).collect();
-    Failure::argument(list.join("\n"), REFUSED)
+pub fn refused(file: &Path, error: &ProgramError) -> Failure {
+    let list: Vec<String> = error.all().map(|one| format!("{}:{one}", file.display())).collect();
+    Failure::argument(list.join("\n"), REFUSED).at(Some(place(file, error)))
+}
+
+/// A program that does not run in its setup.
+fn not_followed(file: &Path, error: &FollowError) -> Failure {
+    if let FollowError::Program(error) = error {
+        return refused(file, error);
+    }
+    let line = if let FollowError::NoTool { line, .. } = error { Some(*line) } else { None };
+    let message = format!("{}:{error}", file.display());
+    Failure::argument(message, REFUSED).at(Some(Location { line, ..Location::of(file.display()) }))
+}
+
+/// Where a program is refused.
+fn place(file: &Path, error: &ProgramError) -> Location {
+    Location::column(file.display(), error.line, error.column)
 }
 
 /// How a change of a machine file begins.
@@ -255,12 +285,11 @@ fn machine(path: Option<&Path>, set: &[String]) -> Result<Machine, Failure> {
 
 /// A part program, which stays in its file: it may have millions of lines.
 fn open(file: &Path) -> Result<Source, Failure> {
-    Source::open(file).map_err(|error| Failure::argument(format!("{}: {error}", file.display()), "check the path"))
+    Source::open(file).map_err(Failure::unread(file))
 }
 
 /// The text of a part program; controls write other encodings than UTF-8 in comments.
 pub fn read(file: &Path) -> Result<String, Failure> {
-    let name = file.display();
-    let bytes = fs::read(file).map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
+    let bytes = fs::read(file).map_err(Failure::unread(file))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }

@@ -149,7 +149,7 @@ impl From<SnapshotError> for Failure {
             | SnapshotError::Instant { .. }
             | SnapshotError::Digest { .. }
             | SnapshotError::NoPolicy { .. }
-            | SnapshotError::Input(_)) => Self::argument(wrong, fix),
+            | SnapshotError::Input(_)) => Self::located(wrong, fix),
         }
     }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use toolroom_output::{fitted, memory};
+use toolroom_output::{fitted, memory, progress};
 
 /// What the flags of every verb ask for: how much is said, in which form, and what may be replaced.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +59,7 @@ impl Voice {
     /// Data to standard output as they are. A reader that has seen enough (`| head`) is no failure.
     pub fn raw(&self, text: impl Display) -> Result<(), Failure> {
         SPOKEN.store(true, Ordering::Relaxed);
+        progress::clear();
         let mut out = io::stdout().lock();
         match writeln!(out, "{text}").and_then(|()| out.flush()) {
             Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -92,6 +93,7 @@ impl Voice {
 
     /// A line that is always said.
     pub fn error(&self, text: impl Display) {
+        progress::clear();
         // Where even standard error is gone there is nobody left to tell.
         let _ = writeln!(io::stderr().lock(), "{text}");
     }

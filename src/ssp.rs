@@ -72,7 +72,7 @@ fn export(args: &SspExportArgs, voice: &Voice) -> Result<(), Failure> {
 
 fn open(path: &Path) -> Result<Package, Failure> {
     Package::open(path).map_err(|error: SspError| {
-        Failure::argument(error, "a package of SSP is a zip file with SystemStructure.ssd at its root")
+        Failure::located(error, "a package of SSP is a zip file with SystemStructure.ssd at its root")
     })
 }
 

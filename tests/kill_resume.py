@@ -24,6 +24,7 @@ CASES = {
              "--policy", "constant", "--policy", "productivity", "--set", "tune.budget=100"],
     "run": ["run", HERE / "template.toml", "--replications", "6"],
     "life": ["life", HERE / "life/policies.toml", "--lives", "4000"],
+    "contour": ["contour", HERE / "contour/rk3.toml", "--draws", "60"],
     "lobes": ["lobes", HERE / "chatter/milling-slot.toml", "--set", "chart.columns=40", "--set", "chart.rows=20"],
 }
 KILLS_OF_A_RUN = 3

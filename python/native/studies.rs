@@ -262,7 +262,8 @@ pub fn calibrate(
             seed,
             ..CalibrationStudy::default()
         };
-        let result = study.run(&read_cells).map_err(|refusal| Failure::argument(&refusal.reason, &refusal.fix))?;
+        let result =
+            study.run(&read_cells, &|_, _| ()).map_err(|refusal| Failure::argument(&refusal.reason, &refusal.fix))?;
         let calibration = &result.calibration;
         let mut files = ResultFiles::default();
         files.push(format!("{name}.toml"), calibration.set_file(&name, &result.based_on));

@@ -17,19 +17,19 @@ pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Fai
     let place = path.display();
     let named = scenario.tools.iter().find(|tool_type| tool_type.name == tool).ok_or_else(|| {
         let known: Vec<&str> = scenario.tools.iter().map(|tool_type| tool_type.name.as_str()).collect();
-        Failure::argument(format_args!("{place}: no tool `{tool}`"), format!("there are {}", known.join(", ")))
+        Failure::of_file(path, format_args!("no tool `{tool}`"), format_args!("there are {}", known.join(", ")))
     })?;
     let catalogue = match named.process {
         ProcessModel::Turning(_) => &TURNING_SETS,
         ProcessModel::Milling(_) => &MILLING_CATALOGUE,
         ProcessModel::Infeed(_) | ProcessModel::Other(_) => {
-            let reason = format!("{place}: the tool `{tool}` neither turns nor mills");
-            return Err(Failure::argument(reason, "sets of turning and milling can be baked"));
+            let reason = format!("the tool `{tool}` neither turns nor mills");
+            return Err(Failure::of_file(path, reason, "sets of turning and milling can be baked"));
         }
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut set = ParameterSet::load(&named.parameter_set, folder, catalogue)
-        .map_err(|error| Failure::argument(&error, "mend the set of the tool"))?;
+        .map_err(|error| Failure::located(error, "mend the set of the tool"))?;
     let mut statements = stated(&mut set, named, &place.to_string());
     let mut left = Vec::new();
     for calibration in &scenario.calibrations {
@@ -62,8 +62,8 @@ pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Fai
         statements.push(format!("{}: {before} {moved}", calibration.parameter));
     }
     if statements.is_empty() {
-        let reason = format!("{place}: nothing of the tool `{tool}` is stated or calibrated everywhere");
-        return Err(Failure::argument(reason, "`gap apply` writes [[calibration]] into a scenario"));
+        let reason = format!("nothing of the tool `{tool}` is stated or calibrated everywhere");
+        return Err(Failure::of_file(path, reason, "`gap apply` writes [[calibration]] into a scenario"));
     }
     set.name = out.file_stem().map_or_else(|| "baked".into(), |stem| stem.to_string_lossy().into_owned());
     set.title = format!("{}, as {place} calibrates it", set.title);

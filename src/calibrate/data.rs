@@ -3,6 +3,7 @@
 use super::decision;
 use crate::args::CalibrationData;
 use crate::failure::Failure;
+use crate::progress::Bar;
 use crate::speak::Voice;
 use std::path::{Path, PathBuf};
 use toolroom_calibrate::{CalibrationStudy, Clock, DrawnTable, Process, Verdict};
@@ -40,8 +41,10 @@ pub fn run(
     let inputs = study.inputs();
     let files = Files::new(inputs.iter().map(PathBuf::as_path), voice.force);
     places.iter().try_for_each(|place| files.check(place))?;
-    let result =
-        study.run(&toolroom_parquet::read_cells).map_err(|refusal| Failure::argument(&refusal.reason, &refusal.fix))?;
+    let bar = Bar::of(voice, "parts");
+    let result = study.run(&toolroom_parquet::read_cells, &|done, total| bar.part(done, total));
+    bar.finish();
+    let result = result.map_err(|refusal| Failure::argument(&refusal.reason, &refusal.fix).at(refusal.at))?;
     let calibration = &result.calibration;
     voice.say(result.read.to_string().trim_end());
     let advice = args.decision.as_deref().map(|path| decision::advise(path, calibration)).transpose()?;

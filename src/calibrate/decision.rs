@@ -9,7 +9,7 @@ use toolroom_wear::Cut;
 /// The decision of a scenario between two constant speeds: those of its first two policies with one, else the present speed
 /// and the one of least cost.
 pub fn advise(path: &Path, calibration: &Calibration) -> Result<Advice, Failure> {
-    let refuse = |reason: &str, fix: &str| Failure::argument(format_args!("{}: {reason}", path.display()), fix);
+    let refuse = |reason: &str, fix: &str| Failure::of_file(path, reason, fix);
     if calibration.measured.clock == Clock::Operations {
         return Err(refuse("lives in operations have no cost by time", "give the records cutting_time"));
     }

@@ -72,9 +72,7 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
 
 /// The parameter sets of `--parameters`, resolved: a package needs no other file.
 fn own_sets(args: &FmuExportArgs, unit: &Entry) -> Result<Vec<OwnSet>, Failure> {
-    let read = |path: &PathBuf| {
-        own_set(unit, path).map_err(|error| Failure::argument(format_args!("{}: {error}", path.display()), error.fix()))
-    };
+    let read = |path: &PathBuf| own_set(unit, path).map_err(|error| Failure::of_file(path, &error, error.fix()));
     args.parameters.iter().map(read).collect()
 }
 

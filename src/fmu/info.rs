@@ -12,8 +12,8 @@ pub fn run(path: &Path, voice: &Voice) -> Result<(), Failure> {
     let Some(description) = reading.description else {
         let fault = reading.faults.first();
         let message = fault.map_or(String::new(), |fault| format!(":{}: {}", fault.line, fault.message));
-        let message = format!("{}: modelDescription.xml{message}", path.display());
-        return Err(Failure::argument(message, "`toolroom fmu check` lists everything that is wrong"));
+        let wrong = format!("modelDescription.xml{message}");
+        return Err(Failure::of_file(path, wrong, "`toolroom fmu check` lists everything that is wrong"));
     };
     let platforms = archive.binary_folders();
     if voice.json {

@@ -120,15 +120,9 @@ impl UnitRun<'_> {
 }
 
 fn inputs(unit: &Unit, start: &BTreeMap<String, String>, path: &Path) -> Result<Inputs, Failure> {
-    let file = File::open(path).map_err(|error| {
-        Failure::argument(format_args!("{} cannot be read: {error}", path.display()), "check --input")
-    })?;
-    Inputs::read(unit.description(), start, BufReader::new(file)).map_err(|error| {
-        Failure::argument(
-            format_args!("{}: {error}", path.display()),
-            "`toolroom fmu info` lists the inputs of the unit",
-        )
-    })
+    let file = File::open(path).map_err(|error| Failure::unreadable(path, error, "check --input"))?;
+    Inputs::read(unit.description(), start, BufReader::new(file))
+        .map_err(|error| Failure::of_file(path, error, "`toolroom fmu info` lists the inputs of the unit"))
 }
 
 fn not_loaded(error: LoadError) -> Failure {

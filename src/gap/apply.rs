@@ -10,12 +10,13 @@ use std::path::{Path, PathBuf};
 use toolroom_apply::{ApplyError, Changes, Request, apply, is_marked, marked};
 use toolroom_gap::{NominalModel, NominalProcess};
 use toolroom_gap_study::{Figure, figures, table};
+use toolroom_location::Location;
 use toolroom_output::Files;
 
 pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
-    let diagnosis: Value = serde_json::from_str(&read(&args.diagnosis)?).map_err(|error| {
-        Failure::argument(format!("{}: {error}", args.diagnosis.display()), "give a diagnosis.json")
-    })?;
+    let place = |error: &serde_json::Error| Location::column(args.diagnosis.display(), error.line(), error.column());
+    let diagnosis: Value = serde_json::from_str(&read(&args.diagnosis)?)
+        .map_err(|error| Failure::of_file(&args.diagnosis, &error, "give a diagnosis.json").at(Some(place(&error))))?;
     let inputs = args.models.iter().chain([&args.diagnosis]).chain(&args.data).map(AsRef::as_ref);
     let files = Files::new(inputs, voice.force);
     match &args.models[..] {
@@ -25,8 +26,7 @@ pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
 }
 
 fn read(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path)
-        .map_err(|error| Failure::argument(format!("{}: {error}", path.display()), "check the path"))
+    std::fs::read_to_string(path).map_err(Failure::unread(path))
 }
 
 /// The model of a file with what the diagnosis has found of its process.

@@ -36,8 +36,7 @@ pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {
             out.put("runs.csv", &String::from_utf8_lossy(&csv))?;
         }
         let name = args.data.model.display().to_string();
-        let bytes = toolroom_form::bytes(&args.data.model)
-            .map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
+        let bytes = toolroom_form::bytes(&args.data.model).map_err(Failure::unread(&args.data.model))?;
         let data = args.data.data.display().to_string();
         let record = provenance("gap plan", &[(name, &bytes)], ["--data".to_owned(), data], Some(args.seed));
         out.record(&record, began.elapsed())?;

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use toolroom_apply::{Prediction, predictions};
 use toolroom_gap::ChannelId;
 use toolroom_gap_study::{GapStudyError, tables, usable};
+use toolroom_location::Located;
 use toolroom_output::Files;
 use toolroom_process::table::{Cell, csv_text};
 use toolroom_process::unit;
@@ -72,7 +73,7 @@ fn lacking(error: GapStudyError) -> Failure {
         GapStudyError::Records(RecordError::MissingColumn { .. }) | GapStudyError::NothingMeasured { .. }
     );
     match error.fix().filter(|_| lacks) {
-        Some(fix) => Failure::argument(format_args!("predict-column: {error}"), fix),
+        Some(fix) => Failure::argument(format_args!("predict-column: {error}"), fix).at(error.location()),
         None => error.into(),
     }
 }

@@ -30,8 +30,7 @@ pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
         };
         diagnose::run(&diagnosing, voice)?;
         let path = folder.join("diagnosis.json");
-        let text = std::fs::read_to_string(&path)
-            .map_err(|error| Failure::argument(format!("{}: {error}", path.display()), "check the path"))?;
+        let text = std::fs::read_to_string(&path).map_err(Failure::unread(&path))?;
         let diagnosis: Value = serde_json::from_str(&text).map_err(Failure::Json)?;
         let words = |effect: &Value| format!("{} {} {}", effect["id"], effect["shape"], effect["scope"]);
         let named: Vec<String> = diagnosis["effects"].as_array().into_iter().flatten().map(words).collect();

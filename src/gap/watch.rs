@@ -67,17 +67,15 @@ fn since_rows(records: &Records, since: &str) -> Result<Records, Failure> {
 
 /// Fingerprint of a model file and the values that replace its own.
 fn key(path: &Path, set: &[String]) -> Result<String, Failure> {
-    let mut bytes = std::fs::read(path)
-        .map_err(|error| Failure::argument(format!("{}: {error}", path.display()), "check the path"))?;
+    let mut bytes = std::fs::read(path).map_err(Failure::unread(path))?;
     set.iter().for_each(|value| bytes.extend(value.bytes().chain([b'\n'])));
     Ok(fingerprint(&bytes))
 }
 
 fn resumed(path: &Path, key: &str) -> Result<Watch, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::argument(format!("{}: {error}", path.display()), "check the path"))?;
+    let text = std::fs::read_to_string(path).map_err(Failure::unread(path))?;
     Watch::resume(&text, key).map_err(|error| {
         let help = "[watch-state] a state goes on with the model it was begun with; give another --state to begin anew";
-        Failure::argument(format!("{}: {error}", path.display()), help)
+        Failure::of_file(path, error, help)
     })
 }

@@ -36,12 +36,12 @@ fn perform(
     let inputs: Vec<&Path> = map.into_iter().chain([args.file.as_path()]).collect();
     let dir = create(&args.out, mapping.kind, &inputs, voice)?;
     let (records, report) = import(&args.file, mapping, &toolroom_parquet::read_cells).map_err(refused)?;
-    let bytes = std::fs::read(&args.file)
-        .map_err(|error| Failure::argument(format!("{}: {error}", args.file.display()), "check the path"))?;
+    let bytes = std::fs::read(&args.file).map_err(Failure::unread(&args.file))?;
     let provenance = provenance(verb, &[(args.file.display().to_string(), &bytes)], arguments, None);
     write(&records, &report, dir, &provenance, began, voice)
 }
 
 fn refused(error: ImportError) -> Failure {
-    Failure::argument(&error, error.fix())
+    let fix = error.fix();
+    Failure::located(error, fix)
 }

@@ -2,7 +2,7 @@
 
 use crate::args::MtconnectArgs;
 use crate::failure::Failure;
-use crate::program::{self, REFUSED};
+use crate::program;
 use crate::speak::Voice;
 use serde_json::json;
 use std::fs;
@@ -27,11 +27,11 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
     let mut all: Vec<Session> = Vec::new();
     for file in &args.files {
         let name = file.display().to_string();
-        let bytes = fs::read(file).map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
+        let bytes = fs::read(file).map_err(Failure::unread(file))?;
         let lines = parse_shdr(&String::from_utf8_lossy(&bytes));
         if lines.entries.is_empty() {
-            let message = format!("{name}: no line of {} is time|key|value", lines.count);
-            return Err(Failure::argument(message, "give logs of an adapter in the SHDR format"));
+            let wrong = format!("no line of {} is time|key|value", lines.count);
+            return Err(Failure::of_file(file, wrong, "give logs of an adapter in the SHDR format"));
         }
         let of_file = sessions(&args.machine, &lines, &chosen);
         voice.say(summary(&name, &lines, &of_file));
@@ -82,8 +82,7 @@ fn timed(args: &MtconnectArgs, nc: &Path, found: &[Run], voice: &Voice) -> Resul
     let name = nc.display().to_string();
     let text = program::read(nc)?;
     let control = Control::of_file(nc, args.units.as_deref().and_then(Units::named));
-    let program =
-        Program::read(&text, &control).map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
+    let program = Program::read(&text, &control).map_err(|error| program::refused(nc, &error))?;
     let least = unit::quantity(&args.stretch, "s")
         .map_err(|error| Failure::argument(format!("--stretch: {error}"), "write --stretch \"10 s\""))?;
     let list: Vec<&Run> = found.iter().collect();

@@ -13,11 +13,9 @@ pub fn run(args: &NistRunsArgs, voice: &Voice) -> Result<(), Failure> {
     let began = Instant::now();
     let name = args.file.display().to_string();
     let dir = super::create(&args.out, RecordKind::Program, &[&args.file], voice)?;
-    let bytes =
-        fs::read(&args.file).map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
-    let (records, passed) = run_table(&bytes, args.machine.as_deref(), args.program.as_deref()).map_err(|error| {
-        Failure::argument(format!("{name}: {error}"), "give the table of runs of the NIST test bed")
-    })?;
+    let bytes = fs::read(&args.file).map_err(Failure::unread(&args.file))?;
+    let (records, passed) = run_table(&bytes, args.machine.as_deref(), args.program.as_deref())
+        .map_err(|error| Failure::of_file(&args.file, error, "give the table of runs of the NIST test bed"))?;
     let columns = ["machine", "day", "prog", "act", "nom", "tc"].map(str::to_owned).to_vec();
     let unused = ["hour", "hold", "nhold"].map(str::to_owned).to_vec();
     let mut report = ReadReport { file: name.clone(), rows: records.len(), columns, unused, ..ReadReport::default() };

@@ -17,10 +17,9 @@ pub fn run(args: &LifeArgs, csv: &Path, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let request = request(&args.statistics, None)?;
     let file = csv.display().to_string();
-    let bytes = std::fs::read(csv)
-        .map_err(|error| Failure::argument(format_args!("{file} cannot be read: {error}"), "give a CSV file"))?;
+    let bytes = std::fs::read(csv).map_err(|error| Failure::unreadable(csv, error, "give a CSV file"))?;
     let measured = read(&file, &bytes, &layout(args)?, &args.regress)
-        .map_err(|error| Failure::argument(error, "toolroom life --help shows the columns"))?;
+        .map_err(|error| Failure::located(error, "toolroom life --help shows the columns"))?;
     for note in &measured.notes {
         voice.say(format_args!("note: {note}"));
     }

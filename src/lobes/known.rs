@@ -15,16 +15,14 @@ use toolroom_wear::{Pair, ParameterSet, TURNING_SETS};
 /// # Errors
 /// A chart of no turning cut, a set or a table that cannot be read, draws without force or of a force that is all but unknown.
 pub fn settle(file: &mut LobesFile, set: &str, draws: &Path) -> Result<(), Failure> {
-    let refuse = |reason: String, fix: &str| Failure::argument(format_args!("{}: {reason}", draws.display()), fix);
+    let refuse = |reason: String, fix: &str| Failure::of_file(draws, reason, fix);
     if !matches!(file.cut, Cut::Turning(..)) {
         let reason = "forces are calibrated in turning, and the chart is of another process".to_owned();
         return Err(refuse(reason, "state `coefficients` of [scatter]"));
     }
-    let wrong_set = |error: &dyn std::fmt::Display| {
-        Failure::argument(error, "--parameter-set names the set that the calibration wrote")
-    };
-    let set = ParameterSet::load(set, Path::new(""), &TURNING_SETS).map_err(|error| wrong_set(&error))?;
-    let pair = Pair::of_set(&set).map_err(|error| wrong_set(&error))?;
+    let fix = "--parameter-set names the set that the calibration wrote";
+    let set = ParameterSet::load(set, Path::new(""), &TURNING_SETS).map_err(|error| Failure::located(error, fix))?;
+    let pair = Pair::of_set(&set).map_err(|error| Failure::argument(error, fix))?;
     let read = toolroom_parquet::read_cells(draws).map_err(|error| {
         refuse(error.to_string(), "--parameters-from takes the draws that toolroom calibrate writes")
     })?;

@@ -45,6 +45,21 @@ fn new_writes_an_example_of_every_kind_that_check_takes() {
 }
 
 #[test]
+fn the_example_of_a_plan_is_of_this_version_and_its_shards_run() {
+    let folder = directory("cli", "new_plan");
+    let answer = json(&toolroom(&["new", "plan", &folder.display().to_string(), "--json"]));
+    let plan = answer["plan"].as_str().expect("the plan");
+    assert_eq!(json(&toolroom(&["check", plan, "--json"]))["kind"], "plan");
+    let (parts, out) = (folder.join("parts").display().to_string(), folder.join("lives").display().to_string());
+    for shard in ["0", "1"] {
+        let ran = toolroom(&["shard", plan, shard, "--out", &parts]);
+        assert_eq!(ran.status.code(), Some(0), "{}", stderr(&ran));
+    }
+    let merged = toolroom(&["merge", &parts, "--out", &out]);
+    assert_eq!(merged.status.code(), Some(0), "{}", stderr(&merged));
+}
+
+#[test]
 fn the_records_of_the_example_of_a_gap_name_what_they_hide() {
     let folder = directory("cli", "new_gap").join("gap");
     let here = |name: &str| folder.join(name).display().to_string();

@@ -9,7 +9,7 @@ use toolroom_kinds::{FileKind, KINDS};
 #[derive(Args, Debug)]
 pub struct NewArgs {
     /// Kind of file; a scenario, if left out
-    #[arg(value_parser = sampled())]
+    #[arg(value_parser = described())]
     pub kind: Option<&'static FileKind>,
     /// Directory to create
     #[arg(required = true)]
@@ -48,11 +48,6 @@ pub struct CheckArgs {
 /// Words of every kind.
 fn described() -> impl TypedValueParser<Value = &'static FileKind> {
     of_kinds(|_| true)
-}
-
-/// Words of the kinds of which there is an example.
-fn sampled() -> impl TypedValueParser<Value = &'static FileKind> {
-    of_kinds(|kind| kind.sample().is_some())
 }
 
 /// Words of the kinds that can be read.

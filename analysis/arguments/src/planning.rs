@@ -91,6 +91,9 @@ pub struct ContourArgs {
     /// Seed of the draws
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Go on with a plan that was interrupted, to the same results
+    #[arg(long)]
+    pub resume: bool,
     /// Directory of the results, out/NAME if left out
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -144,7 +144,7 @@ fn choice(sets: usize) {
                     let mean = model.parameters().iter().map(|parameter| parameter.prior.mean);
                     let start = DVector::from_iterator(model.parameters().len(), mean);
                     let full = maximise(&model, &every, &start, None)?;
-                    Some((law, leave_edges_out(&model, &full, set as u64)))
+                    Some((law, leave_edges_out(&model, &full, set as u64, &|| ())))
                 })
                 .collect();
             let choice = Choice::of(&candidates, speeds);

@@ -6,7 +6,7 @@ use crate::chipping::{ChippingFit, Exposure};
 use crate::choice::{Choice, Verdict};
 use crate::fit::Maximum;
 use crate::identify::Identifiability;
-use crate::left_out::{Coverage, LeftOut, leave_edges_out, left_out};
+use crate::left_out::{Coverage, LeftOut, fits_without, leave_edges_out, left_out};
 use crate::model::Model;
 use crate::parameter::Prior;
 use crate::profile::profiles;
@@ -17,6 +17,7 @@ use crate::wear_model::{EDGE_SCATTER, READING_NOISE, WearModel};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use std::sync::atomic::{AtomicU32, Ordering};
 use toolroom_numerics::order_quantile;
 
 /// Least edges at which the coverage of left-out readings is judged.
@@ -172,6 +173,9 @@ pub struct Calibration {
     pub best_known: (f64, f64),
 }
 
+/// Parts of the work after the fits: draws of the posterior, lives and channels, edges held out.
+const LAST_PARTS: u32 = 3;
+
 impl Calibration {
     /// Calibrates on measured edges; what the law does not say is taken from `base`.
     ///
@@ -181,6 +185,23 @@ impl Calibration {
     /// # Panics
     /// Where the request names no law.
     pub fn new(measured: Measured, base: impl Into<Base>, request: Request) -> Result<Self, CalibrationError> {
+        Self::with_progress(measured, base, request, &|_, _| ())
+    }
+
+    /// As [`new`](Self::new); `progress` is told how many parts of the work are done, of how many: the fit of every law and its
+    /// predictions of edges that are left out, the draws of the posterior, what follows from them.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    ///
+    /// # Panics
+    /// Where the request names no law.
+    pub fn with_progress(
+        measured: Measured,
+        base: impl Into<Base>,
+        request: Request,
+        progress: &(dyn Fn(u32, u32) + Sync),
+    ) -> Result<Self, CalibrationError> {
         let stated = base.into().referred_to(&usual_cut(&measured));
         let whole = measured;
         let measured = whole.without(&request.held_out).map_err(CalibrationError::HeldOut)?;
@@ -209,12 +230,16 @@ impl Calibration {
         let (base, mut channels) = heat(&stated, &measured, &request, &models(&stated)?);
         let models = models(&base)?;
         let all: Vec<usize> = (0..measured.edges.len()).collect();
+        let total = models.iter().map(|model| 1 + fits_without(model)).sum::<usize>() as u32 + LAST_PARTS;
+        let count = AtomicU32::new(0);
+        let part = || progress(count.fetch_add(1, Ordering::Relaxed) + 1, total);
         let (mut fits, mut around) = (Vec::new(), Vec::new());
         for model in models {
             let found = maxima(&model, &all, request.seed);
             let (maximum, modes) = found.ok_or(CalibrationError::NoDensity(model.law.group()))?;
             around.push(modes);
-            let left_out = leave_edges_out(&model, &maximum, request.seed);
+            part();
+            let left_out = leave_edges_out(&model, &maximum, request.seed, &part);
             fits.push(LawFit { model, maximum, left_out });
         }
         let candidates: Vec<(Candidate, Vec<LeftOut>)> =
@@ -225,16 +250,19 @@ impl Calibration {
         let carried = &fits[place];
         let maxima = (carried.maximum.clone(), std::mem::take(&mut around[place]));
         let posterior = sample_around(&carried.model, &all, maxima, request.draws, request.seed);
+        part();
         let identifiability = Identifiability::from_model(&carried.model, &posterior);
         let coverage = Coverage::from_left_outs(&carried.left_out);
         let lives = lives(&carried.model, &posterior, &measured, request.seed);
         if let Base::Turning { pair, .. } = &base {
             channels.extend(forces(&carried.model, posterior.map.u.as_slice(), &measured, pair, &request));
         }
+        part();
         let best_known = best_known(&carried.model, &posterior, &measured);
         let chipping = chipping(&carried.model, &posterior, &measured, &base);
         let held_out =
             (!request.held_out.is_empty()).then(|| held_out(&carried.model, &carried.maximum, &whole, &request));
+        part();
         let profiles = request.profile.then(|| profiles(&carried.model, &all, &posterior.map));
         Ok(Self {
             stated,

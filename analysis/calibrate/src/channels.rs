@@ -173,8 +173,8 @@ fn fitted(
     let identifiability = Identifiability::from_model(&model, &posterior);
     let blind = model.without_land();
     let (with, (without, _)) = (&posterior.map, maxima(&blind, &all, request.seed)?);
-    let with = leave_edges_out(&model, with, request.seed);
-    let without = leave_edges_out(&blind, &without, request.seed);
+    let with = leave_edges_out(&model, with, request.seed, &|| ());
+    let without = leave_edges_out(&blind, &without, request.seed, &|| ());
     let differences: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with.score - without.score).collect();
     let gain = differences.iter().sum::<f64>();
     let mean = gain / differences.len() as f64;

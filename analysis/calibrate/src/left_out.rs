@@ -40,20 +40,27 @@ pub struct LeftOut {
 /// bridge its whole level (their tail shape is high by construction). Of more than 24 edges several are left out at once. Draws
 /// from one wide distribution are then weighted by the edges that stay, and a fit is made anew where these weights cannot
 /// be relied on.
-pub fn leave_edges_out(model: &dyn Model, full: &Maximum, seed: u64) -> Vec<LeftOut> {
+pub fn leave_edges_out(model: &dyn Model, full: &Maximum, seed: u64, done: &(dyn Fn() + Sync)) -> Vec<LeftOut> {
     let near = model.near(full.u.as_slice());
     let model = near.as_deref().unwrap_or(model);
-    let fits = if model.edges() > FEW { FITS } else { model.edges() };
+    let fits = fits_without(model);
     let group = |fit: usize| (fit..model.edges()).step_by(fits.max(1)).collect::<Vec<usize>>();
     let drawn = (model.edges() > FEW).then(|| Drawn::around(model, full, fits, seed));
     let one = |fit: usize| {
         let group = group(fit);
         let shared = drawn.as_ref().and_then(|drawn| drawn.left_out(model, &group, fit, seed));
-        shared.unwrap_or_else(|| left_out(model, full, &group, fit, seed))
+        let left_out = shared.unwrap_or_else(|| left_out(model, full, &group, fit, seed));
+        done();
+        left_out
     };
     let groups: Vec<Vec<LeftOut>> = (0..fits).into_par_iter().map(one).collect();
     let mut groups: Vec<_> = groups.into_iter().map(Vec::into_iter).collect();
     (0..model.edges()).filter_map(|edge| groups[edge % fits].next()).collect()
+}
+
+/// Fits without some of the edges of a model.
+pub(crate) fn fits_without(model: &dyn Model) -> usize {
+    if model.edges() > FEW { FITS } else { model.edges() }
 }
 
 /// The random numbers of a group of edges.

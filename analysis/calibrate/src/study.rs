@@ -15,6 +15,7 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use toolroom_cutting::{MILLING_CATALOGUE, Milling, process_of_set};
 use toolroom_form::Outline;
+use toolroom_location::{Located, Location};
 use toolroom_process::unit;
 use toolroom_records::import::{Combine, Mapped, Mapping, Origin, import};
 use toolroom_records::{OtherTable, ReadReport, RecordError, RecordKind, Records};
@@ -92,11 +93,20 @@ pub struct Refusal {
     pub reason: String,
     /// What to do about it.
     pub fix: String,
+    /// The file and line at fault, where one is.
+    pub at: Option<Location>,
+}
+
+impl Refusal {
+    /// The same about a place in a file.
+    fn at(self, at: Option<Location>) -> Self {
+        Self { at, ..self }
+    }
 }
 
 /// A refusal with a reason and what helps.
 fn refuse(reason: impl Display, fix: impl Display) -> Refusal {
-    Refusal { reason: reason.to_string(), fix: fix.to_string() }
+    Refusal { reason: reason.to_string(), fix: fix.to_string(), at: None }
 }
 
 /// A finished study.
@@ -119,7 +129,10 @@ impl CalibrationStudy {
                     format!("`{}` is a set of {other}, where one of {} is due", self.model, self.catalogue().process),
                     format!("`toolroom calibrate {other}`, or another --model"),
                 ),
-                None => refuse(error, "--model names a shipped set or a file of one"),
+                None => {
+                    let at = error.location();
+                    refuse(error, "--model names a shipped set or a file of one").at(at)
+                }
             }
         })
     }
@@ -193,9 +206,11 @@ impl CalibrationStudy {
 
     /// Reads the files and calibrates; `parquet` reads tables in that format.
     ///
+    /// `progress` is told how many parts of the work are done, of how many.
+    ///
     /// # Errors
     /// [`Refusal`]: a file that cannot be read, data that cannot be calibrated on, an unknown name, a limit that is none.
-    pub fn run(&self, parquet: OtherTable<'_>) -> Result<StudyResult, Refusal> {
+    pub fn run(&self, parquet: OtherTable<'_>, progress: &(dyn Fn(u32, u32) + Sync)) -> Result<StudyResult, Refusal> {
         let set = self.set()?;
         let base = self.base(&set)?;
         let limit = match &self.limit {
@@ -223,6 +238,7 @@ impl CalibrationStudy {
         let mut measured = Measured::treated(&records, limit, &treatment).map_err(|error| {
             let reason = format!("{}: {error}", self.data.display());
             refuse(reason, "docs/calibration.md lists the columns; `toolroom import csv` maps other tables to records")
+                .at(Some(Location::of(self.data.display())))
         })?;
         measured.fit_into(&base);
         let candidates = self.candidates(&laws, measured.clock)?;
@@ -250,12 +266,15 @@ impl CalibrationStudy {
             life_noise: self.life_noise.then_some(noise_time),
             profile: self.profile,
         };
-        let calibration = Calibration::new(measured, base, request).map_err(|error| match &error {
-            CalibrationError::Parameter { .. } => refuse(error, "names are group.key or key"),
-            CalibrationError::Fixed { .. } => refuse(error, "--fix stage_contrast=0.6, in the unit of parameter files"),
-            CalibrationError::HeldOut(_) => refuse(error, "--holdout 0.2, or names of edges with commas"),
-            CalibrationError::NoDensity(_) => refuse(error, "look at the units of the records"),
-        })?;
+        let calibration =
+            Calibration::with_progress(measured, base, request, progress).map_err(|error| match &error {
+                CalibrationError::Parameter { .. } => refuse(error, "names are group.key or key"),
+                CalibrationError::Fixed { .. } => {
+                    refuse(error, "--fix stage_contrast=0.6, in the unit of parameter files")
+                }
+                CalibrationError::HeldOut(_) => refuse(error, "--holdout 0.2, or names of edges with commas"),
+                CalibrationError::NoDensity(_) => refuse(error, "look at the units of the records"),
+            })?;
         // A path counts from the file that names it, which may stand elsewhere.
         let absolute = || std::path::absolute(&self.model).map(|path| path.display().to_string());
         let based_on = if is_path(&self.model) { absolute().ok() } else { None };
@@ -271,14 +290,16 @@ impl CalibrationStudy {
             "censored" => "write 1 where the edge was still good, else 0",
             _ => "write a number of minutes, or leave the cell empty",
         };
-        Err(refuse(format_args!("{}: line {line}: {column} is `{word}`", self.data.display()), fix))
+        Err(refuse(format_args!("{}: line {line}: {column} is `{word}`", self.data.display()), fix)
+            .at(Some(Location::line(self.data.display(), *line))))
     }
 
     /// Refuses rows in which nothing can have been cut: what was cut instead would be missing in the wear of the edge.
     fn every_row_was_cut(&self, read: &ReadReport) -> Result<(), Refusal> {
         let Some((line, what)) = read.uncut.first() else { return Ok(()) };
         let reason = format!("{}: line {line}: {what} cannot be used", self.data.display());
-        Err(refuse(reason, "write what was cut; a time in cut is that of the row alone"))
+        Err(refuse(reason, "write what was cut; a time in cut is that of the row alone")
+            .at(Some(Location::line(self.data.display(), *line))))
     }
 
     fn laws(&self) -> Result<Vec<Law>, Refusal> {
@@ -332,8 +353,14 @@ impl CalibrationStudy {
     /// Records of wear readings, or a table of lives, by its own headers or by a mapping.
     fn records(&self, parquet: OtherTable<'_>) -> Result<(Records, ReadReport), Refusal> {
         if let Some(map) = &self.map {
-            let mapping = Mapping::read(map, &[]).map_err(|error| refuse(error, "mend the mapping"))?;
-            return import(&self.data, &mapping, parquet).map_err(|error| refuse(error, "mend the mapping"));
+            let mapping = Mapping::read(map, &[]).map_err(|error| {
+                let at = error.location();
+                refuse(error, "mend the mapping").at(at)
+            })?;
+            return import(&self.data, &mapping, parquet).map_err(|error| {
+                let at = error.location();
+                refuse(error, "mend the mapping").at(at)
+            });
         }
         let kind = match self.process {
             Process::Turning => RecordKind::Turning,
@@ -343,15 +370,21 @@ impl CalibrationStudy {
             Ok(read) => Ok(read),
             Err(error @ RecordError::MissingColumn { .. }) => {
                 if let Some(mapping) = by_headers(&self.data) {
-                    let read =
-                        import(&self.data, &mapping, parquet).map_err(|error| refuse(error, "mend the table"))?;
+                    let read = import(&self.data, &mapping, parquet).map_err(|error| {
+                        let at = error.location();
+                        refuse(error, "mend the table").at(at)
+                    })?;
                     return self.of_this_process(read);
                 }
                 let fix = "docs/calibration.md lists the columns of records, a table of lives has tool_id and `life [min]`; \
                            `toolroom import csv` maps other tables to records; or give --map";
-                Err(refuse(error, fix))
+                let at = error.location();
+                Err(refuse(error, fix).at(at))
             }
-            Err(error) => Err(refuse(error, "check the path and the columns")),
+            Err(error) => {
+                let at = error.location();
+                Err(refuse(error, "check the path and the columns").at(at))
+            }
         }
     }
 

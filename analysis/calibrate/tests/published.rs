@@ -292,7 +292,7 @@ fn choice(name: &str) -> Option<Choice> {
             let all: Vec<usize> = (0..model.edges()).collect();
             let full = maximise(&model, &all, &start(&model), None).expect("a maximum");
             speeds = measured(&text).0.iter().map(|cut| cut.cutting_speed).collect();
-            (law, leave_edges_out(&model, &full, 1))
+            (law, leave_edges_out(&model, &full, 1, &|| ()))
         })
         .collect();
     let choice = Choice::of(&candidates, &speeds);

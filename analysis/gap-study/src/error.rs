@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use toolroom_apply::ApplyError;
 use toolroom_gap::ModelFileError;
+use toolroom_location::{Located, Location};
 use toolroom_process::ModelError;
 use toolroom_records::RecordError;
 use toolroom_shop::{Refusal, ShopError};
@@ -115,6 +116,27 @@ pub enum GapStudyError {
     /// The work could not be done although the input is right.
     #[error("{0}")]
     Work(String),
+}
+
+impl Located for GapStudyError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Model(error) => error.location(),
+            Self::Records(error) => error.location(),
+            Self::OneTable { data, .. } | Self::NoModel { data, .. } => Some(Location::of(data.display())),
+            Self::NoTable { model, .. } => Some(Location::of(model.display())),
+            Self::NoEvents { source } => source.location(),
+            Self::Unreadable { path, .. } | Self::Unwritable { path, .. } => Some(Location::of(path.display())),
+            Self::Apply(..)
+            | Self::TwoModels { .. }
+            | Self::BothSets { .. }
+            | Self::NothingMeasured { .. }
+            | Self::EffectValue { .. }
+            | Self::Refused(..)
+            | Self::NoShop
+            | Self::Work(..) => None,
+        }
+    }
 }
 
 impl From<Box<Refusal>> for GapStudyError {

@@ -1,6 +1,7 @@
 //! Why a file was not accepted.
 
 use toolroom_form::ReadError;
+use toolroom_location::{Located, Location};
 
 /// Why a file was not accepted.
 #[derive(Debug, thiserror::Error)]
@@ -34,6 +35,16 @@ pub enum KindError {
         /// The kind of the file.
         kind: &'static str,
     },
+}
+
+impl Located for KindError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Read(error) => error.location(),
+            Self::NoSign { file, .. } | Self::NoKeys { file, .. } => Some(Location::of(file)),
+            Self::Unchangeable { .. } => None,
+        }
+    }
 }
 
 impl KindError {

@@ -12,13 +12,11 @@ impl FileKind {
             let signs: Vec<String> = self.signs.iter().map(|sign| format!("`{sign}`")).collect();
             let _ = writeln!(text, "Such a file is told by one of these at its top: {}.\n", signs.join(", "));
         }
-        if let Some(sample) = self.sample() {
-            let _ = writeln!(text, "To begin one:\n\n```sh\ntoolroom new {} my-{0}\ncd my-{0}", self.word);
-            for command in sample.next {
-                let _ = writeln!(text, "{command}");
-            }
-            text.push_str("```\n\n");
+        let _ = writeln!(text, "To begin one:\n\n```sh\ntoolroom new {} my-{0}\ncd my-{0}", self.word);
+        for command in self.sample().next {
+            let _ = writeln!(text, "{command}");
         }
+        text.push_str("```\n\n");
         match self.form {
             SchemaSource::By(form) => text.push_str(&toolroom_form::reference(form)),
             SchemaSource::ByOneOf(forms) => {

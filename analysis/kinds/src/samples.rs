@@ -1,5 +1,10 @@
-//! What `toolroom new KIND DIR` writes: a commented example of each kind, with sample data. A plan of shards has none: it holds the
-//! version that wrote it, and `--plan` makes one of any study.
+//! What `toolroom new KIND DIR` writes: a commented example of each kind, with sample data. A plan of shards
+//! holds the version of its program, so its example is made when it is wanted.
+
+use std::path::Path;
+use std::sync::LazyLock;
+use toolroom_life::file::StudyText;
+use toolroom_life::study::shard;
 
 /// Files to begin with.
 #[derive(Debug)]
@@ -10,7 +15,7 @@ pub struct Sample {
     pub next: &'static [&'static str],
 }
 
-/// The example of each kind that has one, by the word of the kind.
+/// The example of each kind but plans, by the word of the kind.
 pub(crate) static SAMPLES: &[(&str, &Sample)] = &[
     ("scenario", &SCENARIO),
     ("effects", &EFFECTS),
@@ -31,6 +36,32 @@ pub(crate) static SAMPLES: &[(&str, &Sample)] = &[
     ("diagnosis", &DIAGNOSIS),
     ("records", &RECORDS),
 ];
+
+/// A study of tool lives in two shards. Few lives: it shows how a plan is run, and is no basis of a decision.
+pub(crate) fn plan() -> &'static Sample {
+    static PLAN: LazyLock<Sample> = LazyLock::new(|| {
+        let planned = || -> Result<String, Box<dyn std::error::Error>> {
+            let changes = vec!["lives=2000".to_owned()];
+            let text = StudyText::open(Path::new("builtin:policies"))?;
+            let file = text.parse(&changes)?;
+            let plan = shard::plan(env!("CARGO_PKG_VERSION"), text, &file, changes, Some(2))?;
+            Ok(serde_json::to_string_pretty(&plan)? + "\n")
+        };
+        let text = planned().expect("a shipped study can be planned, which a test asks");
+        // One text for the life of the program.
+        let files: &[_] = Box::leak(Box::new([("plan.json", &*Box::leak(text.into_boxed_str()))]));
+        Sample {
+            files,
+            next: &[
+                "toolroom check plan.json",
+                "toolroom shard plan.json 0 --out parts",
+                "toolroom shard plan.json 1 --out parts",
+                "toolroom merge parts --out lives",
+            ],
+        }
+    });
+    &PLAN
+}
 
 /// A file of the scenarios, by its path there.
 macro_rules! scenarios {

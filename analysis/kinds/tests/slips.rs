@@ -176,7 +176,8 @@ fn chart(path: &Path) -> Result<(), Refused> {
 fn plan(path: &Path) -> Result<(), Refused> {
     let task = Task::read(path, None, &[])?;
     let options = StudyOptions { draws: 2, ..StudyOptions::default() };
-    let studies = contour::studies(&task.file, &options, &|_| (), &|_, _| ()).map_err(|error| task.refused(&error))?;
+    let studies =
+        contour::studies(&task.file, &options, &|_| (), &|_, _| (), None).map_err(|error| task.refused(&error))?;
     let fanuc = toolroom_program::Dialect::Fanuc;
     contour::files(&task.file, &studies, Provenance::default(), fanuc)
         .map(drop)

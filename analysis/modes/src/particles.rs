@@ -231,12 +231,15 @@ fn told(chatter: bool, unstable: bool) -> f64 {
     if chatter == unstable { 1.0 - WRONG_CHATTER_RECORD } else { WRONG_CHATTER_RECORD }
 }
 
-/// Particles of the posterior, and the logarithm of the evidence.
+/// Particles of the posterior, and the logarithm of the evidence. `progress` is told which share of the way is done: the power of
+/// the likelihood grows by about the same factor from stage to stage.
 pub(super) fn tempered(
     question: &Question<'_>,
     mut particles: Vec<Particle>,
     seed: u64,
+    progress: &dyn Fn(f64),
 ) -> Result<(Vec<Particle>, f64), UpdateError> {
+    let mut first = None;
     let count = particles.len();
     let (mut power, mut evidence) = (0.0, 0.0);
     let mut stage = 0;
@@ -298,6 +301,8 @@ pub(super) fn tempered(
             chosen = chosen.into_par_iter().enumerate().map(moved).collect::<Result<_, UpdateError>>()?;
         }
         particles = chosen;
+        let first: &mut f64 = first.get_or_insert(power);
+        progress(if *first < 1.0 { 1.0 - power.ln() / first.ln() } else { 1.0 });
         stage += 1;
     }
     Ok((particles, evidence))

@@ -4,6 +4,7 @@ use super::UpdateError;
 use std::collections::BTreeSet;
 use toolroom_dynamics::{ShopCut, ShopCutError, read_shop_cuts};
 use toolroom_lobes::{LobesCut, LobesFile};
+use toolroom_location::{Located, Location};
 use toolroom_records::{RecordError, RecordKind, Records, parse_csv};
 
 /// Land up to which an edge counts as sharp (m). Assumption: the indentation of such a land damps no more than the scatter of
@@ -52,6 +53,16 @@ pub enum CutsError {
     /// Records without such cuts.
     #[error(transparent)]
     Records(#[from] UpdateError),
+}
+
+impl Located for CutsError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Plain(error) => error.location(),
+            Self::Unreadable(error) => error.location(),
+            Self::NamesNoMachine | Self::Records(..) => None,
+        }
+    }
 }
 
 /// Cuts of the table in the file `name`: a plain table of cuts, or the records of a shop, of `machine` where several are in

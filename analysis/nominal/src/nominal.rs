@@ -12,6 +12,7 @@ use toolroom_cutting::{Milling, Turning};
 use toolroom_effects::Definition;
 use toolroom_form::{Form, Key, Kind, Outline, ReadError, Section, Walk};
 use toolroom_infeed::Infeed;
+use toolroom_location::{Located, Location};
 use toolroom_process::unit;
 use toolroom_records::Sensor;
 use toolroom_records::{RecordKind, Records};
@@ -122,6 +123,17 @@ pub enum ModelFileError {
         /// What is wrong.
         reason: String,
     },
+}
+
+impl Located for ModelFileError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Read(error) => error.location(),
+            Self::NoTool { file, .. } | Self::Defined { file, .. } | Self::Sensor { file, .. } => {
+                Some(Location::of(file))
+            }
+        }
+    }
 }
 
 /// The form of a file of nothing but priors and sensors.

@@ -9,6 +9,7 @@
 //! | the bound of memory | [`memory`] |
 //! | the faults of a file | [`shown_faults`], [`json_faults`], [`json_refusal`] |
 //! | any other error | [`codes`], [`json_error`] |
+//! | how far long work is | [`Bar`], [`progress`] |
 //!
 //! Nothing that toolroom did not write is replaced or removed, but by force; an input of the command never.
 //!
@@ -26,14 +27,16 @@ mod lines;
 mod listed;
 mod lock;
 pub mod memory;
+pub mod progress;
 mod provenance;
+mod reported;
 pub mod signals;
-mod told;
 
 pub use error::OutputError;
 pub use excerpt::{json_faults, json_refusal, shown_faults};
 pub use files::{Draft, Files};
 pub use folder::OutputDir;
 pub use lines::fitted;
+pub use progress::Bar;
 pub use provenance::{provenance, quoted};
-pub use told::json_error;
+pub use reported::json_error;

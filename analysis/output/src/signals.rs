@@ -183,6 +183,7 @@ fn end() -> ! {
         Some((reason, way)) => (format!("{reason}; {message}"), format!("{way}; {help}")),
         None => (message, help),
     };
+    crate::progress::clear();
     // Where even standard error is gone there is nobody left to tell.
     let _ = writeln!(io::stderr().lock(), "error: {message}\n  help: {help}");
     drop((state, publishing));

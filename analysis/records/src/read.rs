@@ -6,6 +6,7 @@ use super::table::TableError;
 use super::{ReadReport, RecordKind, Records};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use toolroom_location::{Located, Location};
 use toolroom_process::table::BrokenQuote;
 
 /// Why records were not read.
@@ -80,6 +81,20 @@ pub enum RecordError {
         /// Whether some row was left out for what it holds; otherwise there is only nothing in them.
         wrong: bool,
     },
+}
+
+impl Located for RecordError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Quote { file, fault } => Some(Location::line(file, fault.line())),
+            Self::Unreadable { path, .. } | Self::Table { path, .. } | Self::NoFile { path, .. } => {
+                Some(Location::of(path.display()))
+            }
+            Self::MissingColumn { file, .. } | Self::Unit { file, .. } | Self::NoRows { file, .. } => {
+                Some(Location::of(file))
+            }
+        }
+    }
 }
 
 /// Reads records from a file, or from the file of `kind` in a directory; `parquet` reads files of that

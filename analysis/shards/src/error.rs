@@ -3,6 +3,7 @@
 use crate::plan::PLAN;
 use std::io;
 use std::path::{Path, PathBuf};
+use toolroom_location::{Located, Location};
 
 /// Why a shard was not run or parts were not merged.
 #[derive(Debug, thiserror::Error)]
@@ -152,6 +153,35 @@ pub enum ShardError {
         /// The directory.
         path: PathBuf,
     },
+}
+
+impl Located for ShardError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Duplicate { second, .. } => Some(Location::of(second.display())),
+            Self::Damaged { path, source } if source.line() > 0 => {
+                Some(Location::column(path.display(), source.line(), source.column()))
+            }
+            Self::Damaged { path, .. } => Some(Location::of(path.display())),
+            Self::File { path, .. }
+            | Self::UnreadablePlan { path, .. }
+            | Self::Rows { path, .. }
+            | Self::Altered { path, .. }
+            | Self::Malformed { path, .. }
+            | Self::NoPart { path, .. }
+            | Self::NoPlan { path, .. }
+            | Self::OtherPlan { path, .. }
+            | Self::OtherFile { path, .. }
+            | Self::Changed { path, .. }
+            | Self::OtherWork { path, .. }
+            | Self::NoParts { path, .. } => Some(Location::of(path.display())),
+            Self::OtherFormat { .. }
+            | Self::OtherVersion { .. }
+            | Self::NoPieces { .. }
+            | Self::NoSuchShard { .. }
+            | Self::Missing { .. } => None,
+        }
+    }
 }
 
 impl ShardError {

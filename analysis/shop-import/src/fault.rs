@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use std::fmt;
 use std::path::Path;
 use toolroom_form::{Problem, ReadError};
+use toolroom_location::{Located, Location};
 use toolroom_process::parameters::place;
 
 /// Most faults that are told one by one: a wrong unit spoils every row alike.
@@ -127,6 +128,17 @@ pub enum ShopImportError {
 
 fn counted(count: usize) -> String {
     format!("{count} fault{}", if count == 1 { "" } else { "s" })
+}
+
+impl Located for ShopImportError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Read(error) => error.location(),
+            Self::Table { file, .. } => Some(Location::of(file)),
+            // Each fault has its own cell.
+            Self::Cells { .. } => None,
+        }
+    }
 }
 
 impl ShopImportError {

@@ -24,9 +24,13 @@
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
+#[cfg(feature = "xlsx")]
+mod bounds;
 mod draft;
 mod fault;
 mod mapping;
+#[cfg(feature = "xlsx")]
+mod ods;
 mod shop;
 mod source;
 #[cfg(test)]

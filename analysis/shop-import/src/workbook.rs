@@ -1,9 +1,12 @@
 //! Sheets of XLSX and ODS workbooks.
 
+use crate::bounds::{Extent, at_most, unpacked};
 use crate::fault::ShopImportError;
 use crate::mapping::TableMap;
+use crate::ods;
 use crate::source::{Cell, Grid, Row, cell_name};
-use calamine::{Data, Dimensions, ExcelDateTime, Range, Reader, Sheets, open_workbook_auto};
+use calamine::{Data, DataRef, Dimensions, ExcelDateTime, Range, Reader, Sheets, Xlsx, XlsxError, open_workbook_auto};
+use std::io::{Read, Seek};
 use std::path::Path;
 use toolroom_scenario::date;
 
@@ -17,6 +20,11 @@ const FIRST_DAY: &str = "1899-12-30";
 /// rows they belong.
 pub(crate) fn grid(path: &Path, map: &TableMap) -> Result<Grid, ShopImportError> {
     let refused = |reason: String| ShopImportError::Table { file: map.file.clone(), reason };
+    unpacked(path).map_err(refused)?;
+    // Its reader unfolds every sheet when it opens the file.
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ods")) {
+        ods::bounded(path).map_err(refused)?;
+    }
     let mut book = open_workbook_auto(path).map_err(|error| refused(error.to_string()))?;
     let names = book.sheet_names();
     let sheet = match (&map.sheet, &names[..]) {
@@ -31,10 +39,11 @@ pub(crate) fn grid(path: &Path, map: &TableMap) -> Result<Grid, ShopImportError>
     };
     let merged = match &mut book {
         Sheets::Xlsx(book) => {
+            extent(book, &sheet).map_err(refused)?;
             let regions = book.merge_cells_by_sheet_name(&sheet).map_err(|error| refused(error.to_string()))?;
             regions.first().map(|Dimensions { start, .. }| cell_name(start.0, start.1))
         }
-        Sheets::Ods(_) => ods_merged(path, &sheet).map_err(refused)?,
+        Sheets::Ods(_) => ods::merged(path, &sheet).map_err(refused)?,
         Sheets::Xls(_) | Sheets::Xlsb(_) => None,
     };
     if let Some(cell) = merged {
@@ -46,6 +55,26 @@ pub(crate) fn grid(path: &Path, map: &TableMap) -> Result<Grid, ShopImportError>
     let rows =
         rows(&range).map_err(|cell| refused(format!("sheet {sheet}, cell {cell} holds an error of a formula")))?;
     Ok(Grid { sheet: Some(sheet), rows, notes: Vec::new() })
+}
+
+/// Refuses a sheet of an XLSX workbook whose cells lie too far apart for the rectangle between them.
+fn extent<R: Read + Seek>(book: &mut Xlsx<R>, sheet: &str) -> Result<(), String> {
+    let mut cells = match book.worksheet_cells_reader(sheet) {
+        Ok(cells) => cells,
+        // A sheet that is a chart has no cells.
+        Err(XlsxError::NotAWorksheet(_)) => return Ok(()),
+        Err(error) => return Err(error.to_string()),
+    };
+    let (mut extent, mut count) = (Extent::default(), 0);
+    while let Some(cell) = cells.next_cell().map_err(|error| error.to_string())? {
+        let (row, column) = cell.get_position();
+        count += 1;
+        if *cell.get_value() != DataRef::Empty {
+            extent.take(row, column);
+        }
+    }
+    // A cell that stands there twice takes its memory twice.
+    extent.checked(0).map(drop).and_then(|()| at_most(count))
 }
 
 /// The rows of a sheet, each cell at the column that it has in the sheet; or the cell that is an error.
@@ -117,39 +146,4 @@ fn duration_of(iso: &str) -> Option<Cell> {
     } else {
         Cell { text: format!("{seconds} s"), is_date: false }
     })
-}
-
-/// The first cell of a sheet of an ODS workbook that spans several; calamine does not tell.
-fn ods_merged(path: &Path, sheet: &str) -> Result<Option<String>, String> {
-    let file = std::fs::File::open(path).map_err(|error| error.to_string())?;
-    let mut archive = zip::ZipArchive::new(std::io::BufReader::new(file)).map_err(|error| error.to_string())?;
-    let mut text = String::new();
-    let mut content = archive.by_name("content.xml").map_err(|error| error.to_string())?;
-    std::io::Read::read_to_string(&mut content, &mut text).map_err(|error| error.to_string())?;
-    let document = roxmltree::Document::parse(&text).map_err(|error| error.to_string())?;
-    let of_name = |node: &roxmltree::Node<'_, '_>, name: &str| node.tag_name().name() == name;
-    let attribute = |node: &roxmltree::Node<'_, '_>, name: &str| {
-        node.attributes().find(|attribute| attribute.name() == name).map(|attribute| attribute.value().to_owned())
-    };
-    let repeated = |node: &roxmltree::Node<'_, '_>, name: &str| {
-        attribute(node, name).and_then(|count| count.parse::<u32>().ok()).unwrap_or(1)
-    };
-    let Some(table) =
-        document.descendants().find(|node| of_name(node, "table") && attribute(node, "name").as_deref() == Some(sheet))
-    else {
-        return Ok(None);
-    };
-    let mut row = 0;
-    for line in table.descendants().filter(|node| of_name(node, "table-row")) {
-        let mut column = 0;
-        for cell in line.children().filter(roxmltree::Node::is_element) {
-            let spans = |name: &str| repeated(&cell, name) > 1;
-            if spans("number-columns-spanned") || spans("number-rows-spanned") {
-                return Ok(Some(cell_name(row, column)));
-            }
-            column += repeated(&cell, "number-columns-repeated");
-        }
-        row += repeated(&line, "number-rows-repeated");
-    }
-    Ok(None)
 }

@@ -25,6 +25,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_form::ReadError;
 use toolroom_kernel::SimTime;
+use toolroom_location::{Located, Location};
 use toolroom_process::unit;
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_scenario::{Scenario, date};
@@ -128,6 +129,18 @@ pub enum SnapshotError {
     /// A file cannot be read to tell whether it has changed.
     #[error(transparent)]
     Input(#[from] ShardError),
+}
+
+impl Located for SnapshotError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Read(error) => error.location(),
+            Self::Input(error) => error.location(),
+            Self::Changed { file } => Some(Location::of(file)),
+            Self::NoSnapshot { path, .. } | Self::Version { path, .. } => Some(Location::of(path.display())),
+            Self::Instant { .. } | Self::Digest { .. } | Self::NoPolicy { .. } | Self::Shop(..) => None,
+        }
+    }
 }
 
 impl SnapshotError {

@@ -11,6 +11,7 @@ pub use runs::{RunDifference, RunDifferenceError};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use toolroom_location::{Located, Location};
 use toolroom_scenario::Scenario;
 use toolroom_statistics::{CONFIDENCE, Interval, paired, welch};
 
@@ -56,6 +57,17 @@ pub enum DifferenceError {
         /// What stands there.
         text: String,
     },
+}
+
+impl Located for DifferenceError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::NoNumber { path, line, .. } => {
+                usize::try_from(*line).ok().map(|line| Location::line(path.display(), line))
+            }
+            Self::Unreadable { path, .. } | Self::NoColumn { path, .. } => Some(Location::of(path.display())),
+        }
+    }
 }
 
 impl Replications {

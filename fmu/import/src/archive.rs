@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
+use toolroom_location::{Located, Location};
 use zip::ZipArchive;
 
 /// The description at the root of every unit.
@@ -116,6 +117,19 @@ pub enum ArchiveError {
         /// What the system says.
         source: io::Error,
     },
+}
+
+impl Located for ArchiveError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Unreadable { path, .. }
+            | Self::NoZip { path, .. }
+            | Self::Missing { path, .. }
+            | Self::Damaged { path, .. }
+            | Self::Traversal { path, .. }
+            | Self::Unwritable { path, .. } => Some(Location::of(path.display())),
+        }
+    }
 }
 
 impl ArchiveError {

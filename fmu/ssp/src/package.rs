@@ -4,6 +4,7 @@ use crate::read::{Fault, Reader};
 use crate::structure::{self, SystemStructure};
 use std::path::{Path, PathBuf};
 use toolroom_fmu_import::{Archive, ArchiveError, Entry};
+use toolroom_location::{Located, Location};
 
 /// Entry of the structure that is read. A package may hold others beside it.
 pub const STRUCTURE: &str = "SystemStructure.ssd";
@@ -23,6 +24,15 @@ pub enum SspError {
         /// The faults; at least one.
         faults: Vec<Fault>,
     },
+}
+
+impl Located for SspError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Archive(error) => error.location(),
+            Self::Faults { path, .. } => Some(Location::of(path.display())),
+        }
+    }
 }
 
 /// A package with its structure.

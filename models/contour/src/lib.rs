@@ -115,7 +115,7 @@ pub use plan::{Plan, PlannedSection};
 pub use planner::Planner;
 pub use rim::Rim;
 pub use search::Objective;
-pub use sensitivity::{ConditionScatter, Draw, Sensitivity};
+pub use sensitivity::{ConditionScatter, Draw, DrawKeeper, Sensitivity};
 pub use trace::{CORNER_ANGLE, POSITION_TOLERANCE, Trace};
 pub use track::{Track, distance};
 pub use trajectory::Deviation;

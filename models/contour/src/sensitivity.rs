@@ -39,6 +39,23 @@ pub struct Draw {
     pub broken: Vec<Constraint>,
 }
 
+/// Who keeps draws as they end, from any thread, so that work that was interrupted goes on.
+pub trait DrawKeeper: Sync {
+    /// The draw of this number where earlier work has come to it; its pass is `pass`.
+    fn kept(&self, number: u32, pass: &Pass) -> Option<Draw>;
+    /// A draw that has ended.
+    fn ended(&self, number: u32, draw: &Draw);
+}
+
+/// Nothing is kept.
+impl DrawKeeper for () {
+    fn kept(&self, _: u32, _: &Pass) -> Option<Draw> {
+        None
+    }
+
+    fn ended(&self, _: u32, _: &Draw) {}
+}
+
 /// What many draws come to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensitivity {
@@ -48,8 +65,8 @@ pub struct Sensitivity {
 
 impl Planner<'_> {
     /// Plans `draws` times in scattered conditions, each time against the handbook regime of the
-    /// same conditions, and tries the nominal plan in them. Draw k depends on `seed` and k alone. `done` is called after each
-    /// draw, from any thread.
+    /// same conditions, and tries the nominal plan in them. Draw k depends on `seed` and k alone. `keeper` is told each draw as it
+    /// ends, and asked for those of earlier work.
     ///
     /// # Errors
     /// Where the nominal plan does not exist, or a scatter is out of range.
@@ -60,7 +77,7 @@ impl Planner<'_> {
     /// let file = ContourFile::parse("rk3.toml", include_str!("../../../scenarios/contour/rk3.toml"), &[]).unwrap().content;
     /// let (_, finish) = &file.planners().unwrap()[1];
     /// let none = ConditionScatter { allowance: 0.0, hardness: 0.0, table_feed: 0.0 };
-    /// let same = finish.sensitivity(Objective::Time, &none, 2, 1, &|| ()).unwrap();
+    /// let same = finish.sensitivity(Objective::Time, &none, 2, 1, &()).unwrap();
     /// assert!((same.productivity_gain(0.5).unwrap() - 0.1464).abs() < 1e-4);
     /// ```
     pub fn sensitivity(
@@ -69,20 +86,24 @@ impl Planner<'_> {
         scatter: &ConditionScatter,
         draws: u32,
         seed: u64,
-        done: &(dyn Fn() + Sync),
+        keeper: &dyn DrawKeeper,
     ) -> Result<Sensitivity, ContourError> {
         scatter.check()?;
         let nominal = self.optimal(objective)?;
         let settings: Vec<Setting> = nominal.sections.iter().map(|section| section.setting).collect();
         let one = |k: u32| -> Result<Draw, ContourError> {
             let pass = scatter.pass(self.pass, seed, k);
+            if let Some(draw) = keeper.kept(k, &pass) {
+                return Ok(draw);
+            }
             let planner = Planner::new(self.drawn(), self.parameters, &pass, self.models)?;
             let plans = planner.handbook().ok().zip(planner.optimal(objective).ok());
             let broken = planner.violated_by(self, &settings);
             let productivity_gain = plans.as_ref().map(|(handbook, plan)| plan.productivity_gain(handbook));
             let cost_change = plans.as_ref().map(|(handbook, plan)| plan.cost_change(handbook));
-            done();
-            Ok(Draw { pass, productivity_gain, cost_change, broken })
+            let draw = Draw { pass, productivity_gain, cost_change, broken };
+            keeper.ended(k, &draw);
+            Ok(draw)
         };
         Ok(Sensitivity { draws: (0..draws).into_par_iter().map(one).collect::<Result<_, _>>()? })
     }
@@ -153,7 +174,7 @@ mod tests {
         let models = Models { path_error: PathError::Empirical, ..Models::default() };
         let (parameters, pass, scatter) = (Parameters::default(), Pass::default(), ConditionScatter::default());
         let planner = Planner::new(&hole, &parameters, &pass, &models).unwrap();
-        let draw = |draws, seed| planner.sensitivity(Objective::Time, &scatter, draws, seed, &|| ()).unwrap();
+        let draw = |draws, seed| planner.sensitivity(Objective::Time, &scatter, draws, seed, &()).unwrap();
         let many = draw(40, 7);
         assert_eq!(draw(5, 7).draws, many.draws[..5]);
         assert_ne!(draw(5, 8).draws, many.draws[..5]);

@@ -4,6 +4,7 @@ use crate::error::DynamicsError;
 use crate::table::read_table;
 use crate::unit::{self, Motion};
 use std::f64::consts::TAU;
+use toolroom_location::{Located, Location};
 
 /// Why a table of cuts cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -49,6 +50,16 @@ pub enum ShopCutError {
         /// What may stand there.
         due: &'static str,
     },
+}
+
+impl Located for ShopCutError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Table(error) => error.location(),
+            Self::Column { file, line, .. } | Self::Missing { file, line, .. } => Some(Location::line(file, *line)),
+            Self::Value { file, .. } => Some(Location::of(file)),
+        }
+    }
 }
 
 /// A cut with whether it chattered.

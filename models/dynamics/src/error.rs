@@ -1,5 +1,7 @@
 //! Why measured dynamics were not understood.
 
+use toolroom_location::{Located, Location};
+
 /// Why a file with measured dynamics, or a question about it, was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -224,6 +226,37 @@ pub enum DynamicsError {
         /// The file.
         file: String,
     },
+}
+
+impl Located for DynamicsError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::MissingUnit { file, line, .. }
+            | Self::UnknownUnit { file, line, .. }
+            | Self::UnknownColumn { file, line, .. }
+            | Self::ColumnCount { file, line, .. }
+            | Self::NotANumber { file, line, .. }
+            | Self::UnevenRow { file, line, .. }
+            | Self::Universal { file, line, .. }
+            | Self::UnknownChannel { file, line, .. } => Some(Location::line(file, *line)),
+            Self::Nothing { file, .. }
+            | Self::Empty { file, .. }
+            | Self::LeftOut { file, .. }
+            | Self::Constant { file, .. }
+            | Self::Encoding { file, .. }
+            | Self::BySpeed { file, .. }
+            | Self::Speed { file, .. }
+            | Self::Order { file, .. }
+            | Self::Coherence { file, .. }
+            | Self::Wave { file, .. }
+            | Self::Record { file, .. }
+            | Self::Duplicate { file, .. }
+            | Self::OtherFrequencies { file, .. }
+            | Self::NoDirect { file, .. }
+            | Self::TooFewLines { file, .. }
+            | Self::NoModes { file, .. } => Some(Location::of(file)),
+        }
+    }
 }
 
 /// What is wrong with a data set of a universal file.

@@ -21,6 +21,7 @@ use crate::table::read_table;
 use crate::unit::{self, Motion};
 use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::PI;
+use toolroom_location::{Located, Location};
 use toolroom_numerics::beta_quantile;
 
 /// Why no coefficients can be identified.
@@ -85,6 +86,17 @@ pub enum ForceTestError {
     /// A cut that is none.
     #[error("the cut has no teeth, depth or arc")]
     NoCut,
+}
+
+impl Located for ForceTestError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Table(error) => error.location(),
+            Self::Column { file, line, .. } | Self::Missing { file, line, .. } => Some(Location::line(file, *line)),
+            Self::Feed { file, .. } | Self::TooFewFeeds { file, .. } => Some(Location::of(file)),
+            Self::Sign { .. } | Self::NoCut => None,
+        }
+    }
 }
 
 /// How the cutter was in the work.

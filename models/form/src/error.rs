@@ -3,6 +3,7 @@
 use crate::walk::Problem;
 use std::fmt;
 use std::ops::Range;
+use toolroom_location::{Located, Location};
 use toolroom_process::parameters::{place, places};
 
 /// Why a file was not read.
@@ -40,6 +41,20 @@ pub enum ReadError {
     /// Faults in what it says.
     #[error(transparent)]
     Faults(Box<FaultList>),
+}
+
+impl Located for ReadError {
+    /// Of several faults the first.
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Unreadable { file, .. } | Self::Utf16 { file } => Some(Location::of(file)),
+            Self::NotUtf8 { file, line, column, .. } => Some(Location::column(file, *line, *column)),
+            Self::Faults(list) => list.problems.first().map(|problem| {
+                let place = list.place(problem);
+                Location::column(list.source(place.origin).0, place.line, place.column)
+            }),
+        }
+    }
 }
 
 /// Every fault of one file, in the order of the text.

@@ -9,6 +9,7 @@
 
 mod conditions;
 mod files;
+mod journal;
 mod picture;
 mod report;
 mod study;
@@ -17,6 +18,7 @@ mod text;
 
 pub use conditions::{Condition, Gain, OBJECTIVES, REPORTED_COST, REPORTED_PRODUCTIVITY, conditions};
 pub use files::{NAMES, files, summary};
+pub use journal::DrawJournal;
 pub use report::report;
 pub use study::{Baseline, PassStudy, RefusedPass, Scattered, StudyOptions, edge_life, join_length, studies};
 pub use task::{Drawn, Task, Text, read_setup};

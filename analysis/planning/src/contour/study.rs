@@ -1,6 +1,7 @@
 //! Baselines, plans, front, conditions and scatter of every pass.
 
-use super::{Condition, OBJECTIVES, conditions};
+use super::journal::Keeper;
+use super::{Condition, DrawJournal, OBJECTIVES, conditions};
 use std::sync::atomic::{AtomicU32, Ordering};
 use toolroom_contour::{
     ConditionScatter, ContourError, ContourFile, EdgeLife, Objective, Pass, Plan, PlannedSection, Planner, Sensitivity,
@@ -143,7 +144,8 @@ impl RefusedPass {
 }
 
 /// Works out the passes of `file` one after the other. `note` receives a sentence wherever the work takes long or a
-/// part of it is left out, `progress` how many parts of the work are done, of how many: plans, conditions and draws.
+/// part of it is left out, `progress` how many parts of the work are done, of how many: plans, conditions and draws. Draws that the
+/// `journal` holds are not worked out again; the others go into it as they end.
 ///
 /// # Errors
 /// [`RefusedPass`]: the first pass for which there is no plan.
@@ -152,6 +154,7 @@ pub fn studies<'a>(
     options: &StudyOptions,
     note: &dyn Fn(&str),
     progress: &(dyn Fn(u32, u32) + Sync),
+    journal: Option<&DrawJournal>,
 ) -> Result<Vec<PassStudy<'a>>, RefusedPass> {
     let wanted = |name: &str| options.passes.is_empty() || options.passes.iter().any(|pass| pass == name);
     let passes: Vec<_> = file.passes.iter().filter(|(name, _)| wanted(name)).collect();
@@ -159,7 +162,8 @@ pub fn studies<'a>(
     let (total, done) = (each.saturating_mul(passes.len() as u32), AtomicU32::new(0));
     let part = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
     let study = |(name, pass): &'a (String, Pass)| {
-        study(file, name, pass, options, note, &part).map_err(|error| RefusedPass::new(name, error))
+        study(file, name, pass, options, note, &Ended { part: &part, journal })
+            .map_err(|error| RefusedPass::new(name, error))
     };
     passes.into_iter().map(study).collect()
 }
@@ -175,7 +179,7 @@ fn study<'a>(
     pass: &'a Pass,
     options: &StudyOptions,
     note: &dyn Fn(&str),
-    done: &(dyn Fn() + Sync),
+    ended: &Ended<'_>,
 ) -> Result<PassStudy<'a>, ContourError> {
     file.contour.clears(file.parameters.cutter.radius(), pass.gouge())?;
     let planner = Planner::new(&file.contour, &file.parameters, pass, &file.models)?;
@@ -191,23 +195,29 @@ fn study<'a>(
         Baseline { name: "best constant, time", plan: planner.best_constant(Objective::Time) },
         Baseline { name: "best constant, cost", plan: planner.best_constant(Objective::Cost) },
     ];
-    done();
+    (ended.part)();
     let few = sections <= STUDIED;
     if !few {
         note(&format!("more than {STUDIED} sections: conditions and scatter are not studied"));
     }
     let conditions = if few { conditions(file, pass) } else { Vec::new() };
-    done();
-    let scatter = if few { scattered(&planner, &file.scatter, options, done)? } else { Vec::new() };
+    (ended.part)();
+    let scatter = if few { scattered((name, &planner), &file.scatter, options, ended)? } else { Vec::new() };
     Ok(PassStudy { name, pass, planner, baselines, plans, front, conditions, scatter })
+}
+
+/// What is done where a part of the work ends.
+struct Ended<'a> {
+    part: &'a (dyn Fn() + Sync),
+    journal: Option<&'a DrawJournal>,
 }
 
 /// The study of scatter: each condition alone, then all together.
 fn scattered(
-    planner: &Planner<'_>,
+    (pass, planner): (&str, &Planner<'_>),
     scatter: &ConditionScatter,
     options: &StudyOptions,
-    done: &(dyn Fn() + Sync),
+    ended: &Ended<'_>,
 ) -> Result<Vec<Scattered>, ContourError> {
     if options.draws == 0 {
         return Ok(Vec::new());
@@ -227,8 +237,12 @@ fn scattered(
         ("all together".to_owned(), *scatter),
     ];
     let study = |(name, scatter): (String, ConditionScatter)| {
-        let by = |objective| planner.sensitivity(objective, &scatter, options.draws, options.seed, done);
-        Ok(Scattered { name, by_objective: [by(Objective::Time)?, by(Objective::Cost)?] })
+        let by = |(word, objective)| {
+            let keeper = Keeper { study: format!("{pass}, {name}, {word}"), journal: ended.journal, done: ended.part };
+            planner.sensitivity(objective, &scatter, options.draws, options.seed, &keeper)
+        };
+        let [time, cost] = OBJECTIVES.map(by);
+        Ok(Scattered { name, by_objective: [time?, cost?] })
     };
     cases.into_iter().map(study).collect()
 }

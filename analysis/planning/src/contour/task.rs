@@ -73,7 +73,8 @@ impl Task {
         let task = Self::read(file, None, set)?;
         // Draws are never refused.
         let options = StudyOptions { draws: 0, ..StudyOptions::default() };
-        let studies = studies(&task.file, &options, &|_| (), &|_, _| ()).map_err(|refused| task.refused(&refused))?;
+        let studies =
+            studies(&task.file, &options, &|_| (), &|_, _| (), None).map_err(|refused| task.refused(&refused))?;
         // The path of a pass has to fit beside what it leaves.
         programs(&task.file, &studies, Dialect::Fanuc).map_err(|refused| task.refused(&refused))?;
         drop(studies);

@@ -1,6 +1,7 @@
 //! What is reported of a recorded cut, as it is written on a command line.
 
 use toolroom_dynamics::DynamicsError;
+use toolroom_location::{Located, Location};
 use toolroom_process::unit;
 
 /// Why a record was not listened to.
@@ -24,6 +25,15 @@ pub enum ListenError {
     /// A record that cannot be read or understood.
     #[error(transparent)]
     Record(#[from] DynamicsError),
+}
+
+impl Located for ListenError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Record(error) => error.location(),
+            Self::Speed(..) | Self::NoMilling | Self::Teeth { .. } => None,
+        }
+    }
 }
 
 /// What is reported of a recorded cut.

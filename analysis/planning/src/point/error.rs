@@ -3,6 +3,7 @@
 use crate::change::ChangeError;
 use toolroom_effects::EffectError;
 use toolroom_form::nearest;
+use toolroom_location::{Located, Location};
 use toolroom_process::ModelError;
 use toolroom_process::unit::UnitError;
 
@@ -91,6 +92,12 @@ pub enum PointError {
     /// An effect of a user that gives no value at the point, on the way to it, or in the life of the tool.
     #[error(transparent)]
     Value(ModelError),
+}
+
+impl Located for PointError {
+    fn location(&self) -> Option<Location> {
+        if let Self::Pair(error) = self { error.location() } else { None }
+    }
 }
 
 impl PointError {

@@ -16,6 +16,7 @@ pub use mapping::{Combine, Keep, MAPPING, Mapped, Mapping, Origin};
 use super::read::cells;
 use super::{OtherTable, RawTable, ReadReport, RecordError, RecordKind, Records};
 use std::path::Path;
+use toolroom_location::{Located, Location};
 
 /// Why a table was not imported.
 #[derive(Debug, thiserror::Error)]
@@ -44,6 +45,16 @@ pub enum ImportError {
         /// Kind of records.
         process: &'static str,
     },
+}
+
+impl Located for ImportError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Record(error) => error.location(),
+            Self::NoColumn { file, .. } => Some(Location::of(file)),
+            Self::NotMapped { .. } => None,
+        }
+    }
 }
 
 impl ImportError {

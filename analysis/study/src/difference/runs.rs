@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use toolroom_form::significant;
+use toolroom_location::{Located, Location};
 use toolroom_statistics::{CONFIDENCE, Interval, t_interval};
 
 /// Why two runs cannot be compared.
@@ -18,6 +19,15 @@ pub enum RunDifferenceError {
     /// The table of its figures.
     #[error(transparent)]
     Figures(#[from] DifferenceError),
+}
+
+impl Located for RunDifferenceError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::Run(error) => error.location(),
+            Self::Figures(error) => error.location(),
+        }
+    }
 }
 
 /// A figure that is not the same in both runs.

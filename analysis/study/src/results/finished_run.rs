@@ -3,6 +3,7 @@
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
+use toolroom_location::{Located, Location};
 
 /// `run.json` and `summary.json` of a directory.
 #[derive(Clone, Debug)]
@@ -33,6 +34,15 @@ pub enum FinishedRunError {
         /// What is wrong with it.
         source: serde_json::Error,
     },
+}
+
+impl Located for FinishedRunError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::NoJson { path, source } => Some(Location::column(path.display(), source.line(), source.column())),
+            Self::Unreadable { path, .. } => Some(Location::of(path.display())),
+        }
+    }
 }
 
 impl FinishedRun {

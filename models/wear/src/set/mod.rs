@@ -39,6 +39,7 @@ use crate::Scatter;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toolroom_form::{Quantity, ReadError, display, nearest};
+use toolroom_location::{Located, Location};
 use toolroom_process::{AnyRecord, Field, ModelError};
 
 /// Where a value of a set comes from.
@@ -147,11 +148,25 @@ pub enum SetError {
         files: Vec<String>,
     },
     /// A file that cannot be read, or what is wrong in it, with places.
-    #[error("{0}")]
-    File(String),
+    #[error("{message}")]
+    File {
+        /// What is wrong.
+        message: String,
+        /// Where, or the first place of several.
+        at: Option<Location>,
+    },
     /// Values that contradict each other.
     #[error(transparent)]
     Model(#[from] ModelError),
+}
+
+impl Located for SetError {
+    fn location(&self) -> Option<Location> {
+        match self {
+            Self::File { at, .. } => at.clone(),
+            Self::Unknown { .. } | Self::Model(_) => None,
+        }
+    }
 }
 
 /// Whether a set is called by a path; else it is a shipped name.
@@ -193,14 +208,14 @@ impl ParameterSet {
         if is_path(reference) {
             let path = folder.join(reference);
             return read::file(&path, &[], &[catalogue], chain).map_err(|error| {
-                let message = error.to_string();
+                let (message, at) = (error.to_string(), error.location());
                 if !matches!(error, ReadError::Unreadable { .. }) {
-                    return SetError::File(message);
+                    return SetError::File { message, at };
                 }
                 let file = path.file_name().and_then(|name| name.to_str()).unwrap_or(reference);
                 let files = neighbours(path.parent().unwrap_or(folder), file);
                 let there = if files.is_empty() { "no TOML files".to_owned() } else { files.join(", ") };
-                SetError::File(format!("{message}; its folder has {there}"))
+                SetError::File { message: format!("{message}; its folder has {there}"), at }
             });
         }
         let names = || catalogue.sets.iter().map(|(name, _)| *name);
@@ -258,6 +273,6 @@ fn fill_from(values: &[ParameterValue], group: &str, record: &mut dyn AnyRecord)
 
 impl From<ReadError> for SetError {
     fn from(error: ReadError) -> Self {
-        Self::File(error.to_string())
+        Self::File { message: error.to_string(), at: error.location() }
     }
 }
