@@ -53,7 +53,7 @@ fn each(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
     }
     Err(Failure::argument(
         format_args!("{refused} of {} files are refused", args.files.len()),
-        "what is wrong is said above, file by file",
+        "the faults are listed above, file by file",
     ))
 }
 

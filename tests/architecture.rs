@@ -233,3 +233,14 @@ fn the_minimum_version_of_rust_is_enough_for_every_dependency() {
         .collect();
     assert!(newer.is_empty(), "rust-version in Cargo.toml is too low: {newer:?}");
 }
+
+/// A kind that is added to an enum of ours has to be thought of everywhere: no `_ =>` stands for it unseen.
+#[test]
+fn every_crate_denies_arms_for_all_the_rest() {
+    for [folder, name, ..] in rows().iter().filter(|[_, name, ..]| name != "–") {
+        let places = ["src/lib.rs", "native/lib.rs", "lib.rs"].map(|place| root().join(folder).join(place));
+        let place = places.iter().find(|place| place.is_file()).unwrap_or_else(|| panic!("{name} has no root"));
+        let text = std::fs::read_to_string(place).expect("text");
+        assert!(text.contains("deny(clippy::wildcard_enum_match_arm)"), "{name}: {} lacks the lint", place.display());
+    }
+}

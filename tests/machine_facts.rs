@@ -44,7 +44,7 @@ fn changes_of_edges_that_take_three_times_as_long_are_a_constant_of_the_file_or_
     assert_eq!((&log["verdict"], &log["hidden"][0]["found"]), (&"constant".into(), &true.into()), "{log:#}");
     let words = log["facts"][0].as_str().expect("a fact");
     assert!(words.starts_with("tool change time of L1, L2: 180 s recorded"), "{words}");
-    assert!(words.ends_with("cannot be told from tool_change_delay of 120.0 s"), "{words}");
+    assert!(words.ends_with("the data do not distinguish it from tool_change_delay of 120.0 s"), "{words}");
     // What the number of a handful of changes makes of the figures is chance.
     assert_eq!(log["fresh"]["verdict"], "no_gap", "{log:#}");
 }

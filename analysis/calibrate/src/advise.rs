@@ -357,7 +357,7 @@ impl Advice {
                 let name = &model.parameters()[*place].name;
                 let _ = writeln!(
                     text,
-                    "{name} by itself would be told best at {:.0} m/min: the decision asks for something else",
+                    "{name} alone is determined best at {:.0} m/min, but the decision needs another test",
                     speed * 60.0
                 );
             }

@@ -52,7 +52,7 @@ impl Calibration {
     }
 
     fn answers(&self) -> Section {
-        let mut section = Section::new("What the data tell, and what not");
+        let mut section = Section::new("What the data determine, and what not");
         for warning in self.warnings() {
             section = section.warning(warning);
         }

@@ -35,7 +35,7 @@ impl FactDetail {
                 own.size - NINETY * own.standard_error,
                 own.size + NINETY * own.standard_error
             ),
-            Some(own) => format!("; cannot be told from {} of {:.1} s", own.effect, own.size),
+            Some(own) => format!("; the data do not distinguish it from {} of {:.1} s", own.effect, own.size),
             None => String::new(),
         }
     }

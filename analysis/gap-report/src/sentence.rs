@@ -49,7 +49,7 @@ fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>
             [] => String::new(),
             others => {
                 let others: Vec<&str> = others.iter().map(|id| id.entry().title).collect();
-                format!(" The data cannot tell it from this: {}.", others.join("; "))
+                format!(" The data do not distinguish it from this: {}.", others.join("; "))
             }
         };
         let cost = minutes.and_then(|minutes| minutes.cost(effect.id.word()));

@@ -7,7 +7,7 @@ use toolroom_records::{RecordError, RecordKind, Records, read, tables};
 use toolroom_scenario::Scenario;
 
 /// Said where nothing was found, and nobody could have found it.
-const NOT_ASKED: &str = "not asked, since the data hold no events of the machines: changes of edges, breakdowns";
+const NOT_ASKED: &str = "not tested, since the data hold no events of the machines: changes of edges, breakdowns";
 
 /// A scenario with the events of its machines, if the data hold any.
 pub struct Machines {

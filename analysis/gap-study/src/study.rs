@@ -14,8 +14,8 @@ use toolroom_effects::Definition;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{
-    Answers, Diagnosis, DiagnosisWithBasis, EffectId, EffectRefusal, Forward, GapVerdict, NextExperiment, NominalModel,
-    NominalProcess, Point, ProcessData, add_dynamics, diagnosed_processes, joined,
+    Answers, Diagnosis, DiagnosisWithBasis, EffectId, EffectRefusal, Forward, GATE, GapVerdict, NextExperiment,
+    NominalModel, NominalProcess, Point, ProcessData, add_dynamics, diagnosed_processes, joined,
 };
 use toolroom_gap_proposals::{DescriptionRequest, NOTHING, Proposed, is_open, proposed};
 use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
@@ -257,7 +257,7 @@ fn asked_for(process: &str, diagnosis: &Diagnosis) -> Vec<(EffectId, String)> {
     let named = || diagnosis.effects.iter().map(|own| (own.id, own.shape.clone()));
     let likely = || {
         let told = matches!(diagnosis.verdict, GapVerdict::Unknown | GapVerdict::Small | GapVerdict::Masked);
-        let asked = diagnosis.ranking.iter().filter(move |own| told && own.gain > LIKELY);
+        let asked = diagnosis.ranking.iter().filter(move |own| told && own.gain > GATE);
         asked.map(|own| (own.id, own.shape.clone())).take(MOST_SPLIT)
     };
     if diagnosis.effects.is_empty() { likely().collect() } else { named().take(MOST_SPLIT).collect() }
@@ -306,9 +306,6 @@ fn follows_a_date(diagnosis: &Diagnosis) -> bool {
 /// Processes whose effects are tried on parts of the records in a second run: the model of a shop has those parts from the
 /// first on, and stretches of programs and power laws have none.
 const SPLIT: [&str; 3] = ["turning", "milling", "grinding"];
-/// Gain of a single effect from which on it is tried on parts of the records although it was not named: the gate of a
-/// name.
-const LIKELY: f64 = 4.0;
 /// Effects that are tried on parts of the records at a time (assumption): each brings a candidate for every part.
 const MOST_SPLIT: usize = 2;
 

@@ -4,17 +4,13 @@
 //! together has to be compared beside the rest of them: alone, another effect may explain much of what a second cause
 //! did, and nothing of it once that is taken into account.
 
-use super::constants::{CLEAR, CLEARLY_LEFT_OUT, GATE, PAIR_GATE, RIVAL, SAME};
+use super::constants::{CLEAR, CLEARLY_LEFT_OUT, GATE, PAIR_GATE, RIVAL, ROUGHLY, SAME};
 use super::decision::Decision;
 use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain, predictive_gain};
 use super::stops;
 use super::trial::Trial;
 use super::{EffectId, Forward};
-
-/// Share of the gain that is asked of a rival by which a score of it may fall short before its evidence is worked out (1).
-/// Assumption: gain and half the square of a score differ by the prior of sizes alone.
-const ROUGHLY: f64 = 0.8;
 
 /// Candidates that the data cannot tell from `candidate`, an effect of `trial`, by other ids; each with the reason.
 pub(super) fn class(

@@ -1,8 +1,8 @@
 //! How far the gap shrinks on groups that the fit did not see.
 
-use super::constants::{NINETY, TOO_FEW};
+use super::constants::{CLOSABLE, NINETY, TOO_FEW};
 use super::left_out::LeftOut;
-use super::measures::{CLOSABLE, Measures, ResidualPair, apart, usual};
+use super::measures::{Measures, ResidualPair, apart, usual};
 use super::noise::HUBER;
 use super::trial::Trial;
 use super::{Basis, ChannelId, Closure, Forward, Measured, OutlyingReading, Transform};

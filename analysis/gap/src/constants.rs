@@ -10,7 +10,7 @@
 /// Gain that a named effect needs beside the price of having been chosen, in log posterior density (1).
 /// Assumption: odds of e⁴ ≈ 55 to 1, and a name without cause costs more than a missed one; the row "gain" of the
 /// ablation.
-pub(super) const GATE: f64 = 4.0;
+pub const GATE: f64 = 4.0;
 /// Gain with which fewer groups than [`FEWEST_GROUPS`] ask for an effect that calibration may have taken up, in log
 /// posterior density (1). Assumption: twice [`GATE`], since neither their agreement nor a score can be asked.
 pub(super) const FEW_GROUPS_GATE: f64 = 8.0;
@@ -152,6 +152,10 @@ pub(super) const RIVAL: f64 = 3.0;
 /// lies below [`SAME`], since a plan has to warn early.
 pub(super) const CONFUSED: f64 = 0.9;
 
+/// Share of the gain that is asked of a rival by which a score of it may fall short before its evidence is worked out (1).
+/// Assumption: gain and half the square of a score differ by the prior of sizes alone.
+pub(super) const ROUGHLY: f64 = 0.8;
+
 // Masking: what a design cannot show.
 
 /// Move of a calibration from which a masked effect may have pushed it, in prior standard deviations (1).
@@ -178,6 +182,47 @@ pub const NINETY: f64 = 1.645;
 /// Factor on an interval of closure where the groups are too few for Student's quantile (1). Assumption: it is
 /// wide enough that one group decides nothing.
 pub(super) const TOO_FEW: f64 = 3.0;
+
+// What matters: where a rejected model is good enough all the same.
+
+/// Share of a channel's value below which structure does not matter (1). Assumption: nobody acts on one per cent.
+pub(super) const MATTERING_SHARE: f64 = 0.01;
+/// The same in standard deviations of its sensor (1). Assumption: less is not seen in a single reading.
+pub(super) const MATTERING_SENSORS: f64 = 0.5;
+/// Score of a queue beyond which it is not what the model says, however few its days are, in standard errors over days (1).
+/// Assumption: at three or four days as many as one in forty right files are beyond it, which costs an answer of
+/// `small` or `unknown` instead of `no_gap`.
+pub(super) const UNEXPLAINED_QUEUE: f64 = 5.0;
+/// Calibration that is reported although it is a form allowance, in prior standard deviations (1). Assumption: one of twenty goes
+/// as far by chance.
+pub(super) const REPORTED_ALLOWANCE: f64 = 2.0;
+
+// Readings that stand apart.
+
+/// Residual in standard deviations beyond which a reading stands apart, before and after (1). Assumption: no reading of
+/// noise lies there.
+pub(super) const FAR_READING: f64 = 6.0;
+/// Residual of such a reading over what is usual of its like (1). Assumption: where all readings are far off, none of them
+/// stands apart.
+pub(super) const BEYOND_ALIKE: f64 = 5.0;
+/// Fewest readings of the same thing that say what is usual of it (count). Derivation: the median of three does not follow
+/// one of them.
+pub(super) const FEWEST_ALIKE: usize = 3;
+/// Share of the mean square above the floor of noise, below which a share of it says nothing (1). Assumption: the floor
+/// is known to a tenth.
+pub(super) const CLOSABLE: f64 = 0.2;
+
+// Proposals: terms that are no cause.
+
+/// Terms that are proposed together at most (count). Assumption: more would be a model of their own.
+pub(super) const MOST_TERMS: usize = 2;
+/// Terms that are fitted anew in a step (count). Assumption: the best is among them.
+pub(super) const REFITTED_TERMS: usize = 6;
+/// Terms that count as one choice (count). Assumption: neighbouring powers of a quantity are nearly the same term.
+pub(super) const ALIKE_TERMS: f64 = 10.0;
+/// Log posterior density by which a term of several quantities has to lead over one of a single quantity (1). Assumption: odds
+/// of e² ≈ 7 to 1, since whoever reads it has to look for one cause more.
+pub(super) const SIMPLER_TERM: f64 = 2.0;
 
 // Enough data, and channels that count.
 

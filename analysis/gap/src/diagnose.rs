@@ -4,7 +4,7 @@ use super::belief::{closed_by_constants, held_against, spares};
 use super::budget::budget;
 use super::class::class;
 use super::closure::{closures, scored, standing_apart, touched};
-use super::constants::{NINETY, PROBABLE_THOUGH_OFF};
+use super::constants::{NINETY, PROBABLE_THOUGH_OFF, REPORTED_ALLOWANCE};
 use super::decide::decide;
 use super::decision::{Decision, Single};
 use super::diagnosing::Diagnosing;
@@ -29,8 +29,6 @@ use toolroom_effects::Definition;
 
 /// Cells of the map that are reported.
 pub(super) const CELLS: usize = 12;
-/// Calibration that went further than this is reported, in prior standard deviations.
-const FAR: f64 = 2.0;
 
 /// A diagnosis with what it rests on.
 pub struct DiagnosisWithBasis {
@@ -362,7 +360,7 @@ fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
         .chain(surfaces)
         .zip(moved)
         .zip(decision.model().uncertainties())
-        .filter(|(((_, role, ..), x), _)| !role.is_allowance() || x.abs() > FAR)
+        .filter(|(((_, role, ..), x), _)| !role.is_allowance() || x.abs() > REPORTED_ALLOWANCE)
         .map(|(((name, role, deviation, summand), x), uncertainty)| {
             let value = |x: f64| if summand { deviation * x } else { (deviation * x).exp() };
             Calibrated {

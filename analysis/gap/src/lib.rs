@@ -88,7 +88,7 @@ mod verdict;
 
 pub use basis::Basis;
 pub use channels::diagnose_parts;
-pub use constants::{FEWEST_GROUPS, NINETY};
+pub use constants::{FEWEST_GROUPS, GATE, NINETY};
 pub use decision::Decision;
 pub use diagnose::{DiagnosisWithBasis, diagnose, diagnose_by};
 pub use diagnosis::{

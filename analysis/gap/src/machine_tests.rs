@@ -56,7 +56,7 @@ fn changes_that_take_longer_on_one_machine_are_a_constant_of_it_or_a_delay() {
             !delay.told && delay.effect == "tool_change_delay" && (110.0..121.0).contains(&delay.size),
             "{delay:?}"
         );
-        assert!(facts[0].words().contains("cannot be told from tool_change_delay of 1"), "{}", facts[0].words());
+        assert!(facts[0].words().contains("do not distinguish it from tool_change_delay of 1"), "{}", facts[0].words());
     }
 }
 

@@ -3,24 +3,12 @@
 //! A sum is what a planner asks for, and one reading may rule it; so the readings that stand far apart are named and the
 //! sum is shown without them, too. A root mean square asks for the spread, a robust loss for the ordinary reading.
 
+use super::constants::{BEYOND_ALIKE, CLOSABLE, FAR_READING, FEWEST_ALIKE};
 use super::noise::HUBER;
 use super::number::number;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use toolroom_statistics::median;
-
-/// Residual in standard deviations beyond which a reading stands apart, before and after (1). Assumption: no reading of
-/// noise lies there.
-const FAR: f64 = 6.0;
-/// Residual of such a reading over what is usual of its like (1). Assumption: where all readings are far off, none of them
-/// stands apart.
-const BEYOND: f64 = 5.0;
-/// Fewest readings of the same thing that say what is usual of it (count). Derivation: the median of three does not follow
-/// one of them.
-const FEWEST_ALIKE: usize = 3;
-/// Share of the mean square above the floor of noise, below which a share of it says nothing (1). Assumption: the floor
-/// is known to a tenth.
-pub(super) const CLOSABLE: f64 = 0.2;
 
 /// What two models leave of one reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +71,8 @@ pub struct Measures {
 /// Places of the readings that stand apart: far off before and after, and by much more than is usual of their like.
 pub fn apart(readings: &[ResidualPair]) -> Vec<usize> {
     let far = |own: &ResidualPair| {
-        own.before.abs().min(own.after.abs()) > FAR * own.deviation && own.before.abs() > BEYOND * own.usual
+        own.before.abs().min(own.after.abs()) > FAR_READING * own.deviation
+            && own.before.abs() > BEYOND_ALIKE * own.usual
     };
     (0..readings.len()).filter(|i| far(&readings[*i])).collect()
 }

@@ -6,7 +6,7 @@
 //! (Atkinson & Fedorov 1975, T-optimality); it counts up to the score that an effect needs to be
 //! named. The block that adds most per minute of machine time wins.
 
-use super::constants::DETECTABLE;
+use super::constants::{CONFUSED, DETECTABLE};
 use super::noise::unstated_scales;
 use super::{
     Basis, ChannelId, Diagnosis, EffectId, Fit, Forward, GapVerdict, Linear, Method, NominalModel, Point, Trial,
@@ -229,8 +229,9 @@ fn open(diagnosis: &Diagnosis, seen_effects: &SeenEffects) -> Vec<(EffectId, Opt
 /// Pairs with nearly the same signature.
 fn pairs(seen_effects: &SeenEffects) -> Vec<(usize, usize)> {
     let count = seen_effects.ids.len();
-    let close =
-        |a: usize, b: usize| seen_effects.cosines.get(a).and_then(|row| row.get(b)).is_some_and(|cosine| *cosine > 0.9);
+    let close = |a: usize, b: usize| {
+        seen_effects.cosines.get(a).and_then(|row| row.get(b)).is_some_and(|cosine| *cosine > CONFUSED)
+    };
     (0..count).flat_map(|a| (a + 1..count).filter(move |b| close(a, *b)).map(move |b| (a, b))).collect()
 }
 

@@ -204,7 +204,7 @@ impl Answers {
                     effect.probability,
                     match &effect.class[1..] {
                         [] => String::new(),
-                        others => format!(", cannot be told from {}", EffectId::words(others).join(", ")),
+                        others => format!(", not distinguished from {}", EffectId::words(others).join(", ")),
                     }
                 );
             }

@@ -9,7 +9,10 @@
 //! Tropp 2004 (orthogonal matching pursuit); Varma & Simon 2006 (nested cross-validation).
 
 use super::closure::{closures, touched_by};
-use super::constants::{FEWEST_GROUPS, GATE, LEAST_CLOSED, LEAST_OF_CLOSABLE, PAIRED_SCORE, SAME};
+use super::constants::{
+    AGREED, ALIKE_TERMS, FEWEST_GROUPS, GATE, LEAST_CLOSED, LEAST_OF_CLOSABLE, MOST_TERMS, PAIRED_SCORE,
+    REFITTED_TERMS, SAME, SIMPLER_TERM,
+};
 use super::diagnosing::Diagnosing;
 use super::discrepancy::Widened;
 use super::evidence::{folds, gain, predictive_gain};
@@ -18,18 +21,6 @@ use super::settle::settled;
 use super::trial::Trial;
 use super::{Basis, Closure, Fit, Forward, Method, Point};
 use rayon::prelude::*;
-
-/// Terms that are proposed together at most (count). Assumption: more would be a model of their own.
-const MOST_TERMS: usize = 2;
-/// Terms that are fitted anew in a step (count). Assumption: the best is among them.
-const REFITTED: usize = 6;
-/// Terms that count as one choice (count). Assumption: neighbouring powers of a quantity are nearly the same term.
-const ALIKE: f64 = 10.0;
-/// Log posterior density by which a term of several quantities has to lead over one of a single quantity (1). Assumption: odds
-/// of e² ≈ 7 to 1, since whoever reads it has to look for one cause more.
-const SIMPLER: f64 = 2.0;
-/// Standard errors by which left-out groups have to be predicted better (1). Assumption: about 95 %.
-const CERTAIN: f64 = 2.0;
 
 /// A term that is proposed.
 #[derive(Clone, Debug, PartialEq)]
@@ -172,7 +163,7 @@ fn sought(context: Diagnosing<'_>, fit: Fit, library: &Library<'_>) -> (Trial, O
 }
 
 /// The model of `from` with the term that predicts groups left out best, where one is asked for; with one of a single quantity
-/// where one of several does not lead over that by [`SIMPLER`].
+/// where one of several does not lead over that by [`SIMPLER_TERM`].
 fn step(context: Diagnosing<'_>, from: &Trial, library: &Library<'_>) -> Option<Trial> {
     let terms = library.terms;
     let scores = from.strengths();
@@ -186,7 +177,7 @@ fn step(context: Diagnosing<'_>, from: &Trial, library: &Library<'_>) -> Option<
     let simple = |index: usize| terms[..library.simple].contains(&index);
     // The best simple term is among those that are fitted.
     let simplest = leads.iter().copied().find(|(index, _)| simple(*index));
-    leads.truncate(REFITTED);
+    leads.truncate(REFITTED_TERMS);
     leads.extend(simplest.filter(|best| !leads.contains(best)));
     let one = |(index, _): &(usize, f64)| {
         let mut active = from.fit.active.clone();
@@ -195,10 +186,10 @@ fn step(context: Diagnosing<'_>, from: &Trial, library: &Library<'_>) -> Option<
         context.trial(&from.fit, &active)
     };
     let fitted: Vec<Trial> = leads.par_iter().map(one).collect();
-    let price = (terms.len() as f64 / ALIKE).max(1.0).ln();
+    let price = (terms.len() as f64 / ALIKE_TERMS).max(1.0).ln();
     let asked_for = |trial: &Trial| {
         let (lead, error) = predictive_gain(&trial.evidence, &from.evidence);
-        let certain = trial.evidence.admissible && lead > CERTAIN * error;
+        let certain = trial.evidence.admissible && lead > AGREED * error;
         (certain && gain(&trial.evidence, &from.evidence) > GATE + price).then_some(lead)
     };
     let kept: Vec<(f64, Trial)> = fitted.into_iter().filter_map(|trial| Some((asked_for(&trial)?, trial))).collect();
@@ -209,6 +200,6 @@ fn step(context: Diagnosing<'_>, from: &Trial, library: &Library<'_>) -> Option<
         among.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, trial)| trial)
     };
     let (any, of_one) = (best(false)?, best(true));
-    let chosen = of_one.filter(|own| gain(&any.evidence, &own.evidence) <= SIMPLER).unwrap_or(any);
+    let chosen = of_one.filter(|own| gain(&any.evidence, &own.evidence) <= SIMPLER_TERM).unwrap_or(any);
     Some(chosen.clone())
 }

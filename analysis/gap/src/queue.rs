@@ -21,12 +21,16 @@ use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score, scope_
 use toolroom_scenario::{Deviation, MICRO_STOP, Occasion, Scope, ShopConstant, ShopEffect, calibrated};
 use toolroom_statistics::Moments;
 
-/// Replications of a log.
+/// Replications of a log (count). Assumption: a wait among forty others has a probability to a fortieth, and days are many.
 const REPLICATIONS: usize = 40;
-/// Fewest scored days and waits of a pool.
+/// Fewest scored days of a pool (count). Assumption: two days say nothing about the scatter between days.
 const DAYS: usize = 3;
+/// Fewest scored waits of a pool (count). Assumption: a day has some ten.
 const WAITS: usize = 30;
+/// A day, s.
 const DAY: f64 = 86400.0;
+/// Time to which a control knows when something began, s. Assumption: stamps are rounded to the second.
+const CLOCK: f64 = 0.5;
 
 /// Waits before a pool of machines.
 #[derive(Clone, Debug, PartialEq)]
@@ -345,8 +349,8 @@ fn fit(
 /// Probability of a wait among replicated ones, of which `own` are the wait itself; `chance` (0 to 1) decides
 /// among equals. The control knows times to half a second.
 fn rank(wait: f64, replicated: &[f64], own: f64, chance: f64) -> f64 {
-    let below = replicated.iter().filter(|other| **other < wait - 0.5).count() as f64;
-    let same = replicated.iter().filter(|other| (**other - wait).abs() <= 0.5).count() as f64 - own;
+    let below = replicated.iter().filter(|other| **other < wait - CLOCK).count() as f64;
+    let same = replicated.iter().filter(|other| (**other - wait).abs() <= CLOCK).count() as f64 - own;
     (below + chance * (same + 1.0)) / (replicated.len() as f64 - own + 1.0)
 }
 

@@ -3,6 +3,7 @@
 //! Handling, edge changes and programmed times are channels with a calibration of their own, and are no facts here, but
 //! for the scatter of handling.
 
+use super::constants::UNEXPLAINED_QUEUE;
 use super::queue::{QueueScore, occasion, queues};
 use super::{Diagnosis, EffectId, Fitness, GapVerdict, Part};
 use std::collections::BTreeMap;
@@ -20,10 +21,6 @@ use toolroom_scenario::{Distribution, FailureClock, FailureMode, ShopEffect};
 /// Prior standard deviation of the logarithm of the life of edges on one machine: that of the wear rate and that of a
 /// machine, as in the calibration of the channel `edge_life`.
 const LIFE: f64 = 0.18;
-/// Score of a queue beyond which it is not what the model says, however few its days are, in standard errors over days (1).
-/// Assumption: at three or four days as many as one in forty right files are beyond it, which costs an answer of
-/// `small` or `unknown` instead of `no_gap`.
-const UNEXPLAINED: f64 = 5.0;
 
 /// Tests the facts of a log, adds them to what is said of it, and takes back what they contradict: a constant of
 /// the file that the log rejects, or a queue that nothing explains, leaves no `no_gap`. `stated` is what its file
@@ -46,7 +43,7 @@ pub fn add_facts(shop: &Shop, records: &Records, stated: &Declarations, diagnosi
     diagnosis.notes.push("not asked, since the log has no orders: arrivals, scrap, lead times".to_owned());
     let queues = scores.iter().filter_map(|score| {
         let (fit, fact) = (score.fit(explained), of_queue(score, explained)?);
-        (fit.score.abs() > UNEXPLAINED).then(|| (fact.words(), fact.is_far()))
+        (fit.score.abs() > UNEXPLAINED_QUEUE).then(|| (fact.words(), fact.is_far()))
     });
     take_back(diagnosis, facts, queues.collect());
 }

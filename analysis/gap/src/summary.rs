@@ -78,7 +78,7 @@ impl Diagnosis {
             if effect.class.len() > 1 {
                 let _ = writeln!(
                     text,
-                    "    cannot be told from {}: {}",
+                    "    the data do not distinguish it from {}: {}",
                     EffectId::words(&effect.class[1..]).join(", "),
                     effect.class_reason
                 );
@@ -219,7 +219,7 @@ impl Diagnosis {
             .table("Single effects", table);
         for effect in self.effects.iter().filter(|effect| effect.class.len() > 1) {
             section = section.warning(format!(
-                "{} cannot be told from {}: {}",
+                "The data do not distinguish {} from {}: {}",
                 effect.id,
                 EffectId::words(&effect.class[1..]).join(", "),
                 effect.class_reason
@@ -230,7 +230,7 @@ impl Diagnosis {
 
     fn hidden(&self, heading: String) -> Section {
         let mut table =
-            Table::new(["effect", "masking", "least size seen", "unit", "test that would tell", "if left out"]);
+            Table::new(["effect", "masking", "least size seen", "unit", "test that separates them", "if left out"]);
         for masked in &self.masked {
             table.push([
                 named(masked.id, &masked.shape).into(),

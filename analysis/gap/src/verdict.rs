@@ -14,20 +14,14 @@
 //! and covariates may show no structure beyond its null. Each of them rejects; a rule that keeps an effect from being named
 //! rejects nothing.
 
-use super::constants::{FAR_CONSTANT, LEAST_CLOSED};
+use super::constants::{FAR_CONSTANT, LEAST_CLOSED, MATTERING_SENSORS, MATTERING_SHARE};
 use super::decision::Mapped;
 use super::{Calibrated, Closure, Diagnosis, Fitness, GapVerdict, Structure};
-
-/// Share of a channel's value below which structure does not matter (1). Assumption:
-/// nobody acts on one per cent.
-const SHARE: f64 = 0.01;
-/// The same in standard deviations of its sensor (1). Assumption: less is not seen in a single reading.
-const SENSORS: f64 = 0.5;
 
 impl Structure {
     /// Whether what the model leaves of the channel may matter.
     fn may_matter(&self) -> bool {
-        self.upper > (SHARE * self.level).max(SENSORS * self.sensor)
+        self.upper > (MATTERING_SHARE * self.level).max(MATTERING_SENSORS * self.sensor)
     }
 }
 
@@ -110,7 +104,7 @@ pub(super) fn doubted(
             suspected(diagnosis, fit.p, asked);
         }
     } else if abstained || (diagnosis.verdict == GapVerdict::NoGap && !fit.passed()) {
-        let matters = structure.as_ref().is_some_and(|own| own.share > SHARE)
+        let matters = structure.as_ref().is_some_and(|own| own.share > MATTERING_SHARE)
             || (!fit.passed() && fit.structure.iter().any(Structure::may_matter));
         diagnosis.verdict = if matters { GapVerdict::Unknown } else { GapVerdict::Small };
         let by_map = structure.map(|own| own.words).filter(|_| fit.passed());
@@ -126,7 +120,7 @@ fn suspected(diagnosis: &mut Diagnosis, p: f64, asked: impl Fn() -> Option<(Stri
         diagnosis.verdict = GapVerdict::Masked;
         let why = format!(
             "{ids} would explain the records better (gain {gain:.1}), but constants within what is believed of \
-             them explain them as well (p = {p:.3}): the next experiment tells"
+             them explain them as well (p = {p:.3}): the next experiment decides"
         );
         diagnosis.suspected = Some(why.clone());
         diagnosis.notes.insert(0, why);

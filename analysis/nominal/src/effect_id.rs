@@ -191,6 +191,16 @@ mod tests {
         }
     }
 
+    /// A word that no process has would be searched by none and be the parameter of no unit.
+    #[test]
+    fn every_process_of_an_effect_is_one() {
+        for entry in Effect::CATALOGUE {
+            for process in entry.process_names() {
+                assert!(["turning", "milling", "infeed"].contains(&process), "{} acts on {process}", entry.id);
+            }
+        }
+    }
+
     #[test]
     fn what_an_effect_moves_is_a_channel() {
         for effect in EffectId::catalogue() {

@@ -9,6 +9,8 @@
 //! # What is not modelled
 //! Nested and categorical columns are read as the text that polars prints of them.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod read;
 mod write;
 

@@ -106,5 +106,5 @@ pub fn fastest_growing_wave(
             fastest = Some(wave);
         }
     }
-    fastest.ok_or(ModelError::NoSolution { quantity: "wave", reason: "at least one lobe must be asked for" })
+    fastest.ok_or(ModelError::NoSolution { quantity: "wave", reason: "request at least one lobe" })
 }

@@ -10,6 +10,8 @@
 //! | [`Pages`], [`At`], [`PageWindow`] | the items of several texts by their index, and while they are read |
 //! | [`ReadError`] | the text could not be read, or is another one than before |
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod pages;
 mod source;
 

@@ -78,7 +78,8 @@ impl<R: Recorder> Shop<'_, R> {
                     force
                 })
             }
-            _ => vec![programmed],
+            (ProcessModel::Infeed(_), None)
+            | (ProcessModel::Turning(_) | ProcessModel::Milling(_) | ProcessModel::Other(_), _) => vec![programmed],
         };
         let block = |phase: &GrindingPhase| Block {
             duration: phase_duration(phase, work_rotation_speed),

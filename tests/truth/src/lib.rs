@@ -30,6 +30,8 @@
 //! Anything that would make the world real: it is as plausible as its author could make it without
 //! looking at the models that it tests.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod form;
 pub mod grinding;
 pub mod milling;

@@ -256,7 +256,7 @@ impl GrindingController {
                     ground.turn(0.0, &mut turn);
                 }
             }
-            _ => {
+            (Adaptation::None | Adaptation::Force { .. } | Adaptation::TimeConstant { .. }, _) => {
                 let GrindingPhase { infeed_per_rev, revolutions } = cycle[pass];
                 if !self.observes() {
                     return vec![cycle[pass]];

@@ -76,7 +76,7 @@ pub enum PolicyError {
 #[non_exhaustive]
 pub enum ResolveError {
     /// The scenario has fewer policies.
-    #[error("policy {index} was asked for, the scenario has {count}")]
+    #[error("policy {index} does not exist: the scenario has {count}")]
     UnknownPolicy {
         /// Asked for.
         index: usize,
