@@ -98,12 +98,11 @@ impl Writer {
         self.end_cycle().map_err(|message| (0, message))?;
         for (event, known) in pending.parts {
             self.known = known;
-            match event.kind {
-                EventKind::Motion(motion) => {
-                    self.motion(&motion, event.line).map_err(|message| (event.line, message))?;
-                }
-                _ => self.event(&event),
-            }
+            let EventKind::Motion(motion) = event.kind else {
+                self.event(&event);
+                continue;
+            };
+            self.motion(&motion, event.line).map_err(|message| (event.line, message))?;
         }
         Ok(())
     }

@@ -40,10 +40,12 @@ impl Hole {
         let mut motions: Vec<Motion> = Vec::new();
         let mut dwells = Vec::new();
         for (event, _) in parts {
-            match event.kind {
-                EventKind::Motion(motion) => motions.push(motion),
-                EventKind::Dwell(seconds) => dwells.push((motions.len(), seconds)),
-                _ => return None,
+            if let EventKind::Motion(motion) = event.kind {
+                motions.push(motion);
+            } else if let EventKind::Dwell(seconds) = event.kind {
+                dwells.push((motions.len(), seconds));
+            } else {
+                return None;
             }
         }
         let along = |motion: &Motion| {
