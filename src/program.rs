@@ -17,7 +17,7 @@ use toolroom_planning::folders::programs;
 use toolroom_planning::motions::motion_table;
 use toolroom_planning::program::report::{ProgramContext, report};
 use toolroom_planning::program::{CycleTime, drawing, overview_json, overview_text, set_drive};
-use toolroom_post::post;
+use toolroom_post::{Form, post};
 use toolroom_program::{Control, Dialect, ProgramError, Source, Units};
 use toolroom_stock::{FeedLimit, FeedObjective, FollowError, Setup};
 
@@ -157,18 +157,16 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         let drawing = drawing(&text, &control).map_err(|error| refused(file, &error))?;
         put(path, drawing.text().as_bytes())?;
     }
-    if let (Some(target), Some(path)) = (args.post.as_deref().and_then(Dialect::named), &args.out) {
+    if let (Some(dialect), Some(path)) = (args.post.as_deref().and_then(Dialect::named), &args.out) {
+        let form = Form { dialect, keep_cycles: args.keep_cycles };
         let written = match &feeds {
-            Some(feeds) => feeds.post(text, &control, target),
-            None => post(text, &control, target),
+            Some(feeds) => feeds.post(text, &control, form),
+            None => post(text, &control, form),
         };
         let written = written.map_err(|error| refused(file, &error))?;
         put(path, written.text.as_bytes())?;
-        if let [first, ..] = written.left_out[..] {
-            voice.say(format_args!(
-                "{} blocks have no place in it: motions in machine coordinates, functions of the machine, exact stops (first: line {first})",
-                written.left_out.len()
-            ));
+        for note in written.notes() {
+            voice.say(note);
         }
     }
     bar.finish();

@@ -65,6 +65,9 @@ pub struct ProgramArgs {
     /// Write the motions for another control, to the file of --out
     #[arg(long, value_name = "DIALECT", value_parser = Dialect::NAMES, requires = "out")]
     pub post: Option<String>,
+    /// Leave holes of canned cycles cycles of the control that --post writes for, where it has one of the same motions
+    #[arg(long, requires = "post")]
+    pub keep_cycles: bool,
     /// File of the program that --post writes
     #[arg(long, value_name = "FILE", requires = "post")]
     pub out: Option<PathBuf>,

@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use toolroom_chart::Table;
 use toolroom_drives::{Drives, Timer};
-use toolroom_post::{Post, post_as};
-use toolroom_program::{Action, Block, Blocks, Control, Dialect, ProgramError, Sense, Source};
+use toolroom_post::{Form, Post, post_as};
+use toolroom_program::{Action, Block, Blocks, Control, ProgramError, Sense, Source};
 pub use toolroom_stock::{FeedLimit, FeedObjective};
 use toolroom_stock::{FeedPlan, FollowError, LimitUse, Setup};
 
@@ -40,13 +40,13 @@ impl Feeds {
     ///
     /// # Errors
     /// As [`toolroom_post::post()`].
-    pub fn post(&self, source: Source, control: &Control, dialect: Dialect) -> Result<Post, ProgramError> {
+    pub fn post(&self, source: Source, control: &Control, form: Form) -> Result<Post, ProgramError> {
         let mut commands = 0;
         let speed = |speed: f64, sense: Sense| match self.plan.action(&mut commands, Action::Spindle(speed, sense)) {
             Action::Spindle(speed, _) => speed,
             Action::Change(_) | Action::Home(_) | Action::Coolant(_) | Action::Stop | Action::End => speed,
         };
-        post_as(source, control, dialect, |index, motion| self.plan.motion(index, motion), speed)
+        post_as(source, control, form, |index, motion| self.plan.motion(index, motion), speed)
     }
 
     /// The plan; empty without an objective.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`post()`] | follows a program and writes its motions in the words of another control |
 //! | [`post_as()`] | the same with planned motions in place of those of the program |
+//! | [`Form`] | the language, and whether holes stay cycles |
 //! | [`Post`] | what was written, and the lines of what has no place in it |
 //! | [`Drawing`] | paths as a drawing in DXF |
 //!
@@ -11,38 +12,32 @@
 //! As in `toolroom-program`: mm, degrees and s; the programs that are written are metric.
 //!
 //! # What is not modelled
-//! Canned cycles, subprograms and compensation of the target control: they are worked out, but for taps, which only a cycle or a
-//! block of its own ties to the spindle. Threads that the language has no such words for are refused. Programs of lathes.
+//! Subprograms and compensation of the target control: they are worked out, as are canned cycles where they are not asked for, but for
+//! taps, which only a cycle or a block of its own ties to the spindle. Threads that the language has no such words for are refused. Programs of lathes.
 
 #![deny(clippy::wildcard_enum_match_arm)] // a kind of event that comes has to be thought of here too
 
+mod arc;
+mod cycle;
 mod drawing;
+mod form;
+mod hole;
 mod thread;
 
 pub use drawing::Drawing;
+pub use form::{Form, Post};
 
-use std::f64::consts::TAU;
+use cycle::Cycles;
 use std::fmt::Write;
 use thread::{Next, Thread};
 use toolroom_program::{
-    AXES, Arc, Axes, Control, Dialect, Event, EventKind, Motion, Offset, PLANES, Path, ProgramError, Run, Sense,
-    Source, plane_code,
+    AXES, Axes, Control, Dialect, Event, EventKind, Motion, Offset, PLANES, Path, ProgramError, Run, Sense, Source,
 };
-
-/// A program in the words of another control.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Post {
-    /// The program.
-    pub text: String,
-    /// Lines, from 1, of what has no place in it: motions to reference points and in machine coordinates, functions of the
-    /// machine, exact stops where the language has none in a block.
-    pub left_out: Vec<usize>,
-}
 
 /// Decimals of lengths in mm.
 const DECIMALS: usize = 4;
 
-/// Follows a program and writes its motions for `dialect`: in millimetres, absolute, with subprograms, loops, cycles,
+/// Follows a program and writes its motions in a [`Form`], such as a language: in millimetres, absolute, with subprograms, loops, cycles,
 /// frames and compensation worked out. Read again it makes the same motions: ends within half a unit of the fourth decimal
 /// of a millimetre or degree, those of helices in Klartext within two units, since they follow from a rounded pole.
 ///
@@ -57,8 +52,8 @@ const DECIMALS: usize = 4;
 /// let klartext = post(text, &Control::default(), Dialect::Heidenhain).unwrap().text;
 /// assert!(klartext.contains("CC X+0 Y+10\nC X+10 Y+10 DR+"), "{klartext}");
 /// ```
-pub fn post(text: impl Into<Source>, control: &Control, dialect: Dialect) -> Result<Post, ProgramError> {
-    post_as(text, control, dialect, |_, motion| vec![*motion], |speed, _| speed)
+pub fn post(text: impl Into<Source>, control: &Control, form: impl Into<Form>) -> Result<Post, ProgramError> {
+    post_as(text, control, form, |_, motion| vec![*motion], |speed, _| speed)
 }
 
 /// [`post()`] with other motions in place of those of the program: `planned` gets each with its place among all motions, from 0, and
@@ -70,14 +65,17 @@ pub fn post(text: impl Into<Source>, control: &Control, dialect: Dialect) -> Res
 pub fn post_as(
     text: impl Into<Source>,
     control: &Control,
-    dialect: Dialect,
+    form: impl Into<Form>,
     mut planned: impl FnMut(usize, &Motion) -> Vec<Motion>,
     mut speeds: impl FnMut(f64, Sense) -> f64,
 ) -> Result<Post, ProgramError> {
     let mut count = 0;
     let mut run = Run::new(text, control)?;
     let (source, _) = run.dialect();
+    let form = form.into();
+    let dialect = form.dialect;
     let mut writer = Writer::new(dialect);
+    writer.cycles = form.keep_cycles.then(Cycles::default);
     let refused = |line: usize, message: &str| ProgramError::of_line(line, source, message);
     // The spindle as the program has it, and a thread that has begun.
     let (mut turning, mut open) = ((0.0, Sense::Still), None::<Thread>);
@@ -109,26 +107,36 @@ pub fn post_as(
                 "a step from a place that only the machine knows has no absolute end: name a place before it, or give --start",
             ));
         }
-        writer.known = run.position().map(|place| place.is_some());
+        let known = run.position().map(|place| place.is_some());
+        writer.known = known;
+        let fault = |(line, message): (usize, &str)| refused(line, message);
         let EventKind::Motion(motion) = event.kind else {
-            writer.event(&event);
+            if !writer.keeps(&event, known).map_err(fault)? {
+                writer.event(&event);
+            }
             continue;
         };
         let parts = planned(count, &motion);
         count += 1;
         if let Some(thread) = Thread::begins(&motion, event.line, turning, run.pitch()) {
+            writer.end_cycles(event.line).map_err(fault)?;
             open = Some(thread);
             continue;
         }
         for part in parts {
-            writer.motion(&part, event.line).map_err(|message| refused(event.line, message))?;
+            if !writer.keeps(&Event { kind: EventKind::Motion(part), ..event }, known).map_err(fault)? {
+                writer.known = known;
+                writer.motion(&part, event.line).map_err(|message| refused(event.line, message))?;
+            }
         }
     }
     if let Some(thread) = open {
         writer.thread(&thread).map_err(|message| refused(thread.line, message))?;
     }
+    writer.end_cycles(0).map_err(|(line, message)| refused(line, message))?;
     writer.finish();
-    Ok(Post { text: writer.text, left_out: writer.left_out })
+    let holes = writer.cycles.map_or([0, 0], |cycles| cycles.count);
+    Ok(Post { text: writer.text, left_out: writer.left_out, holes })
 }
 
 struct Writer {
@@ -146,6 +154,8 @@ struct Writer {
     tools: Vec<u32>,
     /// Where the list of tools stands.
     head: usize,
+    /// Cycles, where they are kept.
+    cycles: Option<Cycles>,
 }
 
 /// The number with at most so many decimals; with a point where it may count least increments otherwise.
@@ -186,6 +196,7 @@ impl Writer {
             known: [false; 9],
             tools: Vec::new(),
             head: text.find("\nG").map_or(text.len(), |at| at + 1),
+            cycles: None,
         }
     }
 
@@ -341,7 +352,12 @@ impl Writer {
 
     /// F where it changes; its digits keep the time within 1e-6.
     fn feed(&mut self, motion: &Motion) -> String {
-        let text = precise(60.0 * motion.length / motion.time);
+        self.feed_word(60.0 * motion.length / motion.time)
+    }
+
+    /// F of a feed, mm/min, where it changes.
+    fn feed_word(&mut self, feed: f64) -> String {
+        let text = precise(feed);
         if text == self.feed {
             return String::new();
         }
@@ -383,76 +399,6 @@ impl Writer {
         Ok(())
     }
 
-    fn arc(&mut self, motion: &Motion, arc: &Arc) -> Result<(), &'static str> {
-        let [u, v, w] = arc.plane;
-        if self.klartext() && arc.plane != PLANES[0] {
-            return Err("an arc out of the plane XY has no words in Klartext with the tool along Z");
-        }
-        if !self.known[u] || !self.known[v] {
-            return Err(
-                "an arc from a place that only the machine knows has no end: name a place before it, or give --start",
-            );
-        }
-        if arc.plane != self.plane {
-            self.plane = arc.plane;
-            self.line(&format!("G{}", plane_code(arc.plane)));
-        }
-        // The end is rounded first; the centre keeps its distance from the start as it was written.
-        let from = [u, v].map(|axis| self.position[axis].unwrap_or(motion.start[axis]));
-        let centre = [Self::round(arc.centre[0]), Self::round(arc.centre[1])];
-        let turns = ((arc.angle - 1e-9) / TAU).floor().max(0.0);
-        // An arc so short that its ends are written alike would be read as a full circle.
-        let alike = [u, v].into_iter().zip(from).all(|(axis, from)| Self::round(motion.end[axis]) == Self::round(from));
-        if alike && arc.angle < 0.5 * TAU && motion.start[w] == motion.end[w] {
-            return Ok(());
-        }
-        let mut forced = [false; 9];
-        (forced[u], forced[v]) = (true, true);
-        if self.klartext() {
-            let sense = if arc.left { "DR+" } else { "DR-" };
-            let rise = motion.end[w] - motion.start[w];
-            if rise != 0.0 || turns > 0.0 {
-                let sign = if arc.left { '+' } else { '-' };
-                let angle = number(arc.angle.to_degrees(), 7, false);
-                let height = self.value(Self::round(motion.end[w]));
-                let feed = self.feed(motion);
-                // The end follows from the rounded pole. The next helix begins there and its pole makes up for it, so that
-                // helices that follow each other do not drift.
-                let end = [u, v].map(|axis| Self::round(motion.end[axis]));
-                let turn = if arc.left { arc.angle } else { -arc.angle };
-                let pole = pole(from, end, turn).unwrap_or(arc.centre).map(Self::round);
-                self.line(&format!("CC X{} Y{}", self.value(pole[0]), self.value(pole[1])));
-                self.line(&format!("CP IPA{sign}{angle} Z{height} {sense}{feed}"));
-                let [x, y] = turned(from, pole, turn);
-                (self.position[u], self.position[v], self.position[w]) =
-                    (Some(x), Some(y), Some(Self::round(motion.end[w])));
-            } else {
-                self.line(&format!("CC X{} Y{}", self.value(centre[0]), self.value(centre[1])));
-                let words = self.axes(&motion.end, forced);
-                let feed = self.feed(motion);
-                self.line(&format!("C{words} {sense}{feed}"));
-            }
-            return Ok(());
-        }
-        let words = self.axes(&motion.end, forced);
-        let letters = ['I', 'J', 'K'];
-        let offset = |slot: usize, axis: usize| format!(" {}{}", letters[axis], self.value(centre[slot] - from[slot]));
-        let middle = offset(0, u) + &offset(1, v);
-        let count = if turns == 0.0 {
-            String::new()
-        } else {
-            match self.dialect {
-                Dialect::Siemens => format!(" TURN={turns}"),
-                Dialect::Fanuc | Dialect::FanucLathe => format!(" L{}", turns + 1.0),
-                Dialect::Haas | Dialect::LinuxCnc | Dialect::Heidenhain => format!(" P{}", turns + 1.0),
-            }
-        };
-        let code = if arc.left { "G3" } else { "G2" };
-        let feed = self.feed(motion);
-        self.line(&format!("{code}{words}{middle}{count}{feed}"));
-        Ok(())
-    }
-
     fn finish(&mut self) {
         let tools: String = (self.tools.iter())
             .map(|tool| match self.dialect {
@@ -467,24 +413,4 @@ impl Writer {
             Dialect::Heidenhain => self.text.push_str("M30\nEND PGM MAIN MM\n"),
         }
     }
-}
-
-/// `point` turned about `pole` by `angle`, rad.
-fn turned(point: [f64; 2], pole: [f64; 2], angle: f64) -> [f64; 2] {
-    let (sin, cos) = angle.sin_cos();
-    let [x, y] = [point[0] - pole[0], point[1] - pole[1]];
-    [pole[0] + cos * x - sin * y, pole[1] + sin * x + cos * y]
-}
-
-/// The pole about which `angle` turns `start` to `end`; `None` where turns so near a whole number tell little of it.
-fn pole(start: [f64; 2], end: [f64; 2], angle: f64) -> Option<[f64; 2]> {
-    /// Twice the sine of half the angle that still tells the pole (assumption).
-    const LEAST: f64 = 0.05;
-    let (sin, cos) = angle.sin_cos();
-    let determinant = 2.0 * (1.0 - cos);
-    // (1 − R)·pole = end − R·from.
-    let [x, y] = turned(start, [0.0, 0.0], angle);
-    let [x, y] = [end[0] - x, end[1] - y];
-    let side = 1.0 - cos;
-    (determinant > LEAST * LEAST).then(|| [(side * x - sin * y) / determinant, (sin * x + side * y) / determinant])
 }

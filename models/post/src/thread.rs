@@ -167,6 +167,7 @@ impl Writer {
         if own {
             self.turn(programmed);
         }
+        self.tapped();
         // A cycle has a feed of its own, and ends where it began.
         self.feed.clear();
         self.position[2] = Some(Self::round(up.end[2]));

@@ -35,6 +35,10 @@ impl Units {
     }
 }
 
+/// Clearance above the last depth on LinuxCNC, mm: 0.010 in, the constant `G83_RAPID_DELTA` of the interpreter up to
+/// LinuxCNC 2.9.
+const LINUXCNC_CLEARANCE: f64 = 0.254;
+
 /// The settings of a control that a program does not state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Control {
@@ -162,9 +166,9 @@ impl Control {
         Ok(())
     }
 
-    /// Clearance of pecks where a control has none of its own, mm; 1 mm is an assumption.
-    pub(crate) fn clearance(&self) -> f64 {
-        self.peck_clearance.unwrap_or(1.0)
+    /// Clearance of pecks in force in a language, mm: that of LinuxCNC, else 1 mm, where none is set (an assumption).
+    pub fn clearance(&self, dialect: Dialect) -> f64 {
+        self.peck_clearance.unwrap_or(if dialect == Dialect::LinuxCnc { LINUXCNC_CLEARANCE } else { 1.0 })
     }
 
     /// Keys of [`Control::set`].

@@ -8,6 +8,8 @@ mod lathes;
 mod long_programs;
 #[path = "controls/mutations.rs"]
 mod mutations;
+#[path = "controls/polar.rs"]
+mod polar;
 #[path = "controls/shop_floor.rs"]
 mod shop_floor;
 #[path = "controls/whole_programs.rs"]

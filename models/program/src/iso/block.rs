@@ -70,18 +70,7 @@ impl Iso {
             }
         }
         self.by_angle(&mut target, words, kernel)?;
-        let [u, v, _] = kernel.plane;
-        if self.modes.polar.is_some() && (target.names(u) || target.names(v)) {
-            if target.step[u].is_some() || target.step[v].is_some() {
-                return Err(Fault::new(
-                    "polar coordinates by steps (G16 with G91) differ by control; write them absolute",
-                ));
-            }
-            let unit = kernel.scale.unwrap_or(1.0);
-            if let Some((x, y)) = self.modes.polar_place(target.absolute[u], target.absolute[v], unit) {
-                (target.absolute[u], target.absolute[v]) = (Some(x), Some(y));
-            }
-        }
+        self.polar(&mut target, kernel)?;
         Ok(target)
     }
 

@@ -2,6 +2,7 @@
 
 use super::modes::Move;
 use super::once::Once;
+use super::polar::Polar;
 use super::run::Iso;
 use super::words::Words;
 use crate::Dialect;
@@ -110,7 +111,7 @@ impl Iso {
                 Modal
             }
             160 if !lathe && macros => {
-                self.modes.polar = Some((0.0, 0.0));
+                self.modes.polar = Some(Polar::default());
                 Modal
             }
             170 | 180 | 190 => {

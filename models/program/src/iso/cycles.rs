@@ -33,10 +33,6 @@ pub(super) struct Cycle {
 /// Greatest number of repeats of a hole: a bound against programs without end (assumption).
 const REPEATS: f64 = 1e5;
 
-/// Clearance above the last depth on LinuxCNC, mm: 0.010 in, the constant `G83_RAPID_DELTA` of the interpreter up to
-/// LinuxCNC 2.9.
-const LINUXCNC_CLEARANCE: f64 = 0.254;
-
 impl Iso {
     pub(super) fn begin_cycle(&mut self, code: u32, kernel: &Kernel) -> Result<(), Fault> {
         if self.dialect == Dialect::LinuxCnc && matches!(code, 76 | 87) {
@@ -147,11 +143,11 @@ impl Iso {
         if !bores || count == 0 {
             return Ok(());
         }
-        if let Some((radius, angle)) = self.polar(&target, kernel) {
-            (target.absolute[u], target.absolute[v]) = (Some(radius), Some(angle));
-        }
         for _ in 0..count {
-            self.hole_at(&target, cycle, kernel)?;
+            // Polar steps go on from hole to hole.
+            let mut place = target;
+            self.polar(&mut place, kernel)?;
+            self.hole_at(&place, cycle, kernel)?;
         }
         Ok(())
     }
@@ -187,11 +183,7 @@ impl Iso {
         let level = if self.modes.initial_return { initial } else { reference };
         let level = if linuxcnc { level.max(reference) } else { level };
         kernel.straight(target, true)?;
-        let clearance = if linuxcnc && kernel.control.peck_clearance.is_none() {
-            LINUXCNC_CLEARANCE
-        } else {
-            kernel.control.clearance()
-        };
+        let clearance = kernel.control.clearance(self.dialect);
         let pecks = |retract: Option<f64>| -> Result<Option<Pecks>, Fault> {
             let depth = cycle.first.or(cycle.peck).unwrap_or(0.0);
             if depth <= 0.0 {
@@ -231,12 +223,6 @@ impl Iso {
             code => return Err(Fault::new(format!("G{code} is no cycle that is followed"))),
         };
         kernel.hole(&hole)
-    }
-
-    /// Place of polar coordinates in force, already in the plane.
-    fn polar(&mut self, target: &Target, kernel: &Kernel) -> Option<(f64, f64)> {
-        let [u, v, _] = kernel.plane;
-        self.modes.polar_place(target.absolute[u], target.absolute[v], kernel.scale.unwrap_or(1.0))
     }
 
     /// Hole patterns of Haas: a circle (G70), an arc (G71), a line (G72).

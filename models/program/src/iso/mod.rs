@@ -10,6 +10,7 @@ mod once;
 mod parse;
 mod path;
 mod pocket;
+mod polar;
 mod run;
 mod turn;
 mod variables;

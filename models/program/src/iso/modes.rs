@@ -1,5 +1,6 @@
 //! Modal state of a program beside the kernel's.
 
+use super::polar::Polar;
 use crate::frame::Frame;
 use crate::kernel::{FeedMode, Kernel};
 use crate::motion::{Axes, PLANES, plane_code};
@@ -29,7 +30,7 @@ pub(super) struct Modes {
     pub arc_absolute: bool,
     /// G98: to the initial level.
     pub initial_return: bool,
-    pub polar: Option<(f64, f64)>,
+    pub polar: Option<Polar>,
     pub rotation: Option<(f64, [f64; 2])>,
     pub scaling: Option<([f64; 3], [f64; 3])>,
     pub mirror: [Option<f64>; 3],
@@ -101,16 +102,6 @@ impl Modes {
                 None => modal.remove(&group),
             };
         }
-    }
-
-    /// Place of a radius and an angle, where polar coordinates are in force.
-    pub fn polar_place(&mut self, first: Option<f64>, second: Option<f64>, unit: f64) -> Option<(f64, f64)> {
-        let (radius, degrees) = self.polar.as_mut()?;
-        *radius = first.unwrap_or(*radius);
-        // The second word is an angle, whatever the unit of lengths.
-        *degrees = second.map_or(*degrees, |value| value / unit);
-        let (sin, cos) = crate::frame::turn(*degrees);
-        Some((*radius * cos, *radius * sin))
     }
 
     /// Turn of the work offset in force, degrees.

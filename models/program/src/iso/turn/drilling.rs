@@ -7,6 +7,7 @@
 //! level; a tap turns back at the bottom; G85 and G89 draw the tool out to the plane at twice the feed; pecks are drawn back
 //! by the clearance (parameter 5101.2 = 0, as the control is delivered), or to the plane.
 
+use crate::Dialect;
 use crate::error::Fault;
 use crate::hole::{Clearance, Exit, Hole, Pecks, stops};
 use crate::iso::run::Iso;
@@ -102,7 +103,7 @@ fn hole_at(target: &Target, drilling: Drilling, kernel: &mut Kernel) -> Result<(
     kernel.straight(target, true)?;
     let pecks = match peck {
         Some(peck) => {
-            let clearance = kernel.control.clearance();
+            let clearance = kernel.control.clearance(Dialect::FanucLathe);
             let full = kernel.control.full_pecks;
             if !full {
                 kernel.note(
