@@ -8,7 +8,7 @@ use toolroom_shards::{Work, read_plan};
 
 pub fn run(args: &MergeArgs, voice: &Voice) -> Result<(), Failure> {
     let plan = read_plan(&args.dir.join("plan.json"))
-        .map_err(|error| Failure::argument(error, "give the directory into which shards were run with --out"))?;
+        .map_err(|error| Failure::located(error, "give the directory into which shards were run with --out"))?;
     plan.check(env!("CARGO_PKG_VERSION"))?;
     match plan.kind {
         Work::Lobes => lobes::merge(&plan, &args.dir, args.out.as_deref(), voice),

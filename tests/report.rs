@@ -125,6 +125,30 @@ fn a_report_fits_the_window_and_the_page_and_no_label_lies_on_another() {
 }
 
 #[test]
+fn a_diagnosis_has_no_table_that_is_cut_on_paper() {
+    let Some(browser) = browser() else {
+        println!("skipped: no Chromium on this machine");
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("gap");
+    let shipped = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name);
+    let run = Command::new(env!("CARGO_BIN_EXE_toolroom"))
+        .args(["gap", "diagnose", "--quiet", "--model"])
+        .arg(shipped("gap/turning.toml"))
+        .arg("--data")
+        .arg(shipped("new/wear.csv"))
+        .arg("--out")
+        .arg(&out)
+        .output()
+        .expect("toolroom runs");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let html = std::fs::read_to_string(out.join("report.html")).expect("a report");
+    let measured = measured(browser, folder.path(), &html.replace("@media print", "@media all"), MEASURE, 688);
+    assert_eq!(measured.split_once(' ').expect("a height").1, "0 [] []", "something is wider than the page");
+}
+
+#[test]
 fn every_text_of_a_report_can_be_read_in_light_and_in_the_dark() {
     let Some(browser) = browser() else {
         println!("skipped: no Chromium on this machine");

@@ -6,7 +6,7 @@ use crate::readings::Readings;
 use crate::sentence::{sentence, words};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use toolroom_chart::page::{Provenance, Report, Section, Tile};
+use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Cell, Table, number};
 use toolroom_gap::{Diagnosis, GapVerdict};
 
@@ -184,11 +184,13 @@ impl Page {
         let heading =
             |text: &str| if of.is_empty() { text.to_owned() } else { format!("{of}: {}", text.to_lowercase()) };
         let order = self.order();
-        let drawn = || order.iter().take(DRAWN);
-        let mut measured = Section::new(heading("Measured against predicted"));
-        measured = drawn().filter_map(|channel| equality(&self.readings, *channel)).fold(measured, Section::figure);
-        let mut over_time = Section::new(heading("Over time"));
-        over_time = drawn().filter_map(|channel| course(&self.readings, *channel)).fold(over_time, Section::figure);
+        let drawn = |draw: &dyn Fn(&Readings, usize) -> Option<Figure>| -> Vec<(String, Figure)> {
+            let channels = order.iter().take(DRAWN);
+            let name = |channel: usize| words(&self.readings.channels[channel].name);
+            channels.filter_map(|channel| Some((name(*channel), draw(&self.readings, *channel)?))).collect()
+        };
+        let measured = pictures(Section::new(heading("Measured against predicted")), drawn(&equality));
+        let over_time = pictures(Section::new(heading("Over time")), drawn(&course));
         let mut sections = vec![measured.table("Measured less predicted", self.residuals()), over_time];
         sections.extend(map(&self.readings).map(|figure| Section::new(heading("Where and when")).figure(figure)));
         if !self.diagnosis.facts.is_empty() {
@@ -208,6 +210,15 @@ impl Page {
         sections.push(Section::new(heading("Next action")).paragraph(self.next()).list(self.diagnosis.notes.clone()));
         sections
     }
+}
+
+/// Figures beside each other, or one after the other where there are more than two: a page of
+/// a shop would be longer than anybody reads.
+fn pictures(section: Section, figures: Vec<(String, Figure)>) -> Section {
+    if figures.len() > 2 {
+        return section.choice(figures);
+    }
+    figures.into_iter().map(|(_, figure)| figure).fold(section, Section::figure)
 }
 
 /// The report as one HTML file without scripts and network; `details` say how the answer came about.

@@ -51,7 +51,7 @@ code{font:12.5px/1.5 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;overfl
 const PRINT: &str = "\
 @page{margin:14mm}\
 body{max-width:none;background:none;font-size:10.5pt}header,section,nav,footer{border:0;padding:8px 0}\
-figure,.tiles,tr,.remark,.scroll{break-inside:avoid}h2{break-after:avoid}details{display:none}table,.scroll>table{font-size:7.5pt}th,td{padding-right:6px;overflow-wrap:break-word}.num{white-space:nowrap}thead th{white-space:normal}.wide>table{font-size:6.5pt}\
+figure,.tiles,tr,.remark,.scroll{break-inside:avoid}h2{break-after:avoid}details{display:none}table,.scroll>table{font-size:7.5pt}th,td{padding-right:6px;overflow-wrap:break-word}.num{white-space:nowrap}thead th,thead th.num{white-space:normal}.wide>table{font-size:6.5pt}\
 .blocks{display:block}.choice>input,.choice>label{display:none}.choice>.panel{display:block}\
 .chart,.scroll{overflow:visible;max-height:none}.chart>svg{min-width:0}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}";
 
