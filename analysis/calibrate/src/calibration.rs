@@ -188,14 +188,7 @@ impl Calibration {
         Self::with_progress(measured, base, request, &|_, _| ())
     }
 
-    /// As [`new`](Self::new); `progress` is told how many parts of the work are done, of how many: the fit of every law and its
-    /// predictions of edges that are left out, the draws of the posterior, what follows from them.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    ///
-    /// # Panics
-    /// Where the request names no law.
+    /// As [`new`](Self::new), with its errors; `progress` is told how many parts of the work are done, of how many.
     pub fn with_progress(
         measured: Measured,
         base: impl Into<Base>,

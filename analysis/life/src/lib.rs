@@ -40,6 +40,7 @@ pub mod goodness;
 pub mod law;
 pub mod maximise;
 pub mod measured;
+mod measured_location;
 pub mod measured_study;
 mod normal;
 pub mod page;

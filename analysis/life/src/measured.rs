@@ -2,7 +2,6 @@
 
 use super::sample::Observation;
 use std::collections::BTreeMap;
-use toolroom_location::{Located, Location};
 use toolroom_process::table::{BrokenQuote, Lines, broken_quote};
 
 /// Why a file of measured lives was not read.
@@ -106,21 +105,6 @@ pub enum MeasuredError {
         /// Age before.
         before: f64,
     },
-}
-
-impl Located for MeasuredError {
-    fn location(&self) -> Option<Location> {
-        match self {
-            Self::Quote { file, fault } => Some(Location::line(file, fault.line())),
-            Self::MissingColumn { file, .. } => Some(Location::line(file, 1)),
-            Self::CellCount { file, line, .. }
-            | Self::Cell { file, line, .. }
-            | Self::DecimalSign { file, line, .. }
-            | Self::Age { file, line, .. }
-            | Self::Backwards { file, line, .. } => Some(Location::line(file, *line)),
-            Self::Encoding { file, .. } | Self::NoRows { file, .. } => Some(Location::of(file)),
-        }
-    }
 }
 
 /// Lives that occur, in the unit of their column: from less than a microsecond in hours to thirty thousand

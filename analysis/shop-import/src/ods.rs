@@ -59,11 +59,11 @@ pub(crate) fn bounded(path: &Path) -> Result<(), String> {
 
 fn document(text: &str) -> Result<Document<'_>, String> {
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-    Document::parse_with_options(text, options).map_err(|error| match error {
-        roxmltree::Error::NodesLimitReached => {
-            format!("it has more than {MOST_NODES} cells and texts; save the sheet as CSV")
+    Document::parse_with_options(text, options).map_err(|error| {
+        if matches!(error, roxmltree::Error::NodesLimitReached) {
+            return format!("it has more than {MOST_NODES} cells and texts; save the sheet as CSV");
         }
-        error => error.to_string(),
+        error.to_string()
     })
 }
 
