@@ -399,4 +399,11 @@ fn check_refuses_what_run_would_refuse() {
     let scenario = with_unit(folder.path(), &unit);
     expect(0, &["check", &scenario]);
     expect(0, &["run", &scenario, "--replications", "3", "--out", &out, "--force"]);
+    // A unit of fixed steps of which none is taken in a pass.
+    let fixed = ("canHandleVariableCommunicationStepSize=\"true\"", "fixedInternalStepSize=\"1000\"");
+    let scenario = with_unit(folder.path(), &fixture::unit(folder.path(), &[], fixed));
+    for (code, verb) in [(2, &["check", &scenario][..]), (1, &["run", &scenario, "--out", &out, "--force"])] {
+        let output = expect(code, verb);
+        assert!(words(&output).contains(&words_of("cannot be met within half a step")), "{}", stderr(&output));
+    }
 }

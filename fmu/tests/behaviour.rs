@@ -496,6 +496,10 @@ fn a_step_that_would_take_too_long_asks_for_shorter_ones() {
     // Without commands within it a long step is one integration.
     for model in ["turning", "milling"] {
         Bench::new(model, HELD).start().unit.do_step(0.0, 1e9).expect("one integration");
+        for endless in [1e12, 1e300] {
+            let refused = Bench::new(model, HELD).start().unit.do_step(0.0, endless).expect_err("endless").to_string();
+            assert!(refused.contains("would not end within a second: take steps of at most 2000000000 s"), "{refused}");
+        }
     }
 }
 

@@ -324,6 +324,9 @@ struct Messages(Mutex<Vec<String>>);
 /// Messages kept of one call.
 const KEPT: usize = 8;
 
+/// Letters kept of one message (assumption: what is wrong is said in them).
+const LETTERS: usize = 1000;
+
 impl Messages {
     fn environment(&self) -> *mut c_void {
         std::ptr::from_ref(self).cast_mut().cast()
@@ -344,7 +347,7 @@ impl Messages {
             if kept.len() == KEPT {
                 kept.remove(0);
             }
-            kept.push(text.to_string_lossy().trim().to_owned());
+            kept.push(shown(&text.to_string_lossy()));
         }
     }
 
@@ -375,6 +378,20 @@ impl Messages {
     }
 }
 
+/// A message as it can be shown: control characters, which could clear a terminal, are escaped, and the rest of a long one
+/// is left out.
+fn shown(message: &str) -> String {
+    let message = message.trim();
+    let mut shown = String::new();
+    for letter in message.chars().take(LETTERS) {
+        if letter.is_control() { shown.extend(letter.escape_default()) } else { shown.push(letter) }
+    }
+    if message.chars().nth(LETTERS).is_some() {
+        shown.push_str(&format!(" … ({} bytes in all)", message.len()));
+    }
+    shown
+}
+
 /// A text of a unit, empty where it gave none.
 ///
 /// # Safety
@@ -392,3 +409,16 @@ const DISCARD: u32 = 2;
 
 /// The status after which an instance may not even be freed.
 const FATAL: u32 = 4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_cut_and_cannot_steer_a_terminal() {
+        assert_eq!(shown(" the solver\u{1b}[31m gave up\n"), "the solver\\u{1b}[31m gave up");
+        assert_eq!(shown("two\nlines of µ"), "two\\nlines of µ");
+        let long = shown(&"y".repeat(5_000_000));
+        assert!(long.len() < 1100 && long.ends_with("… (5000000 bytes in all)"), "{long}");
+    }
+}

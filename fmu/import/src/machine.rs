@@ -471,6 +471,9 @@ impl MachineProcess for UnitProcess {
     fn goes_back(&self) -> bool {
         self.keeping.goes_back()
     }
+    fn fixed_step(&self) -> Option<f64> {
+        self.grid
+    }
     fn settle(&self, x: &[f64]) {
         self.keeping.settle(&x[..self.keeping.length()]);
     }

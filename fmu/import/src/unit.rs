@@ -291,7 +291,10 @@ impl Unit {
         let folder = tempfile::Builder::new().prefix("toolroom-fmu-").tempdir().map_err(unwritable)?;
         let unpacked = folder.path().join("unit");
         archive.unpack(&unpacked)?;
-        let refused = |reason: String| LoadError::Library { path: path.to_owned(), library: library.clone(), reason };
+        let refused = |reason: String| {
+            let reason = reason.strip_prefix("nothing: ").map(str::to_owned).unwrap_or(reason); // of a worker that ended
+            LoadError::Library { path: path.to_owned(), library: library.clone(), reason }
+        };
         let resources = unpacked.join("resources");
         let plan = Plan {
             major: description.major.into(),

@@ -71,13 +71,14 @@ impl Watch {
         for (output, value) in self.outputs.iter().zip(values) {
             let Watched { variable, unit, min, max, field, wire } = output;
             let refused = |rule: String| {
+                let value = told(*value);
                 Err(KeepingError::Impossible(format!("at {time} s of its time {variable} = {value}{unit}, {rule}")))
             };
             if !value.is_finite() {
                 return refused("which is no finite number".to_owned());
             }
             if value < min || value > max {
-                return refused(format!("outside {min} to {max}{unit} of its description"));
+                return refused(format!("outside {} to {}{unit} of its description", told(*min), told(*max)));
             }
             if let Err(outside) = field.check(wire.inward(*value)) {
                 return refused(format!("which cannot be: {outside}"));
@@ -87,14 +88,19 @@ impl Watch {
         let (output, wear) = (&self.outputs[i], self.outputs[i].wire.inward(values[i]));
         if wear < worn * (1.0 - ROUNDING) {
             return Err(KeepingError::Impossible(format!(
-                "at {time} s of its time {} = {}{} is less than before ({} {}): an edge does not grow back",
+                "at {time} s of its time {} = {}{unit} is less than before ({}{unit}): an edge does not grow back",
                 output.variable,
-                values[i],
-                output.unit,
-                output.field.to_display(worn),
-                output.field.display,
+                told(values[i]),
+                told(output.wire.outward(worn)),
+                unit = output.unit,
             )));
         }
         Ok(wear)
     }
+}
+
+/// A number in a message: one of many digits by its power of ten.
+fn told(value: f64) -> String {
+    let many = value.is_finite() && value != 0.0 && !(1e-9..1e12).contains(&value.abs());
+    if many { format!("{value:e}") } else { value.to_string() }
 }

@@ -253,6 +253,46 @@ fn every_fault_of_a_description_is_found_by_its_rule() {
             Description,
             "<CoSimulation> has no attribute hasEventmode",
         ),
+        (
+            TWO,
+            "<ModelStructure>",
+            "<ModelStructure reinit=\"x\">",
+            Description,
+            "<ModelStructure> has no attribute reinit",
+        ),
+        (THREE, "<ModelStructure>", "<ModelStructure min=\"m\">", Description, "<ModelStructure> has no attribute min"),
+        (THREE, "<ModelVariables>", "<ModelVariables min=\"m\">", Description, "<ModelVariables> has no attribute min"),
+        (
+            TWO,
+            "</fmiModelDescription>",
+            "<ModelStructure/></fmiModelDescription>",
+            Description,
+            "has more than one <ModelStructure>",
+        ),
+        (
+            THREE,
+            "</fmiModelDescription>",
+            "<LogCategories/></fmiModelDescription>",
+            Description,
+            "<LogCategories> stands after <ModelStructure>",
+        ),
+        (TWO, "<Boolean/>", "<Boolean/><Boolean/>", Description, "<ScalarVariable> has more than one <Boolean>"),
+        (TWO, "<Boolean/>", "<Boolean/><Real/>", Description, "<ScalarVariable> has more than one <Boolean>"),
+        (THREE, "<Output valueReference=\"2\" dependencies=\"2\"/>", "", Structure, "as output: wear"),
+        (
+            THREE,
+            "<Output valueReference=\"2\" dependencies=\"2\"/>",
+            "<InitialUnknown valueReference=\"3\"/><Output valueReference=\"2\" dependencies=\"2\"/>",
+            Description,
+            "<Output> stands after <InitialUnknown>",
+        ),
+        (
+            THREE,
+            "causality=\"independent\" variability",
+            "causality=\"independent\" initial=\"calculated\" variability",
+            Description,
+            "is neither known nor unknown at first, not calculated",
+        ),
     ];
     for (sound, from, to, rule, expected) in cases {
         let text = sound.replacen(from, to, 1);

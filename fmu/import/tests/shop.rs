@@ -85,9 +85,14 @@ fn numbers(log: &RunLog) -> Vec<(String, f64)> {
 
 /// The shop of fmu-lathe.toml under one policy, native and imported, agrees to `relative`.
 fn agree(version: Version, policy: usize, limit: &str, relative: f64) {
+    agree_under(version, policy, limit, relative, &[]);
+}
+
+/// The same with more `changes` of both.
+fn agree_under(version: Version, policy: usize, limit: &str, relative: f64, more: &[&str]) {
     let limits = ["constant", "adaptive"].map(|name| format!("policy.{name}.tool_change.limit={limit}"));
     let mut changes = vec!["shop.horizon=6 h"];
-    changes.extend(limits.iter().map(String::as_str));
+    changes.extend(limits.iter().map(String::as_str).chain(more.iter().copied()));
     let native = scenario("fmu-lathe-native", &changes.iter().map(|each| (*each).to_owned()).collect::<Vec<_>>());
     let imported = scenario("fmu-lathe", &with_unit(&turning(version), &changes));
     let (a, b) = (shop::run(&native, policy, 0).unwrap(), shop::run(&imported, policy, 0).unwrap());
@@ -110,6 +115,13 @@ fn the_exported_turning_unit_gives_the_native_shop() {
     agree(Version::Three, 0, "0.5 mm", 1e-5);
     // The native process samples its sensors without restarting its integrator.
     agree(Version::Three, 1, "0.2 mm", 1e-4);
+}
+
+#[test]
+fn policies_that_know_the_wear_are_shown_that_of_a_unit() {
+    for change in ["policy.adaptive.speed=oracle", "policy.adaptive.knows=wear", "policy.adaptive.knows=edge"] {
+        agree_under(Version::Three, 1, "0.2 mm", 1e-6, &[change]);
+    }
 }
 
 #[test]
@@ -181,6 +193,37 @@ fn without_fmu_state_a_shop_with_breakdowns_is_refused_and_one_without_runs() {
     for (a, b) in forward.passes.iter().zip(&whole.passes) {
         assert_eq!((a.end, a.flank_wear_end), (b.end, b.flank_wear_end));
     }
+}
+
+#[test]
+fn a_policy_that_plans_with_a_unit_says_what_it_believes() {
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/fmu-lathe.toml"));
+    let text = text
+        .expect("shipped")
+        .replace("../out/fmu/toolroom_turning_fmi3.fmu", &turning(Version::Two).display().to_string());
+    set_importer(import);
+    let without = text.replace("believed_model = \"ni_vk6om\"\n", "");
+    assert_ne!(text, without);
+    let refused = file::parse("shop.toml", &without, &[]).expect_err("nothing to plan on").to_string();
+    assert!(refused.contains("policy \"adaptive\" plans the cuts of tool \"insert\""), "{refused}");
+    assert!(!refused.contains("policy \"constant\""), "{refused}");
+    let programmed = without.replace("speed = \"productivity\"", "speed = \"programmed\"");
+    file::parse("shop.toml", &programmed, &[]).expect("as programmed it needs no model");
+}
+
+#[test]
+fn a_unit_of_fixed_steps_longer_than_two_passes_is_refused() {
+    let folder = TempDir::new().expect("a folder");
+    let fixed = |step: &str| {
+        let flags = "canHandleVariableCommunicationStepSize=\"true\"";
+        let to = format!("fixedInternalStepSize=\"{step}\"");
+        let shop = with_fixture(folder.path(), &[], (flags, &to), false).expect("valid");
+        shop::run(&shop, 0, 0)
+    };
+    // A pass takes 56.5 s.
+    let refused = fixed("1000").expect_err("no step is taken in a pass");
+    assert!(matches!(&refused, ShopError::FixedStep { pass, .. } if (pass - 56.55).abs() < 0.01), "{refused}");
+    fixed("113").expect("its end is met within half a step");
 }
 
 #[test]

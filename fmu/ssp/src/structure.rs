@@ -113,6 +113,8 @@ struct Edge {
 struct Collected {
     components: Vec<Component>,
     edges: Vec<Edge>,
+    /// Paths of systems.
+    systems: Vec<String>,
 }
 
 /// Reads the text of a structure; `values` gives the text of another entry of the package.
@@ -149,9 +151,43 @@ pub(crate) fn read(reader: &mut Reader, root: Node<'_, '_>, values: &mut values:
     if let Some(twice) = name {
         reader.fault_at(twice.line, format!("there are two elements of the name \"{}\"", twice.name));
     }
+    expect_defined(reader, root, &structure);
+    for edge in &collected.edges {
+        for (element, _) in [&edge.from, &edge.to] {
+            let known =
+                collected.systems.contains(element) || structure.components.iter().any(|each| each.name == *element);
+            if !known {
+                reader
+                    .fault_at(edge.line, format!("the connection names an element \"{element}\", which is not there"));
+            }
+        }
+    }
     structure.connections = connections(reader, &structure.components, &collected.edges);
     structure.boundary = boundary(system, &structure.components, &collected.edges);
     structure
+}
+
+/// That the version is one that is read, and that every unit of a connector has a definition, which tells what it means.
+fn expect_defined(reader: &mut Reader, root: Node<'_, '_>, structure: &SystemStructure) {
+    let version = structure.version.as_str();
+    if !(version.is_empty() || version == "1.0" || version == "2.0" || version.starts_with("2.0-")) {
+        reader.fault(root, format!("version = \"{version}\" of the standard is not read: 1.0 and 2.0 are"));
+    }
+    let defined: Vec<&str> = root
+        .children()
+        .filter(|node| node.has_tag_name_local("Units"))
+        .flat_map(|list| list.children())
+        .filter_map(|unit| unit.attribute("name"))
+        .collect();
+    for component in &structure.components {
+        for connector in &component.connectors {
+            if let Some(unit) = connector.unit.as_deref().filter(|unit| !defined.contains(unit)) {
+                let what =
+                    format!("{}.{} is in \"{unit}\", which <Units> does not define", component.name, connector.name);
+                reader.fault_at(component.line, what);
+            }
+        }
+    }
 }
 
 /// Units by name: those that the file gives in terms of SI.
@@ -195,6 +231,7 @@ fn walk(
     values: &mut values::Source<'_>,
 ) {
     let first = collected.components.len();
+    collected.systems.push(path.to_owned());
     for child in system.children().filter(Node::is_element) {
         match child.tag_name().name() {
             "Elements" => {

@@ -109,6 +109,23 @@ pub(crate) fn wires(
         }
         Ok(Wire { from: (from.component, place), to: to.component, port: Port::from_variable(&target), factor, offset })
     };
+    for (component, unit) in structure.components.iter().zip(units) {
+        for connector in &component.connectors {
+            let Some(variable) = unit.variable(&connector.name) else { continue };
+            let contrary = match connector.kind.as_str() {
+                "input" => {
+                    matches!(variable.causality.as_str(), "output" | "local" | "independent" | "calculatedParameter")
+                }
+                "output" => matches!(variable.causality.as_str(), "input" | "parameter" | "structuralParameter"),
+                _ => false, // of parameters the kinds of both standards differ
+            };
+            if contrary {
+                let connection = format!("{}.{}", component.name, connector.name);
+                let reason = format!("{} of the system, but {} of the unit", connector.kind, variable.causality);
+                return Err(MasterError::Connection { connection, reason });
+            }
+        }
+    }
     structure.connections.iter().map(wire).collect()
 }
 

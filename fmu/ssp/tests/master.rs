@@ -112,6 +112,16 @@ fn the_error_of_both_is_of_first_order_in_the_step() {
 }
 
 #[test]
+fn a_connector_of_another_kind_than_its_variable_is_refused() {
+    let output = "<ssd:Connector name=\"tool.VB\" kind=\"output\"/>";
+    let contrary = format!("{output}<ssd:Connector name=\"tool.worn\" kind=\"input\"/>");
+    let (_folder, path) = package(&[], output, &contrary);
+    let loaded = System::load(&mut Package::open(&path).expect("a package"), &rates(), &Isolation::None);
+    let error = loaded.expect_err("an output is no input").to_string();
+    assert_eq!(error, "A.tool.worn: input of the system, but output of the unit");
+}
+
+#[test]
 fn units_of_a_signal_are_converted_or_refused() {
     let (_folder, path) = package(&[], " suppressUnitConversion=\"true\"/>", "/>");
     let loaded = System::load(&mut Package::open(&path).expect("a package"), &rates(), &Isolation::None);

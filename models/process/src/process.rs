@@ -157,6 +157,11 @@ pub trait MachineProcess: Send + Sync {
     fn goes_back(&self) -> bool {
         true
     }
+    /// The only step that the process takes, s; `None` where any will do, as native processes have it. A pass of such a
+    /// process ends up to half a step before or after its time.
+    fn fixed_step(&self) -> Option<f64> {
+        None
+    }
     /// That the edge goes on from `x`: none of its earlier states will be used again. A process that keeps
     /// states outside of `x`, as imported units do, frees them.
     fn settle(&self, _x: &[f64]) {}

@@ -48,6 +48,10 @@ pub const CODES: &[(&str, &str)] = &[
         "The vibration modes around a cut come from a lobes file, named from the folder of the scenario. `toolroom lobes FILE` draws it and tells its faults with their places.",
     ),
     (
+        "believed-model",
+        "Policies find speeds, and predict when an edge is due, on a model of tool and work. A native tool has its parameter set for that; an imported unit tells nobody its parameters. `believed_model` in [[policy]] names the parameter set that the policy plans on; it need not be the truth. Speeds as programmed or given (`programmed`, `constant` with `cutting_speed`) need none.",
+    ),
+    (
         "unit",
         "An FMI unit can stand in for turning or milling where it has a Co-Simulation interface, a library for this computer and an input for the cutting speed. `toolroom fmu check` says what is wrong with a unit, docs/guide/fmu-import.md how it is wired.",
     ),

@@ -137,6 +137,14 @@ pub enum ScenarioFault {
         /// What to do about it.
         fix: String,
     },
+    /// A policy that plans with a unit, which tells nobody its parameters, and believes in no model.
+    #[error("policy \"{policy}\" plans the cuts of tool \"{tool}\", an imported unit, and has no model to plan on")]
+    UnbelievedUnit {
+        /// The policy.
+        policy: String,
+        /// The tool.
+        tool: String,
+    },
     /// A name in a scope that nothing carries.
     #[error("scope: there is no {key} \"{name}\"")]
     ScopeName {
@@ -289,6 +297,7 @@ impl ContentFault for ScenarioFault {
             Self::Policy { .. } => "policy",
             Self::Structure { .. } => "structure",
             Self::Unit { .. } => "unit",
+            Self::UnbelievedUnit { .. } => "believed-model",
             Self::ScopeName { .. } => "scope-name",
             Self::DateWithoutStart { .. } => "date-without-start",
             Self::NoDate { .. } => "no-date",
@@ -323,6 +332,9 @@ impl ContentFault for ScenarioFault {
             }
             Self::ShiftsOverlap { .. } => "order the shifts and let each end before the next starts".to_owned(),
             Self::Unit { fix, .. } | Self::Arrangement { fix, .. } => fix.clone(),
+            Self::UnbelievedUnit { .. } => {
+                "name the parameter set that it believes in: believed_model = \"ni_vk6om\"".to_owned()
+            }
             Self::DateWithoutStart { .. } => {
                 "write `start = \"2026-03-30 00:00\"` in [shop], or the time since the start, such as \"12 day\""
                     .to_owned()

@@ -155,6 +155,7 @@ fn contour_passes(walk: &mut Walk, section: &Section<'_>, content: &ContourFile)
 
 /// Whether every policy can plan what it has to: only the whole scenario tells.
 pub(super) fn policies(walk: &mut Walk, scenario: &Scenario, places: &[Span]) {
+    super::speed::needs_model(walk, scenario, places);
     let operations = || scenario.parts.iter().flat_map(|part| &part.operations);
     if !walk.problems.is_empty()
         || !operations().any(|operation| matches!(operation.work, Work::Cycle(_) | Work::Contour(_)))

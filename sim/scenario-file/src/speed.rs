@@ -1,9 +1,12 @@
 //! How a file chooses the cutting speed: the keys of a policy beside those of its rule, their reader.
 
 use super::choices::ProcessKind;
+use super::fault::ScenarioFault;
 use super::keys::quantity::FACTOR;
-use toolroom_form::{Fault, Key, Kind, Section, Walk, joined, significant};
-use toolroom_scenario::{Knowledge, MachineType, SpeedRule};
+use toolroom_form::{Fault, Key, Kind, Section, Span, Walk, joined, significant};
+use toolroom_scenario::{
+    Course, Knowledge, MachineType, PolicyRule, ProcessModel, Scenario, SpeedChoice, SpeedRule, ToolChangeRule, Work,
+};
 
 /// The rule.
 const RULE: &[Key] =
@@ -42,4 +45,38 @@ pub(super) fn speed_rule(walk: &mut Walk, section: &Section<'_>, machines: &[Mac
         }
     }
     rule
+}
+
+/// Whether a rule plans on a model of the tool, by speed or by tool change.
+fn plans(rule: &PolicyRule) -> bool {
+    let by_change = matches!(rule.tool_change, ToolChangeRule::Predicted { .. });
+    by_change
+        || match rule.speed.entry().course {
+            Course::Programmed | Course::Constant(SpeedChoice::Given(_)) => false,
+            Course::Constant(_) | Course::Schedule | Course::Law(_) | Course::Price(_) | Course::SetIncrement(_) => {
+                true
+            }
+        }
+}
+
+/// Policies that plan the speed of an imported unit need a model that they believe in: a unit tells nobody its parameters,
+/// and without one they would all run as programmed.
+pub(super) fn needs_model(walk: &mut Walk, scenario: &Scenario, places: &[Span]) {
+    let cuts = scenario
+        .parts
+        .iter()
+        .flat_map(|part| &part.operations)
+        .filter(|operation| matches!(operation.work, Work::Cutting(_)));
+    let tools = cuts.flat_map(|operation| (0..operation.work.passes()).filter_map(|pass| operation.tool_of_pass(pass)));
+    let unit = tools.filter_map(|tool| scenario.tools.get(tool)).find(|tool| {
+        matches!(tool.process, ProcessModel::Other(_))
+            && tool.process.pair().is_none()
+            && scenario.commands_speed_of(tool)
+    });
+    let Some(tool) = unit else { return };
+    let without = |(rule, _): &(&PolicyRule, &Span)| rule.believed_model.is_none() && plans(rule);
+    for (rule, place) in scenario.policies.iter().zip(places).filter(without) {
+        let fault = ScenarioFault::UnbelievedUnit { policy: rule.name.clone(), tool: tool.name.clone() };
+        walk.fault(place.clone(), fault);
+    }
 }

@@ -59,6 +59,23 @@ pub enum ShopError {
         /// Machine name.
         machine: String,
     },
+    /// A process of fixed steps that no step brings to the end of a pass.
+    #[error(
+        "tool \"{tool}\" takes steps of {step} s only, and a pass of operation \"{operation}\" takes {pass} s: its end cannot be \
+         met within half a step; get a unit with steps of at most {longest} s"
+    )]
+    FixedStep {
+        /// Tool name.
+        tool: String,
+        /// Operation name.
+        operation: String,
+        /// The only step, s.
+        step: f64,
+        /// Time of the pass as programmed, s.
+        pass: f64,
+        /// Longest step that meets its end, s.
+        longest: f64,
+    },
     /// Parts wait for each other's places.
     #[error(
         "deadlock at {time} s: {circle}: add a place with `input_buffer`, or write deadlock = \"swap\" in [dispatch]"

@@ -460,6 +460,25 @@ fn is_bare(scenario: &Scenario) -> bool {
         && scenario.preemption == Preemption::None
 }
 
+/// A process of fixed steps meets the end of every programmed pass within half a step: one longer than twice the pass would
+/// take no step in it.
+fn fixed_steps(scenario: &Scenario) -> Result<(), ShopError> {
+    for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
+        let Work::Cutting(cuts) = &operation.work else { continue };
+        let tool_of = |pass| operation.tool_of_pass(pass).map(|tool| &scenario.tools[tool]);
+        for (tool, cut) in cuts.iter().enumerate().filter_map(|(pass, cut)| Some((tool_of(pass)?, cut))) {
+            let Some(step) = tool.process.machine_process().fixed_step() else { continue };
+            let plan = ToolPlan::of(&tool.process);
+            let pass = cut_duration(cut, &tool.process, &plan, &plan.cut_input(cut));
+            if step > 2.0 * pass {
+                let (tool, operation) = (tool.name.clone(), operation.name.clone());
+                return Err(ShopError::FixedStep { tool, operation, step, pass, longest: 2.0 * pass });
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Every index points somewhere, every operation has a machine.
 fn check(scenario: &Scenario) -> Result<(), ShopError> {
     let inside = |kind, index: usize, count: usize| {
@@ -504,6 +523,7 @@ fn check(scenario: &Scenario) -> Result<(), ShopError> {
             }
         }
     }
+    fixed_steps(scenario)?;
     for (part, _) in scenario.arrivals.iter().flat_map(|arrival| &arrival.parts) {
         inside("part", *part, scenario.parts.len())?;
     }

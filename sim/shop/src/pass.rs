@@ -130,13 +130,14 @@ impl<R: Recorder> Shop<'_, R> {
     /// Gives the edge an observer where the policy needs one.
     fn watch(&mut self, machine: usize, place: Place, first_pass: u32) {
         let controller = self.controllers.of_pass(machine, first_pass + place.pass as u32);
-        let flank_wear = self.layout.tools[place.tool].ports.flank_wear_state;
+        let tool = &self.layout.tools[place.tool];
+        let process = self.process(machine, place.tool).machine_process();
         let state = &mut self.world.machines[machine];
         let edge = state.edges[place.tool].as_mut().expect(MOUNTED);
         if edge.observer.is_none() {
             // An edge that has cut before the policy came is measured once.
-            let worn = read(&edge.state, flank_wear, 0.0);
             let reading = (edge.row.passes > 0 || edge.worn_at_start).then(|| {
+                let worn = tool.ports.worn(process, &edge.state, &tool.input, &mut state.segment.output);
                 let mut stream = self.streams.at(edge.entity.part(owner::READINGS), Purpose::Measurement, u64::MAX);
                 worn + controller.reading_error(&mut stream)
             });
@@ -153,6 +154,10 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         let InCut { machining: Machining { moved, piece, .. }, edge, .. } =
             in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let tool_plan = &self.layout.tools[place.tool];
+        let mut input = std::mem::take(&mut state.segment.start_input);
+        tool_plan.write_cut(cut, &mut input);
+        let output = &mut state.segment.output;
         let observation = Observation {
             path: cut.path_length * piece.share_left,
             edge_path: edge.row.path,
@@ -161,14 +166,12 @@ impl<R: Recorder> Shop<'_, R> {
             last_speed: edge.last_speed,
             observer: edge.observer.as_ref(),
             reaction: state.reactions.iter().find(|each| each.kind == kind).map(|each| each.speed),
-            true_wear: controller.sees_true_wear().then(|| read(&edge.state, ports.flank_wear_state, 0.0)),
+            true_wear: (controller.sees_true_wear())
+                .then(|| ports.worn(process.machine_process(), &edge.state, &input, output)),
             true_edge: controller.sees_edge().then_some(&edge.scatter),
         };
         let conditions = controller.choose(&observation);
         let tool = &self.scenario.tools[place.tool];
-        let tool_plan = &self.layout.tools[place.tool];
-        let mut input = std::mem::take(&mut state.segment.start_input);
-        tool_plan.write_cut(cut, &mut input);
         write(&mut input, ports.cutting_speed, conditions.start_speed);
         let duration = if ports.feed_rate.is_some() {
             cut_duration(cut, process, tool_plan, &input) * piece.share_left * f64::from(conditions.layers)
@@ -226,15 +229,8 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         let InCut { step, left, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         edge.row.passes += 1;
-        let worn = match ports.flank_wear_state {
-            Some(i) => edge.state[i],
-            None => {
-                let output = &mut state.segment.output;
-                output.resize(super::ports::elements(process.outputs()), 0.0);
-                process.output(&edge.state, &state.segment.start_input, output);
-                read(output, ports.flank_wear, 0.0)
-            }
-        };
+        let segment = &mut state.segment;
+        let worn = ports.worn(process, &edge.state, &segment.start_input, &mut segment.output);
         let row = PassRow {
             job: place.job,
             part: place.part as u32,

@@ -94,6 +94,20 @@ ports! {
 }
 
 impl Ports {
+    /// Flank wear of an edge in `state`, m: where it is no state of its own, as in an imported unit, the output of
+    /// `process` with this input.
+    pub fn worn(&self, process: &dyn MachineProcess, state: &[f64], input: &[f64], output: &mut Vec<f64>) -> f64 {
+        if let Some(wear) = self.flank_wear_state {
+            return state[wear];
+        }
+        if self.flank_wear.is_none() {
+            return 0.0;
+        }
+        output.resize(elements(process.outputs()), 0.0);
+        process.output(state, input, output);
+        read(output, self.flank_wear, 0.0)
+    }
+
     /// Sets what ages: machines are cold and sensors calibrated at the start of the run.
     pub fn write_ages(&self, input: &mut [f64], now: f64, machine: &MachineType) {
         let (age, changed) = machine.coolant(now);

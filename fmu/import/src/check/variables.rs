@@ -64,12 +64,13 @@ fn combination(description: &ModelDescription, variable: &Variable) -> Vec<Strin
         faults.push(format!("a variable of causality {causality} cannot be {variability}"));
     }
     let initials: &[&str] = match (causality.as_str(), variability.as_str()) {
+        ("independent", _) => &[],
         ("parameter" | "structuralParameter" | "input", _) | ("output" | "local", "constant") => &["exact"],
         ("calculatedParameter", _) | ("local", "fixed" | "tunable") => &["calculated", "approx"],
         _ => &["exact", "calculated", "approx"],
     };
     if let Some(initial) = variable.initial.as_deref().filter(|initial| !initials.contains(initial)) {
-        let due = initials.join(" or ");
+        let due = if initials.is_empty() { "neither known nor unknown".to_owned() } else { initials.join(" or ") };
         faults.push(format!("a {variability} variable of causality {causality} is {due} at first, not {initial}"));
     }
     let float = matches!(variable.value_type, ValueType::Float64 | ValueType::Float32);

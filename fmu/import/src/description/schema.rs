@@ -2,7 +2,7 @@
 //!
 //! # Source
 //! `fmi2ModelDescription.xsd` of FMI 2.0.5 and `fmi3ModelDescription.xsd` of FMI 3.0.2 with the files that they include. The order of
-//! elements is not looked at: no reader depends on it. What annotations hold is free.
+//! elements is that of the schema; what annotations hold is free.
 
 use roxmltree::Node;
 
@@ -95,8 +95,34 @@ Start: value
 Alias: name! description displayUnit
 Annotations: > Annotation+
 Annotation: type! > *
+ModelStructure: > Output ContinuousStateDerivative ClockedState InitialUnknown EventIndicator
 Output ContinuousStateDerivative ClockedState InitialUnknown EventIndicator: valueReference!=u32 dependencies=u32* dependenciesKind=dependent/constant/fixed/tunable/discrete* > Annotations
 ";
+
+/// A list of elements of several kinds in any order, which has no rule of its own.
+const MIXED: &str = "ModelVariables";
+
+/// Elements of which a parent may hold several.
+const SEVERAL: [&str; 18] = [
+    "Alias",
+    "Annotation",
+    "Category",
+    "Dimension",
+    "DisplayUnit",
+    "File",
+    "Item",
+    "ScalarVariable",
+    "SimpleType",
+    "Start",
+    "Tool",
+    "Unit",
+    "Unknown",
+    "Output",
+    "ContinuousStateDerivative",
+    "ClockedState",
+    "InitialUnknown",
+    "EventIndicator",
+];
 
 /// What the schema of a version says against an element and all in it: the element and the words.
 pub(super) fn faults<'a, 'i>(root: Node<'a, 'i>, major: u8) -> Vec<(Node<'a, 'i>, String)> {
@@ -106,6 +132,9 @@ pub(super) fn faults<'a, 'i>(root: Node<'a, 'i>, major: u8) -> Vec<(Node<'a, 'i>
     while let Some(node) = open.pop() {
         let name = node.tag_name().name();
         let parent = node.parent().map_or("", |parent| parent.tag_name().name());
+        if name == MIXED {
+            faults.extend(attribute_faults(node, "").into_iter().map(|message| (node, message)));
+        }
         let Some(rule) = rule(table, &format!("{parent}/{name}")).or_else(|| rule(table, name)) else {
             // A list that may hold several kinds, or what the schema does not have, which its parent has told.
             open.extend(node.children().filter(Node::is_element));
@@ -114,7 +143,7 @@ pub(super) fn faults<'a, 'i>(root: Node<'a, 'i>, major: u8) -> Vec<(Node<'a, 'i>
         let (attributes, inside) = rule.split_once('>').unwrap_or((rule, ""));
         faults.extend(attribute_faults(node, attributes).into_iter().map(|message| (node, message)));
         if inside.trim() != "*" {
-            faults.extend(element_faults(node, inside));
+            faults.extend(element_faults(node, inside, major));
             open.extend(node.children().filter(Node::is_element));
         }
     }
@@ -147,7 +176,7 @@ fn attribute_faults(node: Node<'_, '_>, attributes: &str) -> Vec<String> {
     faults
 }
 
-fn element_faults<'a, 'i>(node: Node<'a, 'i>, inside: &str) -> Vec<(Node<'a, 'i>, String)> {
+fn element_faults<'a, 'i>(node: Node<'a, 'i>, inside: &str, major: u8) -> Vec<(Node<'a, 'i>, String)> {
     let parent = node.tag_name().name();
     let mut faults = Vec::new();
     let words = || inside.split_whitespace();
@@ -158,8 +187,29 @@ fn element_faults<'a, 'i>(node: Node<'a, 'i>, inside: &str) -> Vec<(Node<'a, 'i>
             faults.push((node, format!("<{parent}> lacks <{}>", choices.join("> or <"))));
         }
     }
+    let (mut reached, mut last) = (0, "");
     for child in node.children().filter(Node::is_element) {
         let name = child.tag_name().name();
+        let place = words().position(|word| word.trim_end_matches('+').split('|').any(|known| known == name));
+        // FMI 2.0 has its two interfaces in either order.
+        let place =
+            place.map(|place| if major == 2 && parent == "fmiModelDescription" && place <= 1 { 1 } else { place });
+        if let Some(place) = place {
+            let before = child.prev_siblings().skip(1).filter(Node::is_element);
+            let again = before.map(|each| each.tag_name().name()).any(|each| each == name);
+            let choice = place == reached
+                && !last.is_empty()
+                && name != last
+                && words().nth(place).is_some_and(|word| word.contains('|'));
+            if (again || choice) && !SEVERAL.contains(&name) {
+                faults.push((child, format!("<{parent}> has more than one <{}>", if again { name } else { last })));
+            } else if place < reached {
+                faults.push((child, format!("<{name}> stands after <{last}>, and belongs before it")));
+            }
+            if place >= reached {
+                (reached, last) = (place, name);
+            }
+        }
         if !words().any(|word| word.trim_end_matches('+').split('|').any(|known| known == name)) {
             faults.push((child, format!("<{name}> is no element of <{parent}>")));
         }

@@ -404,6 +404,13 @@ fn a_discarded_step_is_taken_in_parts_and_an_end_is_told() {
         y[0]
     };
     assert!((wear(&parts) - wear(&whole)).abs() < 1e-15);
+    // A unit whose own time is the importer's but for rounding.
+    let path = unit(folder.path(), &["DISCARD=7", "BEHIND"], ("", ""));
+    let behind = machine(&path, &wiring()).expect("it fits");
+    assert!((wear(&behind) - wear(&whole)).abs() < 1e-15);
+    let discarding = Arc::new(Unit::load(&path, &Isolation::None).expect("it loads"));
+    let odd = Experiment { start: Some(0.1), stop: Some(59.7), step: Some(11.92), ..Experiment::default() };
+    simulate(&discarding, &odd, None, &mut Vec::new()).expect("to the end");
     // By itself, in a step that takes more parts than one part may be halved.
     let path = unit(folder.path(), &["DISCARD=7"], ("", ""));
     let discarding = Arc::new(Unit::load(&path, &Isolation::None).expect("it loads"));

@@ -8,6 +8,7 @@
    VALUE   the wear that it tells of, mm, from 100 s on
    BEFORE  an expression that is evaluated before each step from 100 s on, such as a crash
    DISCARD longest step that it takes, s; TERMINATE  the time at which it ends the simulation, s
+   BEHIND  with DISCARD: it took nothing of a step that it discards, and its own time is behind by rounding
    MARKER  a path: where such a file is, it is removed and the reading of a value fails
    EXCHANGE  Model Exchange in place of Co-Simulation: wear is a state, its limit a state event; TICK  from this time on,
    s, a time event, the unit wears twice as fast; CALLS  a step event after so many steps of the integrator;
@@ -245,6 +246,9 @@ E int fmi2DoStep(void *u, double time, double step, int prior) {
 #endif
 #ifdef DISCARD
     last = time + (step > DISCARD ? DISCARD : step);
+#ifdef BEHIND
+    last = nextafter(time, 0);
+#endif
     if (step > DISCARD) return 2;
 #endif
 #ifdef TERMINATE
