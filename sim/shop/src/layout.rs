@@ -468,7 +468,7 @@ fn fixed_steps(scenario: &Scenario) -> Result<(), ShopError> {
         let tool_of = |pass| operation.tool_of_pass(pass).map(|tool| &scenario.tools[tool]);
         for (tool, cut) in cuts.iter().enumerate().filter_map(|(pass, cut)| Some((tool_of(pass)?, cut))) {
             let Some(step) = tool.process.machine_process().fixed_step() else { continue };
-            let plan = ToolPlan::of(&tool.process);
+            let plan = ToolPlan::from_process_model(&tool.process);
             let pass = cut_duration(cut, &tool.process, &plan, &plan.cut_input(cut));
             if step > 2.0 * pass {
                 let (tool, operation) = (tool.name.clone(), operation.name.clone());
