@@ -126,15 +126,11 @@ impl<N: Number> Infeed<N> {
         }
     }
 
-    /// Outputs of a part with profile.
+    /// Outputs of a part with profile. Stock and size error are those where the wheel is, as in the recursion; the mean round
+    /// the part is less by half a step of the spiral ([`ProfileState::mean_stock`]). Roundness is that of the profile.
     pub fn observe_profile(&self, x: &ProfileState<N>, u: &Input<N>) -> Output<N> {
-        let mean = x.mean_stock();
-        Output {
-            stock_removed: mean,
-            size_error: x.commanded_infeed - mean,
-            roundness_error: x.roundness_error(),
-            ..self.observe(&at_station(x, x.station.re() as usize), u)
-        }
+        let output = self.observe(&at_station(x, x.station.re() as usize), u);
+        Output { roundness_error: x.roundness_error(), ..output }
     }
 }
 
