@@ -1,7 +1,7 @@
 //! `toolroom lobes FILE`: the stability chart, or the verdict at one point.
 
 mod known;
-mod shards;
+pub mod shards;
 
 use crate::args::LobesArgs;
 use crate::failure::Failure;
@@ -20,7 +20,7 @@ use toolroom_planning::lobes::{
 };
 use toolroom_process::unit::quantity;
 
-pub use shards::{merge, shard};
+pub use shards::merge;
 
 /// Where a chart comes from.
 struct Origin<'a> {

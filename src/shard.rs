@@ -4,7 +4,6 @@ use crate::args::ShardArgs;
 use crate::failure::Failure;
 use crate::plan::pool;
 use crate::speak::Voice;
-use crate::{life, lobes};
 use std::fs;
 use std::path::Path;
 use toolroom_output::signals::{Begun, keeps, tidy};
@@ -52,8 +51,8 @@ fn perform(path: &Path, number: u64, folder: &Path, threads: usize, voice: &Voic
     keeps(message, "run the shard again".to_owned());
     threads.install(|| match plan.kind {
         Work::Compare => Ok(planned::shard(&plan, number, folder)?),
-        Work::Lobes => lobes::shard(&plan, number, folder),
-        Work::Life => life::run_shard(&plan, number, folder),
+        Work::Lobes => crate::lobes::shards::shard(&plan, number, folder),
+        Work::Life => crate::life::study::shard(&plan, number, folder),
     })?;
     voice.say(format_args!("shard {number} of {} is in {}", plan.shards, folder.display()));
     Ok(())

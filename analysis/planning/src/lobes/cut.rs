@@ -1,6 +1,5 @@
 //! What can be judged: a milling cut, a turning cut, a workpiece in a chuck.
 
-use super::file::Chart;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -9,7 +8,7 @@ use toolroom_chatter::{
     AtSpeed, ChatterError, Lobes, Milling, Mode, SpeedVariation, StabilityLimit, StabilityVerdict, Turning,
 };
 use toolroom_form::significant;
-use toolroom_lobes::{LobesCut, LobesProcess, axes};
+use toolroom_lobes::{Chart, LobesCut, LobesProcess, axes};
 use toolroom_process::unit::convert;
 
 /// A cut without its operating point, with the variation of its spindle speed.

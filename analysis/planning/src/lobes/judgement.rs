@@ -1,11 +1,11 @@
 //! The verdict at a point, for people and programs.
 
 use super::cut::{Cut, found, prepared};
-use super::file::Chart;
 use serde_json::{Map, Value, json};
 use toolroom_chatter::paper::{FiveDegrees, Reduced};
 use toolroom_chatter::{Certificate, ChatterError, ChatterKind, Milling, Settled, StabilityVerdict, StableIntervals};
 use toolroom_form::significant;
+use toolroom_lobes::Chart;
 use toolroom_process::unit::convert;
 
 /// Chip pressure by which the chuck's cutting stiffness is a depth of cut, 300 kgf/mm², Pa.
