@@ -2,12 +2,11 @@
 
 use crate::args::{Axis, Changes, CompareArgs, StudyArgs};
 use crate::failure::Failure;
+use crate::plan::leave;
 use crate::progress::Bar;
-use crate::shard::leave;
 use crate::snapshot::{from_snapshot, origin};
 use crate::speak::Voice;
 use crate::study::{Place, RESUME, Request, default_out, perform, request_in, statistics};
-use crate::sweep;
 use crate::warm_up::settle;
 use std::path::Path;
 use std::sync::Arc;
@@ -28,9 +27,6 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if let Some(from) = &args.scenario.from {
         let (args, snapshot) = from_snapshot(args, from)?;
         return compared(&args, Some(&snapshot), voice);
-    }
-    if !args.sweep.is_empty() {
-        return sweep::run(args, voice);
     }
     compared(args, None, voice)
 }

@@ -1,7 +1,7 @@
 //! `toolroom life`: tool lives, measured or simulated.
 
 mod fit;
-mod study;
+pub mod study;
 
 use crate::args::{LifeArgs, Statistics};
 use crate::failure::Failure;
@@ -10,7 +10,7 @@ use crate::speak::Voice;
 use toolroom_life::analysis::Request;
 use toolroom_life::replacement::Costs;
 
-pub use study::{merge, shard as run_shard};
+pub use study::merge;
 
 pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
     match (&args.fit, &args.file) {

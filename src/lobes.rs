@@ -1,11 +1,12 @@
 //! `toolroom lobes FILE`: the stability chart, or the verdict at one point.
 
 mod known;
-mod shards;
+pub mod shards;
 
 use crate::args::LobesArgs;
 use crate::failure::Failure;
-use crate::shard::{of_plan, pool};
+use crate::plan::pool;
+use crate::shard::of_plan;
 use crate::speak::Voice;
 use crate::study::default_out;
 use std::path::Path;
@@ -19,7 +20,7 @@ use toolroom_planning::lobes::{
 };
 use toolroom_process::unit::quantity;
 
-pub use shards::{merge, shard};
+pub use shards::merge;
 
 /// Where a chart comes from.
 struct Origin<'a> {
@@ -90,7 +91,7 @@ fn finish(
     }
     let inputs = [(origin.file.to_owned(), file.text.as_bytes())];
     let changes = origin.changes.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
-    let requested = requested.map_or_else(Vec::new, arguments);
+    let requested = requested.map_or_else(Vec::new, LobesArgs::typed);
     let provenance = provenance("lobes", &inputs, changes.chain(requested), None);
     let (summary, files) = study.files(&file.echo, provenance.clone());
     output_dir.put_all(&files)?;
@@ -104,21 +105,6 @@ fn finish(
     voice.detail(format_args!("{:.2} s", origin.start.elapsed().as_secs_f64()));
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
-}
-
-/// What is requested beside the chart, as it has to be typed.
-fn arguments(requested: &LobesArgs) -> Vec<String> {
-    let mut typed: Vec<String> = requested.show.iter().flat_map(|map| ["--show".to_owned(), map.clone()]).collect();
-    typed.extend(requested.measured.iter().flat_map(|path| ["--measured".to_owned(), path.display().to_string()]));
-    if requested.best {
-        typed.extend(["--best".to_owned(), "--probability".to_owned(), requested.probability.to_string()]);
-    }
-    let draws =
-        requested.parameters_from.iter().map(|file| ["--parameters-from".to_owned(), file.display().to_string()]);
-    typed.extend(draws.flatten());
-    typed.extend(requested.parameter_set.iter().flat_map(|set| ["--parameter-set".to_owned(), set.clone()]));
-    typed.extend(requested.robust.iter().flat_map(|depth| ["--robust".to_owned(), depth.clone()]));
-    typed
 }
 
 /// Robust speeds, the best point and maps, as they are requested.

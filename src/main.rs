@@ -28,10 +28,12 @@ mod lobes;
 mod merge;
 mod modes;
 mod new;
+mod plan;
 mod point;
 mod program;
 mod progress;
 mod reference;
+mod refusal;
 mod report;
 mod run;
 mod schema;
@@ -86,7 +88,7 @@ fn refused(error: &clap::Error) -> ! {
         // The first paragraph; usage and the way to help follow it.
         let words: Vec<&str> = text.split("\n\n").next().unwrap_or_default().split_whitespace().collect();
         let message = words.join(" ");
-        failure::report_on(&voice, codes::USAGE, message.strip_prefix("error: ").unwrap_or(&message), None, None);
+        refusal::report_on(&voice, codes::USAGE, message.strip_prefix("error: ").unwrap_or(&message), None, None);
     }
     error.exit()
 }
@@ -94,8 +96,9 @@ fn refused(error: &clap::Error) -> ! {
 fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
     match command {
         Command::Demo(args) => demo::run(&args, voice),
+        Command::Compare(args) if args.scenario.from.is_none() && !args.sweep.is_empty() => sweep::run(&args, voice),
         Command::Compare(args) => compare::run(&args, voice),
-        Command::Run(args) => run::run(&args, voice),
+        Command::Run(args) => snapshot::run(&args, voice),
         Command::Report(args) => report::run(&args, voice),
         Command::Diff(args) => diff::run(&args, voice),
         Command::New(args) => new::run(&args, voice),

@@ -184,28 +184,12 @@ pub fn swap(args: &SwapArgs, voice: &Voice) -> Result<(), Failure> {
     let given = args.measured.as_ref().zip(given.as_ref().map(|(_, bytes)| bytes.as_slice()));
     let inputs = inputs.into_iter().chain(given).map(|(path, bytes)| (path.display().to_string(), bytes));
     let inputs: Vec<(String, &[u8])> = inputs.collect();
-    let provenance = provenance("swap", &inputs, typed(args), None);
+    let provenance = provenance("swap", &inputs, args.typed(), None);
     let options = FitOptions { direction: Some(direction), ..FitOptions::default() };
     let study = ModesStudy::new(target.name(&args.tool), measured, &options, Scatter::ASSUMED);
     let mut study = study.map_err(|error| Failure::argument(error, GUIDE))?;
     study.comparison = comparison;
     target.write(&study, &files, &provenance, voice)
-}
-
-/// What changes the tip, as it has to be typed.
-fn typed(args: &SwapArgs) -> impl Iterator<Item = String> {
-    let averages = args.averages.map(|averages| averages.to_string());
-    let measured = args.measured.as_ref().map(|path| path.display().to_string());
-    let options = [
-        ("--blank", args.blank.clone()),
-        ("--second", args.second.clone()),
-        ("--averages", averages),
-        ("--direction", args.direction.clone()),
-        ("--measured", measured),
-    ];
-    let given = options.into_iter().filter_map(|(flag, value)| Some([flag.to_owned(), value?])).flatten();
-    let set = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]).collect::<Vec<_>>();
-    given.chain(args.fit_joint.then(|| "--fit-joint".to_owned())).chain(set)
 }
 
 /// The spindle of a command, and the bytes of its file.

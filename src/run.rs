@@ -2,7 +2,6 @@
 
 use crate::args::{Changes, RunArgs};
 use crate::failure::Failure;
-use crate::snapshot;
 use crate::speak::Voice;
 use crate::study::{Request, default_out, perform, statistics};
 use crate::warm_up::settle;
@@ -10,12 +9,6 @@ use toolroom_scenario_file::{ScenarioFile, read};
 use toolroom_study::request::policies_named;
 
 pub fn run(args: &RunArgs, voice: &Voice) -> Result<(), Failure> {
-    if let (Some(at), Some(target)) = (&args.snapshot_at, &args.snapshot) {
-        return snapshot::take(args, (at, target), voice);
-    }
-    if let Some(from) = &args.scenario.from {
-        return snapshot::go_on(args, from, voice);
-    }
     let changes = &args.scenario.changes;
     let file = read(args.scenario.path(), &changes.overrides())?;
     let input = args.scenario.path().display().to_string();

@@ -2,13 +2,12 @@
 
 use crate::args::ShardArgs;
 use crate::failure::Failure;
+use crate::plan::pool;
 use crate::speak::Voice;
-use crate::{life, lobes};
 use std::fs;
 use std::path::Path;
-use toolroom_output::Files;
 use toolroom_output::signals::{Begun, keeps, tidy};
-use toolroom_shards::{Plan, ShardError, Work, read_plan, write_plan};
+use toolroom_shards::{ShardError, Work, read_plan, write_plan};
 use toolroom_study::planned;
 
 pub fn run(args: &ShardArgs, voice: &Voice) -> Result<(), Failure> {
@@ -52,22 +51,9 @@ fn perform(path: &Path, number: u64, folder: &Path, threads: usize, voice: &Voic
     keeps(message, "run the shard again".to_owned());
     threads.install(|| match plan.kind {
         Work::Compare => Ok(planned::shard(&plan, number, folder)?),
-        Work::Lobes => lobes::shard(&plan, number, folder),
-        Work::Life => life::run_shard(&plan, number, folder),
+        Work::Lobes => crate::lobes::shards::shard(&plan, number, folder),
+        Work::Life => crate::life::study::shard(&plan, number, folder),
     })?;
     voice.say(format_args!("shard {number} of {} is in {}", plan.shards, folder.display()));
     Ok(())
-}
-
-/// Leaves a plan where `--plan` says.
-pub fn leave(plan: &Plan, path: &Path, files: &Files) -> Result<(), Failure> {
-    Ok(files.put(path, serde_json::to_string_pretty(plan).map_err(Failure::Json)?.as_bytes())?)
-}
-
-/// Threads, 0 for one per processor.
-pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| Failure::work(format_args!("no threads: {error}")))
 }

@@ -2,7 +2,7 @@
 
 use crate::args::{Changes, CompareArgs, RunArgs};
 use crate::failure::Failure;
-use crate::run::perform_run;
+use crate::run::{self, perform_run};
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
@@ -16,8 +16,17 @@ use toolroom_study::variants::{POSSIBLE, branched};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// `run`, where it takes a snapshot, goes on from one, or has to do with none.
+pub fn run(args: &RunArgs, voice: &Voice) -> Result<(), Failure> {
+    match (&args.snapshot_at, &args.snapshot, &args.scenario.from) {
+        (Some(time), Some(target), _) => take(args, (time, target), voice),
+        (_, _, Some(from)) => go_on(args, from, voice),
+        (_, _, None) => run::run(args, voice),
+    }
+}
+
 /// `run FILE --snapshot-at TIME --snapshot TARGET`.
-pub fn take(args: &RunArgs, (time, target): (&str, &Path), voice: &Voice) -> Result<(), Failure> {
+fn take(args: &RunArgs, (time, target): (&str, &Path), voice: &Voice) -> Result<(), Failure> {
     let (path, changes) = (args.scenario.path(), args.scenario.changes.overrides());
     let file = read(path, &changes)?;
     let policies = policies_named(&file.scenario, &args.study.policy)?;
@@ -38,7 +47,7 @@ pub fn take(args: &RunArgs, (time, target): (&str, &Path), voice: &Voice) -> Res
 }
 
 /// `run --from SNAPSHOT`.
-pub fn go_on(args: &RunArgs, source: &Path, voice: &Voice) -> Result<(), Failure> {
+fn go_on(args: &RunArgs, source: &Path, voice: &Voice) -> Result<(), Failure> {
     let snapshot = Snapshot::read(source, VERSION)?;
     whole(&args.scenario.changes)?;
     let horizon = horizon(args.scenario.horizon.as_deref());

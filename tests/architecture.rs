@@ -49,12 +49,12 @@ fn reachable(edges: &BTreeMap<String, BTreeSet<String>>, package: &str) -> BTree
     seen
 }
 
-/// The table of ARCHITECTURE.md: folder, crate, crates that it names, responsibility.
-fn rows() -> Vec<[String; 4]> {
+/// The table of ARCHITECTURE.md: folder, crate, crates that it names, responsibility, circles of files (none where nothing stands).
+fn rows() -> Vec<[String; 5]> {
     let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
     let rows = page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| folder"));
-    let cells = |line: &str| line.split('|').skip(1).take(4).map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
-    rows.map(|line| cells(line).try_into().unwrap_or_else(|_| panic!("a row of four cells: {line}"))).collect()
+    let cells = |line: &str| line.split('|').skip(1).take(5).map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
+    rows.map(|line| cells(line).try_into().unwrap_or_else(|_| panic!("a row of four or five cells: {line}"))).collect()
 }
 
 fn root() -> &'static Path {
@@ -65,7 +65,7 @@ fn root() -> &'static Path {
 fn every_crate_names_what_the_architecture_page_says() {
     let edges = dependencies();
     let rows = rows();
-    for [folder, name, names, _] in &rows {
+    for [folder, name, names, ..] in &rows {
         assert!(root().join(folder).is_dir(), "folder {folder} does not exist");
         if name == "–" || name == "toolroom" {
             continue;
@@ -121,6 +121,93 @@ fn no_crate_outgrows_what_one_reader_can_hold() {
         let most = if name == "toolroom" { 6_000 } else { 12_000 };
         assert!(lines(&source) <= most, "{name} has {} lines", lines(&source));
     }
+}
+
+/// A text whose groups of paths are written out: `a::{b, c::D}` is `a::b, a::c::D`.
+fn ungrouped(mut text: String) -> String {
+    while let Some(open) = text.rfind("::{") {
+        let Some(close) = text[open..].find('}').map(|length| open + length) else { break };
+        let start = text[..open].rfind(|c: char| !c.is_alphanumeric() && c != '_' && c != ':').map_or(0, |at| at + 1);
+        let parts = text[open + 3..close].split(',').map(str::trim).filter(|part| !part.is_empty());
+        let parts: Vec<String> = parts.map(|part| format!("{}::{part}", &text[start..open])).collect();
+        text.replace_range(start..=close, &parts.join(", "));
+    }
+    text
+}
+
+/// Text of every module of a crate without comments and unit tests, by its path such as `crate::policies::grinding`.
+fn modules(folder: &Path, parent: &str, found: &mut BTreeMap<String, String>) {
+    for path in std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+        let stem = path.file_stem().and_then(|stem| stem.to_str()).expect("a name");
+        let name = if matches!(stem, "lib" | "main" | "mod") { parent.to_owned() } else { format!("{parent}::{stem}") };
+        if path.is_dir() {
+            modules(&path, &name, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let text = std::fs::read_to_string(&path).expect("text");
+            let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default().lines();
+            let code: Vec<&str> = code.filter(|line| !line.trim_start().starts_with("//")).collect();
+            found.entry(name).or_default().push_str(&ungrouped(code.join("\n")));
+        }
+    }
+}
+
+/// Circles of the files of a crate by the paths that they write. A name that a module hands on counts for the file that it is
+/// from. A file may name the modules that it is a part of.
+fn circles(source: &Path) -> BTreeSet<BTreeSet<String>> {
+    let (mut files, mut imports, mut named) = (BTreeMap::new(), BTreeMap::new(), Vec::new());
+    modules(source, "crate", &mut files);
+    for (module, text) in &files {
+        for (colons, _) in text.match_indices("::") {
+            let start = text[..colons].rfind(|c: char| !c.is_alphanumeric() && c != '_').map_or(0, |at| at + 1);
+            let line = text[..start].rsplit('\n').next().unwrap_or_default();
+            let path =
+                text[start..].split(|c: char| !c.is_alphanumeric() && c != '_' && c != ':').next().unwrap_or_default();
+            let mut place: Vec<&str> =
+                if path.starts_with("crate::") { Vec::new() } else { module.split("::").collect() };
+            for part in path.split("::") {
+                match part {
+                    "super" => drop(place.pop()),
+                    "self" | "" => {}
+                    name => place.push(name),
+                }
+            }
+            let place = place.join("::");
+            if line.contains("use ") {
+                imports.insert(format!("{module}::{}", place.rsplit("::").next().unwrap_or_default()), place.clone());
+            }
+            if !line.ends_with(':') && !(line.contains("use ") && line.trim_start().starts_with("pub")) {
+                named.push((module, place));
+            }
+        }
+    }
+    let mut arrows: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (module, mut place) in named {
+        for _ in 0..9 {
+            place = match (imports.get(&place), place.rsplit_once("::")) {
+                _ if files.contains_key(&place) => break,
+                (Some(from), _) if *from != place => from.clone(),
+                (_, Some((before, _))) => before.to_owned(),
+                (_, None) => break,
+            };
+        }
+        if files.contains_key(&place) && !format!("{module}::").starts_with(&format!("{place}::")) {
+            arrows.entry(module.clone()).or_default().insert(place);
+        }
+    }
+    let ahead = |module: &String| reachable(&arrows, module);
+    let circle = |module: &String| ahead(module).into_iter().filter(|other| ahead(other).contains(module)).collect();
+    files.keys().map(circle).filter(|circle: &BTreeSet<String>| circle.len() > 1).collect()
+}
+
+#[test]
+fn circles_of_files_become_fewer() {
+    let mut more = Vec::new();
+    for [folder, name, _, _, most] in rows().iter().filter(|[_, name, ..]| name != "–") {
+        let found = circles(&root().join(folder).join(if name == "toolroom" { "" } else { "src" }));
+        let most: usize = if most.is_empty() { 0 } else { most.parse().expect("a number of circles") };
+        more.extend((found.len() > most).then(|| format!("{name} has {} of {most}: {found:?}", found.len())));
+    }
+    assert!(more.is_empty(), "circles of files, and how many ARCHITECTURE.md allows:\n{}", more.join("\n"));
 }
 
 /// Whether a file below a folder holds unit tests.

@@ -21,7 +21,7 @@ pub fn run(args: &BlindArgs, voice: &Voice) -> Result<(), Failure> {
     if let Some(out) = out {
         out.put_all(&benchmark.files())?;
         let seed = args.from.is_empty().then_some(args.seed);
-        out.record(&provenance("gap blind", &[], arguments(args), seed), start.elapsed())?;
+        out.record(&provenance("gap blind", &[], args.typed(), seed), start.elapsed())?;
         voice.say(format_args!("wrote {}", out.publish()?.join("cases.csv").display()));
     }
     if voice.json {
@@ -64,25 +64,4 @@ fn refused(error: BlindError) -> Failure {
         BlindError::Twice { .. } => Failure::argument(error, "give runs of other seeds, processes or parts"),
         BlindError::Model { .. } | BlindError::Records { .. } => Failure::work_error(&error),
     }
-}
-
-/// The arguments as they have to be typed.
-fn arguments(args: &BlindArgs) -> Vec<String> {
-    if !args.from.is_empty() {
-        return args.from.iter().flat_map(|from| ["--from".to_owned(), from.display().to_string()]).collect();
-    }
-    let mut list = vec!["--seed".to_owned(), args.seed.to_string(), "--cases".to_owned(), args.cases.name().to_owned()];
-    args.process.iter().for_each(|process| list.extend(["--process".to_owned(), process.clone()]));
-    args.part.iter().for_each(|(k, n)| list.extend(["--part".to_owned(), format!("{k}/{n}")]));
-    args.only.iter().for_each(|only| list.extend(["--only".to_owned(), only.clone()]));
-    if args.times > 1 {
-        list.extend(["--times".to_owned(), args.times.to_string()]);
-    }
-    if args.form > 0.0 {
-        list.extend(["--form".to_owned(), args.form.to_string()]);
-    }
-    if args.no_ablations {
-        list.push("--no-ablations".to_owned());
-    }
-    list
 }

@@ -3,8 +3,8 @@
 use super::request;
 use crate::args::{LifeArgs, Statistics};
 use crate::failure::Failure;
+use crate::plan::{leave, pool};
 use crate::progress::Bar;
-use crate::shard::{leave, pool};
 use crate::speak::Voice;
 use crate::study::default_out;
 use serde_json::json;

@@ -4,8 +4,8 @@
 use super::{Origin, finish, refused};
 use crate::args::LobesArgs;
 use crate::failure::Failure;
+use crate::plan::leave;
 use crate::progress::Bar;
-use crate::shard::leave;
 use crate::speak::Voice;
 use crate::study::{RESUME, default_out};
 use std::fs;

@@ -307,3 +307,27 @@ impl BlindCases {
         }
     }
 }
+
+impl BlindArgs {
+    /// The arguments as they have to be typed.
+    pub fn typed(&self) -> Vec<String> {
+        if !self.from.is_empty() {
+            return self.from.iter().flat_map(|from| ["--from".to_owned(), from.display().to_string()]).collect();
+        }
+        let mut list =
+            vec!["--seed".to_owned(), self.seed.to_string(), "--cases".to_owned(), self.cases.name().to_owned()];
+        self.process.iter().for_each(|process| list.extend(["--process".to_owned(), process.clone()]));
+        self.part.iter().for_each(|(k, n)| list.extend(["--part".to_owned(), format!("{k}/{n}")]));
+        self.only.iter().for_each(|only| list.extend(["--only".to_owned(), only.clone()]));
+        if self.times > 1 {
+            list.extend(["--times".to_owned(), self.times.to_string()]);
+        }
+        if self.form > 0.0 {
+            list.extend(["--form".to_owned(), self.form.to_string()]);
+        }
+        if self.no_ablations {
+            list.push("--no-ablations".to_owned());
+        }
+        list
+    }
+}

@@ -66,3 +66,20 @@ pub struct LobesArgs {
     #[arg(long, default_value_t = 0)]
     pub threads: usize,
 }
+
+impl LobesArgs {
+    /// What is requested beside the chart, as it has to be typed.
+    pub fn typed(&self) -> Vec<String> {
+        let mut typed: Vec<String> = self.show.iter().flat_map(|map| ["--show".to_owned(), map.clone()]).collect();
+        typed.extend(self.measured.iter().flat_map(|path| ["--measured".to_owned(), path.display().to_string()]));
+        if self.best {
+            typed.extend(["--best".to_owned(), "--probability".to_owned(), self.probability.to_string()]);
+        }
+        let draws =
+            self.parameters_from.iter().map(|file| ["--parameters-from".to_owned(), file.display().to_string()]);
+        typed.extend(draws.flatten());
+        typed.extend(self.parameter_set.iter().flat_map(|set| ["--parameter-set".to_owned(), set.clone()]));
+        typed.extend(self.robust.iter().flat_map(|depth| ["--robust".to_owned(), depth.clone()]));
+        typed
+    }
+}

@@ -160,3 +160,21 @@ pub struct CoefficientsArgs {
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
+
+impl SwapArgs {
+    /// What changes the tip, as it has to be typed.
+    pub fn typed(&self) -> impl Iterator<Item = String> {
+        let averages = self.averages.map(|averages| averages.to_string());
+        let measured = self.measured.as_ref().map(|path| path.display().to_string());
+        let options = [
+            ("--blank", self.blank.clone()),
+            ("--second", self.second.clone()),
+            ("--averages", averages),
+            ("--direction", self.direction.clone()),
+            ("--measured", measured),
+        ];
+        let given = options.into_iter().filter_map(|(flag, value)| Some([flag.to_owned(), value?])).flatten();
+        let set = self.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]).collect::<Vec<_>>();
+        given.chain(self.fit_joint.then(|| "--fit-joint".to_owned())).chain(set)
+    }
+}

@@ -1,12 +1,12 @@
 //! Every channel of a calibration, fitted around the wear of the edges.
 
-use crate::base::{Base, Process};
-use crate::calibration::{Calibration, Request};
+use crate::base::Base;
 use crate::channel::{Channel, ChannelModel, ChannelReading};
 use crate::edge::Edge;
 use crate::identify::Identifiability;
 use crate::left_out::leave_edges_out;
 use crate::model::Model;
+use crate::request::Request;
 use crate::sample::{Posterior, maxima, sample};
 use crate::treatment::Measured;
 use crate::wear_model::WearModel;
@@ -109,34 +109,8 @@ pub(crate) fn forces(
     found
 }
 
-impl Calibration {
-    /// Channels that were read and could not be fitted.
-    pub(crate) fn unfitted(&self) -> Vec<String> {
-        let fitted = |channel: Channel| self.channels.iter().any(|fit| fit.model.channel() == channel);
-        let read = |channel: &Channel| {
-            let loads = self.measured.loads.iter().map(|loads| &loads[place(*channel)]);
-            loads.flatten().filter(|load| load.is_some()).count()
-        };
-        let told =
-            |channel: Channel| fitted(channel) || channel == Channel::SpindlePower && fitted(Channel::CuttingForce);
-        let unfitted = |channel: Channel| {
-            let count = read(&channel);
-            let column = channel.column();
-            (count > 0 && !told(channel)).then(|| {
-                format!(
-                    "{column} is not used: {count} readings on edges whose wear was read are too few for its parameters"
-                )
-            })
-        };
-        match self.measured.process {
-            Process::Turning => Channel::ALL.into_iter().filter_map(unfitted).collect(),
-            Process::Milling => Vec::new(),
-        }
-    }
-}
-
 /// Where a channel stands among all.
-fn place(channel: Channel) -> usize {
+pub(crate) fn place(channel: Channel) -> usize {
     Channel::ALL.iter().position(|known| *known == channel).expect("one of all channels")
 }
 

@@ -1,19 +1,9 @@
 //! Parameters of a law that are held at a value.
 
 use crate::parameter::Scale;
+use crate::slot::Slot;
 use crate::wear_model::WearModel;
 use toolroom_process::Field;
-
-/// Where the value of a parameter of the law comes from.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Slot {
-    /// The working coordinate of this index.
-    Free(usize),
-    /// A tilt of the wear stages that is held while their contrast is free.
-    Tilt(f64),
-    /// A fixed value.
-    Fixed(f64),
-}
 
 impl WearModel {
     /// Fixes a parameter of the law at a value in its unit, also one that the shape of the wear curve leaves at zero; `false` where

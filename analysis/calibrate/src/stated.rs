@@ -1,7 +1,7 @@
 //! A life that a table states.
 
 use crate::edge::Life;
-use crate::treatment::End;
+use crate::end::End;
 
 /// What the row of an edge says of its life.
 pub(crate) struct LifeStatement {

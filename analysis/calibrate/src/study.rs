@@ -1,10 +1,11 @@
 //! A calibration from files: what is read, and what it makes.
 
 use crate::base::{Base, Process};
-use crate::calibration::{Calibration, CalibrationError, Request};
+use crate::calibration::{Calibration, CalibrationError};
 use crate::drawn::DrawnTable;
 use crate::known::{parameters, prior};
 use crate::law::Law;
+use crate::request::Request;
 use crate::shape::{Candidate, Shape};
 use crate::treatment::{Clock, Measured, Treatment};
 use rand::SeedableRng;

@@ -4,6 +4,7 @@ use crate::base::{Base, Condition, Process};
 use crate::channel::Channel;
 use crate::data_error::{DataError, LEAST, MOST};
 use crate::edge::{Edge, Life, Stretch};
+use crate::end::End;
 use crate::stated::LifeStatement;
 use std::collections::BTreeMap;
 use toolroom_form::significant;
@@ -112,36 +113,6 @@ fn path(records: &Records) -> Option<&[f64]> {
     let path = records.numbers("path_length").filter(|path| path.iter().any(|path| path.is_finite()))?;
     // In milling a path is that of the centre of the cutter, which takes no part in the time of an edge in cut.
     records.numbers("feed_per_tooth").is_none().then_some(path)
-}
-
-/// How an edge ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum End {
-    /// Worn out.
-    Worn,
-    /// Chipped.
-    Chipped,
-    /// Broken.
-    Broken,
-    /// Still good when the record ends.
-    Stopped,
-    /// Changed before it was worn out.
-    Changed,
-}
-
-impl End {
-    const ALL: [Self; 5] = [Self::Worn, Self::Chipped, Self::Broken, Self::Stopped, Self::Changed];
-
-    /// Word in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Worn => "worn",
-            Self::Chipped => "chipped",
-            Self::Broken => "broken",
-            Self::Stopped => "stopped",
-            Self::Changed => "changed",
-        }
-    }
 }
 
 /// How records are to be read.

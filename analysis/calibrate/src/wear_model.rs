@@ -3,12 +3,12 @@
 use crate::base::{Base, Condition};
 use crate::curve::Curve;
 use crate::edge::{Common, Edge, Life, Predicted, Stretch};
-use crate::fixing::Slot;
 use crate::in_life::InLife;
 use crate::law::{Law, with_values};
 use crate::model::Model;
 use crate::parameter::{Parameter, Prior, Scale};
 use crate::shape::{Candidate, Shape};
+use crate::slot::Slot;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use toolroom_wear::wear_stage;

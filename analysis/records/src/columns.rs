@@ -1,6 +1,6 @@
 //! The columns of measured records, each listed once.
 
-use super::import::Combine;
+use super::combine::Combine;
 use super::{RecordKind, Sensor};
 
 /// What a column holds.

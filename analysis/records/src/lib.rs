@@ -22,7 +22,9 @@
 
 mod chatter;
 mod columns;
+mod combine;
 mod csv_table;
+mod error;
 pub mod import;
 pub mod mtconnect;
 mod read;
@@ -36,7 +38,8 @@ mod write;
 pub use chatter::{CHATTER_FREQUENCY_DEVIATION, WRONG_CHATTER_RECORD};
 pub use columns::{ColumnKind, RecordColumn};
 pub use csv_table::{OtherTable, RawTable};
-pub use read::{RecordError, cells, parse_csv, read, tables};
+pub use error::RecordError;
+pub use read::{cells, parse_csv, read, tables};
 pub use report::ReadReport;
 pub use sensor::Sensor;
 pub use write::write_csv;

@@ -62,6 +62,7 @@ pub mod planner;
 pub mod report;
 pub mod request;
 pub mod results;
+mod run_info;
 mod statistics_section;
 pub mod study;
 pub mod summary;

@@ -11,7 +11,7 @@ mod wear;
 
 use crate::compare::{Comparison, Difference};
 use crate::figure::{decimals, factor, label, plain, shown, signed};
-use crate::results::RunInfo;
+use crate::run_info::RunInfo;
 use crate::study::Study;
 use crate::terminal::{gains, steady_text};
 use crate::variants;

@@ -2,7 +2,7 @@
 //! request only.
 
 use crate::logs::Format;
-use crate::results::RunInfo;
+use crate::run_info::RunInfo;
 use crate::study::{Finished, FinishedError, StudyOptions};
 use crate::tune::Tuning;
 use serde::{Deserialize, Serialize};

@@ -17,6 +17,7 @@
 
 mod finished_run;
 
+pub use crate::run_info::RunInfo;
 pub use finished_run::{FinishedRun, FinishedRunError};
 
 use crate::compare::Comparison;
@@ -38,27 +39,6 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use toolroom_process::table::CsvWriter;
 use toolroom_scenario::Scenario;
-
-/// How a study came to be run.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RunInfo {
-    /// Version of the program.
-    pub version: String,
-    /// The command line as given.
-    pub command: String,
-    /// The command line without what does not change the results (threads, place), for the
-    /// report.
-    pub reproduce: String,
-    /// Name and hash of each input, for example by [`fingerprint`](toolroom_shards::fingerprint).
-    pub inputs: Vec<(String, String)>,
-    /// Everything that the results depend on, in the words of whoever asked: kept in `run.json`
-    /// for going on with the study.
-    pub asked: Value,
-    /// Part of the first run that `trace.json` shows, s from its start; `None`: its first week.
-    pub trace: Option<[f64; 2]>,
-    /// Why the study ended before its last replication, where a shop stopped.
-    pub stopped: Option<String>,
-}
 
 /// The files of every study, beside its log tables.
 pub const NAMES: [&str; 14] = [

@@ -4,9 +4,10 @@ mod curves;
 
 pub use curves::BoundaryCurve;
 
+use crate::axis::Axis;
 use crate::error::ChatterError;
-use crate::lobes::Axis;
-use crate::{Milling, SpeedVariation, StabilityLimit, Turning};
+use crate::intervals::Crossing;
+use crate::{Milling, SpeedVariation, Turning};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -123,15 +124,6 @@ pub struct BoundaryColumn {
     pub speed: f64,
     /// By ascending depth; stability is lost at the first, third …
     pub crossings: Vec<Crossing>,
-}
-
-/// One crossing of the boundary with growing depth.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Crossing {
-    /// Depth, kind and frequency.
-    pub limit: StabilityLimit,
-    /// Whether the cut becomes unstable here rather than stable again.
-    pub becomes_unstable: bool,
 }
 
 impl Boundary {

@@ -1,7 +1,15 @@
 //! All depths at which a cut is stable, at one spindle speed.
 
-use crate::boundary::Crossing;
 use crate::verdict::StabilityLimit;
+
+/// One crossing of the boundary with growing depth.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Crossing {
+    /// Depth, kind and frequency.
+    pub limit: StabilityLimit,
+    /// Whether the cut becomes unstable here rather than stable again.
+    pub becomes_unstable: bool,
+}
 
 /// How it is known that no end of a stable interval is missing.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -83,6 +83,7 @@
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
 mod amplitude;
+mod axis;
 mod boundary;
 mod claims;
 mod crossing;
@@ -98,6 +99,7 @@ mod milling;
 pub mod paper;
 mod path;
 mod period;
+mod places;
 mod plan;
 mod polynomial;
 mod response;
@@ -113,11 +115,12 @@ mod uncertainty;
 mod verdict;
 
 pub use amplitude::{AmplitudeTable, LimitCycle, arithmetic_roughness, indentation_coefficient};
-pub use boundary::{Boundary, BoundaryColumn, BoundaryCurve, BoundaryHole, Crossing};
+pub use axis::Axis;
+pub use boundary::{Boundary, BoundaryColumn, BoundaryCurve, BoundaryHole};
 pub use claims::claims;
 pub use error::ChatterError;
-pub use intervals::{Certificate, StableIntervals};
-pub use lobes::{Axis, Hole, Lobes};
+pub use intervals::{Certificate, Crossing, StableIntervals};
+pub use lobes::{Hole, Lobes};
 pub use milling::{
     AtSpeed, Cutter, CuttingLoad, Direction, Engagement, Forced, Milling, MillingForce, Response, Sampling, WorstPhase,
 };

@@ -1,7 +1,7 @@
 //! Stability under uncertain constants: probability and robust speeds.
 
+use crate::axis::Axis;
 use crate::error::{ChatterError, within};
-use crate::lobes::Axis;
 use crate::{Milling, Mode, PathModes, SpeedModes, Turning};
 use rayon::prelude::*;
 use std::f64::consts::TAU;

@@ -3,6 +3,7 @@
 mod columns;
 
 use crate::error::DynamicsError;
+use crate::fitted_mode::{Estimate, FittedMode};
 use crate::frf::Measurement;
 use crate::likelihood::{Likelihood, Maximum, Model, RealMode, pair};
 use crate::quality::Quality;
@@ -57,30 +58,6 @@ pub struct FitOptions {
     pub picks: Vec<f64>,
     /// Direction in the plane of the cut of a measurement in one direction; x, if left out.
     pub direction: Option<[f64; 2]>,
-}
-
-/// A value with its standard deviation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// The value.
-    pub value: f64,
-    /// Its standard deviation.
-    pub sd: f64,
-}
-
-/// A mode with its uncertainty.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FittedMode {
-    /// Direction of the motion at the point of cut, of unit length.
-    pub direction: [f64; 2],
-    /// Standard deviation of the direction (rad), of a measurement in both directions.
-    pub direction_sd: Option<f64>,
-    /// Undamped natural frequency (Hz).
-    pub natural_frequency: Estimate,
-    /// Share of critical damping.
-    pub damping_ratio: Estimate,
-    /// Modal stiffness at the point of cut (N/m).
-    pub stiffness: Estimate,
 }
 
 /// What a fit has found.

@@ -28,6 +28,7 @@ mod cuts;
 mod error;
 mod fft;
 mod fit;
+mod fitted_mode;
 mod frames;
 mod frf;
 mod groups;
@@ -50,7 +51,8 @@ pub use coupling::{BaseMode, Body, Damper, Joint, Material, Receptance, Segment,
 pub use csv::{read_csv, read_csv_by_speed};
 pub use cuts::{ShopCut, ShopCutError, read_shop_cuts};
 pub use error::{DynamicsError, RecordProblem, UniversalProblem, WaveProblem};
-pub use fit::{Estimate, Fit, FitOptions, FittedMode, fit};
+pub use fit::{Fit, FitOptions, fit};
+pub use fitted_mode::{Estimate, FittedMode};
 pub use frf::{Direction, Frf, Measurement};
 pub use groups::{GROUPS_SOURCE, MATERIAL_GROUPS, MaterialGroup};
 pub use hammer::{Estimator, HammerOptions, responses};

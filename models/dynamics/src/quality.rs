@@ -2,7 +2,7 @@
 
 mod codes;
 
-use crate::fit::FittedMode;
+use crate::fitted_mode::FittedMode;
 use crate::frf::Measurement;
 pub use codes::REFUSAL_CODES;
 use nalgebra::Complex;

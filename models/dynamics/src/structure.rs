@@ -1,6 +1,7 @@
 //! A fit as a structure file.
 
-use crate::fit::{Estimate, Fit, FittedMode};
+use crate::fit::Fit;
+use crate::fitted_mode::{Estimate, FittedMode};
 use std::fmt::{self, Write as _};
 
 /// Standard deviations that belong to a measurement as such, relative: what changes from tap to tap and from mounting to

@@ -5,6 +5,7 @@
 //! Cincinnati. Numbers are read by column, since fixed-width numbers may touch, and by blanks where that fails. The bytes of a
 //! binary block are counted by what its record promises, not by the count in its header, which some programs get wrong.
 
+mod function;
 mod response;
 mod sets;
 mod spectra;

@@ -64,6 +64,7 @@
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
+mod basis;
 mod claims;
 mod cycle;
 mod first_order;
@@ -82,6 +83,7 @@ mod trial;
 mod trial_table;
 mod waves;
 
+pub use basis::Basis;
 pub use claims::claims;
 pub use cycle::{
     CYCLE, Cycle, CycleError, CycleFile, CycleLimits, CyclePhase, CyclePoint, DressingInterval, DressingPlan, Surface,
@@ -90,7 +92,7 @@ pub use cycle::{
 };
 pub use first_order::{FirstOrderState, InfeedFirstOrder, TimeConstant};
 pub use identify::{
-    Advice, Basis, BestRevolutions, Bootstrap, Estimate, ForceFit, Identification, IdentifyError, IdentifyOptions,
+    Advice, BestRevolutions, Bootstrap, Estimate, ForceFit, Identification, IdentifyError, IdentifyOptions,
     ImpossibleTrial, Joint, MeasurementErrors, Pooled, Scatter, Shifted, TrialLag, fit_force_trace, identify,
     lag_from_rise, lag_from_spark_out, lag_from_stock, lag_sd, paper_trials, revolutions_of_least_error,
 };

@@ -1,6 +1,6 @@
 //! A plunge trial, and why one may be impossible.
 
-use crate::Basis;
+use crate::basis::Basis;
 use std::fmt;
 
 /// One plunge trial: what was commanded and what was measured, in SI.

@@ -10,6 +10,7 @@
 
 mod coefficients;
 mod keys;
+mod pair;
 mod read;
 mod structure;
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::coefficients;
 use super::keys::LOBES;
+use super::pair::{direction, pair};
 use super::structure::{self, Structure};
 use super::words::{DirectionWord, LobesProcess, PresetWord, SupportWord};
 use super::{Chart, Limits, LobesCut, LobesFile, Point, axes};
@@ -143,23 +144,6 @@ fn range(walk: &mut Walk, section: &Section<'_>, (key, si, display): Quantity, p
     None
 }
 
-/// A list of two numbers; `None` with or after a fault.
-fn pair(walk: &mut Walk, section: &Section<'_>, key: &str, expected: &str) -> Option<[f64; 2]> {
-    let values = section.numbers(key)?;
-    let count = values.len();
-    if let Ok(pair) = <[f64; 2]>::try_from(values) {
-        return Some(pair);
-    }
-    let fault = Fault::WrongType {
-        key: key.to_owned(),
-        read: format!("a list of {count}"),
-        expected: expected.to_owned(),
-        example: "[…, …]".to_owned(),
-    };
-    walk.fault(section.span_of(key), fault);
-    None
-}
-
 /// All modes, of the file or of the structure file that it names; `None` where one of them has a fault.
 fn modes(walk: &mut Walk, root: &Section<'_>, structure: Option<&Structure>) -> Option<Vec<Mode>> {
     let sections = walk.sections(root, "mode", None);
@@ -178,21 +162,6 @@ fn modes(walk: &mut Walk, root: &Section<'_>, structure: Option<&Structure>) -> 
         return structure.map(|structure| structure.modes.clone());
     }
     sections.iter().map(|section| mode(walk, section)).collect::<Vec<_>>().into_iter().collect()
-}
-
-/// The direction of a mode, which has a length.
-pub(super) fn direction(walk: &mut Walk, section: &Section<'_>) -> Option<[f64; 2]> {
-    let direction = pair(walk, section, "direction", "two components")?;
-    if direction == [0.0, 0.0] {
-        let fault = Fault::OutOfRange {
-            key: "direction".to_owned(),
-            read: "[0, 0]".to_owned(),
-            range: "all directions, which have a length".to_owned(),
-            meant: Vec::new(),
-        };
-        walk.fault(section.span_of("direction"), fault);
-    }
-    Some(direction)
 }
 
 fn mode(walk: &mut Walk, section: &Section<'_>) -> Option<Mode> {

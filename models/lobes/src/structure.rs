@@ -1,7 +1,7 @@
 //! Structure files: the modes of machine and tool that a tap test has found, in a file of their own.
 
 use super::keys::{DAMPING_RATIO, FREQUENCY, STIFFNESS};
-use super::read::direction;
+use super::pair::direction;
 use std::path::Path;
 use toolroom_chatter::{Mode, PathModes, Scatter, SpeedModes};
 use toolroom_form::{Content, ContentFault, Fault, Form, FormFile, Key, Kind, ReadError, Section, Walk, significant};

@@ -1,8 +1,8 @@
 //! The flank contact under one cut, at any state of wear.
 
 use crate::emf::Junction;
-use crate::law::Wear;
 use crate::temperature::Heating;
+use crate::wear::Wear;
 use crate::{Cut, Load, Measurement, Pair};
 use toolroom_process::{Number, record};
 

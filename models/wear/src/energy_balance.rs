@@ -1,7 +1,7 @@
 //! The evolutionary wear law: mechanical wear by path, thermal wear by time at temperature.
 
 use crate::temperature::power;
-use crate::{Cut, law::Wear, run_in};
+use crate::{Cut, run_in, wear::Wear};
 use toolroom_process::{Number, record};
 
 record! {

@@ -60,6 +60,7 @@
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
 mod calibrate;
+mod chipped_share;
 mod chipping;
 mod claims;
 mod command;
@@ -70,7 +71,9 @@ mod energy_balance;
 mod force;
 mod law;
 mod life;
+mod life_moments;
 mod limits;
+mod measurement;
 mod observer;
 mod pair;
 mod plan;
@@ -85,7 +88,9 @@ mod state;
 mod takeyama_murata;
 mod taylor;
 mod temperature;
+mod turning_sets;
 mod usui;
+mod wear;
 mod wear_curve;
 
 pub use calibrate::WearTarget;
@@ -97,13 +102,15 @@ pub use cut::Cut;
 pub use emf::Emf;
 pub use energy_balance::EnergyBalance;
 pub use force::{Force, Load};
-pub use law::{Wear, WearLaw};
+pub use law::WearLaw;
 pub use life::{ConstantSpeed, Life, Objective};
+pub use life_moments::LifeMoments;
 pub use limits::Limits;
-pub use observer::{BELIEF, Estimate, Measurement, Observer, ObserverNoise, WearLevel};
-pub use pair::{PARAMETER_SETS, Pair, TURNING_SETS};
+pub use measurement::Measurement;
+pub use observer::{BELIEF, Estimate, Observer, ObserverNoise, WearLevel};
+pub use pair::Pair;
 pub use plan::{PassPlan, Ramp, RampLimits, SpeedMode};
-pub use scatter::{EdgeScatter, LifeMoments, PairScatter, Scatter};
+pub use scatter::{EdgeScatter, PairScatter, Scatter};
 pub use schedule::SpeedSchedule;
 pub use set::{
     ABOUT, ASSUMED_DEVIATIONS, ASSUMED_EXPONENTS, Band, Catalogue, EDGE_SCATTER, EDGE_SCATTER_DEVIATION,
@@ -118,5 +125,7 @@ pub use state::{EdgeRun, WEAR_EVENTS, WearState};
 pub use takeyama_murata::TakeyamaMurata;
 pub use taylor::ExtendedTaylor;
 pub use temperature::{Heating, Temperature};
+pub use turning_sets::{PARAMETER_SETS, TURNING_SETS};
 pub use usui::Usui;
+pub use wear::Wear;
 pub use wear_curve::{LARGEST_CONTRAST, LARGEST_TILT, check_tilt, run_in, wear_stage};

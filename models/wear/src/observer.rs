@@ -1,6 +1,6 @@
 //! An extended Kalman filter that reads flank wear from power, feed force and EMF.
 
-use crate::{Coefficients, Contact, Cut, Load, Pair};
+use crate::{Coefficients, Contact, Cut, Load, Measurement, Pair};
 use std::sync::Arc;
 use toolroom_process::num_dual::Dual64;
 use toolroom_process::record;
@@ -47,17 +47,6 @@ record! {
         /// Added to the scatter from pass to pass.
         pass_margin: Real = 0.01, 0.0..=10.0;
     }
-}
-
-/// What the machine measures in cut.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measurement<N = f64> {
-    /// Spindle power without idle power, W.
-    pub spindle_power: N,
-    /// Feed force, N.
-    pub feed_force: N,
-    /// Thermo-EMF, V.
-    pub thermo_emf: N,
 }
 
 /// What the observer believes.

@@ -1,9 +1,9 @@
 //! Scatter: how edges, work pieces and readings differ from nominal.
 
-use crate::{Chipping, Cut, Pair, WearState};
+use crate::Cut;
 use rand::Rng;
 use rand_distr::{Distribution, Exp1, StandardNormal};
-use toolroom_process::{ModelError, record};
+use toolroom_process::record;
 
 record! {
     /// Standard deviations of everything that varies. Multipliers are lognormal with median 1
@@ -41,7 +41,7 @@ record! {
         initial_wear: Real["m" => "mm"] = 0.005e-3, 0.0..=1e-3;
         /// Scatter of that land.
         initial_wear_scatter: Real = 0.5, 0.0..=3.0;
-        /// Share of edges that chip before the wear limit, for [`Chipping::for_share`].
+        /// Share of edges that chip before the wear limit, for [`Chipping::for_share`](crate::Chipping::for_share).
         chipped_share: Real = 0.10, 0.0..=0.99;
     }
 }
@@ -71,24 +71,6 @@ pub struct PairScatter {
     /// Multiplier of the pressure.
     pub flank_pressure_factor: f64,
 }
-
-/// Mean and coefficient of variation of tool life over the scatter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LifeMoments {
-    /// Mean, s.
-    pub mean: f64,
-    /// Standard deviation over mean.
-    pub variation: f64,
-}
-
-/// Nodes and weights of 7-point Gauss–Hermite quadrature for the weight exp(-x²), positive half (Abramowitz and Stegun,
-/// table 25.10).
-const HERMITE: [(f64, f64); 4] = [
-    (0.0, 0.810_264_617_556_807_3),
-    (0.816_287_882_858_964_7, 0.425_607_252_610_127_8),
-    (1.673_551_628_767_471_4, 0.054_515_582_819_127_03),
-    (2.651_961_356_835_233_4, 0.000_971_781_245_099_519_2),
-];
 
 impl Scatter {
     /// A production shop.
@@ -159,7 +141,7 @@ impl Scatter {
         self.clip_hardness(batch_hardness + self.piece_hardness * normal(rng))
     }
 
-    fn clip_hardness(&self, hardness: f64) -> f64 {
+    pub(crate) fn clip_hardness(&self, hardness: f64) -> f64 {
         hardness.clamp(1.0 - self.hardness_clip, 1.0 + self.hardness_clip)
     }
 
@@ -191,46 +173,6 @@ impl Scatter {
     pub fn noise_factor(&self, noise: f64) -> f64 {
         (noise - 0.5 * self.life_noise * self.life_noise).exp()
     }
-
-    /// Mean and variation of quasi-steady life at a constant cut over edge and batch scatter
-    /// (not over noise, edge condition or chipping), by Gauss–Hermite quadrature.
-    ///
-    /// # Examples
-    /// ```
-    /// use toolroom_wear::{Pair, Scatter};
-    /// let pair = Pair::default();
-    /// let moments = Scatter::shop().life_moments(&pair, &pair.reference_cut().at_speed(0.5));
-    /// assert!((moments.mean / 60.0 - 23.905684).abs() < 1e-3);
-    /// ```
-    pub fn life_moments(&self, pair: &Pair, cut: &Cut) -> LifeMoments {
-        // ∫ f(z) N(z) dz = Σ w/√π f(√2 x)
-        let nodes: Vec<(f64, f64)> = HERMITE
-            .iter()
-            .flat_map(|(x, w)| [-1.0, 1.0].map(|sign| (sign * x, *w)).into_iter().skip(usize::from(*x == 0.0)))
-            .map(|(x, w)| (x * std::f64::consts::SQRT_2, w / std::f64::consts::PI.sqrt()))
-            .collect();
-        let (mut first, mut second) = (0.0, 0.0);
-        for (za, wa) in &nodes {
-            for (zb, wb) in &nodes {
-                for (zh, wh) in &nodes {
-                    let varied = Cut {
-                        mechanical_factor: cut.mechanical_factor * (self.mechanical_wear * za).exp(),
-                        thermal_factor: cut.thermal_factor * (self.thermal_wear * zb).exp(),
-                        hardness: cut.hardness * self.clip_hardness(1.0 + self.batch_hardness * zh),
-                        ..*cut
-                    };
-                    let life = pair.life(&varied).cutting_time;
-                    first += wa * wb * wh * life;
-                    second += wa * wb * wh * life * life;
-                }
-            }
-        }
-        // The common factor divides the life: E exp(-σz) = exp(σ²/2), E exp(-2σz) = exp(2σ²).
-        let variance = self.common_wear * self.common_wear;
-        let mean = first * (0.5 * variance).exp();
-        let square = second * (2.0 * variance).exp();
-        LifeMoments { mean, variation: (square / (mean * mean) - 1.0).max(0.0).sqrt() }
-    }
 }
 
 impl EdgeScatter {
@@ -253,38 +195,6 @@ impl PairScatter {
             flank_pressure_factor: cut.flank_pressure_factor * self.flank_pressure_factor,
             ..*cut
         }
-    }
-}
-
-impl Chipping {
-    /// The rate at which `share` of nominal edges chip before the wear limit at a constant cut.
-    ///
-    /// # Errors
-    /// Those of [`Pair::run`]; a `share` outside 0..1 and an edge that never wears out have no
-    /// solution.
-    ///
-    /// # Examples
-    /// ```
-    /// use toolroom_wear::{Chipping, Pair, WearState};
-    /// let mut pair = Pair::default();
-    /// let cut = pair.reference_cut();
-    /// pair.chipping = Chipping::default().for_share(&pair, &cut, 0.10).unwrap();
-    /// let worn = pair.run(&WearState::default(), |_, _| cut, 1e5, 1e-9).unwrap().state;
-    /// assert!((1.0 - (-worn.chipping_hazard).exp() - 0.10).abs() < 1e-6);
-    /// ```
-    pub fn for_share(&self, pair: &Pair, cut: &Cut, share: f64) -> Result<Self, ModelError> {
-        if !(0.0..1.0).contains(&share) {
-            return Err(ModelError::NoSolution { quantity: "chipping rate", reason: "the share is not within 0 to 1" });
-        }
-        let life = pair.life(cut);
-        if !(life.path > 0.0 && life.path.is_finite()) {
-            return Err(ModelError::NoSolution { quantity: "chipping rate", reason: "the edge does not wear out" });
-        }
-        let unit = Self { rate: life.path.recip(), ..*self };
-        let trial = Pair { chipping: unit, ..pair.clone() };
-        let worn = trial.run(&WearState::default(), |_, _| *cut, 10.0 * life.cutting_time, 1e-9)?.state;
-        // Hazard grows with the power `shape` of the rate.
-        Ok(Self { rate: unit.rate * (-(-share).ln_1p() / worn.chipping_hazard).powf(self.shape.recip()), ..*self })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Taylor's tool-life law with a flank-wear curve.
 
 use crate::temperature::power;
-use crate::{Cut, LARGEST_CONTRAST, LARGEST_TILT, law::Wear, wear_stage};
+use crate::{Cut, LARGEST_CONTRAST, LARGEST_TILT, wear::Wear, wear_stage};
 use toolroom_process::{Number, record};
 
 record! {

@@ -1,7 +1,7 @@
 //! The wear law of Usui, Hirota and Masuko.
 
 use crate::temperature::power;
-use crate::{Cut, law::Wear, run_in};
+use crate::{Cut, run_in, wear::Wear};
 use toolroom_process::{Number, record};
 
 record! {

@@ -9,7 +9,7 @@
 //! waits for long is then taken from the end of a list, with its keys beside those of its neighbours. Whoever takes a job
 //! also knows which ones come soon.
 
-use super::queue::{QueueEntry, Ranked};
+use super::entry::{QueueEntry, Ranked};
 use std::cmp::Ordering;
 
 /// Knots below a knot.

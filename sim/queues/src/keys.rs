@@ -1,6 +1,6 @@
 //! Keys of waiting jobs under the rules of queues: the least goes first.
 
-use super::queue::{Facts, Keys};
+use super::entry::{Facts, Keys};
 use toolroom_scenario::{DispatchRule, KeyOptions, MOST_RULES, SlackBy};
 
 /// Options where none are given.

@@ -13,8 +13,8 @@
 //! # Source
 //! J. Basch, L. J. Guibas, J. Hershberger, Data structures for mobile data, Journal of Algorithms 31 (1999) 1.
 
+use super::entry::{Facts, Keys, QueueEntry, Ranked};
 use super::heap::ordered;
-use super::queue::{Facts, Keys, QueueEntry, Ranked};
 use super::tournament::{Entry, Game, Tournament};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};

@@ -11,12 +11,14 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod entry;
 mod heap;
 mod keys;
 mod kinetic;
 mod queue;
 mod tournament;
 
+pub use entry::{Facts, Keys, QueueEntry, Ranked};
 pub use keys::{Measures, Moment, keys};
 pub use kinetic::Plan;
-pub use queue::{Facts, Keys, Queue, QueueEntry, QueueKind, Ranked};
+pub use queue::{Queue, QueueKind};

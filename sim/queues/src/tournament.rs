@@ -3,8 +3,8 @@
 //! Each match keeps the line of its winner and until when its result holds. Those of both sides of a match stand side by
 //! side in memory, so that a match is played without looking at the jobs, but where rounding may hide which key is lesser.
 
+use super::entry::{Facts, Keys, QueueEntry};
 use super::keys::{Moment, key};
-use super::queue::{Facts, Keys, QueueEntry};
 use std::cmp::Ordering;
 use toolroom_scenario::{DispatchRule, KeyOptions};
 

@@ -7,8 +7,8 @@
 
 use super::job::{Job, Origin};
 use super::lot::KeptMachine;
-use super::machine::{Content, Step, Task};
 use super::recorder::Recorder;
+use super::task::{Content, Step, Task};
 use super::{Shop, ShopError};
 use crate::runlog::LogEvent;
 use toolroom_kernel::Entity;

@@ -4,8 +4,8 @@
 //! came first has waited for long enough. Of several families that are ready the one goes whose best job,
 //! by the rules of the queue, is better; it fills the machine in the order of the queue.
 
-use super::dispatch::QueueChange;
 use super::event::Event;
+use super::queue_change::QueueChange;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use toolroom_kernel::{Entity, EventKey, Purpose, SimTime};

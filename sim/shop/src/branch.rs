@@ -4,8 +4,8 @@
 //! shifts, orders) is in the calendars and in the table of orders. In the instant of the change all events of that instant
 //! are settled first. Then waiting jobs are put in the order of the new rules, in new queues.
 
-use super::dispatch::queue_kind;
 use super::job::Origin;
+use super::look::queue_kind;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use toolroom_kernel::SimTime;

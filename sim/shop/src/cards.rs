@@ -6,9 +6,8 @@
 //! straight into another has left the first when it has a card of the second. All jobs of an order, and those that were
 //! divided from one another, have one card together.
 
-use super::dispatch::{facts, queue_kind};
+use super::look::{Look, facts, queue_kind, started_work};
 use super::recorder::Recorder;
-use super::world::World;
 use super::{Shop, ShopError};
 use crate::runlog::LogEvent;
 use toolroom_queues::{Moment, keys};
@@ -135,7 +134,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn join_backlog(&mut self, index: usize, slot: u32) {
         let (scenario, layout, streams) = (self.scenario, &self.layout, &self.streams);
         let rules = rules_of(scenario, &scenario.control.loops[index]);
-        let World { cards, jobs, .. } = &mut self.world;
+        let (cards, jobs) = (&mut self.world.cards, &self.world.jobs);
         let job = jobs.at(slot);
         let waiting = QueueEntry { since: job.queued, number: job.number, slot, operation: job.operation };
         let machine = scenario.parts[job.row.part as usize].operations[job.operation as usize].machines[0];
@@ -152,9 +151,9 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now().seconds();
         let (scenario, layout) = (self.scenario, &*self.layout);
         let rules = rules_of(scenario, &scenario.control.loops[index]);
-        let started = super::dispatch::started_work(scenario, layout, &self.world, now);
-        let World { cards, jobs, waiting_work, .. } = &mut self.world;
-        let look = super::dispatch::Look { scenario, layout, jobs, waiting_work, started, chooser: None, rules, now };
+        let started = started_work(scenario, layout, (&self.world.jobs, &self.world.machines), now);
+        let (cards, jobs, waiting_work) = (&mut self.world.cards, &self.world.jobs, &self.world.waiting_work);
+        let look = Look { scenario, layout, jobs, waiting_work, started, chooser: None, rules, now };
         let found = cards.loops[index].queue.take(
             now,
             |waiting| is_parked(look.jobs, waiting),

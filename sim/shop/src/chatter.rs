@@ -2,10 +2,13 @@
 
 use super::cut::Segment;
 use super::draws::owner;
-use super::machine::{MOUNTED, Piece};
 use super::pass::Place;
 use super::ports::read;
+use super::reaction::Reaction;
 use super::recorder::Recorder;
+use super::task::MOUNTED;
+use super::workpiece::Piece;
+use super::workpiece::Surface;
 use super::{Shop, ShopError};
 use crate::runlog::{EventRow, LogEvent};
 use rand_distr::{Distribution as _, StandardNormal};
@@ -15,28 +18,6 @@ use toolroom_scenario::policies::Stability;
 /// Other speeds that are tried for one pass on one machine before a controller gives up
 /// (assumption).
 const MOST_TRIALS: usize = 6;
-
-/// What a machine has learnt about chatter in one kind of pass.
-#[derive(Clone, Debug)]
-pub struct Reaction {
-    /// What is cut: the number of its controller.
-    pub kind: u32,
-    /// Speeds that chattered, m/s, with the amplitude that was heard, m.
-    pub tried: Vec<(f64, f64)>,
-    /// Speed that is commanded now, m/s.
-    pub speed: f64,
-    /// Whether no other speed is left to try.
-    pub exhausted: bool,
-}
-
-/// The surface that the last pass leaves.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Surface {
-    /// Greatest roughness Ra, m.
-    pub roughness: f64,
-    /// Whether chatter grew while it was cut.
-    pub chattered: bool,
-}
 
 impl Segment {
     /// When a listening controller stops the segment, s from its start.

@@ -2,11 +2,11 @@
 //! judged by its form.
 
 use super::draws;
-use super::machine::{InCut, in_cut};
 use super::pass::{PassStart, Place};
 use super::ports::{Ports, write};
 use super::program::{Block, Program};
 use super::recorder::Recorder;
+use super::task::{InCut, in_cut};
 use super::{Shop, ShopError};
 use crate::runlog::ChangeReason;
 use toolroom_contour::{EdgeForce, HelicalCut};

@@ -7,8 +7,8 @@
 
 use super::event::Event;
 use super::job::{Job, Origin};
-use super::machine::{IN_WORK, Step};
 use super::recorder::Recorder;
+use super::task::{IN_WORK, Step};
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, JobRow, LogEvent};
 use std::collections::{BTreeMap, VecDeque};

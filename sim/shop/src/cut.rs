@@ -1,10 +1,11 @@
 //! A pass on the process model: planned as a whole on a copy of the edge's state, taken over
 //! when it ends, planned again for a shorter time when it is interrupted.
 
+use super::cut_fault::{CutFault, STUCK};
 use super::ports::{Ports, elements, read, write};
 use super::program::Program;
 use super::vibration::{Instant, Listener, Vibration};
-use toolroom_process::{MachineProcess, ModelError, ProcessEvent, watched};
+use toolroom_process::{MachineProcess, ProcessEvent, watched};
 use toolroom_scenario::policies::Sample;
 
 /// A stretch of cutting under one command: where it starts, where it ends, what happens.
@@ -43,18 +44,6 @@ pub struct Segment {
     /// When a controller that has heard chatter stops it, s.
     pub stop: Option<f64>,
 }
-
-/// Why a segment could not be planned.
-#[derive(Debug)]
-pub(super) enum CutFault {
-    /// The model refused.
-    Model(ModelError),
-    /// The model raises events and does not move.
-    Stuck,
-}
-
-/// Events in a row without progress after which a process counts as stuck.
-pub(super) const STUCK: u32 = 64;
 
 impl Segment {
     /// Cuts from `state` under [`Segment::start_input`] for `duration`, with a sensor sample

@@ -1,8 +1,8 @@
 //! What the true shop does otherwise than planned, and what measurements have moved.
 
 use super::Shop;
-use super::machine::Content;
 use super::recorder::Recorder;
+use super::task::{Content, Moved};
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose};
 use toolroom_scenario::{
@@ -13,15 +13,6 @@ use toolroom_scenario::{
 /// Owners of the draws of short stops and of holds, parts of the operation's own name.
 const STOPS: u64 = 1 << 40;
 const HOLDS: u64 = STOPS + 1;
-
-/// What calibration and deviations make of an operation.
-#[derive(Clone, Copy, Debug)]
-pub struct Moved {
-    /// Time that a second of the programmed passes takes, s.
-    pub pace: f64,
-    /// Factor on the wear rate of the edge.
-    pub wear_rate: f64,
-}
 
 /// An operation that is about to begin, as scopes see it; nothing where there are no scopes.
 pub(super) struct ScopedOperation {

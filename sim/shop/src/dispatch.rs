@@ -2,30 +2,12 @@
 
 use super::branch;
 use super::job::Jobs;
-use super::layout::Layout;
-use super::machine::Readiness;
+use super::look::{Look, facts, started_work};
+use super::queue_change::QueueChange;
 use super::recorder::Recorder;
-use super::world::World;
 use super::{Shop, ShopError};
-use rand::RngExt;
-use toolroom_kernel::{Purpose, Streams};
-use toolroom_queues::Plan;
-use toolroom_queues::{Facts, Keys, Queue, QueueEntry, QueueKind};
-use toolroom_queues::{Measures, Moment, keys};
-use toolroom_scenario::{Assignment, Blocking, DispatchRule, KeyOptions, NextQueue, Preemption, Scenario, SlackBy};
-
-/// How the queue of rules has to be kept.
-pub(super) fn queue_kind(rules: &[DispatchRule], options: &KeyOptions) -> QueueKind {
-    if !rules.iter().all(|rule| options.are_usual_for(*rule)) {
-        QueueKind::Scan
-    } else if rules.iter().all(|rule| *rule == DispatchRule::Fifo) {
-        QueueKind::Line
-    } else if rules.iter().all(|rule| rule.stands()) {
-        QueueKind::Heap
-    } else {
-        Plan::of(rules).map_or(QueueKind::Scan, QueueKind::Kinetic)
-    }
-}
+use toolroom_queues::{Keys, Measures, Moment, Queue, QueueEntry, keys};
+use toolroom_scenario::{Assignment, Blocking, Preemption};
 
 /// Whether a job still waits for what a place in a queue says.
 #[inline]
@@ -38,85 +20,18 @@ fn is_here(jobs: &Jobs, waiting: &QueueEntry) -> bool {
     })
 }
 
-/// Whether a rule looks at the time of this and all later operations.
-fn looks_at_work_left(rule: DispatchRule) -> bool {
-    matches!(
-        rule,
-        DispatchRule::ShortestRemaining
-            | DispatchRule::LongestRemaining
-            | DispatchRule::Slack
-            | DispatchRule::SlackPerOperation
-            | DispatchRule::CriticalRatio
-            | DispatchRule::ModifiedDueDate
-            | DispatchRule::TimeNextQueueAndSlack
-            | DispatchRule::Atc
-            | DispatchRule::AtcWithSetups
-            | DispatchRule::Covert
-    )
-}
-
-/// Whether a rule looks at when this operation is due.
-fn looks_at_operation_due(rule: DispatchRule, options: &KeyOptions) -> bool {
-    let costs = matches!(rule, DispatchRule::Atc | DispatchRule::AtcWithSetups | DispatchRule::Covert);
-    matches!(rule, DispatchRule::EarliestOperationDue | DispatchRule::ModifiedOperationDue)
-        || costs && options.slack_by == SlackBy::Operation
-}
-
-/// What the rules of a machine look at of a job that comes to its queue; what no rule looks at is not worked out.
-pub(super) fn facts(
-    scenario: &Scenario,
-    layout: &Layout,
-    streams: &Streams,
-    (jobs, slot): (&Jobs, u32),
-    (machine, rules): (usize, &[DispatchRule]),
-) -> Facts {
-    let job = jobs.at(slot);
-    let (part, index) = (job.row.part as usize, job.operation as usize);
-    let plans = &layout.operations[part];
-    let time = |operation: usize| layout.time(jobs, slot, part, operation);
-    let (count, release, due) = (plans.len(), job.row.arrival, job.row.due);
-    let options = &scenario.control.keys;
-    let work_left = rules.iter().any(|rule| looks_at_work_left(*rule));
-    let own_due = rules.iter().any(|rule| looks_at_operation_due(*rule, options));
-    // Sums over a routing cost more than all the rest: only where a rule looks at them.
-    let operation_due = |total: f64| {
-        let until: f64 = job.operations_until(index).map(time).sum();
-        let share = if total > 0.0 { until / total } else { 1.0 };
-        release + (due - release) * share
-    };
-    let setup = plans[index].setup_time.unwrap_or(layout.machine_plans[machine].setup_time);
-    let rank = || streams.open(job.entity.part(index as u64), Purpose::Policy).random();
-    let next_index = job.next_operation(count);
-    let next = plans.get(next_index);
-    Facts {
-        release,
-        priority: f64::from(job.priority),
-        weight: job.weight,
-        due,
-        operation_due: if own_due { operation_due((0..count).map(time).sum()) } else { due },
-        time: time(index),
-        work_left: if work_left { job.operations_left(count).map(time).sum() } else { 0.0 },
-        operations_left: job.places_left(count).len() as f64,
-        next_time: next.map_or(0.0, |_| time(next_index)),
-        next_station: next.map(|plan| plan.station),
-        setup_group: plans[index].setup_group,
-        setup_time: setup,
-        rank: if rules.contains(&DispatchRule::Random) { rank() } else { 0.0 },
-    }
-}
-
-/// Keys of a job in a machine under the machine's rules, at this moment.
-pub(super) fn keys_of<R: Recorder>(shop: &Shop<'_, R>, machine: usize, slot: u32) -> Keys {
-    let (scenario, jobs) = (shop.scenario, &shop.world.jobs);
-    let rules = shop.rules(machine);
-    let facts = facts(scenario, &shop.layout, &shop.streams, (jobs, slot), (machine, rules));
-    let options = &scenario.control.keys;
-    let mean = Measures { time: facts.time, setup: 0.0 };
-    let moment = Moment { now: shop.now().seconds(), mean, options, ..Moment::default() };
-    keys(rules, jobs.at(slot).queued.seconds(), &facts, &moment)
-}
-
 impl<R: Recorder> Shop<'_, R> {
+    /// Keys of a job in a machine under the machine's rules, at this moment.
+    pub(super) fn keys_of(&self, machine: usize, slot: u32) -> Keys {
+        let (scenario, jobs) = (self.scenario, &self.world.jobs);
+        let rules = self.rules(machine);
+        let facts = facts(scenario, &self.layout, &self.streams, (jobs, slot), (machine, rules));
+        let options = &scenario.control.keys;
+        let mean = Measures { time: facts.time, setup: 0.0 };
+        let moment = Moment { now: self.now().seconds(), mean, options, ..Moment::default() };
+        keys(rules, jobs.at(slot).queued.seconds(), &facts, &moment)
+    }
+
     /// Puts a machine on the list of those that may choose when the instant is settled.
     pub(super) fn may_choose(&mut self, machine: usize) {
         let state = &mut self.world.machines[machine];
@@ -384,88 +299,10 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now().seconds();
         let (scenario, layout, world) = (self.scenario, &*self.layout, &mut self.world);
         let rules = branch::rules(scenario, world.branched, machine);
-        let started = started_work(scenario, layout, world, now);
+        let started = started_work(scenario, layout, (&world.jobs, &world.machines), now);
         let state = &mut world.machines[machine];
         let (ready, jobs, waiting_work) = (state.ready, &world.jobs, world.waiting_work.as_slice());
         let chooser = Some((machine, ready));
         (&mut state.queue, Look { scenario, layout, jobs, waiting_work, started, chooser, rules, now })
     }
-}
-
-/// What the rules of a machine look at.
-pub(super) struct Look<'a> {
-    pub scenario: &'a Scenario,
-    pub layout: &'a Layout,
-    pub jobs: &'a Jobs,
-    pub waiting_work: &'a [(u32, f64)],
-    /// What is left of the work in the machines of every station, s; empty where it does not count.
-    pub started: Vec<f64>,
-    /// The machine that chooses, and for what it stands ready; `None` where none does, and no setup counts.
-    pub chooser: Option<(usize, Readiness)>,
-    pub rules: &'a [DispatchRule],
-    pub now: f64,
-}
-
-impl Look<'_> {
-    fn setup(&self, facts: &Facts) -> f64 {
-        let (group, usual) = (facts.setup_group, facts.setup_time);
-        let needed =
-            self.chooser.and_then(|(machine, ready)| self.layout.setup(self.scenario, machine, ready, group, usual));
-        needed.unwrap_or(0.0)
-    }
-
-    /// What the means over the queue are taken of.
-    pub(super) fn measures(&self, facts: &Facts) -> Measures {
-        let with_setup = self.scenario.control.keys.setup;
-        if !with_setup && !self.rules.contains(&DispatchRule::AtcWithSetups) {
-            return Measures { time: facts.time, setup: 0.0 };
-        }
-        let setup = self.setup(facts);
-        Measures { time: if with_setup { facts.time + setup } else { facts.time }, setup }
-    }
-
-    pub(super) fn keys(&self, waiting: &QueueEntry, facts: &Facts, mean: Measures) -> Keys {
-        let work_at = |station: u32| {
-            let together = &self.layout.overlapping[station as usize];
-            let waiting = together.iter().map(|station| self.waiting_work[*station as usize].1).sum::<f64>();
-            let started = |station: &u32| self.started.get(*station as usize).copied().unwrap_or(0.0);
-            waiting + together.iter().map(started).sum::<f64>()
-        };
-        let moment = Moment {
-            now: self.now,
-            mean,
-            next_work: facts.next_station.filter(|_| self.layout.looks_ahead).map_or(0.0, work_at),
-            setup: self.setup(facts),
-            options: &self.scenario.control.keys,
-        };
-        let mut own = *facts;
-        if moment.options.setup {
-            own.time += moment.setup;
-            own.work_left += moment.setup;
-        }
-        keys(self.rules, waiting.since.seconds(), &own, &moment)
-    }
-}
-
-/// What is left of the operations in work at every station, s: their time as rules see it, less the time since they began. Empty
-/// where no rule counts it.
-pub(super) fn started_work(scenario: &Scenario, layout: &Layout, world: &World, now: f64) -> Vec<f64> {
-    if !layout.looks_ahead || scenario.control.keys.next_queue == NextQueue::Waiting {
-        return Vec::new();
-    }
-    let mut started = vec![0.0; world.waiting_work.len()];
-    for task in world.machines.iter().filter_map(|machine| machine.task.as_ref()) {
-        let job = world.jobs.at(task.slot);
-        let (part, operation) = (job.row.part as usize, job.operation as usize);
-        let whole = layout.time(&world.jobs, task.slot, part, operation);
-        started[layout.operations[part][operation].station as usize] += (task.begun.seconds() + whole - now).max(0.0);
-    }
-    started
-}
-
-/// Whether a job begins to wait or waits no longer.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum QueueChange {
-    Comes,
-    Leaves,
 }

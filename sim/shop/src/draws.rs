@@ -4,6 +4,7 @@ use super::edge::Edge;
 use super::job::Job;
 use super::layout::Layout;
 use super::ports::{Ports, write};
+use super::workpiece::Blank;
 use rand::RngExt;
 use rand_distr::{Distribution as _, StandardNormal};
 use toolroom_kernel::{Entity, Purpose, Stream, Streams};
@@ -133,15 +134,6 @@ pub(super) fn edge(scatter: &Scatter, streams: &Streams, entity: Entity) -> Edge
 /// How the land's stresses of a tool differ from its parameter set.
 pub(super) fn pair(scatter: &Scatter, streams: &Streams, tool: &str) -> PairScatter {
     scatter.sample_pair(&mut streams.open(Entity::named(tool), Purpose::Tool))
-}
-
-/// A workpiece as it came.
-#[derive(Clone, Copy, Debug)]
-pub struct Blank {
-    /// Hardness against nominal: that of its lot and its own.
-    pub hardness: f64,
-    /// 1 in the lot that deviates, else 0.
-    pub lot_deviation: f64,
 }
 
 /// A workpiece of `job`, hardness drawn for its lot and for itself.

@@ -10,11 +10,11 @@
 //!
 //! [`resolve_deadlock`]: super::Shop::resolve_deadlock
 
-use super::machine::Lack;
+use super::readiness::Lack;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use std::collections::BTreeSet;
-use toolroom_scenario::{Fixture, Hold, Scenario};
+use toolroom_scenario::{Fixture, Hold};
 
 /// Who has a fixture.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -45,11 +45,6 @@ pub struct Shortages {
     machines: Vec<u32>,
     /// Whether something has become free since they chose.
     released: bool,
-}
-
-/// Whether any fixture travels.
-pub(super) fn travels(scenario: &Scenario) -> bool {
-    scenario.shared.fixtures.iter().flat_map(|fixture| &fixture.holds).any(Hold::travels)
 }
 
 /// The hold of a fixture by an operation of a part.

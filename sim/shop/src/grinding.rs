@@ -2,11 +2,11 @@
 
 use super::draws::owner;
 use super::layout::phase_duration;
-use super::machine::{InCut, MOUNTED, in_cut};
 use super::pass::{PassStart, Place};
 use super::ports::write;
 use super::program::{Block, Program};
 use super::recorder::Recorder;
+use super::task::{InCut, MOUNTED, in_cut};
 use super::{Shop, ShopError};
 use crate::runlog::ChangeReason;
 use toolroom_infeed::{Input, State};

@@ -4,9 +4,10 @@
 //! An order in a machine is set up and loaded, and needs what its operation has left. Of an order whose jobs move apart,
 //! some have passed the operation, and the machine that is kept for the rest works on the next one.
 
-use super::layout::ContentPlan;
-use super::machine::{Content, IN_WORK, Readiness, Step};
+use super::operation_plan::ContentPlan;
+use super::readiness::Readiness;
 use super::recorder::Recorder;
+use super::task::{Content, IN_WORK, Step};
 use super::{Shop, ShopError};
 use toolroom_scenario::{InProcess, Work};
 

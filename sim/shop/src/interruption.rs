@@ -1,8 +1,9 @@
 //! Breakdowns and repairs, and what becomes of the work in the machine.
 
 use super::event::Event;
-use super::machine::{Content, Piece, Step, Task};
 use super::recorder::Recorder;
+use super::task::{Content, Step, Task};
+use super::workpiece::Piece;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, LogEvent, OperationResult, OperationRow};
 use toolroom_kernel::Purpose;

@@ -2,15 +2,17 @@
 
 use super::error::ShopError;
 use super::job::Jobs;
-use super::machine::Readiness;
 use super::machine_plan::MachinePlan;
+use super::operation_plan::{ContentPlan, OperationPlan, Passes};
 use super::owners;
 use super::ports::{Ports, read, start_values, write};
+use super::quick_machines;
+use super::readiness::Readiness;
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::{
-    ArrivalPattern, Cut, DrawUnit, GrindingPhase, Interruption, KeyTime, MachineType, Operation, Part, Preemption,
-    Presence, ProcessModel, ReleaseRule, Scenario, SetupMatrix, Work, WorkPer,
+    ArrivalPattern, Cut, DrawUnit, GrindingPhase, Hold, Interruption, KeyTime, MachineType, Operation, Part,
+    Preemption, Presence, ProcessModel, ReleaseRule, Scenario, SetupMatrix, Work, WorkPer,
 };
 
 /// Tables that follow from the scenario alone.
@@ -80,56 +82,6 @@ pub(super) struct ToolPlan {
     pub ports: Ports,
     /// Input elements at their start values.
     pub input: Vec<f64>,
-}
-
-/// An operation as the engine sees it, small and beside the others of its part: the scenario is too large to be looked at
-/// several times an event. It has one line of the processor's memory to itself.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub(super) struct OperationPlan {
-    pub content: ContentPlan,
-    pub setup_group: u32,
-    /// What takes its plain work once.
-    pub work_per: WorkPer,
-    /// The machines that may do it, together.
-    pub station: u32,
-    /// Expected time on its first machine, s: loading, passes as programmed, unloading; plain work is not
-    /// in it.
-    pub known_time: f64,
-    /// The machine that does it, if no other may.
-    pub only_machine: Option<u32>,
-    /// Its setup time where it has one of its own, s.
-    pub setup_time: Option<f64>,
-    /// Whether chance decides how long its setup takes.
-    pub random_setup: bool,
-    /// Whether machines differ in the time of its plain work.
-    pub paced: bool,
-    /// Whether its plain work goes on in stretches.
-    pub stretched: bool,
-    /// Whether pieces of a job differ in its plain work: each has its own time, or only a sample is worked on.
-    pub apart: bool,
-    /// Whether it needs the components of its part.
-    pub assembles: bool,
-    /// Whether chance decides what becomes of its pieces.
-    pub inspected: bool,
-}
-
-/// What an operation does, as the engine sees it.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum ContentPlan {
-    /// Plain work.
-    Plain,
-    /// Passes of a tool.
-    Machining { tool: u32, passes: Passes },
-}
-
-/// Passes of an operation.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Passes {
-    /// How many.
-    pub passes: u32,
-    /// Index of the first among all passes of the scenario.
-    pub first_pass: u32,
 }
 
 impl Layout {
@@ -238,7 +190,7 @@ impl Layout {
             .map(|(times, (modes, upkeep))| alone && modes.is_empty() && upkeep.is_empty() && *times == [0.0; 2]);
         let one_step: Vec<bool> = one_step.collect();
         let bare = is_bare(scenario);
-        let quick = super::quick::machines(scenario, &operations, one_step.clone(), (bare, looks_ahead));
+        let quick = quick_machines::machines(scenario, &operations, one_step.clone(), (bare, looks_ahead));
         let plan = |index: usize| {
             MachinePlan::from_scenario(scenario, index, assembles[index], [one_step[index], quick[index]])
         };
@@ -278,7 +230,7 @@ impl Layout {
             bare,
             uneven: scenario.calendars.iter().any(|calendar| !calendar.paces.is_even()),
             samples: scenario.parts.iter().flat_map(|part| &part.operations).any(|own| own.inspection.passes_by()),
-            travels: super::fixture::travels(scenario),
+            travels: travels(scenario),
             schedules,
         })
     }
@@ -546,4 +498,9 @@ pub(super) fn source_entity(scenario: &Scenario, word: &str, source: usize) -> E
             Entity::named(word).part(before as u64)
         }
     }
+}
+
+/// Whether any fixture travels.
+pub(super) fn travels(scenario: &Scenario) -> bool {
+    scenario.shared.fixtures.iter().flat_map(|fixture| &fixture.holds).any(Hold::travels)
 }

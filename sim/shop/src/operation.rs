@@ -2,9 +2,11 @@
 
 use super::deviation::ScopedOperation;
 use super::inspection::Verdict;
-use super::layout::ContentPlan;
-use super::machine::{Content, IN_WORK, Machining, Piece, Readiness, Step, Task};
+use super::operation_plan::ContentPlan;
+use super::readiness::Readiness;
 use super::recorder::Recorder;
+use super::task::{Content, IN_WORK, Machining, Step, Task};
+use super::workpiece::Piece;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, LogEvent, OperationResult, OperationRow};
 use toolroom_kernel::{EventKey, Purpose, SimTime};

@@ -6,10 +6,9 @@
 //! first of the file: a setter is not spent on loading. Who tends machines by a share is free for others as long as their
 //! shares add up to no more than one. Where ways take time, the person walks from the last machine first, and the step waits.
 
-use super::dispatch::keys_of;
 use super::event::Event;
-use super::machine::{IN_WORK, Step, Task};
 use super::recorder::Recorder;
+use super::task::{IN_WORK, Step, Task};
 use super::{Shop, ShopError};
 use crate::runlog::AttendanceRow;
 use std::cmp::Ordering;
@@ -215,7 +214,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn await_operator(&mut self, machine: usize) {
         let Some((skill, share)) = self.needed(machine) else { return };
         let slot = self.world.machines[machine].task.as_ref().expect(IN_WORK).slot;
-        let keys = keys_of(self, machine, slot);
+        let keys = self.keys_of(machine, slot);
         let job = self.world.jobs.at(slot);
         let arrival = (job.queued.seconds(), job.number);
         self.world.awaiting.push(StepRequest { keys, arrival, machine: machine as u32, skill, share, left: None });

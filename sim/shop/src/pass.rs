@@ -1,12 +1,13 @@
 //! Passes: command, plan, interruption, end.
 
-use super::cut::{CutFault, refusing, rest};
+use super::cut::{refusing, rest};
+use super::cut_fault::CutFault;
 use super::draws::{self, owner};
 use super::error::Refusal;
 use super::layout::cut_duration;
-use super::machine::{IN_WORK, InCut, MOUNTED, Machining, Pass, Step, Task, in_cut};
 use super::ports::{read, write};
 use super::recorder::Recorder;
+use super::task::{IN_WORK, InCut, MOUNTED, Machining, Pass, Step, Task, in_cut};
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, EventRow, LogEvent, PassRow};
 use rand::RngExt;

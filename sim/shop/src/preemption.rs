@@ -5,9 +5,9 @@
 //! What the interrupted job has of its setup is lost, and so is its loading; the part leaves the machine and
 //! waits in the queue with its old time of arrival.
 
-use super::dispatch::QueueChange;
-use super::machine::{Content, Step};
+use super::queue_change::QueueChange;
 use super::recorder::Recorder;
+use super::task::{Content, Step};
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, LogEvent};
 use toolroom_scenario::Preemption;

@@ -3,9 +3,9 @@
 //! A job counts as in the shop from its arrival on, so that its lead time has its time in the pool. The jobs of an order are
 //! let in together.
 
-use super::dispatch::{Look, facts, started_work};
 use super::event::Event;
 use super::job::Origin;
+use super::look::{Look, facts, started_work};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::LogEvent;
@@ -182,7 +182,7 @@ impl<R: Recorder> Shop<'_, R> {
             layout: &self.layout,
             jobs: &self.world.jobs,
             waiting_work: &self.world.waiting_work,
-            started: started_work(self.scenario, &self.layout, &self.world, now),
+            started: started_work(self.scenario, &self.layout, (&self.world.jobs, &self.world.machines), now),
             chooser: None,
             rules: sequence,
             now,

@@ -1,8 +1,8 @@
 //! Shifts: when a machine may work, and what happens when it may no longer.
 
 use super::event::Event;
-use super::machine::Step;
 use super::recorder::Recorder;
+use super::task::Step;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, LogEvent};
 use toolroom_kernel::SimTime;

@@ -1,8 +1,8 @@
 //! Plain work that goes on in stretches: an edge wears in it and is changed when its life is over, or somebody attends to the
 //! first time of every piece.
 
-use super::machine::{Content, IN_WORK, Step, Stretches, Task, Tending};
 use super::recorder::Recorder;
+use super::task::{Content, IN_WORK, Step, Stretches, Task, Tending};
 use super::{Shop, ShopError};
 use crate::runlog::ChangeReason;
 use toolroom_scenario::{Presence, WorkPer};

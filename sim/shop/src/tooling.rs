@@ -2,9 +2,9 @@
 
 use super::draws;
 use super::edge::Edge;
-use super::machine::{IN_WORK, Step};
 use super::ports::write;
 use super::recorder::Recorder;
+use super::task::{IN_WORK, Step};
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, EdgeRow, LogEvent};
 use toolroom_kernel::Purpose;

@@ -4,9 +4,9 @@
 //! stretch is cut again in parts until every part is either wholly stable or wholly unstable. So margin, time in chatter,
 //! onset and marks on the surface all come from the same stretches, however short these are.
 
-use super::chatter::Surface;
-use super::cut::{CutFault, STUCK};
+use super::cut_fault::{CutFault, STUCK};
 use super::ports::{Ports, elements, read};
+use super::workpiece::Surface;
 use crate::runlog::PassRow;
 use toolroom_process::MachineProcess;
 

@@ -291,7 +291,9 @@ impl Blocks {
         }
         blocks.rare(seen, &group, &empty);
         blocks.scales();
-        blocks.usual_stops = usual(&blocks.list);
+        blocks.usual_stops = usual(
+            blocks.list.iter().map(|block| [block.values[Figure::StopCount], block.short_repairs, block.cutting]),
+        );
         blocks.list.sort_by(|a, b| a.group.cmp(&b.group).then(a.time.total_cmp(&b.time)));
         blocks.pools = vec![Vec::new(); seen.programs.len()];
         for (row, block) in blocks.list.iter().enumerate() {

@@ -1,7 +1,5 @@
 //! Short stops that a log books: those that the file's breakdowns explain, and those that are usual.
 
-use super::block::Block;
-use super::figure::Figure;
 use super::nominal::Station;
 use super::visit::{SHORT_STOP, Visit};
 use toolroom_facts::times::share_above;
@@ -23,11 +21,11 @@ pub(super) fn short_repairs(station: Option<&Station>, visits: &[&Visit]) -> f64
 }
 
 /// Rate of short stops beside those repairs, as far as it is usual, 1/s of time in cut: what the log shows, at most
-/// [`USUAL`].
-pub(super) fn usual(blocks: &[Block]) -> f64 {
-    let counted = blocks.iter().filter(|block| block.values[Figure::StopCount].is_finite());
-    let (stops, time) = counted.fold((0.0, 0.0), |(stops, time), block| {
-        (stops + block.values[Figure::StopCount] - block.short_repairs, time + block.cutting)
+/// [`USUAL`]. Of each block its booked stops and its short repairs (count) and its time in cut, s.
+pub(super) fn usual(blocks: impl Iterator<Item = [f64; 3]>) -> f64 {
+    let counted = blocks.filter(|[stops, ..]| stops.is_finite());
+    let (stops, time) = counted.fold((0.0, 0.0), |(stops, time), [booked, short_repairs, cutting]| {
+        (stops + booked - short_repairs, time + cutting)
     });
     if time > 0.0 { (stops / time).clamp(0.0, USUAL) } else { USUAL }
 }

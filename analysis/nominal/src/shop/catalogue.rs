@@ -2,6 +2,7 @@
 
 use super::super::constants::{BROKEN, FASTEST, OVERRIDDEN};
 use super::super::{Candidate, EffectId, search};
+use super::action::Action;
 use super::block::Block;
 use super::figure::Figure;
 use super::model::ShopModel;
@@ -9,30 +10,6 @@ use super::nominal::Shop;
 use super::scopes::parts;
 use super::visit::Visits;
 use toolroom_scenario::effects::SHOP_EFFECTS;
-
-/// What a candidate does to a block.
-pub(super) enum Action {
-    /// Longer cutting, by share, on blocks by weight.
-    Slower(Vec<f64>),
-    /// Longer cutting by the overrides that are recorded, over their mean.
-    Overridden(f64),
-    /// Longer handling on blocks by weight, s.
-    Delay(Vec<f64>),
-    /// Longer changes of edges.
-    Change(Vec<f64>),
-    /// Short stops that show in cutting times only, on blocks by weight.
-    Stops(Vec<f64>),
-    /// Short stops that are booked.
-    Booked,
-    /// Time per hold; the holds of an operation in the mean.
-    Hold(f64),
-    /// Inverse of the acceleration, by program.
-    Acceleration(Vec<f64>),
-    /// Later changes of edges.
-    Policy,
-    /// Regular breakdowns.
-    Breakdowns,
-}
 
 /// How far beyond the land at which the file changes them edges may be used, m: until they count as broken. That of the
 /// machine whose edges are changed first; no bound where the file wears out none.

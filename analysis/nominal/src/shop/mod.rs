@@ -16,6 +16,7 @@
 //! Normal scores of the randomised probability integral transform: Dunn & Smyth 1996. Short stops
 //! as a Poisson process of exponential durations, 20 s in the mean: assumption.
 
+mod action;
 mod block;
 mod booked;
 mod catalogue;
@@ -26,6 +27,7 @@ mod logs;
 mod model;
 mod nominal;
 mod scopes;
+mod shapes;
 mod state;
 mod stays;
 mod stopped;

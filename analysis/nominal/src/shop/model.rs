@@ -5,12 +5,12 @@ use super::super::{
     Channel, Covariate, Declarations, Direction, EffectRefusal, Family, Forward, Frame, Local, Measured, Point, Role,
     Settings, Surface, WrittenEffect,
 };
+use super::action::Action;
 use super::block::{Block, Blocks, ROOT_SCORE, TAIL};
-use super::catalogue::Action;
 use super::constant::{Constant, Label};
 use super::figure::{Figure, Figures};
 use super::nominal::Shop;
-use super::stopped::{Shapes, Stopped};
+use super::shapes::{Shapes, Stopped};
 use super::stops::Shape;
 use super::visit::{Visits, visits};
 use rayon::prelude::*;

@@ -1,36 +1,14 @@
 //! Shapes of blocks at the stops of a point: of a program some pools may be stopped, and others not.
 
-use super::catalogue::Action;
+use super::action::Action;
 use super::model::ShopModel;
-use super::stops::{Pool, SIZES, Shape, Stops, Timed};
+use super::shapes::{ByRate, Profile, Shapes};
+use super::stops::{Pool, SIZES, Shape, Timed};
 use crate::Point;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
-/// A program and the bits of the rates of stops in its pools.
-type Profile = (usize, Vec<u64>);
-/// Shapes by class of a block, by the bits of its rate of stops.
-type ByRate = BTreeMap<u64, Vec<Shape>>;
-/// Shapes of programs of which anything is stopped.
-pub(super) type Shapes = BTreeMap<Profile, ByRate>;
-
 /// Programs at their stops of which shapes are kept (count): a fit asks for the same ones again and again.
 const KEPT: usize = 4096;
-
-/// Replications of stops, and what they gave.
-#[derive(Default)]
-pub(super) struct Stopped {
-    stops: Stops,
-    known: Mutex<Shapes>,
-}
-
-impl Stopped {
-    fn known(&self) -> MutexGuard<'_, Shapes> {
-        // What a thread that panicked left behind is whole: shapes are put in when they are there.
-        self.known.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
 
 impl ShopModel {
     /// Rate of stops that nobody books in each block, 1/s.

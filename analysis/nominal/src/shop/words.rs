@@ -1,6 +1,6 @@
 //! What a scenario calls the numbers of this model, and what it states of them.
 
-use super::catalogue::Action;
+use super::action::Action;
 use super::model::ShopModel;
 use super::visit::Visits;
 use crate::stated::Declarations;

@@ -13,14 +13,15 @@
 //! # Not found
 //! Depths above the first limit of stability, which islands and pockets leave stable.
 
-use super::cut::Cut;
+use super::best_point::{Best, Bound};
+use super::chart_map::MapError;
+use super::cut::{Cut, with_unit};
 use super::load::Limited;
-use super::map::ASSUMED_SCATTER;
-use super::study::with_unit;
-use super::{ChartStudy, LobesFile, MapError};
+use super::robust::ASSUMED_SCATTER;
+use super::{ChartStudy, LobesFile};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use toolroom_chatter::{ChatterError, CuttingLoad, Probability, Scatter};
+use toolroom_chatter::{ChatterError, Probability, Scatter};
 use toolroom_form::significant;
 
 /// Samples behind the search, and those that check its result.
@@ -38,51 +39,6 @@ const LESS: f64 = 0.98;
 /// What a reader of the best point has to know.
 pub(super) const BEST_NOTE: &str = "The probability is the share of samples with scattered constants that are stable at the \
      point itself; depths above the first limit of stability are not searched.";
-
-/// The point of greatest removal rate.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Best {
-    /// Spindle speed (rad/s).
-    pub speed: f64,
-    /// Depth of cut (m).
-    pub depth: f64,
-    /// Probability that it is stable, of samples that it was not chosen by.
-    pub probability: Probability,
-    /// The probability that was requested.
-    pub required: f64,
-    /// How well the constants are known.
-    pub scatter: Scatter,
-    /// Load there.
-    pub load: CuttingLoad,
-    /// What is left on the wall (m), of milling.
-    pub surface_error: Option<f64>,
-    /// What forbids a deeper cut at this speed: a limit of the file, else stability or the range of the chart.
-    pub bound: Bound,
-    /// First operating point of the file and its removal rate (m³/s).
-    pub today: Option<(String, f64)>,
-}
-
-/// What forbids a deeper cut.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Bound {
-    /// The probability of stability.
-    Stability,
-    /// A limit of the file.
-    Limit(Limited),
-    /// The greatest depth of the chart.
-    Chart,
-}
-
-impl Bound {
-    /// The bound in a word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Stability => "stability",
-            Self::Limit(limited) => limited.word(),
-            Self::Chart => "chart",
-        }
-    }
-}
 
 /// Removal rate that a column can reach at most, its speed and the greatest depth there.
 type Column = (f64, f64, f64, Bound);

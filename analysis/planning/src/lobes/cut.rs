@@ -1,7 +1,5 @@
 //! What can be judged: a milling cut, a turning cut, a workpiece in a chuck.
 
-use super::file::Chart;
-use super::judgement::{Judgement, Vibration};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -9,7 +7,8 @@ use toolroom_chatter::paper::{FiveDegrees, Reduced};
 use toolroom_chatter::{
     AtSpeed, ChatterError, Lobes, Milling, Mode, SpeedVariation, StabilityLimit, StabilityVerdict, Turning,
 };
-use toolroom_lobes::{LobesCut, LobesProcess, axes};
+use toolroom_form::significant;
+use toolroom_lobes::{Chart, LobesCut, LobesProcess, axes};
 use toolroom_process::unit::convert;
 
 /// A cut without its operating point, with the variation of its spindle speed.
@@ -115,49 +114,6 @@ impl Cut {
         }
     }
 
-    /// Verdict, limit and margin at a point; limits are searched up to the chart's greatest depth
-    /// and at least to twice `depth`.
-    ///
-    /// # Errors
-    /// [`ChatterError`] where the point lies outside the domain of the model or its search fails.
-    pub fn judge(&self, speed: f64, depth: f64, chart: &Chart) -> Result<Judgement, ChatterError> {
-        let searched = chart.depth.end.max(2.0 * depth);
-        let mut intervals = None;
-        let (verdict, limit, searched) = match self {
-            Self::Milling(cut, variation) => {
-                let mut at_speed = prepared(cut, *variation, speed)?;
-                let found = at_speed.stable_intervals(searched)?;
-                let limit = found.limit().map(|limit| limit.depth);
-                intervals = Some(found);
-                (at_speed.verdict(depth)?, limit, searched)
-            }
-            Self::Turning(cut, None) => {
-                intervals = Some(cut.stable_intervals(speed, searched)?);
-                (cut.verdict(speed, depth)?, found(cut.limit(speed))?, f64::INFINITY)
-            }
-            Self::Turning(cut, Some(variation)) => {
-                let limit = cut.limit_at_varying_speed(speed, *variation, searched, chart.depth.points);
-                (cut.verdict_at_varying_speed(speed, *variation, depth)?, found(limit)?, searched)
-            }
-            Self::Chuck(chuck) => (chuck.verdict(depth, speed)?, chuck.critical_modulation(speed, searched)?, searched),
-            Self::ChipLag(chuck) => {
-                let chuck = Reduced { lag: speed, cutting_stiffness: depth, ..*chuck };
-                let limit = Some(chuck.cutting_stiffness_limit()).filter(|limit| limit.is_finite());
-                (chuck.verdict(0.0, 1.0)?, limit, f64::INFINITY)
-            }
-            Self::Lathe(lathe) => {
-                let spindle = speed * lathe.reference_frequency();
-                let at = FiveDegrees { mu_chuck: depth, ..FiveDegrees::clone(lathe) };
-                (at.verdict(spindle)?, lathe.critical_chuck_modulation(spindle, searched)?, searched)
-            }
-        };
-        let vibration = match self {
-            Self::Milling(cut, None) if verdict.stable => Vibration::of(cut, speed, depth),
-            Self::Milling(..) | Self::Turning(..) | Self::Chuck(_) | Self::ChipLag(_) | Self::Lathe(_) => None,
-        };
-        Ok(Judgement { speed, depth, verdict, limit, searched, intervals, vibration })
-    }
-
     /// Verdicts over some columns of the chart's grid; a point whose search fails is a hole.
     ///
     /// # Errors
@@ -256,4 +212,10 @@ pub(super) fn found(limit: Result<StabilityLimit, ChatterError>) -> Result<Optio
         Err(ChatterError::NoLimit { .. }) => Ok(None),
         Err(error) => Err(error),
     }
+}
+
+/// A quantity for people, to four decimals.
+pub(super) fn with_unit(quantity: &Quantity, value: f64) -> String {
+    let number = significant((quantity.shown(value) * 1e4).round() / 1e4);
+    if quantity.unit == "1" { number } else { format!("{number} {}", quantity.unit) }
 }

@@ -1,10 +1,11 @@
 //! The verdict at a point, for people and programs.
 
-use super::cut::Cut;
+use super::cut::{Cut, found, prepared};
 use serde_json::{Map, Value, json};
-use toolroom_chatter::paper::Reduced;
+use toolroom_chatter::paper::{FiveDegrees, Reduced};
 use toolroom_chatter::{Certificate, ChatterError, ChatterKind, Milling, Settled, StabilityVerdict, StableIntervals};
 use toolroom_form::significant;
+use toolroom_lobes::Chart;
 use toolroom_process::unit::convert;
 
 /// Chip pressure by which the chuck's cutting stiffness is a depth of cut, 300 kgf/mm², Pa.
@@ -32,6 +33,51 @@ pub struct Judgement {
     /// The motion of a milling cut at constant speed with its feed where it is stable; at a single place that of unstable
     /// cuts and of turning too.
     pub vibration: Option<Vibration>,
+}
+
+impl Cut {
+    /// Verdict, limit and margin at a point; limits are searched up to the chart's greatest depth
+    /// and at least to twice `depth`.
+    ///
+    /// # Errors
+    /// [`ChatterError`] where the point lies outside the domain of the model or its search fails.
+    pub fn judge(&self, speed: f64, depth: f64, chart: &Chart) -> Result<Judgement, ChatterError> {
+        let searched = chart.depth.end.max(2.0 * depth);
+        let mut intervals = None;
+        let (verdict, limit, searched) = match self {
+            Self::Milling(cut, variation) => {
+                let mut at_speed = prepared(cut, *variation, speed)?;
+                let found = at_speed.stable_intervals(searched)?;
+                let limit = found.limit().map(|limit| limit.depth);
+                intervals = Some(found);
+                (at_speed.verdict(depth)?, limit, searched)
+            }
+            Self::Turning(cut, None) => {
+                intervals = Some(cut.stable_intervals(speed, searched)?);
+                (cut.verdict(speed, depth)?, found(cut.limit(speed))?, f64::INFINITY)
+            }
+            Self::Turning(cut, Some(variation)) => {
+                let limit = cut.limit_at_varying_speed(speed, *variation, searched, chart.depth.points);
+                (cut.verdict_at_varying_speed(speed, *variation, depth)?, found(limit)?, searched)
+            }
+            Self::Chuck(chuck) => (chuck.verdict(depth, speed)?, chuck.critical_modulation(speed, searched)?, searched),
+            Self::ChipLag(chuck) => {
+                let chuck = Reduced { lag: speed, cutting_stiffness: depth, ..*chuck };
+                let limit = Some(chuck.cutting_stiffness_limit()).filter(|limit| limit.is_finite());
+                (chuck.verdict(0.0, 1.0)?, limit, f64::INFINITY)
+            }
+            Self::Lathe(lathe) => {
+                let spindle = speed * lathe.reference_frequency();
+                let at = FiveDegrees { mu_chuck: depth, ..FiveDegrees::clone(lathe) };
+                (at.verdict(spindle)?, lathe.critical_chuck_modulation(spindle, searched)?, searched)
+            }
+        };
+        let vibration = match self {
+            Self::Milling(cut, None) if verdict.stable => Vibration::of(cut, speed, depth),
+            Self::Milling(..) | Self::Turning(..) | Self::Chuck(_) | Self::ChipLag(_) | Self::Lathe(_) => None,
+        };
+        Ok(Judgement { speed, depth, verdict, limit, searched, intervals, vibration })
+    }
 }
 
 /// Greatest difference of the forced vibration from the simulated one in the tests of milling, relative.

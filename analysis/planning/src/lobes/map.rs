@@ -1,108 +1,14 @@
 //! Quantities over the whole chart, each as a map of its own.
 
+use super::chart_map::{ChartMap, MapError, MapKind};
 use super::cut::Cut;
-use super::load::Limited;
-use super::picture::{axis, lobes, stretches};
+use super::picture::{axis, limit_lines, lobes};
+use super::robust::ASSUMED_SCATTER;
 use super::{ChartStudy, LobesFile};
 use rayon::prelude::*;
 use toolroom_chart::{Axis, Chart, Colour, ColourMap, Dash, HeatMap, Style};
-use toolroom_chatter::{ChatterError, CuttingLoad, Scatter};
-use toolroom_form::{significant, vocabulary};
-
-vocabulary! {
-    /// A quantity that can be shown over the chart.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum MapKind {
-        /// `1 − depth/limit`.
-        Margin = "margin",
-        /// Probability of stability under uncertain constants.
-        PStable = "p_stable",
-        /// Error of the surface location of a stable cut.
-        Sle = "sle",
-        /// Greatest resultant force of a stable cut.
-        Force = "force",
-        /// Mean torque at the spindle.
-        Torque = "torque",
-        /// Mean power at the spindle.
-        Power = "power",
-        /// Material removed per time.
-        Mrr = "mrr",
-    }
-}
-
-impl MapKind {
-    /// Words and unit for an axis, and what an SI value is multiplied by.
-    fn quantity(self) -> (&'static str, &'static str, f64) {
-        match self {
-            Self::Margin => ("Margin, 1 − depth/limit", "", 1.0),
-            Self::PStable => ("Probability of stability", "", 1.0),
-            Self::Sle => ("Surface location error", "um", 1e6),
-            Self::Force => ("Greatest force", "N", 1.0),
-            Self::Torque => ("Mean torque", "N m", 1.0),
-            Self::Power => ("Mean power", "kW", 1e-3),
-            Self::Mrr => ("Removal rate", "cm3/min", 6e7),
-        }
-    }
-
-    /// Name of its column, with the unit.
-    pub fn column(self) -> String {
-        let unit = self.quantity().1;
-        if unit.is_empty() { self.word().to_owned() } else { format!("{} [{unit}]", self.word()) }
-    }
-
-    /// What a point without a value is called.
-    fn missing(self) -> &'static str {
-        match self {
-            Self::Margin => "no limit on the chart",
-            Self::Sle | Self::Force => "unstable",
-            Self::PStable | Self::Torque | Self::Power | Self::Mrr => "no value",
-        }
-    }
-
-    fn needs_feed(self) -> bool {
-        match self {
-            Self::Margin | Self::PStable => false,
-            Self::Sle | Self::Force | Self::Torque | Self::Power | Self::Mrr => true,
-        }
-    }
-}
-
-/// Why a map cannot be drawn.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum MapError {
-    /// The cut has no such quantity.
-    #[error("a map of {map} is drawn of {of}")]
-    Process {
-        /// The map.
-        map: &'static str,
-        /// Of what it is drawn.
-        of: &'static str,
-    },
-    /// Loads need a feed.
-    #[error("a map of {map} needs the feed: {key}")]
-    NoFeed {
-        /// The map.
-        map: &'static str,
-        /// The key that is missing.
-        key: &'static str,
-    },
-    /// The model refused a value.
-    #[error(transparent)]
-    Refused(#[from] ChatterError),
-}
-
-/// A quantity over the chart.
-#[derive(Clone, Debug)]
-pub struct ChartMap {
-    /// What is shown.
-    pub kind: MapKind,
-    /// Spindle speeds (rad/s).
-    pub speeds: Vec<f64>,
-    /// Depths (m).
-    pub depths: Vec<f64>,
-    /// Values, all depths of the first speed first, in the unit that is shown; not a number where there is none.
-    pub values: Vec<f64>,
-}
+use toolroom_chatter::{ChatterError, CuttingLoad};
+use toolroom_form::significant;
 
 /// Samples behind a map of probabilities: the standard error is 5 % at most.
 pub const MAP_SAMPLES: u64 = 100;
@@ -110,10 +16,6 @@ pub const MAP_SAMPLES: u64 = 100;
 const MOST: (usize, usize) = (80, 50);
 /// Seed of these samples.
 const SEED: u64 = 1;
-
-/// Scatter where neither file says one: 0.5 % in frequency, 10 % in damping, 15 % in coefficients and stiffness
-/// (assumption, what is usual between two mountings and for coefficients of a table).
-pub const ASSUMED_SCATTER: Scatter = Scatter { natural_frequency: 0.005, damping_ratio: 0.1, coefficients: 0.15 };
 
 impl ChartMap {
     /// The map of `kind` of a study.
@@ -220,34 +122,6 @@ fn equal_rates(mut map: HeatMap, chart_map: &ChartMap) -> HeatMap {
         map = map.line(label, within, style);
     }
     map
-}
-
-/// A stretch of a line: label, points in shown units and style.
-pub(super) type Stretch = (String, Vec<(f64, f64)>, Style);
-
-/// The limits of the file over the chart.
-pub(super) fn limit_lines(study: &ChartStudy<'_>) -> Vec<Stretch> {
-    let file = study.file;
-    let axes = file.cut.axes();
-    let greatest = file.chart.depth.end;
-    let mut lines = Vec::new();
-    for (limited, depths) in &study.limits {
-        let (colour, dash) = match limited {
-            Limited::Power => (Colour::Vermillion, Dash::Dashed),
-            Limited::Torque => (Colour::Green, Dash::Dashed),
-            Limited::Force => (Colour::Purple, Dash::DashDot),
-            Limited::Tolerance => (Colour::Orange, Dash::Solid),
-        };
-        let points = study.speeds.iter().zip(depths).map(|(speed, depth)| {
-            let depth = if *depth <= greatest { axes.depth.shown(*depth) } else { f64::NAN };
-            (axes.speed.shown(*speed), depth)
-        });
-        let mut label = limited.of(&file.limits).map_or_else(String::new, |limit| limited.label(limit));
-        for stretch in stretches(points) {
-            lines.push((std::mem::take(&mut label), stretch, Style::nth(0).colour(colour).dash(dash)));
-        }
-    }
-    lines
 }
 
 /// A share of the load over the grid, of the load at the first speed and the ratio of a speed to it: torque and greatest

@@ -1,6 +1,6 @@
 //! The limit straight from a measured response beside that of the modes, over the speeds of a chart.
 
-use super::{ChartStudy, Cut};
+use super::{ChartStudy, Cut, MeasuredCurve};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use toolroom_dynamics::Measurement;
@@ -30,17 +30,6 @@ impl Measured {
             Self::BySpeed(study) => Cow::Owned(study.at(speed)?),
         })
     }
-}
-
-/// Limits of the measured response over the speeds of a chart.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MeasuredCurve {
-    /// Spindle speed (rad/s) and least unstable depth (m) up to that of the chart; not a number where there is none.
-    pub limits: Vec<(f64, f64)>,
-    /// Limit of the modes over that of the measured response, less one: greatest of either sign, and its speed (rad/s).
-    pub greatest: Option<(f64, f64)>,
-    /// Median of the magnitude of these differences.
-    pub median: Option<f64>,
 }
 
 impl MeasuredCurve {

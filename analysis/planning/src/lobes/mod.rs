@@ -11,7 +11,9 @@
 //! ```
 
 mod best;
+mod best_point;
 mod boundary;
+mod chart_map;
 mod cut;
 mod file;
 mod files;
@@ -20,6 +22,7 @@ mod judgement;
 mod load;
 mod map;
 mod measured;
+mod measured_curve;
 mod part;
 mod picture;
 mod pitch;
@@ -28,18 +31,21 @@ mod robust;
 mod study;
 mod text;
 
-pub use best::{Best, Bound};
+pub use best_point::{Best, Bound};
 pub use boundary::{Curve, boundaries};
+pub use chart_map::{ChartMap, MapError, MapKind};
 pub use cut::{Axes, Cut, Quantity};
 pub use file::{Chart, Limits, LobesFile, Point, parse, read};
 pub use files::NAMES;
 pub use history::{HISTORY_NAMES, History, HistoryError, SpectralLine};
 pub use judgement::{Judged, Judgement, word};
 pub use load::Limited;
-pub use map::{ASSUMED_SCATTER, ChartMap, MAP_SAMPLES, MapError, MapKind};
-pub use measured::{Measured, MeasuredCurve};
+pub use map::MAP_SAMPLES;
+pub use measured::Measured;
+pub use measured_curve::MeasuredCurve;
 pub use part::{Columns, chart, plan};
 pub use picture::picture;
 pub use pitch::{BestPitch, PitchError};
 pub use place::{GREATEST_DIFFERENCE, PlaceError, PointVerdict};
+pub use robust::ASSUMED_SCATTER;
 pub use study::ChartStudy;

@@ -1,12 +1,14 @@
 //! The chart as a picture and the report around it.
 
 use super::best::BEST_NOTE;
-use super::map::limit_lines;
+use super::cut::with_unit;
+use super::load::Limited;
 use super::robust::robust_table;
-use super::study::with_unit;
 use super::{ChartStudy, Curve, Judged, LobesFile, Quantity, word};
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
-use toolroom_chart::{Axis, Chart, ColourMap, HeatMap, Plot, PointStability, StabilityLobes, Table};
+use toolroom_chart::{
+    Axis, Chart, Colour, ColourMap, Dash, HeatMap, Plot, PointStability, StabilityLobes, Style, Table,
+};
 use toolroom_form::Echo;
 
 /// Growth beyond which colours do not tell points apart; a factor of e a period is far from the
@@ -221,4 +223,32 @@ fn points_section(file: &LobesFile, judgements: &[Judged]) -> Section {
     Section::new("Operating points")
         .table("Verdicts; margin is 1 − depth/limit, – where no limit was found", table)
         .note("Force is linear in the chip and the constants are taken as exact: a margin below 10 % is uncertain.")
+}
+
+/// A stretch of a line: label, points in shown units and style.
+pub(super) type Stretch = (String, Vec<(f64, f64)>, Style);
+
+/// The limits of the file over the chart.
+pub(super) fn limit_lines(study: &ChartStudy<'_>) -> Vec<Stretch> {
+    let file = study.file;
+    let axes = file.cut.axes();
+    let greatest = file.chart.depth.end;
+    let mut lines = Vec::new();
+    for (limited, depths) in &study.limits {
+        let (colour, dash) = match limited {
+            Limited::Power => (Colour::Vermillion, Dash::Dashed),
+            Limited::Torque => (Colour::Green, Dash::Dashed),
+            Limited::Force => (Colour::Purple, Dash::DashDot),
+            Limited::Tolerance => (Colour::Orange, Dash::Solid),
+        };
+        let points = study.speeds.iter().zip(depths).map(|(speed, depth)| {
+            let depth = if *depth <= greatest { axes.depth.shown(*depth) } else { f64::NAN };
+            (axes.speed.shown(*speed), depth)
+        });
+        let mut label = limited.of(&file.limits).map_or_else(String::new, |limit| limited.label(limit));
+        for stretch in stretches(points) {
+            lines.push((std::mem::take(&mut label), stretch, Style::nth(0).colour(colour).dash(dash)));
+        }
+    }
+    lines
 }

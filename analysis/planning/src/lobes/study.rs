@@ -1,8 +1,8 @@
 //! A chart worked out: boundaries, verdicts over the grid and at operating points, and what is missing of them.
 
-use super::{Best, ChartMap, Curve, Judged, Limited, LobesFile, MeasuredCurve, Point, Quantity, boundaries};
+use super::cut::with_unit;
+use super::{Best, ChartMap, Curve, Judged, Limited, LobesFile, MeasuredCurve, Point, boundaries};
 use toolroom_chatter::{ChatterError, Hole, Lobes, RobustSpeed};
-use toolroom_form::significant;
 
 /// A chart worked out.
 pub struct ChartStudy<'a> {
@@ -137,10 +137,4 @@ impl<'a> ChartStudy<'a> {
         }
         lines
     }
-}
-
-/// A quantity for people, to four decimals.
-pub(super) fn with_unit(quantity: &Quantity, value: f64) -> String {
-    let number = significant((quantity.shown(value) * 1e4).round() / 1e4);
-    if quantity.unit == "1" { number } else { format!("{number} {}", quantity.unit) }
 }

@@ -1,7 +1,7 @@
 //! A chart on the terminal.
 
+use super::cut::with_unit;
 use super::robust::robust_text;
-use super::study::with_unit;
 use super::{ChartStudy, word};
 use std::fmt::Write;
 

@@ -1,6 +1,7 @@
 //! What a mapping file says.
 
 use super::super::columns::{ColumnKind, RecordColumn};
+use super::super::combine::{COMBINES, Combine};
 use super::super::{RecordKind, csv_table};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,34 +10,6 @@ use toolroom_form::{Fault, Form, Key, Kind, ReadError, Refusal, Section, Walk, n
 use toolroom_process::unit;
 
 const NUMBER: Kind = Kind::quantity("1", "1", -1e30, 1e30, "1");
-
-/// How the samples of an operation become one number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Combine {
-    /// Their mean.
-    Mean,
-    /// Their median.
-    Median,
-    /// The first that is there.
-    First,
-    /// The last that is there.
-    Last,
-    /// The least.
-    Min,
-    /// The greatest.
-    Max,
-    /// Their sum.
-    Sum,
-}
-
-const COMBINES: &[&str] = &["mean", "median", "first", "last", "min", "max", "sum"];
-
-impl Combine {
-    fn named(name: &str) -> Option<Self> {
-        let all = [Self::Mean, Self::Median, Self::First, Self::Last, Self::Min, Self::Max, Self::Sum];
-        COMBINES.iter().position(|known| *known == name).map(|i| all[i])
-    }
-}
 
 /// Where a column of the records comes from.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,7 +11,8 @@ mod source;
 #[cfg(test)]
 mod tests;
 
-pub use mapping::{Combine, Keep, MAPPING, Mapped, Mapping, Origin};
+pub use super::combine::Combine;
+pub use mapping::{Keep, MAPPING, Mapped, Mapping, Origin};
 
 use super::read::cells;
 use super::{OtherTable, RawTable, ReadReport, RecordError, RecordKind, Records};

@@ -1,9 +1,10 @@
 //! Rows of each edge in order, samples combined to operations.
 
 use super::super::columns::ColumnKind;
+use super::super::combine::Combine;
 use super::super::{ReadReport, RecordError, RecordKind, Records};
 use super::ImportError;
-use super::mapping::{Combine, Mapping, Origin};
+use super::mapping::{Mapping, Origin};
 use super::source::{Cells, Source};
 use std::collections::BTreeMap;
 use toolroom_statistics::median;

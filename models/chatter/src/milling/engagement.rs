@@ -2,7 +2,7 @@
 
 use super::Milling;
 use super::cutter::square_integrals;
-use super::profile::Slice;
+use super::slice::Slice;
 use crate::error::ChatterError;
 use std::f64::consts::TAU;
 

@@ -8,6 +8,7 @@ mod harmonics;
 mod load;
 mod preview;
 mod profile;
+mod slice;
 mod slow;
 mod stability;
 
@@ -16,7 +17,8 @@ pub(crate) use engagement::tooth_period_gain;
 pub use forced::Forced;
 pub use harmonics::{Response, Sampling};
 pub use load::CuttingLoad;
-pub(crate) use profile::{SLICES, Slice, slices};
+pub(crate) use profile::{SLICES, slices};
+pub(crate) use slice::Slice;
 pub use stability::{AtSpeed, WorstPhase};
 
 use crate::error::{ChatterError, positive, within};

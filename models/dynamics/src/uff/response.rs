@@ -1,23 +1,12 @@
 //! Frequency responses of a universal file, with the coherence that belongs to them.
 
+use super::function::{COHERENCE, FORCE, RESPONSE, direction, motion};
 use super::sets::{Function, Sets};
 use super::spectra;
 use crate::error::{DynamicsError, UniversalProblem};
-use crate::frf::{Direction, Frf, Measurement};
+use crate::frf::{Frf, Measurement};
 use crate::hammer::Estimator;
-use crate::unit::{self, Motion};
-
-/// A function type of data set 58: a signal over time.
-pub(super) const TIME: i64 = 1;
-/// A function type of data set 58: the spectrum of one signal.
-pub(super) const AUTO_SPECTRUM: i64 = 2;
-/// A function type of data set 58: the spectrum that two signals share.
-pub(super) const CROSS_SPECTRUM: i64 = 3;
-/// A function type of data set 58.
-pub(super) const RESPONSE: i64 = 4;
-/// A function type of data set 58.
-pub(super) const COHERENCE: i64 = 6;
-
+use crate::unit;
 /// How far rounding can put a coherence beyond 0 … 1: one and a half of the last digit in the shortest format.
 const ROUNDING: f64 = 1.5e-5;
 /// Half of the last digit of a coherence in the shortest format of data set 58, `E13.5`.
@@ -96,28 +85,6 @@ pub(super) fn measurement(mut sets: Sets, estimator: Estimator) -> Result<Measur
         notes,
     }
     .checked()
-}
-
-/// Ordinate types of data set 58.
-pub(super) const FORCE: i64 = 13;
-
-/// What an ordinate type of data set 58 says of a motion.
-pub(super) fn motion(ordinate: i64) -> Option<Motion> {
-    match ordinate {
-        8 => Some(Motion::Displacement),
-        11 => Some(Motion::Velocity),
-        12 => Some(Motion::Acceleration),
-        _ => None,
-    }
-}
-
-/// The axis of a direction code; none where it leaves the plane.
-pub(super) fn direction(code: i64) -> Option<Direction> {
-    match code.abs() {
-        1 => Some(Direction::X),
-        2 => Some(Direction::Y),
-        _ => None,
-    }
 }
 
 /// The response of a data set in SI; none where it leaves the plane.

@@ -4,7 +4,7 @@
 //! Estimators H1, H2, Hv and the coherence: J. S. Bendat, A. G. Piersol, Random Data, 4th edition (2010), chapter 6 (recalled).
 //! The cross spectrum is that of response times conjugate force.
 
-use super::response::{AUTO_SPECTRUM, COHERENCE, CROSS_SPECTRUM, FORCE, RESPONSE, motion};
+use super::function::{AUTO_SPECTRUM, COHERENCE, CROSS_SPECTRUM, FORCE, RESPONSE, motion};
 use super::sets::{Function, Sets};
 use crate::error::{DynamicsError, UniversalProblem};
 use crate::hammer::Estimator;

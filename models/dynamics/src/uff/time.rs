@@ -1,6 +1,6 @@
 //! Records over time of a universal file: force and responses of a hammer test.
 
-use super::response::{FORCE, TIME, direction, motion};
+use super::function::{FORCE, TIME, direction, motion};
 use super::sets::{Function, Sets};
 use crate::error::{DynamicsError, RecordProblem, UniversalProblem};
 use crate::frf::Direction;

@@ -1,5 +1,6 @@
 //! An effect as a user defines it.
 
+use super::change::Change;
 use super::dimension::{self, Powers, powers, si_text};
 use super::expression::{self, FormulaError, is_name};
 use super::neutral::{in_range, neutral};
@@ -31,23 +32,6 @@ pub struct Definition {
 impl PartialEq for Definition {
     fn eq(&self, other: &Self) -> bool {
         self.text == other.text
-    }
-}
-
-/// One change of one term.
-#[derive(Debug)]
-pub(crate) struct Change {
-    pub term: Term,
-    pub program: Program,
-    /// Least and greatest value of the term, SI.
-    pub range: [f64; 2],
-    slots: Vec<usize>,
-}
-
-impl Change {
-    /// Places of the quantities that it names, among size, shape and context.
-    pub fn slots(&self) -> &[usize] {
-        &self.slots
     }
 }
 

@@ -4,6 +4,7 @@
 //! [[effect]] ─expression─► tree ─dimension, neutral─► checked ─program─► stack program, over f64 and dual numbers
 //! ```
 
+mod change;
 mod definition;
 mod dimension;
 mod expression;
@@ -17,7 +18,7 @@ pub use expression::FormulaError;
 pub use file::{CODES, EFFECTS_FILE, USER_EFFECT, parse_definitions, read_definitions, read_effects_file};
 
 use crate::{Context, Terms};
-use definition::Change;
+use change::Change;
 use neutral::Point;
 use program::SHAPES;
 use slots::{Quantity, Term};

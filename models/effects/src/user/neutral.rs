@@ -1,6 +1,6 @@
 //! That an effect of size zero changes nothing, and that no context drives a term out of its range.
 
-use super::definition::Change;
+use super::change::Change;
 use super::dimension::constant;
 use super::expression::{Binary, FormulaError, Function, Node, NodeKind, Unary};
 use super::program::{Place, SHAPES, place};

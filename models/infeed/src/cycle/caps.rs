@@ -97,10 +97,10 @@ pub(super) fn lesser(a: (f64, &'static str), b: (f64, &'static str)) -> (f64, &'
 
 /// Whether a revolution keeps the limits that hold for all of them.
 pub(super) fn keeps(load: &Load, limits: &CycleLimits) -> bool {
-    let below = |value: f64, limit: f64| value <= limit * (1.0 + super::search::ROUNDING);
+    let below = |value: f64, limit: f64| value <= limit * (1.0 + super::ROUNDING);
     below(load.temperature_rise, limits.rough_temperature_rise)
         && below(load.power, limits.power)
         && below(load.normal_force, limits.normal_force)
         && below(load.removal_rate, limits.material_removal)
-        && load.least_margin() >= limits.burn_margin - super::search::ROUNDING
+        && load.least_margin() >= limits.burn_margin - super::ROUNDING
 }

@@ -1,7 +1,8 @@
 //! Cycles, and the fastest of them.
 
+use super::candidate::Task;
 use super::law::Law;
-use super::search::{Search, Task};
+use super::search::Search;
 use super::surface::Roughness;
 use super::{CycleError, CycleLimits, DressingPlan, Surface};
 use crate::load::Load;

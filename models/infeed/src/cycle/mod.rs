@@ -1,5 +1,6 @@
 //! Rough–finish–spark-out cycles: the fastest within limits, and when to dress.
 
+mod candidate;
 mod caps;
 mod design;
 mod dressing;
@@ -18,6 +19,9 @@ pub use file::{CYCLE, CycleFile, WheelState};
 pub use surface::Surface;
 
 use toolroom_process::record;
+
+/// Share by which a limit may be passed in rounding.
+const ROUNDING: f64 = 1e-12;
 
 record! {
     /// What a cycle must reach and must not exceed.

@@ -1,8 +1,9 @@
 //! Candidates of the search, run through the process itself.
 
+use super::ROUNDING;
+use super::candidate::{Candidate, LONGEST, Task};
 use super::caps::keeps;
 use super::law::Law;
-use super::search::{Candidate, LONGEST, ROUNDING, Search, Task};
 use crate::law::{REFERENCE_DEPTH, chip};
 use crate::load::Load;
 use crate::{Input, State};
@@ -63,11 +64,9 @@ impl<'a> Run<'a> {
         self.turns.get() > MOST_TURNS
     }
 
-    /// The fastest cycle of the wheel as blunt as it gets, if the process grinds it within the limits.
-    pub fn first_bound(&self, task: Task<'_>) -> Option<Candidate> {
-        let blunt = Task { wheel: &self.end, ..task };
-        let found = Search::new(blunt, self.blunt).ok()?.best().ok()?;
-        self.complete(found, LONGEST)
+    /// The task for the wheel as blunt as it gets, with its straight law.
+    pub fn blunt(&self) -> (Task<'_>, Law) {
+        (Task { wheel: &self.end, ..self.task }, self.blunt)
     }
 
     /// A number of rough revolutions below which none keeps the limits: their depths and the deflection at the end make

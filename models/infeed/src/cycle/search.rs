@@ -1,53 +1,10 @@
 //! The fastest cycle by exact search.
 
+use super::candidate::{Candidate, LONGEST, Task};
 use super::caps::{depth_at_loads, depth_at_temperature, lesser};
 use super::law::Law;
 use super::run::Run;
-use super::surface::Roughness;
-use super::{CycleError, CycleLimits};
-use crate::{Infeed, Input, State};
-
-/// Revolutions beyond which no cycle is sought.
-pub(super) const LONGEST: u32 = 100_000;
-/// Share by which a limit may be passed in rounding.
-pub(super) const ROUNDING: f64 = 1e-12;
-
-/// A cycle in the search.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
-    pub rough_infeed: f64,
-    pub finish_infeed: f64,
-    pub rough: u32,
-    pub finish: u32,
-    pub spark_out: u32,
-    pub last_depth: f64,
-}
-
-impl Task<'_> {
-    /// Roughness under infeed at a depth of cut, m; nothing where no roughness is known.
-    pub fn roughness_under(&self, depth: f64) -> f64 {
-        let p = &self.grinding.parameters;
-        let removal_rate = 0.5 * self.input.work_rotation_speed * p.work_diameter * depth;
-        self.roughness.map_or(0.0, |roughness| roughness.under_infeed(removal_rate, p.wheel_speed))
-    }
-}
-
-impl Candidate {
-    /// Revolutions of all phases.
-    pub fn revolutions(&self) -> u32 {
-        self.rough + self.finish + self.spark_out
-    }
-}
-
-/// What a cycle is sought for.
-#[derive(Clone, Copy)]
-pub(super) struct Task<'a> {
-    pub grinding: &'a Infeed,
-    pub wheel: &'a State,
-    pub input: &'a Input,
-    pub limits: &'a CycleLimits,
-    pub roughness: Option<&'a Roughness>,
-}
+use super::{CycleError, CycleLimits, ROUNDING};
 
 pub(super) struct Search<'a> {
     task: Task<'a>,
@@ -131,10 +88,18 @@ impl<'a> Search<'a> {
         self.run.as_ref().is_some_and(Run::spent)
     }
 
+    /// The fastest cycle of the wheel as blunt as it gets, if the process grinds it within the limits.
+    fn first_bound(&self) -> Option<Candidate> {
+        let run = self.run.as_ref()?;
+        let (task, law) = run.blunt();
+        let found = Search::new(task, law).ok()?.best().ok()?;
+        run.complete(found, LONGEST)
+    }
+
     /// The fastest cycle.
     pub fn best(&self) -> Result<Candidate, CycleError> {
         // A cycle for the wheel as blunt as it gets is a good bound at once.
-        let mut best = self.run.as_ref().and_then(|run| run.first_bound(self.task));
+        let mut best = self.first_bound();
         let step = self.limits.infeed_step;
         let greatest = (self.finish_depth * (1.0 + self.law.wear))
             .min(self.limits.greatest_infeed)

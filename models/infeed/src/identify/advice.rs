@@ -1,25 +1,9 @@
 //! How well a protocol tells the lag, and how to do better.
 
-use super::stock::{deflection_in_infeeds, deflection_slope};
+use super::stock::lag_sd;
 use super::{BestRevolutions, Identification, MeasurementErrors};
 use crate::Trial;
 use crate::trial::Rounded;
-
-/// Standard deviation of the lag from the stock of one trial, by the errors of gauge, feed and
-/// touch: `sd(K) = √(σ_P² + ((n − g) σ_S)² + (h_n σ_n)²) / (S dg/dK)` with
-/// `g = K (1 − K^n)/(1 − K)`. A revolution more or less costs the last depth h_n of stock.
-///
-/// ```
-/// use toolroom_infeed::{MeasurementErrors, lag_sd};
-/// let sd = lag_sd(0.553, 4.43e-6, 12.0, 0.0, &MeasurementErrors::default());
-/// assert!((sd - 0.0306676).abs() < 1e-7);
-/// ```
-pub fn lag_sd(lag: f64, infeed_per_rev: f64, revolutions: f64, spark_out: f64, errors: &MeasurementErrors) -> f64 {
-    let stock_in_infeeds = revolutions - deflection_in_infeeds(lag, revolutions, spark_out);
-    let last_depth = infeed_per_rev * (1.0 - lag.powf(revolutions + spark_out));
-    let stock = errors.stock.hypot(stock_in_infeeds * errors.infeed_per_rev).hypot(last_depth * errors.revolutions);
-    stock / (infeed_per_rev * deflection_slope(lag, revolutions, spark_out))
-}
 
 /// Revolutions, without spark-out, at which the stock of one trial tells most of the lag.
 ///

@@ -8,28 +8,15 @@ mod stock;
 
 pub(crate) use force::least;
 
-pub use advice::{Advice, lag_sd, revolutions_of_least_error};
+pub use advice::{Advice, revolutions_of_least_error};
 pub use force::{ForceFit, fit_force_trace, lag_from_rise, lag_from_spark_out};
 pub use joint::Joint;
 pub use scatter::{Bootstrap, Scatter};
-pub use stock::{Pooled, lag_from_stock};
+pub use stock::{Pooled, lag_from_stock, lag_sd};
 
+use crate::basis::Basis;
 use crate::{Trial, TrialFault, stiffness_from_k};
 use toolroom_process::record;
-
-toolroom_form::vocabulary! {
-    /// What the lag is taken from.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-    pub enum Basis {
-        /// Stock and recorded force, whatever a trial has; both are weighted by their errors.
-        #[default]
-        Both = "both",
-        /// Stock alone.
-        Stock = "stock",
-        /// Rise and spark-out of the force alone.
-        Force = "force",
-    }
-}
 
 record! {
     /// Standard deviations of what is measured. Defaults: a gauge with a graduation of 1 um, a

@@ -1,6 +1,6 @@
 //! The lag from stock.
 
-use super::{Estimate, MeasurementErrors, lag_sd};
+use super::{Estimate, MeasurementErrors};
 use crate::Trial;
 use toolroom_process::{ModelError, Number};
 
@@ -8,6 +8,22 @@ use toolroom_process::{ModelError, Number};
 /// revolutions of infeed and m of spark-out.
 pub(super) fn deflection_in_infeeds<N: Number>(lag: N, revolutions: f64, spark_out: f64) -> N {
     lag.powf(spark_out + 1.0) * (-lag.powf(revolutions) + 1.0) / (-lag + 1.0)
+}
+
+/// Standard deviation of the lag from the stock of one trial, by the errors of gauge, feed and
+/// touch: `sd(K) = √(σ_P² + ((n − g) σ_S)² + (h_n σ_n)²) / (S dg/dK)` with
+/// `g = K (1 − K^n)/(1 − K)`. A revolution more or less costs the last depth h_n of stock.
+///
+/// ```
+/// use toolroom_infeed::{MeasurementErrors, lag_sd};
+/// let sd = lag_sd(0.553, 4.43e-6, 12.0, 0.0, &MeasurementErrors::default());
+/// assert!((sd - 0.0306676).abs() < 1e-7);
+/// ```
+pub fn lag_sd(lag: f64, infeed_per_rev: f64, revolutions: f64, spark_out: f64, errors: &MeasurementErrors) -> f64 {
+    let stock_in_infeeds = revolutions - deflection_in_infeeds(lag, revolutions, spark_out);
+    let last_depth = infeed_per_rev * (1.0 - lag.powf(revolutions + spark_out));
+    let stock = errors.stock.hypot(stock_in_infeeds * errors.infeed_per_rev).hypot(last_depth * errors.revolutions);
+    stock / (infeed_per_rev * deflection_slope(lag, revolutions, spark_out))
 }
 
 /// The lag K of one trial from its stock: the root of `P = S (n − K^(m+1) (1 − K^n)/(1 − K))`
@@ -135,7 +151,7 @@ fn stock_slope(trial: &Trial, lag: f64) -> f64 {
 }
 
 /// d/dK of [`deflection_in_infeeds`].
-pub(super) fn deflection_slope(lag: f64, revolutions: f64, spark_out: f64) -> f64 {
+fn deflection_slope(lag: f64, revolutions: f64, spark_out: f64) -> f64 {
     use toolroom_process::num_dual::first_derivative;
     first_derivative(|lag| deflection_in_infeeds(lag, revolutions, spark_out), lag).1
 }

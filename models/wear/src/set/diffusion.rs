@@ -1,6 +1,6 @@
 //! Diffusion wear as classic files state it: at infinite temperature.
 
-use super::read::{Placed, Values};
+use super::values::{Placed, Values};
 use super::{Origin, ParameterSet};
 use toolroom_form::{Fault, Section, Walk};
 use toolroom_process::{Field, Record};

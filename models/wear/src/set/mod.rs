@@ -20,6 +20,7 @@ mod prior;
 mod read;
 mod scatter;
 mod sources;
+mod values;
 mod write;
 
 pub use catalogue::{Catalogue, Group};

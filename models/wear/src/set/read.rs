@@ -3,6 +3,7 @@
 use super::fault::{LONGEST_CHAIN, SetFault};
 use super::form::PARAMETER_SET;
 use super::prior::priors;
+use super::values::{Placed, Values};
 use super::{Catalogue, Group, Origin, ParameterSet, ParameterValue, diffusion, sources};
 use crate::Scatter;
 use std::collections::BTreeMap;
@@ -12,18 +13,6 @@ use toml::de::{DeTable, DeValue};
 use toolroom_form::{Fault, Quantity, ReadError, Section, Value, Walk, display, nearest, parse};
 use toolroom_process::Field;
 use toolroom_process::parameters::place;
-
-/// A value with its place in the file.
-#[derive(Clone, Debug)]
-pub(super) struct Placed {
-    pub value: f64,
-    pub source: String,
-    pub origin: Origin,
-    pub span: Range<usize>,
-}
-
-/// Values by group and name.
-pub(super) type Values = BTreeMap<(&'static str, &'static str), Placed>;
 
 pub(super) fn file(
     path: &Path,

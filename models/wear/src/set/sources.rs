@@ -5,7 +5,7 @@ use super::form::SPEED_FORM;
 use super::handbook::{FittedLives, HandbookTaylor, Kienzle, ReferenceLife, TestedLife};
 use super::material::{FORCE_DEVIATION, MaterialGroup};
 use super::one_life::{ABOUT, EDGE_SCATTER, OneLife, SPEED_EXPONENT_DEVIATION, ToolMaterial};
-use super::read::{Placed, Values};
+use super::values::{Placed, Values};
 use super::{Origin, Spread};
 use crate::{ExtendedTaylor, Force, Scatter};
 use std::collections::BTreeMap;

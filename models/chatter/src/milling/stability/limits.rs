@@ -2,9 +2,9 @@
 
 use super::super::slow;
 use super::{AtSpeed, Effort, LEAST_EXCESS};
-use crate::boundary::Crossing;
 use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive};
+use crate::intervals::Crossing;
 use crate::intervals::{Certificate, StableIntervals};
 use crate::plan::Motion;
 use crate::scan::{STEPS, SignChanges};

@@ -1,0 +1,25 @@
+//! What a candidate does to a block.
+
+/// What a candidate does to a block.
+pub(super) enum Action {
+    /// Longer cutting, by share, on blocks by weight.
+    Slower(Vec<f64>),
+    /// Longer cutting by the overrides that are recorded, over their mean.
+    Overridden(f64),
+    /// Longer handling on blocks by weight, s.
+    Delay(Vec<f64>),
+    /// Longer changes of edges.
+    Change(Vec<f64>),
+    /// Short stops that show in cutting times only, on blocks by weight.
+    Stops(Vec<f64>),
+    /// Short stops that are booked.
+    Booked,
+    /// Time per hold; the holds of an operation in the mean.
+    Hold(f64),
+    /// Inverse of the acceleration, by program.
+    Acceleration(Vec<f64>),
+    /// Later changes of edges.
+    Policy,
+    /// Regular breakdowns.
+    Breakdowns,
+}
