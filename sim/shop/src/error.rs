@@ -61,8 +61,8 @@ pub enum ShopError {
     },
     /// A process of fixed steps that no step brings to the end of a pass.
     #[error(
-        "tool \"{tool}\" takes steps of {step} s only, and a pass of operation \"{operation}\" takes {pass} s: its end cannot be \
-         met within half a step; get a unit with steps of at most {longest} s"
+        "tool \"{tool}\" takes steps of {step} s only, and a pass of operation \"{operation}\" takes {pass:.1} s: its end cannot be \
+         met within half a step; get a unit with steps of at most {longest:.1} s"
     )]
     FixedStep {
         /// Tool name.
