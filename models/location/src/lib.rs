@@ -5,6 +5,8 @@
 //! # What is not modelled
 //! Places of a text with changes from the command line beside it: files of keys have their own, `toolroom_form::Place`.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 use std::fmt::Display;
 
 /// Where an error is.

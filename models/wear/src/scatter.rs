@@ -41,7 +41,7 @@ record! {
         initial_wear: Real["m" => "mm"] = 0.005e-3, 0.0..=1e-3;
         /// Scatter of that land.
         initial_wear_scatter: Real = 0.5, 0.0..=3.0;
-        /// Share of edges that chip before the wear limit, for [`Chipping::for_share`](crate::Chipping::for_share).
+        /// Share of edges that chip before the wear limit, for `Chipping::for_share`.
         chipped_share: Real = 0.10, 0.0..=0.99;
     }
 }
