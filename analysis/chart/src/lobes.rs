@@ -26,8 +26,8 @@ impl PointStability {
     ///
     /// # Examples
     /// ```
-    /// use toolroom_chart::Standing;
-    /// assert_eq!(Standing::of(true, Some(0.05)), Standing::Close);
+    /// use toolroom_chart::PointStability;
+    /// assert_eq!(PointStability::from_stable(true, Some(0.05)), PointStability::Close);
     /// ```
     #[must_use]
     pub fn from_stable(stable: bool, margin: Option<f64>) -> Self {
@@ -61,10 +61,10 @@ impl PointStability {
 ///
 /// # Examples
 /// ```
-/// use toolroom_chart::{Axis, Chart, Plot, StabilityLobes, Standing};
+/// use toolroom_chart::{Axis, Chart, Plot, PointStability, StabilityLobes};
 /// let lobes = StabilityLobes::default()
 ///     .boundary("stability limit", [(1000.0, 0.5), (2000.0, 0.8)])
-///     .point("", (1500.0, 0.9), Standing::Unstable);
+///     .point("", (1500.0, 0.9), PointStability::Unstable);
 /// let plot = Plot::new("Lobes", Axis::linear("Speed", "rpm"), Axis::linear("Depth of cut", "mm")).lobes(&lobes);
 /// assert_eq!(plot.data().rows().len(), 3);
 /// ```

@@ -106,5 +106,5 @@ fn is_moved(fact: &Fact, process: &str, known: &[Value]) -> bool {
     for own in known.iter().filter(mine) {
         model = model * own["factor"].as_f64().unwrap_or(1.0) + own["summand"].as_f64().unwrap_or(0.0);
     }
-    model != fact.model && !Fact { model: model, ..fact.clone() }.is_far()
+    model != fact.model && !Fact { model, ..fact.clone() }.is_far()
 }

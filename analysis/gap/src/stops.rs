@@ -250,7 +250,7 @@ mod tests {
     fn the_density_of_stops_is_one_and_has_their_mean_and_variance() {
         for (count, length) in [(0.1, 20.0), (1.0, 20.0), (6.0, 10.0)] {
             let step = 0.02;
-            let moments = (0..60_000).fold([(-count as f64).exp(), 0.0, 0.0], |sums, i| {
+            let moments = (0..60_000).fold([f64::exp(-count), 0.0, 0.0], |sums, i| {
                 let time = step * (f64::from(i) + 0.5);
                 let density = step * compound(time, count, length);
                 [sums[0] + density, sums[1] + time * density, sums[2] + time * time * density]

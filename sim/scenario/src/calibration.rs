@@ -170,12 +170,12 @@ impl Calibration {
 /// What all calibrations of a constant of the shop together make of `value` at a place: factors first, then summands.
 ///
 /// ```
-/// use toolroom_scenario::{Calibration, Moved, Occasion, Scope, ShopConstant, Target, calibrated};
+/// use toolroom_scenario::{Calibration, CalibrationShift, Occasion, Scope, ShopConstant, Target, calibrated};
 /// let one = |moved| Calibration {
 ///     parameter: ShopConstant::HandlingTime.word().to_owned(), target: Target::Shop, moved,
 ///     standard_error: None, prior: None, scope: Scope::default(), by: String::new(),
 /// };
-/// let both = [one(Moved::Summand(2.0)), one(Moved::Factor(1.5))];
+/// let both = [one(CalibrationShift::Summand(2.0)), one(CalibrationShift::Factor(1.5))];
 /// assert_eq!(calibrated(&both, ShopConstant::HandlingTime, &Occasion::default(), 10.0), 17.0);
 /// ```
 pub fn calibrated(all: &[Calibration], constant: ShopConstant, place: &Occasion<'_>, value: f64) -> f64 {
