@@ -12,8 +12,6 @@
 //!
 //! What is friendly about the package (classes, pictures in notebooks) is Python, in `src/toolroom`.
 
-#![deny(clippy::wildcard_enum_match_arm)]
-
 mod failure;
 mod point;
 mod shop;
