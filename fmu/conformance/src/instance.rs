@@ -70,7 +70,8 @@ impl Unit {
     pub fn instance(&self, output: &str) -> Result<Instance, Failed> {
         let (calls, reference) = match self {
             Self::Two(builder) => {
-                let reference = builder.model_description.variable_by_name(output).map_err(Failed::from_display)?.valueReference;
+                let reference =
+                    builder.model_description.variable_by_name(output).map_err(Failed::from_display)?.valueReference;
                 let unit = builder.instantiate_cs("unit").map_err(Failed::from_display)?;
                 ok2("fmi2SetupExperiment", unit.setupExperiment(None, 0.0, None))?;
                 ok2("fmi2EnterInitializationMode", unit.enterInitializationMode())?;
@@ -78,7 +79,8 @@ impl Unit {
                 (Calls::Two(unit), reference)
             }
             Self::Three(builder) => {
-                let reference = builder.model_description.variable_by_name(output).map_err(Failed::from_display)?.valueReference;
+                let reference =
+                    builder.model_description.variable_by_name(output).map_err(Failed::from_display)?.valueReference;
                 let unit = builder.instantiate_cs("unit").map_err(Failed::from_display)?;
                 ok3("fmi3EnterInitializationMode", unit.enterInitializationMode(None, 0.0, None))?;
                 ok3("fmi3ExitInitializationMode", unit.exitInitializationMode())?;
