@@ -4,7 +4,8 @@
 //! fit of means cannot tell one from the other. Their scatter can: an override lengthens each operation by its share, while stops
 //! come as a Poisson process whose lengths scatter too, so that some operations have none and some several. The rows that
 //! the effect touches are held against both densities. What the stops of one operation take together has the density of a
-//! compound Poisson sum of exponential lengths, `exp(−λ − t/μ) √(λ/(μt)) I₁(2 √(λt/μ))` beside `exp(−λ)` at zero.
+//! compound Poisson sum of exponential lengths, `exp(−λ − t/μ) √(λ/(μt)) I₁(2 √(λt/μ))` beside `exp(−λ)` at zero: gamma densities
+//! whose index is a Poisson number (W. Feller, An Introduction to Probability Theory and Its Applications II, 1971, II.7).
 
 use super::constants::GATE;
 use super::decision::Decision;

@@ -18,7 +18,8 @@ const COMMANDS: f64 = 100_000.0;
 /// of years does not integrate a wear that nobody knows.
 const LONGEST_PART: f64 = 1e5;
 
-/// Most of these parts in one step, so that they end within a second (63 years; a part takes 3 us on a shared server).
+/// Most of these parts in one step (count), 63 years. Assumption: a part takes a few microseconds (10 000 of them took 0.03 s on a
+/// shared server), so that a slow machine, too, ends such a step within a second.
 const PARTS: f64 = 20_000.0;
 
 /// Halvings by which the instant is found at which an edge is worn out: to the rounding of a step.
