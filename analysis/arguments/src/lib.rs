@@ -93,6 +93,14 @@ pub struct Common {
     pub force: bool,
 }
 
+/// Threads that a computer may be asked for: more only take turns (assumption).
+const MOST_THREADS: u64 = 1024;
+
+/// A number of threads from 0 to [`MOST_THREADS`].
+fn threads() -> clap::builder::RangedU64ValueParser<usize> {
+    clap::builder::RangedU64ValueParser::new().range(0..=MOST_THREADS)
+}
+
 #[derive(Subcommand, Debug)]
 pub enum Command {
     /// The shipped shop: three lathes, two mills, a grinder, every policy, in seconds

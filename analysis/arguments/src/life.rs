@@ -50,7 +50,7 @@ pub struct Shards {
     #[arg(long, conflicts_with_all = ["fit", "run", "plan"])]
     pub resume: bool,
     /// Threads, 0 for one per processor; the results do not depend on it
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = crate::threads())]
     pub threads: usize,
 }
 
@@ -64,7 +64,7 @@ pub struct ShardArgs {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Threads, 0 for one per processor; the results do not depend on it
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = crate::threads())]
     pub threads: usize,
 }
 

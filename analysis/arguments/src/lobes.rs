@@ -63,7 +63,7 @@ pub struct LobesArgs {
     #[arg(long, requires = "run")]
     pub shard: Option<u64>,
     /// Threads, 0 for one per processor; the results do not depend on it
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = crate::threads())]
     pub threads: usize,
 }
 

@@ -77,7 +77,7 @@ pub struct StudyArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Threads, 0 for one per processor; the results do not depend on it
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = crate::threads())]
     pub threads: usize,
     /// Stop when figures are known this well, repeatable: "half-width 2%" (parts per shift and cost per part), "lead_time
     /// half-width 5 min"

@@ -8,7 +8,9 @@
 use super::constants::{FEWEST_VALUES, NULL_LEVEL};
 use super::fit::offset_residual;
 use super::gram::{factor, inverse_diagonal, normal_equations, part};
-use super::{Basis, Fit, Fitness, Forward, LeastSeen, Measured, Noise, Part, Structure, Transform};
+use super::{
+    Basis, ChannelId, EffectId, Fit, Fitness, Forward, LeastSeen, Measured, Noise, Part, Structure, Transform,
+};
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -27,8 +29,8 @@ const SIDE_BY_SIDE: usize = 20;
 /// Power at which the least deviation counts as seen (1).
 const POWER: f64 = 0.9;
 
-/// Tests whether the model of `fit`, a fit without effects and with derivatives by all candidates, leaves what
-/// `basis` says of noise and scatter, in the channels of which that is known.
+/// Tests whether the model of `fit`, a fit with derivatives by all candidates, leaves what `basis` says of noise and scatter,
+/// in the channels of which that is known: where short stops are part of the model, no longer in the cycle time.
 pub(super) fn tested(model: &dyn Forward, basis: &Basis, fit: &Fit, folds: &[Vec<usize>], seed: u64) -> Fitness {
     judged(&Test::new(model, basis, fit, folds), basis, seed)
 }
@@ -108,7 +110,11 @@ impl<'a> Test<'a> {
         // Outliers count in full: they are what is requested.
         let mut noise = basis.noise.clone();
         noise.weight.fill(1.0);
-        Self::of(model, basis, fit, folds, noise, &|channel| model.scatter_is_known(channel))
+        let frame = model.frame();
+        let stopped = fit.active.iter().any(|active| frame.candidates[*active].id == EffectId::MICRO_STOPS);
+        let told = |channel: usize| stopped && frame.measured.channels[channel].id == ChannelId::CycleTime;
+        let known = |channel: usize| model.scatter_is_known(channel) && !told(channel);
+        Self::of(model, basis, fit, folds, noise, &known)
     }
 
     fn exchanging(model: &'a dyn Forward, basis: &Basis, fit: &'a Fit, folds: &[Vec<usize>]) -> Self {

@@ -3,15 +3,14 @@
 //! Short stops that nobody books and an override of the feed lengthen operations by the same share in the mean, so that a
 //! fit of means cannot tell one from the other. Their scatter can: an override lengthens each operation by its share, while stops
 //! come as a Poisson process whose lengths scatter too, so that some operations have none and some several. The rows that
-//! the effect touches are held against both densities. What the stops of one operation take together has the density of a
-//! compound Poisson sum of exponential lengths, `exp(−λ − t/μ) √(λ/(μt)) I₁(2 √(λt/μ))` beside `exp(−λ)` at zero: gamma densities
-//! whose index is a Poisson number (W. Feller, An Introduction to Probability Theory and Its Applications II, 1971, II.7).
+//! the effect touches are held against both densities ([`Stopped`] is that of stops).
 
 use super::constants::GATE;
 use super::decision::Decision;
 use super::diagnosing::Diagnosing;
 use super::trial::Trial;
 use super::{ChannelId, EffectId, Transform};
+use toolroom_nominal::compound::{Stopped, normal};
 use toolroom_scenario::MICRO_STOP;
 
 /// Effects that leave the same means.
@@ -29,14 +28,6 @@ const LEAST: f64 = 0.5;
 const FOREIGN: f64 = 0.02;
 /// Rows that are looked at (count): as many tell the two apart for certain. Assumption.
 const ROWS: usize = 400;
-/// Places at which the density of stops is folded with the rest (count, odd), within [`REACH`] standard deviations.
-const PLACES: usize = 25;
-/// Standard deviations of the rest within which it is folded (1). Derivation: 1e-6 of a normal density lies beyond.
-const REACH: f64 = 5.0;
-
-/// Stops from which their sum counts as normally distributed (count). Derivation: the series of fewer stays within a number.
-const MANY: f64 = 600.0;
-
 /// A row that the effect touches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Touched {
@@ -163,7 +154,7 @@ fn evenly(rows: &[Touched]) -> f64 {
 fn by_stops(rows: &[Touched]) -> f64 {
     let of_length = |factor: &f64| {
         let length = factor * MICRO_STOP;
-        greatest(rows, |row, share, spread| stopped(row.excess, share * row.mean / length, length, spread))
+        greatest(rows, |row, share, spread| Stopped::new(row.excess, share * row.mean / length, length, spread).density)
     };
     LENGTHS.iter().map(of_length).fold(f64::NEG_INFINITY, f64::max)
 }
@@ -180,46 +171,6 @@ fn greatest(rows: &[Touched], density: impl Fn(&Touched, f64, f64) -> f64) -> f6
     };
     let all = SHARES.iter().flat_map(|share| spreads.iter().map(move |spread| (*share, *spread)));
     all.map(|(share, spread)| of(share, spread)).fold(f64::NEG_INFINITY, f64::max)
-}
-
-fn normal(x: f64, deviation: f64) -> f64 {
-    (-0.5 * (x / deviation).powi(2)).exp() / (deviation * std::f64::consts::TAU.sqrt())
-}
-
-/// Density of `excess`, 1/s, of `count` stops in the mean, of `length` in the mean, s, with a rest of this standard deviation.
-fn stopped(excess: f64, count: f64, length: f64, spread: f64) -> f64 {
-    let without = (-count).exp() * normal(excess, spread);
-    let (from, to) = ((excess - REACH * spread).max(0.0), excess + REACH * spread);
-    if to <= from {
-        return without;
-    }
-    // By Simpson's rule.
-    let step = (to - from) / (PLACES - 1) as f64;
-    let weight = |i: usize| match i {
-        0 => 1.0,
-        i if i == PLACES - 1 => 1.0,
-        i => 2.0 + 2.0 * (i % 2) as f64,
-    };
-    let folded = |i: usize| {
-        let time = from + step * i as f64;
-        weight(i) * compound(time, count, length) * normal(excess - time, spread)
-    };
-    without + step / 3.0 * (0..PLACES).map(folded).sum::<f64>()
-}
-
-/// Density of the time that at least one stop takes, 1/s.
-fn compound(time: f64, count: f64, length: f64) -> f64 {
-    if count + time / length > MANY {
-        return normal(time - count * length, length * (2.0 * count).sqrt());
-    }
-    // The series of the Bessel function: a gamma density of n stops, weighted by the probability of n.
-    let (z, mut term, mut sum, mut n) = (count * time / length, 1.0, 0.0, 1.0);
-    while term > 1e-14 * sum {
-        sum += term;
-        term *= z / (n * (n + 1.0));
-        n += 1.0;
-    }
-    count / length * (-count - time / length).exp() * sum
 }
 
 #[cfg(test)]
@@ -245,25 +196,6 @@ mod tests {
             Touched { excess: lost + rest(&mut random), mean, sensor: SENSOR }
         };
         (0..count).map(row).collect()
-    }
-
-    #[test]
-    fn the_density_of_stops_is_one_and_has_their_mean_and_variance() {
-        for (count, length) in [(0.1, 20.0), (1.0, 20.0), (6.0, 10.0)] {
-            let step = 0.02;
-            let moments = (0..60_000).fold([f64::exp(-count), 0.0, 0.0], |sums, i| {
-                let time = step * (f64::from(i) + 0.5);
-                let density = step * compound(time, count, length);
-                [sums[0] + density, sums[1] + time * density, sums[2] + time * time * density]
-            });
-            assert!((moments[0] - 1.0).abs() < 1e-5, "{moments:?}");
-            assert!((moments[1] / (count * length) - 1.0).abs() < 1e-4, "{moments:?}");
-            let variance = moments[2] - moments[1] * moments[1];
-            assert!((variance / (2.0 * count * length * length) - 1.0).abs() < 1e-4, "{moments:?}");
-        }
-        // Folded with the rest it is one as well.
-        let whole: f64 = (0..8000).map(|i| 0.05 * stopped(0.05 * f64::from(i) - 40.0, 0.8, 20.0, 3.0)).sum();
-        assert!((whole - 1.0).abs() < 1e-3, "{whole}");
     }
 
     /// Leads of stops over an even loss in twenty samples of thirty operations.

@@ -44,10 +44,10 @@ pub(super) enum Action {
     Scoped(Effect, Scope, Vec<f64>),
     /// By the process, on the rows of the lot of this name.
     Lot(Effect, String, Vec<f64>),
-    /// On the reading of a channel, SI per size.
+    /// On the readings of channels, SI per size.
     Reading {
-        /// Index of the channel.
-        channel: usize,
+        /// Indices of the channels.
+        channels: Vec<usize>,
         /// One number a row.
         column: Vec<f64>,
         /// Operations on which it acts.
@@ -103,16 +103,26 @@ pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candid
             Err(reason) => untried.push(Untried { id: effect_id, reason }),
         }
     }
-    if let Some(channel) = seen.channels.iter().position(|channel| channel.id == ChannelId::CycleTime) {
-        list.extend(cycle(channel, seen));
+    if timed(seen.channels, ShopEffect::OperatorDelay).is_some() {
+        list.extend(cycle(seen));
     }
     (list, untried)
 }
 
+/// Channels to which an effect of the shop adds time: the cycle time, and what its shape tells of stops; `None` where no
+/// cycle time is compared.
+pub(super) fn timed(channels: &[Channel], effect: ShopEffect) -> Option<Vec<usize>> {
+    let place = |id: ChannelId| channels.iter().position(|channel| channel.id == id);
+    let cycle = place(ChannelId::CycleTime)?;
+    let stopped = place(ChannelId::StopTime).filter(|_| effect == ShopEffect::MicroStops);
+    Some(std::iter::once(cycle).chain(stopped).collect())
+}
+
 /// Delays that a cycle time may hold.
-fn cycle(channel: usize, seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
+fn cycle(seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
     let overridden = seen.records.numbers("feed_override").is_some();
     let reading = |Delay { candidate, column, scope }: Delay| {
+        let channels = timed(seen.channels, candidate.id.shop()?)?;
         let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
         let recorded = match candidate.id.shop() {
             Some(ShopEffect::FeedOverride) => overridden.then(|| mean(&column) / mean(seen.durations)),
@@ -126,9 +136,9 @@ fn cycle(channel: usize, seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
             )
             | None => None,
         };
-        (candidate, Action::Reading { channel, column, scope, recorded })
+        Some((candidate, Action::Reading { channels, column, scope, recorded }))
     };
-    delays(seen.records, seen.groups, seen.durations).into_iter().map(reading).collect()
+    delays(seen.records, seen.groups, seen.durations).into_iter().filter_map(reading).collect()
 }
 
 /// Time that may be lost.

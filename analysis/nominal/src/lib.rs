@@ -15,6 +15,7 @@
 
 mod broken;
 mod channel_id;
+pub mod compound;
 mod constants;
 pub mod cutting;
 mod cutting_effects;
@@ -41,6 +42,7 @@ mod settings;
 pub mod shop;
 mod stability;
 mod stated;
+mod stopped;
 mod surface;
 mod units;
 mod untried;

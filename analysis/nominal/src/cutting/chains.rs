@@ -76,7 +76,7 @@ impl<P: Nominal> Cutting<P> {
                 let (by, mean) = match self.outputs[channel] {
                     Source::Wear => (carried.map(|s| s[0]), x[parts.land]),
                     Source::Output(_) => (sums[channel].map(|sum| sum / seen), means[channel] / seen),
-                    Source::Duration => ([0.0; 3], 1.0),
+                    Source::Duration | Source::Stops => ([0.0; 3], 1.0),
                 };
                 let unit = match self.frame.measured.channels[channel].transform {
                     Transform::Linear => self.signs[channel],

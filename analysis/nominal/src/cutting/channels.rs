@@ -2,6 +2,7 @@
 
 use super::Nominal;
 use crate::settings::Settings;
+use crate::stopped::StopTimes;
 use crate::{Channel, ChannelId, Transform};
 use toolroom_process::Record;
 use toolroom_records::{ColumnKind, Records, Sensor};
@@ -15,6 +16,8 @@ pub(super) enum Source {
     Output(usize),
     /// Programmed time of the operation.
     Duration,
+    /// No stops at all.
+    Stops,
 }
 
 /// Where the prediction of a channel comes from.
@@ -23,6 +26,8 @@ pub(super) fn source<P: Nominal>(channel: ChannelId) -> Source {
         Source::Wear
     } else if channel == ChannelId::CycleTime {
         Source::Duration
+    } else if channel == ChannelId::StopTime {
+        Source::Stops
     } else {
         Source::Output(P::Output::index_of(channel.word()).unwrap_or(0))
     }
@@ -57,4 +62,11 @@ pub(super) fn channels<P: Nominal>(records: &Records, settings: &Settings) -> Ve
             (Channel { id, display: column.display, unit: column.unit, transform, sensor }, values)
         })
         .collect()
+}
+
+/// The channel of what the shape of cycle times tells of stops.
+pub(super) fn stop_channel(stops: StopTimes) -> (Channel, Vec<f64>) {
+    let sensor = Sensor { absolute: stops.deviation, relative: 0.0, resolution: 0.0 };
+    let channel = Channel { id: ChannelId::StopTime, display: "s", unit: "s", transform: Transform::Linear, sensor };
+    (channel, stops.times)
 }

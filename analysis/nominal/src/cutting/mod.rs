@@ -16,10 +16,12 @@ use super::cutting_effects::{self, Action};
 use super::features::{self, standardised};
 use super::settings::Settings;
 use super::stated::Declarations;
+use super::stopped::stop_times;
 use super::{
-    ChannelId, Discrepancy, Discrepant, Forward, Frame, Local, Measured, On, Parameter, Point, Role, Surface, broken,
+    Channel, ChannelId, Discrepancy, Discrepant, Forward, Frame, Local, Measured, On, Parameter, Point, Role, Surface,
+    broken,
 };
-use channels::{Source, channels, source};
+use channels::{Source, channels, source, stop_channel};
 use run::Step;
 use scattered::Scattered;
 use toolroom_process::Record;
@@ -171,9 +173,15 @@ impl<P: Nominal> Cutting<P> {
         };
         let scattered = settings.scatter.map(|scatter| Scattered::new(scatter, records, &settings.lots, &ports));
         let mut channels = channels::<P>(records, settings);
+        let stops = stop_times(records, &group_of_row, &durations);
+        let stopped = stops.is_some();
+        channels.extend(stops.map(stop_channel));
         let broken = broken::take_out(&mut channels, &group_of_row);
         let mut measured = Measured::new(channels, names, group_of_row, fitted);
         measured.unstated = measured.channels.iter().map(|own| settings.leaves_unstated(own.id)).collect();
+        // Long cycles are what is asked for then, no outliers.
+        let stops = |own: &Channel| matches!(own.id, ChannelId::CycleTime | ChannelId::StopTime);
+        measured.rare = measured.channels.iter().map(|own| stopped && stops(own)).collect();
         if settings.scatter.is_none() {
             broken::widen(&mut measured);
         }
@@ -181,7 +189,7 @@ impl<P: Nominal> Cutting<P> {
         let outputs: Vec<Source> = measured.channels.iter().map(|channel| source::<P>(channel.id)).collect();
         let mean = |(channel, source): (usize, &Source)| match source {
             Source::Output(output) => Some((channel, *output)),
-            Source::Wear | Source::Duration => None,
+            Source::Wear | Source::Duration | Source::Stops => None,
         };
         let known = |id: ChannelId| P::READINGS.contains(&id.word()) || !matches!(source::<P>(id), Source::Output(_));
         let readings = measured.channels.iter().all(|channel| known(channel.id));
@@ -406,7 +414,7 @@ impl<P: Nominal> Cutting<P> {
             let Some(feature) = standardised(&feature).map(|_| feature) else { continue };
             for (i, channel) in self.frame.measured.channels.iter().enumerate() {
                 // A caliper is no part of the machine, its clock does not gain.
-                if !matches!(channel.id, ChannelId::FlankWear | ChannelId::CycleTime) {
+                if !matches!(channel.id, ChannelId::FlankWear | ChannelId::CycleTime | ChannelId::StopTime) {
                     let name = format!("gain of {}, machine {machine}", channel.id);
                     let role = Role::MachineGain(machine.clone());
                     add(name, &[i], feature.clone(), super::settings::MACHINE_GAIN, role, false);

@@ -2,7 +2,7 @@
 
 use super::{Action, Change, Cutting, LAND, LandForm, NARROW, Nominal, Source, scattered};
 use crate::forward::{RowByRow, first_refusal};
-use crate::{Direction, EffectRefusal, Forward, Frame, Point, WrittenEffect};
+use crate::{ChannelId, Direction, EffectRefusal, Forward, Frame, Point, WrittenEffect};
 use rayon::prelude::*;
 use toolroom_effects::{Effect, Effects};
 use toolroom_innovations::Chain;
@@ -291,6 +291,7 @@ impl<P: Nominal> Cutting<P> {
                     Source::Wear => x[parts.land],
                     Source::Output(_) => *value / seen,
                     Source::Duration => self.durations[row] + self.handling[row],
+                    Source::Stops => 0.0,
                 };
         }
     }
@@ -441,11 +442,11 @@ impl<P: Nominal> Forward for Cutting<P> {
             .collect();
         let mut raw = edges.concat();
         for (action, size) in self.actions.iter().zip(&point.effects) {
-            if let Action::Reading { channel, column, .. } = action
+            if let Action::Reading { channels, column, .. } = action
                 && *size != 0.0
             {
                 for (raw, observation) in raw.iter_mut().zip(&self.frame.measured.observations) {
-                    if observation.channel == *channel {
+                    if channels.contains(&observation.channel) {
                         *raw += size * column[observation.row];
                     }
                 }
@@ -463,8 +464,10 @@ impl<P: Nominal> Forward for Cutting<P> {
         })
     }
     fn scatter_is_known(&self, channel: usize) -> bool {
-        // The error of a signed channel is bounded from below, so that it is not that of the sheet.
-        self.scattered.is_some() && !P::SIGNED.contains(&self.frame.measured.channels[channel].id)
+        // The error of a signed channel is bounded from below, so that it is not that of the sheet; how stops scatter is not
+        // stated.
+        let id = self.frame.measured.channels[channel].id;
+        self.scattered.is_some() && !P::SIGNED.contains(&id) && id != ChannelId::StopTime
     }
     fn chains(&self, point: &Point) -> Vec<Chain> {
         self.chains_at(point)

@@ -30,8 +30,8 @@ enum Way<'a, P> {
     Seen(Setting<'a, P>, f64),
     /// On everything.
     Run(Setting<'a, P>, f64),
-    /// On the readings of one channel: per row.
-    Reading(usize, &'a [f64], f64),
+    /// On the readings of these channels: per row.
+    Reading(&'a [usize], &'a [f64], f64),
 }
 
 /// Components of the state by which others change, and their places.
@@ -80,8 +80,8 @@ impl<P: Nominal> Cutting<P> {
                 }
             }
             Direction::Effect(i) => match &self.actions[i] {
-                Action::Reading { channel, column, .. } => {
-                    return Way::Reading(*channel, column, self.frame.candidates[i].typical);
+                Action::Reading { channels, column, .. } => {
+                    return Way::Reading(channels, column, self.frame.candidates[i].typical);
                 }
                 Action::Lot(..) => false,
                 // The catalogue lists flank wear wherever an effect changes its rate.
@@ -169,7 +169,7 @@ impl<P: Nominal> Cutting<P> {
                 for (channel, (((value, mean), source), sign)) in values.enumerate() {
                     *value = match (each.way, source) {
                         (Way::Reading(of, column, typical), _) => {
-                            *value = if *of == channel { typical * column[*row] } else { 0.0 };
+                            *value = if of.contains(&channel) { typical * column[*row] } else { 0.0 };
                             continue;
                         }
                         (Way::Rate(..) | Way::RateOfLand(..), Source::Wear) => each.s[0],

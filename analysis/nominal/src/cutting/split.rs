@@ -56,7 +56,7 @@ impl<P: Nominal> Cutting<P> {
     fn on(&self, candidate: usize, part: &Part) -> Option<Action> {
         match &self.actions[candidate] {
             Action::Effect(effect) => Some(Action::Scoped(*effect, part.scope.clone(), part.rows.clone())),
-            Action::Reading { channel, column, scope, recorded } if scope.is_everywhere() => {
+            Action::Reading { channels, column, scope, recorded } if scope.is_everywhere() => {
                 let column: Vec<f64> = column.iter().zip(&part.rows).map(|(value, on)| value * on).collect();
                 // What is recorded is the mean over the rows of the part.
                 let within = |of: &[f64]| of.iter().zip(&part.rows).map(|(value, on)| value * on).sum::<f64>();
@@ -64,7 +64,7 @@ impl<P: Nominal> Cutting<P> {
                 let overridden = self.frame.candidates[candidate].id == EffectId::FEED_OVERRIDE;
                 let whole = if overridden { within(&self.durations) } else { rows };
                 let recorded = recorded.map(|_| within(&column) / whole);
-                Some(Action::Reading { channel: *channel, column, scope: part.scope.clone(), recorded })
+                Some(Action::Reading { channels: channels.clone(), column, scope: part.scope.clone(), recorded })
             }
             Action::Reading { .. } | Action::Scoped(..) | Action::Lot(..) => None,
         }

@@ -1,6 +1,7 @@
 //! What a scenario calls the numbers of this model, and what it states of them.
 
 use super::{Action, Change, Cutting, Fixed, Nominal};
+use crate::cutting_effects::timed;
 use crate::features::first_of_group;
 use crate::stated::{Declarations, occasion};
 use crate::{Candidate, ChannelId, EffectId, Movable, Parameter, Role, Surface, Words, WrittenEffect};
@@ -117,10 +118,6 @@ impl<P: Nominal> Cutting<P> {
 
     /// Effects of the shop that show in the time of an operation.
     fn deviate(&mut self, records: &Records, stated: &Declarations) {
-        let Some(channel) = self.frame.measured.channels.iter().position(|channel| channel.id == ChannelId::CycleTime)
-        else {
-            return;
-        };
         let firsts = first_of_group(&self.frame.measured.group_of_row);
         for deviation in &stated.deviations {
             let scope = stated.normal(&deviation.scope);
@@ -133,6 +130,7 @@ impl<P: Nominal> Cutting<P> {
             };
             let position = self.frame.candidates.iter().enumerate().position(same);
             let index = position.or_else(|| {
+                let channels = timed(&self.frame.measured.channels, deviation.effect)?;
                 let rows = stated.rows(records, &scope);
                 let value = |row: usize| match deviation.effect {
                     ShopEffect::FeedOverride => Some(self.durations[row]),
@@ -149,7 +147,7 @@ impl<P: Nominal> Cutting<P> {
                 let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
                 let shape = if scope.is_everywhere() { "planned times".to_owned() } else { scope.words() };
                 let recorded = deviation.recorded;
-                let action = Action::Reading { channel, column, scope: scope.clone(), recorded };
+                let action = Action::Reading { channels, column, scope: scope.clone(), recorded };
                 Some(self.append(Candidate { id, shape, typical, greatest: f64::INFINITY, least: 0.0 }, action))
             });
             if let Some(index) = index {
