@@ -48,12 +48,16 @@ fn many(list: &[PathBuf], args: &ProgramArgs, voice: &Voice) -> Result<(), Failu
     if let Some((option, _)) = single.iter().find(|(_, given)| *given) {
         return Err(Failure::argument(format!("{option} is of one program"), "give one program"));
     }
-    let mut rows = Vec::with_capacity(list.len());
+    let (mut rows, mut unread) = (Vec::with_capacity(list.len()), Vec::new());
     let bar = Bar::of(voice, "programs");
     for file in list {
         bar.part(rows.len() as u32, list.len() as u32);
         let (control, drives) = machine_of(file, args, None)?;
-        rows.push((file.display().to_string(), CycleTime::new(open(file)?, &control, &drives, false)));
+        // What cannot be read is told behind the others.
+        match Source::open(file) {
+            Ok(text) => rows.push((file.display().to_string(), CycleTime::new(text, &control, &drives, false))),
+            Err(error) => unread.push(format!("{}: {error}", file.display())),
+        }
     }
     bar.finish();
     if voice.json {
@@ -65,8 +69,9 @@ fn many(list: &[PathBuf], args: &ProgramArgs, voice: &Voice) -> Result<(), Failu
         .iter()
         .filter_map(|(name, row)| row.as_ref().err().map(|error| (name, error)))
         .flat_map(|(name, error)| error.all().map(move |one| format!("{name}:{one}")))
+        .chain(unread)
         .collect();
-    let first = rows.iter().zip(list).find_map(|((_, row), file)| Some(place(file, row.as_ref().err()?)));
+    let first = rows.iter().find_map(|(name, row)| Some(place(Path::new(name), row.as_ref().err()?)));
     if refusals.is_empty() { Ok(()) } else { Err(Failure::argument(refusals.join("\n"), REFUSED).at(first)) }
 }
 

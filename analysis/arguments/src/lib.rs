@@ -94,7 +94,7 @@ pub struct Common {
 }
 
 /// Threads that a computer may be asked for: more only take turns (assumption).
-const MOST_THREADS: u64 = 1024;
+const MOST_THREADS: u64 = 256;
 
 /// A number of threads from 0 to [`MOST_THREADS`].
 fn threads() -> clap::builder::RangedU64ValueParser<usize> {

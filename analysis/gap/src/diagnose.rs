@@ -18,7 +18,7 @@ use super::method::Bare;
 use super::narrowed::Narrowed;
 use super::probability::{inclusion, printed};
 use super::settle::{settled, stated};
-use super::trial::Trial;
+use super::trial::{Trial, shape_lead};
 use super::verdict::{backed, doubted, unrejected};
 use super::{
     Basis, Calibrated, Cell, Diagnosis, Fit, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
@@ -253,7 +253,9 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
     let scores = decision.base.scores();
     let value = decision.gain_of(trial, model.frame().candidates.len());
     let score = |index: &usize| {
-        scores.length[*index] * trial.fit.linear.point.effects[*index] / model.frame().candidates[*index].typical
+        let candidate = &model.frame().candidates[*index];
+        let by_means = scores.length[*index] * trial.fit.linear.point.effects[*index] / candidate.typical;
+        by_means.hypot((2.0 * shape_lead(model, candidate)).sqrt()).copysign(by_means)
     };
     let one = |(place, index): (usize, &usize)| {
         let candidate = &model.frame().candidates[*index];

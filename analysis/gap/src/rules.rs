@@ -13,7 +13,7 @@ use super::constants::{
 use super::decision::Decision;
 use super::diagnosing::Diagnosing;
 use super::evidence::predictive_gain;
-use super::trial::{Remainder, Trial};
+use super::trial::{Remainder, Trial, shape_lead};
 use super::{Closure, Fit, Forward};
 use std::sync::OnceLock;
 
@@ -312,7 +312,8 @@ fn credible(judged: &Judged<'_>) -> bool {
     // nominal fit gave much of it to calibration.
     let promise = |(index, size): (&usize, f64)| {
         let alike = decision.singles.iter().filter(|single| single.id == candidates[*index].id);
-        0.5 * alike.map(|single| single.score.abs()).fold(lengths[*index] * size.abs(), f64::max).powi(2)
+        let score = alike.map(|single| single.score.abs()).fold(lengths[*index] * size.abs(), f64::max);
+        0.5 * score.powi(2) + shape_lead(judged.model(), &candidates[*index])
     };
     let promised: f64 = trial.fit.active.iter().zip(trial.sizes(judged.model())).map(promise).sum();
     decision.gain_of(trial, candidates.len()) < PROMISED * promised + SLACK
@@ -341,11 +342,14 @@ pub(super) fn strain<'m>(model: &'m dyn Forward, trial: &Trial) -> Option<(&'m s
     allowances.map(|(((name, _), x), _)| (name, x.abs())).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Score of every effect of a trial at its size.
+/// Score of every effect of a trial at its size, by the means of readings and by their shape.
 fn scores(judged: &Judged<'_>) -> Vec<f64> {
-    let lengths = judged.decision.base.scores().length;
-    let sizes = judged.trial.fit.active.iter().zip(judged.trial.sizes(judged.model()));
-    sizes.map(|(index, size)| lengths[*index] * size.abs()).collect()
+    let (model, lengths) = (judged.model(), judged.decision.base.scores().length);
+    let score = |(index, size): (&usize, f64)| {
+        let shape = shape_lead(model, &model.frame().candidates[*index]);
+        (lengths[*index] * size).hypot((2.0 * shape).sqrt())
+    };
+    judged.trial.fit.active.iter().zip(judged.trial.sizes(model)).map(score).collect()
 }
 
 /// Whether a model keeps the rules of [`Refusal::Nothing`] that need no new prediction.

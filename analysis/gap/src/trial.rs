@@ -6,7 +6,7 @@ use super::fit::{Fit, fit, offset_residual};
 use super::generic::{self, Signature};
 use super::gram::{factor, inverse_diagonal, part, part_column};
 use super::score::{Scores, scores};
-use super::{Basis, Forward, Gram, Linear, tolerance};
+use super::{Basis, Candidate, EffectId, Forward, Gram, Linear, tolerance};
 
 /// Move of the factor of an edge, in prior standard deviations, from which a fit starts at the
 /// ordinary size of an effect too.
@@ -29,6 +29,8 @@ pub struct Trial {
     pub reach: Vec<f64>,
     /// Whether the size of each candidate may have either sign.
     two_sided: Vec<bool>,
+    /// Log likelihood by which the shape of readings asks for each candidate, beyond their means.
+    shape: Vec<f64>,
 }
 
 impl Trial {
@@ -87,12 +89,21 @@ impl Trial {
         let shared = fit.linear.nuisance.len() + tolerance.len();
         let columns_used = columns(shared, &fit.active);
         let candidates = &model.frame().candidates;
-        let two_sided: Vec<bool> = candidates.iter().map(super::Candidate::two_sided).collect();
+        let two_sided: Vec<bool> = candidates.iter().map(Candidate::two_sided).collect();
         let evidence = evidence(&gram, &columns_used, shared, &|column| {
             let own = &candidates[column - shared];
             [own.least, own.greatest].map(|end| end / own.typical)
         });
-        Self { fit, gram, shared, evidence, reach: Vec::new(), two_sided }
+        let shape = candidates.iter().map(|own| shape_lead(model, own)).collect();
+        let trial = Self { fit, gram, shared, evidence, reach: Vec::new(), two_sided, shape };
+        let evidence = trial.shaped(trial.evidence.clone(), &trial.fit.active);
+        Self { evidence, ..trial }
+    }
+
+    /// The evidence of a model with the candidates `active`, by the shape of readings as well as by their means.
+    fn shaped(&self, evidence: Evidence, active: &[usize]) -> Evidence {
+        let shape = active.iter().map(|index| self.shape[*index]).fold(0.0, f64::max);
+        Evidence { profile: evidence.profile + shape, ..evidence }
     }
 
     /// The same with calibration no farther than `reach` where groups left out are predicted.
@@ -113,7 +124,7 @@ impl Trial {
         // Far from a size that fits, an effect that is not linear asks for more than it will be: no range holds yet.
         let range =
             |column: usize| [if self.two_sided[column - self.shared] { f64::NEG_INFINITY } else { 0.0 }, f64::INFINITY];
-        evidence(&self.gram, &columns(self.shared, &active), self.shared, &range)
+        self.shaped(evidence(&self.gram, &columns(self.shared, &active), self.shared, &range), &active)
     }
 
     /// Scores of all candidates beside those that are active.
@@ -196,6 +207,11 @@ impl Trial {
         }
         inverse_diagonal(&factor(matrix)).iter().map(|variance| variance.sqrt()).collect()
     }
+}
+
+/// Log likelihood by which the shape of readings asks for a candidate, beyond their means.
+pub(super) fn shape_lead(model: &dyn Forward, candidate: &Candidate) -> f64 {
+    if candidate.id == EffectId::MICRO_STOPS { model.frame().shape_lead } else { 0.0 }
 }
 
 /// Columns of nuisance and of the candidates `active` in a Gram of [`gram`].

@@ -100,6 +100,9 @@ pub struct Frame {
     pub order: Vec<usize>,
     /// Kind of each row, among whose readings one may stand apart; empty where all are of one kind.
     pub kinds: Vec<usize>,
+    /// Log likelihood by which the shape of cycle times asks for short stops, beyond what the channel of their times says as a
+    /// normal one.
+    pub shape_lead: f64,
     /// What each row times once more, such as a stretch of a program in another piece; empty where nothing is repeated.
     pub repeats: Vec<Option<usize>>,
 }
@@ -122,6 +125,7 @@ impl Frame {
             discrepancy: None,
             order: Vec::new(),
             kinds: Vec::new(),
+            shape_lead: 0.0,
             repeats: Vec::new(),
         }
     }

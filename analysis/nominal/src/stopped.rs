@@ -53,6 +53,9 @@ pub(crate) struct StopTimes {
     pub times: Vec<f64>,
     /// Standard deviation about what the rate of stops gives, s.
     pub deviation: f64,
+    /// Log likelihood by which stops lead over every core without them, beyond what normal readings `times` with that
+    /// deviation say of their rate.
+    pub lead: f64,
 }
 
 /// An operation: its pool, how much longer it took than its program, and the time in cut, s.
@@ -79,20 +82,23 @@ pub(crate) fn stop_times(records: &Records, groups: &[usize], durations: &[f64])
     let mean_cut = search.mean_cut;
     let rivals = [Core::Normal, Core::Heavy, Core::Skew].map(|core| search.best(core).density);
     let rate = stops.shape[1].exp() / mean_cut;
-    let told = rivals.into_iter().all(|rival| stops.density > rival + LEAD);
-    if !told || rate * cycles.iter().map(|cycle| cycle.cut).sum::<f64>() < STOPS {
+    let lead = rivals.into_iter().map(|rival| stops.density - rival).fold(f64::INFINITY, f64::min);
+    if lead <= LEAD || rate * cycles.iter().map(|cycle| cycle.cut).sum::<f64>() < STOPS {
         return None;
     }
     let mut times = vec![f64::NAN; durations.len()];
-    let (mut squares, mut lost) = (0.0, Vec::with_capacity(cycles.len()));
+    let (mut squares, mut explained, mut lost) = (0.0, 0.0, Vec::with_capacity(cycles.len()));
     for cycle in &cycles {
         let (time, mean) = stops.expected(cycle, &search);
         times[cycle.row] = time;
         squares += (time - mean).powi(2);
+        explained += mean * (2.0 * time - mean);
         lost.push((cycle.pool, time - mean));
     }
     let deviation = (squares / cycles.len() as f64).sqrt();
-    (!is_ordered(&lost, deviation)).then_some(StopTimes { times, deviation })
+    // Of normal readings the rate would explain so much.
+    let lead = (lead - 0.5 * explained / (deviation * deviation)).max(0.0);
+    (!is_ordered(&lost, deviation)).then_some(StopTimes { times, deviation, lead })
 }
 
 /// Operations that should be alike but for stops: by the order of time, without those that begin an edge, that were held or that ran

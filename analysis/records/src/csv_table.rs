@@ -18,6 +18,21 @@ pub struct RawTable {
     pub notes: Vec<String>,
 }
 
+impl RawTable {
+    /// What is wrong with a row of more cells than there are headers: its cells may stand under the wrong ones, as those of numbers
+    /// with a decimal comma in a table separated by commas do. `None` of every other row; empty cells at its end do no harm.
+    pub(super) fn surplus(&self, cells: &[String]) -> Option<String> {
+        let beyond = cells.get(self.header.len()..)?;
+        beyond.iter().any(|cell| !cell.is_empty()).then(|| {
+            format!(
+                "{} cells stand under {} headers: write numbers with a point, or separate cells by semicolons",
+                cells.len(),
+                self.header.len()
+            )
+        })
+    }
+}
+
 /// Reads a table that is no delimited text, from a file with another extension than `csv`.
 pub type OtherTable<'a> = &'a dyn Fn(&Path) -> Result<RawTable, RecordError>;
 

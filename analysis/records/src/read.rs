@@ -218,6 +218,11 @@ fn rows(table: &RawTable, used: &[UsedColumn], kind: RecordKind, report: &mut Re
     };
     let mut beyond: BTreeMap<usize, (Vec<usize>, usize, String)> = BTreeMap::new();
     'rows: for (row, (line, cells)) in table.rows.iter().enumerate() {
+        if let Some(reason) = table.surplus(cells) {
+            wrong = true;
+            report.dropped.push((*line, reason));
+            continue;
+        }
         let mut numbers = Vec::with_capacity(used.len());
         for used_column in used {
             let read = cells.get(used_column.at).map_or("", String::as_str);

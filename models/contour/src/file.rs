@@ -145,13 +145,15 @@ impl ContourFile {
             let side = root.chosen("cutter_side", CutterSide::from_word);
             let closed = root.flag("closed").unwrap_or(true);
             let placed = match drawing {
-                Drawing::Program(program, control) => gcode::read_placed(program, control, side, closed),
+                Drawing::Program(program, control) => {
+                    gcode::read_placed(program, control, side, closed).map(|placed| (placed, 0.0))
+                }
                 Drawing::Dxf { text, layer, unit, join } => {
                     dxf::read_placed(text, (layer, unit, join.unwrap_or(dxf::JOIN)), side, closed)
                 }
             };
             let placed = placed.map_err(|error| refused = Some(error)).ok();
-            assemble(walk, root, placed.map(|placed| (placed, 0.0)))
+            assemble(walk, root, placed)
         });
         match refused {
             // The faults of the file decide what the program means.
@@ -334,7 +336,7 @@ impl Step {
             Self::Arc { radius, angle } => trace.arc(*radius, *angle),
             Self::ArcTo { end, center, left } => trace.arc_to(*end, *center, *left),
             Self::ArcByRadius { end, radius, left } => trace.arc_by_radius(*end, *radius, *left),
-            Self::Spline(points) => trace.spline_to(points),
+            Self::Spline(points) => return trace.spline_to(points),
             Self::MeanRadius { diameter, eccentricity, lobes, sections } => {
                 let from = trace.sections();
                 trace.lobed(*diameter, *eccentricity, *lobes, *sections)?;

@@ -17,12 +17,13 @@ struct Spline {
     bend: Vec<Point>,
 }
 
-/// Tangent arcs along the spline through `points`; natural arcs are runs of one sign.
-pub(crate) fn arcs(points: &[Point], periodic: bool) -> Vec<Section> {
+/// Tangent arcs along the spline through `points`, and how far they stray from it, m; natural arcs are runs of one sign.
+pub(crate) fn arcs(points: &[Point], periodic: bool) -> (Vec<Section>, f64) {
     let spline = Spline::through(points, periodic);
     let mut sections = Vec::new();
+    let mut residual: f64 = 0.0;
     for span in 0..points.len() - 1 {
-        fit_arcs(&|u: f64| spline.at(span, u), 0.0, 1.0, &mut sections);
+        residual = residual.max(fit_arcs(&|u: f64| spline.at(span, u), 0.0, 1.0, &mut sections));
     }
     let mut start = 0;
     while start < sections.len() {
@@ -34,7 +35,7 @@ pub(crate) fn arcs(points: &[Point], periodic: bool) -> Vec<Section> {
         }
         start += run;
     }
-    sections
+    (sections, residual)
 }
 
 impl Spline {
@@ -66,27 +67,33 @@ impl Spline {
     }
 }
 
-/// Tangent arcs within 1 µm along a smooth curve between two parameters; `curve` gives point and direction.
-pub(crate) fn fit_arcs(curve: &impl Fn(f64) -> (Point, f64), u: f64, w: f64, sections: &mut Vec<Section>) {
-    fit(curve, u, w, DEEPEST, sections);
+/// Places of a piece at which the distance to its arcs is measured (count): the farthest of one bend lies near one of them.
+const MEASURED: u32 = 16;
+
+/// Tangent arcs within 1 µm along a smooth curve between two parameters, and the greatest distance of the curve from them, m;
+/// `curve` gives point and direction.
+pub(crate) fn fit_arcs(curve: &impl Fn(f64) -> (Point, f64), u: f64, w: f64, sections: &mut Vec<Section>) -> f64 {
+    fit(curve, u, w, DEEPEST, sections)
 }
 
 /// Two tangent arcs from `u` to `w` where they keep within the tolerance, else halves.
-fn fit(curve: &impl Fn(f64) -> (Point, f64), u: f64, w: f64, depth: u32, sections: &mut Vec<Section>) {
+fn fit(curve: &impl Fn(f64) -> (Point, f64), u: f64, w: f64, depth: u32, sections: &mut Vec<Section>) -> f64 {
     let (start, end) = (curve(u), curve(w));
     let pair = biarc(start, end);
     let strays = |share: f64| {
         let (point, _) = curve(u + share * (w - u));
         let arc = if pair[0].start.distance(point) < pair[0].start.distance(pair[1].start) { pair[0] } else { pair[1] };
-        distance(&arc, point) > FIT_TOLERANCE
+        distance(&arc, point)
     };
     let too_bent = pair.iter().any(|arc| arc.sweep().abs() > 1.0);
-    if depth > 0 && (too_bent || (1..8).any(|i| strays(f64::from(i) / 8.0))) {
+    let residual = (1..MEASURED).map(|i| strays(f64::from(i) / f64::from(MEASURED))).fold(0.0, f64::max);
+    if depth > 0 && (too_bent || residual > FIT_TOLERANCE) {
         let middle = 0.5 * (u + w);
-        fit(curve, u, middle, depth - 1, sections);
-        fit(curve, middle, w, depth - 1, sections);
+        let first = fit(curve, u, middle, depth - 1, sections);
+        first.max(fit(curve, middle, w, depth - 1, sections))
     } else {
         sections.extend(pair.into_iter().filter(|arc| arc.length > 1e-9));
+        residual
     }
 }
 

@@ -135,17 +135,19 @@ impl Trace {
     /// A smooth curve through `points`, cut into tangent arcs within 1 µm: the interpolating
     /// cubic spline over chord length, periodic where it alone closes the contour, natural
     /// otherwise. The natural arc of a section is the run of one sign of curvature around it.
+    /// The greatest distance of the curve from the arcs is returned, m.
     ///
     /// # Errors
     /// [`ContourError::NoLength`] where two successive points coincide.
-    pub fn spline_to(&mut self, points: &[Point]) -> Result<(), ContourError> {
+    pub fn spline_to(&mut self, points: &[Point]) -> Result<f64, ContourError> {
         let mut through = vec![self.pen];
         through.extend_from_slice(points);
         let periodic = self.sections.is_empty() && points.last().is_some_and(|last| last.distance(self.pen) <= 1e-9);
         if through.len() < 2 || through.windows(2).any(|pair| !is_length(pair[0].distance(pair[1]))) {
             return Err(ContourError::NoLength { section: self.sections.len() });
         }
-        for mut section in spline::arcs(&through, periodic) {
+        let (arcs, residual) = spline::arcs(&through, periodic);
+        for mut section in arcs {
             // The fit already set the natural arc.
             section.heading = wrapped(section.heading);
             let end = section.end();
@@ -154,7 +156,7 @@ impl Trace {
         if let Some(last) = through.last() {
             self.pen = *last;
         }
-        Ok(())
+        Ok(residual)
     }
 
     /// A closed hole or disc of equal width: support function

@@ -254,8 +254,12 @@ fn strong(line: &str, signs: &mut Signs) -> Option<(Dialect, &'static str)> {
     let clamp = has(&compact, "G50") && compact.contains('S');
     let contour =
         (70..=76).any(|code| has(&compact, &format!("G{code}"))) && compact.contains('P') && compact.contains('Q');
-    let increments =
-        compact.contains('X') && (compact.contains('U') || compact.contains('W')) && !compact.contains('#');
+    // A letter between others is a part of a name, such as that of ROUND[2.5].
+    let word = |letter: char| {
+        let letters = |at: usize| compact.as_bytes().get(at).is_some_and(u8::is_ascii_alphabetic);
+        compact.match_indices(letter).any(|(at, _)| !letters(at + 1) && !(at > 0 && letters(at - 1)))
+    };
+    let increments = word('X') && (word('U') || word('W')) && !compact.contains('#');
     if clamp || has(&compact, "G96") || increments {
         signs.lathe = signs.lathe.or(Some(signs.seen));
     }

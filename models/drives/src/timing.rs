@@ -343,12 +343,13 @@ impl Timer {
         }
         let drives = self.drives;
         let ramp = Ramp { acceleration: 1.0 / drives.inverse_acceleration, jerk_time: drives.jerk_time };
-        let joints = joints(&self.steps, self.entry, &drives);
+        let (joints, short_sighted) = joints(&self.steps, self.entry, &drives);
         let steps: Vec<Step> = self.steps.drain(..count).collect();
         let mut first = 0;
         while first < count {
             let mut end = first + 1;
-            while drives.jerk_time > 0.0 && end < count && smooth(&steps[end - 1], &steps[end], &drives) {
+            let goes_on = |end: usize| !short_sighted[end] && smooth(&steps[end - 1], &steps[end], &drives);
+            while drives.jerk_time > 0.0 && end < count && goes_on(end) {
                 end += 1;
             }
             let run = &steps[first..end];
@@ -397,10 +398,11 @@ fn smooth(previous: &Step, following: &Step, drives: &Drives) -> bool {
         && corner(previous, following, drives) >= previous.top * (1.0 - 1e-9)
 }
 
-/// Speeds before each step and behind the last, m/s.
-fn joints(steps: &[Step], entry: f64, drives: &Drives) -> Vec<f64> {
+/// Speeds before each step and behind the last, m/s, and whether the look-ahead holds them below the speed of the step.
+fn joints(steps: &[Step], entry: f64, drives: &Drives) -> (Vec<f64>, Vec<bool>) {
     let acceleration = 1.0 / drives.inverse_acceleration;
     let mut joints = vec![0.0; steps.len() + 1];
+    let mut short_sighted = vec![false; steps.len() + 1];
     joints[0] = entry;
     for i in 1..steps.len() {
         joints[i] = corner(&steps[i - 1], &steps[i], drives);
@@ -414,7 +416,11 @@ fn joints(steps: &[Step], entry: f64, drives: &Drives) -> Vec<f64> {
             ways[i + 1] = ways[i] + step.way;
         }
         for i in 1..steps.len() {
-            joints[i] = joints[i].min(reach(0.0, ways[(i + ahead - 1).min(steps.len())] - ways[i]));
+            let seen = (i + ahead - 1).min(steps.len());
+            let speed = reach(0.0, ways[seen] - ways[i]);
+            // What is known to be the last step needs no foresight.
+            short_sighted[i] = seen < steps.len() && speed < joints[i];
+            joints[i] = joints[i].min(speed);
         }
     }
     for i in (1..steps.len()).rev() {
@@ -423,7 +429,7 @@ fn joints(steps: &[Step], entry: f64, drives: &Drives) -> Vec<f64> {
     for i in 0..steps.len() {
         joints[i + 1] = joints[i + 1].min(reach(joints[i], steps[i].way));
     }
-    joints
+    (joints, short_sighted)
 }
 
 /// How a drive changes its speed.

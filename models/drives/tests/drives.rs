@@ -134,6 +134,10 @@ fn corners_look_ahead_blocks_and_axes_cost_what_they_should() {
     assert!((seen(0.0) - 1.1).abs() < 1e-9 && (seen(50.0) - 1.1).abs() < 1e-9);
     // A look-ahead of one motion stops behind each: 1 mm in a triangle of 2·√(way/a).
     assert!((seen(1.0) - 100.0 * 2.0 * 1e-3_f64.sqrt()).abs() < 1e-9, "{}", seen(1.0));
+    // With a jerk that takes a millisecond it does so as well, and each of its two ramps is that much longer.
+    let jerky = |look_ahead: f64| total(&path, &Drives { look_ahead, jerk_time: 1e-3, ..base });
+    assert!(jerky(1.0) > seen(1.0) && jerky(1.0) < 1.05 * seen(1.0), "{}", jerky(1.0));
+    assert!((jerky(0.0) - 1.1).abs() < 2e-3 && (jerky(10.0) / seen(10.0) - 1.0).abs() < 0.05, "{}", jerky(10.0));
     assert!((total(&path, &Drives { block_time: 0.1, ..Drives::default() }) - 10.0).abs() < 1e-9);
     let rapid = "G0 X0 Y0 Z0\nG0 X300. Z100.\n";
     let axes = Drives { rapid_ratio_z: 0.2, ..Drives::default() };

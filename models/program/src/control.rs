@@ -137,10 +137,12 @@ impl Control {
     pub fn set_start(&mut self, text: &str) -> Result<(), String> {
         let parts: Vec<&str> = text.split(',').map(str::trim).collect();
         let [x, y, z] = parts[..] else { return Err("three coordinates are needed".to_owned()) };
-        let (_, word) = z.split_once(' ').ok_or("the unit is missing")?;
+        let letter = z.find(|sign: char| sign.is_alphabetic() && !matches!(sign, 'e' | 'E'));
+        let word = letter.and_then(|at| z.get(at..)).ok_or("the unit is missing, as in \"0,0,100 mm\"")?;
         let mut places = [Some(0.0); 9];
         for (slot, part) in places.iter_mut().zip([x, y, z]) {
-            let whole = if part.contains(' ') { part.to_owned() } else { format!("{part} {word}") };
+            let bare = part.parse::<f64>().is_ok();
+            let whole = if bare { format!("{part} {word}") } else { part.to_owned() };
             let place = 1e3 * unit::quantity(&whole, "m").map_err(|error| error.to_string())?;
             if place.abs() > FARTHEST {
                 return Err(format!("{whole} is farther than any machine reaches"));

@@ -243,7 +243,11 @@ impl Kernel {
         if feed_needed && self.feed.is_none() {
             return Err(self.no_feed());
         }
-        let (start, end, unknown) = self.arrive(target, from, to);
+        let (mut start, end, unknown) = self.arrive(target, from, to);
+        // A block that names the end of the contour beside which the cutter stands leads it there.
+        if start == end && self.plane[..2].iter().any(|axis| target.names(*axis)) {
+            start = self.offset.as_ref().and_then(|offset| offset.standing(start)).unwrap_or(start);
+        }
         self.emit_straight(start, end, rapid, unknown)
     }
 
@@ -399,6 +403,12 @@ impl Kernel {
             None => self.push(EventKind::Motion(motion)),
         }
         Ok(())
+    }
+
+    /// Takes up a compensation of the radius, on the other side where the contour is mirrored.
+    pub fn compensate(&mut self, offset: Offsetting) {
+        let mirrored = self.frame.plane(self.plane).is_some_and(|(_, mirrored)| mirrored);
+        self.offset = Some(offset.fed(self.control.feed_at_contour).mirrored(mirrored));
     }
 
     /// Ends the compensation of the radius with the motions that wait; the next motion leads away from the contour.

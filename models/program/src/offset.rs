@@ -1,7 +1,7 @@
 //! Compensation of the cutter's radius: the path of its centre beside the programmed contour.
 
 use crate::error::Fault;
-use crate::motion::{Arc, Event, EventKind, Motion, Path, Purpose, norm, sweep};
+use crate::motion::{Arc, Axes, Event, EventKind, Motion, Path, Purpose, norm, sweep};
 
 type Point = [f64; 2];
 
@@ -32,6 +32,8 @@ pub(crate) struct Offsetting {
     /// Whether the first motion behind the contour leads back to the programmed path even where it leaves the plane, as on
     /// LinuxCNC (its interpreter rs274 shows it); elsewhere the first motion in the plane does.
     at_once: bool,
+    /// Whether F holds on the contour instead of the path of the cutter's centre.
+    at_contour: bool,
     /// The motion whose end waits for the next, with its centre path up to now.
     waiting: Option<(Motion, Event)>,
     /// What happens behind the waiting motion.
@@ -66,7 +68,25 @@ impl Offsetting {
         // A negative radius is one on the other side.
         let (left, radius) = if radius < 0.0 { (!left, -radius) } else { (left, radius) };
         let stage = Stage::Starting;
-        Self { left, radius, plane, corner, stage, at_once: false, waiting: None, held: Vec::new(), lifts: 0 }
+        let (at_once, at_contour) = (false, false);
+        Self { left, radius, plane, corner, stage, at_once, at_contour, waiting: None, held: Vec::new(), lifts: 0 }
+    }
+
+    /// The same on the other side where `mirrored` says so.
+    pub fn mirrored(self, mirrored: bool) -> Self {
+        Self { left: self.left != mirrored, ..self }
+    }
+
+    /// The same with F on the contour where `at_contour` says so.
+    pub fn fed(self, at_contour: bool) -> Self {
+        Self { at_contour, ..self }
+    }
+
+    /// Where the cutter stands behind the contour, beside the programmed place `start`; `None` before the contour ends.
+    pub fn standing(&self, mut start: Axes) -> Option<Axes> {
+        let Stage::Leaving(place) = self.stage else { return None };
+        (start[self.plane[0]], start[self.plane[1]]) = (place[0], place[1]);
+        Some(start)
     }
 
     /// The same, left by the first motion of all.
@@ -239,7 +259,9 @@ impl Offsetting {
                 let [u, v, _] = self.plane;
                 (arc_motion.start[u], arc_motion.start[v], arc_motion.end[u], arc_motion.end[v]) =
                     (start[0], start[1], end[0], end[1]);
-                Ok(self.paced(arc_motion, Arc { radius, ..arc }, motion))
+                let paced = self.paced(arc_motion, Arc { radius, ..arc }, motion);
+                // The centre takes as long as the point of the contour beside it: its feed is F·(R ± r)/R.
+                Ok(if self.at_contour { Motion { time: motion.time, ..paced } } else { paced })
             }
         }
     }

@@ -266,6 +266,13 @@ fn lathes_turn_diameters_at_constant_surface_speed() {
 }
 
 #[test]
+fn a_letter_within_the_name_of_a_function_is_no_word_of_a_lathe() {
+    let text = "G21 G90\nG0 X0 Y0\nG1 X[ROUND[2.5]] F100\nX[FUP[3.2]]\nM30";
+    let found = sums(text, &Control { dialect: None, ..control(Dialect::Fanuc) }).expect("a program of a mill");
+    close("length", found.length, 4.0);
+}
+
+#[test]
 fn the_centre_of_the_cutter_runs_beside_the_contour() {
     let mut control = control(Dialect::LinuxCnc);
     control.diameters.insert(1, 10.0);
@@ -280,6 +287,63 @@ fn the_centre_of_the_cutter_runs_beside_the_contour() {
     close("pocket", found.length, 15.0 + 4.0 * 30.0 + 15.0);
     let tight = "G21 G90 G17\nG0 X20 Y20 Z0\nG1 F600\nG41 D1 X20 Y0\nX40\nG3 X40 Y4 R2\nG1 X0\nG40 X20 Y20\nM2";
     assert!(sums(tight, &control).expect_err("too tight").message.contains("does not fit"));
+}
+
+#[test]
+fn a_feed_at_the_contour_makes_the_centre_slower_on_arcs_inside_and_faster_outside() {
+    let inside =
+        "G21 G90 G17\nG0 X20. Y20.\nG41 D1 G1 X20. Y0 F300\nX32.\nG3 X40. Y8. R8.\nG1 Y20.\nG40 G1 X20. Y20.\nM30";
+    let outside = inside.replace("G41", "G42");
+    let time = |text: &str, at_contour: bool| {
+        let mut control = control(Dialect::Fanuc);
+        control.diameters.insert(1, 10.0);
+        control.feed_at_contour = at_contour;
+        sums(text, &control).expect("a program").feed
+    };
+    // The quarter of a circle of 8 mm at 300 mm/min takes as long at the contour as programmed; its centre runs on 3 mm and on 13 mm.
+    let quarter = |radius: f64| 0.5 * std::f64::consts::PI * radius / 5.0;
+    close("inside", time(inside, true) - time(inside, false), quarter(8.0) - quarter(3.0));
+    close("outside", time(&outside, true) - time(&outside, false), quarter(8.0) - quarter(13.0));
+}
+
+#[test]
+fn a_mirrored_contour_has_the_cutter_on_its_other_side_and_d_holds_until_another_one() {
+    use Dialect::{Fanuc, Siemens};
+    let contour = "G41 D1 G1 X0 Y-10. F500\nY40.\nX30.\nG1 X40. Y30.\nG1 Y0\nX-10.\nG40 G1 X-20. Y-20.\n";
+    let length = |dialect: Dialect, text: String| {
+        let mut control = control(dialect);
+        control.diameters.insert(1, 10.0);
+        control.diameters.insert(2, 20.0);
+        sums(&text, &control).expect("a program").length
+    };
+    let plain = length(Fanuc, format!("G21 G90 G17\nG0 X-20. Y-20.\n{contour}M30"));
+    let mirrored = format!("G21 G90 G17\nG51.1 X0\nG0 X-20. Y-20.\n{contour}G50.1 X0\nM30");
+    close("mirrored", length(Fanuc, mirrored), plain);
+    let siemens = |mirror: &str| {
+        let contour = contour.replace(" D1", "");
+        format!("G71 G90 G17\nT1 D1\n{mirror}G0 X-20 Y-20\n{contour}M30")
+    };
+    close("MIRROR", length(Siemens, siemens("MIRROR X0\n")), length(Siemens, siemens("")));
+    let twice = |second: &str| {
+        let again = contour.replace(" D1", second);
+        format!("G21 G90 G17\nT2 M6\nG0 X-20. Y-20.\n{contour}{again}M30")
+    };
+    close("D holds", length(Fanuc, twice("")), length(Fanuc, twice(" D1")));
+}
+
+#[test]
+fn behind_a_contour_a_block_that_names_its_end_leads_the_centre_there() {
+    use Dialect::{Fanuc, Heidenhain};
+    let g40 = "G21 G90 G17\nG0 X-20. Y-20. Z0\nG41 D1 G1 X0 Y-10. F600\nY40.\nX40.\nG40\nG1 X40. Y40.\nG0 Z100.\nM30";
+    let klartext = "0 BEGIN PGM D MM\n1 TOOL CALL 1 Z S1000\n2 L X-40 Y-10 R0 FMAX\n3 L Z+0 FMAX\n4 APPR LT X+0 Y+20 LEN15 RL F600\n\
+        5 L X+0 Y+60\n6 L X+60 Y+60\n7 DEP LT LEN15\n8 L X+75 Y+60 R0 F600\n9 L Z+50 FMAX\n10 END PGM D MM";
+    for (dialect, text, block) in [(Fanuc, g40, "G1 X40. Y40.\n"), (Heidenhain, klartext, "8 L X+75 Y+60 R0 F600\n")] {
+        let mut control = control(dialect);
+        control.diameters.insert(1, 10.0);
+        let feed = |text: &str| sums(text, &control).expect("a program").feed;
+        // The radius of 5 mm at 600 mm/min.
+        close("the way back", feed(text) - feed(&text.replace(block, "")), 0.5);
+    }
 }
 
 #[test]

@@ -148,7 +148,8 @@ impl FeedPlan {
     /// where there is none.
     ///
     /// Every part of a motion gets the greatest feed at which all limits hold at the bound of the engagement on it and at the sample
-    /// with the greatest force. A tool whose chip thickness is not limited cuts no thicker chips than it does as programmed.
+    /// with the greatest force. A tool whose chip thickness is not limited cuts no thicker chips than it does as programmed,
+    /// unless `names` has other limits only.
     /// Motions that go down through material are not made faster: what the end of the cutter meets is not modelled. A limit
     /// that not even the slowest feed keeps is left out, and its use reported.
     ///
@@ -165,7 +166,8 @@ impl FeedPlan {
             setup.limits.iter().map(|(number, limits)| (*number, limits.only(names))).collect();
         let mut plan = Self::default();
         let (mut open, commands) = plan.follow(text, control, setup)?;
-        // A tool without a limit of its chips keeps to those that the program cuts.
+        // A tool without a limit of its chips keeps to those that the program cuts, unless other limits are chosen.
+        let keeps_chips = names.is_empty() || names.contains(&FeedLimit::ChipThickness);
         let mut thickest: BTreeMap<u32, f64> = BTreeMap::new();
         for motion in &open {
             let teeth = setup.tools[&motion.tool].teeth;
@@ -173,7 +175,7 @@ impl FeedPlan {
             let most = thickest.entry(motion.tool).or_default();
             *most = motion.demands().fold(*most, |most, (demand, _)| most.max(feed_per_tooth * demand.chip));
         }
-        for (number, limits) in &mut limits {
+        for (number, limits) in limits.iter_mut().filter(|_| keeps_chips) {
             limits.chip_thickness = limits.chip_thickness.or(thickest.get(number).copied().filter(|most| *most > 0.0));
         }
         if let Some(objective) = objective.filter(|_| speeds) {

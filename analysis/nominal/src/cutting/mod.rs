@@ -174,14 +174,14 @@ impl<P: Nominal> Cutting<P> {
         let scattered = settings.scatter.map(|scatter| Scattered::new(scatter, records, &settings.lots, &ports));
         let mut channels = channels::<P>(records, settings);
         let stops = stop_times(records, &group_of_row, &durations);
-        let stopped = stops.is_some();
+        let shape_lead = stops.as_ref().map(|own| own.lead);
         channels.extend(stops.map(stop_channel));
         let broken = broken::take_out(&mut channels, &group_of_row);
         let mut measured = Measured::new(channels, names, group_of_row, fitted);
         measured.unstated = measured.channels.iter().map(|own| settings.leaves_unstated(own.id)).collect();
         // Long cycles are what is asked for then, no outliers.
         let stops = |own: &Channel| matches!(own.id, ChannelId::CycleTime | ChannelId::StopTime);
-        measured.rare = measured.channels.iter().map(|own| stopped && stops(own)).collect();
+        measured.rare = measured.channels.iter().map(|own| shape_lead.is_some() && stops(own)).collect();
         if settings.scatter.is_none() {
             broken::widen(&mut measured);
         }
@@ -202,7 +202,7 @@ impl<P: Nominal> Cutting<P> {
         }
         let mut model = Self {
             process,
-            frame: Frame { locals, ..Frame::new(measured) },
+            frame: Frame { locals, shape_lead: shape_lead.unwrap_or(0.0), ..Frame::new(measured) },
             inputs,
             durations,
             rows,

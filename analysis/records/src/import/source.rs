@@ -81,6 +81,10 @@ fn kept(file: &str, table: &RawTable, keep: &[Keep], report: &mut ReadReport) ->
     }
     let mut rows = Vec::with_capacity(table.rows.len());
     'rows: for (row, (line, cells)) in table.rows.iter().enumerate() {
+        if let Some(reason) = table.surplus(cells) {
+            report.dropped.push((*line, reason));
+            continue;
+        }
         for (column, keep) in &conditions {
             let read = cells.get(*column).map_or("", String::as_str);
             let fits = match &keep.is {

@@ -45,6 +45,16 @@ fn a_byte_order_mark_semicolons_and_decimal_commas_are_read() {
 }
 
 #[test]
+fn a_row_with_more_cells_than_headers_is_no_row_since_they_may_stand_under_the_wrong_ones() {
+    let csv = "tool,Fc,VB [mm]\nA,1,5,0,1\nA,1,7,0,2\n";
+    let error = import_csv("log.csv", csv.as_bytes(), &mapping(SERIES)).expect_err("decimal commas between commas");
+    assert!(error.to_string().contains("line 2, 5 cells stand under 3 headers"), "{error}");
+    // Commas at the end of a row, as spreadsheets write them, do no harm.
+    let csv = "tool,Fc,VB [mm]\nA,100,0.1,,\n";
+    assert_eq!(import_csv("log.csv", csv.as_bytes(), &mapping(SERIES)).expect("a fine table").0.len(), 1);
+}
+
+#[test]
 fn running_totals_count_by_their_differences_in_any_order_of_rows() {
     let map = "schema = 1\nprocess = \"empirical\"\n[[column]]\nname = \"tool_id\"\nfrom = \"case\"\n\
         [[column]]\nname = \"sequence\"\nfrom = \"run\"\n\

@@ -16,8 +16,8 @@ const DEGREE: usize = 15;
 /// Share of a span at which the direction is looked for where the curve stands still at its end.
 const STEP: f64 = 1e-4;
 
-/// Adds smooth sections as elements.
-fn add(sections: Vec<Section>, line: usize, list: &mut Vec<Element>) {
+/// Adds smooth sections, from which their curve strays by `residual`, m, as elements.
+fn add(sections: Vec<Section>, residual: f64, line: usize, list: &mut Vec<Element>) {
     for section in sections {
         let (start, end) = (section.start, section.end());
         // An arc that leaves its chord by less than rounding is a line.
@@ -28,7 +28,7 @@ fn add(sections: Vec<Section>, line: usize, list: &mut Vec<Element>) {
         });
         // Two pieces of one line are one.
         if let (Some(before), None) = (list.last_mut(), arc)
-            && before.curve
+            && before.curve.is_some()
             && before.line == line
             && before.arc.is_none()
             && wrapped(before.start.heading_to(before.end) - section.heading).abs() < 1e-9
@@ -36,7 +36,7 @@ fn add(sections: Vec<Section>, line: usize, list: &mut Vec<Element>) {
             before.end = end;
             continue;
         }
-        list.push(Element { start, end, arc, line, curve: true });
+        list.push(Element { start, end, arc, line, curve: Some(residual) });
     }
 }
 
@@ -64,17 +64,18 @@ pub(super) fn ellipse(entity: &Entity<'_>, unit: f64, list: &mut Vec<Element>) -
         (point, (cos * minor[1] - sin * major[1]).atan2(cos * minor[0] - sin * major[0]))
     };
     let mut sections = Vec::new();
+    let mut residual: f64 = 0.0;
     // Quarters, so that no arc begins with more than a right angle.
     let parts = (whole / FRAC_PI_2 - 1e-9).ceil().max(1.0);
     for part in 0..parts as u32 {
         let begin = from + whole * f64::from(part) / parts;
-        fit_arcs(&on_ellipse, begin, begin + whole / parts, &mut sections);
+        residual = residual.max(fit_arcs(&on_ellipse, begin, begin + whole / parts, &mut sections));
     }
     if whole == TAU {
         // Rounding of the last end does not leave the contour open.
         close(&mut sections);
     }
-    add(sections, entity.line, list);
+    add(sections, residual, entity.line, list);
     Ok(())
 }
 
@@ -167,10 +168,11 @@ pub(super) fn spline(entity: &Entity<'_>, unit: f64, list: &mut Vec<Element>) ->
     let control = (0..x.len()).map(|i| [x[i] * unit * weight(i), y[i] * unit * weight(i), weight(i)]).collect();
     let nurbs = Nurbs { degree, knots, control };
     let mut sections = Vec::new();
+    let mut residual: f64 = 0.0;
     let range = nurbs.knots[nurbs.control.len()] - nurbs.knots[degree];
     for span in degree..nurbs.control.len() {
         if nurbs.knots[span + 1] - nurbs.knots[span] > 1e-12 * range {
-            fit_arcs(&|share: f64| nurbs.at(span, share), 0.0, 1.0, &mut sections);
+            residual = residual.max(fit_arcs(&|share: f64| nurbs.at(span, share), 0.0, 1.0, &mut sections));
         }
     }
     if sections.is_empty() {
@@ -180,6 +182,6 @@ pub(super) fn spline(entity: &Entity<'_>, unit: f64, list: &mut Vec<Element>) ->
     if first.distance(last) < JOIN && sections.len() > 1 {
         close(&mut sections);
     }
-    add(sections, entity.line, list);
+    add(sections, residual, entity.line, list);
     Ok(())
 }

@@ -34,8 +34,8 @@ pub(super) struct Element {
     pub arc: Option<(Point, bool)>,
     /// Line of the file where it begins.
     pub line: usize,
-    /// Whether it is a part of a curve, whose arcs count as one.
-    pub curve: bool,
+    /// How far a curve, whose arcs count as one, strays from them, m; `None` of what is no part of a curve.
+    pub curve: Option<f64>,
 }
 
 impl Element {
@@ -74,7 +74,7 @@ fn polyline(corners: &[Corner], closed: bool, list: &mut Vec<Element>) {
             let centre = Point { x: 0.5 * (start.x + end.x) - dy * away, y: 0.5 * (start.y + end.y) + dx * away };
             (centre, bulge > 0.0)
         });
-        list.push(Element { start, end, arc, line, curve: false });
+        list.push(Element { start, end, arc, line, curve: None });
     }
 }
 
@@ -136,7 +136,7 @@ pub(super) fn collect(
                 let start = Point { x: entity.due(10)? * unit, y: entity.due(20)? * unit };
                 let end = Point { x: entity.due(11)? * unit, y: entity.due(21)? * unit };
                 if start.distance(end) >= JOIN {
-                    list.push(Element { start, end, arc: None, line: entity.line, curve: false });
+                    list.push(Element { start, end, arc: None, line: entity.line, curve: None });
                 }
             }
             "ARC" | "CIRCLE" => {
@@ -154,10 +154,10 @@ pub(super) fn collect(
                 let arc = Some((centre, mirror > 0.0));
                 if entity.name == "ARC" {
                     let (from, to) = (entity.due(50)?, entity.due(51)?);
-                    list.push(Element { start: point(from), end: point(to), arc, line, curve: false });
+                    list.push(Element { start: point(from), end: point(to), arc, line, curve: None });
                 } else {
-                    list.push(Element { start: point(0.0), end: point(180.0), arc, line, curve: false });
-                    list.push(Element { start: point(180.0), end: point(0.0), arc, line, curve: false });
+                    list.push(Element { start: point(0.0), end: point(180.0), arc, line, curve: None });
+                    list.push(Element { start: point(180.0), end: point(0.0), arc, line, curve: None });
                 }
             }
             "LWPOLYLINE" => {

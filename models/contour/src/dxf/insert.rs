@@ -65,6 +65,7 @@ pub(super) fn insert(
             start: at(element.start),
             end: at(element.end),
             arc: element.arc.map(|(centre, left)| (at(centre), left != flips)),
+            curve: element.curve.map(|residual| residual * sx.abs().max(sy.abs())),
             ..*element
         }));
     }

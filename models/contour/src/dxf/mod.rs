@@ -91,7 +91,7 @@ pub fn read(
     side: CutterSide,
     closed: bool,
 ) -> Result<crate::Contour, FileError> {
-    Ok(read_placed(text, (layer, unit, JOIN), Some(side), closed)?.0)
+    Ok(read_placed(text, (layer, unit, JOIN), Some(side), closed)?.0.0)
 }
 
 /// Reads the one closed outline of a layer, along which no cutter runs, as [`read`] reads a contour.
@@ -122,17 +122,19 @@ struct Traced {
     curves: Vec<bool>,
     /// Line of the first element.
     first: usize,
+    /// How far the curves stray from their arcs, m.
+    residual: f64,
 }
 
 /// [`read`] with the line of the element that draws each section, of a layer, with a unit and the distance of ends that are one
-/// point, m.
+/// point, m, and how far curves stray from their arcs, m.
 pub(crate) fn read_placed(
     text: &str,
     of: (Option<&str>, Option<f64>, f64),
     side: Option<CutterSide>,
     closed: bool,
-) -> Result<Placed, FileError> {
-    let Traced { trace, lines, curves, first } = traced(text, of)?;
+) -> Result<(Placed, f64), FileError> {
+    let Traced { trace, lines, curves, first, residual } = traced(text, of)?;
     let side =
         side.ok_or_else(|| fault(first, "a drawing does not say where the cutter runs: give cutter_side in the file"))?;
     let mut contour = trace.finish(side, closed).map_err(|fault| {
@@ -140,7 +142,7 @@ pub(crate) fn read_placed(
         FileError { line, column: 1, fault: Box::new(fault) }
     })?;
     join_curves(&mut contour.sections, &curves);
-    Ok((contour, lines.into_iter().map(|line| (line, 1)).collect()))
+    Ok(((contour, lines.into_iter().map(|line| (line, 1)).collect()), residual))
 }
 
 /// The one contour of a layer, with a unit and the distance of ends that are one point, m.
@@ -193,9 +195,10 @@ fn traced(text: &str, (layer, unit, join): (Option<&str>, Option<f64>, f64)) -> 
             Some((centre, left)) => trace.arc_to(element.end, centre, left).map_err(place)?,
         }
         lines.resize(trace.sections(), element.line);
-        curves.resize(trace.sections(), element.curve);
+        curves.resize(trace.sections(), element.curve.is_some());
     }
-    Ok(Traced { trace, lines, curves, first })
+    let residual = chain.iter().filter_map(|element| element.curve).fold(0.0, f64::max);
+    Ok(Traced { trace, lines, curves, first, residual })
 }
 
 /// The natural arc of a part of a curve is the run of one sign of curvature around it, as that of a spline is.

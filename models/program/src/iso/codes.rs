@@ -54,11 +54,17 @@ impl Iso {
             let diameter = words.take(b'D').ok_or_else(|| Fault::new("G41.1 and G42.1 need D, the diameter"))?;
             let radius = 0.5 * self.mm(kernel, words, b'D', diameter)?;
             if radius > 0.0 {
-                kernel.offset = Some(Offsetting::new(left, radius, kernel.plane, Corner::Round).left_at_once());
+                kernel.compensate(Offsetting::new(left, radius, kernel.plane, Corner::Round).left_at_once());
             }
             return Ok(());
         }
         let register = words.whole(b'D', 0.0, 9999.0)?;
+        // D holds until another one; LinuxCNC takes the tool in the spindle where there is none.
+        let register = match register {
+            None if self.dialect != Dialect::LinuxCnc => self.modes.register,
+            register => register,
+        };
+        self.modes.register = register;
         if register == Some(0) {
             return Ok(());
         }
@@ -74,7 +80,7 @@ impl Iso {
         };
         let corner = if self.dialect == Dialect::Fanuc { Corner::Extended } else { Corner::Round };
         let offset = Offsetting::new(left, 0.5 * diameter, kernel.plane, corner);
-        kernel.offset = Some(if self.dialect == Dialect::LinuxCnc { offset.left_at_once() } else { offset });
+        kernel.compensate(if self.dialect == Dialect::LinuxCnc { offset.left_at_once() } else { offset });
         Ok(())
     }
 

@@ -31,6 +31,8 @@ pub(super) struct Modes {
     /// G98: to the initial level.
     pub initial_return: bool,
     pub polar: Option<Polar>,
+    /// Number of the last D, which holds until another one.
+    pub register: Option<u32>,
     pub rotation: Option<(f64, [f64; 2])>,
     pub scaling: Option<([f64; 3], [f64; 3])>,
     pub mirror: [Option<f64>; 3],
@@ -55,6 +57,7 @@ impl Modes {
             arc_absolute: false,
             initial_return,
             polar: None,
+            register: None,
             rotation: None,
             scaling: None,
             mirror: [None; 3],

@@ -332,7 +332,7 @@ impl Klartext {
             ));
             return Ok(());
         };
-        kernel.offset = Some(Offsetting::new(side == 'L', radius, kernel.plane, offset::Corner::Round));
+        kernel.compensate(Offsetting::new(side == 'L', radius, kernel.plane, offset::Corner::Round));
         Ok(())
     }
 

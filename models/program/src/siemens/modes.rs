@@ -158,7 +158,7 @@ impl Siemens {
             ));
             return Ok(());
         };
-        kernel.offset = Some(Offsetting::new(code == 41, 0.5 * diameter, kernel.plane, self.modes.corner));
+        kernel.compensate(Offsetting::new(code == 41, 0.5 * diameter, kernel.plane, self.modes.corner));
         Ok(())
     }
 
