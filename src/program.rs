@@ -112,9 +112,8 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let name = file.display().to_string();
     let text = open(file)?;
     let files = Files::new([file], voice.force);
-    for path in [&args.blocks, &args.out, &args.motions, &args.report, &args.drawing].into_iter().flatten() {
-        files.check(path)?;
-    }
+    let outputs = [&args.blocks, &args.out, &args.motions, &args.report, &args.drawing];
+    files.check_all(outputs.into_iter().flatten().map(PathBuf::as_path))?;
     let setup = args.setup.as_deref().map(|path| Setup::read(path, &[])).transpose()?.map(|file| file.content);
     let (control, drives) = machine_of(file, args, setup.as_ref())?;
     let bar = Bar::of(voice, "steps");

@@ -51,7 +51,7 @@ pub struct ProgramArgs {
     #[arg(long, value_name = "UNIT", value_parser = Units::NAMES)]
     pub units: Option<String>,
     /// Position of X, Y, Z at the start, such as "0,0,100 mm"; the other axes stand at 0 then
-    #[arg(long, value_name = "POSITION")]
+    #[arg(long, value_name = "POSITION", allow_hyphen_values = true)]
     pub start: Option<String>,
     /// Leave out blocks with this number of block skip (`/` is 1), repeatable
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=9))]

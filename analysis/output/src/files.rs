@@ -47,6 +47,21 @@ impl Files {
         permit(path, read(&folder).standing(&folder, &name)?, &self.inputs, self.force)
     }
 
+    /// [`check`](Self::check) of every path, no two of which may be one file.
+    pub fn check_all<'a>(&self, paths: impl IntoIterator<Item = &'a Path>) -> Result<(), OutputError> {
+        let mut places: Vec<PathBuf> = Vec::new();
+        for path in paths {
+            self.check(path)?;
+            let place = real(path);
+            if !is_special(path) && places.contains(&place) {
+                let message = format!("two results would be written to {}, of which one would be lost", path.display());
+                return Err(OutputError::refused(message, "give each a name of its own"));
+            }
+            places.push(place);
+        }
+        Ok(())
+    }
+
     /// Writes a file; its folder exists.
     pub fn put(&self, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
         let mut draft = self.begin(path)?;

@@ -26,17 +26,17 @@ impl Source {
     /// A file. What is no regular file, such as a pipe, is read into memory, since there is no way back in it.
     ///
     /// # Errors
-    /// The file cannot be opened, or is UTF-16.
+    /// The file cannot be opened, is UTF-16, or is no text.
     pub fn open(path: &Path) -> io::Result<Self> {
         let mut file = File::open(path)?;
         let mut bytes = Vec::new();
         if file.metadata()?.is_file() {
             (&mut file).take(BUFFER as u64).read_to_end(&mut bytes)?;
-            refuse_utf16(&bytes)?;
+            refuse_foreign(&bytes)?;
             return Ok(Self { text: Kind::File(Arc::new(file)), end: line_end(&bytes) });
         }
         file.read_to_end(&mut bytes)?;
-        refuse_utf16(&bytes)?;
+        refuse_foreign(&bytes)?;
         Ok(Self::from(&*String::from_utf8_lossy(&bytes)))
     }
 
@@ -72,10 +72,33 @@ fn line_end(start: &[u8]) -> u8 {
     if start.contains(&b'\r') && !start.contains(&b'\n') { b'\r' } else { b'\n' }
 }
 
+/// Share of signs that no text has above which a file is none (1). Assumption: tapes have a few at their ends.
+const FOREIGN: f64 = 0.1;
+
+/// Refuses what is no text, a picture or an archive, by the share of signs at its beginning that no text has.
+fn refuse_foreign(start: &[u8]) -> io::Result<()> {
+    refuse_utf16(&start[..start.len().min(64)])?;
+    // Feed holes, marks of tapes, ends of files and rubouts stand in programs that were punched or sent.
+    let start = start.trim_ascii_start();
+    let head: Vec<u8> = start.iter().copied().skip_while(|byte| *byte == 0).take(512).collect();
+    let wide = std::str::from_utf8(&head).map_or_else(|error| error.error_len().is_none(), |_| true);
+    let foreign = |byte: &&u8| match **byte {
+        b'\t' | b'\n' | b'\r' | 0x02..=0x04 | 0x11..=0x14 | 0x1a => false,
+        0x80..=0x9f => !wide,
+        byte => byte < b' ',
+    };
+    if head.iter().filter(foreign).count() as f64 > FOREIGN * head.len() as f64 {
+        return Err(io::Error::new(
+            io::ErrorKind::InvalidData,
+            "the file is no text but a picture, an archive or the like",
+        ));
+    }
+    Ok(())
+}
+
 /// Refuses UTF-16, by its mark of the byte order or by every second byte of the beginning being zero. A tape that begins with
 /// zeros alone is none.
 fn refuse_utf16(start: &[u8]) -> io::Result<()> {
-    let start = &start[..start.len().min(64)];
     let marked = start.starts_with(&[0xff, 0xfe]) || start.starts_with(&[0xfe, 0xff]);
     let zeros = |from: usize| start.iter().skip(from).step_by(2).all(|byte| *byte == 0);
     let letters = |from: usize| start.iter().skip(from).step_by(2).all(|byte| *byte != 0);

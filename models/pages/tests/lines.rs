@@ -45,6 +45,14 @@ fn utf_16_is_named_and_a_tape_of_zeros_is_none() {
     for bytes in [wide, marked] {
         assert!(open(&bytes).expect_err("refused").to_string().contains("UTF-16"));
     }
+    let picture = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x03\x20\0\0\x02\x58\x08\x02\0\0\0\x15\x14\x15\x27";
+    let archive = b"PK\x03\x04\x14\0\0\0\x08\0\x21\x5a\x9c\x4d\x07\0\0\0\x05\0\0\0\x05\0\0\0\x61.txt";
+    for bytes in [&picture[..], archive] {
+        assert!(open(bytes).expect_err("refused").to_string().contains("no text"));
+    }
+    // Feed holes, marks of a tape, comments of another code page and in Cyrillic letters are programs.
     assert!(open(b"\0\0\0\0\0\0G21\nX1\n").is_ok());
+    assert!(open(b"\x12%\nG21 (R\xfcckzug \x84alt\x94)\nX1\n%\x14\0\0").is_ok());
+    assert!(open("G21 (обработка контура)\nX1\n".as_bytes()).is_ok());
     assert!(open(b"").is_ok());
 }

@@ -273,6 +273,16 @@ fn a_letter_within_the_name_of_a_function_is_no_word_of_a_lathe() {
 }
 
 #[test]
+fn a_dwell_counts_milliseconds_where_numbers_count_least_increments() {
+    let mut control = control(Dialect::Fanuc);
+    let dwell =
+        |control: &Control, text: &str| sums(&format!("G21 G90\nG0 X1.\nG4 {text}\nM30"), control).expect("one").dwell;
+    assert_eq!((dwell(&control, "X2000"), dwell(&control, "X2.")), (2000.0, 2.0));
+    control.least_increment = true;
+    assert_eq!((dwell(&control, "X2000"), dwell(&control, "X2."), dwell(&control, "P2000")), (2.0, 2.0, 2.0));
+}
+
+#[test]
 fn the_centre_of_the_cutter_runs_beside_the_contour() {
     let mut control = control(Dialect::LinuxCnc);
     control.diameters.insert(1, 10.0);

@@ -42,7 +42,7 @@ impl Iso {
                 kernel.dwell(seconds)
             }
             Once::Dwell => {
-                let time = self.dwell_time(words)?;
+                let time = self.dwell_time(words, kernel)?;
                 kernel.dwell(time)
             }
             Once::Home => self.home(words, kernel),
@@ -119,18 +119,22 @@ impl Iso {
     }
 
     /// Dwell of G4, s: P in seconds on LinuxCNC; elsewhere in milliseconds without a point and in seconds with one; X
-    /// and U in seconds.
-    pub(super) fn dwell_time(&self, words: &mut Words) -> Result<f64, Fault> {
+    /// and U in seconds, or in milliseconds without a point where such numbers count least increments.
+    pub(super) fn dwell_time(&self, words: &mut Words, kernel: &Kernel) -> Result<f64, Fault> {
         let mut times = Vec::new();
+        let seconds = |words: &mut Words, letter: u8| {
+            let counts = kernel.control.least_increment && !words.is_pointed(letter);
+            Some(words.take(letter)? * if counts { 1e-3 } else { 1.0 })
+        };
         if let Some(value) = words.take(b'P') {
             let milliseconds = self.macros() && !words.is_pointed(b'P');
             times.push(if milliseconds { 1e-3 * value } else { value });
         }
         if self.dialect != Dialect::LinuxCnc {
-            times.extend(words.take(b'X'));
+            times.extend(seconds(words, b'X'));
         }
         if self.is_lathe() {
-            times.extend(words.take(b'U'));
+            times.extend(seconds(words, b'U'));
         }
         match times[..] {
             [time] => Ok(time),
