@@ -209,7 +209,7 @@ fn strong(line: &str, signs: &mut Signs) -> Option<(Dialect, &'static str)> {
         return Some((Dialect::Siemens, "the header %_N_ or ;$PATH"));
     }
     let uncommented = line.split(';').next().unwrap_or_default();
-    if let Some(sign) = siemens(uncommented.trim()) {
+    if let Some(sign) = siemens(uncalled(uncommented).trim()) {
         return Some((Dialect::Siemens, sign));
     }
     let bare = bare(uncommented);
@@ -267,6 +267,12 @@ fn strong(line: &str, signs: &mut Signs) -> Option<(Dialect, &'static str)> {
         signs.cycle = signs.cycle.or(Some(signs.seen));
     }
     None
+}
+
+/// A line up to a bracket that stands by itself: a comment of other controls. The brackets of a call follow its name.
+fn uncalled(line: &str) -> &str {
+    let own = |(at, _): &(usize, &str)| line[..*at].ends_with(char::is_whitespace);
+    line.match_indices('(').find(own).map_or(line, |(at, _)| &line[..at])
 }
 
 /// Words that no other control has.

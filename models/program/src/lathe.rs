@@ -63,7 +63,8 @@ fn revolutions(a: f64, b: f64, length: f64, surface: f64, clamp: f64) -> f64 {
     let (low, high) = (a.min(b), a.max(b));
     let bound = if clamp.is_finite() { surface / (TAU * clamp) } else { 0.0 };
     if high <= bound {
-        return length / clamp;
+        // On the axis nothing but a greatest speed ends the speed.
+        return if clamp.is_finite() || length == 0.0 { length / clamp } else { f64::INFINITY };
     }
     let free = |from: f64, to: f64, length: f64| TAU * 0.5 * (from + to) * length / surface;
     if low >= bound || high == low {

@@ -273,6 +273,27 @@ fn a_letter_within_the_name_of_a_function_is_no_word_of_a_lathe() {
 }
 
 #[test]
+fn the_comment_of_a_mill_is_no_word_of_another_control() {
+    let auto = || Control { dialect: None, ..control(Dialect::Fanuc) };
+    for comment in ["T5 M6 (D=20. CR=0. FLAT END MILL)", "N4 (T5 D=20. CR=0.)", "M1 (R1=5)", "M1 (CYCLE81)"] {
+        let text = format!("G21 G90\n{comment}\nG0 X0 Y0\nG1 X[ROUND[2.5]] F100\nM30");
+        close(comment, sums(&text, &auto()).expect("a program of a mill").length, 3.0);
+    }
+    // A condition of Siemens has its words outside of the brackets.
+    let siemens = "G71 G90\nG0 X0 Y0\nIF (1 == 2) GOTOF END\nG1 X10 F100\nEND: M30";
+    close("Siemens", sums(siemens, &auto()).expect("a program").length, 10.0);
+}
+
+#[test]
+fn a_feed_on_the_axis_at_constant_surface_speed_needs_a_greatest_speed() {
+    let text = "G21 G18 G99\nG96 S200 M3\nG0 X0. Z2.\nG1 Z-2. F.1\nM30";
+    let error = sums(text, &control(Dialect::FanucLathe)).err().expect("refused").message;
+    assert!(error.contains("G50 S"), "{error}");
+    let clamped = text.replace("G96", "G50 S3000\nG96");
+    close("clamped", sums(&clamped, &control(Dialect::FanucLathe)).expect("a program").feed, 0.8);
+}
+
+#[test]
 fn a_dwell_counts_milliseconds_where_numbers_count_least_increments() {
     let mut control = control(Dialect::Fanuc);
     let dwell =
