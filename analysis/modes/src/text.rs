@@ -104,14 +104,21 @@ pub fn read(measured: &Measurement) -> String {
         "{}: {} over {} to {} Hz in steps of {} Hz, {coherence}",
         measured.source,
         functions.join(", "),
-        first.unwrap_or(0.0),
-        last.unwrap_or(0.0),
-        measured.step()
+        shown(first.unwrap_or(0.0)),
+        shown(last.unwrap_or(0.0)),
+        shown(measured.step())
     );
     for note in &measured.notes {
         let _ = write!(text, "\nnote: {note}");
     }
     text
+}
+
+/// A frequency to six digits, as it was told.
+fn shown(frequency: f64) -> f64 {
+    let digits = 10f64.powf(5.0 - frequency.abs().max(f64::MIN_POSITIVE).log10().floor());
+    let rounded = (frequency * digits).round() / digits;
+    if rounded.is_finite() { rounded } else { frequency }
 }
 
 /// Frequency, damping, stiffness and direction of a mode as people read them.

@@ -21,6 +21,7 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod blank;
+mod coherence;
 mod comb;
 mod coupling;
 mod csv;
@@ -47,6 +48,7 @@ mod unit;
 mod wav;
 
 pub use blank::{Blank, BlankResponse};
+pub use coherence::{CoherenceTable, read_coherence};
 pub use coupling::{BaseMode, Body, Damper, Joint, Material, Receptance, Segment, base, chain};
 pub use csv::{read_csv, read_csv_by_speed};
 pub use cuts::{ShopCut, ShopCutError, read_shop_cuts};
