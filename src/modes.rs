@@ -29,22 +29,21 @@ pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
         (args.direction.as_deref(), args.estimator.as_deref(), args.highest.as_deref());
     let request = Request { averages, direction, modes, picks: &args.pick, estimator, highest, scales: &args.scale };
     let taps = request.taps()?;
-    let bytes = bytes(&args.file)?;
-    let name = args.file.display().to_string();
+    let bytes = bytes(args.file())?;
+    let name = args.file().display().to_string();
     let inputs = [(name.clone(), bytes.as_slice())];
     let provenance = provenance("modes", &inputs, request.arguments().into_iter().chain(args.typed()), None);
     let refused = |error| Failure::located(error, GUIDE);
     if let Some(measured) = toolroom_dynamics::measure_by_speed(&name, &bytes).map_err(refused)? {
         return by_speed(args, measured, (&request.options()?, &provenance), &target, voice);
     }
-    let measured = with_coherence(&args.file, &bytes, &taps, args.coherence.as_deref())?;
+    let measured = with_coherence(args.file(), &bytes, &taps, args.coherence.as_deref())?;
     if args.read {
         return voice.data(summary(&measured) + "\n");
     }
     let (options, scatter) = (request.options()?, scatter(&args.scatter)?);
-    let files =
-        target.files([Some(&args.file), args.coherence.as_ref()].into_iter().flatten().map(PathBuf::as_path), voice)?;
-    let study = ModesStudy::new(target.name(&args.file), measured, &options, scatter);
+    let files = target.files([Some(args.file()), args.coherence.as_deref()].into_iter().flatten(), voice)?;
+    let study = ModesStudy::new(target.name(args.file()), measured, &options, scatter);
     target.write(&study.map_err(|error| Failure::argument(error, GUIDE))?, &files, &provenance, voice)
 }
 
@@ -97,8 +96,8 @@ fn by_speed(
         let message = format!("{flag}: it is that of one tap, and this table holds taps at several spindle speeds");
         return Err(Failure::argument(message, "give a table of one speed, without the column spindle_speed"));
     }
-    let files = target.files([args.file.as_path()], voice)?;
-    let study = SpeedStudy::new(&target.name(&args.file), measured, options, scatter(&args.scatter)?)
+    let files = target.files([args.file()], voice)?;
+    let study = SpeedStudy::new(&target.name(args.file()), measured, options, scatter(&args.scatter)?)
         .map_err(|error| Failure::argument(error, GUIDE))?;
     if voice.json {
         voice.json(&study.json())?

@@ -1,7 +1,7 @@
 //! Arguments of `toolroom modes`, `swap`, `listen` and `coefficients`.
 
 use clap::{Args, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, disable_help_subcommand = true)]
@@ -10,8 +10,8 @@ pub struct ModesArgs {
     pub verb: Option<ModesVerb>,
     /// Frequency responses: a table (CSV) with units in its header, or a universal file (58, 58b); or hits over time: a table
     /// with time [s], force [N] and acceleration [m/s2], or a WAV file with --scale
-    #[arg(required = true, default_value = "", hide_default_value = true)]
-    pub file: PathBuf,
+    #[arg(required = true)]
+    pub file: Option<PathBuf>,
     /// Coherence in a file of its own: a table with frequency [Hz] and coherence, or a universal file
     #[arg(long, value_name = "FILE")]
     pub coherence: Option<PathBuf>,
@@ -107,10 +107,15 @@ impl ModesArgs {
         let Some(ModesVerb::Update(update)) = &self.verb else {
             let (cuts, lobes) = (self.cuts.clone()?, self.lobes.clone()?);
             let Self { coefficients, particles, .. } = *self;
-            let (file, machine, out) = (self.file.clone(), self.machine.clone(), self.out.clone());
+            let (file, machine, out) = (self.file.clone()?, self.machine.clone(), self.out.clone());
             return Some(ModesUpdateArgs { file, cuts, machine, lobes, coefficients, particles, out });
         };
         Some(update.clone())
+    }
+
+    /// The file; without one there is a verb.
+    pub fn file(&self) -> &Path {
+        self.file.as_deref().unwrap_or(Path::new(""))
     }
 
     /// Scatter and coherence as they have to be typed.

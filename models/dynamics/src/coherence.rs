@@ -1,9 +1,7 @@
 //! Coherence from a file of its own: many analysers export responses and coherence apart.
 
-use crate::csv::read_coherence_csv;
 use crate::error::DynamicsError;
 use crate::frf::{Direction, Measurement};
-use crate::uff::{is_universal, read_coherence_uff};
 
 /// Relative difference up to which two frequencies are one line (assumption: both files are written with six digits at least).
 const SAME_LINE: f64 = 1e-5;
@@ -19,27 +17,6 @@ pub struct CoherenceTable {
     pub(crate) functions: Vec<([Direction; 2], Vec<f64>)>,
     /// Half of the last digit as it was written.
     pub(crate) digit: f64,
-}
-
-/// Reads the coherence in a table with `frequency [Hz]` and `coherence` (`xx.coherence`, `yx.coherence`, …, in % where it says so),
-/// or in a universal file; responses in it are passed over. `file` is its name in messages.
-///
-/// # Errors
-/// [`DynamicsError`] with the place of the first fault.
-///
-/// # Examples
-/// ```
-/// let table = toolroom_dynamics::read_coherence("c.csv", b"frequency [Hz],coherence [%]\n100,98\n102,99\n").unwrap();
-/// let text = "frequency [Hz],real [um/N],imag [um/N]\n100,0.5,-0.1\n102,0.6,-0.2\n";
-/// let measured = toolroom_dynamics::read_csv("tap.csv", text).unwrap().with_coherence(&table).unwrap();
-/// assert_eq!(measured.functions[0].coherence, Some(vec![0.98, 0.99]));
-/// ```
-pub fn read_coherence(file: &str, bytes: &[u8]) -> Result<CoherenceTable, DynamicsError> {
-    if is_universal(bytes) {
-        read_coherence_uff(file, bytes)
-    } else {
-        read_coherence_csv(file, &String::from_utf8_lossy(bytes))
-    }
 }
 
 impl Measurement {
@@ -80,6 +57,7 @@ impl Measurement {
 mod tests {
     use super::*;
     use crate::csv::read_csv;
+    use crate::read::read_coherence;
 
     #[test]
     fn coherence_comes_from_a_file_of_its_own() {
