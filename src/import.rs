@@ -21,6 +21,7 @@ pub fn run(command: &ImportCommand, voice: &Voice) -> Result<(), Failure> {
         ImportCommand::Mtconnect(args) => mtconnect::run(args, voice),
         ImportCommand::NistRuns(args) => nist_runs::run(args, voice),
         ImportCommand::Shop(args) => shop::run(args, voice),
+        ImportCommand::Frf(args) => crate::modes::import(args, voice),
     }
 }
 

@@ -43,14 +43,15 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
         voice.say(format_args!("cutting force known to {:.1} % (one deviation), by its draws", 100.0 * spread));
     }
     if let [speed, depth] = args.at.as_slice() {
-        verdict(&file.content, [speed, depth], args.measured.as_deref(), voice)?;
+        let measured = args.measured.as_deref().or(file.content.table.as_deref());
+        verdict(&file.content, [speed, depth], measured, voice)?;
         return args
             .history
             .as_deref()
             .map_or(Ok(()), |target| history(&file, path, [speed, depth], target, args, voice));
     }
-    if let [from, to] = args.pitch.as_slice() {
-        return pool(args.threads)?.install(|| pitch(&file.content, [from, to], voice));
+    if let ([from, to], _) | (_, [from, to]) = (args.pitch.as_slice(), args.helix.as_slice()) {
+        return pool(args.threads)?.install(|| window(&file.content, [from, to], args.helix.is_empty(), voice));
     }
     let input = path.display().to_string();
     if let Some(target) = &args.plan {
@@ -126,7 +127,7 @@ fn workbench(study: &mut ChartStudy<'_>, requested: &LobesArgs, voice: &Voice) -
             return Err(Failure::argument(message, "leave out --robust"));
         }
     }
-    if let Some(path) = &requested.measured {
+    if let Some(path) = requested.measured.as_ref().or(study.file.table.as_ref()) {
         let measured = crate::modes::responses(path)?;
         let curve = MeasuredCurve::new(study, &measured);
         let curve = curve.map_err(|error| Failure::argument(error, "see docs/dynamics.md"))?;
@@ -167,17 +168,22 @@ fn refused(error: ChatterError) -> Failure {
     Failure::argument(error, if outside { "give a speed of the table" } else { "see the values of the file" })
 }
 
-/// `--pitch FROM TO`: the unequal pitch for a window of speeds.
-fn pitch(file: &LobesFile, window: [&String; 2], voice: &Voice) -> Result<(), Failure> {
-    const FIX: &str = "write for example --pitch \"7000 rpm\" \"8000 rpm\"";
+/// `--pitch FROM TO` and `--helix FROM TO`: the unequal pitch, or the helix, for a window of speeds.
+fn window(file: &LobesFile, ends: [&String; 2], pitch: bool, voice: &Voice) -> Result<(), Failure> {
+    const FIX: &str = "write for example --pitch \"7000 rpm\" \"8000 rpm\", or --helix";
     let mut speeds = [0.0; 2];
-    for (speed, text) in speeds.iter_mut().zip(window) {
+    for (speed, text) in speeds.iter_mut().zip(ends) {
         *speed = quantity(text, "rad/s").map_err(|error| Failure::argument(error, FIX))?;
     }
-    let best = file.best_pitch(speeds).map_err(|error| match error {
+    let failed = |error| match error {
         PitchError::Refused(error) => refused(error),
         error @ (PitchError::Process | PitchError::Window) => Failure::argument(error, FIX),
-    })?;
+    };
+    if pitch {
+        let best = file.best_pitch(speeds).map_err(failed)?;
+        return if voice.json { voice.json(&best.json()) } else { voice.data(best.text()) };
+    }
+    let best = file.best_helix(speeds).map_err(failed)?;
     if voice.json { voice.json(&best.json()) } else { voice.data(best.text()) }
 }
 

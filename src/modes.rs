@@ -1,6 +1,6 @@
 //! `toolroom modes FRF`: vibration modes from a tap test; `toolroom swap BASE`: of another tool on the same spindle.
 
-use crate::args::{ModesArgs, SwapArgs};
+use crate::args::{ImportFrfArgs, ModesArgs, ModesUpdateArgs, SwapArgs};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::speak::Voice;
@@ -20,8 +20,8 @@ use toolroom_planning::lobes::Measured;
 const GUIDE: &str = "see docs/dynamics.md";
 
 pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
-    if let (Some(cuts), Some(lobes)) = (&args.cuts, &args.lobes) {
-        return update(args, cuts, lobes, voice);
+    if let Some(update_args) = args.update() {
+        return update(&update_args, voice);
     }
     let target = Target::new(args.out.as_deref(), args.report.as_deref(), args.accept_refused);
     let ModesArgs { averages, modes, .. } = *args;
@@ -29,23 +29,54 @@ pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
         (args.direction.as_deref(), args.estimator.as_deref(), args.highest.as_deref());
     let request = Request { averages, direction, modes, picks: &args.pick, estimator, highest, scales: &args.scale };
     let taps = request.taps()?;
-    let bytes = bytes(&args.file)?;
-    let name = args.file.display().to_string();
-    let scattered = args.scatter.iter().flat_map(|change| ["--scatter".to_owned(), change.clone()]);
+    let bytes = bytes(args.file())?;
+    let name = args.file().display().to_string();
     let inputs = [(name.clone(), bytes.as_slice())];
-    let provenance = provenance("modes", &inputs, request.arguments().into_iter().chain(scattered), None);
+    let provenance = provenance("modes", &inputs, request.arguments().into_iter().chain(args.typed()), None);
     let refused = |error| Failure::located(error, GUIDE);
     if let Some(measured) = toolroom_dynamics::measure_by_speed(&name, &bytes).map_err(refused)? {
         return by_speed(args, measured, (&request.options()?, &provenance), &target, voice);
     }
-    let measured = toolroom_dynamics::measure(&name, &bytes, &taps).map_err(refused)?;
+    let measured = with_coherence(args.file(), &bytes, &taps, args.coherence.as_deref())?;
     if args.read {
         return voice.data(summary(&measured) + "\n");
     }
     let (options, scatter) = (request.options()?, scatter(&args.scatter)?);
-    let files = target.files([args.file.as_path()], voice)?;
-    let study = ModesStudy::new(target.name(&args.file), measured, &options, scatter);
+    let files = target.files([Some(args.file()), args.coherence.as_deref()].into_iter().flatten(), voice)?;
+    let study = ModesStudy::new(target.name(args.file()), measured, &options, scatter);
     target.write(&study.map_err(|error| Failure::argument(error, GUIDE))?, &files, &provenance, voice)
+}
+
+/// `toolroom import frf FILE`: what a tap test holds, as one table where `--out` says so.
+pub fn import(args: &ImportFrfArgs, voice: &Voice) -> Result<(), Failure> {
+    let (estimator, highest) = (args.estimator.as_deref(), args.highest.as_deref());
+    let request = Request { estimator, highest, scales: &args.scale, ..Request::default() };
+    let measured = with_coherence(&args.file, &bytes(&args.file)?, &request.taps()?, args.coherence.as_deref())?;
+    if voice.json {
+        voice.json(&toolroom_modes::json(&measured))?;
+    } else {
+        voice.data(summary(&measured))?;
+    }
+    let Some(out) = &args.out else { return Ok(()) };
+    let inputs = [Some(args.file.as_path()), args.coherence.as_deref()].into_iter().flatten();
+    let table = toolroom_modes::table(&measured).map_err(|error| Failure::argument(error, GUIDE))?;
+    Files::new(inputs, voice.force).put(out, table.as_bytes())?;
+    voice.say(format_args!("wrote {}", out.display()));
+    Ok(())
+}
+
+/// The responses of a file, with the coherence of another one where it is given.
+fn with_coherence(
+    path: &Path,
+    content: &[u8],
+    taps: &TapOptions,
+    coherence: Option<&Path>,
+) -> Result<Measurement, Failure> {
+    let refused = |error| Failure::located(error, GUIDE);
+    let measured = toolroom_dynamics::measure(&path.display().to_string(), content, taps).map_err(refused)?;
+    let Some(path) = coherence else { return Ok(measured) };
+    let table = toolroom_dynamics::read_coherence(&path.display().to_string(), &bytes(path)?).map_err(refused)?;
+    measured.with_coherence(&table).map_err(refused)
 }
 
 /// Responses at several spindle speeds (rad/s): modes of each, and a structure file with all of them.
@@ -60,12 +91,13 @@ fn by_speed(
         let lines: Vec<String> = measured.iter().map(|(_, measured)| summary(measured)).collect();
         return voice.data(lines.join("\n") + "\n");
     }
-    if args.report.is_some() {
-        let message = "--report: a report is that of one tap, and this table holds taps at several spindle speeds";
+    if args.report.is_some() || args.coherence.is_some() {
+        let flag = if args.report.is_some() { "--report" } else { "--coherence" };
+        let message = format!("{flag}: it is that of one tap, and this table holds taps at several spindle speeds");
         return Err(Failure::argument(message, "give a table of one speed, without the column spindle_speed"));
     }
-    let files = target.files([args.file.as_path()], voice)?;
-    let study = SpeedStudy::new(&target.name(&args.file), measured, options, scatter(&args.scatter)?)
+    let files = target.files([args.file()], voice)?;
+    let study = SpeedStudy::new(&target.name(args.file()), measured, options, scatter(&args.scatter)?)
         .map_err(|error| Failure::argument(error, GUIDE))?;
     if voice.json {
         voice.json(&study.json())?
@@ -80,8 +112,9 @@ fn by_speed(
     target.put(out, &text, &files, voice)
 }
 
-/// `--cuts CUTS --lobes LOBES`: a structure file brought up to date by cuts of the shop.
-fn update(args: &ModesArgs, cuts: &Path, lobes: &Path, voice: &Voice) -> Result<(), Failure> {
+/// `toolroom modes update STRUCTURE`: a structure file brought up to date by cuts of the shop.
+fn update(args: &ModesUpdateArgs, voice: &Voice) -> Result<(), Failure> {
+    let (cuts, lobes) = (args.cuts.as_path(), args.lobes.as_path());
     let (structure, file) = (read_structure(&args.file, &[])?, toolroom_lobes::read(lobes, &[])?);
     let files = Files::new([args.file.as_path(), cuts, lobes], voice.force);
     if let Some(out) = &args.out {
@@ -122,18 +155,8 @@ fn update(args: &ModesArgs, cuts: &Path, lobes: &Path, voice: &Voice) -> Result<
         (&lobes.to_owned(), file.text.as_bytes()),
     ]
     .map(|(path, bytes)| (path.display().to_string(), bytes));
-    let changes = [
-        "--coefficients".to_owned(),
-        args.coefficients.to_string(),
-        "--particles".to_owned(),
-        args.particles.to_string(),
-    ];
-    let machine = args.machine.iter().flat_map(|name| ["--machine".to_owned(), name.clone()]);
-    let changes = changes.into_iter().chain(machine);
-    let made = provenance("modes", &inputs, changes, None);
-    let digests = made.inputs.iter().map(|(name, digest)| format!("{name} ({digest})"));
-    let source = format!("{} of {}", made.command, digests.collect::<Vec<_>>().join(", "));
-    files.put(out, update.structure(&source).as_bytes())?;
+    let made = provenance("modes update", &inputs, args.typed(), None);
+    files.put(out, update.structure(&made).as_bytes())?;
     voice.say(format_args!("wrote {}; a lobes file takes it by structure = \"…\"", out.display()));
     Ok(())
 }

@@ -29,6 +29,7 @@ mod report;
 mod run_predicted;
 mod self_null;
 mod ssp_cell;
+mod tap_tests;
 mod tuning;
 mod withheld;
 mod withheld_grinding_milling;

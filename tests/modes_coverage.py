@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How often the intervals of `toolroom modes FILE --cuts` hold the truth: simulated shops whose modes and coefficient are drawn
+"""How often the intervals of `toolroom modes update` hold the truth: simulated shops whose modes and coefficient are drawn
 from what is known of them, cuts that are judged here with nothing of the program, and a twentieth of the records wrong.
 
     python3 tests/modes_coverage.py                      # 100 shops
@@ -88,7 +88,7 @@ def shop(number, options, folder):
     (folder / "known.toml").write_text(structure(known))
     (folder / "cut.toml").write_text(lobes(milling, K))
     (folder / "cuts.csv").write_text("\n".join(rows) + "\n")
-    command = [options.program, "modes", "known.toml", "--cuts", "cuts.csv", "--lobes", "cut.toml", "--out", f"new{number}.toml", "--json",
+    command = [options.program, "modes", "update", "known.toml", "--cuts", "cuts.csv", "--lobes", "cut.toml", "--out", f"new{number}.toml", "--json",
                "--coefficients", str(SD["coefficient"])]
     told = json.loads(subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout)
     held = []

@@ -1,5 +1,6 @@
 //! Arguments of `import`.
 
+use crate::modes::ImportFrfArgs;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -31,6 +32,12 @@ pub enum ImportCommand {
   toolroom import shop --map map.toml --out shop.toml
   toolroom import shop --map map.toml --out shop.toml --check")]
     Shop(ImportShopArgs),
+    /// Frequency responses or hits of a tap test: what the file holds, and all of it as one table
+    #[command(before_help = "Examples:
+  toolroom import frf tap.uff
+  toolroom import frf hits.csv --highest \"2000 Hz\" --out tap.csv
+  toolroom import frf tap.csv --coherence coherence.csv --out both.csv")]
+    Frf(ImportFrfArgs),
 }
 
 #[derive(Args, Debug)]

@@ -29,7 +29,7 @@ pub use gap::{
 pub use import::{ImportCommand, ImportCsvArgs, ImportShopArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use life::{LifeArgs, MergeArgs, Readings, ShardArgs, Shards, Statistics, confidence};
 pub use lobes::LobesArgs;
-pub use modes::{CoefficientsArgs, ListenArgs, ModesArgs, SwapArgs};
+pub use modes::{CoefficientsArgs, ImportFrfArgs, ListenArgs, ModesArgs, ModesUpdateArgs, ModesVerb, SwapArgs};
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs};
 pub use point::{PointArgs, PointLife, PointProcess};
 pub use program::ProgramArgs;
@@ -182,7 +182,8 @@ The kind of a file is told by the keys and tables at its top; --kind overrides i
   toolroom modes tap.uff --averages 4 --report out/modes       pictures and the stabilisation diagram
   toolroom modes tap.csv --pick \"612 Hz\" --pick \"1185 Hz\" --direction \"30 deg\"
   toolroom modes tap.csv --read                                what the file holds, without a fit
-  toolroom modes spindle3-d12.toml --cuts cuts.csv --lobes chart.toml --out new.toml    brought up to date by the shop
+  toolroom modes tap.csv --coherence coherence.csv             responses and coherence in two files
+  toolroom modes update spindle3-d12.toml --cuts cuts.csv --lobes chart.toml --out new.toml    by cuts of the shop
 
 A lobes file takes the result by structure = \"spindle3-d12.toml\" in place of its [[mode]].")]
     Modes(ModesArgs),

@@ -41,6 +41,9 @@ pub struct LobesArgs {
     /// Search the unequal pitch of the teeth that goes deepest over a window of speeds
     #[arg(long, num_args = 2, value_names = ["FROM", "TO"], conflicts_with_all = ["at", "plan", "run", "best", "show", "robust"])]
     pub pitch: Vec<String>,
+    /// Search the helix angle that goes deepest over a window of speeds
+    #[arg(long, num_args = 2, value_names = ["FROM", "TO"], conflicts_with_all = ["at", "plan", "run", "best", "show", "robust", "pitch"])]
+    pub helix: Vec<String>,
     /// Replace a value of the file: path=value with unit, repeatable
     #[arg(long, value_name = "KEY=VALUE", conflicts_with = "run")]
     pub set: Vec<String>,

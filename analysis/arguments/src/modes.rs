@@ -1,13 +1,20 @@
 //! Arguments of `toolroom modes`, `swap`, `listen` and `coefficients`.
 
-use clap::Args;
-use std::path::PathBuf;
+use clap::{Args, Subcommand};
+use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, disable_help_subcommand = true)]
 pub struct ModesArgs {
+    #[command(subcommand)]
+    pub verb: Option<ModesVerb>,
     /// Frequency responses: a table (CSV) with units in its header, or a universal file (58, 58b); or hits over time: a table
     /// with time [s], force [N] and acceleration [m/s2], or a WAV file with --scale
-    pub file: PathBuf,
+    #[arg(required = true)]
+    pub file: Option<PathBuf>,
+    /// Coherence in a file of its own: a table with frequency [Hz] and coherence, or a universal file
+    #[arg(long, value_name = "FILE")]
+    pub coherence: Option<PathBuf>,
     /// Averages behind each response; left out, the residuals of the fit tell the noise
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub averages: Option<u32>,
@@ -44,21 +51,109 @@ pub struct ModesArgs {
     /// Say what the file holds, and fit nothing
     #[arg(long, conflicts_with_all = ["out", "report"])]
     pub read: bool,
-    /// Cuts of the shop that chattered or did not (CSV), or records of a run: the file is a structure file that they bring up to date
+    /// As `modes update`: cuts that bring the structure file up to date
     #[arg(long, value_name = "FILE", requires = "lobes", conflicts_with_all = ["read", "report"])]
     pub cuts: Option<PathBuf>,
-    /// Machine of the records whose cuts count
+    /// As `modes update`: machine of the records whose cuts count
     #[arg(long, value_name = "NAME", requires = "cuts")]
     pub machine: Option<String>,
-    /// Lobes file with cutter, engagement and force of these cuts
+    /// As `modes update`: lobes file of these cuts
     #[arg(long, value_name = "FILE", requires = "cuts")]
     pub lobes: Option<PathBuf>,
-    /// Relative standard deviation of the cutting-force coefficients of that file
+    /// As `modes update`: relative standard deviation of the cutting-force coefficients
     #[arg(long, value_name = "SHARE", requires = "cuts", default_value_t = 0.15)]
     pub coefficients: f64,
-    /// Particles that go from what is known to what the cuts say
+    /// As `modes update`: particles
     #[arg(long, value_name = "COUNT", requires = "cuts", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(64..=1_000_000))]
     pub particles: u32,
+}
+
+#[derive(Subcommand, Clone, Debug)]
+pub enum ModesVerb {
+    /// Bring the modes of a structure file up to date by cuts of the shop that chattered or did not
+    #[command(before_help = "Examples:
+  toolroom modes update spindle3-d12.toml --cuts cuts.csv --lobes chart.toml --out new.toml
+  toolroom modes update spindle3-d12.toml --cuts out/records/cuts.csv --machine M1 --lobes chart.toml")]
+    Update(ModesUpdateArgs),
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct ModesUpdateArgs {
+    /// Structure file with what is known of the modes
+    pub file: PathBuf,
+    /// Cuts of the shop that chattered or did not (CSV), or records of a run
+    #[arg(long, value_name = "FILE")]
+    pub cuts: PathBuf,
+    /// Machine of the records whose cuts count
+    #[arg(long, value_name = "NAME")]
+    pub machine: Option<String>,
+    /// Lobes file with cutter, engagement and force of these cuts
+    #[arg(long, value_name = "FILE")]
+    pub lobes: PathBuf,
+    /// Relative standard deviation of the cutting-force coefficients of that file
+    #[arg(long, value_name = "SHARE", default_value_t = 0.15)]
+    pub coefficients: f64,
+    /// Particles that go from what is known to what the cuts say
+    #[arg(long, value_name = "COUNT", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(64..=1_000_000))]
+    pub particles: u32,
+    /// Structure file to write
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+impl ModesArgs {
+    /// What brings a structure file up to date, where that is wanted.
+    pub fn update(&self) -> Option<ModesUpdateArgs> {
+        let Some(ModesVerb::Update(update)) = &self.verb else {
+            let (cuts, lobes) = (self.cuts.clone()?, self.lobes.clone()?);
+            let Self { coefficients, particles, .. } = *self;
+            let (file, machine, out) = (self.file.clone()?, self.machine.clone(), self.out.clone());
+            return Some(ModesUpdateArgs { file, cuts, machine, lobes, coefficients, particles, out });
+        };
+        Some(update.clone())
+    }
+
+    /// The file; without one there is a verb.
+    pub fn file(&self) -> &Path {
+        self.file.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// Scatter and coherence as they have to be typed.
+    pub fn typed(&self) -> Vec<String> {
+        let scattered = self.scatter.iter().flat_map(|change| ["--scatter".to_owned(), change.clone()]);
+        let coherence = self.coherence.iter().flat_map(|path| ["--coherence".to_owned(), path.display().to_string()]);
+        scattered.chain(coherence).collect()
+    }
+}
+
+impl ModesUpdateArgs {
+    /// What changes the result beside the files, as it has to be typed.
+    pub fn typed(&self) -> Vec<String> {
+        let numbers = [("--coefficients", self.coefficients.to_string()), ("--particles", self.particles.to_string())];
+        let machine = self.machine.iter().map(|name| ("--machine", name.clone()));
+        numbers.into_iter().chain(machine).flat_map(|(flag, value)| [flag.to_owned(), value]).collect()
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct ImportFrfArgs {
+    /// Frequency responses or hits over time, as `toolroom modes` reads them
+    pub file: PathBuf,
+    /// Coherence in a file of its own: a table with frequency [Hz] and coherence, or a universal file
+    #[arg(long, value_name = "FILE")]
+    pub coherence: Option<PathBuf>,
+    /// How responses are estimated from hits over time: h1, h2 or hv
+    #[arg(long, value_name = "NAME")]
+    pub estimator: Option<String>,
+    /// Highest frequency that every hit has to excite, such as "2000 Hz"
+    #[arg(long, value_name = "FREQUENCY")]
+    pub highest: Option<String>,
+    /// Full scale of a channel of a WAV file, one for each in their order: "force=500 N", "acceleration=50 g"
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub scale: Vec<String>,
+    /// Table (CSV) of the responses in um/N with their coherence to write
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]

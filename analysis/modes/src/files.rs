@@ -4,6 +4,7 @@ use super::ModesStudy;
 use super::picture::report;
 use toolroom_chart::ResultFiles;
 use toolroom_chart::page::Provenance;
+use toolroom_dynamics::Measurement;
 use toolroom_process::table::{Cell, csv_text};
 
 /// Why a table can be written.
@@ -45,4 +46,36 @@ impl ModesStudy {
         });
         csv_text(header, rows).expect(AS_LONG)
     }
+}
+
+/// A response under an exponential window, which a table cannot carry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the response had not died away within its frame, so that an exponential window adds to its damping; a table does not carry \
+     it: fit the record itself with `toolroom modes`, or record for longer after every hit"
+)]
+pub struct WindowedError;
+
+/// What was measured as a table that `toolroom modes` reads: receptance of every function with its coherence, where it is known.
+///
+/// # Errors
+/// [`WindowedError`]: damping that the table would not tell from that of the structure.
+pub fn table(measured: &Measurement) -> Result<String, WindowedError> {
+    if measured.window_decay > 0.0 {
+        return Err(WindowedError);
+    }
+    let mut header = vec!["frequency [Hz]".to_owned()];
+    for function in &measured.functions {
+        let name = function.name();
+        header.extend(["real [um/N]", "imag [um/N]"].map(|part| format!("{name}.{part}")));
+        header.extend(function.coherence.as_ref().map(|_| format!("{name}.coherence")));
+    }
+    let rows = (0..measured.frequencies.len()).map(|i| {
+        let values = measured.functions.iter().flat_map(move |function| {
+            let value = function.receptance[i] * 1e6;
+            [Some(value.re), Some(value.im), function.coherence.as_ref().map(|values| values[i])].into_iter().flatten()
+        });
+        std::iter::once(measured.frequencies[i]).chain(values).map(Cell::from).collect::<Vec<_>>()
+    });
+    Ok(csv_text(header, rows).expect(AS_LONG))
 }

@@ -23,7 +23,7 @@ mod update_error;
 
 pub use assembly::{Comparison, FittedJoint, PeakPair};
 pub use blank::{blank, tip_of_blank};
-pub use files::NAMES;
+pub use files::{NAMES, WindowedError, table};
 pub use measured::{MeasuredError, MeasuredLimit, measured_limit, measured_milling_limit};
 pub use records::{CutsError, RecordedCuts, read_cuts};
 pub use request::{Request, RequestError, range, scatter};
@@ -31,7 +31,7 @@ pub use speeds::{SpeedStudy, SpeedsError};
 pub use spindle::{Spindle, TappedBlank};
 pub use swap::{tip, tip_at};
 pub use swap_error::SwapError;
-pub use text::read as summary;
+pub use text::{read as summary, read_json as json};
 pub use tip::Tip;
 pub use tool::{TOOL, Tool, read_tool};
 pub use update::{Learnt, ModesUpdate, UpdateOptions};

@@ -104,14 +104,43 @@ pub fn read(measured: &Measurement) -> String {
         "{}: {} over {} to {} Hz in steps of {} Hz, {coherence}",
         measured.source,
         functions.join(", "),
-        first.unwrap_or(0.0),
-        last.unwrap_or(0.0),
-        measured.step()
+        shown(first.unwrap_or(0.0)),
+        shown(last.unwrap_or(0.0)),
+        shown(measured.step())
     );
     for note in &measured.notes {
         let _ = write!(text, "\nnote: {note}");
     }
     text
+}
+
+/// What was read from the file, for programs.
+pub fn read_json(measured: &Measurement) -> Value {
+    let functions = measured.functions.iter().map(|function| {
+        json!({
+            "name": function.name(),
+            "motion": function.motion.word(),
+            "coherence": function.coherence.is_some(),
+        })
+    });
+    json!({
+        "schema": 1,
+        "source": measured.source,
+        "functions": functions.collect::<Vec<_>>(),
+        "first [Hz]": measured.frequencies.first(),
+        "last [Hz]": measured.frequencies.last(),
+        "step [Hz]": measured.step(),
+        "lines": measured.frequencies.len(),
+        "averages": measured.averages,
+        "notes": measured.notes,
+    })
+}
+
+/// A frequency to six digits, as it was told.
+fn shown(frequency: f64) -> f64 {
+    let digits = 10f64.powf(5.0 - frequency.abs().max(f64::MIN_POSITIVE).log10().floor());
+    let rounded = (frequency * digits).round() / digits;
+    if rounded.is_finite() { rounded } else { frequency }
 }
 
 /// Frequency, damping, stiffness and direction of a mode as people read them.

@@ -19,8 +19,9 @@ use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use toolroom_chart::page::Provenance;
 use toolroom_chatter::Draw;
-use toolroom_dynamics::ShopCut;
+use toolroom_dynamics::{ShopCut, quoted};
 use toolroom_lobes::{LobesFile, Structure};
 
 /// Share of these below which the modes are said to have drifted.
@@ -237,10 +238,11 @@ impl ModesUpdate {
         text
     }
 
-    /// The structure file with the new values.
-    pub fn structure(&self, source: &str) -> String {
-        let quoted = source.replace('\\', "\\\\").replace('"', "\\\"");
-        let mut text = format!("schema = 1\nname = \"{}\"\n\n[measurement]\nsource = \"{quoted}\"\n", self.name);
+    /// The structure file with the new values, with the command and the digests of the files that it was made of.
+    pub fn structure(&self, provenance: &Provenance) -> String {
+        let digests = provenance.inputs.iter().map(|(name, digest)| format!("{name} ({digest})"));
+        let source = quoted(&format!("{} of {}", provenance.command, digests.collect::<Vec<_>>().join(", ")));
+        let mut text = format!("schema = 1\nname = \"{}\"\n\n[measurement]\nsource = {source}\n", self.name);
         for (i, ([x, y], [f, zeta, k])) in self.modes.iter().enumerate() {
             let pair = |learnt: &Learnt, unit: &str| {
                 let [value, sd] = learnt.after;
@@ -306,6 +308,7 @@ mod tests {
             modes: vec![mode],
             by_speed: None,
             along_path: None,
+            table: None,
             rotations: vec![None],
             scatter: None,
             deviations: vec![[0.03, 0.25, 0.10]],
@@ -327,6 +330,7 @@ mod tests {
             scatter: None,
             limits: Limits::default(),
             feed: None,
+            table: None,
         };
         (structure, file)
     }

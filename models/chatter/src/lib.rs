@@ -122,7 +122,8 @@ pub use error::ChatterError;
 pub use intervals::{Certificate, Crossing, StableIntervals};
 pub use lobes::{Hole, Lobes};
 pub use milling::{
-    AtSpeed, Cutter, CuttingLoad, Direction, Engagement, Forced, Milling, MillingForce, Response, Sampling, WorstPhase,
+    AtSpeed, Cutter, CuttingLoad, Direction, Engagement, Forced, Milling, MillingForce, Response, Roughness, Sampling,
+    WorstPhase,
 };
 pub use path::PathModes;
 pub use simulate::{SETTLED, Settled, Simulation, SimulationSettings};

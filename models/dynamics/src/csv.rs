@@ -1,11 +1,13 @@
 //! Frequency responses in a table with units in its header.
 
+use crate::coherence::CoherenceTable;
 use crate::error::DynamicsError;
 use crate::frf::{Direction, Frf, Measurement};
 use crate::table::{Table, read_table, split_title};
 use crate::unit::{self, Motion};
 use nalgebra::Complex;
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,8 +128,7 @@ fn speed_column(table: &Table) -> Option<usize> {
 fn from_table(file: &str, table: Table) -> Result<Measurement, DynamicsError> {
     let Table { line, titles, columns: cells, decimals } = table;
     let columns: Vec<Column> = titles.iter().map(|title| column(file, line, title)).collect::<Result<_, _>>()?;
-    let digits = columns.iter().zip(&decimals).filter(|(column, _)| column.quantity == Quantity::Coherence);
-    let digits = digits.map(|(_, decimals)| *decimals).max().unwrap_or(0);
+    let coherence_digit = coherence_digit(&columns, &decimals);
     let missing = |column: String| DynamicsError::ColumnCount { file: file.to_owned(), line, column };
     let mut frequencies = None;
     let mut functions: BTreeMap<[Direction; 2], Parts> = BTreeMap::new();
@@ -150,7 +151,7 @@ fn from_table(file: &str, table: Table) -> Result<Measurement, DynamicsError> {
             .function(response, force)
             .ok_or_else(|| missing(format!("{response}{force}.real, {response}{force}.imag")))
     });
-    let coherence_digit = 0.5 * 10f64.powi(-i32::try_from(digits).unwrap_or(i32::MAX));
+    let notes = frequencies_in_radians(&frequencies).into_iter().collect();
     Measurement {
         source: file.to_owned(),
         frequencies,
@@ -158,9 +159,55 @@ fn from_table(file: &str, table: Table) -> Result<Measurement, DynamicsError> {
         averages: None,
         coherence_digit,
         window_decay: 0.0,
-        notes: Vec::new(),
+        notes,
     }
     .checked()
+}
+
+/// Half of the last digit of the coherence as it is written.
+fn coherence_digit(columns: &[Column], decimals: &[usize]) -> f64 {
+    let written = columns.iter().zip(decimals).filter(|(column, _)| column.quantity == Quantity::Coherence);
+    let digit = |(column, decimals): (&Column, &usize)| {
+        0.5 * column.factor * 10f64.powi(-i32::try_from(*decimals).unwrap_or(i32::MAX))
+    };
+    written.map(digit).reduce(f64::min).unwrap_or(0.5)
+}
+
+/// A note where lines called Hz are 2 pi times a round number apart, and not a round number: eighths of Hz, as analysers have them.
+fn frequencies_in_radians(frequencies: &[f64]) -> Option<String> {
+    let [first, second, .., last] = *frequencies else { return None };
+    let step = (last - first) / (frequencies.len() - 1) as f64;
+    let round = |step: f64| step > 0.0 && ((8.0 * step).round() - 8.0 * step).abs() < 1e-4 && 8.0 * step > 0.5;
+    let suspicious = ((second - first) / step - 1.0).abs() < 1e-3 && round(step / TAU) && !round(step);
+    suspicious.then(|| {
+        format!("the lines are 2 pi times {:.3} Hz apart: are the frequencies in rad/s, and not in Hz?", step / TAU)
+    })
+}
+
+/// The coherence that a table holds of each function, over its frequencies (Hz).
+pub(crate) fn read_coherence_csv(file: &str, text: &str) -> Result<CoherenceTable, DynamicsError> {
+    let Table { line, titles, columns: cells, decimals } = read_table(file, text)?;
+    let columns: Vec<Column> = titles.iter().map(|title| column(file, line, title)).collect::<Result<_, _>>()?;
+    let digit = coherence_digit(&columns, &decimals);
+    let missing = |column: &str| DynamicsError::ColumnCount { file: file.to_owned(), line, column: column.to_owned() };
+    let (mut frequencies, mut functions) = (None, Vec::new());
+    for (column, values) in columns.into_iter().zip(cells) {
+        let values: Vec<f64> = values.into_iter().map(|value| value * column.factor).collect();
+        match column.quantity {
+            Quantity::Frequency if frequencies.is_none() => frequencies = Some(values),
+            Quantity::Frequency => return Err(missing(&column.title)),
+            Quantity::Coherence if functions.iter().any(|(function, _)| *function == column.function) => {
+                return Err(missing(&column.title));
+            }
+            Quantity::Coherence => functions.push((column.function, values)),
+            Quantity::Real | Quantity::Imaginary | Quantity::Magnitude | Quantity::Level | Quantity::Phase => {}
+        }
+    }
+    let frequencies = frequencies.ok_or_else(|| missing("frequency [Hz]"))?;
+    if functions.is_empty() {
+        return Err(missing("coherence"));
+    }
+    Ok(CoherenceTable { source: file.to_owned(), frequencies, functions, digit })
 }
 
 /// What a title of the header means.
@@ -183,16 +230,26 @@ fn column(file: &str, line: usize, title: &str) -> Result<Column, DynamicsError>
     let (quantity, example, accepted) = match name {
         "frequency" => (Quantity::Frequency, "frequency [Hz]", "Hz, kHz, rad/s"),
         "real" => (Quantity::Real, "real [um/N]", unit::RESPONSES),
-        "imag" => (Quantity::Imaginary, "imag [um/N]", unit::RESPONSES),
+        "imag" | "imaginary" => (Quantity::Imaginary, "imag [um/N]", unit::RESPONSES),
         "magnitude" => (Quantity::Magnitude, "magnitude [um/N]", unit::RESPONSES),
         "phase" => (Quantity::Phase, "phase [deg]", "deg, rad"),
-        "coherence" => (Quantity::Coherence, "coherence", "1"),
+        "coherence" => (Quantity::Coherence, "coherence", "1, %"),
         _ => return Err(unknown()),
     };
     let title = title.to_owned();
     let found = |quantity, factor, motion| Ok(Column { title: title.clone(), function, quantity, factor, motion });
     if quantity == Quantity::Coherence {
-        return found(quantity, 1.0, Motion::Displacement);
+        return match unit.unwrap_or_default() {
+            "" | "1" | "-" => found(quantity, 1.0, Motion::Displacement),
+            "%" => found(quantity, 0.01, Motion::Displacement),
+            unit => Err(DynamicsError::UnknownUnit {
+                file: file.to_owned(),
+                line,
+                column: title.clone(),
+                unit: unit.to_owned(),
+                accepted: "1, %",
+            }),
+        };
     }
     let column = || title.clone();
     let unit = unit.filter(|unit| !unit.is_empty()).ok_or_else(|| DynamicsError::MissingUnit {
@@ -241,7 +298,8 @@ impl Parts {
                 (*motion, complex(a, b, &|a, b| Complex::from_polar(size(a), b * radians)))
             }
         };
-        let coherence = find(Quantity::Coherence).map(|(.., values)| values.clone());
+        let coherence = find(Quantity::Coherence);
+        let coherence = coherence.map(|(_, factor, _, values)| values.iter().map(|value| value * factor).collect());
         Some(Frf { response, force, motion, receptance, coherence, noise: None })
     }
 }
@@ -274,6 +332,34 @@ mod tests {
         assert!(fault("frequency [Hz];real [um/N];imag [um/N]\n1.000,5;1;1\n").contains("`1.000,5`"));
         let wide: String = "frequency [Hz],real".chars().flat_map(|letter| [letter, '\0']).collect();
         assert!(fault(&wide).contains("UTF-16"));
+    }
+
+    #[test]
+    fn units_stand_in_brackets_of_both_kinds_or_in_a_row_of_their_own() {
+        let read = |text: &str| read_csv("a.csv", text).unwrap();
+        let rows = "100,0.5,-0.1,0.98\n102,0.6,-0.2,0.99\n";
+        let usual = read(&format!("frequency [Hz],real [um/N],imag [um/N],coherence\n{rows}"));
+        let round = read(&format!("Frequency (Hz),Real (um/N),Imaginary (um/N),Coherence\n{rows}"));
+        let below = read(&format!("\"Frequency\",\"Real\",\"Imag\",Coherence\nHz,um/N,um/N,\n{rows}"));
+        let returns = read(&format!("frequency [Hz],real [um/N],imag [um/N],coherence\n{rows}").replace('\n', "\r"));
+        assert_eq!([&round, &below, &returns], [&usual; 3]);
+        let share = read("frequency [Hz],real [um/N],imag [um/N],coherence [%]\n100,0.5,-0.1,98\n102,0.6,-0.2,99\n");
+        for (found, told) in share.functions[0].coherence.iter().flatten().zip([0.98, 0.99]) {
+            assert!((found - told).abs() < 1e-15);
+        }
+        assert_eq!((share.coherence_digit, usual.coherence_digit), (0.005, 0.005));
+    }
+
+    #[test]
+    fn frequencies_in_rad_per_second_that_are_called_hz_are_told() {
+        let read = |step: f64| {
+            let rows: String = (1..40).fold(String::new(), |rows, i| format!("{rows}{},{i},1\n", step * f64::from(i)));
+            read_csv("a.csv", &format!("frequency [Hz],real [um/N],imag [um/N]\n{rows}")).unwrap().notes
+        };
+        assert!(read(2.0 * TAU)[0].contains("rad/s"));
+        for step in [2.0, 0.5, 1.25, 1.220_703_125, 12.5, 0.1] {
+            assert_eq!(read(step), Vec::<String>::new(), "{step}");
+        }
     }
 
     #[test]

@@ -149,6 +149,20 @@ pub enum DynamicsError {
         /// What was read.
         value: f64,
     },
+    /// A file of coherence that holds none.
+    #[error("{file}: there is no coherence in this file; write a column `coherence`, or functions of type 6")]
+    NoCoherence {
+        /// The file.
+        file: String,
+    },
+    /// A function without coherence where a file gives that of the others.
+    #[error("{file}: there is no coherence of {function} in this file, for which `{function}.coherence` stands")]
+    NoCoherenceOf {
+        /// The file.
+        file: String,
+        /// Directions of response and force.
+        function: String,
+    },
     /// A universal file that breaks off or contradicts itself.
     #[error("{file}:{line}: {problem}")]
     Universal {
@@ -220,6 +234,14 @@ pub enum DynamicsError {
         /// Lines that are needed.
         least: usize,
     },
+    /// No resonance stands out, and one does with a mistake about the columns undone.
+    #[error("{file}: no resonance stands out of the noise as the file is written; {mistake}")]
+    Mistaken {
+        /// The file.
+        file: String,
+        /// With what a fit succeeds, and what that says of the file.
+        mistake: String,
+    },
     /// No resonance stands out of the noise.
     #[error("{file}: no resonance stands out of the noise; tap harder, average more, or measure a wider range")]
     NoModes {
@@ -254,6 +276,9 @@ impl Located for DynamicsError {
             | Self::OtherFrequencies { file, .. }
             | Self::NoDirect { file, .. }
             | Self::TooFewLines { file, .. }
+            | Self::NoCoherence { file }
+            | Self::NoCoherenceOf { file, .. }
+            | Self::Mistaken { file, .. }
             | Self::NoModes { file, .. } => Some(Location::of(file)),
         }
     }

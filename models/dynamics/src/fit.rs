@@ -91,7 +91,7 @@ const PAIRS: [&str; 3] = ["xx", "xy", "yy"];
 /// [`DynamicsError::TooFewLines`], [`DynamicsError::NoDirect`] and [`DynamicsError::NoModes`]; a fit that should not be used
 /// is returned with its [`Quality::refusals`].
 pub fn fit(measured: &Measurement, options: &FitOptions) -> Result<Fit, DynamicsError> {
-    let mut found = as_told(measured, options)?;
+    let mut found = as_told(measured, options).map_err(|error| columns::explained(measured, options, error))?;
     columns::tell(measured, options, &mut found);
     Ok(found)
 }

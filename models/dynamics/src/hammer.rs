@@ -31,6 +31,10 @@ const BEFORE: (f64, usize) = (1.0 / 64.0, 16);
 const PULSE_END: f64 = 0.02;
 /// Share of the peak that a second pulse must not reach.
 const DOUBLE: f64 = 0.05;
+/// Share of its peak from which on a second pulse of every hit is no rebound (assumption: one of a hammer is weaker than the hit).
+const RINGING: f64 = 0.8;
+/// Hits of which the reason is told, where none can be used.
+const TOLD: usize = 3;
 /// Equal samples in a row at the greatest value of a channel that show that it is clipped (assumption: two happen by chance).
 const CLIPPED: usize = 3;
 /// Share of its first size to which the response has to die away within a frame.
@@ -150,7 +154,7 @@ pub fn responses(record: &Record, options: &HammerOptions) -> Result<Measurement
     let decay = cut.decay(&starts);
     let step = record.rate / length as f64;
     let (mut used, mut notes) = (Vec::new(), Vec::new());
-    let (mut last, mut left_out) = ((ALIAS_FREE * length as f64) as usize, 0);
+    let (mut last, mut left_out, mut rings) = ((ALIAS_FREE * length as f64) as usize, 0, true);
     for start in &starts {
         let found = cut.hit(*start, decay).and_then(|hit| {
             let reach = excited(&hit.force);
@@ -166,12 +170,13 @@ pub fn responses(record: &Record, options: &HammerOptions) -> Result<Measurement
             }
             Err(reason) => {
                 left_out += 1;
+                rings &= matches!(reason, HitFault::Double(share) if share >= RINGING);
                 notes.push(format!("the hit at {:.3} s is left out: {reason}", *start as f64 / record.rate));
             }
         }
     }
     if used.is_empty() {
-        return Err(fault(RecordProblem::NoUsableHit { hits: left_out, reasons: notes.join("; ") }));
+        return Err(fault(RecordProblem::NoUsableHit { hits: left_out, reasons: without_use(&notes, rings) }));
     }
     if let Some(highest) = options.highest {
         last = last.min((highest / step).ceil() as usize);
@@ -225,6 +230,18 @@ pub fn responses(record: &Record, options: &HammerOptions) -> Result<Measurement
         notes,
     }
     .checked()
+}
+
+/// Why no hit of a record can be used: the first reasons, and what is behind them where every "force" rings on.
+fn without_use(reasons: &[String], rings: bool) -> String {
+    let mut words = reasons[..reasons.len().min(TOLD)].join("; ");
+    if reasons.len() > TOLD {
+        words += &format!("; and {} more", reasons.len() - TOLD);
+    }
+    if rings {
+        words += "; wait between hits until the structure is quiet, and see whether force and response are exchanged";
+    }
+    words
 }
 
 /// The first line from which on the coherence is clear for a while: an accelerometer hardly sees the lines below.
@@ -358,11 +375,12 @@ impl Frames<'_> {
     }
 }
 
-/// Whether some samples in a row stand at the greatest value that the channel ever has.
+/// Whether the channel is clipped in a range: somewhere in the record some samples in a row stand at its greatest value, and here
+/// one at least does. A short peak touches the end of the range with a single sample.
 fn clipped(values: &[f64], range: Range<usize>) -> bool {
     let greatest = values.iter().map(|value| value.abs()).fold(0.0, f64::max);
     let flat = |row: &[f64]| row.iter().all(|value| value.abs() >= greatest && *value == row[0]);
-    greatest > 0.0 && values[range].windows(CLIPPED).any(flat)
+    greatest > 0.0 && values[range].iter().any(|value| value.abs() >= greatest) && values.windows(CLIPPED).any(flat)
 }
 
 /// The sample at which the pulse has ended that begins about `trigger`; no second pulse may follow.

@@ -21,6 +21,7 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod blank;
+mod coherence;
 mod comb;
 mod coupling;
 mod csv;
@@ -47,6 +48,7 @@ mod unit;
 mod wav;
 
 pub use blank::{Blank, BlankResponse};
+pub use coherence::CoherenceTable;
 pub use coupling::{BaseMode, Body, Damper, Joint, Material, Receptance, Segment, base, chain};
 pub use csv::{read_csv, read_csv_by_speed};
 pub use cuts::{ShopCut, ShopCutError, read_shop_cuts};
@@ -57,7 +59,7 @@ pub use frf::{Direction, Frf, Measurement};
 pub use groups::{GROUPS_SOURCE, MATERIAL_GROUPS, MaterialGroup};
 pub use hammer::{Estimator, HammerOptions, responses};
 pub use quality::{Quality, REFUSAL_CODES, Refusal};
-pub use read::{TapOptions, measure, measure_by_speed};
+pub use read::{TapOptions, measure, measure_by_speed, read_coherence};
 pub use record::{Channel, FullScale, Record, Signal, is_record, read_record};
 pub use slot::{Coefficient, Coefficients, ForceLine, ForceTest, ForceTestError, LackOfFit, TestedCut, read_forces};
 pub use sound::{Chatter, Cutting, Heard, Line, Origin, listen};

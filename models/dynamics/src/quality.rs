@@ -27,6 +27,10 @@ const GREATEST_CHI2: f64 = 4.0;
 /// Difference of the two responses xy and yx over their size from which on a warning is due (assumption).
 const GREATEST_ASYMMETRY: f64 = 0.2;
 
+/// Stiffness (N/m) of the softest mode below and beyond which a slip of the unit is the usual cause (assumption: slender tools and
+/// thin walls have some tenths of N/um, nothing that cuts thousands).
+const USUAL_STIFFNESS: [f64; 2] = [5e4, 2e9];
+
 /// Why a fit must not be used.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -127,6 +131,8 @@ pub struct Quality {
     pub reciprocity: Option<f64>,
     /// Whether x and y have a mode at one frequency and no response across tells whether the two are one.
     pub unsigned: bool,
+    /// Stiffness (N/m) of the softest mode, where no machine has one.
+    pub unusual: Option<f64>,
     /// A mistake about the columns of the file with which undone the fit would be good.
     pub mistaken: Option<String>,
     /// Why the fit must not be used, the first reason first.
@@ -189,7 +195,10 @@ impl Quality {
         };
         let unsigned = plane && !crossed && modes.windows(2).any(|pair| alike(&pair[0], &pair[1]));
         let (reciprocity, mistaken) = (reciprocity(measured), None);
-        Self { reduced_chi2, residuals, coherence, reciprocity, unsigned, mistaken, refusals }
+        let [softest_usual, stiffest_usual] = USUAL_STIFFNESS;
+        let softest = modes.iter().map(|mode| mode.stiffness.value).reduce(f64::min);
+        let unusual = softest.filter(|stiffness| !(softest_usual..=stiffest_usual).contains(stiffness));
+        Self { reduced_chi2, residuals, coherence, reciprocity, unsigned, unusual, mistaken, refusals }
     }
 
     /// What does not forbid the use of the fit and should be known.
@@ -213,7 +222,11 @@ impl Quality {
                 chi2.sqrt()
             )
         });
-        self.mistaken.iter().cloned().chain(asymmetry).chain(oblique).chain(misfit).collect()
+        let unusual = self.unusual.map(|stiffness| {
+            let stiffness = stiffness * 1e-6;
+            format!("the softest mode has {stiffness:.3} N/um, as no machine does: is the unit of the response right?")
+        });
+        self.mistaken.iter().cloned().chain(unusual).chain(asymmetry).chain(oblique).chain(misfit).collect()
     }
 
     /// `good`, `usable` or `refused`, with the reason.

@@ -1,11 +1,12 @@
 //! Which kind of file holds the measurement.
 
-use crate::csv::{read_csv, read_csv_by_speed};
+use crate::coherence::CoherenceTable;
+use crate::csv::{read_coherence_csv, read_csv, read_csv_by_speed};
 use crate::error::DynamicsError;
 use crate::frf::Measurement;
 use crate::hammer::{HammerOptions, responses};
 use crate::record::{FullScale, is_record, read_record};
-use crate::uff::{is_universal, read_uff};
+use crate::uff::{is_universal, read_coherence_uff, read_uff};
 
 /// What is told of a tap test beside its file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,6 +45,27 @@ pub fn measure_by_speed(file: &str, bytes: &[u8]) -> Result<Option<Vec<(f64, Mea
         return Ok(None);
     }
     read_csv_by_speed(file, &text)
+}
+
+/// Reads the coherence in a table with `frequency [Hz]` and `coherence` (`xx.coherence`, `yx.coherence`, …, in % where it says so),
+/// or in a universal file; responses in it are passed over. `file` is its name in messages.
+///
+/// # Errors
+/// [`DynamicsError`] with the place of the first fault.
+///
+/// # Examples
+/// ```
+/// let table = toolroom_dynamics::read_coherence("c.csv", b"frequency [Hz],coherence [%]\n100,98\n102,99\n").unwrap();
+/// let text = "frequency [Hz],real [um/N],imag [um/N]\n100,0.5,-0.1\n102,0.6,-0.2\n";
+/// let measured = toolroom_dynamics::read_csv("tap.csv", text).unwrap().with_coherence(&table).unwrap();
+/// assert_eq!(measured.functions[0].coherence, Some(vec![0.98, 0.99]));
+/// ```
+pub fn read_coherence(file: &str, bytes: &[u8]) -> Result<CoherenceTable, DynamicsError> {
+    if is_universal(bytes) {
+        read_coherence_uff(file, bytes)
+    } else {
+        read_coherence_csv(file, &String::from_utf8_lossy(bytes))
+    }
 }
 
 #[cfg(test)]

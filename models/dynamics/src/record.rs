@@ -83,7 +83,7 @@ pub fn is_record(bytes: &[u8]) -> bool {
         || header
             .trim_start_matches('\u{feff}')
             .split([',', ';', '\t'])
-            .any(|title| title.trim().trim_matches('"').split('[').next().is_some_and(|name| name.trim() == "time"))
+            .any(|title| split_title(title.trim().trim_matches('"').trim()).0 == "time")
 }
 
 /// Reads a record from a sound file, whose channels mean what `scales` say one by one (sound, where it is empty), or from a

@@ -22,19 +22,32 @@ pub(crate) fn read_table(file: &str, text: &str) -> Result<Table, DynamicsError>
     if text.get(..64).unwrap_or(text).contains('\0') {
         return Err(DynamicsError::Encoding { file: file.to_owned() });
     }
-    let mut lines = text
+    // Lines that end with carriage returns alone, as some spreadsheets write them.
+    let returns = (!text.contains('\n')).then(|| text.replace('\r', "\n"));
+    let mut lines = returns
+        .as_deref()
+        .unwrap_or(text)
         .lines()
         .enumerate()
         .map(|(i, line)| (i + 1, line))
         .filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
     let (line, header) = lines.next().ok_or_else(|| DynamicsError::Nothing { file: file.to_owned() })?;
     let separator = [',', ';', '\t'].into_iter().max_by_key(|mark| header.matches(*mark).count()).unwrap_or(',');
-    let titles: Vec<String> =
-        header.split(separator).map(|title| title.trim().trim_matches('"').trim().to_owned()).collect();
+    let cell = |text: &str| text.trim().trim_matches('"').trim().to_owned();
+    let mut titles: Vec<String> = header.split(separator).map(cell).collect();
+    let mut lines = lines.peekable();
+    // Units in a row of their own below the names.
+    if let Some(units) = lines.next_if(|(_, row)| below_titles(row, separator, &titles)) {
+        for (title, unit) in titles.iter_mut().zip(units.1.split(separator).map(cell)) {
+            if !unit.is_empty() {
+                *title = format!("{title} [{}]", unit.trim_matches(['[', ']', '(', ')']));
+            }
+        }
+    }
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); titles.len()];
     let mut decimals = vec![0; titles.len()];
     for (line, row) in lines {
-        let texts: Vec<&str> = row.split(separator).map(str::trim).collect();
+        let texts: Vec<&str> = row.split(separator).map(|text| text.trim().trim_matches('"').trim()).collect();
         if texts.len() != titles.len() {
             let (cells, columns) = (texts.len(), titles.len());
             return Err(DynamicsError::UnevenRow { file: file.to_owned(), line, cells, columns });
@@ -58,6 +71,15 @@ pub(crate) fn read_table(file: &str, text: &str) -> Result<Table, DynamicsError>
     Ok(Table { line, titles, columns, decimals })
 }
 
+/// Whether a row holds the units of titles that have none: as many cells, one at least filled, and no number among them.
+fn below_titles(row: &str, separator: char, titles: &[String]) -> bool {
+    let cells: Vec<&str> = row.split(separator).map(|text| text.trim().trim_matches('"').trim()).collect();
+    cells.len() == titles.len()
+        && titles.iter().all(|title| split_title(title).1.is_none())
+        && cells.iter().any(|text| !text.is_empty())
+        && cells.iter().all(|text| text.replace(',', ".").parse::<f64>().is_err())
+}
+
 impl Table {
     /// The columns that `place` knows by their name and unit, each at its place and multiplied by its factor; the title of a
     /// column that it does not know, or that is there twice.
@@ -77,10 +99,13 @@ impl Table {
     }
 }
 
-/// Name and unit of a title such as `force [N]`.
+/// Name and unit of a title such as `force [N]` or `force (N)`.
 pub(crate) fn split_title(title: &str) -> (String, Option<&str>) {
-    match title.split_once('[') {
-        Some((name, rest)) => (name.trim().to_lowercase(), rest.trim().strip_suffix(']').map(str::trim)),
-        None => (title.to_lowercase(), None),
-    }
+    let square = title.split_once('[').map(|(name, rest)| (name, rest.trim().strip_suffix(']').map(str::trim)));
+    let round = || {
+        let (name, unit) = title.trim().strip_suffix(')')?.split_once('(')?;
+        Some((name, Some(unit.trim())))
+    };
+    let (name, unit) = square.or_else(round).unwrap_or((title, None));
+    (name.trim().to_lowercase(), unit)
 }

@@ -13,6 +13,7 @@ mod spectra;
 mod tests;
 mod time;
 
+use crate::coherence::CoherenceTable;
 use crate::error::DynamicsError;
 use crate::frf::Measurement;
 use crate::hammer::{HammerOptions, responses};
@@ -40,4 +41,12 @@ pub fn read_uff(file: &str, bytes: &[u8], options: &HammerOptions) -> Result<Mea
     } else {
         response::measurement(sets, options.estimator)
     }
+}
+
+/// The coherence functions (6) of a universal file.
+///
+/// # Errors
+/// As [`read_uff`]; a file without coherence.
+pub(crate) fn read_coherence_uff(file: &str, bytes: &[u8]) -> Result<CoherenceTable, DynamicsError> {
+    response::coherence(sets::Sets::read(file, bytes)?)
 }

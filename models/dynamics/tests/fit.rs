@@ -152,8 +152,33 @@ fn columns_of_the_wrong_name_are_told() {
         assert_eq!(quality.refusals.first().map(|refusal| refusal.code()), Some(code), "{:?}", quality.refusals);
         assert!(quality.warnings()[0].contains(words), "{:?}", quality.warnings());
     }
-    let good = fit(&tap(&TOOL, false, [100.0, 3200.0], 2.0, 0.01, 1), &FitOptions::default()).unwrap();
-    assert!(good.quality.mistaken.is_none());
+    let clean = || tap(&TOOL, false, [100.0, 3200.0], 2.0, 0.01, 1);
+    let good = fit(&clean(), &FitOptions::default()).unwrap();
+    assert!(good.quality.mistaken.is_none() && good.quality.unusual.is_none());
+    // Accelerance that is called receptance, 612 Hz and a tenth of the noise: what stands for modes is off in damping and stiffness.
+    let mut raw = tap(&TOOL, false, [100.0, 3200.0], 2.0, 0.001, 1);
+    for (value, frequency) in raw.functions[0].receptance.iter_mut().zip(&raw.frequencies) {
+        *value *= -(TAU * frequency).powi(2);
+    }
+    let quality = fit(&raw, &FitOptions::default()).unwrap().quality;
+    assert!(!quality.refusals.is_empty() && quality.warnings()[0].contains("acceleration over force"), "{quality:?}");
+    // Two modes over noise of 0.2 % of their peak: with the columns exchanged no mode at all is found.
+    let two = [[612.0, 0.03, 22e6, 0.0], [1180.0, 0.02, 9.6e6, 0.0]];
+    let mut exchanged = tap(&two, false, [300.0, 1700.0], 4.0, 1e-4, 5);
+    exchanged.functions[0].coherence = None;
+    for value in &mut exchanged.functions[0].receptance {
+        *value = Complex::new(value.im, value.re);
+    }
+    match fit(&exchanged, &FitOptions::default()) {
+        Ok(found) => assert!(found.quality.warnings()[0].contains("part exchanged"), "{:?}", found.quality),
+        Err(error) => assert!(error.to_string().contains("part exchanged"), "{error}"),
+    }
+    // um/N for mm/N.
+    let mut soft = clean();
+    soft.functions[0].receptance.iter_mut().for_each(|value| *value *= 1e3);
+    let quality = fit(&soft, &FitOptions::default()).unwrap().quality;
+    assert!(quality.warnings()[0].contains("is the unit of the response right?"), "{:?}", quality.warnings());
+    assert_eq!(quality.verdict(), "usable");
 }
 
 #[test]

@@ -274,6 +274,21 @@ fn hits_that_must_not_be_used_are_left_out_with_the_reason() {
     let mut clipped = record(&TOOL, &hard, 5.2, 0.001, 1);
     clipped.channels[0].values.iter_mut().for_each(|value| *value = value.min(250.0));
     noted(&clipped, "1.230 s is left out: a channel is clipped");
+    // A second hit touches the end of the range with one sample.
+    let place =
+        clipped.channels[0].values[(4.0 * RATE) as usize..].iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+    let place = (4.0 * RATE) as usize + place.unwrap().0;
+    clipped.channels[0].values[place] = 250.0;
+    assert!(measured(&clipped).notes.iter().any(|note| note.contains("4.190 s is left out: a channel is clipped")));
+}
+
+#[test]
+fn columns_that_are_exchanged_are_told_by_a_force_that_rings() {
+    let mut exchanged = record(&TOOL, &series(), 5.2, 0.001, 1);
+    let [force, response] = &mut exchanged.channels[..] else { panic!() };
+    std::mem::swap(&mut force.values, &mut response.values);
+    let text = responses(&exchanged, &HammerOptions::default()).unwrap_err().to_string();
+    assert!(text.contains("whether force and response are exchanged") && text.contains("and 2 more"), "{text}");
 }
 
 #[test]

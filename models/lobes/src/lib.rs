@@ -13,6 +13,7 @@ mod keys;
 mod pair;
 mod read;
 mod structure;
+mod tapped;
 #[cfg(test)]
 mod tests;
 mod words;
@@ -23,6 +24,7 @@ pub use read::{parse, read};
 pub use structure::{STRUCTURE, Structure, read_structure};
 pub use words::LobesProcess;
 
+use std::path::PathBuf;
 use toolroom_chatter::paper::{FiveDegrees, Reduced};
 use toolroom_chatter::{Axis, Bar, Milling, Scatter, SpeedVariation, Turning};
 
@@ -47,6 +49,8 @@ pub struct LobesFile {
     pub limits: Limits,
     /// Feed per tooth in milling, per revolution in turning (m), where it is given.
     pub feed: Option<f64>,
+    /// Measured responses that the structure file names, for a limit straight from them.
+    pub table: Option<PathBuf>,
 }
 
 /// What machine, tool and drawing allow; left out: anything.

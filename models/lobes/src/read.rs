@@ -63,6 +63,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
     let title = root.text("title").filter(|title| !title.is_empty()).unwrap_or(&name).to_owned();
     let limits = limits(walk, root, case);
     let stated = scatter(walk, root);
+    let table = structure.as_ref().and_then(|structure| structure.table.clone());
     let of_structure = structure.and_then(|structure| {
         let known = structure.scatter?;
         // What was identified stands in place of what is usual for a coefficient of a table.
@@ -82,7 +83,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
         let fault = Fault::MissingKey { section: section.to_owned(), key, example: example.to_owned() };
         walk.fault(root.span_of("limits"), fault);
     }
-    Some(LobesFile { name, title, cut, variation, chart: chart?, points, scatter, limits, feed })
+    Some(LobesFile { name, title, cut, variation, chart: chart?, points, scatter, limits, feed, table })
 }
 
 /// The section `[limits]`, of `process` where that is a case of its keys.

@@ -2,7 +2,8 @@
 
 use super::keys::{DAMPING_RATIO, FREQUENCY, STIFFNESS};
 use super::pair::direction;
-use std::path::Path;
+use super::tapped;
+use std::path::{Path, PathBuf};
 use toolroom_chatter::{Mode, PathModes, Scatter, SpeedModes};
 use toolroom_form::{Content, ContentFault, Fault, Form, FormFile, Key, Kind, ReadError, Section, Walk, significant};
 use toolroom_process::unit::convert;
@@ -34,6 +35,12 @@ pub static STRUCTURE: Form = Form {
             Kind::Tables(&STATION),
             "In place of [[mode]]: the modes at several places along the path of the tool, as of a thin wall; the worst \
              place counts",
+        ),
+        Key::optional(
+            "table",
+            Kind::Text,
+            "Measured frequency responses, whose own limit `lobes` puts beside that of the modes; where this file has no modes \
+             they are fitted to it. The path counts from this file",
         ),
         Key::optional(
             "mass_loss",
@@ -156,6 +163,8 @@ pub(super) struct StructureFault {
     file: String,
     /// What is wrong.
     reason: String,
+    /// What would do.
+    fix: String,
 }
 
 impl ContentFault for StructureFault {
@@ -164,10 +173,7 @@ impl ContentFault for StructureFault {
     }
 
     fn fix(&self) -> Option<String> {
-        Some(format!(
-            "give a structure file of `toolroom modes`; `toolroom check {}` tells its faults line by line",
-            self.file
-        ))
+        Some(self.fix.clone())
     }
 }
 
@@ -182,6 +188,8 @@ pub struct Structure {
     pub by_speed: Option<SpeedModes>,
     /// The same along the path of the tool, where the modes change on it; `modes` are then those of its first station.
     pub along_path: Option<PathModes>,
+    /// Measured responses whose own limit stands beside that of the modes.
+    pub table: Option<PathBuf>,
     /// Slope over displacement (1/m) of the modes of the file, where it is given.
     pub rotations: Vec<Option<f64>>,
     /// Relative standard deviations, of the least known mode each; none where the file has none.
@@ -212,7 +220,11 @@ pub(super) fn named(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
     match read_structure(&path, &[]) {
         Ok(file) => Some(file.content),
         Err(error) => {
-            let fault = StructureFault { file: path.display().to_string(), reason: error.to_string() };
+            let file = path.display().to_string();
+            let fix = format!(
+                "give a structure file of `toolroom modes`; `toolroom check {file}` tells its faults line by line"
+            );
+            let fault = StructureFault { file, reason: error.to_string(), fix };
             walk.fault(root.span_of("structure"), Fault::Content(std::sync::Arc::new(fault)));
             None
         }
@@ -225,11 +237,18 @@ type Estimated = (Mode, [f64; 3]);
 type Row = (Vec<Mode>, Vec<[f64; 3]>);
 
 fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
+    let table_path = root.text("table").map(|name| walk.folder.join(name));
+    if let Some(path) = &table_path {
+        walk.named(path.clone());
+    }
     let plain = walk.sections(root, "mode", None);
     let speeds = walk.sections(root, "speed", None);
     let stations = walk.sections(root, "station", None);
     let by_row = [&speeds, &stations]
         .map(|rows| rows.iter().map(|row| walk.sections(row, "mode", None)).collect::<Vec<Vec<Section<'_>>>>());
+    if let Some(path) = table_path.as_ref().filter(|_| plain.is_empty() && speeds.is_empty() && stations.is_empty()) {
+        return of_table(walk, root, path);
+    }
     one_place(walk, root, [("mode", plain.len()), ("speed", speeds.len()), ("station", stations.len())])?;
     if root.given("mass_loss") && stations.is_empty() {
         let example = "[[station]] with position and its modes".to_owned();
@@ -274,11 +293,34 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
         modes,
         by_speed,
         along_path,
+        table: table_path,
         rotations,
         scatter,
         stiffness_deviation: stiffness,
         deviations,
     })
+}
+
+/// The structure whose modes are fitted to a table; it has nothing beside the table but a name.
+fn of_table(walk: &mut Walk, root: &Section<'_>, path: &Path) -> Option<Structure> {
+    for described in ["measurement", "covariance", "residual"] {
+        walk.table(root, described);
+    }
+    let name = root.text("name")?.to_owned();
+    let fitted = tapped::structure(&name, path).and_then(|text| {
+        let file = toolroom_form::parse(&path.display().to_string(), &text, &[], &STRUCTURE, resolve);
+        file.map_err(|error| error.to_string())
+    });
+    match fitted {
+        Ok(file) => Some(Structure { table: Some(path.to_owned()), ..file.content }),
+        Err(reason) => {
+            let file = path.display().to_string();
+            let fix = format!("`toolroom modes {file}` tells what it holds and why it is not used");
+            let fault = StructureFault { file, reason, fix };
+            walk.fault(root.span_of("table"), Fault::Content(std::sync::Arc::new(fault)));
+            None
+        }
+    }
 }
 
 /// The modes stand in one of the places where they can, of which each has a number of tables; a fault where they do not.

@@ -13,6 +13,8 @@ vocabulary! {
         PStable = "p_stable",
         /// Error of the surface location of a stable cut.
         Sle = "sle",
+        /// Roughness Ra of the wall of a stable cut.
+        Ra = "ra",
         /// Greatest resultant force of a stable cut.
         Force = "force",
         /// Mean torque at the spindle.
@@ -31,6 +33,7 @@ impl MapKind {
             Self::Margin => ("Margin, 1 − depth/limit", "", 1.0),
             Self::PStable => ("Probability of stability", "", 1.0),
             Self::Sle => ("Surface location error", "um", 1e6),
+            Self::Ra => ("Roughness Ra of the wall", "um", 1e6),
             Self::Force => ("Greatest force", "N", 1.0),
             Self::Torque => ("Mean torque", "N m", 1.0),
             Self::Power => ("Mean power", "kW", 1e-3),
@@ -48,7 +51,7 @@ impl MapKind {
     pub(super) fn missing(self) -> &'static str {
         match self {
             Self::Margin => "no limit on the chart",
-            Self::Sle | Self::Force => "unstable",
+            Self::Sle | Self::Ra | Self::Force => "unstable",
             Self::PStable | Self::Torque | Self::Power | Self::Mrr => "no value",
         }
     }
@@ -56,7 +59,7 @@ impl MapKind {
     pub(super) fn needs_feed(self) -> bool {
         match self {
             Self::Margin | Self::PStable => false,
-            Self::Sle | Self::Force | Self::Torque | Self::Power | Self::Mrr => true,
+            Self::Sle | Self::Ra | Self::Force | Self::Torque | Self::Power | Self::Mrr => true,
         }
     }
 }

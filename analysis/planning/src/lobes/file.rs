@@ -1,7 +1,7 @@
 //! A lobes file as the chart needs it.
 
 use super::cut::Cut;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toolroom_chatter::Scatter;
 use toolroom_form::{FormFile, ReadError};
 use toolroom_lobes as lobes;
@@ -26,6 +26,8 @@ pub struct LobesFile {
     pub limits: Limits,
     /// Feed per tooth in milling, per revolution in turning (m), where it is given.
     pub feed: Option<f64>,
+    /// Measured responses whose own limit stands beside that of the modes, where the structure file names them.
+    pub table: Option<PathBuf>,
 }
 
 /// Reads a lobes file; `overrides` are `path=value`.
@@ -46,7 +48,7 @@ pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<Lo
 
 fn judged(file: FormFile<lobes::LobesFile>) -> FormFile<LobesFile> {
     let FormFile { content, echo, text, files } = file;
-    let lobes::LobesFile { name, title, cut, variation, chart, points, scatter, limits, feed } = content;
-    let content = LobesFile { name, title, cut: Cut::new(cut, variation), chart, points, scatter, limits, feed };
+    let lobes::LobesFile { name, title, cut, variation, chart, points, scatter, limits, feed, table } = content;
+    let content = LobesFile { name, title, cut: Cut::new(cut, variation), chart, points, scatter, limits, feed, table };
     FormFile { content, echo, text, files }
 }

@@ -2,8 +2,11 @@
 
 use super::cut::{Cut, found, prepared};
 use serde_json::{Map, Value, json};
+use std::f64::consts::TAU;
 use toolroom_chatter::paper::{FiveDegrees, Reduced};
-use toolroom_chatter::{Certificate, ChatterError, ChatterKind, Milling, Settled, StabilityVerdict, StableIntervals};
+use toolroom_chatter::{
+    Certificate, ChatterError, ChatterKind, Milling, Roughness, Settled, StabilityVerdict, StableIntervals,
+};
 use toolroom_form::significant;
 use toolroom_lobes::Chart;
 use toolroom_process::unit::convert;
@@ -28,6 +31,8 @@ pub struct Judgement {
     pub limit: Option<f64>,
     /// Greatest depth that was searched; infinite where the limit is exact.
     pub searched: f64,
+    /// Multipliers outside the unit circle, of milling and turning at constant speed; none where they are too many to be counted.
+    pub unstable: Option<usize>,
     /// All depths at which the cut is stable, of milling and of turning at constant speed.
     pub intervals: Option<StableIntervals>,
     /// The motion of a milling cut at constant speed with its feed where it is stable; at a single place that of unstable
@@ -76,7 +81,15 @@ impl Cut {
             Self::Milling(cut, None) if verdict.stable => Vibration::of(cut, speed, depth),
             Self::Milling(..) | Self::Turning(..) | Self::Chuck(_) | Self::ChipLag(_) | Self::Lathe(_) => None,
         };
-        Ok(Judgement { speed, depth, verdict, limit, searched, intervals, vibration })
+        let unstable = match self {
+            Self::Milling(_, None) | Self::Turning(_, None) if verdict.stable => Some(0),
+            Self::Milling(cut, None) => cut.at_speed(speed)?.unstable_multipliers(depth)?,
+            Self::Turning(cut, None) => Some(cut.unstable_multipliers(speed, depth)?),
+            Self::Milling(..) | Self::Turning(..) | Self::Chuck(_) | Self::ChipLag(_) | Self::Lathe(_) => None,
+        };
+        // The count of a verdict that is told apart by less than rounding follows it.
+        let unstable = unstable.map(|count| if verdict.stable { count } else { count.max(1) });
+        Ok(Judgement { speed, depth, verdict, limit, searched, unstable, intervals, vibration })
     }
 }
 
@@ -94,6 +107,8 @@ pub struct Vibration {
     pub greatest_resultant: f64,
     /// Error of the surface location (m), positive where material is left on the wall; of a forced vibration.
     pub surface_location_error: Option<f64>,
+    /// Roughness of the wall at its foot, of milling.
+    pub roughness: Option<Roughness>,
     /// How it was found.
     pub method: VibrationMethod,
     /// Relative error of the peak-to-peak displacement.
@@ -111,6 +126,8 @@ pub enum VibrationMethod {
         settled: bool,
         /// Share of the time in engagement without contact.
         air_fraction: f64,
+        /// Least and greatest of the greater peak-to-peak displacement (m) over windows of a long run, where it does not repeat.
+        range: Option<[f64; 2]>,
     },
 }
 
@@ -121,6 +138,7 @@ impl Vibration {
         let forced = cut.forced(speed, depth).ok().filter(|_| cut.feed_per_tooth > 0.0)?;
         Some(Self {
             surface_location_error: Some(cut.material_left(&forced)),
+            roughness: cut.forced_roughness(depth, &forced).ok().flatten(),
             method: VibrationMethod::Forced,
             band: BAND,
             peak_to_peak: forced.peak_to_peak,
@@ -130,14 +148,26 @@ impl Vibration {
     }
 
     /// Of a settled simulation.
-    pub(super) fn simulated(settled: &Settled) -> Self {
+    pub(super) fn simulated(cut: &Cut, (speed, depth): (f64, f64), settled: &Settled) -> Self {
         let run = &settled.simulation;
+        let roughness = match cut {
+            Cut::Milling(cut, _) => {
+                let period = TAU / (speed * cut.cutter.teeth as f64);
+                cut.simulated_roughness(depth, run, (period / run.time_step).round() as usize)
+            }
+            Cut::Turning(..) | Cut::Chuck(_) | Cut::ChipLag(_) | Cut::Lathe(_) => None,
+        };
         Self {
             peak_to_peak: [run.peak_to_peak(0), run.peak_to_peak(1)],
             greatest_force: [run.greatest_force(0), run.greatest_force(1)],
             greatest_resultant: run.force.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max),
             surface_location_error: None,
-            method: VibrationMethod::Simulated { settled: settled.settled, air_fraction: run.air_fraction },
+            roughness,
+            method: VibrationMethod::Simulated {
+                settled: settled.settled,
+                air_fraction: run.air_fraction,
+                range: settled.range,
+            },
             band: settled.band,
         }
     }
@@ -150,13 +180,18 @@ impl Vibration {
             "max_force_x [N]": self.greatest_force[0],
             "max_force_y [N]": self.greatest_force[1],
             "sle [um]": self.surface_location_error.map(|error| error * 1e6),
+            "ra [um]": self.roughness.map(|roughness| roughness.ra * 1e6),
+            "rz [um]": self.roughness.map(|roughness| roughness.rz * 1e6),
             "method": "forced",
             "band": self.band,
         });
-        if let VibrationMethod::Simulated { settled, air_fraction } = self.method {
+        if let VibrationMethod::Simulated { settled, air_fraction, range } = self.method {
             object["method"] = json!("simulated");
             object["settled"] = json!(settled);
             object["air_fraction"] = json!(air_fraction);
+            if let Some(range) = range {
+                object["pp_range [um]"] = json!(range.map(|end| end * 1e6));
+            }
         }
         object
     }
@@ -174,7 +209,7 @@ impl Judgement {
 
     /// The verdict on `cut` for programs.
     pub fn json(&self, cut: &Cut) -> Map<String, Value> {
-        let Self { speed, depth, verdict, limit, searched, intervals, vibration } = self;
+        let Self { speed, depth, verdict, limit, searched, unstable, intervals, vibration } = self;
         let axes = cut.axes();
         let mut object = Map::new();
         let mut put = |key: &str, value: Value| object.insert(key.to_owned(), value);
@@ -199,6 +234,7 @@ impl Judgement {
                         json!(stable.iter().map(|pair| pair.map(|b| b * 1e3)).collect::<Vec<_>>()),
                     );
                     put("certificate", certificate(found.certificate).into());
+                    put("unstable_multipliers", json!(unstable));
                 }
                 if let Some(vibration) = vibration {
                     put("vibration", vibration.json());

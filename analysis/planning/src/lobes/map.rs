@@ -7,7 +7,7 @@ use super::robust::ASSUMED_SCATTER;
 use super::{ChartStudy, LobesFile};
 use rayon::prelude::*;
 use toolroom_chart::{Axis, Chart, Colour, ColourMap, Dash, HeatMap, Style};
-use toolroom_chatter::{ChatterError, CuttingLoad};
+use toolroom_chatter::{ChatterError, CuttingLoad, Milling};
 use toolroom_form::significant;
 
 /// Samples behind a map of probabilities: the standard error is 5 % at most.
@@ -25,10 +25,12 @@ impl ChartMap {
     pub fn new(study: &ChartStudy<'_>, kind: MapKind) -> Result<Self, MapError> {
         let file = study.file;
         let map = kind.word();
-        let milling_alone = matches!(kind, MapKind::Sle);
+        let milling_alone = matches!(kind, MapKind::Sle | MapKind::Ra);
         match &file.cut {
             Cut::Milling(_, None) => {}
-            Cut::Milling(_, Some(_)) | Cut::Turning(_, Some(_)) if matches!(kind, MapKind::PStable | MapKind::Sle) => {
+            Cut::Milling(_, Some(_)) | Cut::Turning(_, Some(_))
+                if matches!(kind, MapKind::PStable | MapKind::Sle | MapKind::Ra) =>
+            {
                 return Err(MapError::Process { map, of: "cuts at constant speed" });
             }
             Cut::Milling(_, Some(_)) => {}
@@ -59,6 +61,13 @@ impl ChartMap {
             MapKind::PStable => probabilities(file, &speeds, &depths)?,
             MapKind::Sle => match &file.cut {
                 Cut::Milling(cut, _) => study.where_stable(&speeds, &depths, cut.surface_errors(&speeds, &depths)?),
+                Cut::Turning(..) | Cut::Chuck(_) | Cut::ChipLag(_) | Cut::Lathe(_) => Vec::new(),
+            },
+            MapKind::Ra => match &file.cut {
+                Cut::Milling(cut, _) => {
+                    let stable = study.where_stable(&speeds, &depths, vec![0.0; speeds.len() * depths.len()]);
+                    roughness(cut, &speeds, &depths, &stable)?
+                }
                 Cut::Turning(..) | Cut::Chuck(_) | Cut::ChipLag(_) | Cut::Lathe(_) => Vec::new(),
             },
             MapKind::Force => {
@@ -137,6 +146,24 @@ fn loads(
         depths.par_iter().map(|depth| file.load(*first, *depth)).collect::<Result<_, ChatterError>>()?;
     let value = |load: &Option<CuttingLoad>, ratio: f64| load.as_ref().map_or(f64::NAN, |load| of(load, ratio));
     Ok(speeds.iter().flat_map(|speed| row.iter().map(move |load| value(load, speed / first))).collect())
+}
+
+/// Ra of the wall (m) over the grid where `stable` is a number; none without depth, and where the surfaces of the teeth overlap by
+/// runout.
+fn roughness(cut: &Milling, speeds: &[f64], depths: &[f64], stable: &[f64]) -> Result<Vec<f64>, ChatterError> {
+    let places = speeds.iter().flat_map(|speed| depths.iter().map(move |depth| (*speed, *depth)));
+    let places: Vec<((f64, f64), f64)> = places.zip(stable.iter().copied()).collect();
+    let at = |((speed, depth), stable): &((f64, f64), f64)| {
+        if stable.is_nan() || *depth == 0.0 {
+            return Ok(f64::NAN);
+        }
+        match cut.forced(*speed, *depth) {
+            Ok(forced) => Ok(cut.forced_roughness(*depth, &forced)?.map_or(f64::NAN, |roughness| roughness.ra)),
+            Err(ChatterError::OutOfRange { .. }) => Ok(f64::NAN),
+            Err(error) => Err(error),
+        }
+    };
+    places.par_iter().map(at).collect()
 }
 
 fn probabilities(file: &LobesFile, speeds: &[f64], depths: &[f64]) -> Result<Vec<f64>, ChatterError> {

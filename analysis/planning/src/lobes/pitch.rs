@@ -19,7 +19,7 @@ use toolroom_chatter::{ChatterError, Cutter, Milling};
 use toolroom_form::significant;
 
 /// Speeds over the window at which every pitch is judged, and differences that are tried of each family.
-const SPEEDS: usize = 7;
+pub(super) const SPEEDS: usize = 7;
 const TRIED: usize = 12;
 /// Differences between the best and its neighbours that are tried afterwards.
 const FINER: usize = 4;
@@ -32,7 +32,9 @@ const STEPS: usize = 24;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PitchError {
     /// A cut of another kind.
-    #[error("a pitch is searched of milling at constant speed with two teeth and more, without runout")]
+    #[error(
+        "a pitch is searched of milling at constant speed with two teeth and more, without runout; a helix of milling at constant speed"
+    )]
     Process,
     /// A window that is none.
     #[error("the window of speeds must ascend from a positive speed")]
@@ -69,13 +71,12 @@ impl LobesFile {
                 return Err(PitchError::Process);
             }
         };
-        let [low, high] = window;
-        if !(low > 0.0 && low < high && high.is_finite()) {
-            return Err(PitchError::Window);
-        }
         let greatest = self.chart.depth.end;
-        let speeds: Vec<f64> = (0..SPEEDS).map(|i| low + (high - low) * i as f64 / (SPEEDS - 1) as f64).collect();
-        let judge = |pitch: &Vec<f64>| least(cut, pitch, &speeds, greatest);
+        let speeds = even_speeds(window)?;
+        let judge = |pitch: &Vec<f64>| {
+            let cutter = Cutter { pitch: pitch.clone(), ..cut.cutter.clone() };
+            least(&Milling { cutter, ..cut.clone() }, &speeds, greatest)
+        };
         let teeth = cut.cutter.teeth;
         let candidates: Vec<(Family, f64)> = Family::of(teeth)
             .into_iter()
@@ -145,9 +146,16 @@ impl Family {
     }
 }
 
+/// Even speeds (rad/s) over a window.
+pub(super) fn even_speeds([low, high]: [f64; 2]) -> Result<Vec<f64>, PitchError> {
+    if !(low > 0.0 && low < high && high.is_finite()) {
+        return Err(PitchError::Window);
+    }
+    Ok((0..SPEEDS).map(|i| low + (high - low) * i as f64 / (SPEEDS - 1) as f64).collect())
+}
+
 /// Least limit over the speeds; the greatest depth where there is none, zero where the search for one fails.
-fn least(cut: &Milling, pitch: &[f64], speeds: &[f64], greatest: f64) -> Result<f64, ChatterError> {
-    let cut = Milling { cutter: Cutter { pitch: pitch.to_vec(), ..cut.cutter.clone() }, ..cut.clone() };
+pub(super) fn least(cut: &Milling, speeds: &[f64], greatest: f64) -> Result<f64, ChatterError> {
     let mut least = greatest;
     for speed in speeds {
         match cut.at_speed(*speed)?.rough_limit(greatest, STEPS) {

@@ -100,7 +100,9 @@ impl<'a> PointVerdict<'a> {
         let mut judgement = file.cut.judge(speed, depth, &file.chart)?;
         if !judgement.verdict.stable && depth > 0.0 {
             // What is not simulated has no amplitude.
-            judgement.vibration = file.settled(speed, depth).ok().as_ref().map(Vibration::simulated);
+            let settled = file.settled(speed, depth).ok();
+            judgement.vibration =
+                settled.as_ref().map(|settled| Vibration::simulated(&file.cut, (speed, depth), settled));
         }
         let probability = match (&file.cut, &file.scatter) {
             (Cut::Milling(cut, None), Some(scatter)) => {
@@ -204,7 +206,14 @@ impl<'a> PointVerdict<'a> {
                 }
                 Value::Object(vibration) => {
                     for (name, value) in vibration {
-                        let word = || value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+                        let ends = |value: &Value| {
+                            let ends = value.as_array()?.iter().filter_map(Value::as_f64).map(significant);
+                            Some(ends.collect::<Vec<_>>().join("–"))
+                        };
+                        let word = || {
+                            let word = value.as_str().map(str::to_owned);
+                            word.or_else(|| ends(value)).unwrap_or_else(|| value.to_string())
+                        };
                         let value = value.as_f64().map_or_else(word, significant);
                         let _ = write!(text, "\n  {name:28} {value:>24}");
                     }

@@ -162,13 +162,13 @@ impl Milling {
     }
 
     /// Angle of tooth 0 at its tip at which it leaves the foot of the wall, where it moves along the feed.
-    fn wall(&self, depth: f64) -> f64 {
+    pub(super) fn wall(&self, depth: f64) -> f64 {
         let leaving = if self.direction() == Direction::Up { 0.0 } else { PI };
         leaving + self.cutter.lag_angle(self.foot_of_wall(depth))
     }
 
     /// Up milling if the engagement starts at the wall, else down.
-    fn direction(&self) -> Direction {
+    pub(super) fn direction(&self) -> Direction {
         let Engagement { entry, exit } = self.engagement;
         if (PI - exit).abs() < entry.abs() { Direction::Down } else { Direction::Up }
     }

@@ -11,6 +11,7 @@ mod profile;
 mod slice;
 mod slow;
 mod stability;
+mod wall;
 
 pub use cutter::{Cutter, Direction, Engagement, MillingForce};
 pub(crate) use engagement::tooth_period_gain;
@@ -20,6 +21,7 @@ pub use load::CuttingLoad;
 pub(crate) use profile::{SLICES, slices};
 pub(crate) use slice::Slice;
 pub use stability::{AtSpeed, WorstPhase};
+pub use wall::Roughness;
 
 use crate::error::{ChatterError, positive, within};
 use crate::path::{PathModes, check_path, one_table};

@@ -1,5 +1,6 @@
 //! Stability of milling at one spindle speed.
 
+mod count;
 mod limits;
 mod phase;
 

@@ -17,6 +17,9 @@ pub struct Settled {
     pub change: f64,
     /// Whether it is below [`SETTLED`].
     pub settled: bool,
+    /// Least and greatest of the greater peak-to-peak displacement (m) over windows of a long run, where the vibration does not
+    /// repeat or depends on its start: chaos has no amplitude, but a range. `simulation` is then the window in the middle.
+    pub range: Option<[f64; 2]>,
     /// Error of the greater peak-to-peak displacement, relative: three quarters of the difference to a run of half the steps
     /// from ten times the displacement, which a method of second order makes four thirds of its own error, and all of it
     /// beyond 4 %; the change; and 4 % for what two windows do not show. Just beyond its limit a cut may have two vibrations to
@@ -92,7 +95,7 @@ fn settle(
     directions: &[usize],
     simulate: impl Fn(&SimulationSettings, GoOn<'_>) -> Result<Simulation, ChatterError>,
 ) -> Result<Settled, ChatterError> {
-    let (mut simulation, mut periods, mut change) = settling(steps, PATIENT, directions, &simulate)?;
+    let (mut run, mut periods, mut change) = settling(steps, PATIENT, directions, &simulate)?;
     let from_above = |periods: usize| {
         let steps = (steps / 2).max(8);
         simulate(
@@ -103,18 +106,57 @@ fn settle(
     let difference = |one: &Simulation, other: &Simulation| {
         apart(&ranges(&one.displacement, directions), &ranges(&other.displacement, directions))
     };
-    let mut by_step = difference(&simulation, &from_above(periods)?);
+    let mut by_step = difference(&run, &from_above(periods)?);
     let [_, last] = PATIENT.periods;
     if by_step > SAMPLED && periods < last {
         // Either has lingered on its way, or they have come to rest in two places: as long as there is patience decides it.
         let for_long = Patience { periods: [last, last], ..PATIENT };
-        (simulation, periods, change) = settling(steps, for_long, directions, &simulate)?;
-        by_step = difference(&simulation, &from_above(periods)?);
+        (run, periods, change) = settling(steps, for_long, directions, &simulate)?;
+        by_step = difference(&run, &from_above(periods)?);
     }
     // More than either knows of itself is the start, of which all counts.
     let of_second_order = if by_step > SAMPLED { 1.0 } else { 0.75 };
-    let band = of_second_order * by_step + change + SAMPLED;
-    Ok(Settled { simulation, periods, change, settled: change < SETTLED, band })
+    let mut band = of_second_order * by_step + change + SAMPLED;
+    let mut range = None;
+    if change >= SETTLED || by_step > SAMPLED {
+        let windows = windows(steps, directions, &simulate)?;
+        let middle = windows.len() / 2;
+        let [least, greatest] = [windows[0].0, windows[windows.len() - 1].0];
+        let median = windows[middle].0;
+        let farthest = (greatest / median - 1.0).max(1.0 - least / median);
+        band = band.max(farthest + SAMPLED);
+        (periods, range) = (last, Some([least, greatest]));
+        run = windows.into_iter().nth(middle).map_or(run, |(_, middle)| middle);
+    }
+    Ok(Settled { simulation: run, periods, change, settled: change < SETTLED, range, band })
+}
+
+/// Samples of a long run that are kept at most, and its windows (assumptions: some 130 MB; more tell the range no better).
+const MOST_SAMPLES: usize = 4_000_000;
+const WINDOWS: [usize; 2] = [4, 12];
+
+/// The windows at the end of a run of the greatest length, by ascending peak-to-peak displacement (m) of the greater direction.
+fn windows(
+    steps: usize,
+    directions: &[usize],
+    simulate: &impl Fn(&SimulationSettings, GoOn<'_>) -> Result<Simulation, ChatterError>,
+) -> Result<Vec<(f64, Simulation)>, ChatterError> {
+    let [least, most] = WINDOWS;
+    let (observed, [_, periods]) = (2 * PATIENT.window, PATIENT.periods);
+    let count = (MOST_SAMPLES / (observed * steps)).clamp(least, most);
+    let settings = SimulationSettings { steps, periods, observed: count * observed, kick: 1.0 };
+    let run = simulate(&settings, &mut |_, _| false)?;
+    let length = run.displacement.len() / count;
+    let part = |(displacement, force): (&[[f64; 2]], &[[f64; 2]])| {
+        let greatest = ranges(displacement, directions).into_iter().fold(0.0, f64::max);
+        let (displacement, force) = (displacement.to_vec(), force.to_vec());
+        let Simulation { time_step, air_fraction, .. } = run;
+        (greatest, Simulation { time_step, displacement, force, air_fraction })
+    };
+    let mut found: Vec<(f64, Simulation)> =
+        run.displacement.chunks_exact(length).zip(run.force.chunks_exact(length)).map(part).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(found)
 }
 
 /// Steps in a period of `length` (s): `least`, and `each` to an oscillation of the highest mode.

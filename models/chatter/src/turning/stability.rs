@@ -104,6 +104,19 @@ impl Turning {
         TurningAtSpeed::new(Cow::Borrowed(self), spindle_speed, width)?.verdict(width)
     }
 
+    /// Number of unstable characteristic roots at `spindle_speed` (rad/s) and `width` (m), at the worst place of a path.
+    ///
+    /// # Errors
+    /// As [`Turning::verdict`].
+    pub fn unstable_multipliers(&self, spindle_speed: f64, width: f64) -> Result<usize, ChatterError> {
+        if self.along_path.is_some() {
+            let counts = self.places().into_iter().map(|(_, cut)| cut.unstable_multipliers(spindle_speed, width));
+            return counts.collect::<Result<Vec<usize>, _>>().map(|counts| counts.into_iter().max().unwrap_or(0));
+        }
+        let roots = TurningAtSpeed::new(Cow::Borrowed(self), spindle_speed, width)?.unstable_roots(width);
+        Ok(usize::try_from(roots).unwrap_or(0))
+    }
+
     /// Whether the cut is stable at `spindle_speed` (rad/s) and `width` (m): the number of unstable roots alone, for
     /// less than a verdict costs.
     ///

@@ -3,6 +3,7 @@
 use super::function::{COHERENCE, FORCE, RESPONSE, direction, motion};
 use super::sets::{Function, Sets};
 use super::spectra;
+use crate::coherence::CoherenceTable;
 use crate::error::{DynamicsError, UniversalProblem};
 use crate::frf::{Frf, Measurement};
 use crate::hammer::Estimator;
@@ -62,11 +63,6 @@ pub(super) fn measurement(mut sets: Sets, estimator: Estimator) -> Result<Measur
                 let function = format!("the coherence of {}", frf.name());
                 return Err(DynamicsError::OtherFrequencies { file: sets.file, function });
             }
-            // What is more than rounding beyond the range is refused with the rest.
-            let rounded = |value: f64| {
-                let near = value.clamp(0.0, 1.0);
-                if (value - near).abs() <= ROUNDING { near } else { value }
-            };
             frf.coherence = Some(function.values.iter().map(|value| rounded(value.re)).collect());
         }
     }
@@ -85,6 +81,37 @@ pub(super) fn measurement(mut sets: Sets, estimator: Estimator) -> Result<Measur
         notes,
     }
     .checked()
+}
+
+/// A coherence without what rounding puts it beyond 0 … 1; what is more than that is refused with the rest.
+fn rounded(value: f64) -> f64 {
+    let near = value.clamp(0.0, 1.0);
+    if (value - near).abs() <= ROUNDING { near } else { value }
+}
+
+/// The coherence (6) that a file holds of each pair of directions in the plane, over its frequencies (Hz).
+///
+/// # Errors
+/// [`DynamicsError`]: no coherence, functions over different frequencies.
+pub(super) fn coherence(sets: Sets) -> Result<CoherenceTable, DynamicsError> {
+    let mut table: Option<CoherenceTable> = None;
+    for function in sets.functions.into_iter().filter(|function| function.kind == COHERENCE) {
+        let (Some(response), Some(force)) = (direction(function.response), direction(function.force)) else { continue };
+        let digit = if function.double { DOUBLE_DIGIT } else { DIGIT };
+        let values = function.values.iter().map(|value| rounded(value.re)).collect();
+        let found = table.get_or_insert_with(|| CoherenceTable {
+            source: sets.file.clone(),
+            frequencies: function.frequencies.clone(),
+            functions: Vec::new(),
+            digit,
+        });
+        if found.frequencies != function.frequencies {
+            let function = format!("the coherence of {response}{force}");
+            return Err(DynamicsError::OtherFrequencies { file: sets.file, function });
+        }
+        found.functions.push(([response, force], values));
+    }
+    table.ok_or(DynamicsError::NoCoherence { file: sets.file })
 }
 
 /// The response of a data set in SI; none where it leaves the plane.
