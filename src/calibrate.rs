@@ -39,7 +39,7 @@ pub fn run(args: &CalibrateArgs, voice: &Voice) -> Result<(), Failure> {
         tool_material: &args.tool_material,
         iso513: &args.material,
     })
-    .map_err(|error| Failure::argument(&error, "write a number with its unit, such as \"15 min\""))?;
+    .map_err(|error| Failure::argument(&error, error.fix()))?;
     let name = args.out.file_stem().map_or_else(|| "first".into(), |stem| stem.to_string_lossy().into_owned());
     let files = Files::new([], voice.force);
     let draws = args.out.with_file_name(format!("{name}-posterior.parquet"));

@@ -21,7 +21,8 @@ pub fn settle(file: &mut LobesFile, set: &str, draws: &Path) -> Result<(), Failu
         return Err(refuse(reason, "state `coefficients` of [scatter]"));
     }
     let fix = "--parameter-set names the set that the calibration wrote";
-    let set = ParameterSet::load(set, Path::new(""), &TURNING_SETS).map_err(|error| Failure::located(error, fix))?;
+    let set = ParameterSet::load(set, Path::new(""), &TURNING_SETS)
+        .map_err(|error| Failure::located(error.told_apart("turning", toolroom_cutting::process_of_set), fix))?;
     let pair = Pair::of_set(&set).map_err(|error| Failure::argument(error, fix))?;
     let read = toolroom_parquet::read_cells(draws).map_err(|error| {
         refuse(error.to_string(), "--parameters-from takes the draws that toolroom calibrate writes")

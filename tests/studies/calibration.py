@@ -28,7 +28,6 @@ AMBIENT, CHIP, SPEED, FEED, DEPTH, FLANK, OFFSET = 293.15, 92.0, 0.4, 0.24, 0.1,
 REFERENCE_T, RUN_IN, RUN_IN_OFFSET, HEATED, PLATEAU, GAS = 1140.8, 0.08, 0.02, 1.0, 4.0, 8.314462618e-3
 REFERENCE = (180.0, 0.3, 1.5)
 LIMIT = 0.3  # mm
-READINGS = 10
 CORRELATION = 5.0  # min, of a rate that wanders
 
 # Working coordinates of each law: name, mean and standard deviation of the prior; ln of positive values, logit of the contrast.
@@ -106,8 +105,9 @@ def draw(law, spread, random, known):
             return {name: value for (name, _, _), value in zip(priors, u)}, u
 
 
-def table(law, u, edges, speeds, random, wander):
-    """Records of edges that are read until they are worn out, ten readings in a life of an hour at most."""
+def table(law, u, edges, speeds, random, wander, readings=10, stop="reading"):
+    """Records of edges that are read until they are worn out, so many readings in a life of an hour at most. They are worn out by
+    what was read (`reading`), as in a shop, or by their true wear, which nobody sees (`truth`)."""
     rows = ["operation_id,machine,tool_id,sequence,cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],"
             "cutting_time [min],flank_wear [mm],edge_end"]
     scatter, noise = math.exp(u[-2]), math.exp(u[-1])
@@ -115,22 +115,23 @@ def table(law, u, edges, speeds, random, wander):
     for edge in range(edges):
         cut = (speeds[edge * len(speeds) // edges], (0.2, 0.3)[edge % 2], 1.5)
         times = clock(law, u, cut)
-        step = min(1.05 * float(np.interp(LIMIT, LAND, times)), 60.0) / READINGS
+        step = min(1.05 * float(np.interp(LIMIT, LAND, times)), 60.0) / readings
         level = math.exp(scatter * random.standard_normal())
         lived, z = 0.0, random.standard_normal()
-        for reading in range(READINGS):
+        for reading in range(readings):
             # The wandering rate, in pieces of a twentieth of the step.
             for _ in range(20):
                 piece = step / 20.0
                 lived += piece * (1.0 + wander * z)
                 decay = math.exp(-piece / CORRELATION)
                 z = decay * z + math.sqrt(1.0 - decay**2) * random.standard_normal()
-            wear = float(np.interp(level * lived, times, LAND)) + noise * random.standard_normal()
+            land = float(np.interp(level * lived, times, LAND))
+            wear = land + noise * random.standard_normal()
             if wear > 1.0:
                 break  # of an edge that has collapsed nothing is left to read
             number += 1
-            worn = wear >= LIMIT
-            end = "worn" if worn else "stopped" if reading + 1 == READINGS else ""
+            worn = (wear if stop == "reading" else land) >= LIMIT
+            end = "worn" if worn else "stopped" if reading + 1 == readings else ""
             rows.append(f"O{number},L1,E{edge:02},{reading + 1},{cut[0]},{cut[1]},{cut[2]},{step:.6g},{wear:.6g},{end}")
             if worn:
                 break
@@ -159,16 +160,20 @@ def share(part, whole):
 
 
 def coverage(args):
+    low = collections.Counter()  # truths below their intervals
+
     def one(number):
         random = np.random.default_rng([2026, number])
         truth, u = draw(args.law, args.spread, random, None)
-        text = table(args.law, u, args.edges, args.speeds, random, 0.10 if args.wandering else 0.0)
+        text = table(args.law, u, args.edges, args.speeds, random, 0.10 if args.wandering else 0.0, args.readings,
+                     args.stop)
         more = ["--law", args.law, "--draws", "1000"] + (["--life-noise"] if args.wandering and not args.blind else [])
         found = calibrate(args.program, text, number + 1, more)
         if found is None:
             return None
         intervals = {each["name"]: each["coordinate"]["ci90"] for each in found["parameters"]}
         held = {name: intervals[name][0] <= value <= intervals[name][1] for name, value in truth.items()}
+        low.update(name for name, value in truth.items() if value < intervals[name][0])
         return held, found["coverage"]["inside90"], found["sampling"]
 
     found = pieces(args, one)
@@ -178,7 +183,7 @@ def coverage(args):
     print(f"{args.law}, {args.edges} edges, {len(found)} of {args.sets} sets, spread {args.spread:g}: "
           f"{share(total, len(found) * len(told))}")
     for name, _, _ in told:
-        print(f"  {name:48} {share(held[name], len(found))}")
+        print(f"  {name:48} {share(held[name], len(found))}, below {low[name]}, above {len(found) - held[name] - low[name]}")
     left_out = [inside for _, inside, _ in found if inside is not None]
     print(f"  readings of edges left out within their 90 % bands: {100.0 * np.mean(left_out):.1f} %")
     methods = collections.Counter(sampling["method"] for _, _, sampling in found)
@@ -215,6 +220,8 @@ def main():
     parser.add_argument("--edges", type=int, default=12)
     parser.add_argument("--speeds", type=int, default=4, choices=[1, 4], help="cutting speeds of the design")
     parser.add_argument("--spread", type=float, default=1.0, help="standard deviations of the prior around which truths lie")
+    parser.add_argument("--readings", type=int, default=10, help="readings in the life of an edge of median level")
+    parser.add_argument("--stop", choices=["reading", "truth"], default="reading", help="what wears an edge out")
     parser.add_argument("--wandering", action="store_true", help="wear rates wander within lives by 10 %% in 5 min")
     parser.add_argument("--blind", action="store_true", help="the program is not told that rates wander")
     parser.add_argument("--jobs", type=int, default=1)

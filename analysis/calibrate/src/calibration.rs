@@ -155,8 +155,11 @@ impl Calibration {
         progress: &(dyn Fn(u32, u32) + Sync),
     ) -> Result<Self, CalibrationError> {
         let stated = base.into().referred_to(&usual_cut(&measured));
-        let whole = measured;
-        let measured = whole.without(&request.held_out).map_err(CalibrationError::HeldOut)?;
+        let (measured, whole) = if request.held_out.is_empty() {
+            (measured, None)
+        } else {
+            (measured.without(&request.held_out).map_err(CalibrationError::HeldOut)?, Some(measured))
+        };
         let by = request.by.as_deref().unwrap_or("group");
         let groups: Vec<String> = measured.groups.iter().skip(1).map(|word| format!("{by}={word}")).collect();
         let conditions = measured.conditions.clone();
@@ -212,8 +215,7 @@ impl Calibration {
         part();
         let best_known = best_known(&carried.model, &posterior, &measured);
         let chipping = chipping(&carried.model, &posterior, &measured, &base);
-        let held_out =
-            (!request.held_out.is_empty()).then(|| held_out(&carried.model, &carried.maximum, &whole, &request));
+        let held_out = whole.map(|whole| held_out(&carried.model, &carried.maximum, &whole, &request));
         part();
         let profiles = request.profile.then(|| profiles(&carried.model, &all, &posterior.map));
         Ok(Self {

@@ -125,6 +125,9 @@ fn fitted(
     let mut edges = Vec::new();
     for (edge, loads) in measured.edges.iter().zip(&measured.loads).filter(|(edge, _)| edge.readings() > 0) {
         let loads = &loads[place(channel)];
+        if loads.is_empty() {
+            continue;
+        }
         let mut read: Edge = edge.clone();
         for (stretch, load) in read.stretches.iter_mut().zip(loads) {
             stretch.wear = load.map(|_| 0.0);

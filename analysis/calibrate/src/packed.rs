@@ -2,6 +2,7 @@
 
 use crate::base::Condition;
 use crate::edge::{Block, Edge, Stretch};
+use crate::loads::forget_unread;
 use crate::treatment::Measured;
 use toolroom_wear::Cut;
 
@@ -66,6 +67,7 @@ impl Measured {
             (from, read) = (end + 1, 0);
         }
         self.edges[place] = Edge { stretches, ..self.edges[place].clone() };
+        forget_unread(&mut means);
         self.loads[place] = means;
     }
 

@@ -5,7 +5,9 @@ use crate::channel::Channel;
 use crate::data_error::{DataError, LEAST, MOST};
 use crate::edge::{Edge, Life, Stretch};
 use crate::end::End;
+use crate::loads::{ChannelReadings, forget_unread};
 use crate::stated::LifeStatement;
+use crate::times::{path, times};
 use std::collections::BTreeMap;
 use toolroom_form::significant;
 use toolroom_records::Records;
@@ -69,52 +71,6 @@ fn groups(records: &Records, treatment: &Treatment) -> Result<Option<Groups>, Da
     Ok(Some((words, of)))
 }
 
-/// Time of each row of an edge: minutes of cutting, or without them the operations since the row before, counted by
-/// `sequence`.
-fn times(records: &Records, rows: &[usize], edge: &str, treatment: &Treatment) -> Result<Vec<f64>, DataError> {
-    let value = |what: String| DataError::Value { edge: edge.to_owned(), what };
-    if let Some(time) = records.numbers("cutting_time").filter(|time| time.iter().any(|time| time.is_finite())) {
-        let minutes = |row: &usize| {
-            let minutes = time[*row] / 60.0;
-            let usable = minutes >= 0.0 && minutes.is_finite();
-            let place = || treatment.place(*row);
-            usable
-                .then_some(minutes)
-                .ok_or_else(|| value(format!("{}: a cutting_time of {minutes} min cannot be used", place())))
-        };
-        return rows.iter().map(minutes).collect();
-    }
-    if let Some(path) = path(records) {
-        let speed = records.numbers("cutting_speed").ok_or_else(|| DataError::NoColumn("cutting_speed".to_owned()))?;
-        let minutes = |row: &usize| {
-            let minutes = path[*row] / speed[*row] / 60.0;
-            let usable = minutes >= 0.0 && minutes.is_finite();
-            usable.then_some(minutes).ok_or_else(|| {
-                value(format!("{}: a path_length of {} m cannot be used", treatment.place(*row), path[*row]))
-            })
-        };
-        return rows.iter().map(minutes).collect();
-    }
-    let sequence = records.numbers("sequence").ok_or_else(|| DataError::NoColumn("cutting_time".to_owned()))?;
-    let mut before = 0.0;
-    rows.iter()
-        .map(|row| {
-            let passed = sequence[*row] - before;
-            before = sequence[*row];
-            let usable = passed > 0.0 && passed.is_finite();
-            let place = || treatment.place(*row);
-            usable.then_some(passed).ok_or_else(|| value(format!("{}: sequence {before} twice, or below 1", place())))
-        })
-        .collect()
-}
-
-/// Cutting path of each operation of turning, m, where it stands in place of the time in cut.
-fn path(records: &Records) -> Option<&[f64]> {
-    let path = records.numbers("path_length").filter(|path| path.iter().any(|path| path.is_finite()))?;
-    // In milling a path is that of the centre of the cutter, which takes no part in the time of an edge in cut.
-    records.numbers("feed_per_tooth").is_none().then_some(path)
-}
-
 /// How records are to be read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Treatment {
@@ -168,9 +124,6 @@ impl Clock {
         }
     }
 }
-
-/// What was read of one channel at the end of each stretch of an edge, with the cut as it was recorded.
-pub type ChannelReadings = Vec<Option<(Cut, f64)>>;
 
 /// Edges as they were measured, and what is to be said of the data.
 #[derive(Clone, Debug, PartialEq)]
@@ -345,8 +298,9 @@ impl Measured {
                 measured.ends.push(if worn { End::Worn } else { end });
                 Edge { name: name.to_owned(), stretches: Vec::new(), life: Some((condition(last), life)), begun: None }
             } else {
-                let times = times(records, rows, name, treatment)?;
+                let times = times(records, rows, name, &|row| treatment.place(row))?;
                 loads = Channel::ALL.map(|channel| rows.iter().map(|row| load(channel, *row)).collect());
+                forget_unread(&mut loads);
                 let mut stretches = Vec::new();
                 for (row, time) in rows.iter().zip(times) {
                     let wear = Some(at("flank_wear", *row) * 1e3).filter(|wear| wear.is_finite());
@@ -367,7 +321,7 @@ impl Measured {
                 {
                     begun = stretches[first].wear;
                     stretches.drain(..=first);
-                    loads.iter_mut().for_each(|loads| drop(loads.drain(..=first)));
+                    loads.iter_mut().filter(|loads| !loads.is_empty()).for_each(|loads| drop(loads.drain(..=first)));
                     if stretches.is_empty() {
                         return Err(DataError::Value {
                             edge: name.to_owned(),

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use toolroom_form::{Fault, FormFile, ReadError, Section, Walk, nearest, set_parameters, significant};
 use toolroom_process::{Record, unit};
 use toolroom_scenario::{Knowledge, Posterior, SensorSheet, SpeedRule, read_posterior_of_pair};
-use toolroom_scenario_file::sensors;
+use toolroom_scenario_file::{process_of, sensors};
 use toolroom_wear::{Cut, Pair, ParameterSet, Scatter, SetError, TURNING_SETS};
 use words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, SamplingWord};
 
@@ -177,6 +177,14 @@ fn pair(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<(Pair, 
         Ok((pair, set)) => {
             set.files.into_iter().for_each(|file| walk.named(file));
             Some((pair, set.scatter))
+        }
+        Err(SetError::Unknown { name, known, .. }) if process_of(&name).is_some() => {
+            let other = process_of(&name).unwrap_or_default();
+            let reason = format!(
+                "parameter set \"{name}\": it is a set of {other}, where one of turning is due; there are {known}"
+            );
+            walk.fault(span, Fault::Table { reason });
+            None
         }
         Err(SetError::Unknown { name, nearest, known, .. }) => {
             let nearest = nearest.map(str::to_owned);

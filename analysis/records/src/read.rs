@@ -27,7 +27,7 @@ pub fn read(path: &Path, kind: RecordKind, parquet: OtherTable<'_>) -> Result<(R
         let bytes = std::fs::read(&path).map_err(|source| RecordError::Unreadable { path: path.clone(), source })?;
         cells(&file, &bytes)?
     };
-    understand(&file, &table, kind)
+    understand(&file, table, kind)
 }
 
 /// Reads records from delimited text; `file` is its name in messages.
@@ -44,7 +44,7 @@ pub fn read(path: &Path, kind: RecordKind, parquet: OtherTable<'_>) -> Result<(R
 /// assert_eq!(report.notes, ["numbers have a decimal comma"]);
 /// ```
 pub fn parse_csv(file: &str, bytes: &[u8], kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
-    understand(file, &cells(file, bytes)?, kind)
+    understand(file, cells(file, bytes)?, kind)
 }
 
 /// The cells of delimited text in any delimiter, encoding and decimal sign; `file` is its name in messages.
@@ -109,12 +109,14 @@ struct UsedColumn {
     offset: f64,
 }
 
-fn understand(file: &str, table: &RawTable, kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
+/// The records that a table of cells holds. The table is taken, so that its cells, which take most of the memory, are gone before
+/// the records are put into order.
+fn understand(file: &str, table: RawTable, kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
     let mut report = ReadReport { file: file.to_owned(), notes: table.notes.clone(), ..ReadReport::default() };
     if table.header.is_empty() {
         return Err(RecordError::NoRows { file: file.to_owned(), rows: 0, first: None, wrong: false });
     }
-    let used = header(file, table, kind, &mut report)?;
+    let used = header(file, &table, kind, &mut report)?;
     for column in kind.columns().iter().filter(|column| column.required) {
         if used.iter().all(|each| each.name != column.name) {
             let likeness = |title: &&String| strsim::jaro_winkler(column.name, &title.to_ascii_lowercase());
@@ -128,7 +130,7 @@ fn understand(file: &str, table: &RawTable, kind: RecordKind) -> Result<(Records
             });
         }
     }
-    let (rows, wrong) = rows(table, &used, kind, &mut report);
+    let (rows, wrong) = rows(&table, &used, kind, &mut report);
     if rows.is_empty() {
         let first = report.dropped.first().map(|(line, reason)| format!("line {line}, {reason}"));
         return Err(RecordError::NoRows { file: file.to_owned(), rows: table.rows.len(), first, wrong });
@@ -144,6 +146,7 @@ fn understand(file: &str, table: &RawTable, kind: RecordKind) -> Result<(Records
     }
     report.rows = records.len();
     report.lines = rows.iter().map(|row| table.rows[row.at].0).collect();
+    drop((rows, table));
     Ok((ordered(records, &mut report), report))
 }
 
@@ -241,10 +244,14 @@ fn rows(table: &RawTable, used: &[UsedColumn], kind: RecordKind, report: &mut Re
             if let (Some(value), Some(column)) = (number, column)
                 && (value * used_column.factor + used_column.offset).abs() > column.greatest * column.scale()
             {
-                let reason = format!(
-                    "{} is {read} {}, beyond {} {}: check its unit",
-                    used_column.name, used_column.unit, column.greatest, column.display
-                );
+                let UsedColumn { name, unit, .. } = used_column;
+                let (greatest, display) = (column.greatest, column.display);
+                // Counts, and marks such as `censored`, have no unit that could be wrong.
+                let reason = if display == "1" && unit == "1" {
+                    format!("{name} is {read}, and {greatest} is the greatest that it can be")
+                } else {
+                    format!("{name} is {read} {unit}, beyond {greatest} {display}: check its unit")
+                };
                 if must {
                     wrong = true;
                     report.dropped.push((*line, reason));
@@ -326,6 +333,8 @@ fn ordered(records: Records, report: &mut ReadReport) -> Records {
     rows.sort_by(|a, b| keys[*a].cmp(&keys[*b]).then(sequence[*a].total_cmp(&sequence[*b])));
     if rows.windows(2).any(|pair| pair[0] > pair[1]) {
         report.notes.push(format!("rows put into the order of {} and {order}", groups.join(", ")));
+    } else {
+        return records;
     }
     if !report.lines.is_empty() {
         report.lines = rows.iter().map(|row| report.lines[*row]).collect();

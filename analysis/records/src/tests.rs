@@ -9,6 +9,14 @@ fn turning(body: &str) -> Result<(Records, ReadReport), RecordError> {
 }
 
 #[test]
+fn a_mark_beyond_its_range_is_not_told_to_check_its_unit() {
+    let csv = "tool_id,life [min],censored,operation_id,sequence\nA,30,2,1,1\nB,20,0,2,1\nC,10,1,3,1\n";
+    let (_, report) = parse_csv("lives.csv", csv.as_bytes(), RecordKind::Empirical).unwrap();
+    let told = report.notes.join("; ");
+    assert!(told.contains("line 2: censored is 2, and 1 is the greatest that it can be"), "{told}");
+}
+
+#[test]
 fn any_compatible_unit_is_converted() {
     let (records, _) = turning(&format!("{HEAD},temperature [degC],flank_wear [um]\n1,L,T,1,60,0.2,1,2,100,250\n"))
         .expect("a fine table");

@@ -59,11 +59,21 @@ pub(crate) fn range(quantity: &Quantity) -> String {
     }
 }
 
-/// The same number in units in which it would be in range.
+/// The digits of a number with or without a unit; `None` without any.
+fn digits(number: &str) -> Option<&str> {
+    number.trim().trim_end_matches(|c: char| !c.is_ascii_digit()).split_whitespace().next()
+}
+
+/// The same number in units in which it would be in range. Of a ratio only a share, which may be anything from nothing to a whole,
+/// may have been meant in per cent: an exponent of 200 was not meant as 200 %, and nobody states a share in micrometres a metre.
 pub(crate) fn meant(quantity: &Quantity, number: &str) -> Vec<String> {
-    let digits = number.trim().trim_end_matches(|c: char| !c.is_ascii_digit());
-    let Some(digits) = digits.split_whitespace().next() else { return Vec::new() };
-    unit::accepted(quantity.unit)
+    let Some(digits) = digits(number) else { return Vec::new() };
+    let units = match quantity.unit {
+        "1" if quantity.display == "1" && quantity.min == 0.0 && quantity.max <= 1.0 => "%".to_owned(),
+        "1" => quantity.display.to_owned(),
+        unit => unit::accepted(unit),
+    };
+    units
         .split(", ")
         .map(|unit| format!("{digits} {unit}"))
         .filter(|text| unit::quantity(text, quantity.unit).is_ok_and(|value| quantity.admits(value)))
@@ -82,6 +92,10 @@ pub(crate) fn fix(quantity: &Quantity, number: &str, reason: &UnitError) -> Stri
             let good = unit::quantity(&text, quantity.unit).is_ok_and(|value| quantity.admits(value));
             quoted(if good { &text } else { quantity.example })
         }
+        // A ratio stands without a unit.
+        _ if quantity.example.is_empty() && quantity.display == "1" => digits(number)
+            .filter(|digits| digits.parse().is_ok_and(|value| quantity.admits(value)))
+            .map_or_else(|| significant(quantity.min.max(quantity.max.min(1.0))), str::to_owned),
         _ if quantity.example.is_empty() => quoted(&format!("… {}", quantity.display)),
         _ => quoted(quantity.example),
     }
@@ -144,5 +158,34 @@ pub(crate) fn described(value: &DeValue<'_>) -> String {
         DeValue::Datetime(time) => format!("the date or time {time}"),
         DeValue::Array(_) => "a list".to_owned(),
         DeValue::Table(_) => "a table".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ratio_is_meant_in_per_cent_only_where_it_is_a_share() {
+        let ratio = |max| Quantity { unit: "1", display: "1", min: 0.0, max, above: false, example: "" };
+        assert_eq!(meant(&ratio(0.99), "2.0"), ["\"2.0 %\""]);
+        assert!(meant(&ratio(0.99), "200").is_empty(), "200 % is beyond the range as well");
+        assert!(meant(&ratio(0.99), "200 %").is_empty());
+        assert!(meant(&ratio(20.0), "200").is_empty(), "an exponent is no share");
+        let taylor = Quantity { min: 0.01, ..ratio(1.0) };
+        assert!(
+            meant(&taylor, "5").is_empty(),
+            "nor is the exponent n of Taylor's law, whose reciprocal may stand there"
+        );
+        let time = Quantity { unit: "s", display: "min", min: 0.0, max: 3600.0, above: false, example: "" };
+        assert_eq!(meant(&time, "90 h"), ["\"90 s\""]);
+    }
+
+    #[test]
+    fn an_example_of_a_ratio_has_no_unit() {
+        let ratio = Quantity { unit: "1", display: "1", min: 1.0, max: 20.0, above: false, example: "" };
+        let wrong = |text: &str| fix(&ratio, text, &unit::quantity(text, "1").expect_err("a wrong unit"));
+        assert_eq!(wrong("2.0 min"), "2.0");
+        assert_eq!(wrong("0.5 min"), "1");
     }
 }

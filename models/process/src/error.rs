@@ -1,11 +1,16 @@
 //! What a process refuses.
 
+/// A unit behind a number; nothing behind a ratio.
+fn after(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" {unit}") }
+}
+
 /// Why a process model did not answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// A number outside its field's range, or not finite. Value and bounds are in `unit`.
-    #[error("{field} = {value} {unit} is outside {min} to {max} {unit}")]
+    /// A number outside its field's range, or not finite. Value and bounds are in `unit`, which is not written after a ratio.
+    #[error("{field} = {value}{unit} is outside {min} to {max}{unit}", unit = after(unit))]
     OutOfRange {
         /// Field name.
         field: &'static str,

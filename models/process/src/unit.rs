@@ -62,7 +62,7 @@ pub enum UnitError {
         accepted: String,
     },
     /// A unit of another dimension.
-    #[error("`{unit}` is not a unit of {expected}; accepted: {accepted}")]
+    #[error("{}", wrong_dimension(unit, expected, accepted))]
     WrongDimension {
         /// What was read.
         unit: String,
@@ -240,6 +240,14 @@ pub fn accepted(si: &str) -> String {
     let fits = |name: &&&str| parse(name).is_ok_and(|unit| compatible(unit.dimension, target.dimension));
     let names: Vec<&str> = OFFERED.iter().filter(fits).copied().collect();
     if names.is_empty() { si.to_owned() } else { names.join(", ") }
+}
+
+/// That a unit does not fit. A ratio takes none, so that a list of its units would rather confuse.
+fn wrong_dimension(unit: &str, expected: &str, accepted: &str) -> String {
+    match expected {
+        "1" => format!("`{unit}` is a unit, where a number without one is due"),
+        _ => format!("`{unit}` is not a unit of {expected}; accepted: {accepted}"),
+    }
 }
 
 /// Reads a quantity with its unit and returns its value in the unit `si`.

@@ -101,6 +101,12 @@ fn sets_are_based_on_files_and_cycles_are_refused() {
     assert!(ParameterSet::load("l2.toml", &folder, &TURNING_SETS).is_ok());
     let missing = ParameterSet::load("./ones.toml", &folder, &TURNING_SETS).unwrap_err().to_string();
     assert!(missing.contains("one.toml"), "{missing}");
+    std::fs::write(folder.join("shop.toml"), "schema = 1\n[shop]\nname = \"shop\"\n").unwrap();
+    std::fs::write(folder.join("my-posterior.parquet"), [0x50, 0x41, 0x52, 0x31, 0x8e]).unwrap();
+    for (file, kind) in [("./shop.toml", "is a scenario"), ("./my-posterior.parquet", "`parameters_from` names it")] {
+        let other = ParameterSet::load(file, &folder, &TURNING_SETS).unwrap_err().to_string();
+        assert!(other.contains(kind), "{other}");
+    }
     std::fs::remove_dir_all(folder).unwrap();
 }
 

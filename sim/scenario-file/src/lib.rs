@@ -53,6 +53,7 @@ mod variants;
 pub use codes::CODES;
 pub use fault::ScenarioFault;
 pub use keys::{GAP, SCENARIO, SENSORS};
+pub use processes::process_of;
 pub use rules::{gap as gap_section, sensors};
 pub use variants::{AS_IT_IS, ShopVariant, literal};
 

@@ -168,6 +168,12 @@ fn loaded<T, E: Display>(
 ) -> Option<T> {
     let names = || known.iter().map(|(name, _)| *name);
     if names().all(|name| name != set) {
+        if let Some(other) = process_of(set) {
+            let known = names().collect::<Vec<_>>().join(", ");
+            let reason = format!("it is a set of {other}, where one of grinding is due; there are {known}");
+            refuse(walk, tool, "parameter_set", reason);
+            return None;
+        }
         let fault = Fault::UnknownName {
             kind: "parameter set",
             name: set.to_owned(),
@@ -178,6 +184,19 @@ fn loaded<T, E: Display>(
         return None;
     }
     named(set).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()
+}
+
+/// The process of the shipped set of this name, in words; `None` where no process has such a set. A set that is named in the
+/// place of one of another process is then told as such.
+///
+/// ```
+/// assert_eq!(toolroom_scenario_file::process_of("zb153u_40kh"), Some("grinding"));
+/// assert_eq!(toolroom_scenario_file::process_of("c45_endmill_d12"), Some("milling"));
+/// assert_eq!(toolroom_scenario_file::process_of("c45_endmill_d10"), None);
+/// ```
+pub fn process_of(set: &str) -> Option<&'static str> {
+    let grinds = || toolroom_infeed::PARAMETER_SETS.iter().any(|(name, _)| *name == set);
+    process_of_set(set).or_else(|| grinds().then_some("grinding"))
 }
 
 /// The parameter set that `key` names: a shipped one, or a file whose path counts from that of the
@@ -195,7 +214,7 @@ pub(super) fn set(
             Some(set)
         }
         Err(SetError::Unknown { name, nearest, known, .. }) => {
-            if let Some(other) = process_of_set(&name) {
+            if let Some(other) = process_of(&name) {
                 let process = catalogue.process;
                 let reason = format!("it is a set of {other}, where one of {process} is due; there are {known}");
                 refuse(walk, section, key, reason);

@@ -294,7 +294,10 @@ fn parameter(process: &mut ProcessModel, name: &str) -> Result<Column, String> {
         }
     });
     found.ok_or_else(|| {
-        let near = toolroom_form::nearest(name, known.iter().map(String::as_str));
+        // A parameter of another group that is called alike was not meant: exponents have the same names in many.
+        let group = name.split_once('.').map_or(name, |(group, _)| group);
+        let alike = known.iter().map(String::as_str).filter(|key| key.split_once('.').is_some_and(|(of, _)| of == group));
+        let near = toolroom_form::nearest(name, alike);
         let near = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
         format!("the process of the tool has no parameter `{name}`{near}; draws of another wear law belong to a set with that law")
     })
@@ -417,7 +420,8 @@ mod tests {
             Posterior::of(&table(header, rows), &process(), false).expect_err("a faulty table")
         };
         assert!(refused(&["energy_balance.thermal_wear_rat [um/min]"], &[&["1"]]).contains("did you mean"));
-        assert!(refused(&["extended_taylor.reference_life [min]"], &[&["1"]]).contains("another wear law"));
+        let other = refused(&["extended_taylor.depth_exponent"], &[&["1"]]);
+        assert!(other.contains("another wear law") && !other.contains("did you mean"), "{other}");
         assert!(refused(&["energy_balance.thermal_wear_rate [kg]"], &[&["1"]]).contains("cannot be in kg"));
         assert!(refused(&[WEAR], &[&["1"], &["-1"]]).starts_with("row 2"));
         assert!(refused(&[WEAR], &[&["one"]]).contains("a number is due"));

@@ -23,7 +23,8 @@ pub struct Beside {
 
 /// The process of the options before their changes, with the cut for which its set was made.
 pub fn start(options: &PointOptions, effects: Effects) -> Result<(Turning, TurningInput), PointError> {
-    let pair = Pair::load(options.tool.as_deref().unwrap_or("ni_vk6om"), std::path::Path::new(""))?;
+    let pair = Pair::load(options.tool.as_deref().unwrap_or("ni_vk6om"), std::path::Path::new(""))
+        .map_err(|error| error.told_apart("turning", toolroom_cutting::process_of_set))?;
     effects.check(Turning::NAME).map_err(PointError::Effect)?;
     // A set is used at the cut for which it was made, unless a change says otherwise.
     let reference = pair.reference_cut();

@@ -146,8 +146,15 @@ fn column(
     if let Some((line, value)) = beyond.first_entry().map(|entry| *entry.get()) {
         let (name, display) = (column.name, column.display);
         let shown = toolroom_form::significant(value / column.scale());
-        let reason =
-            format!("{name} is {shown} {display}, beyond {} {display}: check the unit of `{title}`", column.greatest);
+        let reason = match (display, column.greatest) {
+            // Counts, and marks such as `censored`, have no unit that could be wrong.
+            ("1", greatest) => {
+                format!("{name} is {shown}, and {greatest} is the greatest that it can be: look at `{title}`")
+            }
+            (_, greatest) => {
+                format!("{name} is {shown} {display}, beyond {greatest} {display}: check the unit of `{title}`")
+            }
+        };
         // A few slips are no values. A whole channel in another unit is for those to say who use it; a condition in another
         // unit would leave rows that say nothing of how was cut.
         let few = 2 * beyond.len() < numbers.iter().filter(|value| value.is_finite()).count();

@@ -60,7 +60,8 @@ impl Milling {
     /// # Errors
     /// [`SetError`].
     pub fn load(reference: &str, folder: &Path) -> Result<Self, SetError> {
-        Self::of_set(&ParameterSet::load(reference, folder, &MILLING_CATALOGUE)?)
+        let set = ParameterSet::load(reference, folder, &MILLING_CATALOGUE);
+        Self::of_set(&set.map_err(|error| error.told_apart("milling", process_of_set))?)
     }
 
     /// Reads the text of a parameter set.

@@ -71,6 +71,26 @@ pub enum KnownLifeError {
     },
 }
 
+impl KnownLifeError {
+    /// What to write instead: a value of the same kind.
+    pub fn fix(&self) -> String {
+        match self {
+            Self::Unit { what, .. } | Self::Range { what, .. } => {
+                let example = match *what {
+                    "--life" => "15 min",
+                    "--at" => "200 m/min",
+                    "--feed" => "0.25 mm/rev",
+                    "--depth" => "1.5 mm",
+                    // A wear limit is the last of them.
+                    _ => "0.3 mm",
+                };
+                format!("write a number with its unit, such as {what} \"{example}\"")
+            }
+            Self::Word { what, .. } => format!("`toolroom calibrate --help` lists the words of {what}"),
+        }
+    }
+}
+
 /// Factor about the known speed of the other speeds that an answer names.
 const FASTER: f64 = 1.25;
 

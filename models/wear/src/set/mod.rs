@@ -39,7 +39,7 @@ pub use scatter::ScatterWord;
 use crate::Scatter;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use toolroom_form::{Quantity, ReadError, display, nearest};
+use toolroom_form::{Outline, Quantity, ReadError, display, nearest};
 use toolroom_location::{Located, Location};
 use toolroom_process::{AnyRecord, Field, ModelError};
 
@@ -132,6 +132,18 @@ pub struct ParameterSet {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SetError {
+    /// The name is that of a shipped set of another process.
+    #[error("`{name}` is a set of {process}, where one of {expected} is due; there are {known}")]
+    OtherProcess {
+        /// What was read.
+        name: String,
+        /// The process of that set.
+        process: &'static str,
+        /// The process that is wanted.
+        expected: &'static str,
+        /// Names of the sets of the process that is wanted.
+        known: String,
+    },
     /// No shipped set has this name.
     #[error(
         "no parameter set `{name}`{}; there are {known}; a path of a file of one's own has a / or ends in .toml{}",
@@ -161,11 +173,26 @@ pub enum SetError {
     Model(#[from] ModelError),
 }
 
+impl SetError {
+    /// The same, which tells the process of a name that is that of a set of another process than `expected`; `process_of` knows
+    /// the sets of others.
+    #[must_use]
+    pub fn told_apart(self, expected: &'static str, process_of: fn(&str) -> Option<&'static str>) -> Self {
+        match self {
+            Self::Unknown { name, nearest, known, files } => match process_of(&name) {
+                Some(process) => Self::OtherProcess { name, process, expected, known },
+                None => Self::Unknown { name, nearest, known, files },
+            },
+            other @ (Self::OtherProcess { .. } | Self::File { .. } | Self::Model(_)) => other,
+        }
+    }
+}
+
 impl Located for SetError {
     fn location(&self) -> Option<Location> {
         match self {
             Self::File { at, .. } => at.clone(),
-            Self::Unknown { .. } | Self::Model(_) => None,
+            Self::Unknown { .. } | Self::OtherProcess { .. } | Self::Model(_) => None,
         }
     }
 }
@@ -173,6 +200,19 @@ impl Located for SetError {
 /// Whether a set is called by a path; else it is a shipped name.
 pub fn is_path(reference: &str) -> bool {
     reference.contains(['/', '\\']) || reference.ends_with(".toml")
+}
+
+/// What a file is that is no parameter set, where it can be told, with what would do.
+fn other_file(path: &Path, reference: &str) -> Option<String> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) {
+        return Some(format!(
+            "{reference} is a table of draws: `parameters_from` names it, and `parameter_set` the set beside it (.toml)"
+        ));
+    }
+    let outline = Outline::read(path).ok()?;
+    let kinds = [("shop", "a scenario"), ("condition", "a study of tool lives"), ("gap", "a diagnosis")];
+    let (_, kind) = kinds.into_iter().find(|(key, _)| outline.has(key))?;
+    Some(format!("{reference} is {kind}, no parameter set, which has `name`, `process` and [parameters] or `based_on`"))
 }
 
 /// Files of a folder that a wrong path or name may mean: its TOML files, at most eight, the one most like
@@ -209,6 +249,9 @@ impl ParameterSet {
         if is_path(reference) {
             let path = folder.join(reference);
             return read::file(&path, &[], &[catalogue], chain).map_err(|error| {
+                if let Some(message) = other_file(&path, reference) {
+                    return SetError::File { message, at: None };
+                }
                 let (message, at) = (error.to_string(), error.location());
                 if !matches!(error, ReadError::Unreadable { .. }) {
                     return SetError::File { message, at };

@@ -138,4 +138,7 @@ fn policies_choose_the_speed_of_mills_where_there_is_no_lathe() {
 fn a_set_of_another_process_is_told_as_such() {
     let message = parse("mills.toml", &MILLS.replace("c45_endmill_d12", "c45_t15k6"), &[]).err().unwrap().to_string();
     assert!(message.contains("it is a set of turning, where one of milling is due"), "{message}");
+    assert!(message.contains("there are c45_endmill_d12, mill_t15k6_d32"), "{message}");
+    let message = parse("mills.toml", &MILLS.replace("c45_endmill_d12", "zb153u_40kh"), &[]).err().unwrap().to_string();
+    assert!(message.contains("it is a set of grinding, where one of milling is due"), "{message}");
 }
