@@ -296,7 +296,7 @@ pub fn run_study_as_far(
         let lead_times = if options.is_one_run() { OneRun::recorder(scenario) } else { None };
         let recorder = ((Counting::new(scenario), log), lead_times);
         let shop = Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, recorder)?;
-        let ended = unless_stopped(shop, scenario.horizon, stop)?;
+        let ended = unless_stopped(shop, stop)?;
         Ok(ended.map(|((counting, log), lead_times)| Run { lead_times, ..Run::of(scenario, &counting, log) }))
     };
     let shops = 1 + options.variants.len() as u32;

@@ -256,11 +256,7 @@ impl Layout {
         match plan.content {
             ContentPlan::Plain => {
                 let drawn = work.unwrap_or_else(|| jobs.drawn(slot, operation));
-                let pieces = f64::from(jobs.at(slot).row.quantity);
-                match plan.work_per {
-                    WorkPer::Part => (plan.known_time + drawn) * pieces,
-                    WorkPer::Lot | WorkPer::Batch => plan.known_time * pieces + drawn,
-                }
+                time_of(plan, f64::from(jobs.at(slot).row.quantity), drawn)
             }
             ContentPlan::Machining { .. } => plan.known_time,
         }
@@ -334,6 +330,15 @@ impl ToolPlan {
             write(input, self.ports.workpiece_diameter, cut.diameter);
         }
         write(input, self.ports.position, cut.position);
+    }
+}
+
+/// Time of an operation with plain work for so many pieces, when its work takes `drawn` a piece or once, s.
+#[inline]
+pub(super) fn time_of(plan: &OperationPlan, pieces: f64, drawn: f64) -> f64 {
+    match plan.work_per {
+        WorkPer::Part => (plan.known_time + drawn) * pieces,
+        WorkPer::Lot | WorkPer::Batch => plan.known_time * pieces + drawn,
     }
 }
 
