@@ -39,8 +39,10 @@ pub(super) struct Ranks {
     pub part: usize,
     /// Operations with plain work in which the pieces of a job differ, and their streams.
     pub apart: Vec<(usize, Stream)>,
-    /// The other operations with plain work, and their streams.
-    streams: Vec<(usize, Stream)>,
+    /// The other operations with plain work; apart from their streams, which are large.
+    together: Vec<usize>,
+    /// Streams of these.
+    streams: Vec<Stream>,
     /// Times of the jobs to come, s, those of a job together.
     times: Vec<f64>,
     /// Jobs of them that have come.
@@ -72,10 +74,11 @@ impl Ranks {
             };
             let plain =
                 part.operations.iter().enumerate().filter(|(_, operation)| matches!(operation.work, Work::Plain(_)));
-            let (apart, streams) = plain
+            let (apart, others): (Vec<_>, Vec<_>) = plain
                 .map(|(index, operation)| (index, stream(operation)))
                 .partition(|(index, _)| layout.operations[number][*index].apart);
-            Self { part: number, apart, streams, times: Vec::new(), used: 0, jobs: 1 }
+            let (together, streams) = others.into_iter().unzip();
+            Self { part: number, apart, together, streams, times: Vec::new(), used: 0, jobs: 1 }
         };
         scenario.arrivals[source].parts.iter().map(of_part).collect()
     }
@@ -89,13 +92,13 @@ impl Ranks {
         }
         let first = self.used * count;
         self.used += 1;
-        self.streams.iter().map(|(operation, _)| *operation).zip(self.times[first..first + count].iter().copied())
+        self.together.iter().copied().zip(self.times[first..first + count].iter().copied())
     }
 
     fn draw(&mut self, operations: &[Operation]) {
         let (count, jobs) = (self.streams.len(), self.jobs);
         self.times.resize(jobs * count, 0.0);
-        for (place, (operation, stream)) in self.streams.iter_mut().enumerate() {
+        for (place, (operation, stream)) in self.together.iter().zip(&mut self.streams).enumerate() {
             if let Work::Plain(time) = &operations[*operation].work {
                 self.times.iter_mut().skip(place).step_by(count).for_each(|drawn| *drawn = time.sample(stream));
             }

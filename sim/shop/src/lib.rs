@@ -77,6 +77,7 @@ mod pass;
 mod pieces;
 mod plain_jobs;
 mod plain_plan;
+mod plain_queue;
 mod plain_shop;
 mod ports;
 mod preemption;

@@ -85,6 +85,12 @@ impl PlainJobs {
         &mut self.drawn[slot * self.stride..(slot + 1) * self.stride]
     }
 
+    /// The same to read them.
+    #[inline]
+    pub fn drawn_at(&self, slot: usize) -> &[f64] {
+        &self.drawn[slot * self.stride..(slot + 1) * self.stride]
+    }
+
     /// Jobs in the shop, by place.
     pub fn iter(&self) -> impl Iterator<Item = &PlainJob> {
         self.all.iter().filter(|job| job.number != NOBODY)

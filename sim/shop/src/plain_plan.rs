@@ -4,15 +4,19 @@ use super::layout::Layout;
 use super::look::queue_kind;
 use toolroom_kernel::Agenda;
 use toolroom_queues::QueueKind;
-use toolroom_scenario::{Operation, Scenario, WorkPer};
+use toolroom_scenario::{DispatchRule, Operation, Scenario, WorkPer};
 
-/// Whether a shop is nothing but machines that do plain work of their own, first come, first served, for jobs of sources:
-/// what a [`PlainShop`](super::plain_shop::PlainShop) runs.
+/// Whether a shop is nothing but machines that do plain work of their own for jobs of sources, first come, first
+/// served or by rules whose keys stand: what a [`PlainShop`](super::plain_shop::PlainShop) runs.
 pub(super) fn is_plain(scenario: &Scenario, layout: &Layout) -> bool {
-    let in_line = |machine| queue_kind(scenario.rules(machine), &scenario.control.keys) == QueueKind::Line;
+    let stands = |machine| {
+        let rules = scenario.rules(machine);
+        let kind = queue_kind(rules, &scenario.control.keys);
+        matches!(kind, QueueKind::Line | QueueKind::Heap) && !rules.contains(&DispatchRule::Random)
+    };
     let usual = |operation: &Operation| operation.setup_spread.is_none() && operation.work_per != WorkPer::Batch;
     let parts = &scenario.parts;
-    layout.machine_plans.iter().enumerate().all(|(machine, plan)| plan.is_quick && in_line(machine))
+    layout.machine_plans.iter().enumerate().all(|(machine, plan)| plan.is_quick && stands(machine))
         && scenario.branch.is_none()
         && !layout.samples
         && !layout.components.contains(&true)

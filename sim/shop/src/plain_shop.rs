@@ -1,4 +1,4 @@
-//! A shop that is nothing but plain machines with lines before them, from time zero to its horizon.
+//! A shop that is nothing but plain machines with queues before them, from time zero to its horizon.
 //!
 //! Most of what a shop may have is asked for again and again while nothing of it is there, and its jobs and machines have
 //! places for all of it. Here are the few steps that are left, on jobs and machines that are small. The events are the same
@@ -9,15 +9,16 @@ use super::arrival::{drawn_job, due_by, next_interval};
 use super::error::ShopError;
 use super::event::Event;
 use super::layout::{Layout, time_of};
-use super::plain_jobs::{Line, PlainJob, PlainJobs};
+use super::plain_jobs::{PlainJob, PlainJobs};
 use super::plain_plan::{PlainOperation, operations};
+use super::plain_queue::Waiting;
 use super::readiness::Readiness;
 use super::recorder::{Closing, Recorder};
 use super::world::SourceState;
 use crate::runlog::{EventRow, JobOutcome, JobRow, LogEvent, MachineState, OperationResult, OperationRow, StateRow};
 use std::sync::Arc;
 use toolroom_kernel::{Agenda, Calendar, Class, Digest, SimTime, Streams};
-use toolroom_scenario::{ArrivalPattern, Distribution, Scenario};
+use toolroom_scenario::{ArrivalPattern, Distribution, MachineType, Scenario};
 
 /// Numbers of events in the agenda from here on are arrivals, those below ends of steps.
 const ARRIVALS: u32 = Agenda::END / 2;
@@ -34,7 +35,7 @@ pub(super) struct PlainShop<'a, R> {
     operations: Vec<PlainOperation>,
     /// First operation of every part.
     firsts: Vec<u32>,
-    machines: Vec<PlainMachine>,
+    machines: Vec<PlainMachine<'a>>,
     sources: Vec<PlainSource<'a>>,
     jobs: PlainJobs,
     /// Machines that may choose a job now.
@@ -44,10 +45,10 @@ pub(super) struct PlainShop<'a, R> {
     instant: (SimTime, u64),
 }
 
-/// A machine with its line.
+/// A machine with its queue.
 #[derive(Clone, Debug)]
-struct PlainMachine {
-    line: Line,
+struct PlainMachine<'a> {
+    waiting: Waiting<'a>,
     step: PlainStep,
     /// Since when.
     since: SimTime,
@@ -106,19 +107,19 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
             };
             PlainSource { pattern: &arrival.pattern, state, always }
         };
-        let machine = |ready: Option<&str>| PlainMachine {
-            line: Line::default(),
+        let machine = |(index, kind): (usize, &MachineType)| PlainMachine {
+            waiting: Waiting::at(scenario, index),
             step: PlainStep::Idle,
             since: SimTime::ZERO,
             slot: 0,
             begun: SimTime::ZERO,
             work: 0.0,
-            ready: layout.readiness(ready),
+            ready: layout.readiness(kind.setup_at_start.as_deref()),
             listed: false,
         };
         let (operations, firsts) = operations(scenario, &layout);
         Self {
-            machines: scenario.machines.iter().map(|own| machine(own.setup_at_start.as_deref())).collect(),
+            machines: scenario.machines.iter().enumerate().map(machine).collect(),
             sources: sources.into_iter().enumerate().map(source).collect(),
             jobs: PlainJobs::with_operations(layout.plain_operations),
             scenario,
@@ -276,14 +277,14 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
         let job = &self.jobs.all[slot];
         let index = self.operations[job.place as usize].machine;
         let machine = &mut self.machines[index as usize];
-        machine.line.join(slot, job.number, now);
+        machine.waiting.join(&self.layout, &self.jobs, slot, now);
         if machine.step == PlainStep::Idle && !machine.listed {
             machine.listed = true;
             self.candidates.push(index);
         }
     }
 
-    /// Idle machines take the first of their lines, in the order of the scenario.
+    /// Idle machines take the first of their queues, in the order of the scenario.
     fn dispatch(&mut self, now: SimTime) -> Result<(), ShopError> {
         if self.candidates.len() > 1 {
             self.candidates.sort_unstable();
@@ -292,7 +293,7 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
             let index = self.candidates[place] as usize;
             let machine = &mut self.machines[index];
             machine.listed = false;
-            if let Some(slot) = machine.line.take() {
+            if let Some(slot) = machine.waiting.take(&self.jobs) {
                 self.begin(index, slot, now)?;
             }
         }
@@ -308,7 +309,7 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
             job.start = now.seconds();
         }
         let (number, quantity, of_part) = (job.number, job.quantity, job.operation as usize);
-        let work = operation.time(quantity, self.jobs.drawn_of(slot)[of_part]);
+        let work = operation.time(quantity, self.jobs.drawn_at(slot)[of_part]);
         let group = operation.setup_group;
         let ready = self.machines[index].ready;
         let setup = self.layout.setup(self.scenario, index, ready, group, operation.setup_time);
@@ -345,7 +346,7 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
             }
         }
         machine.step = PlainStep::Idle;
-        if !machine.line.is_empty() && !machine.listed {
+        if !machine.waiting.is_empty() && !machine.listed {
             machine.listed = true;
             self.candidates.push(index as u32);
         }

@@ -159,7 +159,7 @@ mod tests {
             };
             let quantity = if source == mixture % 3 { "quantity = { low = 1, high = 3 }\n" } else { "" };
             text += &format!(
-                "[[arrivals]]\nname = \"S{source}\"\n{part}{quantity}{}{}",
+                "[[arrivals]]\nname = \"S{source}\"\npriority = {source}\nweight = 1.5\n{part}{quantity}{}{}",
                 patterns[(source + mixture) % 5],
                 due[(source + mixture) % 3]
             );
@@ -175,8 +175,17 @@ mod tests {
 
     #[test]
     fn a_plain_shop_leaves_the_log_of_any_other() {
-        for mixture in 0..30 {
-            let scenario = shop("\"fifo\"", mixture);
+        let rules = [
+            "\"fifo\"",
+            "\"spt\"",
+            "[\"priority\", \"edd\"]",
+            "\"srpt\"",
+            "\"odd\"",
+            "\"most_operations\"",
+            "\"lifo\"",
+        ];
+        for mixture in 0..42 {
+            let scenario = shop(rules[mixture % 7], mixture);
             let plain = opened(&scenario);
             assert!(is_plain(&scenario, &plain.layout));
             let mut whole = plain.clone();
