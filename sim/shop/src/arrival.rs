@@ -151,13 +151,13 @@ impl<R: Recorder> Shop<'_, R> {
             self.set_lot_at_start(order, inside, passed);
         }
         // One rank of every operation for the whole order, or one for each of its pieces.
-        let mut ranks: Vec<(usize, Option<f64>, Stream)> = Vec::new();
+        let mut ranks: Vec<(usize, Option<(f64, f64)>, Stream)> = Vec::new();
         for (index, operation) in part.operations.iter().enumerate() {
             if let Work::Plain(work) = &operation.work {
                 let owner = Entity::named(&format!("order {}/{}", ordered.id, operation.name));
                 let mut stream = self.streams.open(owner, Purpose::Processing);
-                let together = (operation.draw == DrawUnit::Lot).then(|| work.sample(&mut stream));
-                ranks.push((index, together, stream));
+                let rank = (operation.draw == DrawUnit::Lot).then(|| stream.random());
+                ranks.push((index, rank.map(|rank| (rank, work.quantile(rank))), stream));
             }
         }
         let (mut left, mut ticket) = (pieces, None);
@@ -192,7 +192,10 @@ impl<R: Recorder> Shop<'_, R> {
             });
             for (operation, together, stream) in &mut ranks {
                 match together {
-                    Some(time) => self.set_work(slot, *operation, *time),
+                    &mut Some((rank, time)) => {
+                        self.set_rank(slot, *operation, rank);
+                        self.set_work(slot, *operation, time);
+                    }
                     None => self.draw_work(slot, *operation, stream),
                 }
             }

@@ -37,7 +37,7 @@ pub(super) const PIECES: u64 = 1 << 41;
 pub(super) struct Ranks {
     /// The part.
     pub part: usize,
-    /// Operations with plain work in which the pieces of a job differ, and their streams.
+    /// Operations with plain work in which the pieces of a job or the laws of machines differ, and their streams.
     pub apart: Vec<(usize, Stream)>,
     /// The other operations with plain work; apart from their streams, which are large.
     together: Vec<usize>,
@@ -74,9 +74,11 @@ impl Ranks {
             };
             let plain =
                 part.operations.iter().enumerate().filter(|(_, operation)| matches!(operation.work, Work::Plain(_)));
-            let (apart, others): (Vec<_>, Vec<_>) = plain
-                .map(|(index, operation)| (index, stream(operation)))
-                .partition(|(index, _)| layout.operations[number][*index].apart);
+            let (apart, others): (Vec<_>, Vec<_>) =
+                plain.map(|(index, operation)| (index, stream(operation))).partition(|(index, _)| {
+                    let plan = &layout.operations[number][*index];
+                    plan.apart || plan.own_times
+                });
             let (together, streams) = others.into_iter().unzip();
             Self { part: number, apart, together, streams, times: Vec::new(), used: 0, jobs: 1 }
         };

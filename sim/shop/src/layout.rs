@@ -126,6 +126,7 @@ impl Layout {
                     setup_time: operation.setup_time,
                     random_setup: operation.setup_spread.is_some(),
                     paced: !operation.time_on.is_empty(),
+                    own_times: operation.has_own_times(),
                     stretched: operation.worn_tool.is_some()
                         || matches!(operation.attendance.presence, Presence::First(_)),
                     apart: operation.draw == DrawUnit::Part || operation.inspection.passes_by(),
@@ -250,8 +251,9 @@ impl Layout {
         self.time_with(jobs, (slot, part, operation), None)
     }
 
+    /// The same with this time of plain work, where there is one.
     #[inline]
-    fn time_with(&self, jobs: &Jobs, (slot, part, operation): (u32, usize, usize), work: Option<f64>) -> f64 {
+    pub fn time_with(&self, jobs: &Jobs, (slot, part, operation): (u32, usize, usize), work: Option<f64>) -> f64 {
         let plan = &self.operations[part][operation];
         match plan.content {
             ContentPlan::Plain => {

@@ -14,7 +14,9 @@ pub(super) fn is_plain(scenario: &Scenario, layout: &Layout) -> bool {
         let kind = queue_kind(rules, &scenario.control.keys);
         matches!(kind, QueueKind::Line | QueueKind::Heap) && !rules.contains(&DispatchRule::Random)
     };
-    let usual = |operation: &Operation| operation.setup_spread.is_none() && operation.work_per != WorkPer::Batch;
+    let usual = |operation: &Operation| {
+        operation.setup_spread.is_none() && operation.work_per != WorkPer::Batch && !operation.has_own_times()
+    };
     let parts = &scenario.parts;
     layout.machine_plans.iter().enumerate().all(|(machine, plan)| plan.is_quick && stands(machine))
         && scenario.branch.is_none()
