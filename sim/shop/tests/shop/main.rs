@@ -26,6 +26,7 @@ mod lots;
 mod names;
 mod operators;
 mod orders;
+mod own_times;
 mod paces;
 mod part_programs;
 mod pieces;
