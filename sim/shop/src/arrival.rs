@@ -93,9 +93,7 @@ impl<R: Recorder> Shop<'_, R> {
         let slot = self.world.jobs.insert(job);
         let mut ranks = std::mem::take(&mut self.world.sources[source].ranks);
         if let Some(own) = ranks.iter_mut().find(|own| own.part == part) {
-            for (operation, time) in own.next(&self.scenario.parts[part].operations) {
-                *self.world.jobs.drawn_mut(slot, operation) = time;
-            }
+            own.next(&self.scenario.parts[part].operations, self.world.jobs.drawn_of(slot));
             for (operation, stream) in &mut own.apart {
                 self.draw_work(slot, *operation, stream);
             }

@@ -85,16 +85,22 @@ impl Ranks {
         scenario.arrivals[source].parts.iter().map(of_part).collect()
     }
 
-    /// Operations with plain work alike for all pieces of the next job, and their times, s; `operations` are those of its part.
+    /// Times of the next job for operations with plain work alike for all its pieces, s, into `drawn`, which has a place for
+    /// every operation; `operations` are those of its part.
     #[inline]
-    pub fn next<'a>(&'a mut self, operations: &[Operation]) -> impl Iterator<Item = (usize, f64)> + 'a {
+    pub fn next(&mut self, operations: &[Operation], drawn: &mut [f64]) {
         let count = self.streams.len();
         if self.used * count == self.times.len() && count > 0 {
             self.draw(operations);
         }
         let first = self.used * count;
         self.used += 1;
-        self.together.iter().copied().zip(self.times[first..first + count].iter().copied())
+        let times = &self.times[first..first + count];
+        if self.together.last().is_none_or(|last| last + 1 == count) {
+            drawn[..count].copy_from_slice(times); // all operations from the first on
+        } else {
+            self.together.iter().zip(times).for_each(|(operation, time)| drawn[*operation] = *time);
+        }
     }
 
     fn draw(&mut self, operations: &[Operation]) {

@@ -227,6 +227,13 @@ impl Jobs {
         &mut self.drawn[slot as usize * self.stride + operation]
     }
 
+    /// Times of plain work of a job by operation, s, to draw them.
+    #[inline]
+    pub(super) fn drawn_of(&mut self, slot: u32) -> &mut [f64] {
+        let first = slot as usize * self.stride;
+        &mut self.drawn[first..first + self.stride]
+    }
+
     /// The rank from which the plain work of an operation of a job was drawn; 0 where nothing was.
     pub(super) fn rank(&self, slot: u32, operation: usize) -> f64 {
         self.ranks.get(slot as usize * self.stride + operation).copied().unwrap_or(0.0)

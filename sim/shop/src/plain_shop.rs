@@ -251,9 +251,7 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
         let slot = self.jobs.insert(job);
         let drawn = self.jobs.drawn_of(slot);
         if let Some(ranks) = own.state.ranks.iter_mut().find(|ranks| ranks.part == part) {
-            for (operation, time) in ranks.next(&scenario.parts[part].operations) {
-                drawn[operation] = time;
-            }
+            ranks.next(&scenario.parts[part].operations, drawn);
         }
         let plans = &self.layout.operations[part];
         let time = |(plan, drawn): (_, &f64)| time_of(plan, f64::from(quantity), *drawn);
