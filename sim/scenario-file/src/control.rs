@@ -210,7 +210,10 @@ fn machine_time<'d>(
             let Kind::Quantity(duration) = &DURATION else { return None };
             match walk.quantity(name, duration, value) {
                 Value::Si(time) => Some(MachineTime::Own(Distribution::Constant(time))),
-                _ => None, // a problem was noted
+                // A problem was noted.
+                Value::Count(_) | Value::Text(_) | Value::Flag(_) | Value::List(_) | Value::Raw(_) | Value::Faulty => {
+                    None
+                }
             }
         }
         Some(_) | None => {

@@ -11,6 +11,9 @@ use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose, SimTime, Stream, Streams};
 use toolroom_scenario::{ArrivalPattern, Distribution, DrawUnit, DueRule, InProcess, Scenario, Work, by_id};
 
+/// An operation with plain work of an order: the rank of all its jobs and the time of it, s, where they have one, and the stream.
+type DrawnTogether = (usize, Option<(f64, f64)>, Stream);
+
 impl<R: Recorder> Shop<'_, R> {
     /// Schedules the first release of every source; constant work enters at once.
     pub(super) fn open_sources(&mut self) -> Result<(), ShopError> {
@@ -149,7 +152,7 @@ impl<R: Recorder> Shop<'_, R> {
             self.set_lot_at_start(order, inside, passed);
         }
         // One rank of every operation for the whole order, or one for each of its pieces.
-        let mut ranks: Vec<(usize, Option<(f64, f64)>, Stream)> = Vec::new();
+        let mut ranks: Vec<DrawnTogether> = Vec::new();
         for (index, operation) in part.operations.iter().enumerate() {
             if let Work::Plain(work) = &operation.work {
                 let owner = Entity::named(&format!("order {}/{}", ordered.id, operation.name));
