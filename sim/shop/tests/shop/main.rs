@@ -31,6 +31,7 @@ mod paces;
 mod part_programs;
 mod pieces;
 mod places;
+mod plain_shops;
 mod queues;
 mod replay;
 mod scenarios;
