@@ -42,6 +42,7 @@ struct Stays {
 impl Stays {
     /// The share of an operation's own production time that lies in the window from the end of the warm-up to `end`, and whether it
     /// was completed in it. Stays before the operation are forgotten.
+    #[inline]
     fn share(&mut self, row: &OperationRow, warm_up: f64, end: f64) -> (f64, bool) {
         let before = self.production.iter().take_while(|(_, over)| *over <= row.start).count();
         if before > 0 {
@@ -159,8 +160,10 @@ impl Recorder for Counting<'_> {
         }
     }
 
+    #[inline]
     fn arrival(&mut self, _: u32, _: JobRow) {}
 
+    #[inline]
     fn job(&mut self, number: u32, row: JobRow) {
         if row.finish.is_nan() {
             self.remaining.push((number, row));
@@ -179,6 +182,7 @@ impl Recorder for Counting<'_> {
         }
     }
 
+    #[inline]
     fn operation(&mut self, row: OperationRow) {
         let stays = &mut self.machines[row.machine as usize];
         if stays.operations.is_empty() && row.end <= stays.until {
@@ -189,6 +193,7 @@ impl Recorder for Counting<'_> {
         }
     }
 
+    #[inline]
     fn state(&mut self, row: StateRow) {
         self.tally.add_state(self.scenario, &row);
         let machine = row.machine as usize;
@@ -202,6 +207,7 @@ impl Recorder for Counting<'_> {
         }
     }
 
+    #[inline]
     fn event(&mut self, row: EventRow) {
         self.tally.add_event(self.scenario, &row);
     }

@@ -220,6 +220,7 @@ impl Tally {
     }
 
     /// A failure or the onset of chatter counts.
+    #[inline]
     pub fn add_event(&mut self, scenario: &Scenario, row: &EventRow) {
         if row.time < scenario.warm_up {
             return;
@@ -262,6 +263,7 @@ impl Tally {
 
     /// Planned busy time comes from the calendar alone, whatever the machine does; what it works
     /// beyond the end of a shift is added.
+    #[inline]
     pub fn add_state(&mut self, scenario: &Scenario, row: &StateRow) {
         if row.end <= scenario.warm_up {
             return;
@@ -345,6 +347,7 @@ impl Tally {
     /// An operation earns its planned time by the share of its own production time
     /// that lies in the window; the quantities count what is completed in it. What an interruption undid took
     /// time and earns nothing.
+    #[inline]
     pub fn add_operation(&mut self, row: &OperationRow, share: f64, completed: bool) {
         let Planned { programmed, work, ground } = self.planned[row.part as usize][row.operation as usize];
         let pieces = f64::from(row.quantity);

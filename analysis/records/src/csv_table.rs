@@ -2,6 +2,7 @@
 
 use crate::RecordError;
 use std::path::Path;
+use toolroom_form::utf16_lossy;
 use toolroom_process::table::{BrokenQuote, Lines, broken_quote};
 use toolroom_process::unit;
 
@@ -78,13 +79,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawTable, BrokenQuote> {
 
 /// Text, and what it was read as unless UTF-8.
 fn decode(bytes: &[u8]) -> (String, Option<&'static str>) {
-    let wide = |body: &[u8], join: fn([u8; 2]) -> u16| {
-        let units: Vec<u16> = body.chunks_exact(2).map(|pair| join([pair[0], pair[1]])).collect();
-        String::from_utf16_lossy(&units)
-    };
+    if let Some(text) = utf16_lossy(bytes) {
+        return (text, Some("UTF-16"));
+    }
     match bytes {
-        [0xFF, 0xFE, body @ ..] => (wide(body, u16::from_le_bytes), Some("UTF-16")),
-        [0xFE, 0xFF, body @ ..] => (wide(body, u16::from_be_bytes), Some("UTF-16")),
         [0xEF, 0xBB, 0xBF, body @ ..] => (String::from_utf8_lossy(body).into_owned(), None),
         _ => match std::str::from_utf8(bytes) {
             Ok(text) => (text.to_owned(), None),

@@ -153,7 +153,7 @@ fn lead_times(
     let world = scenario.drawn(replication)?;
     let recorder = LeadTimes { from: 0.0, ..LeadTimes::from_scenario(scenario, MSER_BATCH) };
     let shop = Shop::with_recorder(&world, Arc::clone(policy), replication, recorder)?;
-    Ok(unless_stopped(shop, scenario.horizon, stop)?.map(|recorder| recorder.times().clone()))
+    Ok(unless_stopped(shop, stop)?.map(|recorder| recorder.times().clone()))
 }
 
 /// Where the start of runs of one shop ends.

@@ -296,7 +296,7 @@ pub fn run_study_as_far(
         let lead_times = if options.is_one_run() { OneRun::recorder(scenario) } else { None };
         let recorder = ((Counting::new(scenario), log), lead_times);
         let shop = Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, recorder)?;
-        let ended = unless_stopped(shop, scenario.horizon, stop)?;
+        let ended = unless_stopped(shop, stop)?;
         Ok(ended.map(|((counting, log), lead_times)| Run { lead_times, ..Run::of(scenario, &counting, log) }))
     };
     let shops = 1 + options.variants.len() as u32;
@@ -478,7 +478,8 @@ where
     }
     while study.replications < options.replications {
         let first = study.replications;
-        let end = chunk_end(first, options.logged);
+        let look = (!options.until.is_empty()).then(|| Precision::next_look(first));
+        let end = chunk_end(first, options.logged).min(look.unwrap_or(u32::MAX));
         let last = options.replications.min(end).min(options.stop_after.unwrap_or(u32::MAX));
         let tasks: Vec<(u32, usize)> = (first..last)
             .flat_map(|replication| options.policies.iter().map(move |&policy| (replication, policy)))
@@ -505,7 +506,7 @@ where
             }
             study.replications = replication + 1;
         }
-        if last == end && study.is_precise() {
+        if look == Some(last) && study.is_precise() {
             break;
         }
         if last < options.replications && options.stop_after.is_some_and(|most| most <= last) {

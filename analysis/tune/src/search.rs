@@ -310,7 +310,7 @@ impl Field<'_> {
         let world = scenario.drawn(replication).map_err(|source| refuse(source.into()))?;
         let counting = Counting::new(scenario);
         let shop = Shop::with_recorder(&world, Arc::clone(policy), replication, counting).map_err(refuse)?;
-        let counting = unless_stopped(shop, scenario.horizon, stop).map_err(refuse)?.ok_or(TuneError::Stopped)?;
+        let counting = unless_stopped(shop, stop).map_err(refuse)?.ok_or(TuneError::Stopped)?;
         let value = objective.sign * counting.values()[objective.index];
         let mut run =
             Run { objective: if value.is_finite() { value } else { f64::INFINITY }, edges: 0, collapsed: 0, failed: 0 };

@@ -31,6 +31,7 @@
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
 mod codes;
+mod encoding;
 mod error;
 mod fault;
 mod form;
@@ -50,6 +51,7 @@ mod walk;
 mod words;
 
 pub use codes::CODES;
+pub use encoding::{Encoding, Undecodable, utf16_lossy};
 pub use error::{FaultList, Origin, Place, ReadError};
 pub use fault::{ContentFault, Fault, nearest};
 pub use form::{CURRENCIES, Content, Form, Key, KeyCondition, Kind, Need, Quantity, joined, record_keys, same};

@@ -66,18 +66,26 @@ impl Walk {
 
     /// The text of a file that the value under `key` names; `None` where a problem was noted.
     pub fn file(&mut self, section: &Section<'_>, key: &str, path: &str) -> Option<String> {
-        let refuse = |source: std::io::Error| Fault::Unreadable { file: path.to_owned(), reason: source.kind() };
+        let text = crate::text::decode(path, &self.bytes(section, key, path)?);
+        if text.is_err() {
+            self.fault(section.span_of(key), Fault::NotUtf8 { file: path.to_owned() });
+        }
+        text.ok()
+    }
+
+    /// The bytes of a file that the value under `key` names; `None` where a problem was noted.
+    pub fn bytes(&mut self, section: &Section<'_>, key: &str, path: &str) -> Option<Vec<u8>> {
         let place = self.folder.join(path);
-        let bytes = crate::bytes(&place).map_err(refuse);
+        let bytes = crate::bytes(&place);
         self.files.push(place);
         match bytes {
-            Ok(bytes) => match crate::text::decode(path, &bytes) {
-                Ok(text) => return Some(text),
-                Err(_) => self.fault(section.span_of(key), Fault::NotUtf8 { file: path.to_owned() }),
-            },
-            Err(fault) => self.fault(section.span_of(key), fault),
+            Ok(bytes) => Some(bytes),
+            Err(source) => {
+                let fault = Fault::Unreadable { file: path.to_owned(), reason: source.kind() };
+                self.fault(section.span_of(key), fault);
+                None
+            }
         }
-        None
     }
 
     /// Reads a section. `case` decides keys that depend on something outside the section, such as

@@ -79,33 +79,33 @@ struct Slot<E> {
     event: Option<E>,
 }
 
-const SLOT_BITS: u32 = 28;
+pub(super) const SLOT_BITS: u32 = 28;
 const SEQUENCE_BITS: u32 = 34;
 const CLASS_BITS: u32 = 3;
 const TIME_SHIFT: u32 = SLOT_BITS + SEQUENCE_BITS + CLASS_BITS;
-const SEQUENCE_END: u64 = 1 << SEQUENCE_BITS;
+pub(super) const SEQUENCE_END: u64 = 1 << SEQUENCE_BITS;
 /// Below this many dead entries a clean-up costs more than it saves.
 const DEAD_TOLERATED: usize = 64;
 const _: () = assert!(TIME_SHIFT + 63 == u128::BITS && Class::ALL.len() <= 1 << CLASS_BITS);
 
 #[inline]
-fn pack(time: SimTime, class: Class, sequence: u64, slot: u32) -> u128 {
+pub(super) fn pack(time: SimTime, class: Class, sequence: u64, slot: u32) -> u128 {
     let order = ((class as u64) << SEQUENCE_BITS | sequence) as u128;
     (time.to_bits() as u128) << TIME_SHIFT | order << SLOT_BITS | slot as u128
 }
 
 #[inline]
-fn time_of(packed: u128) -> SimTime {
+pub(super) fn time_of(packed: u128) -> SimTime {
     SimTime::from_own_bits((packed >> TIME_SHIFT) as u64)
 }
 
 #[inline]
-fn class_of(packed: u128) -> Class {
+pub(super) fn class_of(packed: u128) -> Class {
     Class::ALL[(packed >> (SLOT_BITS + SEQUENCE_BITS)) as usize & ((1 << CLASS_BITS) - 1)]
 }
 
 #[inline]
-fn slot_of(packed: u128) -> usize {
+pub(super) fn slot_of(packed: u128) -> usize {
     packed as usize & ((1 << SLOT_BITS) - 1)
 }
 

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`SimTime`] | seconds since the start: finite, not negative, totally ordered |
 //! | [`Calendar`], [`Class`], [`EventKey`] | pending events in the order (time, class, sequence), with cancellation |
+//! | [`Agenda`] | the same for numbered events that are never cancelled |
 //! | [`Streams`], [`Entity`], [`Purpose`] | the same entity draws the same numbers under every policy and thread count |
 //! | [`Digest`] | two runs with equal digests went through the same events at the same times |
 //! | [`KernelError`] | what the kernel refuses |
@@ -59,6 +60,7 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod agenda;
 mod calendar;
 mod digest;
 mod error;
@@ -66,6 +68,7 @@ mod heap;
 mod streams;
 mod time;
 
+pub use agenda::Agenda;
 pub use calendar::{Calendar, Class, EventKey};
 pub use digest::Digest;
 pub use error::KernelError;

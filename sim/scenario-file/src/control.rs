@@ -2,13 +2,16 @@
 
 use super::choices::{DueWord, ReleaseWord};
 use super::fault::ScenarioFault;
+use super::keys::quantity::{DISTRIBUTION, DURATION};
 use super::names::{Names, named, reference};
 use super::queue_rules::{queue_rules, rules_under};
-use std::collections::BTreeMap;
-use toolroom_form::{Fault, Section, Walk, nearest};
+use super::random::law;
+use toml::Spanned;
+use toml::de::DeValue;
+use toolroom_form::{Fault, Kind, Section, Value, Walk, nearest};
 use toolroom_scenario::{
-    Assignment, CardLoop, Control, DispatchRule, DueRule, InspectedTo, KeyOptions, KeyTime, MOST_LOOPS, NextQueue,
-    Operation, Order, Part, QueueChoice, ReleaseRule, SlackBy,
+    Assignment, CardLoop, Control, DispatchRule, Distribution, DueRule, InspectedTo, KeyOptions, KeyTime, MOST_LOOPS,
+    MachineTime, NextQueue, Operation, Order, Part, QueueChoice, ReleaseRule, SlackBy,
 };
 
 /// Loops, release and options of the rules of a file whose parts and orders are known.
@@ -138,11 +141,23 @@ pub(super) fn due(walk: &mut Walk, arrivals: &Section<'_>) -> DueRule {
     }
 }
 
-/// The key `time_on` of an operation: factors by machine.
-pub(super) fn time_on(walk: &mut Walk, section: &Section<'_>, names: &Names, machines: &[usize]) -> Vec<(usize, f64)> {
-    let factors: BTreeMap<String, String> = walk.texts(section, "time_on", "{ CMM3 = 1.25 }");
+/// The key `time_on` of an operation: a factor or a time of its own by machine.
+pub(super) fn time_on(
+    walk: &mut Walk,
+    section: &Section<'_>,
+    names: &Names,
+    machines: &[usize],
+) -> Vec<(usize, MachineTime)> {
+    let Some(got) = section.got("time_on") else { return Vec::new() };
+    let Value::Raw(raw) = &got.value else { return Vec::new() };
+    let DeValue::Table(table) = raw else {
+        let example = "{ CMM3 = 1.25 }".to_owned();
+        walk.wrong_type("time_on", raw, "a table of machines and times", got.span.clone(), example);
+        return Vec::new();
+    };
     let mut read = Vec::new();
-    for (name, text) in factors {
+    for (name, value) in table {
+        let name = name.get_ref().to_string();
         let Some((_, indices)) = names.machines.iter().find(|(known, _)| *known == name) else {
             let known = || names.machines.iter().map(|(name, _)| name.as_str());
             let fault = Fault::UnknownName {
@@ -154,22 +169,59 @@ pub(super) fn time_on(walk: &mut Walk, section: &Section<'_>, names: &Names, mac
             walk.fault(section.span_of("time_on"), fault);
             continue;
         };
-        let factor = text.parse::<f64>().ok().filter(|factor| *factor > 0.0 && factor.is_finite());
-        let others = indices.iter().any(|index| !machines.contains(index));
-        let (reason, fix) = match factor {
-            None => (format!("{name} = {text} is no factor on a time"), "write a number above 0, such as 1.25"),
-            Some(_) if others => {
-                (format!("machine \"{name}\" does not do the operation"), "name one of its `machines`")
-            }
-            Some(factor) => {
-                read.extend(indices.iter().map(|index| (*index, factor)));
-                continue;
-            }
-        };
-        let fix = fix.to_owned();
-        walk.fault(section.span_of("time_on"), ScenarioFault::Arrangement { reason, fix });
+        if indices.iter().any(|index| !machines.contains(index)) {
+            let reason = format!("machine \"{name}\" does not do the operation");
+            refuse(walk, section, "time_on", reason, "name one of its `machines`");
+            continue;
+        }
+        if let Some(time) = machine_time(walk, section, &name, value) {
+            read.extend(indices.iter().map(|index| (*index, time.clone())));
+        }
     }
     read
+}
+
+/// What `time_on` has for a machine: a number is a factor, a duration or a table with a family is a time of its own.
+fn machine_time<'d>(
+    walk: &mut Walk,
+    section: &Section<'d>,
+    name: &str,
+    value: &Spanned<DeValue<'d>>,
+) -> Option<MachineTime> {
+    let number = |text: &str| text.parse::<f64>().ok();
+    let (factor, text) = match value.get_ref() {
+        DeValue::Integer(integer) => (number(integer.as_str()), integer.as_str().to_owned()),
+        DeValue::Float(float) => (number(float.as_str()), float.as_str().to_owned()),
+        DeValue::String(text) => (number(text), text.to_string()),
+        DeValue::Table(table) => {
+            let path = format!("{}, time_on {name}", section.path);
+            let table = walk.section(&DISTRIBUTION, &path, table, value.span(), None);
+            return Some(MachineTime::Own(law(walk, &table)));
+        }
+        other @ (DeValue::Boolean(_) | DeValue::Datetime(_) | DeValue::Array(_)) => {
+            let expected = "a factor, a duration or a table with a distribution";
+            walk.wrong_type(name, other, expected, value.span(), "1.25".to_owned());
+            return None;
+        }
+    };
+    match factor {
+        Some(factor) if factor > 0.0 && factor.is_finite() => Some(MachineTime::Factor(factor)),
+        None if matches!(value.get_ref(), DeValue::String(_)) => {
+            let Kind::Quantity(duration) = &DURATION else { return None };
+            match walk.quantity(name, duration, value) {
+                Value::Si(time) => Some(MachineTime::Own(Distribution::Constant(time))),
+                // A problem was noted.
+                Value::Count(_) | Value::Text(_) | Value::Flag(_) | Value::List(_) | Value::Raw(_) | Value::Faulty => {
+                    None
+                }
+            }
+        }
+        Some(_) | None => {
+            let reason = format!("{name} = {text} is no factor on a time");
+            refuse(walk, section, "time_on", reason, "write a number above 0, such as 1.25");
+            None
+        }
+    }
 }
 
 /// Finds what could never work, or is not modelled together.

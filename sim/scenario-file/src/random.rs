@@ -15,6 +15,11 @@ pub(super) fn distribution(walk: &mut Walk, section: &Section<'_>, key: &str) ->
         return Distribution::Constant(time);
     }
     let Some(table) = walk.table(section, key) else { return Distribution::Constant(f64::NAN) };
+    law(walk, &table)
+}
+
+/// A table with a family; the placeholder after a fault is a constant.
+pub(super) fn law(walk: &mut Walk, table: &Section<'_>) -> Distribution {
     let value = |key: &str| table.required(key);
     let Some(family) = table.chosen("distribution", FamilyWord::from_word) else {
         return Distribution::Constant(f64::NAN); // a problem was noted
@@ -27,30 +32,30 @@ pub(super) fn distribution(walk: &mut Walk, section: &Section<'_>, key: &str) ->
         FamilyWord::Lognormal => Distribution::Lognormal { mean: value("mean"), cv: value("cv") },
         FamilyWord::Weibull => Distribution::Weibull { mean: value("mean"), shape: value("shape") },
         FamilyWord::Triangular => {
-            let (low, mode, high) = three_points(walk, &table);
+            let (low, mode, high) = three_points(walk, table);
             Distribution::Triangular { low, mode, high }
         }
         FamilyWord::Beta | FamilyWord::Pert => {
-            let (low, mode, high) = three_points(walk, &table);
+            let (low, mode, high) = three_points(walk, table);
             Distribution::Beta { low, mode, high }
         }
         FamilyWord::Normal => {
             let (low, high) = (value("low"), table.si("high").unwrap_or(f64::INFINITY));
-            ascending(walk, &table, ("low", low), ("high", high), false);
-            normal(walk, &table, low, high)
+            ascending(walk, table, ("low", low), ("high", high), false);
+            normal(walk, table, low, high)
         }
         FamilyWord::Uniform => {
             let (low, high) = (value("low"), value("high"));
-            ascending(walk, &table, ("low", low), ("high", high), false);
+            ascending(walk, table, ("low", low), ("high", high), false);
             Distribution::Uniform { low, high }
         }
         FamilyWord::DiscreteUniform => {
             let (low, high) = (value("low"), value("high"));
-            ascending(walk, &table, ("low", low), ("high", high), false);
-            steps(walk, &table, low, high)
+            ascending(walk, table, ("low", low), ("high", high), false);
+            steps(walk, table, low, high)
         }
-        FamilyWord::Empirical => empirical(walk, &table),
-        FamilyWord::Fitted => fitted::law(walk, &table),
+        FamilyWord::Empirical => empirical(walk, table),
+        FamilyWord::Fitted => fitted::law(walk, table),
     }
 }
 

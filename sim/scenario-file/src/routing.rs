@@ -173,6 +173,11 @@ fn operations(
             scrap_on_tool_failure: section.si("scrap_on_tool_failure").unwrap_or(0.0),
         };
         jobs::flow(walk, &section, &mut operation, machines);
+        if operation.draw == DrawUnit::Part && operation.has_own_times() {
+            let reason = "pieces with times of their own have one distribution on all machines".to_owned();
+            let fix = "take out `draw = \"part\"`, or give `time_on` factors".to_owned();
+            walk.fault(section.span_of("time_on"), ScenarioFault::Arrangement { reason, fix });
+        }
         operations.push(operation);
         sections.push(section);
     }

@@ -5,7 +5,7 @@ use super::fault::ScenarioFault;
 use super::names::reference;
 use super::order_columns::Columns;
 use super::orders::Around;
-use super::table::Table;
+use super::table::{self, Table};
 use std::collections::BTreeMap;
 use toolroom_form::{Section, Span, Walk};
 use toolroom_scenario::{InspectedTo, Order, PlannedOperation, Preemption, Schedule};
@@ -33,7 +33,7 @@ pub(super) fn schedule(
     }
     if let Some(tables) = around.tables
         && let Some(file) = tables.text("schedule")
-        && let Some(text) = walk.file(tables, "schedule", file)
+        && let Some(text) = table::text(walk, tables, "schedule", file)
     {
         given = true;
         place = tables.span_of("schedule");

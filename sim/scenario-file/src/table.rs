@@ -6,7 +6,7 @@ use super::order_columns::Columns;
 use std::borrow::Cow;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use toolroom_form::{Fault, Form, Kind, Need, Section, Span, Walk, nearest};
+use toolroom_form::{Encoding, Form, Kind, Need, Section, Span, Undecodable, Walk, nearest};
 use toolroom_process::table::Lines;
 
 /// What else columns of orders may be called.
@@ -117,20 +117,27 @@ impl Table<'_> {
     }
 }
 
-/// The text of a table that the value under `key` names; `None` where a problem was noted. Spreadsheets write other encodings,
-/// too: which one a file has cannot be told for certain, and a wrong letter in a name is another part.
-pub(super) fn text(walk: &mut Walk, section: &Section<'_>, key: &str, file: &str) -> Option<String> {
-    let noted = walk.problems.len();
-    let text = walk.file(section, key, file);
-    for problem in &mut walk.problems[noted..] {
-        if matches!(problem.fault, Fault::NotUtf8 { .. }) {
-            let fix = "save it as UTF-8 (in spreadsheets the format \"CSV UTF-8\"), or read it with `toolroom import shop`, \
-                       which takes UTF-16 and Latin-1 as well";
-            let reason = format!("the table {file} is not UTF-8");
-            problem.fault = ScenarioFault::Arrangement { reason, fix: fix.to_owned() }.into();
+/// The text of a table that the value under `key` of `[tables]` names, in the encoding of that section; `None` where a problem was
+/// noted. Which encoding a file has cannot be told for certain, and a wrong letter in a name is another part: it is asked for.
+pub(super) fn text(walk: &mut Walk, tables: &Section<'_>, key: &str, file: &str) -> Option<String> {
+    let encoding = tables.chosen("encoding", Encoding::from_word).unwrap_or_default();
+    let bytes = walk.bytes(tables, key, file)?;
+    match encoding.decode(&bytes) {
+        Ok(text) => Some(text),
+        Err(Undecodable { line, reason }) => {
+            let fix = match encoding {
+                Encoding::Utf8 | Encoding::Latin1 => {
+                    "say what it is, `encoding = \"windows-1252\"` (or \"latin-1\", \"utf-16\") under [tables], or save the \
+                     file as UTF-8 (in spreadsheets the format \"CSV UTF-8\")"
+                }
+                Encoding::Utf16 | Encoding::Windows1252 => "take out `encoding`, or save the file as UTF-8",
+            };
+            let file = file.to_owned();
+            let fault = ScenarioFault::TableCell { file, line, reason, fix: Some(fix.to_owned()) };
+            walk.fault(tables.span_of(key), fault);
+            None
         }
     }
-    text
 }
 
 /// The form of the sections of a kind, which rows of a table have too.

@@ -73,7 +73,7 @@ pub use inspection::{InspectedTo, InspectedUnit, Inspection, InspectionOutcome, 
 pub use life_only::{EdgeLife, LifeOnly, LifeSpeed, WornTool};
 pub use maintenance::Maintenance;
 pub use order::{InProcess, MachineChoice, Order, by_id};
-pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
+pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, MachineTime, Operation, Part, Work, lot_name};
 pub use policy::{Knowledge, PolicyRule, SensorSheet, ToolChangeRule};
 pub use posterior::{DrawReader, DrawTable, Posterior, read_posterior, read_posterior_of_pair, set_draw_reader};
 pub use program::{ProgramWork, ProgramWorkError, ToolCall};

@@ -52,8 +52,8 @@ pub struct Operation {
     pub machines: Vec<usize>,
     /// Which of several idle machines takes it; `None`: as everywhere in the shop.
     pub machine_choice: Option<MachineChoice>,
-    /// Machines, by index, on which plain work takes longer or shorter, by a factor on its time.
-    pub time_on: Vec<(usize, f64)>,
+    /// Machines, by index, on which plain work takes another time.
+    pub time_on: Vec<(usize, MachineTime)>,
     /// Tool, by index, of a part program the first; `None` for plain work, which has none.
     pub tool: Option<usize>,
     /// Tool of which an edge wears in plain work; `None`: none does.
@@ -90,7 +90,28 @@ pub struct Operation {
 impl Operation {
     /// Factor of a machine on the time of plain work.
     pub fn pace_on(&self, machine: usize) -> f64 {
-        self.time_on.iter().find(|(own, _)| *own == machine).map_or(1.0, |(_, factor)| *factor)
+        match self.time_on.iter().find(|(own, _)| *own == machine) {
+            Some((_, MachineTime::Factor(factor))) => *factor,
+            Some((_, MachineTime::Own(_))) | None => 1.0,
+        }
+    }
+
+    /// The time of plain work on a machine that has one of its own, s.
+    pub fn own_time_on(&self, machine: usize) -> Option<&Distribution> {
+        self.time_on.iter().find(|(own, _)| *own == machine).and_then(|(_, time)| match time {
+            MachineTime::Own(time) => Some(time),
+            MachineTime::Factor(_) => None,
+        })
+    }
+
+    /// Whether any machine has a time of its own for plain work.
+    pub fn has_own_times(&self) -> bool {
+        self.time_on.iter().any(|(_, time)| matches!(time, MachineTime::Own(_)))
+    }
+
+    /// Mean time of plain work on a machine, s, of a piece, a lot or a batch.
+    pub fn mean_time_on(&self, machine: usize) -> f64 {
+        self.own_time_on(machine).map_or_else(|| self.work.plain_time() * self.pace_on(machine), Distribution::mean)
     }
 
     /// Tool of a pass, by index: every pass of a part program has its own. Beyond the last pass it is that of the last.
@@ -100,6 +121,15 @@ impl Operation {
             Work::Plain(_) | Work::Cutting(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => self.tool,
         }
     }
+}
+
+/// The time of plain work on a machine on which it is not that of the operation.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MachineTime {
+    /// A factor on the time of the operation.
+    Factor(f64),
+    /// A time of its own: the rank that was drawn for a job is turned into a time by it.
+    Own(Distribution),
 }
 
 /// The work of an operation.

@@ -8,8 +8,11 @@ use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, JobRow, LogEvent};
 use rand::RngExt;
-use toolroom_kernel::{Entity, Purpose, SimTime, Stream};
-use toolroom_scenario::{ArrivalPattern, Distribution, DrawUnit, DueRule, InProcess, Work, by_id};
+use toolroom_kernel::{Entity, Purpose, SimTime, Stream, Streams};
+use toolroom_scenario::{ArrivalPattern, Distribution, DrawUnit, DueRule, InProcess, Scenario, Work, by_id};
+
+/// An operation with plain work of an order: the rank of all its jobs and the time of it, s, where they have one, and the stream.
+type DrawnTogether = (usize, Option<(f64, f64)>, Stream);
 
 impl<R: Recorder> Shop<'_, R> {
     /// Schedules the first release of every source; constant work enters at once.
@@ -60,14 +63,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// Draws when the next job of a source comes.
     fn schedule_next(&mut self, source: usize) -> Result<(), ShopError> {
         let stream = &mut self.world.sources[source].stream;
-        let time = match &self.scenario.arrivals[source].pattern {
-            ArrivalPattern::Renewal(time) => time.sample(stream),
-            ArrivalPattern::Poisson { rate } if *rate > 0.0 => -(-stream.random::<f64>()).ln_1p() / rate,
-            ArrivalPattern::Poisson { .. }
-            | ArrivalPattern::Schedule(_)
-            | ArrivalPattern::Batch { .. }
-            | ArrivalPattern::ConstantWork { .. } => return Ok(()),
-        };
+        let Some(time) = next_interval(&self.scenario.arrivals[source].pattern, stream) else { return Ok(()) };
         let next = self.now().after(self.interval(source, time))?;
         self.schedule(next, Event::Arrival { source: source as u32 })?;
         Ok(())
@@ -80,7 +76,7 @@ impl<R: Recorder> Shop<'_, R> {
         self.world.sources[source].released += 1;
         let origin = self.layout.sources[source];
         let entity = origin.part(index);
-        let (part, quantity) = self.drawn_job(source, entity);
+        let (part, quantity) = drawn_job(self.scenario, &self.streams, source, entity);
         let first_piece = self.world.sources[source].pieces;
         self.world.sources[source].pieces += u64::from(quantity);
         let lot = index / u64::from(self.scenario.parts[part].batch_size.max(1));
@@ -100,9 +96,7 @@ impl<R: Recorder> Shop<'_, R> {
         let slot = self.world.jobs.insert(job);
         let mut ranks = std::mem::take(&mut self.world.sources[source].ranks);
         if let Some(own) = ranks.iter_mut().find(|own| own.part == part) {
-            for (operation, time) in own.next(&self.scenario.parts[part].operations) {
-                *self.world.jobs.drawn_mut(slot, operation) = time;
-            }
+            own.next(&self.scenario.parts[part].operations, self.world.jobs.drawn_of(slot));
             for (operation, stream) in &mut own.apart {
                 self.draw_work(slot, *operation, stream);
             }
@@ -118,30 +112,6 @@ impl<R: Recorder> Shop<'_, R> {
         self.recorder.arrival(number, row);
         self.log_event(LogEvent::Arrival, None, Some(number), None);
         self.let_in(slot)
-    }
-
-    /// Part and pieces of the job of a source that comes now.
-    fn drawn_job(&self, source: usize, entity: Entity) -> (usize, u32) {
-        let arrival = &self.scenario.arrivals[source];
-        let part = match arrival.parts[..] {
-            [(only, _)] => only,
-            _ => {
-                let rank: f64 = self.streams.open(entity.part(draws::PART), Purpose::Arrival).random();
-                let mut below = 0.0;
-                let found = arrival.parts.iter().find(|(_, share)| {
-                    below += share;
-                    rank < below
-                });
-                // Rounding may leave the sum of all shares a little below 1.
-                found.or(arrival.parts.last()).map_or(0, |(part, _)| *part)
-            }
-        };
-        let quantity = if let Distribution::Constant(pieces) = arrival.quantity {
-            pieces
-        } else {
-            arrival.quantity.sample(&mut self.streams.open(entity.part(draws::QUANTITY), Purpose::Arrival))
-        };
-        (part, (quantity.round() as u32).max(1))
     }
 
     /// Schedules the release of every order; those that are in the shop already come to their places first. What comes in the
@@ -182,13 +152,13 @@ impl<R: Recorder> Shop<'_, R> {
             self.set_lot_at_start(order, inside, passed);
         }
         // One rank of every operation for the whole order, or one for each of its pieces.
-        let mut ranks: Vec<(usize, Option<f64>, Stream)> = Vec::new();
+        let mut ranks: Vec<DrawnTogether> = Vec::new();
         for (index, operation) in part.operations.iter().enumerate() {
             if let Work::Plain(work) = &operation.work {
                 let owner = Entity::named(&format!("order {}/{}", ordered.id, operation.name));
                 let mut stream = self.streams.open(owner, Purpose::Processing);
-                let together = (operation.draw == DrawUnit::Lot).then(|| work.sample(&mut stream));
-                ranks.push((index, together, stream));
+                let rank = (operation.draw == DrawUnit::Lot).then(|| stream.random());
+                ranks.push((index, rank.map(|rank| (rank, work.quantile(rank))), stream));
             }
         }
         let (mut left, mut ticket) = (pieces, None);
@@ -223,7 +193,10 @@ impl<R: Recorder> Shop<'_, R> {
             });
             for (operation, together, stream) in &mut ranks {
                 match together {
-                    Some(time) => self.set_work(slot, *operation, *time),
+                    &mut Some((rank, time)) => {
+                        self.set_rank(slot, *operation, rank);
+                        self.set_work(slot, *operation, time);
+                    }
                     None => self.draw_work(slot, *operation, stream),
                 }
             }
@@ -352,14 +325,63 @@ impl<R: Recorder> Shop<'_, R> {
         let part = row.part as usize;
         let time = |operation: usize| self.layout.drawn_time(&self.world.jobs, slot, part, operation);
         let work = || (0..self.layout.operations[part].len()).map(time).sum::<f64>();
-        match &self.scenario.arrivals[source].due {
-            DueRule::Allowance => None,
-            DueRule::Random(allowance) => {
-                let owner = self.world.jobs.at(slot).entity.part(draws::DUE);
-                Some(row.arrival + allowance.sample(&mut self.streams.open(owner, Purpose::Arrival)))
-            }
-            DueRule::TotalWork { k } => Some(row.arrival + k * work()),
-            DueRule::Slack { slack } => Some(row.arrival + work() + slack),
-        }
+        let entity = || self.world.jobs.at(slot).entity;
+        due_by(&self.scenario.arrivals[source].due, row.arrival, work, (&self.streams, entity))
     }
+}
+
+/// When a job is due that came at `arrival`, s, where that hangs on its work; `entity` draws for it.
+#[inline]
+pub(super) fn due_by(
+    rule: &DueRule,
+    arrival: f64,
+    work: impl Fn() -> f64,
+    (streams, entity): (&Streams, impl Fn() -> Entity),
+) -> Option<f64> {
+    match rule {
+        DueRule::Allowance => None,
+        DueRule::Random(allowance) => {
+            let owner = entity().part(draws::DUE);
+            Some(arrival + allowance.sample(&mut streams.open(owner, Purpose::Arrival)))
+        }
+        DueRule::TotalWork { k } => Some(arrival + k * work()),
+        DueRule::Slack { slack } => Some(arrival + work() + slack),
+    }
+}
+
+/// Draws the time to the next job of a source, s; `None` where its jobs do not come one after the other.
+#[inline]
+pub(super) fn next_interval(pattern: &ArrivalPattern, stream: &mut Stream) -> Option<f64> {
+    match pattern {
+        ArrivalPattern::Renewal(time) => Some(time.sample(stream)),
+        ArrivalPattern::Poisson { rate } if *rate > 0.0 => Some(-(-stream.random::<f64>()).ln_1p() / rate),
+        ArrivalPattern::Poisson { .. }
+        | ArrivalPattern::Schedule(_)
+        | ArrivalPattern::Batch { .. }
+        | ArrivalPattern::ConstantWork { .. } => None,
+    }
+}
+
+/// Part and pieces of the job of a source for which `entity` draws.
+pub(super) fn drawn_job(scenario: &Scenario, streams: &Streams, source: usize, entity: Entity) -> (usize, u32) {
+    let arrival = &scenario.arrivals[source];
+    let part = match arrival.parts[..] {
+        [(only, _)] => only,
+        _ => {
+            let rank: f64 = streams.open(entity.part(draws::PART), Purpose::Arrival).random();
+            let mut below = 0.0;
+            let found = arrival.parts.iter().find(|(_, share)| {
+                below += share;
+                rank < below
+            });
+            // Rounding may leave the sum of all shares a little below 1.
+            found.or(arrival.parts.last()).map_or(0, |(part, _)| *part)
+        }
+    };
+    let quantity = if let Distribution::Constant(pieces) = arrival.quantity {
+        pieces
+    } else {
+        arrival.quantity.sample(&mut streams.open(entity.part(draws::QUANTITY), Purpose::Arrival))
+    };
+    (part, (quantity.round() as u32).max(1))
 }

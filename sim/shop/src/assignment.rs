@@ -56,8 +56,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn time_on(&self, machine: usize, part: usize, index: usize) -> f64 {
         let operation = &self.scenario.parts[part].operations[index];
         let passes: f64 = self.layout.pass_times[part][index].iter().sum();
-        let work = operation.work.plain_time() * operation.pace_on(machine);
-        self.layout.handling[machine].iter().sum::<f64>() + passes + work
+        self.layout.handling[machine].iter().sum::<f64>() + passes + operation.mean_time_on(machine)
     }
 
     /// A job joins the queue of one machine of its operation, where that is settled when it comes.
@@ -88,8 +87,13 @@ impl<R: Recorder> Shop<'_, R> {
     fn time_in_line(&self, slot: u32, machine: usize) -> f64 {
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
-        let pace = self.scenario.parts[part].operations[index].pace_on(machine);
-        self.layout.time(&self.world.jobs, slot, part, index) * pace
+        let operation = &self.scenario.parts[part].operations[index];
+        if let Some(own) = operation.own_time_on(machine) {
+            let known =
+                if self.layout.expected.is_empty() { self.own_work(machine, slot, index) } else { Some(own.mean()) };
+            return self.layout.time_with(&self.world.jobs, (slot, part, index), known);
+        }
+        self.layout.time(&self.world.jobs, slot, part, index) * operation.pace_on(machine)
     }
 
     /// The machine whose queue a job joins.

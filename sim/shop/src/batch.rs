@@ -122,15 +122,17 @@ impl<R: Recorder> Shop<'_, R> {
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let plan = &self.layout.operations[part][index];
         let pace = if plan.paced { self.scenario.parts[part].operations[index].pace_on(machine) } else { 1.0 };
+        let drawn = || self.own_work(machine, slot, index).unwrap_or_else(|| self.world.jobs.drawn(slot, index));
         match plan.work_per {
-            WorkPer::Part => (pace * f64::from(job.row.quantity), self.world.jobs.drawn(slot, index)),
-            WorkPer::Lot => (pace, self.world.jobs.drawn(slot, index)),
+            WorkPer::Part => (pace * f64::from(job.row.quantity), drawn()),
+            WorkPer::Lot => (pace, drawn()),
             WorkPer::Batch => {
                 let number = self.world.machines[machine].batch.begun;
                 let owner = Entity::named(&format!("batches of {}", self.scenario.machines[machine].name));
                 let mut stream = self.streams.at(owner, Purpose::Processing, number);
-                let Work::Plain(time) = &self.scenario.parts[part].operations[index].work else { return (pace, 0.0) };
-                (pace, time.sample(&mut stream))
+                let operation = &self.scenario.parts[part].operations[index];
+                let Work::Plain(time) = &operation.work else { return (pace, 0.0) };
+                (pace, operation.own_time_on(machine).unwrap_or(time).sample(&mut stream))
             }
         }
     }

@@ -37,10 +37,12 @@ pub(super) const PIECES: u64 = 1 << 41;
 pub(super) struct Ranks {
     /// The part.
     pub part: usize,
-    /// Operations with plain work in which the pieces of a job differ, and their streams.
+    /// Operations with plain work in which the pieces of a job or the laws of machines differ, and their streams.
     pub apart: Vec<(usize, Stream)>,
-    /// The other operations with plain work, and their streams.
-    streams: Vec<(usize, Stream)>,
+    /// The other operations with plain work; apart from their streams, which are large.
+    together: Vec<usize>,
+    /// Streams of these.
+    streams: Vec<Stream>,
     /// Times of the jobs to come, s, those of a job together.
     times: Vec<f64>,
     /// Jobs of them that have come.
@@ -72,30 +74,39 @@ impl Ranks {
             };
             let plain =
                 part.operations.iter().enumerate().filter(|(_, operation)| matches!(operation.work, Work::Plain(_)));
-            let (apart, streams) = plain
-                .map(|(index, operation)| (index, stream(operation)))
-                .partition(|(index, _)| layout.operations[number][*index].apart);
-            Self { part: number, apart, streams, times: Vec::new(), used: 0, jobs: 1 }
+            let (apart, others): (Vec<_>, Vec<_>) =
+                plain.map(|(index, operation)| (index, stream(operation))).partition(|(index, _)| {
+                    let plan = &layout.operations[number][*index];
+                    plan.apart || plan.own_times
+                });
+            let (together, streams) = others.into_iter().unzip();
+            Self { part: number, apart, together, streams, times: Vec::new(), used: 0, jobs: 1 }
         };
         scenario.arrivals[source].parts.iter().map(of_part).collect()
     }
 
-    /// Operations with plain work alike for all pieces of the next job, and their times, s; `operations` are those of its part.
+    /// Times of the next job for operations with plain work alike for all its pieces, s, into `drawn`, which has a place for
+    /// every operation; `operations` are those of its part.
     #[inline]
-    pub fn next<'a>(&'a mut self, operations: &[Operation]) -> impl Iterator<Item = (usize, f64)> + 'a {
+    pub fn next(&mut self, operations: &[Operation], drawn: &mut [f64]) {
         let count = self.streams.len();
         if self.used * count == self.times.len() && count > 0 {
             self.draw(operations);
         }
         let first = self.used * count;
         self.used += 1;
-        self.streams.iter().map(|(operation, _)| *operation).zip(self.times[first..first + count].iter().copied())
+        let times = &self.times[first..first + count];
+        if self.together.last().is_none_or(|last| last + 1 == count) {
+            drawn[..count].copy_from_slice(times); // all operations from the first on
+        } else {
+            self.together.iter().zip(times).for_each(|(operation, time)| drawn[*operation] = *time);
+        }
     }
 
     fn draw(&mut self, operations: &[Operation]) {
         let (count, jobs) = (self.streams.len(), self.jobs);
         self.times.resize(jobs * count, 0.0);
-        for (place, (operation, stream)) in self.streams.iter_mut().enumerate() {
+        for (place, (operation, stream)) in self.together.iter().zip(&mut self.streams).enumerate() {
             if let Work::Plain(time) = &operations[*operation].work {
                 self.times.iter_mut().skip(place).step_by(count).for_each(|drawn| *drawn = time.sample(stream));
             }

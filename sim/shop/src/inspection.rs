@@ -118,6 +118,7 @@ impl<R: Recorder> Shop<'_, R> {
         for (index, time) in drawn {
             *self.world.jobs.drawn_mut(divided, index) = time;
         }
+        self.world.jobs.copy_ranks(slot, divided);
         self.part_pieces(slot, divided);
         if let Origin::Order(order) = origin {
             self.world.join_lot(order, operation);

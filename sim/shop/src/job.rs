@@ -164,6 +164,8 @@ pub struct Jobs {
     slots: Vec<Slot>,
     /// Times of plain work of the jobs at every place, s, `stride` each.
     drawn: Vec<f64>,
+    /// Ranks from which these were drawn, 0 to below 1, as long as machines with times of their own may ask for them.
+    ranks: Vec<f64>,
     /// Most operations of any part with plain work.
     stride: usize,
     free: Vec<u32>,
@@ -189,6 +191,7 @@ impl Jobs {
         let slot = self.place(job);
         let from = of as usize * self.stride;
         self.drawn.copy_within(from..from + self.stride, slot as usize * self.stride);
+        self.copy_ranks(of, slot);
         slot
     }
 
@@ -222,6 +225,31 @@ impl Jobs {
     #[inline]
     pub(super) fn drawn_mut(&mut self, slot: u32, operation: usize) -> &mut f64 {
         &mut self.drawn[slot as usize * self.stride + operation]
+    }
+
+    /// Times of plain work of a job by operation, s, to draw them.
+    #[inline]
+    pub(super) fn drawn_of(&mut self, slot: u32) -> &mut [f64] {
+        let first = slot as usize * self.stride;
+        &mut self.drawn[first..first + self.stride]
+    }
+
+    /// The rank from which the plain work of an operation of a job was drawn; 0 where nothing was.
+    pub(super) fn rank(&self, slot: u32, operation: usize) -> f64 {
+        self.ranks.get(slot as usize * self.stride + operation).copied().unwrap_or(0.0)
+    }
+
+    /// Keeps the rank from which the plain work of an operation of a job was drawn.
+    pub(super) fn set_rank(&mut self, slot: u32, operation: usize, rank: f64) {
+        self.ranks.resize(self.ranks.len().max(self.drawn.len()), 0.0);
+        self.ranks[slot as usize * self.stride + operation] = rank;
+    }
+
+    /// A job has the ranks of another one.
+    pub(super) fn copy_ranks(&mut self, from: u32, to: u32) {
+        if !self.ranks.is_empty() {
+            (0..self.stride).for_each(|operation| self.set_rank(to, operation, self.rank(from, operation)));
+        }
     }
 
     /// Lets a job out.

@@ -126,6 +126,7 @@ impl Layout {
                     setup_time: operation.setup_time,
                     random_setup: operation.setup_spread.is_some(),
                     paced: !operation.time_on.is_empty(),
+                    own_times: operation.has_own_times(),
                     stretched: operation.worn_tool.is_some()
                         || matches!(operation.attendance.presence, Presence::First(_)),
                     apart: operation.draw == DrawUnit::Part || operation.inspection.passes_by(),
@@ -250,17 +251,14 @@ impl Layout {
         self.time_with(jobs, (slot, part, operation), None)
     }
 
+    /// The same with this time of plain work, where there is one.
     #[inline]
-    fn time_with(&self, jobs: &Jobs, (slot, part, operation): (u32, usize, usize), work: Option<f64>) -> f64 {
+    pub fn time_with(&self, jobs: &Jobs, (slot, part, operation): (u32, usize, usize), work: Option<f64>) -> f64 {
         let plan = &self.operations[part][operation];
         match plan.content {
             ContentPlan::Plain => {
                 let drawn = work.unwrap_or_else(|| jobs.drawn(slot, operation));
-                let pieces = f64::from(jobs.at(slot).row.quantity);
-                match plan.work_per {
-                    WorkPer::Part => (plan.known_time + drawn) * pieces,
-                    WorkPer::Lot | WorkPer::Batch => plan.known_time * pieces + drawn,
-                }
+                time_of(plan, f64::from(jobs.at(slot).row.quantity), drawn)
             }
             ContentPlan::Machining { .. } => plan.known_time,
         }
@@ -334,6 +332,15 @@ impl ToolPlan {
             write(input, self.ports.workpiece_diameter, cut.diameter);
         }
         write(input, self.ports.position, cut.position);
+    }
+}
+
+/// Time of an operation with plain work for so many pieces, when its work takes `drawn` a piece or once, s.
+#[inline]
+pub(super) fn time_of(plan: &OperationPlan, pieces: f64, drawn: f64) -> f64 {
+    match plan.work_per {
+        WorkPer::Part => (plan.known_time + drawn) * pieces,
+        WorkPer::Lot | WorkPer::Batch => plan.known_time * pieces + drawn,
     }
 }
 

@@ -75,6 +75,10 @@ mod owners;
 mod part_program;
 mod pass;
 mod pieces;
+mod plain_jobs;
+mod plain_plan;
+mod plain_queue;
+mod plain_shop;
 mod ports;
 mod preemption;
 mod program;
@@ -84,6 +88,7 @@ mod quick_machines;
 mod reaction;
 mod readiness;
 mod release;
+mod run;
 mod sequence;
 mod shift;
 mod stock;
@@ -278,30 +283,6 @@ impl<'a, R: Recorder> Shop<'a, R> {
             shop.show_state(machine);
         }
         Ok(shop)
-    }
-
-    /// Runs to the horizon of the scenario and closes the log.
-    ///
-    /// # Errors
-    /// [`ShopError`]; nothing of the log is handed out then.
-    pub fn run(self) -> Result<R, ShopError> {
-        match self.run_as_far() {
-            (recorder, None) => Ok(recorder),
-            (_, Some(reason)) => Err(reason),
-        }
-    }
-
-    /// Runs like [`Shop::run`], and hands out what was recorded when the shop stopped before its
-    /// horizon, too, with the reason. Passes in process are then left out.
-    pub fn run_as_far(mut self) -> (R, Option<ShopError>) {
-        let reason = self.run_to_horizon().err();
-        (self.hand_out(), reason)
-    }
-
-    fn run_to_horizon(&mut self) -> Result<(), ShopError> {
-        let horizon = SimTime::from_seconds(self.scenario.horizon)?;
-        self.run_until(horizon)?;
-        self.close(horizon)
     }
 
     /// Handles every event up to and at `time`.

@@ -23,7 +23,7 @@ pub(super) fn queue_kind(rules: &[DispatchRule], options: &KeyOptions) -> QueueK
 }
 
 /// Whether a rule looks at the time of this and all later operations.
-fn looks_at_work_left(rule: DispatchRule) -> bool {
+pub(super) fn looks_at_work_left(rule: DispatchRule) -> bool {
     matches!(
         rule,
         DispatchRule::ShortestRemaining
@@ -40,7 +40,7 @@ fn looks_at_work_left(rule: DispatchRule) -> bool {
 }
 
 /// Whether a rule looks at when this operation is due.
-fn looks_at_operation_due(rule: DispatchRule, options: &KeyOptions) -> bool {
+pub(super) fn looks_at_operation_due(rule: DispatchRule, options: &KeyOptions) -> bool {
     let costs = matches!(rule, DispatchRule::Atc | DispatchRule::AtcWithSetups | DispatchRule::Covert);
     matches!(rule, DispatchRule::EarliestOperationDue | DispatchRule::ModifiedOperationDue)
         || costs && options.slack_by == SlackBy::Operation

@@ -24,6 +24,8 @@ pub(super) struct OperationPlan {
     pub random_setup: bool,
     /// Whether machines differ in the time of its plain work.
     pub paced: bool,
+    /// Whether any machine has a time of its own for it, to which the rank of a job is kept.
+    pub own_times: bool,
     /// Whether its plain work goes on in stretches.
     pub stretched: bool,
     /// Whether pieces of a job differ in its plain work: each has its own time, or only a sample is worked on.

@@ -5,6 +5,7 @@
 
 use super::Shop;
 use super::recorder::Recorder;
+use rand::RngExt;
 use toolroom_kernel::Stream;
 use toolroom_scenario::{DrawUnit, Operation, Work};
 
@@ -26,20 +27,43 @@ impl<R: Recorder> Shop<'_, R> {
             own.push((index, times));
             self.sum_up(slot, index);
         } else {
-            self.set_work(slot, index, time.sample(stream));
+            let rank = stream.random();
+            self.set_rank(slot, index, rank);
+            self.set_work(slot, index, time.quantile(rank));
+        }
+    }
+
+    /// Keeps the rank of a job at an operation for which machines have times of their own.
+    pub(super) fn set_rank(&mut self, slot: u32, index: usize, rank: f64) {
+        if self.layout.operations[self.world.jobs.at(slot).row.part as usize][index].own_times {
+            self.world.jobs.set_rank(slot, index, rank);
         }
     }
 
     /// The pieces of a job all need the same plain work for an operation, s; those that pass by it need none.
     pub(super) fn set_work(&mut self, slot: u32, index: usize, time: f64) {
+        *self.world.jobs.drawn_mut(slot, index) = time * self.worked_share(slot, index);
+    }
+
+    /// Share of the pieces of a job on which an operation is done.
+    fn worked_share(&self, slot: u32, index: usize) -> f64 {
         let job = self.world.jobs.at(slot);
-        let share = if self.layout.operations[job.row.part as usize][index].apart {
-            let operation = &self.scenario.parts[job.row.part as usize].operations[index];
-            f64::from(worked(operation, job.first_piece, job.row.quantity)) / f64::from(job.row.quantity)
-        } else {
-            1.0
-        };
-        *self.world.jobs.drawn_mut(slot, index) = time * share;
+        if !self.layout.operations[job.row.part as usize][index].apart {
+            return 1.0;
+        }
+        let operation = &self.scenario.parts[job.row.part as usize].operations[index];
+        f64::from(worked(operation, job.first_piece, job.row.quantity)) / f64::from(job.row.quantity)
+    }
+
+    /// Plain work of an operation of a job on a machine, s, that of a piece or of the job as drawn; `None` where the machine has
+    /// no time of its own for it.
+    pub(super) fn own_work(&self, machine: usize, slot: u32, index: usize) -> Option<f64> {
+        let part = self.world.jobs.at(slot).row.part as usize;
+        if !self.layout.operations[part][index].own_times {
+            return None;
+        }
+        let time = self.scenario.parts[part].operations[index].own_time_on(machine)?;
+        Some(time.quantile(self.world.jobs.rank(slot, index)) * self.worked_share(slot, index))
     }
 
     /// The mean time of a piece of a job whose pieces have times of their own.

@@ -8,8 +8,8 @@ use std::str::FromStr;
 use toolroom_process::unit;
 use toolroom_statistics::{CONFIDENCE, Interval};
 
-/// Stop rule: the half-width of the 95 % interval of a figure is at most so much, for every policy. Looked at after every fourth
-/// replication (sixteenth without logs), from the eighth on: looking early and often makes intervals that cover less than they say.
+/// Stop rule: the half-width of the 95 % interval of a figure is at most so much, for every policy. Looked at as
+/// [`next_look`](Self::next_look) says: looking early and often makes intervals that cover less than they say.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Precision {
     /// Figure of the shop, by its id; `None`: both of [`WATCHED`](Self::WATCHED).
@@ -30,8 +30,22 @@ pub enum Width {
 impl Precision {
     /// Figures that have to be known where none is named.
     pub const WATCHED: [&'static str; 2] = ["parts_per_shift", "cost_per_part"];
-    /// Replications before the rule may stop a study.
-    pub const LEAST: u32 = 8;
+    /// Replications before the rule is looked at.
+    pub const LEAST: u32 = 10;
+
+    /// The number of replications at which the rule is looked at next when so many are done: 10, and from there on a quarter
+    /// more each time, at least 5. It depends on nothing but the number, so that a study that goes on looks where
+    /// the whole one does.
+    pub fn next_look(replications: u32) -> u32 {
+        let mut look = Self::LEAST;
+        while look <= replications {
+            look = look.saturating_add((look / 4).max(5));
+            if look == u32::MAX {
+                break;
+            }
+        }
+        look
+    }
 
     /// Of both watched figures, relative.
     pub fn relative(share: f64) -> Self {
@@ -152,6 +166,15 @@ impl fmt::Display for Precision {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn looks_are_a_quarter_apart() {
+        let looks: Vec<u32> =
+            std::iter::successors(Some(10), |look| Some(Precision::next_look(*look))).take(10).collect();
+        assert_eq!(looks, [10, 15, 20, 25, 31, 38, 47, 58, 72, 90]);
+        assert_eq!([0, 9, 11, 89].map(Precision::next_look), [10, 10, 15, 90]);
+        assert_eq!(Precision::next_look(u32::MAX), u32::MAX);
+    }
 
     #[test]
     fn a_precision_is_read_as_people_write_it() {

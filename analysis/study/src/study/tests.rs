@@ -84,7 +84,7 @@ fn the_stop_rule_stops_when_the_interval_is_narrow_and_not_before() {
     let until = |width| vec![Precision::relative(width)];
     // Every replication makes the same parts at the same cost.
     let narrow = study(&StudyOptions { until: until(0.02), ..options(100, 2) });
-    assert_eq!(narrow.replications, 16);
+    assert_eq!(narrow.replications, 10);
     assert!(narrow.complete);
     // The interval is called by its name, and so it is in a report that is drawn again.
     let told = |study: &Study| {
@@ -97,9 +97,9 @@ fn the_stop_rule_stops_when_the_interval_is_narrow_and_not_before() {
     };
     let rule = serde_json::json!({ "until": ["half-width 2%"], "reached": true });
     assert_eq!(told(&narrow), (true, rule.clone()));
-    let again = StudyOptions { earlier: Some(finished(&narrow)), ..options(16, 2) };
+    let again = StudyOptions { earlier: Some(finished(&narrow)), ..options(10, 2) };
     assert_eq!(told(&study(&again)), (true, rule));
-    assert_eq!(told(&study(&options(16, 2))), (false, serde_json::Value::Null));
+    assert_eq!(told(&study(&options(10, 2))), (false, serde_json::Value::Null));
     // Parts that vary from 0 to 1 are never known to a millionth.
     let stop = AtomicBool::new(false);
     let noisy = |policy, replication: u32| {

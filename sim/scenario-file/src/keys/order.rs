@@ -2,7 +2,7 @@
 
 use super::quantity::{DECADE, LONG_DURATION, TIME};
 use serde_json::json;
-use toolroom_form::{Content, Form, Key, Kind};
+use toolroom_form::{Content, Encoding, Form, Key, Kind};
 use toolroom_scenario::{Interruption, WEAR};
 
 pub(super) static CALENDAR: Form = Form {
@@ -231,6 +231,12 @@ pub(super) static TABLES: Form = Form {
             "schedule",
             Kind::Text,
             "Sequences of machines, a row each: order, operation, machine, position, not_before, start, end as in [[schedule]]",
+        ),
+        Key::default(
+            "encoding",
+            Kind::Choice(Encoding::WORDS),
+            "utf-8",
+            "How the letters of these files are written; UTF-16 with its byte order mark is known without it",
         ),
         Key::optional(
             "column",

@@ -28,15 +28,17 @@ const FEED_PER_TOOTH: Kind = Kind::positive("m", "mm", 5e-3, "0.1 mm/tooth");
 const DEPTH: Kind = Kind::positive("m", "mm", 0.1, "0.75 mm");
 const LENGTH: Kind = Kind::positive("m", "mm", 1e4, "250 mm");
 
-/// Factors of machines.
+/// Times on machines.
 static TIME_ON: Content = Content {
-    expected: "a table of machines and factors",
+    expected: "a table of machines and times",
     example: "{ CMM3 = 1.25 }",
     schema: || {
         json!({
             "type": "object",
-            "additionalProperties": { "type": "number", "exclusiveMinimum": 0 },
-            "description": "Factors on the time by the names of machines",
+            "additionalProperties": {
+                "anyOf": [{ "type": "number", "exclusiveMinimum": 0 }, { "type": "string" }, { "type": "object" }],
+            },
+            "description": "By the names of machines a factor on the time, or a duration or distribution of its own",
         })
     },
     entry: None,
@@ -102,7 +104,8 @@ static OPERATION: Form = Form {
         Key::optional(
             "time_on",
             Kind::Content(&TIME_ON),
-            "Machines on which this time is multiplied by a factor, such as { CMM3 = 1.25 }",
+            "Machines on which this time is multiplied by a factor, such as { CMM3 = 1.25 }, or is another one, such as \
+             { CMM3 = { distribution = \"exponential\", mean = \"5 min\" } }",
         )
         .when("process", PLAIN),
         Key::optional(

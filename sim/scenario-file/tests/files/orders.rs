@@ -139,7 +139,7 @@ fn of_table(table: &str) -> Result<Vec<toolroom_scenario::Order>, Vec<String>> {
 }
 
 /// Orders or faults of a table that `[tables]` names so.
-fn orders_read(table: &str, tables: &str) -> Result<Vec<toolroom_scenario::Order>, Vec<String>> {
+fn orders_read(table: impl AsRef<[u8]>, tables: &str) -> Result<Vec<toolroom_scenario::Order>, Vec<String>> {
     // One folder a table: tests run side by side.
     static NUMBER: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
     let number = NUMBER.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
@@ -193,6 +193,30 @@ fn faults_of_a_table_name_file_line_and_column() {
     assert_eq!(message, ["orders.csv, line 2: the row has 3 cells, but the first line 2"]);
     let message = of_table("id;part;quantity\nA;bar;4\n\nB\nC;bar;5\n").expect_err("cells that are missing");
     assert_eq!(message, ["orders.csv, line 4: the row has 1 cell, but the first line 3"]);
+}
+
+#[test]
+fn a_table_is_read_in_the_encoding_that_is_named() {
+    let text = "id,part,customer\nA,bar,Müller & Söhne\n";
+    let latin: Vec<u8> = text.chars().map(|letter| letter as u8).collect();
+    let wide: Vec<u8> = format!("\u{feff}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let named = |encoding: &str| format!("orders = \"orders.csv\"\nencoding = \"{encoding}\"\n");
+    let customer = |table: &[u8], tables: &str| orders_read(table, tables).expect("a good table")[0].customer.clone();
+    let plain = "orders = \"orders.csv\"\n";
+    for (table, tables) in [
+        (text.as_bytes(), plain),
+        (&latin, &named("latin-1")),
+        (&latin, &named("windows-1252")),
+        (&wide, &named("utf-16")),
+        (&wide, plain), // its byte order mark tells
+    ] {
+        assert_eq!(customer(table, tables), "Müller & Söhne", "{tables}");
+    }
+    // The line and what can be done are told.
+    let refused = |table: &[u8], tables: &str| orders_read(table, tables).expect_err("no letters").concat();
+    assert_eq!(refused(&latin, plain), "orders.csv, line 2: the byte 0xFC is no letter of utf-8");
+    assert!(refused(b"id,part\nA,bar\n\x80,bar\n", &named("latin-1")).starts_with("orders.csv, line 3: the byte 0x80"));
+    assert!(refused(text.as_bytes(), &named("utf-8x")).contains("utf-8x"));
 }
 
 /// What the table of an order system says, read by a mapping.
