@@ -255,7 +255,7 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
     let score = |index: &usize| {
         let candidate = &model.frame().candidates[*index];
         let by_means = scores.length[*index] * trial.fit.linear.point.effects[*index] / candidate.typical;
-        by_means.hypot((2.0 * shape_lead(model, candidate)).sqrt()).copysign(by_means)
+        by_means.hypot((2.0 * shape_lead(model, *index)).sqrt()).copysign(by_means)
     };
     let one = |(place, index): (usize, &usize)| {
         let candidate = &model.frame().candidates[*index];

@@ -313,7 +313,7 @@ fn credible(judged: &Judged<'_>) -> bool {
     let promise = |(index, size): (&usize, f64)| {
         let alike = decision.singles.iter().filter(|single| single.id == candidates[*index].id);
         let score = alike.map(|single| single.score.abs()).fold(lengths[*index] * size.abs(), f64::max);
-        0.5 * score.powi(2) + shape_lead(judged.model(), &candidates[*index])
+        0.5 * score.powi(2) + shape_lead(judged.model(), *index)
     };
     let promised: f64 = trial.fit.active.iter().zip(trial.sizes(judged.model())).map(promise).sum();
     decision.gain_of(trial, candidates.len()) < PROMISED * promised + SLACK
@@ -346,7 +346,7 @@ pub(super) fn strain<'m>(model: &'m dyn Forward, trial: &Trial) -> Option<(&'m s
 fn scores(judged: &Judged<'_>) -> Vec<f64> {
     let (model, lengths) = (judged.model(), judged.decision.base.scores().length);
     let score = |(index, size): (&usize, f64)| {
-        let shape = shape_lead(model, &model.frame().candidates[*index]);
+        let shape = shape_lead(model, *index);
         (lengths[*index] * size).hypot((2.0 * shape).sqrt())
     };
     judged.trial.fit.active.iter().zip(judged.trial.sizes(model)).map(score).collect()

@@ -6,7 +6,7 @@ use super::fit::{Fit, fit, offset_residual};
 use super::generic::{self, Signature};
 use super::gram::{factor, inverse_diagonal, part, part_column};
 use super::score::{Scores, scores};
-use super::{Basis, Candidate, EffectId, Forward, Gram, Linear, tolerance};
+use super::{Basis, Candidate, Forward, Gram, Linear, tolerance};
 
 /// Move of the factor of an edge, in prior standard deviations, from which a fit starts at the
 /// ordinary size of an effect too.
@@ -94,7 +94,7 @@ impl Trial {
             let own = &candidates[column - shared];
             [own.least, own.greatest].map(|end| end / own.typical)
         });
-        let shape = candidates.iter().map(|own| shape_lead(model, own)).collect();
+        let shape = (0..candidates.len()).map(|index| shape_lead(model, index)).collect();
         let trial = Self { fit, gram, shared, evidence, reach: Vec::new(), two_sided, shape };
         let evidence = trial.shaped(trial.evidence.clone(), &trial.fit.active);
         Self { evidence, ..trial }
@@ -210,8 +210,8 @@ impl Trial {
 }
 
 /// Log likelihood by which the shape of readings asks for a candidate, beyond their means.
-pub(super) fn shape_lead(model: &dyn Forward, candidate: &Candidate) -> f64 {
-    if candidate.id == EffectId::MICRO_STOPS { model.frame().shape_lead } else { 0.0 }
+pub(super) fn shape_lead(model: &dyn Forward, candidate: usize) -> f64 {
+    model.frame().shape_leads.get(candidate).copied().unwrap_or(0.0)
 }
 
 /// Columns of nuisance and of the candidates `active` in a Gram of [`gram`].

@@ -100,9 +100,9 @@ pub struct Frame {
     pub order: Vec<usize>,
     /// Kind of each row, among whose readings one may stand apart; empty where all are of one kind.
     pub kinds: Vec<usize>,
-    /// Log likelihood by which the shape of cycle times asks for short stops, beyond what the channel of their times says as a
-    /// normal one.
-    pub shape_lead: f64,
+    /// Log likelihood by which the shape of cycle times asks for each candidate, beyond what their means and the channel of the
+    /// times in stops say as normal readings; none of the candidates behind its end.
+    pub shape_leads: Vec<f64>,
     /// What each row times once more, such as a stretch of a program in another piece; empty where nothing is repeated.
     pub repeats: Vec<Option<usize>>,
 }
@@ -125,7 +125,7 @@ impl Frame {
             discrepancy: None,
             order: Vec::new(),
             kinds: Vec::new(),
-            shape_lead: 0.0,
+            shape_leads: Vec::new(),
             repeats: Vec::new(),
         }
     }

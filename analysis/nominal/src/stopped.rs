@@ -47,24 +47,54 @@ const SEARCH: (usize, f64) = (60, 0.02);
 const POOLED: [&str; 5] = ["machine", "part_type", "material", "shift", "operator"];
 
 /// What stops took of every operation.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct StopTimes {
     /// Expected time in stops of each row, s; not a number where the row was not looked at.
     pub times: Vec<f64>,
     /// Standard deviation about what the rate of stops gives, s.
     pub deviation: f64,
-    /// Log likelihood by which stops lead over every core without them, beyond what normal readings `times` with that
-    /// deviation say of their rate.
-    pub lead: f64,
+    /// Cycles by which shapes are chosen, and their pools.
+    sample: (Vec<Cycle>, usize),
+    /// Stops at their best, everywhere.
+    stops: Fitted,
+    /// Log likelihood of the best core without stops.
+    rival: f64,
 }
 
-/// An operation: its pool, how much longer it took than its program, and the time in cut, s.
+/// An operation: its pool, how much longer it took than its program, the time in cut and that in which stops may come, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cycle {
     row: usize,
     pool: usize,
     excess: f64,
     cut: f64,
+    exposed: f64,
+}
+
+impl StopTimes {
+    /// Log likelihood by which stops on the rows for which `on` holds lead over every core without any, beyond what normal
+    /// readings of the times in stops say of their rate; zero where they do not lead.
+    pub fn lead(&self, on: impl Fn(usize) -> bool) -> f64 {
+        let exposed = |cycle: &Cycle| Cycle { exposed: if on(cycle.row) { cycle.cut } else { 0.0 }, ..*cycle };
+        let cycles: Vec<Cycle> = self.sample.0.iter().map(exposed).collect();
+        let whole: f64 = cycles.iter().map(|cycle| cycle.cut).sum();
+        let part: f64 = cycles.iter().map(|cycle| cycle.exposed).sum();
+        if part <= 0.0 {
+            return 0.0;
+        }
+        let search = Search::new(&cycles, self.sample.1);
+        let mut stops = self.stops.clone();
+        if part < whole {
+            stops.shape[1] += (whole / part).ln();
+            stops = search.searched(stops);
+        }
+        let explained = |cycle: &Cycle| {
+            let (_, mean) = stops.expected(cycle, &search);
+            mean * (2.0 * self.times[cycle.row] - mean)
+        };
+        let by_means = 0.5 * cycles.iter().map(explained).sum::<f64>() / self.deviation.powi(2);
+        (stops.density - self.rival - by_means).max(0.0)
+    }
 }
 
 /// What stops took of the operations of `records`, of which `durations` are the times in cut, s, and `groups` the edges; `None` where
@@ -82,23 +112,26 @@ pub(crate) fn stop_times(records: &Records, groups: &[usize], durations: &[f64])
     let mean_cut = search.mean_cut;
     let rivals = [Core::Normal, Core::Heavy, Core::Skew].map(|core| search.best(core).density);
     let rate = stops.shape[1].exp() / mean_cut;
-    let lead = rivals.into_iter().map(|rival| stops.density - rival).fold(f64::INFINITY, f64::min);
-    if lead <= LEAD || rate * cycles.iter().map(|cycle| cycle.cut).sum::<f64>() < STOPS {
+    let rival = rivals.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    if stops.density <= rival + LEAD || rate * cycles.iter().map(|cycle| cycle.cut).sum::<f64>() < STOPS {
         return None;
     }
     let mut times = vec![f64::NAN; durations.len()];
-    let (mut squares, mut explained, mut lost) = (0.0, 0.0, Vec::with_capacity(cycles.len()));
+    let (mut squares, mut lost) = (0.0, Vec::with_capacity(cycles.len()));
     for cycle in &cycles {
         let (time, mean) = stops.expected(cycle, &search);
         times[cycle.row] = time;
         squares += (time - mean).powi(2);
-        explained += mean * (2.0 * time - mean);
         lost.push((cycle.pool, time - mean));
     }
     let deviation = (squares / cycles.len() as f64).sqrt();
-    // Of normal readings the rate would explain so much.
-    let lead = (lead - 0.5 * explained / (deviation * deviation)).max(0.0);
-    (!is_ordered(&lost, deviation)).then_some(StopTimes { times, deviation, lead })
+    (!is_ordered(&lost, deviation)).then(|| StopTimes {
+        times,
+        deviation,
+        sample: (sample.clone(), pools),
+        stops,
+        rival,
+    })
 }
 
 /// Operations that should be alike but for stops: by the order of time, without those that begin an edge, that were held or that ran
@@ -122,7 +155,11 @@ fn cycles(records: &Records, groups: &[usize], durations: &[f64]) -> Option<Vec<
         if let Some(starts) = starts {
             rows.sort_by(|a, b| starts[*a].total_cmp(&starts[*b]));
         }
-        rows.into_iter().map(move |row| Cycle { row, pool, excess: whole[row] - durations[row], cut: durations[row] })
+        let cycle = move |row: usize| {
+            let cut = durations[row];
+            Cycle { row, pool, excess: whole[row] - cut, cut, exposed: cut }
+        };
+        rows.into_iter().map(cycle)
     };
     let kept = pools.into_values().filter(|rows| rows.len() >= POOL).enumerate();
     let cycles: Vec<Cycle> = kept.flat_map(of_pool).collect();
@@ -165,8 +202,9 @@ struct Fitted {
 }
 
 impl Fitted {
-    /// Density of an excess `x` beyond the place of its pool, 1/s, of an operation that cuts for `cut` times the mean.
-    fn density_of(&self, x: f64, cut: f64) -> f64 {
+    /// Density of an excess `x` beyond the place of its pool, 1/s, of an operation in which stops may come for `exposed` times
+    /// the mean time in cut.
+    fn density_of(&self, x: f64, exposed: f64) -> f64 {
         let spread = self.shape[0].exp();
         match self.core {
             Core::Normal => normal(x, spread),
@@ -180,7 +218,7 @@ impl Fitted {
                 let beyond = 1.0 + x * deviation / spread;
                 if beyond > 0.0 { normal(beyond.ln(), deviation) * deviation / (spread * beyond) } else { 0.0 }
             }
-            Core::Stops => Stopped::new(x, cut * self.shape[1].exp(), self.length(), spread).density,
+            Core::Stops => Stopped::new(x, exposed * self.shape[1].exp(), self.length(), spread).density,
         }
     }
 
@@ -191,14 +229,14 @@ impl Fitted {
     /// Log density of a cycle, which something else may have lengthened.
     fn of_cycle(&self, cycle: &Cycle, search: &Search<'_>) -> f64 {
         let x = cycle.excess - self.places[cycle.pool] - SLOWER * self.slower * cycle.cut;
-        let own = self.density_of(x, cycle.cut / search.mean_cut);
+        let own = self.density_of(x, cycle.exposed / search.mean_cut);
         ((1.0 - FOREIGN) * own + FOREIGN * normal(x, search.furthest)).ln()
     }
 
     /// Expected time in stops of a cycle, and their mean beforehand, s.
     fn expected(&self, cycle: &Cycle, search: &Search<'_>) -> (f64, f64) {
         let x = cycle.excess - self.places[cycle.pool] - SLOWER * self.slower * cycle.cut;
-        let count = cycle.cut / search.mean_cut * self.shape[1].exp();
+        let count = cycle.exposed / search.mean_cut * self.shape[1].exp();
         (Stopped::new(x, count, self.length(), self.shape[0].exp()).time, count * self.length())
     }
 

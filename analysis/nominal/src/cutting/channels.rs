@@ -1,9 +1,9 @@
 //! Channels of turning and milling: which the process predicts and the records hold, and how each is compared.
 
-use super::Nominal;
+use super::{Action, Cutting, Nominal};
 use crate::settings::Settings;
 use crate::stopped::StopTimes;
-use crate::{Channel, ChannelId, Transform};
+use crate::{Candidate, Channel, ChannelId, EffectId, Transform};
 use toolroom_process::Record;
 use toolroom_records::{ColumnKind, Records, Sensor};
 
@@ -65,8 +65,21 @@ pub(super) fn channels<P: Nominal>(records: &Records, settings: &Settings) -> Ve
 }
 
 /// The channel of what the shape of cycle times tells of stops.
-pub(super) fn stop_channel(stops: StopTimes) -> (Channel, Vec<f64>) {
+pub(super) fn stop_channel(stops: &StopTimes) -> (Channel, Vec<f64>) {
     let sensor = Sensor { absolute: stops.deviation, relative: 0.0, resolution: 0.0 };
     let channel = Channel { id: ChannelId::StopTime, display: "s", unit: "s", transform: Transform::Linear, sensor };
-    (channel, stops.times)
+    (channel, stops.times.clone())
+}
+
+impl<P: Nominal> Cutting<P> {
+    /// Log likelihood by which the shape of cycle times asks for each candidate: for short stops on the rows on which they act.
+    pub(super) fn shape_leads(&self, stops: &StopTimes) -> Vec<f64> {
+        let lead = |(candidate, action): (&Candidate, &Action)| match action {
+            Action::Reading { column, .. } if candidate.id == EffectId::MICRO_STOPS => {
+                stops.lead(|row| column[row] > 0.0)
+            }
+            Action::Reading { .. } | Action::Effect(_) | Action::Scoped(..) | Action::Lot(..) => 0.0,
+        };
+        self.frame.candidates.iter().zip(&self.actions).map(lead).collect()
+    }
 }

@@ -174,14 +174,13 @@ impl<P: Nominal> Cutting<P> {
         let scattered = settings.scatter.map(|scatter| Scattered::new(scatter, records, &settings.lots, &ports));
         let mut channels = channels::<P>(records, settings);
         let stops = stop_times(records, &group_of_row, &durations);
-        let shape_lead = stops.as_ref().map(|own| own.lead);
-        channels.extend(stops.map(stop_channel));
+        channels.extend(stops.as_ref().map(stop_channel));
         let broken = broken::take_out(&mut channels, &group_of_row);
         let mut measured = Measured::new(channels, names, group_of_row, fitted);
         measured.unstated = measured.channels.iter().map(|own| settings.leaves_unstated(own.id)).collect();
         // Long cycles are what is asked for then, no outliers.
-        let stops = |own: &Channel| matches!(own.id, ChannelId::CycleTime | ChannelId::StopTime);
-        measured.rare = measured.channels.iter().map(|own| shape_lead.is_some() && stops(own)).collect();
+        let is_stopped = |own: &Channel| matches!(own.id, ChannelId::CycleTime | ChannelId::StopTime);
+        measured.rare = measured.channels.iter().map(|own| stops.is_some() && is_stopped(own)).collect();
         if settings.scatter.is_none() {
             broken::widen(&mut measured);
         }
@@ -202,7 +201,7 @@ impl<P: Nominal> Cutting<P> {
         }
         let mut model = Self {
             process,
-            frame: Frame { locals, shape_lead: shape_lead.unwrap_or(0.0), ..Frame::new(measured) },
+            frame: Frame { locals, ..Frame::new(measured) },
             inputs,
             durations,
             rows,
@@ -242,6 +241,7 @@ impl<P: Nominal> Cutting<P> {
         (model.frame.candidates, model.actions) = candidates.into_iter().unzip();
         model.split(records, &stated);
         model.state(records, &mut stated);
+        model.frame.shape_leads = stops.map_or_else(Vec::new, |stops| model.shape_leads(&stops));
         model.orient();
         if broken > 0 {
             model.frame.notes.push(format!("{broken} operations of edges that broke are not compared"));
