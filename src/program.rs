@@ -110,7 +110,7 @@ const STEPS: u32 = 4;
 /// All that is told of one program.
 fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let name = file.display().to_string();
-    let text = open(file)?;
+    let text = Source::open(file).map_err(Failure::unread(file))?;
     let files = Files::new([file], voice.force);
     let outputs = [&args.blocks, &args.out, &args.motions, &args.report, &args.drawing];
     files.check_all(outputs.into_iter().flatten().map(PathBuf::as_path))?;
@@ -283,11 +283,6 @@ fn machine(path: Option<&Path>, set: &[String]) -> Result<Machine, Failure> {
         None => Machine::of("--set", "", &set),
     };
     Ok(file?.content)
-}
-
-/// A part program, which stays in its file: it may have millions of lines.
-fn open(file: &Path) -> Result<Source, Failure> {
-    Source::open(file).map_err(Failure::unread(file))
 }
 
 /// The text of a part program; controls write other encodings than UTF-8 in comments.

@@ -211,7 +211,7 @@ mod tests {
     fn arcs_of_a_natural_spline_pass_through_its_points_smoothly() {
         let points: Vec<Point> =
             (0..9).map(|i| Point { x: 0.01 * f64::from(i), y: 0.004 * (0.9 * f64::from(i)).sin() }).collect();
-        let sections = arcs(&points, false);
+        let (sections, _) = arcs(&points, false);
         for pair in sections.windows(2) {
             assert!(pair[0].end().distance(pair[1].start) < 1e-12);
             assert!(wrapped(pair[1].heading - pair[0].end_heading()).abs() < 1e-6);

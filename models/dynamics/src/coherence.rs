@@ -55,7 +55,6 @@ impl Measurement {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::csv::read_csv;
     use crate::read::read_coherence;
 
