@@ -80,7 +80,8 @@ fn refuse_foreign(start: &[u8]) -> io::Result<()> {
     refuse_utf16(&start[..start.len().min(64)])?;
     // Feed holes, marks of tapes, ends of files and rubouts stand in programs that were punched or sent.
     let start = start.trim_ascii_start();
-    let head: Vec<u8> = start.iter().copied().skip_while(|byte| *byte == 0).take(512).collect();
+    let mut head: Vec<u8> = start.iter().copied().skip_while(|byte| *byte == 0).take(512).collect();
+    head.truncate(head.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1));
     let wide = std::str::from_utf8(&head).map_or_else(|error| error.error_len().is_none(), |_| true);
     let foreign = |byte: &&u8| match **byte {
         b'\t' | b'\n' | b'\r' | 0x02..=0x04 | 0x11..=0x14 | 0x1a => false,
