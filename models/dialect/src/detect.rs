@@ -257,7 +257,7 @@ fn strong(line: &str, signs: &mut Signs) -> Option<(Dialect, &'static str)> {
     // A letter between others is a part of a name, such as that of ROUND[2.5].
     let word = |letter: char| {
         let letters = |at: usize| compact.as_bytes().get(at).is_some_and(u8::is_ascii_alphabetic);
-        compact.match_indices(letter).any(|(at, _)| !letters(at + 1) && !(at > 0 && letters(at - 1)))
+        compact.match_indices(letter).any(|(at, _)| !(letters(at + 1) || at > 0 && letters(at - 1)))
     };
     let increments = word('X') && (word('U') || word('W')) && !compact.contains('#');
     if clamp || has(&compact, "G96") || increments {
