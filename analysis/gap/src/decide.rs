@@ -9,7 +9,7 @@ use super::evidence::gain;
 use super::rules::{Judged, Refusal, Rule, agreed, stands};
 use super::stepwise;
 use super::stops;
-use super::trial::{Remainder, Trial};
+use super::trial::{Remainder, Trial, shape_lead};
 use super::{Closure, EffectId, GapVerdict, NotNamed, RuleFinding};
 
 impl Decision {
@@ -152,7 +152,10 @@ fn unsplit(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> us
     let lead = gain(&second.evidence, &first.evidence);
     // The same effect everywhere is no rival where the records do not ask for it: then the rules decide about the part.
     let rival = decision.gain_of(first, candidates.len()) > GATE;
-    let asked_for = lead > GATE + (parts as f64).ln() && (!rival || crossed(context, first, second).ci90[0] > 0.0);
+    let clear = GATE + (parts as f64).ln();
+    // What the shape of the readings tells, closes no more of their means.
+    let by_shape = shape_lead(model, candidate) - shape_lead(model, everywhere) > clear;
+    let asked_for = lead > clear && (by_shape || !rival || crossed(context, first, second).ci90[0] > 0.0);
     if asked_for || !first.evidence.admissible { index } else { whole }
 }
 

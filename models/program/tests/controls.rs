@@ -287,7 +287,7 @@ fn the_comment_of_a_mill_is_no_word_of_another_control() {
 #[test]
 fn a_feed_on_the_axis_at_constant_surface_speed_needs_a_greatest_speed() {
     let text = "G21 G18 G99\nG96 S200 M3\nG0 X0. Z2.\nG1 Z-2. F.1\nM30";
-    let error = sums(text, &control(Dialect::FanucLathe)).err().expect("refused").message;
+    let error = sums(text, &control(Dialect::FanucLathe)).expect_err("refused").message;
     assert!(error.contains("G50 S"), "{error}");
     let clamped = text.replace("G96", "G50 S3000\nG96");
     close("clamped", sums(&clamped, &control(Dialect::FanucLathe)).expect("a program").feed, 0.8);
