@@ -118,13 +118,14 @@ pub(crate) fn stop_times(records: &Records, groups: &[usize], durations: &[f64])
     }
     let mut times = vec![f64::NAN; durations.len()];
     let (mut squares, mut lost) = (0.0, Vec::with_capacity(cycles.len()));
-    for cycle in &cycles {
+    // A pool of which nothing was looked at has no place.
+    for cycle in cycles.iter().filter(|cycle| !search.pools[cycle.pool].is_empty()) {
         let (time, mean) = stops.expected(cycle, &search);
         times[cycle.row] = time;
         squares += (time - mean).powi(2);
         lost.push((cycle.pool, time - mean));
     }
-    let deviation = (squares / cycles.len() as f64).sqrt();
+    let deviation = (squares / lost.len() as f64).sqrt();
     (!is_ordered(&lost, deviation)).then(|| StopTimes {
         times,
         deviation,
@@ -447,6 +448,20 @@ mod tests {
                 assert!(told.is_none(), "{name}, seed {seed}");
             }
         }
+    }
+
+    #[test]
+    fn of_thousands_of_operations_no_pool_is_taken_for_stopped() {
+        let (mut records, groups, cuts, stops) = table(4000, 6.0, normal_rest, 3);
+        // Three operators, and four who have hardly more operations than a pool needs.
+        let name =
+            |row: usize| if row.is_multiple_of(50) { format!("R{}", row / 50 % 4) } else { format!("O{}", row % 3) };
+        let operators = (0..4000).map(name).collect();
+        records.set_texts("operator", operators);
+        let told = stop_times(&records, &groups, &cuts).expect("stops");
+        let known: Vec<usize> = (0..4000).filter(|row| told.times[*row].is_finite()).collect();
+        let mean = |of: &[f64]| known.iter().map(|row| of[*row]).sum::<f64>() / known.len() as f64;
+        assert!((mean(&told.times) / mean(&stops) - 1.0).abs() < 0.1, "{} {}", mean(&told.times), mean(&stops));
     }
 
     #[test]
