@@ -25,9 +25,8 @@ pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let target = Target::new(args.out.as_deref(), args.report.as_deref(), args.accept_refused);
     let ModesArgs { averages, modes, .. } = *args;
-    let (direction, estimator, highest) =
-        (args.direction.as_deref(), args.estimator.as_deref(), args.highest.as_deref());
-    let request = Request { averages, direction, modes, picks: &args.pick, estimator, highest, scales: &args.scale };
+    let (direction, (estimator, highest, scales)) = (args.direction.as_deref(), args.taps.parts());
+    let request = Request { averages, direction, modes, picks: &args.pick, estimator, highest, scales };
     let taps = request.taps()?;
     let bytes = bytes(args.file())?;
     let name = args.file().display().to_string();
@@ -49,8 +48,8 @@ pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
 
 /// `toolroom import frf FILE`: what a tap test holds, as one table where `--out` says so.
 pub fn import(args: &ImportFrfArgs, voice: &Voice) -> Result<(), Failure> {
-    let (estimator, highest) = (args.estimator.as_deref(), args.highest.as_deref());
-    let request = Request { estimator, highest, scales: &args.scale, ..Request::default() };
+    let (estimator, highest, scales) = args.taps.parts();
+    let request = Request { estimator, highest, scales, ..Request::default() };
     let measured = with_coherence(&args.file, &bytes(&args.file)?, &request.taps()?, args.coherence.as_deref())?;
     if voice.json {
         voice.json(&toolroom_modes::json(&measured))?;

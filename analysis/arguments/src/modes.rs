@@ -27,15 +27,8 @@ pub struct ModesArgs {
     /// Frequency of a mode, such as "612 Hz", repeatable: these modes and no others
     #[arg(long, value_name = "FREQUENCY")]
     pub pick: Vec<String>,
-    /// How responses are estimated from hits over time: h1, h2 or hv
-    #[arg(long, value_name = "NAME")]
-    pub estimator: Option<String>,
-    /// Highest frequency that every hit has to excite, such as "2000 Hz"
-    #[arg(long, value_name = "FREQUENCY")]
-    pub highest: Option<String>,
-    /// Full scale of a channel of a WAV file, one for each in their order: "force=500 N", "acceleration=50 g"
-    #[arg(long, value_name = "NAME=VALUE")]
-    pub scale: Vec<String>,
+    #[command(flatten)]
+    pub taps: TapArgs,
     /// What changes from mounting to mounting, relative: f=SHARE, zeta=SHARE or k=SHARE, repeatable
     #[arg(long, value_name = "KEY=SHARE")]
     pub scatter: Vec<String>,
@@ -135,13 +128,9 @@ impl ModesUpdateArgs {
     }
 }
 
+// How responses are made of hits over time. A doc comment would become the help of the verbs.
 #[derive(Args, Debug)]
-pub struct ImportFrfArgs {
-    /// Frequency responses or hits over time, as `toolroom modes` reads them
-    pub file: PathBuf,
-    /// Coherence in a file of its own: a table with frequency [Hz] and coherence, or a universal file
-    #[arg(long, value_name = "FILE")]
-    pub coherence: Option<PathBuf>,
+pub struct TapArgs {
     /// How responses are estimated from hits over time: h1, h2 or hv
     #[arg(long, value_name = "NAME")]
     pub estimator: Option<String>,
@@ -151,6 +140,24 @@ pub struct ImportFrfArgs {
     /// Full scale of a channel of a WAV file, one for each in their order: "force=500 N", "acceleration=50 g"
     #[arg(long, value_name = "NAME=VALUE")]
     pub scale: Vec<String>,
+}
+
+impl TapArgs {
+    /// Estimator, highest frequency and full scales, as they were typed.
+    pub fn parts(&self) -> (Option<&str>, Option<&str>, &[String]) {
+        (self.estimator.as_deref(), self.highest.as_deref(), &self.scale)
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct ImportFrfArgs {
+    /// Frequency responses or hits over time, as `toolroom modes` reads them
+    pub file: PathBuf,
+    /// Coherence in a file of its own: a table with frequency [Hz] and coherence, or a universal file
+    #[arg(long, value_name = "FILE")]
+    pub coherence: Option<PathBuf>,
+    #[command(flatten)]
+    pub taps: TapArgs,
     /// Table (CSV) of the responses in um/N with their coherence to write
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,

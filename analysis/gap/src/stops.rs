@@ -10,7 +10,7 @@ use super::decision::Decision;
 use super::diagnosing::Diagnosing;
 use super::trial::Trial;
 use super::{ChannelId, EffectId, Transform};
-use toolroom_nominal::compound::{Stopped, normal};
+use toolroom_nominal::compound::{FOREIGN, Stopped, normal};
 use toolroom_scenario::MICRO_STOP;
 
 /// Effects that leave the same means.
@@ -24,8 +24,6 @@ const SHARES: [f64; 5] = [0.7, 0.85, 1.0, 1.2, 1.45];
 const SPREADS: usize = 10;
 /// Least standard deviation of the rest, of that of the sensor (1). Assumption: as of every sensor sheet.
 const LEAST: f64 = 0.5;
-/// Share of rows that something else lengthened or shortened (1). Assumption: one row in fifty.
-const FOREIGN: f64 = 0.02;
 /// Rows that are looked at (count): as many tell the two apart for certain. Assumption.
 const ROWS: usize = 400;
 /// A row that the effect touches.

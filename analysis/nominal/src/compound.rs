@@ -5,6 +5,8 @@
 //! gamma densities whose index is a Poisson number (W. Feller, An Introduction to Probability Theory and Its Applications
 //! II, 1971, II.7).
 
+/// Share of operations that something else lengthened or shortened (1). Assumption: one in fifty.
+pub const FOREIGN: f64 = 0.02;
 /// Places at which the density of stops is folded with the rest (count, odd), within [`REACH`] standard deviations.
 const PLACES: usize = 25;
 /// Standard deviations of the rest within which it is folded (1). Derivation: 1e-6 of a normal density lies beyond.

@@ -10,7 +10,7 @@
 //! Not told: stops that come in so many to an operation that their sum has no core left, and stops among fewer than
 //! [`FEWEST`] operations. Time that some operations lose for another reason, once in a while and without any order, is taken for stops.
 
-use crate::compound::{Stopped, normal};
+use crate::compound::{FOREIGN, Stopped, normal};
 use crate::constants::MAD;
 use crate::features::first_of_group;
 use std::collections::BTreeMap;
@@ -32,8 +32,6 @@ const STOPS: f64 = 5.0;
 /// Standard deviations by which the lost times of neighbours may be alike (1): stops come in no order. Source: one of a thousand
 /// orders is beyond it.
 const ORDERED: f64 = 3.1;
-/// Share of operations that something else lengthened or shortened (1). Assumption: one in fifty.
-const FOREIGN: f64 = 0.02;
 /// Degrees of freedom of a core with heavy tails (count). Assumption.
 const HEAVY: f64 = 4.0;
 /// Prior standard deviation of the share by which all programs take longer (1). Assumption: as of every programmed time.

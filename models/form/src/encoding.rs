@@ -54,20 +54,20 @@ impl Encoding {
                     std::str::from_utf8(bytes).map(str::to_owned).map_err(text)
                 }
             },
-            Self::Latin1 | Self::Windows1252 => {
-                let letter = |(place, &byte): (usize, &u8)| {
-                    let found = match (byte, self) {
-                        (0x80..=0x9F, Self::Windows1252) => WINDOWS[usize::from(byte - 0x80)],
-                        // Of ISO 8859-1 these are control characters, which no table has.
-                        (0x80..=0x9F, _) => '\0',
-                        (other, _) => char::from(other),
-                    };
-                    let missing = || Undecodable { line: line(&bytes[..place]), reason: no_letter(byte, self) };
-                    if found == '\0' { Err(missing()) } else { Ok(found) }
-                };
-                bytes.iter().enumerate().map(letter).collect()
-            }
+            // Of ISO 8859-1 these are control characters, which no table has.
+            Self::Latin1 => self.single(bytes, &['\0'; 32]),
+            Self::Windows1252 => self.single(bytes, &WINDOWS),
         }
+    }
+
+    /// The text of an encoding in which a byte is the letter of its number, but for `middle` at 0x80 to 0x9F.
+    fn single(self, bytes: &[u8], middle: &[char; 32]) -> Result<String, Undecodable> {
+        let letter = |(place, &byte): (usize, &u8)| {
+            let found = if (0x80..=0x9F).contains(&byte) { middle[usize::from(byte - 0x80)] } else { char::from(byte) };
+            let missing = || Undecodable { line: line(&bytes[..place]), reason: no_letter(byte, self) };
+            if found == '\0' { Err(missing()) } else { Ok(found) }
+        };
+        bytes.iter().enumerate().map(letter).collect()
     }
 }
 

@@ -10,10 +10,11 @@ use crate::error::ChatterError;
 use crate::milling::engagement::Geometry;
 use std::f64::consts::{PI, TAU};
 
-/// Points of a path, and places along the wall to a feed per tooth (assumption: four times as many change Ra by less than 1 %).
+/// Points of the path of an edge (count). Assumption: four times as many change Ra by less than 1 %.
 const POINTS: usize = 400;
+/// Places along the wall to a feed per tooth (count). Assumption: as of the points.
 const PLACES: usize = 60;
-/// Greatest number of places along a wall, of a long simulation.
+/// Greatest number of places along a wall, of a long simulation (count). Assumption: enough for five sampling lengths.
 const MOST_PLACES: usize = 20_000;
 /// Sampling lengths over which Ra and Rz are means, as ISO 21920 has them.
 const LENGTHS: usize = 5;
