@@ -68,3 +68,16 @@ pub(super) fn operations(scenario: &Scenario, layout: &Layout) -> (Vec<PlainOper
     }
     (all, firsts)
 }
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_shop_of_plain_machines_runs_by_itself_and_a_line_with_buffers_does_not() {
+        for (name, plain) in [("queue", true), ("line", false)] {
+            let path = format!("{}/../../scenarios/shop/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+            let text = std::fs::read_to_string(path).unwrap();
+            let scenario = toolroom_scenario_file::parse(name, &text, &[]).unwrap().scenario;
+            assert_eq!(super::is_plain(&scenario, &crate::Shop::new(&scenario, 0, 0).unwrap().layout), plain, "{name}");
+        }
+    }
+}
