@@ -1,21 +1,20 @@
-//! `toolroom demo`: the shipped shop, no file needed.
+//! `toolroom demo`: a shipped shop, no file needed.
 
 use crate::args::DemoArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use crate::study::{Request, default_out, perform};
-use toolroom_scenario_file::parse;
+use std::path::Path;
+use toolroom_scenario_file::read;
 use toolroom_study::request::policies_named;
 
-/// Three lathes, two mills, a grinder, one shift.
-const SCENARIO: &str = include_str!("../scenarios/demo.toml");
-
 pub fn run(args: &DemoArgs, voice: &Voice) -> Result<(), Failure> {
-    let file = parse("demo.toml", SCENARIO, &args.changes.overrides())?;
+    let input = if args.shop { "builtin:shop/mixed" } else { "builtin:demo" };
+    let file = read(Path::new(input), &args.changes.overrides())?;
     let policies = policies_named(&file.scenario, &args.study.policy)?;
     let request = Request {
         command: "demo".to_owned(),
-        input: "demo.toml".to_owned(),
+        input: input.to_owned(),
         changes: &args.changes,
         typed: args.changes.overrides(),
         args: &args.study,

@@ -12,6 +12,7 @@ use toolroom_location::{Located, Location};
 use toolroom_output::{OutputError, codes, json_error, json_refusal};
 use toolroom_process::ModelError;
 use toolroom_shards::ShardError;
+use toolroom_shop::ShopError;
 use toolroom_shop_import::{ShopImportError, TableFault};
 use toolroom_study::request::{RequestError, UnknownPolicy};
 use toolroom_study::results::{FinishedRun, FinishedRunError};
@@ -273,10 +274,11 @@ impl From<KindError> for Failure {
     }
 }
 
-/// The code of the refusal of a model that an error comes from, where it has one.
+/// The code of the refusal of a model or of the stop of a shop that an error comes from, where it has one.
 fn code_of_model(error: &(dyn Error + 'static)) -> Option<&'static str> {
+    let of_shop = || error.downcast_ref::<ShopError>().and_then(ShopError::code);
     match error.downcast_ref::<ModelError>() {
         Some(refusal) => refusal.code(),
-        None => error.source().and_then(code_of_model),
+        None => of_shop().or_else(|| error.source().and_then(code_of_model)),
     }
 }

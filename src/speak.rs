@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use toolroom_output::{fitted, memory, progress};
+use toolroom_output::{bounded, fitted, memory, progress};
 
 /// What the flags of every verb ask for: how much is said, in which form, and what may be replaced.
 #[derive(Clone, Copy, Debug)]
@@ -95,7 +95,7 @@ impl Voice {
     pub fn error(&self, text: impl Display) {
         progress::clear();
         // Where even standard error is gone there is nobody left to tell.
-        let _ = writeln!(io::stderr().lock(), "{text}");
+        let _ = writeln!(io::stderr().lock(), "{}", bounded(&text.to_string()));
     }
 
     /// Whether a progress bar would be seen and is wanted.

@@ -106,6 +106,7 @@ pub enum Command {
     /// The shipped shop: three lathes, two mills, a grinder, every policy, in seconds
     #[command(before_help = "Examples:
   toolroom demo                  results in out/demo
+  toolroom demo --shop           a job shop with an order table
   toolroom demo --replications 100 --policy \"v0 at 0.2 mm\" --policy productivity")]
     Demo(DemoArgs),
     /// Compare the policies of a scenario, and variants of its shop, on common random numbers

@@ -19,7 +19,7 @@ pub struct StartArgs {
     #[arg(required_unless_present = "from", conflicts_with = "from")]
     pub file: Option<PathBuf>,
     /// Go on from this snapshot: changes act from its instant on
-    #[arg(long, value_name = "SNAPSHOT")]
+    #[arg(long, value_name = "SNAPSHOT", conflicts_with = "schedule")]
     pub from: Option<PathBuf>,
     /// Another end of the run that goes on
     #[arg(long, value_name = "TIME", requires = "from")]
@@ -111,6 +111,9 @@ pub enum LogFormat {
 
 #[derive(Args, Debug)]
 pub struct DemoArgs {
+    /// A job shop of 40 machines with 300 orders in place of one shift of six machines that cut
+    #[arg(long)]
+    pub shop: bool,
     #[command(flatten)]
     pub changes: Changes,
     #[command(flatten)]

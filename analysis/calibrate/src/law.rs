@@ -5,7 +5,7 @@ use crate::parameter::{Parameter, Prior, Scale};
 use toolroom_cutting::CutterLife;
 use toolroom_wear::{
     ASSUMED_DEVIATIONS, ASSUMED_EXPONENTS, EnergyBalance, ExtendedTaylor, Pair, SPEED_EXPONENT_DEVIATION,
-    TakeyamaMurata, Usui, WearLaw,
+    TakeyamaMurata, Usui, WearLaw, stage_time,
 };
 
 /// A wear law that can be calibrated.
@@ -93,7 +93,9 @@ impl Law {
                 Base::Turning { pair: Box::new(Pair { law, ..pair.as_ref().clone() }), others: others.clone() }
             }
             Base::Milling { life, diameter, chipping } => {
-                let life = CutterLife { wear_limit: limit * 1e-3, ..*life };
+                let share = stage_time(limit * 1e-3 / life.wear_limit, life.stage_contrast, life.stage_tilt);
+                let reference_life = life.reference_life * share;
+                let life = CutterLife { wear_limit: limit * 1e-3, reference_life, ..*life };
                 Base::Milling { life, diameter: *diameter, chipping: *chipping }
             }
         }
@@ -269,10 +271,15 @@ fn law_with(template: &WearLaw, values: &[f64]) -> WearLaw {
     }
 }
 
-/// The law with lives that end at a wear limit in mm.
+/// The law with lives that end at a wear limit in mm, to which the life of the law is carried along its wear curve.
 fn ending_at(template: WearLaw, limit: f64) -> WearLaw {
     match template {
-        WearLaw::ExtendedTaylor(law) => WearLaw::ExtendedTaylor(ExtendedTaylor { wear_limit: limit * 1e-3, ..law }),
+        WearLaw::ExtendedTaylor(law) => {
+            let wear_limit = limit * 1e-3;
+            let share = stage_time(wear_limit / law.wear_limit, law.stage_contrast, law.stage_tilt);
+            let reference_life = law.reference_life * share;
+            WearLaw::ExtendedTaylor(ExtendedTaylor { wear_limit, reference_life, ..law })
+        }
         WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) | WearLaw::EnergyBalance(_) => template,
     }
 }

@@ -105,7 +105,8 @@ impl Calibration {
             let _ = writeln!(text, "\n[scatter]\ncommon_wear = {:?}", rounded(u[index].exp()));
             let _ = writeln!(
                 text,
-                "mechanical_wear = 0.0\nthermal_wear = 0.0\nbatch_hardness = 0.0\npiece_hardness = 0.0\nallowance = \"0 mm\""
+                "mechanical_wear = 0.0\nthermal_wear = 0.0\nbatch_hardness = 0.0\npiece_hardness = 0.0\nallowance = \"0 mm\"\n\
+                 initial_wear = \"0 mm\" # edges were taken as new"
             );
             let noise = model.parameters().iter().position(|parameter| parameter.name == LIFE_NOISE_NAME);
             let _ = match noise {
@@ -114,8 +115,14 @@ impl Calibration {
                     writeln!(text, "life_noise = 0.0 # not fitted: what there is of it is in the error of readings")
                 }
             };
-            if self.chips().is_some() {
-                let _ = writeln!(text, "chipped_share = 0.0 # chips come by the rate");
+            let why = match &self.chipping {
+                // What a shop assumes of edges of which nothing is known.
+                None => None,
+                Some(fit) if fit.chips == 0 => Some("no edge chipped: the rate of the set stands"),
+                Some(_) => Some("chips come by the rate"),
+            };
+            if let Some(why) = why {
+                let _ = writeln!(text, "chipped_share = 0.0 # {why}");
             }
         }
         text

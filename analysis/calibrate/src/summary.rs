@@ -351,7 +351,8 @@ impl Calibration {
             let _ = match fit.chips {
                 0 => writeln!(
                     text,
-                    "no edge of {edges} chipped: the rate is below {high:.3} /km (95 %); the set keeps its own"
+                    "no edge of {edges} chipped: the rate is below {high:.3} /km (95 %); the set keeps its own, and no share of edges \
+                     chips beside it"
                 ),
                 chips => writeln!(
                     text,

@@ -2,12 +2,15 @@
 //!
 //! Everything here is worked out without a simulation, from mean times.
 
+mod earliest;
+
 use crate::Warning;
 use crate::presence::{absent, paid_twice};
 use crate::truncated::truncated;
+use std::iter::successors;
 use toolroom_scenario::{
-    Arrival, ArrivalPattern, BatchUnit, InspectedTo, Interruption, Operation, Order, Part, Presence, Scenario,
-    ShiftCalendar, Work, WorkPer, date, station_name,
+    Arrival, ArrivalPattern, BatchUnit, InspectedTo, Interruption, Operation, Order, Presence, Scenario, WorkPer, date,
+    station_name,
 };
 use toolroom_shop::programmed_cutting_times;
 
@@ -179,7 +182,8 @@ impl Shop<'_> {
             load.members.sort_unstable();
         }
         for order in &scenario.orders {
-            self.add(&mut stations, &mut skills, order.part, f64::from(order.pieces()), 1.0, Some(order.due));
+            let pieces = f64::from(order.pieces());
+            self.add(&mut stations, &mut skills, order.part, (pieces, 1.0), Some(order));
         }
         for arrival in &scenario.arrivals {
             for &(part, share) in &arrival.parts {
@@ -187,11 +191,11 @@ impl Shop<'_> {
                     self.mark_endless(&mut stations, &mut skills, part);
                     continue;
                 };
-                self.add(&mut stations, &mut skills, part, jobs * arrival.quantity.mean(), jobs, None);
+                self.add(&mut stations, &mut skills, part, (jobs * arrival.quantity.mean(), jobs), None);
             }
         }
         for (part, pieces, lots) in self.reordered() {
-            self.add(&mut stations, &mut skills, part, pieces, lots, None);
+            self.add(&mut stations, &mut skills, part, (pieces, lots), None);
         }
         stations.append(&mut skills);
         stations
@@ -285,12 +289,23 @@ impl Shop<'_> {
     }
 
     /// Adds what a part takes to every station and skill that alone can do it: work for so many pieces, setups for
-    /// so many lots.
-    fn add(&self, stations: &mut [Load], skills: &mut [Load], part: usize, pieces: f64, lots: f64, due: Option<f64>) {
+    /// so many lots; of an order what is left of it.
+    fn add(
+        &self,
+        stations: &mut [Load],
+        skills: &mut [Load],
+        part: usize,
+        (pieces, lots): (f64, f64),
+        order: Option<&Order>,
+    ) {
         let routed = &self.scenario.parts[part];
+        let due = order.map(|order| order.due);
         for (number, operation) in routed.operations.iter().enumerate() {
             let need = self.need(part, number);
-            let visits = self.visits(part)[number];
+            let visits = self.visits(part)[number] * order.map_or(1.0, |order| order.share_left(number));
+            if visits == 0.0 {
+                continue;
+            }
             let (pieces, lots) = (visits * sampled(operation, pieces), visits * lots);
             let alone = self.together(part, number, pieces, lots);
             let (handling, setup) = (pieces * need.handling, lots * need.setup);
@@ -363,11 +378,15 @@ impl Shop<'_> {
         full.reduce(f64::min).unwrap_or(count) * self.alone(part, operation)
     }
 
-    /// Plain work or passes of a piece, s, without loading.
+    /// Plain work or passes of a piece, s, without loading, on the machine that takes least.
     fn alone(&self, part: usize, operation: usize) -> f64 {
-        let work = &self.scenario.parts[part].operations[operation].work;
-        let plain = if let Work::Plain(time) = work { time.mean() } else { 0.0 };
-        plain + self.cutting[part][operation]
+        let machines = &self.scenario.parts[part].operations[operation].machines;
+        machines.iter().map(|machine| self.alone_on(part, operation, *machine)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The same on a machine.
+    fn alone_on(&self, part: usize, operation: usize, machine: usize) -> f64 {
+        self.scenario.parts[part].operations[operation].mean_time_on(machine) + self.cutting[part][operation]
     }
 
     /// Handling of a piece on the machine where it takes least, and the least setup between groups.
@@ -401,6 +420,17 @@ impl Shop<'_> {
         calendars.map(time).sum()
     }
 
+    /// Time after the shifts of several calendars until `to` in which a step may be finished, s.
+    fn finishing(&self, calendars: impl Iterator<Item = Option<usize>>, to: f64) -> f64 {
+        let of = |index: usize| {
+            let calendar = &self.scenario.calendars[index];
+            let next = |time: &f64| calendar.next_boundary(*time).map(|next| next.time).filter(|time| *time <= to);
+            let ends = successors(next(&0.0), next).filter(|time| !calendar.works_at(*time)).count();
+            ends as f64 * calendar.finish_within
+        };
+        calendars.flatten().filter(|index| self.scenario.calendars[*index].finish_within > 0.0).map(of).sum()
+    }
+
     /// What is wrong with the load of a station or skill.
     fn overload(&self, load: &Load) -> Option<String> {
         let hours = |seconds: f64| format!("{:.1} h", seconds / 3600.0);
@@ -428,12 +458,16 @@ impl Shop<'_> {
         dues.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut work = 0.0;
         let mut worst: Option<(f64, f64, f64)> = None;
+        // Who finishes what was begun may go on after a shift: what is due then is not known by its hours.
+        if calendars().flatten().any(|index| self.scenario.calendars[index].at_end == Interruption::Finish) {
+            return None;
+        }
         for (i, (due, content)) in dues.iter().enumerate() {
             work += content;
             if dues.get(i + 1).is_some_and(|next| next.0 == *due) || *due > self.scenario.horizon {
                 continue;
             }
-            let capacity = self.capacity(calendars(), 0.0, Some(*due));
+            let capacity = self.capacity(calendars(), 0.0, Some(*due)) + self.finishing(calendars(), *due);
             if work > capacity && worst.is_none_or(|(_, most, least)| work * least > most * capacity) {
                 worst = Some((*due, work, capacity));
             }
@@ -446,56 +480,6 @@ impl Shop<'_> {
             hours(work),
             hours(capacity),
         ))
-    }
-
-    /// A due date that cannot be met even if nothing else is in the shop and every machine stands ready.
-    fn unreachable(&self, order: &Order) -> Option<String> {
-        let finish = self.earliest(order);
-        // Sums of times round differently than the simulation: a second is no delay.
-        if finish <= order.due + 1.0 {
-            return None;
-        }
-        let (due, finish) = (self.shown(order.due), self.shown(finish));
-        Some(format!(
-            "order {} cannot be finished before {finish}, and is due {due} (mean times, nothing else in the shop, no setups)",
-            order.id
-        ))
-    }
-
-    /// When an order is finished if nothing else is in the shop, s.
-    fn earliest(&self, order: &Order) -> f64 {
-        let part: &Part = &self.scenario.parts[order.part];
-        let pieces = f64::from(order.pieces());
-        let batch = f64::from(order.transfer.unwrap_or(order.pieces()).min(order.pieces()));
-        let last = pieces - batch * ((pieces / batch).ceil() - 1.0);
-        // Pieces of a routing that cuts are worked on one by one, on several machines at once.
-        let one_by_one = part.operations.iter().any(|own| !matches!(own.work, Work::Plain(_)));
-        let (mut begun, mut finished) = (order.release, order.release);
-        for (number, operation) in part.operations.iter().enumerate() {
-            let handling = self.need(order.part, number).handling;
-            let batch_machine =
-                operation.machines.iter().any(|machine| self.scenario.machines[*machine].batch.is_some());
-            let once = batch_machine || operation.work_per != WorkPer::Part;
-            let alone = self.alone(order.part, number);
-            let able = operation.machines.len() as f64;
-            let together = if one_by_one { able } else { f64::from(order.split.unwrap_or(1)).min(able) };
-            let after = |time: f64, pieces: f64| {
-                let pieces = (sampled(operation, pieces) / together).ceil();
-                let ends = operation.machines.iter().map(|&machine| {
-                    let calendar = self.scenario.machines[machine].calendar;
-                    worked(
-                        calendar.map(|index| &self.scenario.calendars[index]),
-                        (time, matches!(operation.work, Work::Plain(_))),
-                        pieces * handling + if once { 1.0 } else { pieces } * alone,
-                    )
-                });
-                ends.fold(f64::INFINITY, f64::min)
-            };
-            let first = after(begun, batch);
-            finished = after(begun, pieces).max(after(finished, last));
-            begun = first;
-        }
-        finished
     }
 
     /// A time as people read it.
@@ -525,109 +509,5 @@ fn sampled(operation: &Operation, pieces: f64) -> f64 {
     sample.map_or(pieces, |sample| (pieces / f64::from(sample.every)).ceil())
 }
 
-/// When work of `need`, s, ends that begins at `time` or when the calendar works next, s; whether it goes at the pace of the
-/// shift.
-fn worked(calendar: Option<&ShiftCalendar>, (time, paced): (f64, bool), need: f64) -> f64 {
-    let Some(calendar) = calendar else { return time + need };
-    let (mut now, mut left) = (time, need);
-    loop {
-        if calendar.works_at(now) {
-            let end = calendar.next_boundary(now).map_or(f64::INFINITY, |boundary| boundary.time);
-            let pace = if paced { calendar.paces.factor_at(now) } else { 1.0 };
-            let change = calendar.paces.next_change(now).filter(|change| paced && *change < end);
-            // What is finished at the end of a shift is never later than this.
-            let over = if calendar.at_end == Interruption::Finish { left / pace } else { calendar.finish_within };
-            let until = change.unwrap_or(end);
-            if left <= pace * (until - now) || change.is_none() && left / pace <= end - now + over {
-                return now + left / pace;
-            }
-            left -= pace * (until - now);
-            now = until;
-        } else {
-            match calendar.next_boundary(now) {
-                Some(boundary) => now = boundary.time,
-                None => return f64::INFINITY,
-            }
-        }
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::path::Path;
-    use toolroom_scenario_file::{ScenarioFile, read};
-
-    fn shipped(name: &str, set: &[&str]) -> ScenarioFile {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/shop").join(name);
-        let set: Vec<String> = set.iter().map(|each| (*each).to_owned()).collect();
-        read(&path, &set).expect("a shipped scenario")
-    }
-
-    #[test]
-    fn load_and_earliest_finish_are_those_computed_independently() {
-        let found = workload(&shipped("orders.toml", &[]).scenario);
-        // Turning: 320 + 360 + 300 + 240 + 480 + 960 min on two lathes that work eight weekdays of 8 h and 4 h of overtime.
-        let lathes = &found.loads[0];
-        assert_eq!((lathes.name.as_str(), lathes.work, lathes.capacity), ("T1 + T2", 2660.0 * 60.0, 136.0 * 3600.0));
-        assert_eq!(lathes.setup, (2.0 * 30.0 + 4.0 * 45.0) * 60.0);
-        // O6: turned until Thu 14:00, washed Sat 06:00 to 08:40, measured Tue 06:00 to 12:40.
-        assert_eq!(found.warnings.len(), 1, "{:?}", found.warnings);
-        assert!(
-            found.warnings[0].message.starts_with("order O6 cannot be finished before 2026-04-07 12:40"),
-            "{found:?}"
-        );
-    }
-
-    #[test]
-    fn jobs_that_replace_others_are_no_load_of_nothing() {
-        let found = workload(&shipped("line.toml", &[]).scenario);
-        assert!(found.loads.iter().all(|load| load.endless), "{found:?}");
-        let (text, (_, json)) = (found.text(), found.json());
-        assert!(text.contains("   any\n") && !text.contains("0 %"), "{text}");
-        assert!(json[0]["load"].is_null() && json[0]["unlimited_demand"] == true, "{json}");
-        let orders = workload(&shipped("orders.toml", &[]).scenario);
-        assert!(!orders.text().contains("any") && orders.json().1[0]["load"].as_f64().is_some());
-    }
-
-    #[test]
-    fn rework_and_batches_count_in_the_load() {
-        // A Jackson network: 3 jobs an hour, 15 % sent back to the first and 5 % to the second station.
-        let found = workload(&shipped("rework.toml", &[]).scenario);
-        let shares: Vec<f64> = found.loads.iter().map(Load::share).collect();
-        for (share, exact) in shares.iter().zip([0.7125, 0.625, 0.25]) {
-            assert!((share - exact).abs() < 1e-9, "{shares:?}");
-        }
-        // Six pieces share a time: 3.6 an hour of 45 min and 2.4 of an hour make 5.1 h of work in six hours.
-        let found = workload(&shipped("furnace.toml", &[]).scenario);
-        assert_eq!(found.loads[1].name, "furnace");
-        assert!((found.loads[1].share() - (3.6 * 0.75 + 2.4) / 6.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn an_overload_is_told_for_the_horizon_and_for_the_dates_within() {
-        let slow = |time: &str| {
-            let change = format!("part.shaft.operation.measure.work=\"{time}\"");
-            workload(&shipped("orders.toml", &[&change]).scenario).warnings
-        };
-        // 70 shafts of 2 h are more than the CMM works in two weeks.
-        assert!(slow("2 h").iter().any(|told| told.message.starts_with("C is overloaded: 15")), "{:?}", slow("2 h"));
-        // Of 30 min: O4 needs 15 h and the rings of O2 3 h, due on Tuesday 14:00; the CMM works 24 h by then. With O1
-        // and O3 it is 40 h by Wednesday 14:00, and the CMM works 40 h: 2 + 3 + 20 + 15 = 40.08 h are more.
-        let told = slow("30 min");
-        assert!(
-            told.iter().any(|each| each.message.starts_with("C cannot do in time what is due until 2026-04-01 14:00")),
-            "{told:?}"
-        );
-    }
-
-    #[test]
-    fn a_skill_is_a_station_and_sources_count_by_their_rates() {
-        let people = workload(&shipped("operators.toml", &[]).scenario);
-        let setter = people.loads.iter().find(|load| load.name == "skill setup").expect("the setter");
-        // From small to large 20 min, from large to small 45 min; the day has one shift of 8 h.
-        assert_eq!((setter.setup, setter.capacity), (65.0 * 60.0, 8.0 * 3600.0));
-        let queue = workload(&shipped("queue.toml", &[]).scenario);
-        assert!((queue.loads[0].share() - 0.8).abs() < 1e-9 && queue.warnings.is_empty(), "{queue:?}");
-    }
-}
+mod tests;

@@ -40,9 +40,12 @@
 
 mod counting;
 mod definition;
+mod delivery;
+mod histogram;
 mod machine;
 mod reference;
 mod runs;
+mod shop;
 mod tally;
 
 pub use counting::Counting;
@@ -50,8 +53,8 @@ pub use definition::{Better, CURRENCY, Definition, Kpi};
 pub use reference::reference;
 pub use runs::{Progress, unless_stopped};
 
-use definition::SHOP;
 use machine::{MACHINE, of_machine};
+use shop::SHOP;
 use toolroom_scenario::{Scenario, ToolType};
 use toolroom_shop::runlog::RunLog;
 

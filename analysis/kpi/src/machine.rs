@@ -1,7 +1,7 @@
 //! Key figures of each machine.
 
 use super::definition::Better::{Less, More, Neither};
-use super::definition::{MachineFigure, define, oee};
+use super::definition::{MachineFigure, define, net, oee};
 use MachineState::{
     Blocked, Cutting, Down, Dressing, Handling, Idle, Maintenance, OffShift, Setup, Starved, ToolChange,
     WaitingFixture, WaitingOperator, WaitingTool, Working,
@@ -50,6 +50,31 @@ pub(super) const MACHINE: &[MachineFigure] = &[
         define("quality_ratio", "quality ratio", "1", "1", More, "Good over completed operations, by programmed time."),
         |_, m| m.planned_good / m.planned_produced,
     ),
+    (
+        define("nee", "NEE", "1", "1", More, "Net equipment effectiveness: OEE with setup counted as production."),
+        |_, m| {
+            let oee = oee(m.earned, m.planned_busy_time(), m.planned_good / m.planned_produced);
+            net(m.production_time(), m.setup_time(), oee)
+        },
+    ),
+    (
+        define("utilisation_efficiency", "utilisation efficiency", "1", "%", More, "Production time over busy time."),
+        |_, m| m.production_time() / m.busy_time(),
+    ),
+    (
+        define(
+            "technical_efficiency",
+            "technical efficiency",
+            "1",
+            "%",
+            More,
+            "Production time over production and delay.",
+        ),
+        |_, m| m.production_time() / (m.production_time() + m.delay_time()),
+    ),
+    (define("setup_ratio", "setup ratio", "1", "%", Less, "Setup over production and setup."), |_, m| {
+        m.setup_time() / (m.production_time() + m.setup_time())
+    }),
     (
         define(
             "mtbf",

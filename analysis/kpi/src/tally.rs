@@ -1,7 +1,8 @@
 //! Everything that the key figures divide: sums to which every fact of a run is added once.
 
 use super::cell;
-use toolroom_scenario::{ArrivalPattern, Operation, ProcessModel, Scenario, ShiftCalendar};
+use super::delivery::Delivery;
+use toolroom_scenario::{ArrivalPattern, Operation, ProcessModel, Scenario, ShiftCalendar, WorkPer};
 use toolroom_shop::programmed_cutting_times;
 use toolroom_shop::runlog::{
     ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, LogEvent, MachineState, OperationResult, OperationRow,
@@ -46,8 +47,12 @@ impl MachineTally {
         self.state(MachineState::Cutting) + self.state(MachineState::Working) + self.state(MachineState::Handling)
     }
 
-    /// Production, setup and delay: all but idle.
-    pub fn busy_time(&self) -> f64 {
+    pub fn setup_time(&self) -> f64 {
+        self.state(MachineState::Setup)
+    }
+
+    /// In shift with an order, but neither in production nor in setup.
+    pub fn delay_time(&self) -> f64 {
         let delay = [
             MachineState::ToolChange,
             MachineState::Dressing,
@@ -59,7 +64,12 @@ impl MachineTally {
             MachineState::Down,
         ]
         .map(|state| self.state(state));
-        self.production_time() + self.state(MachineState::Setup) + delay.iter().sum::<f64>()
+        delay.iter().sum::<f64>()
+    }
+
+    /// Production, setup and delay: all but idle.
+    pub fn busy_time(&self) -> f64 {
+        self.production_time() + self.setup_time() + self.delay_time()
     }
 
     /// Down by the clock, in shift and out of it.
@@ -81,6 +91,12 @@ struct Planned {
     programmed: f64,
     /// The same with the mean time of plain work, s.
     work: f64,
+    /// Mean time of plain work, s.
+    plain: f64,
+    /// Whether plain work is done once for all pieces that move together.
+    once: bool,
+    /// The first machine that may do it.
+    machine: usize,
     /// Whether a wheel does it.
     ground: bool,
 }
@@ -102,8 +118,8 @@ pub(super) struct Tally {
     pub machines: Vec<MachineTally>,
     /// Good parts.
     pub good: u32,
-    /// Jobs that were good: a part, or parts of an order that move together.
-    pub good_jobs: u32,
+    /// Lead times, tardiness and orders.
+    pub delivery: Delivery,
     pub scrapped: u32,
     pub scrapped_by_tool: u32,
     pub out_of_tolerance: u32,
@@ -114,13 +130,10 @@ pub(super) struct Tally {
     pub chatter_time: f64,
     /// Times that chatter set in.
     pub chatter_onsets: u32,
-    pub tardy: u32,
-    /// Sum of lead times, s.
-    pub lead_time: f64,
-    /// Sum of tardiness, s.
-    pub tardiness: f64,
     /// Integral of the number of jobs, s.
     pub job_time: f64,
+    /// Of it the time in which an operation of the job was in process, s.
+    pub operation_time: f64,
     /// Jobs at the start and arrived since; infinite with constant work.
     pub offered: f64,
     pub machine_cost: f64,
@@ -199,7 +212,10 @@ impl Tally {
         let planned = |(operation, programmed): (&Operation, f64)| {
             let tool = operation.tool.and_then(|tool| scenario.tools.get(tool));
             let ground = tool.is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
-            Planned { programmed, work: programmed + operation.work.plain_time(), ground }
+            let machine = operation.machines[0];
+            let plain = operation.mean_time_on(machine);
+            let once = operation.work_per != WorkPer::Part;
+            Planned { programmed, work: programmed + operation.work.plain_time(), plain, once, machine, ground }
         };
         let parts = scenario.parts.iter().zip(programmed_cutting_times(scenario));
         let machines = &scenario.machines;
@@ -209,6 +225,7 @@ impl Tally {
             regrinds: (0..scenario.parts.len()).map(|part| scenario.is_regrind(part)).collect(),
             handling: machines.iter().map(|machine| machine.load_time.mean() + machine.unload_time.mean()).collect(),
             calendars: machines.iter().map(|machine| machine.calendar.is_some()).collect(),
+            delivery: Delivery::new(scenario),
             machines: vec![MachineTally::default(); machines.len()],
             ..Self::default()
         }
@@ -348,8 +365,11 @@ impl Tally {
     /// that lies in the window; the quantities count what is completed in it. What an interruption undid took
     /// time and earns nothing.
     #[inline]
-    pub fn add_operation(&mut self, row: &OperationRow, share: f64, completed: bool) {
-        let Planned { programmed, work, ground } = self.planned[row.part as usize][row.operation as usize];
+    pub fn add_operation(&mut self, row: &OperationRow, (warm_up, end): (f64, f64), share: f64, completed: bool) {
+        let Planned { programmed, work, ground, .. } = self.planned[row.part as usize][row.operation as usize];
+        if !self.regrinds[row.part as usize] {
+            self.operation_time += (end - row.start.max(warm_up)).max(0.0);
+        }
         let pieces = f64::from(row.quantity);
         let planned = row.work * work + pieces * self.handling[row.machine as usize];
         let tally = &mut self.machines[row.machine as usize];
@@ -372,6 +392,16 @@ impl Tally {
         }
     }
 
+    /// What the work of a job takes on the first machine of every operation, s: without setup, waiting and what is done again.
+    fn raw_time(&self, job: &JobRow) -> f64 {
+        let pieces = f64::from(job.quantity);
+        let time = |own: &Planned| {
+            let plain = if own.once { own.plain } else { pieces * own.plain };
+            plain + pieces * (own.programmed + self.handling[own.machine])
+        };
+        self.planned[job.part as usize].iter().map(time).sum()
+    }
+
     /// A job that has left the shop, or is in it at the horizon.
     pub fn add_job(&mut self, scenario: &Scenario, job: &JobRow, horizon: f64) {
         let left = if job.finish.is_nan() { horizon } else { job.finish };
@@ -384,15 +414,14 @@ impl Tally {
         let component = self.components[job.part as usize];
         self.offered += if component { 0.0 } else { f64::from(job.quantity) };
         self.job_time += left - job.arrival.max(scenario.warm_up);
+        self.delivery.see(job);
         match job.outcome {
             // What goes into other parts does not leave the shop.
             JobOutcome::Good if component => {}
             JobOutcome::Good => {
                 self.good += job.quantity;
-                self.good_jobs += 1;
-                self.lead_time += job.finish - job.arrival;
-                self.tardiness += (job.finish - job.due).max(0.0);
-                self.tardy += u32::from(job.finish > job.due);
+                let raw_time = self.raw_time(job);
+                self.delivery.add(scenario, job, raw_time);
             }
             JobOutcome::InProcess => {}
             outcome @ (JobOutcome::ToolFailure

@@ -366,3 +366,40 @@ lot = [{ time = "0 min", size = 2 }]
     assert!((figure("tool_life") - 1200.0).abs() < 1e-9, "{} s", figure("tool_life"));
     assert!(figure("path_per_edge").is_nan());
 }
+
+/// Two orders of two pieces each on one machine, 10 min a piece, setup of 5 min before each (other groups); the second order waits
+/// for 25 min and is 10 min late, with a weight of 3.
+#[test]
+fn waiting_tardiness_and_the_ratios_of_setup_are_those_of_the_envelope() {
+    let operation = |group: &str| {
+        format!(
+            "[[part.operation]]\nname = \"work\"\nmachines = \"M\"\nwork = \"10 min\"\nsetup_time = \"5 min\"\nsetup_group = \"{group}\"\n"
+        )
+    };
+    let run = Run::of(&format!(
+        "schema = 1\n[shop]\nname = \"two\"\nhorizon = \"60 min\"\n[[machine]]\nname = \"M\"\nprocess = \"plain\"\nsetup_at_start = \"\"\n\
+         [[part]]\nname = \"A\"\n{}[[part]]\nname = \"B\"\n{}\
+         [[order]]\nid = \"1\"\npart = \"A\"\nquantity = 2\nrelease = \"0 min\"\ndue = \"30 min\"\n\
+         [[order]]\nid = \"2\"\npart = \"B\"\nquantity = 2\nrelease = \"0 min\"\ndue = \"40 min\"\nweight = 3\n",
+        operation("a"),
+        operation("b")
+    ));
+    // A from 0 to 25 min, B from 25 to 50 min, and 10 min without work.
+    run.holds(&[
+        ("lead_time", 37.5 * 60.0),
+        ("queue_time", 12.5 * 60.0),
+        ("flow_factor", 75.0 / 40.0),
+        ("tardiness", 5.0 * 60.0),
+        ("weighted_tardiness", 15.0 * 60.0),
+        ("greatest_tardiness", 10.0 * 60.0),
+        ("on_time", 0.5),
+        ("allocation_ratio", 50.0 / 60.0),
+        ("utilisation_efficiency", 40.0 / 50.0),
+        ("technical_efficiency", 1.0),
+        ("setup_ratio", 10.0 / 50.0),
+        ("oee", 40.0 / 60.0),
+        ("nee", 50.0 / 60.0),
+    ]);
+    assert!((run.figure("lead_time_p50") / (25.0 * 60.0) - 1.0).abs() < 0.004);
+    assert!((run.figure("lead_time_p95") / (50.0 * 60.0) - 1.0).abs() < 0.004);
+}

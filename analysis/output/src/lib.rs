@@ -39,4 +39,4 @@ pub use folder::OutputDir;
 pub use lines::fitted;
 pub use progress::Bar;
 pub use provenance::{provenance, quoted};
-pub use reported::json_error;
+pub use reported::{bounded, json_error};

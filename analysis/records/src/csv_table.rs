@@ -1,6 +1,7 @@
 //! Delimited text of any encoding to a table of cells.
 
 use crate::RecordError;
+use std::collections::HashMap;
 use std::path::Path;
 use toolroom_form::utf16_lossy;
 use toolroom_process::table::{BrokenQuote, Lines, broken_quote};
@@ -74,7 +75,30 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawTable, BrokenQuote> {
     if delimiter != b',' {
         read_decimal_commas(&mut table);
     }
+    table.notes.extend(repeated_rows(&table));
     Ok(table)
+}
+
+/// What is said of rows that are equal to an earlier one in every cell, as those of two exports in one file are. They are read all the
+/// same: coarse readings may repeat honestly.
+fn repeated_rows(table: &RawTable) -> Option<String> {
+    let mut earlier: HashMap<&[String], usize> = HashMap::with_capacity(table.rows.len());
+    let mut first = None;
+    let mut count = 0;
+    for (line, cells) in &table.rows {
+        if let Some(original) = earlier.get(cells.as_slice()) {
+            first.get_or_insert((*line, *original));
+            count += 1;
+        } else {
+            earlier.insert(cells, *line);
+        }
+    }
+    let (line, original) = first?;
+    let rows = if count == 1 { "1 row repeats".to_owned() } else { format!("{count} rows repeat") };
+    Some(format!(
+        "{rows} an earlier one in every cell, first line {line} that of line {original}: read as they stand; delete them if they were \
+         exported twice"
+    ))
 }
 
 /// Text, and what it was read as unless UTF-8.

@@ -92,6 +92,20 @@ fn decimal_commas_beside_points_are_read_unless_they_may_stand_between_thousands
 }
 
 #[test]
+fn rows_that_repeat_earlier_ones_are_told_and_read() {
+    let row = "1,L,T,1,60,0.2,1,2";
+    let (records, report) =
+        turning(&format!("{HEAD}\n{row}\n2,L,T,2,60,0.2,1,2\n{row}\n{row}\n")).expect("a fine table");
+    assert_eq!(records.len(), 4);
+    assert!(
+        report.notes.iter().any(|note| note.starts_with("2 rows repeat") && note.contains("line 4 that of line 2")),
+        "{report}"
+    );
+    let (_, report) = turning(&format!("{HEAD}\n{row}\n")).expect("a fine table");
+    assert!(report.notes.iter().all(|note| !note.contains("repeat")), "{report}");
+}
+
+#[test]
 fn a_value_beyond_its_range_is_told_in_the_unit_of_the_file_and_an_empty_file_has_no_rows() {
     let head = HEAD.replace("m/min", "m/s");
     let error = turning(&format!("{head}\n1,L,T,1,180,0.2,1,2\n")).expect_err("too fast");

@@ -57,7 +57,8 @@ pub(crate) fn grid(path: &Path, map: &TableMap) -> Result<Grid, ShopImportError>
     Ok(Grid { sheet: Some(sheet), rows, notes: Vec::new() })
 }
 
-/// Refuses a sheet of an XLSX workbook whose cells lie too far apart for the rectangle between them.
+/// Refuses a sheet of an XLSX workbook whose cells lie too far apart for the rectangle between them, and one with a formula of
+/// which nobody has worked out the value.
 fn extent<R: Read + Seek>(book: &mut Xlsx<R>, sheet: &str) -> Result<(), String> {
     let mut cells = match book.worksheet_cells_reader(sheet) {
         Ok(cells) => cells,
@@ -66,11 +67,17 @@ fn extent<R: Read + Seek>(book: &mut Xlsx<R>, sheet: &str) -> Result<(), String>
         Err(error) => return Err(error.to_string()),
     };
     let (mut extent, mut count) = (Extent::default(), 0);
-    while let Some(cell) = cells.next_cell().map_err(|error| error.to_string())? {
-        let (row, column) = cell.get_position();
+    while let Some(cell) = cells.next_cell_with_formula_metadata().map_err(|error| error.to_string())? {
+        let (row, column) = cell.pos;
         count += 1;
-        if *cell.get_value() != DataRef::Empty {
+        if cell.value != DataRef::Empty {
             extent.take(row, column);
+        } else if cell.formula.is_some() {
+            return Err(format!(
+                "sheet {sheet}, cell {} holds a formula without its value, as programs write it: open the workbook in a spreadsheet \
+                 program and save it, or write values",
+                cell_name(row, column)
+            ));
         }
     }
     // A cell that stands there twice takes its memory twice.

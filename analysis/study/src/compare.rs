@@ -93,7 +93,7 @@ impl Comparison {
                 policy,
                 name: scenario.policies[policy].name.clone(),
                 role: role(&scenario.policies[policy], scenario),
-                kpis: (0..study.kpis.len()).map(|kpi| t_interval(&study.values(position, kpi), CONFIDENCE)).collect(),
+                kpis: (0..study.kpis.len()).map(|kpi| t_interval(&study.samples(position, kpi), CONFIDENCE)).collect(),
             })
             .collect();
         let stations = stations(scenario, study);
@@ -126,7 +126,7 @@ impl Comparison {
 }
 
 fn difference(scenario: &Scenario, study: &Study, stations: &[Station], policy: usize) -> Difference {
-    let values_of = |policy: usize, id: &str| study.index(id).map_or_else(Vec::new, |kpi| study.values(policy, kpi));
+    let values_of = |policy: usize, id: &str| study.index(id).map_or_else(Vec::new, |kpi| study.samples(policy, kpi));
     let gain = |id: &str, above: usize, below: usize| ratio(&values_of(above, id), &values_of(below, id), CONFIDENCE);
     let cell_gain = gain("cell_time_ratio", 0, policy);
     let offered = gain("parts_offered_per_shift", 0, 0).count > 0;
@@ -142,7 +142,7 @@ fn difference(scenario: &Scenario, study: &Study, stations: &[Station], policy: 
     Difference {
         policy,
         kpis: (0..study.kpis.len())
-            .map(|kpi| paired(&study.values(policy, kpi), &study.values(0, kpi), CONFIDENCE))
+            .map(|kpi| paired(&study.samples(policy, kpi), &study.samples(0, kpi), CONFIDENCE))
             .collect(),
         beyond: beyond(shop_gain.mean / amdahl_limit, good_share(policy) / good_share(0)),
         shop_gain,

@@ -14,11 +14,13 @@ pub use finished::{Finished, FinishedError};
 
 mod precision;
 mod rows;
+mod samples;
 mod stored;
 
 pub use crate::kpi::Progress;
 pub use precision::{NoPrecision, Precision, Width};
 use rows::Rows;
+pub(crate) use samples::by_draw;
 pub use stored::{KnownRuns, StoredRun, known_of, stored_digest, stored_runs};
 
 use crate::kpi::{self, Counting, Kpi, unless_stopped};
@@ -142,6 +144,8 @@ pub struct Study {
     pub kpis: Vec<Kpi>,
     /// Replications that all policies finished.
     pub replications: u32,
+    /// Replications in a row that share a draw of the parameters; one where nothing is drawn.
+    pub alike: u32,
     /// Whether everything requested was run; false after a stop by the user.
     pub complete: bool,
     /// Stop rule under which replications were run, of which there were then as many as it took; none: their number was given.
@@ -454,6 +458,7 @@ where
         policies: options.policies.clone(),
         kpis: kpi::kpis(scenario),
         replications: 0,
+        alike: scenario.replications_alike(),
         complete: true,
         until: options.until.clone(),
         digest: FNV_OFFSET,
@@ -574,7 +579,7 @@ impl Study {
     fn is_precise(&self) -> bool {
         let known = |policy: usize, precision: &Precision| {
             precision.figures().into_iter().all(|id| {
-                self.index(id).is_some_and(|kpi| precision.holds(&t_interval(&self.values(policy, kpi), CONFIDENCE)))
+                self.index(id).is_some_and(|kpi| precision.holds(&t_interval(&self.samples(policy, kpi), CONFIDENCE)))
             })
         };
         self.replications >= Precision::LEAST

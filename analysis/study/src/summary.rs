@@ -101,7 +101,8 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
             "between": pair,
             "objective": tuning.objective,
             "difference": decision.difference.as_ref().map(|difference| difference.mean),
-            "ci95": decision.difference.as_ref().map(|difference| [difference.low(), difference.high()]),
+            "ci95": decision.plain_difference().map(|difference| [difference.low(), difference.high()]),
+            "decided_at": decision.confidence,
             "wording": decision.line,
             "without_guard": tuning.without_guard.as_ref().map(|verdict| json!({
                 "between": verdict.between,

@@ -1,5 +1,6 @@
 //! The comparison at several values of one key.
 
+use crate::figure::{decimals, plain};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use toolroom_chart::page::{Figure, Report, Section};
@@ -265,8 +266,11 @@ fn figure(figures: &Value, name: &str) -> String {
     let found = figures.as_object().into_iter().flatten().find(|(key, _)| key.split(' ').next() == Some(name));
     let Some((_, value)) = found else { return "–".to_owned() };
     match (value["mean"].as_f64(), value["ci95"][1].as_f64()) {
-        (Some(mean), Some(high)) => format!("{mean:.2} ± {:.2}", high - mean),
-        (Some(mean), None) => format!("{mean:.2}"),
+        (Some(mean), Some(high)) => {
+            let digits = decimals(mean, high - mean);
+            format!("{} ± {}", plain(mean, digits), plain(high - mean, digits))
+        }
+        (Some(mean), None) => plain(mean, decimals(mean, f64::NAN)),
         _ => "–".to_owned(),
     }
 }

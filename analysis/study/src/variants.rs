@@ -12,7 +12,7 @@ pub use selection::{NoSelection, SelectedShop, Wanted};
 use crate::figure::{decimals, label, plain, shown, signed};
 use crate::kpi::Kpi;
 use crate::planner::late;
-use crate::study::{Progress, Study, StudyError, StudyOptions, run_study};
+use crate::study::{Progress, Study, StudyError, StudyOptions, by_draw, run_study};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
@@ -184,7 +184,8 @@ pub struct VariantFigure {
 
 /// Value and difference of a figure under a variant; `figure` counts those of the shop, the number of late orders last.
 fn against(study: &Study, base: &VariantRuns, runs: &VariantRuns, policy: usize, figure: usize) -> VariantFigure {
-    let (sample, reference) = (runs.sample(policy, figure), base.sample(policy, figure));
+    let independent = |runs: &VariantRuns| by_draw(runs.sample(policy, figure), study.alike);
+    let (sample, reference) = (independent(runs), independent(base));
     let together = 1.0 - (1.0 - CONFIDENCE) / study.variants.len().max(1) as f64;
     VariantFigure {
         value: t_interval(&sample, CONFIDENCE),

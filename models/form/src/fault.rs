@@ -123,7 +123,7 @@ pub enum Fault {
         known: String,
     },
     /// Two things of one name.
-    #[error("two {kind}s are called \"{name}\"")]
+    #[error("two {} are called \"{name}\"", plural(kind))]
     DuplicateName {
         /// Kind of thing.
         kind: &'static str,
@@ -304,9 +304,24 @@ pub fn nearest<'a>(read: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     distances.filter(|(distance, _)| *distance <= limit).min_by_key(|(distance, _)| *distance).map(|(_, name)| name)
 }
 
+/// The word for several things of a kind.
+fn plural(kind: &str) -> String {
+    match kind.strip_suffix('y') {
+        Some(stem) => format!("{stem}ies"),
+        None => format!("{kind}s"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::nearest;
+    use super::{Fault, nearest};
+
+    #[test]
+    fn two_things_of_one_name_are_told_in_the_plural() {
+        let message = |kind| Fault::DuplicateName { kind, name: "A".to_owned() }.to_string();
+        assert_eq!(message("policy"), "two policies are called \"A\"");
+        assert_eq!(message("tool"), "two tools are called \"A\"");
+    }
 
     #[test]
     fn a_slip_finds_its_word_and_nonsense_none() {

@@ -128,4 +128,4 @@ pub use temperature::{Heating, Temperature};
 pub use turning_sets::{PARAMETER_SETS, TURNING_SETS};
 pub use usui::Usui;
 pub use wear::Wear;
-pub use wear_curve::{LARGEST_CONTRAST, LARGEST_TILT, check_tilt, run_in, wear_stage};
+pub use wear_curve::{LARGEST_CONTRAST, LARGEST_TILT, check_tilt, run_in, stage_time, wear_stage};

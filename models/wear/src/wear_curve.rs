@@ -35,6 +35,21 @@ pub fn wear_stage<N: Number>(x: N, contrast: N, tilt: N) -> N {
     contrast * (x * (-x + 1.0) * 6.0 - 1.0) + 1.0 + tilt * (x * 2.0 - 1.0)
 }
 
+/// Share of the life after which the three-stage curve has reached `x` = flank wear over wear limit, 0 or more: the integral of
+/// [`wear_stage`].
+///
+/// # Examples
+/// ```
+/// use toolroom_wear::stage_time;
+/// assert_eq!((stage_time(0.0, 0.6, 0.2), stage_time(0.5, 0.6, 0.0), stage_time(1.0, 0.6, 0.2)), (0.0, 0.5, 1.0));
+/// assert!((stage_time(2.0, 0.6, 0.0) - 1.4).abs() < 1e-15); // beyond the limit at the rate of its end
+/// ```
+pub fn stage_time(x: f64, contrast: f64, tilt: f64) -> f64 {
+    let inside = x.min(1.0);
+    let whole = inside + contrast * inside * (inside * (3.0 - 2.0 * inside) - 1.0) + tilt * inside * (inside - 1.0);
+    whole + (x - inside) * wear_stage(1.0, contrast, tilt)
+}
+
 /// Largest contrast of the wear stages (assumption): at 1 the wear rate would be infinite at both ends of the life.
 pub const LARGEST_CONTRAST: f64 = 0.95;
 

@@ -44,6 +44,23 @@ fn handbook_constants_become_a_law_about_the_reference_cut() {
 }
 
 #[test]
+fn lives_of_a_handbook_are_not_cut_short_by_the_heat_of_another_tool() {
+    let set = read(TAYLOR).unwrap();
+    assert_eq!(value(&set, "temperature.collapse_temperature"), (5000.0, Origin::Assumed));
+    let pair = Pair::of_set(&set).unwrap();
+    let WearLaw::ExtendedTaylor(law) = &pair.law else { panic!("another law") };
+    // The tool of the set that it is based on collapses at this speed.
+    let cut = Cut::nominal(400.0 / 60.0, 0.3e-3, 1.5e-3);
+    assert!((pair.life(&cut).cutting_time / law.tool_life(&cut) - 1.0).abs() < 1e-4);
+    // What the file states stays, and so does what the law of the base needs.
+    let stated = format!(
+        "{TAYLOR}[parameters.temperature]\ncollapse_temperature = {{ value = \"1500 K\", source = \"ours\" }}\n"
+    );
+    assert_eq!(value(&read(&stated).unwrap(), "temperature.collapse_temperature"), (1500.0, Origin::Given));
+    assert_eq!(value(&read("").unwrap(), "temperature.collapse_temperature").0, 1400.0);
+}
+
+#[test]
 fn what_is_stated_goes_before_the_handbook_and_both_before_the_base() {
     let body = format!(
         "{TAYLOR}[parameters.extended_taylor]\nspeed_exponent = {{ value = 3.5, source = \"ours\" }}\n\

@@ -7,6 +7,9 @@ const DAY: f64 = 86_400.0;
 /// Days of a week, s.
 pub(super) const WEEK: f64 = 7.0 * DAY;
 
+/// Difference of times that are the same, s: those of events are whole nanoseconds.
+const ROUNDING: f64 = 1e-6;
+
 /// What a calendar says about dates.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WeekPlan {
@@ -89,6 +92,8 @@ struct Block {
     end: f64,
     /// Working time before it, s.
     before: f64,
+    /// Whether a break follows, and then the same shift.
+    pauses: bool,
 }
 
 impl Dated {
@@ -107,20 +112,29 @@ impl Dated {
         let (mut intervals, mut begun) = (Vec::new(), Vec::new());
         for (number, midnight, PacedShift { shift, .. }) in plan.shifts(start, until) {
             begun.push((shift.start, number));
-            intervals.extend(without(shift.start, shift.end, &plan.breaks, midnight));
+            let pieces = without(shift.start, shift.end, &plan.breaks, midnight);
+            let last = pieces.len().saturating_sub(1);
+            intervals.extend(pieces.into_iter().enumerate().map(|(place, piece)| (piece, place < last)));
         }
-        intervals.extend(plan.overtime.iter().map(|own| Shift { start: own.start - start, end: own.end - start }));
-        intervals.sort_by(|a, b| a.start.total_cmp(&b.start));
+        let overtime = plan.overtime.iter().map(|own| Shift { start: own.start - start, end: own.end - start });
+        intervals.extend(overtime.map(|own| (own, false)));
+        intervals.sort_by(|a, b| a.0.start.total_cmp(&b.0.start));
         begun.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut blocks: Vec<Block> = Vec::new();
-        for Shift { start, end } in intervals {
+        for (Shift { start, end }, pauses) in intervals {
             let start = start.max(0.0);
             if end <= start || start > until {
                 continue;
             }
             match blocks.last_mut() {
-                Some(last) if start <= last.end => last.end = last.end.max(end),
-                Some(_) | None => blocks.push(Block { start, end, before: 0.0 }),
+                Some(last) if start <= last.end => {
+                    // Of pieces that end together one that is over ends a shift.
+                    if end >= last.end {
+                        last.pauses = pauses && (end > last.end || last.pauses);
+                        last.end = end;
+                    }
+                }
+                Some(_) | None => blocks.push(Block { start, end, before: 0.0, pauses }),
             }
         }
         let mut worked = 0.0;
@@ -154,10 +168,15 @@ impl Dated {
     /// The next change strictly after `time`.
     pub fn next_boundary(&self, time: f64) -> Option<Boundary> {
         if let Some(block) = self.block(time).filter(|block| time < block.end) {
-            return Some(Boundary { time: block.end, starts: false });
+            return Some(Boundary { time: block.end, starts: false, pauses: block.pauses });
         }
         let next = self.blocks.get(self.blocks.partition_point(|block| block.start <= time))?;
-        Some(Boundary { time: next.start, starts: true })
+        Some(Boundary { time: next.start, starts: true, pauses: false })
+    }
+
+    /// Whether a break of a shift begins at `time`.
+    pub fn pauses_at(&self, time: f64) -> bool {
+        self.block(time).is_some_and(|block| block.pauses && (block.end - time).abs() < ROUNDING)
     }
 
     /// Name of the shift that began last; overtime has the name of the shift before.
@@ -269,8 +288,24 @@ mod tests {
             ..WeekPlan::default()
         };
         assert_eq!(end(&calendar(&early), "2026-03-30 07:00", 6.0), "2026-03-30 13:45");
+        let pauses = ["2026-03-30 10:00", "2026-03-30 12:00", "2026-03-30 14:00"]
+            .map(|time| calendar(&early).pauses_at(at(time)));
+        assert_eq!(pauses, [true, true, false]);
         let night = WeekPlan { weeks: week(hours(22.0, 6.0)), breaks: vec![hours(2.0, 2.5)], ..WeekPlan::default() };
         assert_eq!(end(&calendar(&night), "2026-03-30 22:00", 5.0), "2026-03-31 03:30");
+        // A break that a shift ends with is its end, and so is one that overtime fills none.
+        let filled = WeekPlan {
+            weeks: week(hours(6.0, 14.0)),
+            breaks: vec![hours(10.0, 10.25), hours(13.5, 14.0)],
+            overtime: vec![Shift {
+                start: date::parse("2026-03-30 10:00").unwrap(),
+                end: date::parse("2026-03-30 10:30").unwrap(),
+            }],
+            ..WeekPlan::default()
+        };
+        let pauses = ["2026-03-30 10:00", "2026-03-30 13:30", "2026-03-31 10:00"]
+            .map(|time| calendar(&filled).pauses_at(at(time)));
+        assert_eq!(pauses, [false, false, true]);
     }
 
     #[test]

@@ -83,8 +83,13 @@ impl Joined {
         if starts == self.before.works_at(time) {
             next(&self.after, self.junction)
         } else {
-            Some(Boundary { time: self.junction, starts })
+            Some(Boundary { time: self.junction, starts, pauses: false })
         }
+    }
+
+    /// Whether a break of a shift begins at `time`.
+    pub(crate) fn pauses_at(&self, time: f64) -> bool {
+        self.at(time).shifts().is_some_and(|shifts| shifts.pauses_at(time))
     }
 
     /// Name of the shift that is on or was last on.

@@ -73,6 +73,8 @@ pub struct Boundary {
     pub time: f64,
     /// Whether work begins there.
     pub starts: bool,
+    /// Whether a break begins there: the shift goes on after it.
+    pub pauses: bool,
 }
 
 impl ShiftCalendar {
@@ -113,6 +115,20 @@ impl ShiftCalendar {
         self.time.next_boundary(time)
     }
 
+    /// When the shift that is on at `time` ends, s, its breaks left aside; `None` out of shifts, and where work never stops.
+    pub fn shift_end(&self, time: f64) -> Option<f64> {
+        let mut boundary = self.next_boundary(time).filter(|next| !next.starts)?;
+        while boundary.pauses {
+            boundary = self.next_boundary(boundary.time).and_then(|start| self.next_boundary(start.time))?;
+        }
+        Some(boundary.time)
+    }
+
+    /// Whether a break of a shift begins at `time`, s.
+    pub fn pauses_at(&self, time: f64) -> bool {
+        self.time.pauses_at(time)
+    }
+
     /// Name of the shift that is on or was last on, `S1`, `S2` … ; `None` without shifts.
     pub fn shift_at(&self, time: f64) -> Option<String> {
         self.time.shift_at(time)
@@ -151,6 +167,14 @@ impl WorkingTime {
             Self::Periodic(shifts) => shifts.next_boundary(time),
             Self::Dated(shifts) => shifts.next_boundary(time),
             Self::Joined(both) => both.next_boundary(time),
+        }
+    }
+
+    fn pauses_at(&self, time: f64) -> bool {
+        match self {
+            Self::Periodic(_) => false,
+            Self::Dated(shifts) => shifts.pauses_at(time),
+            Self::Joined(both) => both.pauses_at(time),
         }
     }
 

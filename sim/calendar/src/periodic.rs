@@ -48,7 +48,7 @@ impl Periodic {
             })
             .filter(|&(at, _)| at > time)
             .find(|&(at, starts)| !self.touches(at, starts))
-            .map(|(time, starts)| Boundary { time, starts })
+            .map(|(time, starts)| Boundary { time, starts, pauses: false })
     }
 
     /// Whether another shift goes on where this one ends, or ended where this one starts.

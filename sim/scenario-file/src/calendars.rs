@@ -270,9 +270,11 @@ fn weeks(walk: &mut Walk, section: &Section<'_>) -> Vec<[Vec<PacedShift>; 7]> {
     weeks
 }
 
-/// Shifts of one week; a later day replaces an earlier one.
+/// Shifts of one week; a day alone goes before a range that holds it.
 fn week(walk: &mut Walk, table: &DeTable<'_>) -> [Vec<PacedShift>; 7] {
     let mut week: [Vec<PacedShift>; 7] = Default::default();
+    // By day: how many days the entry has that says its shifts, and its name.
+    let mut said: [Option<(usize, &str)>; 7] = [None; 7];
     for (name, value) in table {
         let Some(days) = days(name.get_ref()) else {
             no_date(walk, name.span(), "week", name.get_ref(), "weekday", "mon or mon-fri");
@@ -293,7 +295,27 @@ fn week(walk: &mut Walk, table: &DeTable<'_>) -> [Vec<PacedShift>; 7] {
             }
             shifts.push(shift);
         }
-        days.for_each(|day| week[day].clone_from(&shifts));
+        let count = days.clone().count();
+        for day in days {
+            match said[day] {
+                Some((other, before)) if (other == 1) == (count == 1) => {
+                    let fault = Fault::Contradiction {
+                        first: "week",
+                        first_value: before.to_owned(),
+                        second: "week",
+                        second_value: name.get_ref().to_string(),
+                        rule: "a day stands in one range, or alone beside a range that holds it",
+                    };
+                    walk.fault(name.span(), fault);
+                    break;
+                }
+                Some((1, _)) => {}
+                Some(_) | None => {
+                    week[day].clone_from(&shifts);
+                    said[day] = Some((count, name.get_ref()));
+                }
+            }
+        }
     }
     week
 }

@@ -20,6 +20,10 @@ use toolroom_scenario::{
     ToolType, TuneRequest, Variants,
 };
 
+/// Horizon of a file whose own is left out or cannot be read, s: so long that nothing is told to lie beyond it (assumption: ten
+/// years).
+const UNREAD_HORIZON: f64 = 10.0 * 365.0 * 86_400.0;
+
 /// What a file says.
 pub(super) struct ScenarioContent {
     pub scenario: Scenario,
@@ -37,7 +41,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<ScenarioCo
     walk.currency.clone_from(&currency);
     let mut names = Names::of(root);
     let start = shop.as_ref().and_then(|shop| start(walk, shop));
-    let horizon = shop.as_ref().and_then(|shop| shop.si("horizon")).unwrap_or(0.0);
+    let horizon = shop.as_ref().and_then(|shop| shop.si("horizon")).unwrap_or(UNREAD_HORIZON);
     let calendars = calendars(walk, root, &mut names, start, horizon);
     let setup_matrices = resources::setup_matrices(walk, root, &mut names);
     let (mut machines, buffers) = machines(walk, root, &mut names);
@@ -63,6 +67,14 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<ScenarioCo
     let tables = tables.as_ref();
     let around = orders::Around { names: &names, machines: &machines, parts: &parts, tables, start, horizon };
     let (orders, order_places) = orders::orders(walk, root, &around);
+    if let Some(tables) = tables.filter(|tables| tables.given("orders"))
+        && orders.is_empty()
+        && arrivals.is_empty()
+        && walk.problems.is_empty()
+    {
+        let example = "a row of the table for each order, or [[arrivals]] with part and pattern";
+        walk.fault(tables.span_of("orders"), Fault::Nothing { what: "order in the table", example });
+    }
     let stocks = stocks::stocks(walk, root, &names, &parts);
     stocks::check_parents(walk, root, &parts, (&orders, &arrivals));
     let ruled = walk.table(root, "dispatch");
@@ -160,7 +172,8 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<ScenarioCo
         currency,
         branch: None,
     };
-    if scenario.seeks_warm_up && scenario.is_terminating() {
+    let warms_up = scenario.seeks_warm_up || scenario.warm_up > 0.0 && !scenario.orders.is_empty();
+    if warms_up && scenario.is_terminating() {
         let reason = "a shop that ends with its orders or given jobs settles into nothing".to_owned();
         let fix = "take out `warm_up`: all of the run counts; or let jobs come from a source that goes on".to_owned();
         walk.fault(shop.span_of("warm_up"), ScenarioFault::Arrangement { reason, fix });

@@ -82,9 +82,10 @@ pub(super) fn hold(
 /// none will).
 const BOUNDARIES: usize = 1000;
 
-/// The longest stretch of work of a calendar, s.
+/// The longest shift of a calendar without its breaks, s.
 fn longest(calendar: &ShiftCalendar) -> f64 {
     let (mut longest, mut from, mut at) = (0.0f64, calendar.works_at(0.0).then_some(0.0), 0.0);
+    let mut before = 0.0;
     for _ in 0..BOUNDARIES {
         let Some(next) = calendar.next_boundary(at) else {
             return if from.is_some() { f64::INFINITY } else { longest };
@@ -93,7 +94,9 @@ fn longest(calendar: &ShiftCalendar) -> f64 {
         if next.starts {
             from = Some(at);
         } else if let Some(from) = from.take() {
-            longest = longest.max(at - from);
+            before += at - from;
+            longest = longest.max(before);
+            before = if next.pauses { before } else { 0.0 };
         }
     }
     longest

@@ -20,6 +20,9 @@ pub struct ShopVariant {
 /// Name of the shop as it is, among its variants.
 pub const AS_IT_IS: &str = "as it is";
 
+/// Values by which runs are paired: no variant has its own.
+const NUMBERS: [&str; 2] = ["shop.seed", "shop.replications"];
+
 /// The sections `[[variant]]`.
 pub(super) fn variants(walk: &mut Walk, root: &Section<'_>, (start, horizon): (Option<f64>, f64)) -> Vec<ShopVariant> {
     let mut variants = Vec::new();
@@ -37,6 +40,12 @@ pub(super) fn variants(walk: &mut Walk, root: &Section<'_>, (start, horizon): (O
                     format!("{path}={}", literal(value.get_ref()))
                 };
                 set.extend(table.iter().map(change));
+                let numbers = |path: &str| NUMBERS.contains(&path.trim());
+                if let Some((path, _)) = table.iter().find(|(path, _)| numbers(path.get_ref())) {
+                    let reason = format!("variant \"{name}\" changes `{}`, which all variants share", path.get_ref());
+                    let fix = "variants run as often on the same random numbers: change it in [shop]".to_owned();
+                    walk.fault(path.span(), ScenarioFault::Arrangement { reason, fix });
+                }
             } else {
                 let example = "{ \"machine.CMM.count\" = 3 }".to_owned();
                 walk.wrong_type("set", value, "a table of paths and values", section.span_of("set"), example);

@@ -186,6 +186,16 @@ impl Scenario {
         if self.policies.len() > 1 { 4 } else { 1 }
     }
 
+    /// Replications in a row that meet the same true parameters, and are therefore not independent of each other: one where
+    /// no tool takes draws of a posterior.
+    pub fn replications_alike(&self) -> u32 {
+        if self.has_draws() { self.replications_per_draw() } else { 1 }
+    }
+
+    fn has_draws(&self) -> bool {
+        self.tools.iter().any(|tool| tool.posterior.is_some())
+    }
+
     /// The true world of a replication: tools whose parameters come from a posterior take one of its draws, the same under
     /// every policy. Policies are worked out on the scenario itself, which has the values of the sets: controllers
     /// believe those and not the draw.
@@ -193,7 +203,7 @@ impl Scenario {
     /// # Errors
     /// [`ResolveError::Draw`](policies::ResolveError::Draw) where a draw gives a process that contradicts itself.
     pub fn drawn(&self, replication: u32) -> Result<Cow<'_, Self>, policies::ResolveError> {
-        if self.tools.iter().all(|tool| tool.posterior.is_none()) {
+        if !self.has_draws() {
             return Ok(Cow::Borrowed(self));
         }
         let number = replication / self.replications_per_draw();

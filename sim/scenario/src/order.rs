@@ -135,6 +135,15 @@ impl Order {
         if share < 1e-9 { 0.0 } else { share.min(1.0) }
     }
 
+    /// Share of an operation that is still to be done when the run begins.
+    pub fn share_left(&self, operation: usize) -> f64 {
+        match &self.in_process {
+            Some(own) if operation < own.operation => 0.0,
+            Some(own) if operation == own.operation => 1.0 - own.done,
+            Some(_) | None => 1.0,
+        }
+    }
+
     /// Pieces that had left the shop before the run began.
     pub fn finished_before(&self, part: &Part) -> u32 {
         let last = self.in_process.as_ref().is_some_and(|own| own.operation + 1 == part.operations.len());

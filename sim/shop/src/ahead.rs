@@ -40,8 +40,9 @@ impl<R: Recorder> Shop<'_, R> {
                 self.world.setups_ahead.remove(place);
                 continue;
             }
-            let part = self.scenario.orders[order as usize].part;
-            let found = self.idle_for(part, operation as usize, (None, self.order_entity(order)));
+            let ordered = &self.scenario.orders[order as usize];
+            let (part, pieces) = (ordered.part, f64::from(ordered.pieces()));
+            let found = self.idle_for((part, operation as usize), pieces, (None, self.order_entity(order)));
             match found.and_then(|machine| Some((machine, self.setup_for(machine, part, operation as usize)?))) {
                 Some((machine, setup)) => self.begin_ahead(machine, (order, operation), setup)?,
                 None => place += 1,

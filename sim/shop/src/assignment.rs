@@ -4,18 +4,18 @@ use super::Shop;
 use super::recorder::Recorder;
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose};
-use toolroom_scenario::{MachineChoice, QueueChoice};
+use toolroom_scenario::{MachineChoice, QueueChoice, WorkPer};
 
 /// Owner of the draw of a machine, part of the name of a job; operations are parts of it.
 const MACHINE: u64 = 1 << 44;
 
 impl<R: Recorder> Shop<'_, R> {
-    /// Of the idle machines that may do an operation and stand behind a buffer, the one that the choice of machines prefers;
+    /// Of the idle machines that may do an operation on so many pieces and stand behind a buffer, the one that the choice of machines prefers;
     /// `entity` draws where chance chooses.
     pub(super) fn idle_for(
         &self,
-        part: usize,
-        index: usize,
+        (part, index): (usize, usize),
+        pieces: f64,
         (buffer, entity): (Option<usize>, Entity),
     ) -> Option<usize> {
         let operation = &self.scenario.parts[part].operations[index];
@@ -27,8 +27,8 @@ impl<R: Recorder> Shop<'_, R> {
                 MachineChoice::First | MachineChoice::Random => 0.0,
                 MachineChoice::LeastSetup => setup(candidate),
                 MachineChoice::LongestIdle => state.state_since.seconds(),
-                MachineChoice::EarliestFinish => setup(candidate) + self.time_on(candidate, part, index),
-                MachineChoice::Fastest => self.time_on(candidate, part, index),
+                MachineChoice::EarliestFinish => setup(candidate) + self.time_on(candidate, (part, index), pieces),
+                MachineChoice::Fastest => self.time_on(candidate, (part, index), pieces),
                 MachineChoice::LeastUsed => state.worked,
             }
         };
@@ -51,12 +51,14 @@ impl<R: Recorder> Shop<'_, R> {
         others.min_by(order)
     }
 
-    /// Expected time of an operation on a machine, s, without setup: handling, and passes as programmed or the mean of
-    /// plain work. Only differences among machines matter, so that of a piece stands for that of a job.
-    fn time_on(&self, machine: usize, part: usize, index: usize) -> f64 {
+    /// Expected time of an operation on so many pieces on a machine, s, without setup: handling, and passes as programmed or the
+    /// mean of plain work.
+    fn time_on(&self, machine: usize, (part, index): (usize, usize), pieces: f64) -> f64 {
         let operation = &self.scenario.parts[part].operations[index];
         let passes: f64 = self.layout.pass_times[part][index].iter().sum();
-        self.layout.handling[machine].iter().sum::<f64>() + passes + operation.mean_time_on(machine)
+        let handling = self.layout.handling[machine].iter().sum::<f64>();
+        let together = if operation.work_per == WorkPer::Part { pieces } else { 1.0 };
+        pieces * (handling + passes) + together * operation.mean_time_on(machine)
     }
 
     /// A job joins the queue of one machine of its operation, where that is settled when it comes.
@@ -84,7 +86,8 @@ impl<R: Recorder> Shop<'_, R> {
         *work = if *count == 0 { 0.0 } else { *work - time };
     }
 
-    fn time_in_line(&self, slot: u32, machine: usize) -> f64 {
+    /// Time of the operation for which a job waits on a machine, s, without setup, as rules know it.
+    pub(super) fn time_in_line(&self, slot: u32, machine: usize) -> f64 {
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let operation = &self.scenario.parts[part].operations[index];

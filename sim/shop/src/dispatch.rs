@@ -186,7 +186,7 @@ impl<R: Recorder> Shop<'_, R> {
         if plan.only_machine.is_some() || settled() || self.world.machines[machine].kept_for.is_some() {
             return machine;
         }
-        let taker = self.idle_for(part, index, (job.buffer, job.entity));
+        let taker = self.idle_for((part, index), f64::from(job.row.quantity), (job.buffer, job.entity));
         taker.filter(|taker| self.fits(*taker, slot)).unwrap_or(machine)
     }
 

@@ -114,6 +114,15 @@ pub enum ShopError {
     },
 }
 
+impl ShopError {
+    /// A word for programs, where the error has one of its own.
+    pub fn code(&self) -> Option<&'static str> {
+        let is_deadlock =
+            matches!(self, Self::Deadlock { .. } | Self::CardDeadlock { .. } | Self::FixtureDeadlock { .. });
+        is_deadlock.then_some("deadlock")
+    }
+}
+
 /// Where and on what a process model refused to go on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("at {time:.3} s on machine `{machine}`, part `{part}`, operation `{operation}`, pass {pass}: {source}")]

@@ -87,21 +87,16 @@ impl<R: Recorder> Shop<'_, R> {
             return true;
         }
         let now = self.now().seconds();
-        let end = self.calendar_of(machine).and_then(|calendar| calendar.next_boundary(now));
-        let Some(end) = end.filter(|boundary| !boundary.starts) else { return true };
+        let Some(calendar) = self.calendar_of(machine) else { return true };
+        let Some(end) = calendar.shift_end(now) else { return true };
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let setup = self.setup_of_next(machine, slot);
         let handling = self.layout.operations[part][index].known_time * f64::from(job.row.quantity);
-        let work =
-            job.rest.map_or_else(|| self.layout.time(&self.world.jobs, slot, part, index), |rest| rest + handling);
+        let work = job.rest.map_or_else(|| self.time_in_line(slot, machine), |rest| rest + handling);
         let whole = setup.unwrap_or(0.0) + work;
-        let until_end = match self.calendar_of(machine).filter(|calendar| !calendar.paces.is_even()) {
-            Some(calendar) => calendar.work_done(now, end.time),
-            None => end.time - now,
-        };
-        // A nanosecond more than the rounding of sums of times.
-        whole <= until_end + 1e-9
+        // Breaks are no time to work in; a nanosecond more than the rounding of sums of times.
+        whole <= calendar.work_done(now, end) + 1e-9
     }
 
     pub(super) fn shift_starts(&mut self, machine: usize) -> Result<(), ShopError> {
@@ -116,9 +111,12 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn shift_ends(&mut self, machine: usize) -> Result<(), ShopError> {
         self.log_event(LogEvent::ShiftEnd, Some(machine), None, None);
         self.schedule_boundary(machine)?;
-        let (at_end, within) = self
-            .calendar_of(machine)
-            .map_or((Interruption::Finish, 0.0), |calendar| (calendar.at_end, calendar.finish_within));
+        let now = self.now().seconds();
+        let (at_end, within) = self.calendar_of(machine).map_or((Interruption::Finish, 0.0), |calendar| {
+            // After a break the work goes on, whatever becomes of it when the shift is over.
+            let at_end = if calendar.pauses_at(now) { Interruption::Resume } else { calendar.at_end };
+            (at_end, calendar.finish_within)
+        });
         let finishes = |left: f64| at_end == Interruption::Finish || left <= within;
         // A part in a machine that is down cannot be finished; it stays where it is.
         let state = &self.world.machines[machine];

@@ -88,7 +88,7 @@ impl BreakEven {
     pub fn all(study: &Study, one: usize, other: usize) -> Vec<Self> {
         let difference = |id: &str| -> Option<Vec<f64>> {
             let kpi = study.index(id)?;
-            Some(study.values(one, kpi).iter().zip(study.values(other, kpi)).map(|(a, b)| a - b).collect())
+            Some(study.samples(one, kpi).iter().zip(study.samples(other, kpi)).map(|(a, b)| a - b).collect())
         };
         let Some(whole) = difference("cost_per_part") else { return Vec::new() };
         let price = |&(key, title, id): &(&'static str, &'static str, &str)| {

@@ -18,7 +18,7 @@ use crate::tune::{TunedPolicy, Tuning};
 use std::mem::discriminant;
 use toolroom_process::unit::convert;
 use toolroom_scenario::{ContourRule, GrindingRule, Knowledge, PolicyRule, Scenario, SpeedPart, SpeedRule, Work};
-use toolroom_statistics::{CONFIDENCE, Interval, paired};
+use toolroom_statistics::{CONFIDENCE, Interval, paired, student};
 
 /// Part of a policy in the decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,6 +153,8 @@ pub struct Decision {
     pub rival: Option<usize>,
     /// Paired difference of cost per part, adaptive − rival.
     pub difference: Option<Interval>,
+    /// Confidence of that interval: that of one of all the rules that were tuned, where the best of them was picked.
+    pub confidence: f64,
     /// In one line.
     pub line: String,
     /// What else has to be said: the other adaptive policies, the baselines that are missing.
@@ -207,7 +209,8 @@ impl Decision {
             } else {
                 "no rival that changes edges by the same rule".to_owned()
             };
-            return Self { outcome: Outcome::Undecided, adaptive, rival, difference: None, line, notes };
+            let outcome = Outcome::Undecided;
+            return Self { outcome, adaptive, rival, difference: None, confidence: CONFIDENCE, line, notes };
         };
         // Among several adaptive rules the best is picked: its interval is that of one of so many (Bonferroni).
         let picked_from =
@@ -215,7 +218,7 @@ impl Decision {
         let family = if tuning.is_some() { picked_from.count().max(1) } else { 1 };
         let confidence = 1.0 - (1.0 - CONFIDENCE) / family as f64;
         let against = |policy: usize| {
-            let difference = paired(&study.values(policy, index), &study.values(other, index), confidence).difference;
+            let difference = paired(&study.samples(policy, index), &study.samples(other, index), confidence).difference;
             difference.scaled(kpi.definition.display_scale())
         };
         let difference = against(best);
@@ -246,7 +249,16 @@ impl Decision {
             }
         }
         notes.extend(bounds(scenario, policies, &|position| sign * (mean(other) - mean(position))));
-        Self { outcome, adaptive, rival, difference: Some(difference), line, notes }
+        Self { outcome, adaptive, rival, difference: Some(difference), confidence, line, notes }
+    }
+
+    /// The difference with its interval of 95 %, whatever the decision was made by.
+    pub fn plain_difference(&self) -> Option<Interval> {
+        self.difference.map(|difference| {
+            let freedom = difference.count as f64 - 1.0;
+            let factor = student(CONFIDENCE, freedom) / student(self.confidence, freedom);
+            Interval { half_width: difference.half_width * factor, ..difference }
+        })
     }
 }
 
@@ -273,7 +285,7 @@ fn leading(
     let others = (0..policies.len()).filter(|&other| other != best && mean(other).is_finite());
     let next = others.min_by(|&a, &b| (sign * mean(a)).total_cmp(&(sign * mean(b))));
     let other = if best == 0 { next? } else { 0 };
-    let difference = paired(&study.values(best, index), &study.values(other, index), CONFIDENCE).difference;
+    let difference = paired(&study.samples(best, index), &study.samples(other, index), CONFIDENCE).difference;
     let difference = difference.scaled(definition.display_scale());
     let digits = decimals(mean(other), difference.half_width);
     let resolved = match judge(&difference.scaled(sign)) {

@@ -4,7 +4,7 @@ use super::waits::QueueFigure;
 use super::{Figures, LoadKind, WipAnswer};
 use crate::study::Study;
 use toolroom_numerics::order_quantile;
-use toolroom_scenario::{Order, Scenario, date};
+use toolroom_scenario::{Scenario, date};
 use toolroom_statistics::{CONFIDENCE, wilson};
 
 /// Everything that a planner asks, under one policy.
@@ -105,9 +105,7 @@ pub(crate) fn late(scenario: &Scenario, study: &Study, policy: usize) -> Vec<f64
 /// The same of one run, from its figures.
 pub(crate) fn late_in(scenario: &Scenario, values: &[f64]) -> f64 {
     let figures = Figures::of(scenario);
-    // NaN where an order is not finished.
-    let on_time = |(order, own): &(usize, &Order)| values[figures.finish(*order)] <= own.due;
-    (scenario.orders.len() - scenario.orders.iter().enumerate().filter(on_time).count()) as f64
+    (0..scenario.orders.len()).filter(|order| !figures.is_on_time(scenario, values, *order)).count() as f64
 }
 
 /// What a machine or a person does in a week.
@@ -188,7 +186,7 @@ fn order_answer(scenario: &Scenario, figures: &Figures, runs: &[&[f64]], order: 
     let order_row = &scenario.orders[order];
     let mut finishes: Vec<f64> = runs.iter().map(|run| run[figures.finish(order)]).collect();
     let finished: Vec<f64> = finishes.iter().copied().filter(|finish| finish.is_finite()).collect();
-    let on_time = finished.iter().filter(|finish| **finish <= order_row.due).count();
+    let on_time = runs.iter().filter(|run| figures.is_on_time(scenario, run, order)).count();
     let late: Vec<f64> = finished.iter().map(|finish| (finish - order_row.due).max(0.0)).collect();
     let good: Vec<f64> = runs.iter().map(|run| run[figures.good(order)]).collect();
     // An order that is not finished is later than all that are.

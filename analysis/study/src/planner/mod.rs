@@ -201,6 +201,14 @@ impl Figures {
         self.orders + order
     }
 
+    /// Whether an order has left the shop by the time it is due, with anything good of it.
+    fn is_on_time(&self, scenario: &Scenario, run: &[f64], order: usize) -> bool {
+        let ordered = &scenario.orders[order];
+        let delivered = run[self.good(order)] > 0.0 || ordered.finished_before(&scenario.parts[ordered.part]) > 0;
+        // NaN where it is not finished.
+        run[self.finish(order)] <= ordered.due && delivered
+    }
+
     /// The station at which it waited longest, by index; NaN where it waited nowhere.
     fn longest_at(&self, order: usize) -> usize {
         2 * self.orders + order

@@ -65,6 +65,15 @@ pub fn branched(previous: &Scenario, changed: &Scenario, at: f64, changes: &[Str
             .find(|name| changed.operators.iter().all(|own| own.name != **name))
     };
     if let Some(name) = gone.or_else(left) {
+        let several = format!("{name}1");
+        let names =
+            || changed.machines.iter().map(|own| &own.name).chain(changed.operators.iter().map(|own| &own.name));
+        if names().any(|own| *own == several) {
+            return refuse(format!(
+                "\"{name}\" has no `count` and cannot become several while the shop runs; write count = 1 for it, which calls it \
+                 \"{several}\" from the start"
+            ));
+        }
         return refuse(format!("\"{name}\" cannot go while the shop runs; give it a calendar that ends"));
     }
     world.calendars = calendars;

@@ -9,6 +9,7 @@
 //! the file is based on. A set is called by the name of a shipped set or by the path of a file.
 
 mod catalogue;
+mod collapse;
 mod diffusion;
 mod fault;
 mod first;

@@ -4,7 +4,7 @@ use super::fault::{LONGEST_CHAIN, SetFault};
 use super::form::PARAMETER_SET;
 use super::prior::priors;
 use super::values::{Placed, Values};
-use super::{Catalogue, Group, Origin, ParameterSet, ParameterValue, diffusion, sources};
+use super::{Catalogue, Group, Origin, ParameterSet, ParameterValue, collapse, diffusion, sources};
 use crate::Scatter;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -137,6 +137,9 @@ fn set(
             walk.fault(root.span_of("parameters"), SetFault::Missing { group: group.name, names: missing.join(", ") });
         }
         all.extend(here.into_iter().flatten());
+    }
+    if let Some(base) = &base {
+        collapse::of_another_law(&mut all, law, base.law);
     }
     converted.notes.extend(passed_over(catalogue, &values, &converted.values, &line));
     let inherited_prior = base.as_ref().map_or_else(BTreeMap::new, |base| base.prior.clone());

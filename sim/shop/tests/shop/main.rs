@@ -13,6 +13,7 @@ mod control;
 mod crews_transport;
 mod cribs;
 mod cycles;
+mod dated_shifts;
 mod dispatching;
 mod draws;
 mod fixtures;
