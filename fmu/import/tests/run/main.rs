@@ -252,6 +252,11 @@ fn a_value_that_is_read_between_two_steps_is_read_again_where_the_first_instance
     assert!(y[0] == wear && !marker.exists(), "{} instead of {wear}", y[0]);
     std::fs::write(&marker, "").expect("writable");
     assert!(process.holds(ProcessEvent::WearLimit, &x, &u) && !marker.exists());
+    let told = format!(
+        "unit {}: 2 values between two steps had to be read again, by a new instance at the same state: fmi2GetReal answered error",
+        path.display()
+    );
+    assert_eq!(process.notes(), [told]);
     // A step that fails is told.
     std::fs::write(&marker, "").expect("writable");
     assert!(process.advance(&mut x, &mut u, 10.0).is_err() && !marker.exists());
