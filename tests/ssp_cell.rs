@@ -85,7 +85,9 @@ fn a_bad_start_value_of_a_package_is_an_argument() {
     let run = toolroom(&["ssp", "sim", &bad.display().to_string(), "--stop", "2 s", "--step", "1 s"]);
     assert_eq!((run.status.code(), stdout(&run).as_str()), (Some(2), ""), "{}", stderr(&run));
     let said = stderr(&run).split_whitespace().collect::<Vec<_>>().join(" ");
-    for expected in ["bad.ssp: resources/parameters.ssv:", "lathe-cell-L: controller.rule.lowest_speed: it is no number"] {
+    for expected in
+        ["bad.ssp: resources/parameters.ssv:", "lathe-cell-L: controller.rule.lowest_speed: start value \"slow\""]
+    {
         assert!(said.contains(expected), "{expected} in {said}");
     }
     let run = toolroom(&["ssp", "sim", &shown, "--stop", "2 s", "--step", "1 s"]);

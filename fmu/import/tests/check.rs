@@ -262,6 +262,13 @@ fn every_fault_of_a_description_is_found_by_its_rule() {
         (THREE, "declaredType=\"Length\"", "clocks=\"\" declaredType=\"Length\"", Description, "clocks = \"\" is no"),
         (
             THREE,
+            "declaredType=\"Length\"",
+            "clocks=\"99 1\" declaredType=\"Length\"",
+            Description,
+            "clocks: 1 is the value",
+        ),
+        (
+            THREE,
             "hasEventMode=\"true\"",
             "hasEventmode=\"true\"",
             Description,
