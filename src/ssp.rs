@@ -93,13 +93,14 @@ fn sim(args: &crate::args::SspSimArgs, voice: &Voice) -> Result<(), Failure> {
     };
     // A system that cannot run is an argument, one that failed on the way is work that failed.
     let failed = |error: MasterError| {
-        if matches!(error, MasterError::Unit { .. } | MasterError::Output(_) | MasterError::Folder(_)) {
+        if !error.is_refusal() {
             return Failure::work_error(&error);
         }
         Failure::argument(error, "`toolroom ssp info` shows units, signals and start values")
     };
     let mut package = open(&args.file)?;
     let system = System::load(&mut package, &run.start_values()?, &run.isolation()?).map_err(failed)?;
+    system.loops().iter().for_each(|each| voice.say(each));
     let done = run.table(&files, voice, |table| system.simulate(&experiment, &order, table))?;
     run.report(&args.file, ("ssp_version", &package.structure().version), done.map_err(failed)?, voice)
 }

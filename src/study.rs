@@ -221,6 +221,7 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
         let style = Style { colour: voice.colour, wall: Some(recorded.wall), width: voice.width };
         voice.data(table(scenario, study, &recorded.comparison, style).trim_end())?;
     }
+    scenario.notes().iter().for_each(|note| voice.say(note));
     if let Some(dir) = &args.records {
         record_first(request, study.first_logs.first(), dir, &files, voice)?;
     }

@@ -407,3 +407,15 @@ fn check_refuses_what_run_would_refuse() {
         assert!(words(&output).contains(&words_of("cannot be met within half a step")), "{}", stderr(&output));
     }
 }
+
+#[test]
+fn a_unit_of_fixed_steps_says_how_far_it_was_from_the_clock() {
+    let folder = folder();
+    let fixed = ("canHandleVariableCommunicationStepSize=\"true\" ", "");
+    let scenario = with_unit(folder.path(), &fixture::unit(folder.path(), &[], fixed));
+    let out = folder.path().join("out").display().to_string();
+    let output = expect(0, &["run", &scenario, "--policy", "constant", "--replications", "1", "--out", &out]);
+    for expected in ["it takes steps of 1 s only", "away from the clock of the shop"] {
+        assert!(words(&output).contains(&words_of(expected)), "{expected} in {}", stderr(&output));
+    }
+}

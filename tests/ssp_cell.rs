@@ -56,3 +56,43 @@ source = "assumption"
     assert_eq!(everywhere.status.code(), Some(0), "{}", stderr(&everywhere));
     assert!(!stderr(&everywhere).contains("left out"), "{}", stderr(&everywhere));
 }
+
+#[test]
+#[cfg(feature = "fmu-import")]
+fn a_bad_start_value_of_a_package_is_an_argument() {
+    use std::io::{Read, Write};
+
+    let folder = directory("ssp_cell", "start");
+    let (sound, bad) = (folder.join("cell.ssp"), folder.join("bad.ssp"));
+    let (file, shown) = (shipped("lathe-cell"), sound.display().to_string());
+    let made = toolroom(&["ssp", "export", &file, "--machine", "L", "--policy", "constant", "--out", &shown]);
+    assert_eq!(made.status.code(), Some(0), "{}", stderr(&made));
+    let mut from = zip::ZipArchive::new(std::fs::File::open(&sound).expect("a package")).expect("a zip file");
+    let mut to = zip::ZipWriter::new(std::fs::File::create(&bad).expect("writable"));
+    for i in 0..from.len() {
+        let mut entry = from.by_index(i).expect("an entry");
+        let (name, mut bytes) = (entry.name().expect("a name").to_string(), Vec::new());
+        entry.read_to_end(&mut bytes).expect("an entry");
+        if name.ends_with("parameters.ssv") {
+            let text = String::from_utf8(bytes).expect("text");
+            assert!(text.contains("<ssv:Real value=\"0.25\""), "{text}");
+            bytes = text.replace("<ssv:Real value=\"0.25\"", "<ssv:Real value=\"slow\"").into_bytes();
+        }
+        to.start_file(name, zip::write::SimpleFileOptions::default()).expect("an entry");
+        to.write_all(&bytes).expect("an entry");
+    }
+    to.finish().expect("a zip file");
+    let run = toolroom(&["ssp", "sim", &bad.display().to_string(), "--stop", "2 s", "--step", "1 s"]);
+    assert_eq!((run.status.code(), stdout(&run).as_str()), (Some(2), ""), "{}", stderr(&run));
+    let said = stderr(&run).split_whitespace().collect::<Vec<_>>().join(" ");
+    for expected in
+        ["bad.ssp: resources/parameters.ssv:", "lathe-cell-L: controller.rule.lowest_speed: start value \"slow\""]
+    {
+        assert!(said.contains(expected), "{expected} in {said}");
+    }
+    let run = toolroom(&["ssp", "sim", &shown, "--stop", "2 s", "--step", "1 s"]);
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    let heads = stdout(&run).lines().next().map(str::to_owned).expect("a table");
+    assert!(heads.ends_with(",flank_wear [m],cutting_speed [m/s],estimated_flank_wear [m],edges"), "{heads}");
+    assert!(stderr(&run).contains("an algebraic loop, settled before the first step"), "{}", stderr(&run));
+}

@@ -2,23 +2,50 @@
 
     venv/bin/python fmu/conformance/mutations.py --toolroom target/debug/toolroom --count 50 UNIT.fmu ...
 
-Of each unit's modelDescription.xml one attribute or element without children is left out, or an attribute gets the value of
-another one of its name, or none. Prints, for each unit, how often both agree, and every disagreement with what each of them says. Exit code
+Of each unit's modelDescription.xml one attribute or element without children is left out, an attribute gets the value of another one of
+its name, or none, or an element is doubled, changes places with its neighbour, moves elsewhere or gets the name of another. Prints, for each unit, how often both agree, and every disagreement with what each of them says. Exit code
 1 where FMPy finds a fault and `fmu check` does not; being stricter than FMPy is no fault.
 """
 
 import argparse
+import copy
 import json
 import random
 import re
 import subprocess
 import sys
 import tempfile
+import xml.etree.ElementTree as ElementTree
 import zipfile
 from pathlib import Path
 
 ATTRIBUTE = re.compile(r'\s([A-Za-z]+)="([^"]*)"')
 LEAF = re.compile(r"[ \t]*<([A-Za-z0-9]+)(\s[^<>]*)?/>\n?")
+
+
+def moved(text, random):
+    """A text with one element doubled, moved or renamed, and what was done."""
+    root = ElementTree.fromstring(text)
+    pairs = [(parent, child) for parent in root.iter() for child in parent]
+    parent, child = random.choice(pairs)
+    kind = random.choice(["doubled", "swapped", "moved", "renamed"])
+    what = f"<{child.tag}> in <{parent.tag}> {kind}"
+    if kind == "doubled":
+        parent.append(copy.deepcopy(child))
+    elif kind == "swapped":
+        place = list(parent).index(child)
+        parent.remove(child)
+        parent.insert(place + 1 if place + 1 <= len(parent) else 0, child)
+    elif kind == "moved":
+        target = random.choice([each for each in root.iter() if each not in list(child.iter())])
+        parent.remove(child)
+        target.append(child)
+        what += f" to <{target.tag}>"
+    else:
+        name = random.choice(sorted({each.tag for _, each in pairs} - {child.tag}))
+        what += f" to {name}"
+        child.tag = name
+    return f"{what} ({child.attrib})", '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="unicode")
 
 
 def mutations(text, random):
@@ -27,7 +54,11 @@ def mutations(text, random):
     attributes = [each for each in ATTRIBUTE.finditer(text, body) if not each[1].startswith("xmlns")]
     leaves = list(LEAF.finditer(text, body))
     while True:
-        if random.random() < 0.25 and leaves:
+        chance = random.random()
+        if chance < 0.3:
+            yield moved(text, random)
+            continue
+        if chance < 0.45 and leaves:
             leaf = random.choice(leaves)
             yield f"without {leaf[0].strip()}", text[: leaf.start()] + text[leaf.end() :]
             continue

@@ -4,12 +4,14 @@
     python3 fmu/conformance/soak.py --toolroom target/release/toolroom --replications 10000 scenarios/fmu-lathe.toml
 
 Prints, for each number of threads, the resident memory of toolroom and of its workers after the hundredth replication and the most
-after it, and the time a replication in the first and the last third. Exit code 1 where memory grows by more than 5 MB, where the
-digests differ, or where a process or an unpacked unit is left behind. Linux only.
+after it, and the processor time a replication in the first and the last third, which other programs on the machine change less than
+the time of day. Exit code 1 where memory grows by more than 5 MB, where the time a replication changes by more than a tenth, where the
+digests differ, or where a process is left behind. Linux only.
 """
 
 import argparse
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -17,6 +19,8 @@ import time
 from pathlib import Path
 
 MOST = 5.0  # MB
+CHANGE = 0.1  # of the processor time a replication
+TICK = os.sysconf("SC_CLK_TCK")
 
 
 def resident(pid):
@@ -27,6 +31,15 @@ def resident(pid):
         return None
     found = [line for line in text.splitlines() if line.startswith("VmRSS:")]
     return int(found[0].split()[1]) / 1024 if found else None
+
+
+def processor_time(pid):
+    """Processor time of a process so far, s; none where it is gone."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / TICK
 
 
 def children(pid):
@@ -60,7 +73,7 @@ class Journal:
 
 
 def watched(arguments, threads, folder):
-    """Rows of seconds, replications, own memory and that of the workers; the digest; the workers that there were."""
+    """Rows of seconds, replications, own memory and that of the workers, processor time of all; the digest; the workers that there were."""
     out = Path(folder) / f"threads-{threads}"
     command = [arguments.toolroom, "compare", arguments.scenario, "--replications", arguments.replications]
     command += ["--threads", threads, "--out", out, "--logged", 0, *arguments.option]
@@ -71,7 +84,8 @@ def watched(arguments, threads, folder):
             workers.update(own)
             memory = resident(run.pid)
             if memory:
-                rows.append((time.monotonic() - begun, journal.runs(), memory, sum(filter(None, map(resident, own)))))
+                spent = sum(map(processor_time, [run.pid, *own]))
+                rows.append((time.monotonic() - begun, journal.runs(), memory, sum(filter(None, map(resident, own))), spent))
             time.sleep(arguments.every)
         if run.returncode:
             sys.exit(run.stderr.read().decode())
@@ -92,7 +106,7 @@ def main():
     for threads in arguments.threads:
         with tempfile.TemporaryDirectory() as folder:
             rows, digests[threads], policies, workers = watched(arguments, threads, folder)
-        rows = [(at, runs / policies, own, others) for at, runs, own, others in rows]
+        rows = [(at, runs / policies, own, others, spent) for at, runs, own, others, spent in rows]
         after = [row for row in rows if row[1] >= 100]
         if len(after) < 3:
             sys.exit("too short to be watched: more replications, or --every less")
@@ -101,17 +115,19 @@ def main():
         third = (end[1] - hundredth[1]) / 3
         near = lambda wanted: min(after, key=lambda row: abs(row[1] - wanted))
         one, two = near(hundredth[1] + third), near(end[1] - third)
-        first = (one[0] - hundredth[0]) / (one[1] - hundredth[1])
-        last = (end[0] - two[0]) / (end[1] - two[1])
+        first = (one[4] - hundredth[4]) / (one[1] - hundredth[1])
+        last = (end[4] - two[4]) / (end[1] - two[1])
         print(
             f"{threads} threads, {arguments.replications} replications in {rows[-1][0]:.0f} s: toolroom {hundredth[2]:.1f} MB after"
             f" {hundredth[1]:.0f} replications, at most {growth[0]:.1f} MB more; workers {hundredth[3]:.1f} MB, at most"
-            f" {growth[1]:.1f} MB more; {1e3 * first:.2f} ms a replication in the first third, {1e3 * last:.2f} ms in the last;"
+            f" {growth[1]:.1f} MB more; {1e3 * first:.2f} ms of processor time a replication in the first third, {1e3 * last:.2f} ms in the last;"
             f" digest {digests[threads]}",
             flush=True,
         )
         faults += [f"{threads} threads: memory grows by {each:.1f} MB" for each in growth if each > MOST]
         faults += [f"worker {pid} is left" for pid in workers if resident(pid)]
+        if abs(last - first) > CHANGE * first:
+            faults.append(f"{threads} threads: {1e3 * first:.2f} ms a replication at first, {1e3 * last:.2f} ms at last")
     if len(set(digests.values())) > 1:
         faults.append(f"digests differ: {digests}")
     for each in faults:

@@ -17,6 +17,7 @@ mod capabilities;
 mod library;
 #[cfg(feature = "fmi")]
 pub(crate) use library::functions;
+mod names;
 mod structure;
 mod variables;
 
@@ -156,6 +157,7 @@ pub fn check(archive: &mut Archive) -> Report {
     let description = describe(archive, &mut findings);
     if let Some(description) = &description {
         variables::check(description, &mut findings);
+        names::check(description, &mut findings);
         structure::check(description, &mut findings);
         capabilities::check(description, &mut findings);
         library::check(archive, description, &mut findings);

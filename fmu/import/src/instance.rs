@@ -90,6 +90,8 @@ pub enum Action<'a> {
     Serialize,
     /// Goes back to a state written by [`Action::Serialize`] of any instance of the unit.
     Deserialize(&'a [u8]),
+    /// Tells the unit that the simulation is over, after which values can only be read.
+    Terminate,
 }
 
 /// Elements of an array as [`Action::SetArray`] takes them.
@@ -151,6 +153,8 @@ trait Calls: std::fmt::Debug + Send {
     fn forget(&mut self, place: Place) -> Result<(), CallError>;
     fn serialize(&mut self, bytes: &mut Vec<u8>) -> Result<(), CallError>;
     fn deserialize(&mut self, bytes: &[u8]) -> Result<(), CallError>;
+    /// Tells the unit that the simulation is over.
+    fn terminate(&mut self) -> Result<(), CallError>;
     /// False after a fatal status.
     fn alive(&self) -> bool;
 }
@@ -233,6 +237,7 @@ impl Local {
                 Action::Forget(place) => self.0.forget(place)?,
                 Action::Serialize => self.0.serialize(&mut answer.bytes)?,
                 Action::Deserialize(bytes) => self.0.deserialize(bytes)?,
+                Action::Terminate => self.0.terminate()?,
             }
         }
         Ok(())
@@ -298,6 +303,14 @@ impl Instance {
     /// [`CallError`].
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<(), CallError> {
         self.act(&[Action::Deserialize(bytes)], &mut Answer::default())
+    }
+
+    /// Ends the simulation, so that a unit may write what it has; it is only freed after that.
+    ///
+    /// # Errors
+    /// [`CallError`].
+    pub fn terminate(&mut self) -> Result<(), CallError> {
+        self.act(&[Action::Terminate], &mut Answer::default())
     }
 
     /// Whether the instance can still be called: not after a fatal status, nor where its process has ended.

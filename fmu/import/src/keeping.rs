@@ -248,16 +248,20 @@ impl Keeping {
 /// Bytes as numbers; what is left of `x` is zero.
 fn pack(time: f64, bytes: &[u8], x: &mut [f64]) {
     (x[0], x[1]) = (time, bytes.len() as f64);
-    let numbers =
-        bytes.chunks(BYTES).map(|chunk| chunk.iter().rev().fold(0u64, |sum, byte| sum << 8 | u64::from(*byte)));
-    for (slot, number) in x[2..].iter_mut().zip(numbers.chain(std::iter::repeat(0))) {
-        *slot = number as f64;
+    for (slot, chunk) in x[2..].iter_mut().zip(bytes.chunks(BYTES)) {
+        let mut number = [0; 8];
+        number[..chunk.len()].copy_from_slice(chunk);
+        *slot = u64::from_le_bytes(number) as f64;
     }
+    x[2 + bytes.len().div_ceil(BYTES)..].fill(0.0);
 }
 
 fn unpack(x: &[f64]) -> Vec<u8> {
-    let mut bytes: Vec<u8> =
-        x[2..].iter().flat_map(|number| (*number as u64).to_le_bytes().into_iter().take(BYTES)).collect();
+    let mut bytes = Vec::with_capacity(BYTES * x.len());
+    // Numbers beyond the bytes are zero: a state takes up half of its room.
+    for number in x[2..].iter().take((x[1] as usize).div_ceil(BYTES)) {
+        bytes.extend_from_slice(&(*number as u64).to_le_bytes()[..BYTES]);
+    }
     bytes.truncate(x[1] as usize);
     bytes
 }

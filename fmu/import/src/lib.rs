@@ -48,6 +48,8 @@ mod listing;
 #[cfg(feature = "fmi")]
 pub mod machine;
 #[cfg(feature = "fmi")]
+mod notes;
+#[cfg(feature = "fmi")]
 pub mod parts;
 pub mod platform;
 #[cfg(feature = "fmi")]

@@ -1,7 +1,10 @@
 //! A unit in the place of a process of the shop.
 
+mod locate;
+
 use crate::instance::{Action, Answer, Place, Port, StartValue, StepResult};
 use crate::keeping::{Keeping, KeepingError, Maker, Turn};
+use crate::notes::Notes;
 use crate::parts::Parts;
 use crate::unit::{Steps, Unit};
 use crate::watch::Watch;
@@ -67,6 +70,8 @@ pub struct UnitProcess {
     /// Input elements of speed and its change in time.
     speed: usize,
     acceleration: Option<usize>,
+    /// What is told of it.
+    notes: Notes,
 }
 
 /// How far the unit came, by its own events.
@@ -136,6 +141,7 @@ impl UnitProcess {
             fresh,
             speed,
             acceleration,
+            notes: Notes::default(),
         })
     }
 
@@ -245,6 +251,7 @@ impl UnitProcess {
             elapsed = dt;
             *ahead += dt - steps * grid;
         }
+        self.notes.left_over(*ahead);
         u[self.speed] = start_speed + acceleration * elapsed;
         Ok(Way { advance: Advance { elapsed, event }, time })
     }
@@ -346,7 +353,7 @@ impl UnitProcess {
     }
 
     /// What comes of `actions` at the state `x`, by another instance where the first one fails: a worker that died since
-    /// the last step leaves no gap in a log, which would have no place to tell of it.
+    /// the last step leaves no gap in a log, which would have no place to tell of it. [`MachineProcess::notes`] does.
     fn read_at(
         &self,
         x: &[f64],
@@ -362,66 +369,11 @@ impl UnitProcess {
             })?;
             Ok(answer)
         };
-        once().or_else(|_: KeepingError| once())
-    }
-
-    /// Finds the earliest event of a step of `length` by halving it, from the state saved at its start; the
-    /// instance is left at the event.
-    #[allow(clippy::too_many_arguments)] // a step, its start and what was seen there
-    fn locate(
-        &self,
-        turn: &mut Turn<'_>,
-        answer: &mut Answer,
-        u: &[f64],
-        start: f64,
-        length: f64,
-        before: &[bool],
-        seen: &mut [f64],
-    ) -> Result<(f64, Option<ProcessEvent>), KeepingError> {
-        let wear = seen[0];
-        let (mut quiet, mut loud) = (0.0, length);
-        let mut last = None;
-        while loud - quiet > EVENT_TIME * length {
-            let middle = 0.5 * (quiet + loud);
-            let event = self.again(turn, answer, u, start, middle, before, seen)?;
-            if event.is_some() {
-                loud = middle
-            } else {
-                quiet = middle
-            }
-            last = Some(middle);
-        }
-        if last == Some(loud) {
-            let flags = self.events.iter().zip(before.iter().zip(&seen[1..]));
-            let rose =
-                flags.map(|((event, _), (before, now))| (event, !*before && *now != 0.0)).find(|(_, rose)| *rose);
-            return Ok((loud, rose.map(|(event, _)| *event)));
-        }
-        seen[0] = wear.min(seen[0]);
-        Ok((loud, self.again(turn, answer, u, start, loud, before, seen)?))
-    }
-
-    /// The step again, from the state saved at its start.
-    #[allow(clippy::too_many_arguments)] // as above
-    fn again(
-        &self,
-        turn: &mut Turn<'_>,
-        answer: &mut Answer,
-        u: &[f64],
-        start: f64,
-        length: f64,
-        before: &[bool],
-        seen: &mut [f64],
-    ) -> Result<Option<ProcessEvent>, KeepingError> {
-        turn.act(&[Action::Restore(START)], false, answer)?;
-        seen[0] = f64::NEG_INFINITY; // the state is an earlier one
-        let step = Try { from: start, length, save: false, check: false };
-        match self.attempt(turn, answer, u, &step, before, seen)? {
-            (StepResult::Whole, event) => Ok(event),
-            (stepped, _) => Err(KeepingError::Impossible(format!(
-                "at {start} s it took a step that holds an event, and then not one of {length} s ({stepped:?})"
-            ))),
-        }
+        once().or_else(|first: KeepingError| {
+            let answer = once()?;
+            self.notes.read_again(&first);
+            Ok(answer)
+        })
     }
 }
 
@@ -479,6 +431,9 @@ impl MachineProcess for UnitProcess {
     }
     fn retire(&self, x: &[f64]) {
         self.keeping.retire(&x[..self.keeping.length()]);
+    }
+    fn notes(&self) -> Vec<String> {
+        self.notes.told(self.unit.path(), self.grid)
     }
     /// Outputs as the unit gives them after its inputs were set; not a number where it refuses or gives one that
     /// cannot be, which the next step from there refuses.

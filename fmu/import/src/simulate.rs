@@ -433,6 +433,7 @@ pub fn simulate(
         }
     }
     table.flush()?;
+    instance.terminate().map_err(failed(time))?;
     Ok(done)
 }
 

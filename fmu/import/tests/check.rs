@@ -176,6 +176,20 @@ fn every_fault_of_a_description_is_found_by_its_rule() {
         (THREE, "<Float64 name=\"speed\"", "<Double name=\"speed\"", Description, "<Double> is no type of variable"),
         (
             THREE,
+            "<Float64 name=\"speed\" valueReference=\"1\" causality=\"input\" start=\"0.5\"/>",
+            "<Real name=\"speed\" valueReference=\"1\" causality=\"input\" start=\"0.5\"/>",
+            Description,
+            "<Real> is no type of variable",
+        ),
+        (
+            THREE,
+            "<Float64Type name=\"Length\"",
+            "<Real name=\"Length\"",
+            Description,
+            "<Real> is no definition of a type",
+        ),
+        (
+            THREE,
             "causality=\"parameter\" variability=\"fixed\"",
             "variability=\"fixed\" initial=\"exact\"",
             Description,
@@ -248,6 +262,13 @@ fn every_fault_of_a_description_is_found_by_its_rule() {
         (THREE, "declaredType=\"Length\"", "clocks=\"\" declaredType=\"Length\"", Description, "clocks = \"\" is no"),
         (
             THREE,
+            "declaredType=\"Length\"",
+            "clocks=\"99 1\" declaredType=\"Length\"",
+            Description,
+            "clocks: 1 is the value",
+        ),
+        (
+            THREE,
             "hasEventMode=\"true\"",
             "hasEventmode=\"true\"",
             Description,
@@ -300,6 +321,12 @@ fn every_fault_of_a_description_is_found_by_its_rule() {
         let found = faults(&text);
         assert!(found.iter().any(|(by, message)| by == rule && message.contains(expected)), "{to}: {found:?}");
     }
+    let odd = THREE.replace("name=\"speed\"", "name=\"speed 1\"");
+    assert_eq!(faults(&odd), []);
+    let convention = "variableNamingConvention=\"structured\" fmiVersion=\"3.0\"";
+    let found = faults(&odd.replace("fmiVersion=\"3.0\"", convention));
+    let message = "modelDescription.xml:8: speed 1 is no name of the structured naming convention";
+    assert_eq!(found, [(Description, message.to_owned())]);
     let quiet = findings(&THREE.replace(" hasEventMode=\"true\"", " mightReturnEarlyFromDoStep=\"true\""), &[]);
     assert!(quiet.iter().any(|finding| finding.rule == Events && finding.severity == Severity::Note), "{quiet:?}");
 }

@@ -17,11 +17,16 @@
 //! # What is not modelled
 //! Mappings of parameters (`.ssm`), signal dictionaries, packages and structures as components, transformations of
 //! Booleans, integers and enumerations, signals that are strings, steps of variable length, iteration over algebraic
-//! loops between units.
+//! loops between units after the start.
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
+mod edges;
+#[cfg(feature = "fmi")]
+mod error;
 mod listing;
+#[cfg(feature = "fmi")]
+mod loops;
 #[cfg(feature = "fmi")]
 mod master;
 mod package;
@@ -32,7 +37,11 @@ mod values;
 mod wires;
 
 #[cfg(feature = "fmi")]
-pub use master::{Experiment, MasterError, Order, System};
+pub use error::MasterError;
+#[cfg(feature = "fmi")]
+pub use loops::Loop;
+#[cfg(feature = "fmi")]
+pub use master::{Experiment, Order, System};
 pub use package::{Package, STRUCTURE, SspError};
 pub use read::Fault;
 pub use structure::{Boundary, Component, Connection, Connector, End, SystemStructure};

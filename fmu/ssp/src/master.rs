@@ -8,90 +8,24 @@
 //! # Source
 //! Gomes, Thule, Broman, Larsen, Vangheluwe, Co-simulation: a survey, ACM Computing Surveys 51 (2018) 49.
 
-use crate::package::{Package, SspError};
+use crate::error::MasterError;
+use crate::loops::{Loop, loops};
+use crate::package::Package;
 use crate::structure::SystemStructure;
-use crate::wires::{Output, Wire, outputs, start_value, wires};
+use crate::wires::{Output, Shown, Wire, outputs, shown, start_value, wires};
 use std::collections::BTreeMap;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempDir;
 use toolroom_fmu_import::simulate::{Done, SimulateError, checked, own_steps};
 use toolroom_fmu_import::wire::start_values;
 use toolroom_fmu_import::{
-    Action, Answer, ArchiveError, Driven, Instance, Isolation, LoadError, ModelDescription, Port, Retaking, StepResult,
-    Unit,
+    Action, Answer, Driven, Instance, Isolation, ModelDescription, Port, Retaking, StartValue, StepResult, Unit,
+    WiringError,
 };
 use toolroom_process::Wiring;
 use toolroom_process::table::{Cell, CsvWriter};
-
-/// Why a system does not run.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum MasterError {
-    /// The package.
-    #[error(transparent)]
-    Package(#[from] SspError),
-    /// The package cannot be unpacked.
-    #[error(transparent)]
-    Archive(#[from] ArchiveError),
-    /// No place for its units.
-    #[error("the units cannot be unpacked: {0}")]
-    Folder(std::io::Error),
-    /// A unit that cannot be loaded.
-    #[error("{component}: {source}")]
-    Load {
-        /// Component.
-        component: String,
-        /// Why.
-        source: LoadError,
-    },
-    /// A start value that its unit does not take.
-    #[error("{component}.{variable}: {reason}")]
-    Start {
-        /// Component.
-        component: String,
-        /// Variable.
-        variable: String,
-        /// Why.
-        reason: String,
-    },
-    /// A connection that carries no signal.
-    #[error("{connection}: {reason}")]
-    Connection {
-        /// Both ends.
-        connection: String,
-        /// Why.
-        reason: String,
-    },
-    /// A component that is not there, or twice, in an order of units.
-    #[error("the order of units has to name each of them once: {}", .known.join(", "))]
-    Order {
-        /// The components.
-        known: Vec<String>,
-    },
-    /// Start, stop and step that give no simulation.
-    #[error("from {start} s to {stop} s in steps of {step} s there is nothing to simulate")]
-    Experiment {
-        /// Start time, s.
-        start: f64,
-        /// Stop time, s.
-        stop: f64,
-        /// Step, s.
-        step: f64,
-    },
-    /// A unit that failed; rows before stand.
-    #[error("{component}: {source}")]
-    Unit {
-        /// Component.
-        component: String,
-        /// Time and call.
-        source: SimulateError,
-    },
-    /// The results cannot be written.
-    #[error("the results cannot be written: {0}")]
-    Output(Box<dyn std::error::Error + Send + Sync>),
-}
 
 /// Who steps when.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -121,9 +55,20 @@ pub struct System {
     units: Vec<Arc<Unit>>,
     outputs: Vec<Vec<Output>>,
     wires: Vec<Wire>,
-    /// Start values by name, of each component.
-    start: Vec<BTreeMap<String, String>>,
+    /// Outputs of the system itself.
+    shown: Vec<Shown>,
+    loops: Vec<Loop>,
+    /// Start values of each component.
+    start: Vec<Vec<(Port, StartValue)>>,
 }
+
+/// Rounds in which signals are handed on before the first step (assumption: a loop that halves its error in each has
+/// settled after fifty).
+const MOST_ROUNDS: usize = 200;
+
+/// Share of its greatest value by which a signal still changes that counts as settled (assumption: far above rounding,
+/// far below the error of a step).
+const SETTLED: f64 = 1e-12;
 
 impl System {
     /// Loads the units of `package` where `isolation` says, and connects them. `start` has values by
@@ -164,34 +109,15 @@ impl System {
         let outputs: Vec<Vec<Output>> =
             (0..units.len()).map(|index| outputs(&structure, index, descriptions[index])).collect();
         let wires = wires(&structure, &descriptions, &outputs)?;
-        let mut values: Vec<BTreeMap<String, String>> = Vec::new();
-        for (component, unit) in structure.components.iter().zip(&units) {
-            let mut given = BTreeMap::new();
-            for parameter in &component.parameters {
-                let value = start_value(parameter, unit.description()).map_err(|reason| MasterError::Start {
-                    component: component.name.clone(),
-                    variable: parameter.name.clone(),
-                    reason,
-                })?;
-                given.insert(parameter.name.clone(), value);
-            }
-            values.push(given);
-        }
-        for (name, value) in start {
-            let found = structure.components.iter().zip(&mut values).find_map(|(component, values)| {
-                let variable = name.strip_prefix(&component.name)?.strip_prefix('.')?;
-                Some((variable, values))
-            });
-            let Some((variable, values)) = found else {
-                return Err(MasterError::Start {
-                    component: structure.name.clone(),
-                    variable: name.clone(),
-                    reason: "start values begin with the name of a component".to_owned(),
-                });
-            };
-            values.insert(variable.to_owned(), value.clone());
-        }
-        Ok(Self { structure, units, outputs, wires, start: values })
+        let start = start_values_of(package.path(), &structure, &descriptions, start)?;
+        let (shown, loops) = (shown(&structure, &descriptions, &outputs)?, loops(&structure, &descriptions));
+        Ok(Self { structure, units, outputs, wires, shown, loops, start })
+    }
+
+    /// Algebraic loops: signals that may determine each other at one instant, by what their units say of their outputs. They
+    /// are settled before the first step, and late by a step after it.
+    pub fn loops(&self) -> &[Loop] {
+        &self.loops
     }
 
     /// The components in the order in which they step.
@@ -223,10 +149,16 @@ impl System {
         if !(start.is_finite() && stop > start && step > 0.0 && steps < 1e9) {
             return Err(MasterError::Experiment { start, stop, step });
         }
-        let heads = self.outputs.iter().flatten().map(|output| output.head.clone());
+        let parts = self.units.iter().enumerate().map(|(index, unit)| {
+            own_steps(unit, start, stop, step)
+                .map_err(|source| MasterError::Steps { component: self.name(index), source })
+        });
+        let parts = parts.collect::<Result<Vec<u64>, _>>()?;
+        let heads = self.outputs.iter().flatten().map(|output| &output.head);
+        let heads = heads.chain(self.shown.iter().map(|shown| &shown.head)).cloned();
         let written = |error: csv::Error| MasterError::Output(error.into());
         let mut table = CsvWriter::new(table, std::iter::once("time [s]".to_owned()).chain(heads)).map_err(written)?;
-        let mut run = self.begin(start, stop, step)?;
+        let mut run = self.begin(start, parts)?;
         let mut done = Done { start, stop, step, steps: steps as u64, ended: false };
         let mut time = start;
         for number in 0..=steps as u64 {
@@ -245,13 +177,15 @@ impl System {
                 }
                 time = if done.ended { done.stop } else { goal };
             }
-            let row = run.values.iter().flatten().map(|value| Cell::from(*value));
+            let shown = self.shown.iter().map(|shown| shown.value(&run.values));
+            let row = run.values.iter().flatten().copied().chain(shown).map(Cell::from);
             table.row(std::iter::once(Cell::from(time)).chain(row)).map_err(written)?;
             if done.ended {
                 break;
             }
         }
         table.flush().map_err(|error| MasterError::Output(error.into()))?;
+        run.terminate(self, time)?;
         Ok(done)
     }
 
@@ -262,34 +196,104 @@ impl System {
     }
 
     fn failed(&self, index: usize, source: SimulateError) -> MasterError {
-        MasterError::Unit { component: self.structure.components[index].name.clone(), source }
+        MasterError::Unit { component: self.name(index), source }
+    }
+
+    fn name(&self, index: usize) -> String {
+        self.structure.components[index].name.clone()
     }
 
     /// Initialised instances with the outputs that they begin with.
-    fn begin(&self, start: f64, stop: f64, step: f64) -> Result<Run, MasterError> {
-        let mut run = Run::default();
+    fn begin(&self, start: f64, parts: Vec<u64>) -> Result<Run, MasterError> {
+        let mut run = Run { parts, ..Run::default() };
         for (index, unit) in self.units.iter().enumerate() {
-            run.parts.push(own_steps(unit, start, stop, step).map_err(|source| self.failed(index, source))?);
-            let wiring = Wiring { start: self.start[index].clone(), ..Wiring::default() };
-            let values = start_values(unit.description(), &wiring)
-                .map_err(|error| self.failed(index, SimulateError::StartValue(error)))?;
-            let instance = Instance::new(unit, &values, start)
+            let instance = Instance::new(unit, &self.start[index], start)
                 .map_err(|source| self.failed(index, SimulateError::Call { time: start, source }))?;
             run.instances.push(instance);
             run.retaking.push(Retaking::from_unit(unit));
             let values = run.act(self, index, &[], start)?;
             run.values.push(values);
         }
-        // Outputs may follow inputs at once: as many rounds as the longest chain of units.
-        for _ in 0..self.units.len() {
+        // Outputs may follow inputs at once: as many rounds as the longest chain of units, and in a loop until they settle.
+        let mut greatest = run.values.clone();
+        for round in 0..MOST_ROUNDS {
+            let mut settled = true;
             for index in 0..self.units.len() {
                 let inputs = self.inputs(index, &run.values);
                 let actions: Vec<Action<'_>> = inputs.iter().map(|(port, value)| Action::Set(*port, *value)).collect();
-                run.values[index] = run.act(self, index, &actions, start)?;
+                let values = run.act(self, index, &actions, start)?;
+                for ((new, old), greatest) in values.iter().zip(&run.values[index]).zip(&mut greatest[index]) {
+                    *greatest = greatest.abs().max(new.abs());
+                    settled &= (new - old).abs() <= SETTLED * *greatest;
+                }
+                run.values[index] = values;
+            }
+            if settled && round + 1 >= self.units.len() {
+                return Ok(run);
             }
         }
-        Ok(run)
+        let signals = self.loops.iter().map(|each| each.signals.as_str()).collect::<Vec<_>>().join("; ");
+        Err(MasterError::Loop { start, signals })
     }
+}
+
+/// Start values of each component as its unit takes them: those of the package at `path`, and over them those of `given`.
+fn start_values_of(
+    path: &Path,
+    structure: &SystemStructure,
+    descriptions: &[&ModelDescription],
+    given: &BTreeMap<String, String>,
+) -> Result<Vec<Vec<(Port, StartValue)>>, MasterError> {
+    let components = || structure.components.iter().zip(descriptions);
+    let mut own: Vec<BTreeMap<String, String>> = vec![BTreeMap::new(); descriptions.len()];
+    for (name, value) in given {
+        let found = structure.components.iter().zip(&mut own).find_map(|(component, own)| {
+            let variable = name.strip_prefix(&component.name)?.strip_prefix('.')?;
+            Some((variable, own))
+        });
+        let Some((variable, own)) = found else {
+            let reason = "start values begin with the name of a component".to_owned();
+            let system = structure.name.clone();
+            return Err(MasterError::Start {
+                place: None,
+                system,
+                component: String::new(),
+                variable: name.clone(),
+                reason,
+            });
+        };
+        own.insert(variable.to_owned(), value.clone());
+    }
+    let mut all = Vec::new();
+    for ((component, description), own) in components().zip(own) {
+        let refused = |variable: &str, reason: String| {
+            // The last one of a name is the one that holds; one that was given takes its place.
+            let mut written = component.parameters.iter().rev().filter(|_| !own.contains_key(variable));
+            let place = written.find(|parameter| parameter.name == variable);
+            MasterError::Start {
+                place: place.map(|parameter| format!("{}: {}:{}", path.display(), parameter.entry, parameter.line)),
+                system: structure.name.clone(),
+                component: component.name.clone(),
+                variable: variable.to_owned(),
+                reason,
+            }
+        };
+        let mut values = BTreeMap::new();
+        for parameter in &component.parameters {
+            let value = start_value(parameter, description).map_err(|reason| refused(&parameter.name, reason))?;
+            values.insert(parameter.name.clone(), value);
+        }
+        values.extend(own.clone());
+        let wiring = Wiring { start: values, ..Wiring::default() };
+        all.push(start_values(description, &wiring).map_err(|error| {
+            let reason = error.to_string();
+            if let WiringError::UnknownVariable { variable, .. } | WiringError::StartValue { variable, .. } = &error {
+                return refused(variable, reason);
+            }
+            refused("", reason)
+        })?);
+    }
+    Ok(all)
 }
 
 /// Instances on their way.
@@ -332,6 +336,15 @@ impl Run {
                 .map_err(|source| system.failed(index, source))?;
         }
         Ok(self.answer.values.clone())
+    }
+
+    /// Ends the simulation of every unit.
+    fn terminate(&mut self, system: &System, time: f64) -> Result<(), MasterError> {
+        for (index, instance) in self.instances.iter_mut().enumerate() {
+            let failed = |source| system.failed(index, SimulateError::Call { time, source });
+            instance.terminate().map_err(failed)?;
+        }
+        Ok(())
     }
 
     /// One communication step of a component; the time at which it ended the simulation, where it did.

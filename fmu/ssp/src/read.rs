@@ -52,7 +52,12 @@ impl Reader {
     }
 
     pub fn fault_at(&mut self, line: u32, message: String) {
-        self.faults.push(Fault { entry: self.entry.clone(), line, message });
+        self.fault_of(&self.entry.clone(), line, message);
+    }
+
+    /// A fault of another entry of the package.
+    pub fn fault_of(&mut self, entry: &str, line: u32, message: String) {
+        self.faults.push(Fault { entry: entry.to_owned(), line, message });
     }
 
     /// An attribute that has to be there; empty where it is not.

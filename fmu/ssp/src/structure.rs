@@ -1,5 +1,6 @@
 //! `SystemStructure.ssd`: what a system is made of.
 
+use crate::edges::{Edge, boundary, connections, edge};
 use crate::read::Reader;
 use crate::values::{self, Parameter};
 use roxmltree::Node;
@@ -91,21 +92,17 @@ pub struct Boundary {
     pub name: String,
     /// `input` or `output`.
     pub kind: String,
+    /// Unit, where the file gives one.
+    pub unit: Option<String>,
     /// Ends of components that it is connected to.
     pub ends: Vec<End>,
-}
-
-/// A connector of a system or a component, by the path of its element.
-type Place = (String, String);
-
-/// A connection as written.
-struct Edge {
-    from: Place,
-    to: Place,
-    factor: f64,
-    offset: f64,
-    converts: bool,
-    line: u32,
+    /// Of an output: factor of the linear transformations on the way; its value is `factor · value + offset` of that of its
+    /// end, after units were converted.
+    pub factor: f64,
+    /// Their offset.
+    pub offset: f64,
+    /// Whether units are converted.
+    pub converts: bool,
 }
 
 /// What was collected from the file so far.
@@ -151,7 +148,8 @@ pub(crate) fn read(reader: &mut Reader, root: Node<'_, '_>, values: &mut values:
     if let Some(twice) = name {
         reader.fault_at(twice.line, format!("there are two elements of the name \"{}\"", twice.name));
     }
-    expect_defined(reader, root, &structure);
+    structure.boundary = boundary(reader, system, &structure.components, &collected.edges);
+    expect_defined(reader, (root, system), &structure);
     for edge in &collected.edges {
         for (element, _) in [&edge.from, &edge.to] {
             let known =
@@ -163,12 +161,11 @@ pub(crate) fn read(reader: &mut Reader, root: Node<'_, '_>, values: &mut values:
         }
     }
     structure.connections = connections(reader, &structure.components, &collected.edges);
-    structure.boundary = boundary(system, &structure.components, &collected.edges);
     structure
 }
 
 /// That the version is one that is read, and that every unit of a connector has a definition, which tells what it means.
-fn expect_defined(reader: &mut Reader, root: Node<'_, '_>, structure: &SystemStructure) {
+fn expect_defined(reader: &mut Reader, (root, system): (Node<'_, '_>, Node<'_, '_>), structure: &SystemStructure) {
     let version = structure.version.as_str();
     if !(version.is_empty() || version == "1.0" || version == "2.0" || version.starts_with("2.0-")) {
         reader.fault(root, format!("version = \"{version}\" of the standard is not read: 1.0 and 2.0 are"));
@@ -186,6 +183,12 @@ fn expect_defined(reader: &mut Reader, root: Node<'_, '_>, structure: &SystemStr
                     format!("{}.{} is in \"{unit}\", which <Units> does not define", component.name, connector.name);
                 reader.fault_at(component.line, what);
             }
+        }
+    }
+    for connector in &structure.boundary {
+        if let Some(unit) = connector.unit.as_deref().filter(|unit| !defined.contains(unit)) {
+            let what = format!("{} of the system is in \"{unit}\", which <Units> does not define", connector.name);
+            reader.fault(system, what);
         }
     }
 }
@@ -218,7 +221,7 @@ impl Local for Node<'_, '_> {
     }
 }
 
-fn joined(path: &str, name: &str) -> String {
+pub(crate) fn joined(path: &str, name: &str) -> String {
     if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
 }
 
@@ -267,7 +270,8 @@ fn walk(
         });
         match inside {
             Some((component, variable)) => component.parameters.push(Parameter { name: variable, ..parameter }),
-            None => reader.fault_at(
+            None => reader.fault_of(
+                &parameter.entry,
                 parameter.line,
                 format!("the parameter \"{}\" begins with the name of no component of the system", parameter.name),
             ),
@@ -306,101 +310,4 @@ fn component(
         parameters: values::bound(reader, element, values),
         line: reader.line(element),
     });
-}
-
-fn edge(reader: &mut Reader, node: Node<'_, '_>, path: &str) -> Edge {
-    let mut place = |element: &str, connector: &str| {
-        let element = node.attribute(element).map_or(path.to_owned(), |element| joined(path, element));
-        (element, reader.required(node, connector))
-    };
-    let (from, to) = (place("startElement", "startConnector"), place("endElement", "endConnector"));
-    let mut edge = Edge { from, to, factor: 1.0, offset: 0.0, converts: true, line: reader.line(node) };
-    edge.converts = !matches!(node.attribute("suppressUnitConversion"), Some("true" | "1"));
-    for child in node.children().filter(Node::is_element) {
-        match child.tag_name().name() {
-            "LinearTransformation" => {
-                edge.factor = reader.number(child, "factor").unwrap_or(1.0);
-                edge.offset = reader.number(child, "offset").unwrap_or(0.0);
-            }
-            "ConnectionGeometry" | "Annotations" => {}
-            other => {
-                reader.fault(child, format!("<{other}> of a connection is not read: only LinearTransformation is"))
-            }
-        }
-    }
-    edge
-}
-
-fn end(components: &[Component], place: &Place) -> Option<End> {
-    let component = components.iter().position(|component| component.name == place.0)?;
-    Some(End { component, connector: place.1.clone() })
-}
-
-/// Connections between components, through the connectors of the systems around them.
-fn connections(reader: &mut Reader, components: &[Component], edges: &[Edge]) -> Vec<Connection> {
-    let mut found: Vec<Connection> = Vec::new();
-    for edge in edges {
-        let Some(to) = end(components, &edge.to) else { continue };
-        let (mut at, mut factor, mut offset, mut converts) = (edge, edge.factor, edge.offset, edge.converts);
-        // As many steps as there are connections lead to the start, unless they lead round in a circle.
-        for _ in 0..edges.len() {
-            let Some(before) = edges.iter().find(|before| before.to == at.from && end(components, &at.from).is_none())
-            else {
-                break;
-            };
-            offset += factor * before.offset;
-            factor *= before.factor;
-            converts &= before.converts;
-            at = before;
-        }
-        let Some(from) = end(components, &at.from) else { continue };
-        if found.iter().any(|other| other.to == to) {
-            let name = &components[to.component].name;
-            reader.fault_at(edge.line, format!("{name}.{} is connected twice", to.connector));
-            continue;
-        }
-        found.push(Connection { from, to, factor, offset, converts, line: edge.line });
-    }
-    for connection in &found {
-        for (end, kinds) in [(&connection.from, ["output", "inout"]), (&connection.to, ["input", "inout"])] {
-            let component = &components[end.component];
-            let known = component.connectors.iter().find(|connector| connector.name == end.connector);
-            if !known.is_some_and(|connector| kinds.contains(&connector.kind.as_str())) {
-                let what = format!("{} has no {} \"{}\"", component.name, kinds[0], end.connector);
-                reader.fault_at(connection.line, what);
-            }
-        }
-    }
-    found
-}
-
-/// Connectors of the outermost system with the ends of components that they stand for.
-fn boundary(system: Node<'_, '_>, components: &[Component], edges: &[Edge]) -> Vec<Boundary> {
-    let list = system.children().find(|node| node.has_tag_name_local("Connectors"));
-    let connectors = list.into_iter().flat_map(|list| list.children());
-    connectors
-        .filter(|node| node.has_tag_name_local("Connector"))
-        .filter_map(|node| Some((node.attribute("name")?, node.attribute("kind")?)))
-        .map(|(name, kind)| {
-            let place: Place = (String::new(), name.to_owned());
-            let mut ends = Vec::new();
-            let mut open = vec![place];
-            // Each connection is followed once.
-            let mut left: Vec<&Edge> = edges.iter().collect();
-            while let Some(place) = open.pop() {
-                left.retain(|edge| {
-                    let (near, far) = if kind == "output" { (&edge.to, &edge.from) } else { (&edge.from, &edge.to) };
-                    if *near != place {
-                        return true;
-                    }
-                    match end(components, far) {
-                        Some(end) => ends.push(end),
-                        None => open.push(far.clone()),
-                    }
-                    false
-                });
-            }
-            Boundary { name: name.to_owned(), kind: kind.to_owned(), ends }
-        })
-        .collect()
 }

@@ -15,7 +15,9 @@ pub struct Parameter {
     pub value: String,
     /// Its unit in terms of SI, where the file gives one.
     pub unit: Option<BaseUnit>,
-    /// Line of its file.
+    /// Entry of the package that holds it.
+    pub entry: String,
+    /// Line of that entry.
     pub line: u32,
 }
 
@@ -81,7 +83,7 @@ fn parameters(reader: &mut Reader, set: Node<'_, '_>) -> Vec<Parameter> {
         };
         let unit = typed.attribute("unit").and_then(|unit| units.get(unit)).copied();
         let value = typed.attribute("value").unwrap_or_default().to_owned();
-        values.push(Parameter { name, value, unit, line: reader.line(parameter) });
+        values.push(Parameter { name, value, unit, entry: reader.entry.clone(), line: reader.line(parameter) });
     }
     values
 }

@@ -1,7 +1,7 @@
 //! From connections by name to ports with a conversion.
 
-use crate::master::MasterError;
-use crate::structure::{Connection, SystemStructure};
+use crate::error::MasterError;
+use crate::structure::{Boundary, Connection, SystemStructure};
 use crate::values::Parameter;
 use toolroom_fmu_import::description::BaseUnit;
 use toolroom_fmu_import::{ModelDescription, Port, ValueType, Variable};
@@ -26,6 +26,24 @@ pub(crate) struct Output {
     /// Name and unit, as the head of a column.
     pub head: String,
     pub name: String,
+}
+
+/// An output of the system itself: `factor · value + offset` of one of a component.
+#[derive(Clone, Debug)]
+pub(crate) struct Shown {
+    /// Component and place among its outputs.
+    from: (usize, usize),
+    factor: f64,
+    offset: f64,
+    /// Name and unit, as the head of a column.
+    pub head: String,
+}
+
+impl Shown {
+    /// Its value where components have these.
+    pub fn value(&self, values: &[Vec<f64>]) -> f64 {
+        self.factor * values[self.from.0][self.from.1] + self.offset
+    }
 }
 
 fn is_number(variable: &Variable) -> bool {
@@ -127,6 +145,39 @@ pub(crate) fn wires(
         }
     }
     structure.connections.iter().map(wire).collect()
+}
+
+/// Outputs of the system that a table holds, in their own units where the file gives them.
+pub(crate) fn shown(
+    structure: &SystemStructure,
+    units: &[&ModelDescription],
+    outputs: &[Vec<Output>],
+) -> Result<Vec<Shown>, MasterError> {
+    let connectors = structure.boundary.iter().filter(|connector| connector.kind == "output");
+    let mut found = Vec::new();
+    for connector in connectors {
+        let Boundary { name, unit, ends, .. } = connector;
+        // Without a connection it has no value, and one of a text or an array has no column.
+        let Some(end) = ends.first() else { continue };
+        let Some(place) = outputs[end.component].iter().position(|output| output.name == end.connector) else {
+            continue;
+        };
+        let Some(variable) = units[end.component].variable(&end.connector) else { continue };
+        let (mut factor, mut offset) = (connector.factor, connector.offset);
+        let own = unit.as_ref().and_then(|unit| structure.units.get(unit)).copied();
+        let bases = (base(structure, end.component, variable, units[end.component]), own);
+        if let (true, (Some(one), Some(other))) = (connector.converts, bases) {
+            let (scale, shift) = conversion(one, other).ok_or_else(|| MasterError::Connection {
+                connection: format!("{} -> {name} of the system", structure.named(end)),
+                reason: "their units are of other dimensions".to_owned(),
+            })?;
+            (factor, offset) = (factor * scale, factor * shift + offset);
+        }
+        let shown = unit.as_ref().or(variable.unit.as_ref()).filter(|unit| *unit != "1");
+        let head = format!("{name}{}", shown.map_or(String::new(), |unit| format!(" [{unit}]")));
+        found.push(Shown { from: (end.component, place), factor, offset, head });
+    }
+    Ok(found)
 }
 
 /// A start value as the unit takes it: in the unit of its variable.

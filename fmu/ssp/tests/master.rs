@@ -183,3 +183,101 @@ fn an_order_names_each_unit_once_and_start_values_begin_with_one() {
     let error = System::load(&mut package, &start, &Isolation::None).expect_err("whose rate?").to_string();
     assert!(error.contains("start values begin with the name of a component"), "{error}");
 }
+
+/// The structure with outputs of the units that follow their inputs at once, or are said to.
+fn looped(switches: &[&str], dependencies: &str) -> (TempDir, PathBuf) {
+    let folder = TempDir::new().expect("a folder");
+    let output = ("<Outputs><Unknown index=\"3\"/>", format!("<Outputs><Unknown index=\"3\"{dependencies}/>"));
+    let unit = fixture::changed(folder.path(), switches, &[(output.0, &output.1)]);
+    with_units(STRUCTURE, &[("wear.fmu", std::fs::read(unit).expect("a unit"))])
+}
+
+#[test]
+fn an_algebraic_loop_is_told_and_settled_at_the_start_or_refused() {
+    let load = |path: &PathBuf| {
+        let mut package = Package::open(path).expect("a package");
+        System::load(&mut package, &BTreeMap::new(), &Isolation::None).expect("a system")
+    };
+    let short = Experiment { stop: Some(1.0), step: Some(1.0) };
+    // A = g (1 - B), B = g A: A = g / (1 + g²). By Gauss–Seidel the error falls by g² in each round.
+    let (_folder, path) = looped(&["GAIN=0.5"], " dependencies=\"1\"");
+    let system = load(&path);
+    let [told] = system.loops() else { panic!("one loop: {:?}", system.loops()) };
+    assert_eq!(told.signals, "A.tool.VB -> B.cut.cutting_speed, B.tool.VB -> A.cut.cutting_speed");
+    assert_eq!(told.undeclared, [""; 0]);
+    let mut table = Vec::new();
+    system.simulate(&short, &Order::GaussSeidel, &mut table).expect("it settles");
+    let text = String::from_utf8(table).expect("text");
+    for line in text.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        assert!((cells[1] - 0.4).abs() < 1e-11 && (cells[2] - 0.2).abs() < 1e-11, "{text}");
+    }
+    let (_folder, path) = looped(&["GAIN=2"], " dependencies=\"1\"");
+    let mut table = Vec::new();
+    let error = load(&path).simulate(&short, &Order::GaussSeidel, &mut table).expect_err("it does not settle");
+    assert!(
+        error.is_refusal() && error.to_string().starts_with("an algebraic loop that does not settle at 0 s: A."),
+        "{error}"
+    );
+    // Without dependencies it may be a loop; with none it is not.
+    let (_folder, path) = looped(&[], "");
+    assert_eq!(load(&path).loops()[0].undeclared, ["B", "A"]);
+    let (_folder, path) = looped(&[], " dependencies=\"\"");
+    assert_eq!(load(&path).loops(), []);
+}
+
+#[test]
+fn outputs_of_the_system_are_columns_in_their_own_units() {
+    let connector = "<ssd:System name=\"circle\"><ssd:Connectors><ssd:Connector name=\"land\" kind=\"output\">\
+                     <ssc:Real unit=\"um\"/></ssd:Connector></ssd:Connectors>";
+    let connection = "<ssd:Connections><ssd:Connection startElement=\"A\" startConnector=\"tool.VB\" endConnector=\"land\">\
+                      <ssc:LinearTransformation factor=\"2\" offset=\"1\"/></ssd:Connection>";
+    let units = "<ssd:Units><ssc:Unit name=\"um\"><ssc:BaseUnit m=\"1\" factor=\"1e-6\"/></ssc:Unit></ssd:Units>";
+    let structure = STRUCTURE
+        .replace("<ssd:System name=\"circle\">", connector)
+        .replace("<ssd:Connections>", connection)
+        .replace("  <ssd:DefaultExperiment", &format!("  {units}<ssd:DefaultExperiment"));
+    let folder = TempDir::new().expect("a folder");
+    let unit = fixture::unit(folder.path(), &[], ("", ""));
+    let (_folder, path) = with_units(&structure, &[("wear.fmu", std::fs::read(unit).expect("a unit"))]);
+    let mut package = Package::open(&path).expect("a package");
+    let system = System::load(&mut package, &rates(), &Isolation::None).expect("a system");
+    let mut table = Vec::new();
+    system.simulate(&Experiment { stop: None, step: Some(1.0) }, &Order::Jacobi, &mut table).expect("a run");
+    let text = String::from_utf8(table).expect("text");
+    assert_eq!(text.lines().next(), Some("time [s],A.tool.VB [mm],B.tool.VB [mm],land [um]"));
+    for line in text.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        // Of mm in um, then the transformation.
+        assert!((cells[3] - (2.0 * 1e3 * cells[1] + 1.0)).abs() < 1e-9, "{line}");
+    }
+    assert!(text.lines().count() == 8, "{text}");
+}
+
+#[test]
+fn a_start_value_that_cannot_be_is_refused_with_its_file_and_line_before_a_row_is_written() {
+    let bound = |name: &str, value: &str| {
+        let list = format!(
+            "<ssd:Component name=\"A\" source=\"wear.fmu\"><ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>\n\
+             <ssv:ParameterSet version=\"1.0\" name=\"p\"><ssv:Parameters>\n<ssv:Parameter name=\"{name}\"><ssv:Real value=\"{value}\"/>\
+             </ssv:Parameter></ssv:Parameters></ssv:ParameterSet>\n</ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>"
+        );
+        let (_folder, path) = package(&[], "<ssd:Component name=\"A\" source=\"wear.fmu\">", &list);
+        let mut package = Package::open(&path).expect("a package");
+        let error = System::load(&mut package, &BTreeMap::new(), &Isolation::None).expect_err("refused");
+        assert!(error.is_refusal());
+        error.to_string()
+    };
+    let text = bound("rate", "abc");
+    assert!(
+        text.ends_with("cell.ssp: SystemStructure.ssd:6: circle: A.rate: start value \"abc\" of \"rate\" is no real"),
+        "{text}"
+    );
+    let text = bound("pace", "1");
+    assert!(text.contains("SystemStructure.ssd:6: circle: A.pace: the unit has no parameter \"pace\""), "{text}");
+    let (_folder, path) = package(&[], "", "");
+    let mut package = Package::open(&path).expect("a package");
+    let start = BTreeMap::from([("B.rate".to_owned(), "NaN".to_owned())]);
+    let error = System::load(&mut package, &start, &Isolation::None).expect_err("refused").to_string();
+    assert_eq!(error, "circle: B.rate: start value \"NaN\" of \"rate\" is no real");
+}

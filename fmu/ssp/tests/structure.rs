@@ -57,7 +57,7 @@ const NESTED: &str = r#"<ssd:SystemStructureDescription name="cell" version="2.0
       <ssd:Connection startElement="machine" startConnector="VB" endConnector="wear"/>
     </ssd:Connections>
   </ssd:System>
-  <ssd:Units><ssc:Unit name="m/min"><ssc:BaseUnit m="1" s="-1" factor="0.016666666666666666"/></ssc:Unit><ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit></ssd:Units>
+  <ssd:Units><ssc:Unit name="m"><ssc:BaseUnit m="1"/></ssc:Unit><ssc:Unit name="m/min"><ssc:BaseUnit m="1" s="-1" factor="0.016666666666666666"/></ssc:Unit><ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit></ssd:Units>
   <ssd:DefaultExperiment startTime="0" stopTime="600"/>
 </ssd:SystemStructureDescription>"#;
 
@@ -133,6 +133,16 @@ fn every_fault_has_its_entry_and_line() {
         ),
         ("startElement=\"controller\"", "startElement=\"zz\"", "names an element \"zz\", which is not there"),
         ("version=\"2.0\"", "version=\"3.0\"", "version = \"3.0\" of the standard is not read"),
+        (
+            "<ssc:Unit name=\"m\">",
+            "<ssc:Unit name=\"ell\">",
+            "wear of the system is in \"m\", which <Units> does not define",
+        ),
+        (
+            "<ssd:Connection startElement=\"machine\" startConnector=\"VB\" endConnector=\"wear\"/>",
+            "<ssd:Connection startElement=\"machine\" startConnector=\"VB\" endConnector=\"wear\"/><ssd:Connection startElement=\"machine\" startConnector=\"F\" endConnector=\"wear\"/>",
+            "wear of the system is connected twice",
+        ),
         ("<ssc:Unit name=\"m/min\">", "<ssc:Unit name=\"furlong\">", "is in \"m/min\", which <Units> does not define"),
         (" name=\"hardness\"", "", "<Parameter> lacks the attribute name"),
         ("</ssd:System>\n  <ssd:Units>", "<ssd:Units>", "not well-formed XML"),

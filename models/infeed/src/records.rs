@@ -69,7 +69,7 @@ record! {
         /// Radius left above the commanded size, u − r: deflection, wheel wear, threshold force.
         /// Grows within a revolution with the commanded infeed and falls at its end.
         size_error: Real["m" => "um"] = 0.0, -1.0..=1.0;
-        /// Step of the spiral that an abrupt retraction would leave, h.
+        /// Out-of-roundness that an abrupt retraction would leave: the step of the spiral, h, and in a profile its waves.
         roundness_error: Real["m" => "um"] = 0.0, 0.0..=1.0;
         /// Temperature rise of the grinding zone.
         temperature_rise: Real["K" => "K"] = 0.0, 0.0..=1e5;

@@ -167,6 +167,11 @@ pub trait MachineProcess: Send + Sync {
     fn settle(&self, _x: &[f64]) {}
     /// That the edge in state `x` is gone, and none of its states will be used again.
     fn retire(&self, _x: &[f64]) {}
+    /// What went wrong so far without changing a result, and ought to be told: an imported unit whose process died has
+    /// been asked again.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
     /// Outputs at state `x` under input `u`, written to `y`.
     fn output(&self, x: &[f64], u: &[f64], y: &mut [f64]);
     /// Whether `event` has happened by state `x` under input `u`, even where no step has crossed it: an edge may be

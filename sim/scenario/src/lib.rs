@@ -223,6 +223,11 @@ impl Scenario {
         !self.orders.is_empty() || self.arrivals.iter().all(given)
     }
 
+    /// What went wrong with the tools' processes without changing a result ([`MachineProcess::notes`](toolroom_process::MachineProcess::notes)).
+    pub fn notes(&self) -> Vec<String> {
+        self.tools.iter().flat_map(|tool| tool.process.machine_process().notes()).collect()
+    }
+
     /// Whether policies choose the cutting speed of a tool: that of lathes, and of mills where nothing else has a speed to choose.
     pub fn commands_speed_of(&self, tool: &ToolType) -> bool {
         let commanded = |tool: &ToolType| tool.process.takes_speed_commands();

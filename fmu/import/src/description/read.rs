@@ -205,6 +205,7 @@ impl Reader {
         // Derivatives name their state by index (FMI 2.0) or value reference (FMI 3.0), which may
         // come later.
         let mut derivatives = Vec::new();
+        let mut clocked: Vec<(u32, u32)> = Vec::new();
         for element in elements(node) {
             let (typed, value_type) = if description.major == 2 {
                 let typed =
@@ -262,6 +263,9 @@ impl Reader {
             if let Some(state) = typed.attribute("derivative") {
                 derivatives.push((description.variables.len(), state.to_owned(), line));
             }
+            // What is no number is told by the schema.
+            let ticked = element.attribute("clocks").filter(|_| description.major == 3).unwrap_or_default();
+            clocked.extend(ticked.split_whitespace().filter_map(|clock| Some((line, clock.parse().ok()?))));
             let unit = typed.attribute("unit").map(str::to_owned).or_else(type_unit);
             let shown = std::iter::once(typed)
                 .chain(elements(element))
@@ -295,6 +299,12 @@ impl Reader {
                 description: element.attribute("description").unwrap_or_default().to_owned(),
                 line,
             });
+        }
+        for (line, clock) in clocked {
+            if description.clocks().all(|variable| variable.reference != clock) {
+                self.faults
+                    .push(Fault { line, message: format!("clocks: {clock} is the value reference of no clock") });
+            }
         }
         let by_reference = references(description);
         for (index, of, line) in derivatives {

@@ -99,8 +99,10 @@ ModelStructure: > Output ContinuousStateDerivative ClockedState InitialUnknown E
 Output ContinuousStateDerivative ClockedState InitialUnknown EventIndicator: valueReference!=u32 dependencies=u32* dependenciesKind=dependent/constant/fixed/tunable/discrete* > Annotations
 ";
 
-/// A list of elements of several kinds in any order, which has no rule of its own.
-const MIXED: &str = "ModelVariables";
+/// Lists of elements of several kinds in any order, which have no rule of their own, with what only such elements have and
+/// what they are called.
+const MIXED: [(&str, &str, &str); 2] =
+    [("ModelVariables", "causality", "type of variable"), ("TypeDefinitions", "Type", "definition of a type")];
 
 /// Elements of which a parent may hold several.
 const SEVERAL: [&str; 18] = [
@@ -132,8 +134,15 @@ pub(super) fn faults<'a, 'i>(root: Node<'a, 'i>, major: u8) -> Vec<(Node<'a, 'i>
     while let Some(node) = open.pop() {
         let name = node.tag_name().name();
         let parent = node.parent().map_or("", |parent| parent.tag_name().name());
-        if name == MIXED {
+        let mixed = MIXED.iter().find(|(list, ..)| *list == name).filter(|_| rule(table, name).is_none());
+        if let Some((_, mark, kind)) = mixed {
             faults.extend(attribute_faults(node, "").into_iter().map(|message| (node, message)));
+            let belongs = |name: &str| {
+                name.ends_with(mark) && rule(table, name).is_some()
+                    || rule(table, name).is_some_and(|rule| rule.split(' ').any(|word| word == *mark))
+            };
+            let others = node.children().filter(|child| child.is_element() && !belongs(child.tag_name().name()));
+            faults.extend(others.map(|child| (child, format!("<{}> is no {kind}", child.tag_name().name()))));
         }
         let Some(rule) = rule(table, &format!("{parent}/{name}")).or_else(|| rule(table, name)) else {
             // A list that may hold several kinds, or what the schema does not have, which its parent has told.

@@ -263,6 +263,10 @@ impl<E: Equations> Calls for Exchange<E> {
         Ok(())
     }
 
+    fn terminate(&mut self) -> Result<(), CallError> {
+        self.unit.terminate()
+    }
+
     fn alive(&self) -> bool {
         self.unit.alive()
     }

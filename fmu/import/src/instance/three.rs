@@ -312,6 +312,11 @@ impl Calls for Three {
         self.judge("fmi3SetFMUState", status)
     }
 
+    fn terminate(&mut self) -> Result<(), CallError> {
+        let status = unsafe { self.binding().fmi3Terminate(self.instance) };
+        self.judge("fmi3Terminate", status)
+    }
+
     fn alive(&self) -> bool {
         !self.dead
     }

@@ -286,6 +286,11 @@ impl Calls for Two {
         self.judge("fmi2SetFMUstate", status)
     }
 
+    fn terminate(&mut self) -> Result<(), CallError> {
+        let status = unsafe { self.binding().fmi2Terminate(self.component) };
+        self.judge("fmi2Terminate", status)
+    }
+
     fn alive(&self) -> bool {
         !self.dead
     }

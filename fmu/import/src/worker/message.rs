@@ -139,6 +139,7 @@ impl Bytes {
                 self.byte(7);
                 self.bytes(bytes);
             }
+            Action::Terminate => self.byte(10),
         }
     }
 }
@@ -199,7 +200,8 @@ impl<'a> Content<'a> {
             7 => Action::Deserialize(self.bytes()?),
             8 => Action::SetArray(self.port()?, self.bytes()?),
             9 => Action::GetText(self.port()?),
-            10.. => return Err(broken()),
+            10 => Action::Terminate,
+            11.. => return Err(broken()),
         })
     }
     fn start_value(&mut self) -> io::Result<(Port, StartValue)> {
@@ -393,6 +395,7 @@ mod tests {
                 Action::Deserialize(&state), Action::Set(a, value), Action::Save(place),
                 Action::Step { time: value, duration: 2.0 }, Action::Get(b), Action::Restore(place),
                 Action::Forget(place), Action::Serialize, Action::SetArray(b, &state), Action::GetText(a),
+                Action::Terminate,
             ];
             let request = Request::Act { number, actions };
             let written = content(&request.write());

@@ -50,6 +50,7 @@ fn function(action: &Action<'_>, major: u32, exchange: bool) -> String {
         Action::Restore(_) => format!("fmi{major}Set{state}"),
         Action::Forget(_) => format!("fmi{major}Free{state}"),
         Action::Serialize => format!("fmi{major}Serialize{state}"),
+        Action::Terminate => format!("fmi{major}Terminate"),
         Action::Deserialize(_) => format!("fmi{major}De{}erialize{state}", if major == 2 { "S" } else { "s" }),
     }
 }

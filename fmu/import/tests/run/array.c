@@ -86,9 +86,11 @@ E int fmi3DoStep(void *u, double time, double step, bool no, bool *event, bool *
     return 0;
 }
 
+E int fmi3Terminate(void *u) { return 0; }
+
 /* What an importer looks for and this unit does not do. */
 #define NONE(name) E int name(void) { return 3; }
-NONE(fmi3SetDebugLogging) NONE(fmi3EnterEventMode) NONE(fmi3Terminate) NONE(fmi3Reset) NONE(fmi3GetFloat32)
+NONE(fmi3SetDebugLogging) NONE(fmi3EnterEventMode) NONE(fmi3Reset) NONE(fmi3GetFloat32)
 NONE(fmi3GetInt8) NONE(fmi3GetUInt8) NONE(fmi3GetInt16) NONE(fmi3GetUInt16) NONE(fmi3GetInt32) NONE(fmi3GetUInt32)
 NONE(fmi3GetInt64) NONE(fmi3GetUInt64) NONE(fmi3GetBoolean) NONE(fmi3GetBinary) NONE(fmi3GetClock)
 NONE(fmi3SetFloat32) NONE(fmi3SetInt8) NONE(fmi3SetUInt8) NONE(fmi3SetInt16) NONE(fmi3SetUInt16) NONE(fmi3SetInt32)

@@ -170,6 +170,11 @@ fn a_unit_of_fixed_steps_keeps_to_the_clock_of_the_shop_within_half_a_step() {
         process.output(&x, &u, &mut y);
         assert!((y[0] - 2e-6 * elapsed).abs() <= 1e-6 + 1e-12, "{} m after {elapsed} s", y[0]);
     }
+    let [told] = &process.notes()[..] else { panic!("{:?}", process.notes()) };
+    assert!(
+        told.contains("it takes steps of 1 s only; passes ended up to 0.4 s away from the clock of the shop"),
+        "{told}"
+    );
     // 0.3 mm after 150 s: the event is reported at the end of the unit's step, which is no longer than the pass.
     let mut u = input(&process, &[("cutting_speed", 2.0)]);
     let advance = process.advance(&mut x, &mut u, 400.0).expect("a step");

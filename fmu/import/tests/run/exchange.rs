@@ -11,7 +11,7 @@ use toolroom_fmu_import::{Archive, Driven, Isolation, LoadError, Unit};
 use toolroom_process::{MachineProcess, ProcessEvent, Wiring};
 
 /// The unit of the tests with wear as a state: 1 um for each metre, 0.5 m/s.
-fn exchange(folder: &Path, switches: &[&str]) -> PathBuf {
+pub fn exchange(folder: &Path, switches: &[&str]) -> PathBuf {
     let switches: Vec<&str> = ["EXCHANGE", "NO_STEP"].iter().chain(switches).copied().collect();
     let derivative = r#"<ScalarVariable name="der(wear)" valueReference="6" causality="local" variability="continuous" initial="calculated"><Real derivative="3"/></ScalarVariable>
   </ModelVariables>"#;

@@ -7,7 +7,7 @@ mod fixture;
 
 use fixture::unit;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempDir;
 use toolroom_fmu_import::check::{Severity, check};
@@ -252,6 +252,11 @@ fn a_value_that_is_read_between_two_steps_is_read_again_where_the_first_instance
     assert!(y[0] == wear && !marker.exists(), "{} instead of {wear}", y[0]);
     std::fs::write(&marker, "").expect("writable");
     assert!(process.holds(ProcessEvent::WearLimit, &x, &u) && !marker.exists());
+    let told = format!(
+        "unit {}: 2 values between two steps had to be read again, by a new instance at the same state: fmi2GetReal answered error",
+        path.display()
+    );
+    assert_eq!(process.notes(), [told]);
     // A step that fails is told.
     std::fs::write(&marker, "").expect("writable");
     assert!(process.advance(&mut x, &mut u, 10.0).is_err() && !marker.exists());
@@ -437,4 +442,30 @@ fn a_discarded_step_is_taken_in_parts_and_an_end_is_told() {
     assert_eq!((done.stop, done.steps, done.ended), (33.0, 4, true));
     let text = String::from_utf8(rows).expect("UTF-8");
     assert!(text.lines().last().is_some_and(|line| line.starts_with("33,")), "{text}");
+}
+
+#[test]
+fn a_unit_is_told_that_its_simulation_is_over() {
+    let folder = TempDir::new().expect("a folder");
+    let end = folder.path().join("end");
+    let last = format!("LAST=\"{}\"", end.display());
+    // At the stop time, and where the unit ended the simulation by itself; by steps and by equations.
+    let (steps, ended) = (&[last.as_str()], &[last.as_str(), "TERMINATE=33.0"]);
+    let units: [(&dyn Fn() -> PathBuf, &str); 3] = [
+        (&|| unit(folder.path(), steps, ("", "")), "60"),
+        (&|| unit(folder.path(), ended, ("", "")), "33"),
+        (&|| exchange::exchange(folder.path(), steps), "60"),
+    ];
+    for (path, stop) in units {
+        let unit = Arc::new(Unit::load(&path(), &Isolation::None).expect("it loads"));
+        simulate(&unit, &Experiment::default(), None, &mut Vec::new()).expect("to the end");
+        assert_eq!(std::fs::read_to_string(&end).expect("it was told"), format!("{stop}\n"));
+        std::fs::remove_file(&end).expect("a file");
+    }
+    // Rows stand where it cannot end well, and its words are told.
+    let unit = Arc::new(Unit::load(&unit(folder.path(), &["UNENDED"], ("", "")), &Isolation::None).expect("it loads"));
+    let mut rows = Vec::new();
+    let error = simulate(&unit, &Experiment::default(), None, &mut rows).expect_err("no end").to_string();
+    assert!(error.contains("at 60 s: fmi2Terminate answered error: the results are lost"), "{error}");
+    assert_eq!(String::from_utf8(rows).expect("UTF-8").lines().count(), 62);
 }

