@@ -364,7 +364,7 @@ fn way(seen: Encounter<'_>) -> Way {
         Encounter::Air => Way::Air,
         Encounter::Near => Way::Near,
         Encounter::Cut(bound, samples, tool) => {
-            let samples = samples.each_ref().map(|engaged| Demand::from_engaged(engaged, tool));
+            let samples = samples.map(|engaged| Demand::from_engaged(engaged, tool));
             Way::Cut([Demand::from_engaged(bound, tool), Demand::heaviest(&samples)])
         }
     }
