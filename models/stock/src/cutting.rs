@@ -4,7 +4,6 @@ use crate::engaged::{Engaged, Stock};
 use crate::front::{Place, Step};
 use crate::load::{Load, Tool};
 use crate::map::Map;
-use crate::piece::Piece;
 use crate::swath::{Index, Swath};
 use std::f64::consts::{PI, TAU};
 use toolroom_contour::{Point, Section, Track};
@@ -167,6 +166,14 @@ pub struct Cutting {
     /// What is left as heights, where a cutter has an end that is not flat.
     map: Option<Map>,
     removed: f64,
+}
+
+/// A piece of a path at one height.
+pub(crate) struct Piece {
+    pub path: Section,
+    /// Heights of the cutter's end at both ends, m.
+    pub from: f64,
+    pub to: f64,
 }
 
 impl Cutting {

@@ -281,9 +281,20 @@ impl<'s> Front<'s> {
         taken
     }
 
-    /// Start and end of each part, rad from the direction of travel.
+    /// Start and end of each part, rad from the direction of travel. On a step the last one is longer by what only touches, so that the
+    /// sum is a bound.
     pub fn angles(&self) -> Vec<(f64, f64)> {
-        let parts = self.parts.iter().filter(|part| part.to - part.from > GRAZE);
-        parts.map(|part| (part.from - FRAC_PI_2, part.to - FRAC_PI_2)).collect()
+        let (mut list, mut touches) = (Vec::with_capacity(self.parts.len()), 0.0);
+        for part in &self.parts {
+            if part.to - part.from > GRAZE {
+                list.push((part.from - FRAC_PI_2, part.to - FRAC_PI_2));
+            } else {
+                touches += part.to - part.from;
+            }
+        }
+        if let Some((_, end)) = list.last_mut().filter(|_| !self.step.is_place()) {
+            *end += touches;
+        }
+        list
     }
 }

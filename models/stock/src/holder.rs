@@ -1,8 +1,7 @@
 //! The holder of a tool above material.
 
-use crate::cutting::Cutting;
+use crate::cutting::{Cutting, Piece};
 use crate::front::{Place, Step};
-use crate::piece::Piece;
 use std::f64::consts::PI;
 use toolroom_contour::Point;
 

@@ -1,6 +1,6 @@
 //! A piece of a path through the stock, step by step.
 
-use crate::cutting::{Cut, Cutting, Encounter, Look, MARGIN, Sums};
+use crate::cutting::{Cut, Cutting, Encounter, Look, MARGIN, Piece, Sums};
 use crate::engaged::Engaged;
 use crate::front::{Place, Step};
 use crate::load::{Load, Tool, wear_rate};
@@ -17,20 +17,12 @@ const ALIKE: f64 = 0.1;
 /// Half a step is no longer than this share of the cutter's radius.
 const LONGEST: f64 = 0.25;
 /// Steps are not halved below this share of the cutter's radius.
-pub(crate) const SHORTEST: f64 = 0.02;
+const SHORTEST: f64 = 0.02;
 /// Rings of the end of a cutter on a ramp.
 const RAMP_RINGS: u32 = 12;
 
-/// A piece of a path at one height.
-pub(crate) struct Piece {
-    pub path: Section,
-    /// Heights of the cutter's end at both ends, m.
-    pub from: f64,
-    pub to: f64,
-}
-
 /// A piece among those of its motion, with who looks: the way before it and the whole way, m.
-pub(crate) type PieceInMotion<'r, 'l> = (&'r mut Look<'l>, f64, f64);
+type PieceInMotion<'r, 'l> = (&'r mut Look<'l>, f64, f64);
 
 /// A step that has not been looked at yet.
 struct Open {
