@@ -248,7 +248,7 @@ fn feeds(
     let Some(setup) = setup.filter(|_| args.objective.is_some() || args.limits.is_some()) else { return Ok(None) };
     let objective = args.objective.as_deref().and_then(FeedObjective::from_word);
     let limits: Vec<FeedLimit> = args.limits.iter().flatten().filter_map(|word| FeedLimit::from_word(word)).collect();
-    Feeds::new(text, control, drives, setup, (objective, args.speeds, &limits)).map(Some)
+    Feeds::new(text, control, drives, setup, (objective, (args.speeds, args.blocks_factor), &limits)).map(Some)
 }
 
 /// A refused program, with all words of it that are refused.

@@ -63,7 +63,7 @@ pub struct ProgramArgs {
     #[arg(long, value_name = "COUNT", default_value_t = toolroom_program::Control::STEPS)]
     pub steps: u64,
     /// Write the motions for another control, to the file of --out
-    #[arg(long, value_name = "DIALECT", value_parser = Dialect::NAMES, requires = "out")]
+    #[arg(long, value_name = "DIALECT", value_parser = Dialect::WRITTEN, requires = "out")]
     pub post: Option<String>,
     /// Leave holes of canned cycles cycles of the control that --post writes for, where it has one of the same motions
     #[arg(long, requires = "post")]
@@ -80,6 +80,9 @@ pub struct ProgramArgs {
     /// Plan the spindle speeds, too: one for every spindle command, among those of the machine of the tool's set
     #[arg(long, requires = "objective")]
     pub speeds: bool,
+    /// Greatest number of motions of the plan over those of the program, from 1
+    #[arg(long, value_name = "TIMES", requires = "objective", default_value_t = 3.0, value_parser = factor)]
+    pub blocks_factor: f64,
     /// Limits that count, by commas, or all: without --objective how much of each the program uses
     #[arg(long, value_name = "LIMITS", value_delimiter = ',', value_parser = limits(), requires = "setup")]
     pub limits: Option<Vec<String>>,
@@ -127,6 +130,13 @@ impl ProgramArgs {
             .chain(skip)
             .flat_map(|(option, value)| [option.to_owned(), value])
             .chain(self.speeds.then(|| "--speeds".to_owned()))
+            .chain((self.blocks_factor != 3.0).then(|| format!("--blocks-factor={}", self.blocks_factor)))
             .collect()
     }
+}
+
+/// A number of motions over another, from 1 to 1000.
+fn factor(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (1.0..=1000.0).contains(number));
+    number.ok_or_else(|| "a number from 1 to 1000 is needed, such as 3".to_owned())
 }

@@ -19,7 +19,7 @@ pub struct Feeds {
 }
 
 impl Feeds {
-    /// Plans a program, with `speeds` its spindle speeds, too; `limits` are those that count, all where there is none.
+    /// Plans a program, with `speeds` its spindle speeds, too, into at most `blocks` times as many motions; `limits` are those that count, all where there is none.
     ///
     /// # Errors
     /// [`FollowError`]: the program is refused, or cuts with a tool that the setup does not have.
@@ -28,9 +28,9 @@ impl Feeds {
         control: &Control,
         drives: &Drives,
         setup: &Setup,
-        (objective, speeds, limits): (Option<FeedObjective>, bool, &[FeedLimit]),
+        (objective, (speeds, blocks), limits): (Option<FeedObjective>, (bool, f64), &[FeedLimit]),
     ) -> Result<Self, FollowError> {
-        let plan = FeedPlan::new(source.clone(), control, setup, (objective, speeds), limits)?;
+        let plan = FeedPlan::divided(source.clone(), control, setup, (objective, speeds, blocks), limits)?;
         let before = time(source, control, drives, &FeedPlan::default())?;
         let after = if objective.is_some() { time(source, control, drives, &plan)? } else { before };
         Ok(Self { plan, objective, times: (before, after) })

@@ -256,6 +256,13 @@ const PROGRAM: &[RecordColumn] = &[
     condition("tool_changes", "1", "1", 1e4),
     condition("hold_count", "1", "1", 1e4),
     condition("hold_time", "s", "s", 1e6),
+    condition("spindle_from", "rad/s", "rpm", 2e5),
+    condition("spindle_to", "rad/s", "rpm", 2e5),
+    condition("stops", "1", "1", 1e7),
+    condition("rapid_length", "m", "mm", 1e9),
+    condition("corner_sum", "1", "1", 1e7),
+    condition("shortest_block", "s", "ms", 1e9),
+    condition("waits", "1", "1", 1e6),
     CYCLE_TIME,
 ];
 

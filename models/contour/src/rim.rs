@@ -35,13 +35,14 @@ impl Rim {
 
     /// Adds the angles at which the rim crosses a circle.
     pub fn circle(&self, centre: Point, radius: f64, angles: &mut Vec<f64>) {
-        let gap = self.centre.distance(centre);
+        let (x, y) = (centre.x - self.centre.x, centre.y - self.centre.y);
+        let gap = (x * x + y * y).sqrt();
         if radius <= 0.0 || gap <= 0.0 {
             return;
         }
         let cos = (self.radius * self.radius + gap * gap - radius * radius) / (2.0 * self.radius * gap);
         if cos.abs() <= 1.0 {
-            let (towards, half) = (self.centre.heading_to(centre), cos.acos());
+            let (towards, half) = (y.atan2(x), cos.acos());
             angles.extend([towards - half, towards + half]);
         }
     }

@@ -1,7 +1,7 @@
 //! Distances from a section, with what they need of it worked out once.
 
 use crate::{Point, Section};
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A section of which many distances are asked, as a rim that moves along it does.
 ///
@@ -29,8 +29,10 @@ pub(crate) struct Circle {
     pub centre: Point,
     /// m.
     pub radius: f64,
-    /// Direction from the centre to the start of the arc, rad.
-    start: f64,
+    /// Cosine and sine of the direction from the centre to the middle of the arc.
+    middle: (f64, f64),
+    /// Cosine of half of its sweep: directions from the centre that are nearer to the middle lead to the arc.
+    widest: f64,
 }
 
 impl Track {
@@ -40,7 +42,10 @@ impl Track {
         let circle = (section.curvature != 0.0).then(|| {
             let centre = beside(section.start, left, 1.0 / section.curvature);
             let radius = 1.0 / section.curvature.abs();
-            Circle { centre, radius, start: centre.heading_to(section.start) }
+            let half = 0.5 * section.sweep();
+            let outwards = if half > 0.0 { -FRAC_PI_2 } else { FRAC_PI_2 };
+            let (sin, cos) = (section.heading + half + outwards).sin_cos();
+            Circle { centre, radius, middle: (cos, sin), widest: half.abs().min(PI).cos() }
         });
         Self { section, end: section.end(), along: section.heading.sin_cos(), left, circle }
     }
@@ -66,27 +71,43 @@ impl Track {
     }
 
     /// Distance of a point, m.
+    #[inline]
     pub fn distance(&self, point: Point) -> f64 {
-        let Section { start, length, curvature, .. } = self.section;
-        let ends = || start.distance(point).min(self.end.distance(point));
+        let Section { start, length, .. } = self.section;
+        let (dx, dy) = (point.x - start.x, point.y - start.y);
         let Some(circle) = &self.circle else {
             let (sin, cos) = self.along;
-            let (dx, dy) = (point.x - start.x, point.y - start.y);
             let ahead = dx * cos + dy * sin;
-            return if (0.0..=length).contains(&ahead) { (dy * cos - dx * sin).abs() } else { ends() };
+            return if ahead < 0.0 {
+                (dx * dx + dy * dy).sqrt()
+            } else if ahead > length {
+                square_to(self.end, point).sqrt()
+            } else {
+                (dy * cos - dx * sin).abs()
+            };
         };
-        let turned = curvature.signum() * (circle.centre.heading_to(point) - circle.start);
-        let on_arc = turned.rem_euclid(TAU) <= self.section.sweep().abs();
-        if on_arc { (circle.centre.distance(point) - circle.radius).abs() } else { ends() }
+        let (x, y) = (point.x - circle.centre.x, point.y - circle.centre.y);
+        let away = (x * x + y * y).sqrt();
+        if x * circle.middle.0 + y * circle.middle.1 >= away * circle.widest {
+            return (away - circle.radius).abs();
+        }
+        (dx * dx + dy * dy).min(square_to(self.end, point)).sqrt()
     }
 
     /// Whether a point is nearer than `reach`, m.
+    #[inline]
     pub fn reaches(&self, point: Point, reach: f64) -> bool {
         let (dx, dy) = (point.x - self.section.start.x, point.y - self.section.start.y);
         // Nothing of a section is farther from its start than it is long; the margin is above rounding.
         let farthest = (self.section.length + reach) * (1.0 + 1e-9);
         dx * dx + dy * dy <= farthest * farthest && self.distance(point) < reach
     }
+}
+
+/// Square of the distance of two points, m².
+fn square_to(from: Point, to: Point) -> f64 {
+    let (x, y) = (to.x - from.x, to.y - from.y);
+    x * x + y * y
 }
 
 fn beside(start: Point, (sin, cos): (f64, f64), away: f64) -> Point {

@@ -23,6 +23,8 @@ pub enum Dialect {
 impl Dialect {
     /// Words for files and options, in the order of the variants.
     pub const NAMES: [&'static str; 6] = ["fanuc", "fanuc-lathe", "haas", "siemens", "heidenhain", "linuxcnc"];
+    /// Words of those that programs are written for: all but the lathe.
+    pub const WRITTEN: [&'static str; 5] = ["fanuc", "haas", "siemens", "heidenhain", "linuxcnc"];
     const ALL: [Self; 6] = [Self::Fanuc, Self::FanucLathe, Self::Haas, Self::Siemens, Self::Heidenhain, Self::LinuxCnc];
 
     /// The word of a dialect.

@@ -9,6 +9,8 @@ pub struct Fault {
     pub column: usize,
     /// What is wrong and what to do.
     pub message: String,
+    /// Line, from 1, where it is not that of the block which runs; 0 else.
+    pub line: usize,
     /// Whether the words of the block are refused whatever went before: this fault does not follow from another.
     pub refuses: bool,
 }
@@ -21,13 +23,20 @@ impl Fault {
 
     /// A fault of the word in a column, from 1.
     pub fn at(column: usize, message: impl Into<String>) -> Self {
-        Self { column, message: message.into(), refuses: false }
+        Self { column, message: message.into(), line: 0, refuses: false }
     }
 
     /// Words that are refused whatever went before.
     #[must_use]
     pub fn refusing(mut self) -> Self {
         self.refuses = true;
+        self
+    }
+
+    /// A fault of another line than the one that runs.
+    #[must_use]
+    pub fn in_line(mut self, line: usize) -> Self {
+        self.line = line;
         self
     }
 

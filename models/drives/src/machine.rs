@@ -76,6 +76,11 @@ fields!(
         "waits",
         Kind::Choice(&WAITS),
         "What waits for the spindle: the first motion at feed or the block of the coolant, or the block of its command"
+    ),
+    Key::optional(
+        "stop_waits",
+        Kind::Flag,
+        "Whether a programmed stop waits until the spindle stands; it does if left out"
     )
 );
 fields!(
@@ -89,7 +94,12 @@ fields!(
         "home_time" = "home_time",
         "from_home_time" = "from_home_time",
         "index_time" = "index_time",
-    ]
+    ],
+    Key::optional(
+        "kind",
+        Kind::Choice(&CHANGERS),
+        "Whether the next tool waits at an arm, so that no pocket takes time, or a carousel turns to it by index_time"
+    )
 );
 
 /// Words of `waits`: `spindle_block_wait` 0 and 1.
@@ -99,7 +109,11 @@ const RAPID: [&str; 2] = ["interpolated", "independent"];
 /// Step of the speed that is a stop, m/s.
 const STOP: f64 = 1e-9;
 /// Words of the rule of corners.
-const CORNER_RULES: [&str; 3] = ["deviation", "axis_step", "exact_stop"];
+const CORNER_RULES: [&str; 4] = ["deviation", "axis_step", "exact_stop", "cosine"];
+/// Words of `kind` of the changer: the next tool waits at an arm, or the magazine turns to it first.
+const CHANGERS: [&str; 2] = ["arm", "carousel"];
+/// Words of `spindle_wait` of the control.
+const SPINDLE_WAITS: [&str; 3] = ["M8", "first_feed", "block"];
 
 static CORNER: Form = Form {
     title: "corner",
@@ -208,6 +222,22 @@ static CONTROL: Form = Form {
             Kind::Choice(&["chip_breaking", "full"]),
             "Where pecks of lathes are drawn: back by the clearance, or out to the plane R",
         ),
+        Key::optional("turns", Kind::Choice(&["L", "P"]), "Letter of the turns of a helix on Fanuc"),
+        Key::optional(
+            "startup",
+            Kind::Choice(&["A", "B"]),
+            "How compensation of the radius begins and ends at outer corners: A straight, B around the corner",
+        ),
+        Key::optional(
+            "spindle_wait",
+            Kind::Choice(&SPINDLE_WAITS),
+            "What waits for the spindle: the block of the coolant or the first motion at feed, the latter alone, or the block of its command",
+        ),
+        Key::optional(
+            "rapid_blend",
+            Kind::Flag,
+            "Whether the axes go on between motions at feed and rapid ones; they rest if left out",
+        ),
         Key::optional("m", Kind::Texts, "Times of M codes: 29 = \"0.3 s\""),
         Key::optional("g", Kind::Texts, "Times of G codes that are not understood: 411 = \"0 s\""),
     ],
@@ -287,6 +317,14 @@ fn machine(walk: &mut Walk, root: &Section<'_>) -> Option<Machine> {
     }
     if let Some(section) = walk.table(root, "control") {
         control(walk, &section, &mut machine.control);
+        let drives = &mut machine.drives;
+        if let Some(word) = section.text("spindle_wait") {
+            drives.spindle_block_wait = f64::from(u8::from(word == SPINDLE_WAITS[2]));
+            drives.coolant_wait = f64::from(u8::from(word != SPINDLE_WAITS[1]));
+        }
+        if let Some(on) = section.flag("rapid_blend") {
+            drives.rapid_blend = f64::from(u8::from(on));
+        }
     }
     Some(machine)
 }
@@ -354,6 +392,7 @@ pub fn drives(walk: &mut Walk, section: &Section<'_>, drives: &mut Drives) {
         let rule = table.text("rule");
         // The least step is a stop.
         drives.corner_step = if rule == Some(CORNER_RULES[2]) { STOP } else { 0.0 };
+        drives.corner_cosine = f64::from(u8::from(rule == Some(CORNER_RULES[3])));
         let field = if rule == Some(CORNER_RULES[1]) { "corner_step" } else { "corner_deviation" };
         fill(drives, &table, &[("value", field)]);
     }
@@ -365,12 +404,18 @@ pub fn drives(walk: &mut Walk, section: &Section<'_>, drives: &mut Drives) {
         if let Some(word) = table.text("waits") {
             drives.spindle_block_wait = f64::from(u8::from(word == WAITS[1]));
         }
+        if let Some(on) = table.flag("stop_waits") {
+            drives.stop_wait = f64::from(u8::from(on));
+        }
         if let Some(braking) = walk.table(&table, "braking") {
             fill(drives, &braking, BRAKING_FIELDS);
         }
     }
     if let Some(table) = walk.table(section, "changer") {
         fill(drives, &table, CHANGER_FIELDS);
+        if table.text("kind") == Some(CHANGERS[0]) {
+            drives.index_time = 0.0;
+        }
     }
 }
 
@@ -380,7 +425,7 @@ fn control(walk: &mut Walk, section: &Section<'_>, control: &mut Control) {
             walk.fault(section.span_of(key), MachineFault::Control(reason));
         }
     };
-    for key in ["units", "decimal", "pecks", "rotary_feed", "feed_at"] {
+    for key in ["units", "decimal", "pecks", "rotary_feed", "feed_at", "turns", "startup"] {
         if let Some(word) = section.text(key) {
             set(walk, key, key, word);
         }
@@ -440,7 +485,7 @@ mod tests {
             ("[drives]\njerk = \"10 m/s3\"\n", "m.toml:2:8"),
             ("[drives]\npreset = \"hurco\"\n", "hurco-winmax"),
             ("[control.m]\nx = \"1 s\"\n", "m.toml"),
-            ("[drives]\ncorner = { rule = \"cosine\" }\n", "deviation"),
+            ("[drives]\ncorner = { rule = \"sine\" }\n", "deviation"),
             ("[drives.spindle]\nconstant = \"1 s\"\n", "s/rpm2"),
         ] {
             let error = machine_of(text).expect_err(text);

@@ -67,6 +67,14 @@ record! {
         /// 1 where the block that commands the spindle waits until it turns at speed, 0 where the first motion at feed or the
         /// block that switches coolant on waits.
         spindle_block_wait: Real = 0.0, 0.0..=1.0;
+        /// 1 where the block that switches coolant on waits for the spindle as well, 0 where it does not.
+        coolant_wait: Real = 1.0, 0.0..=1.0;
+        /// 1 where a programmed stop waits until the spindle stands, 0 where it does not.
+        stop_wait: Real = 1.0, 0.0..=1.0;
+        /// 1 where the axes go on between motions at feed and rapid ones, 0 where they rest.
+        rapid_blend: Real = 0.0, 0.0..=1.0;
+        /// 1 where the speed of the slower motion at a corner is reduced by the cosine of the turn, 0 where another rule holds.
+        corner_cosine: Real = 0.0, 0.0..=1.0;
         /// Time that the spindle needs to orient itself for a tool change.
         orient_time: Real["s" => "s"] = 0.0, 0.0..=60.0;
         /// Time of a reversal in rigid tapping at 175 rpm; it grows with the ramp. 0 for braking and ramp alone.

@@ -63,6 +63,7 @@ struct Step {
     top: f64,
     start: [f64; 3],
     end: [f64; 3],
+    part: Part,
 }
 
 /// Motions that are looked at together: a control looks ahead over some hundred blocks, and a machine that slows over
@@ -74,7 +75,7 @@ const WINDOW: usize = 8192;
 /// `t = length/(feed·override)`, rapid `longest axis/rapid_speed`, without acceleration. With it the speed follows
 /// trapezoids between the speeds at the ends of motions: rest before and behind rapid motions, dwells, tool changes,
 /// auxiliary functions and exact stops, else at most `v² = a·corner_deviation·s/(1 − s)`, `s = cos(half the turn)`, or
-/// `corner_step` over the greatest change of the direction's parts, and at most `v² = a·radius` on arcs. With a jerk time a
+/// `corner_step` over the greatest change of the direction's parts, or the slower speed times the cosine of the turn, and at most `v² = a·radius` on arcs. With a jerk time a
 /// change of speed by `Δv` takes `Δv/a + jerk_time`, and where it is too small to need the whole acceleration
 /// `2 √(Δv·jerk_time/a)`; motions of one feed that follow each other smoothly are one motion to it. Rotary axes alone need
 /// no acceleration.
@@ -87,8 +88,8 @@ const WINDOW: usize = 8192;
 /// # Source
 /// Trapezoidal speed with look-ahead; corner speed of Jeon, "Improving Grbl: cornering algorithm" (2011). Ramps of
 /// limited jerk: Biagiotti & Melchiorri, "Trajectory Planning for Automatic Machines and Robots" (2008), double S; the
-/// look-ahead does without jerk. That rapid motions start and end at rest, and that one acceleration holds for all
-/// directions at feed, are assumptions. What waits for the spindle was seen in the logs of the NIST box.
+/// look-ahead does without jerk. That rapid motions start and end at rest (but with `rapid_blend`), and that one acceleration holds for all
+/// directions at feed, are assumptions, as is that blended rapid motions accelerate as those at feed do. What waits for the spindle was seen in the logs of the NIST box.
 pub struct Timer {
     drives: Drives,
     steps: Vec<Step>,
@@ -206,7 +207,7 @@ impl Timer {
                 self.perhaps(key, reversal, Part::Spindle, done);
             }
             Action::Coolant(on) => {
-                if on {
+                if on && drives.coolant_wait >= 0.5 {
                     self.wait(key, done);
                 }
                 if drives.coolant_time > 0.0 {
@@ -215,7 +216,7 @@ impl Timer {
                 }
             }
             Action::Stop => {
-                if self.spindle.stands() {
+                if self.spindle.stands() && drives.stop_wait >= 0.5 {
                     self.wait(key, done);
                 }
             }
@@ -290,6 +291,14 @@ impl Timer {
                 }
             });
             let time = straight.fold(rotary, f64::max);
+            let way = 1e-3 * motion.length;
+            if drives.rapid_blend >= 0.5 && drives.inverse_acceleration > 0.0 && way > 0.0 && rotary == 0.0 {
+                let ways = drives.rapid_ways(motion);
+                let top = way / ways.iter().map(|(way, speed, _)| way / speed).fold(f64::MIN_POSITIVE, f64::max);
+                let (start, end) = motion.directions();
+                self.push(Step { key, way, top, start, end, part: Part::Rapid }, done);
+                return;
+            }
             self.rest(done);
             self.spend(key, time, Part::Rapid, done);
             self.last = Some(Last { key, rapid: true });
@@ -299,7 +308,7 @@ impl Timer {
             self.wait(key, done);
         }
         self.place = Place::Work;
-        if self.last.is_some_and(|last| last.rapid) {
+        if self.last.is_some_and(|last| last.rapid) && drives.rapid_blend < 0.5 {
             self.settle(done);
         }
         self.last = Some(Last { key, rapid: false });
@@ -316,7 +325,12 @@ impl Timer {
             Path::Line => feed,
             Path::Arc(arc) => feed.min((1e-3 * arc.radius / drives.inverse_acceleration).sqrt()),
         };
-        self.steps.push(Step { key, way, top, start, end });
+        self.push(Step { key, way, top, start, end, part: Part::Feed }, done);
+    }
+
+    fn push(&mut self, step: Step, done: &mut Vec<Spent>) {
+        self.last = Some(Last { key: step.key, rapid: step.part == Part::Rapid });
+        self.steps.push(step);
         if self.steps.len() >= WINDOW {
             self.commit(WINDOW / 2, done);
         }
@@ -356,14 +370,14 @@ impl Timer {
             let way = run.iter().map(|step| step.way).sum();
             let whole = ramp.time_of(way, run[0].top, joints[first], joints[end]);
             if let [step] = run {
-                self.spend(step.key, whole, Part::Feed, done);
+                self.spend(step.key, whole, step.part, done);
             } else {
                 // Without jerk each of them takes its share; the jerk is shared out alike.
                 let plain = Ramp { jerk_time: 0.0, ..ramp };
                 let plain_time = |i: usize| plain.time_of(steps[i].way, steps[i].top, joints[i], joints[i + 1]);
                 let sum: f64 = (first..end).map(plain_time).sum();
                 for i in first..end {
-                    self.spend(steps[i].key, plain_time(i) * whole / sum, Part::Feed, done);
+                    self.spend(steps[i].key, plain_time(i) * whole / sum, steps[i].part, done);
                 }
             }
             first = end;
@@ -386,6 +400,9 @@ fn corner(previous: &Step, following: &Step, drives: &Drives) -> f64 {
         return top.min(drives.corner_step / change.max(1e-12));
     }
     let dot: f64 = previous.end.iter().zip(following.start).map(|(a, b)| a * b).sum();
+    if drives.corner_cosine >= 0.5 {
+        return top * dot.clamp(0.0, 1.0);
+    }
     let half = (0.5 * (1.0 + dot.clamp(-1.0, 1.0))).sqrt();
     // Without a turn the speed is that of the motions, whatever the rounding of `half`.
     let acceleration = 1.0 / drives.inverse_acceleration;

@@ -172,3 +172,74 @@ fn reversals_of_rigid_taps_grow_with_the_ramp() {
     let (fast, ramp) = reversals(700);
     assert!(fast > 4.0 * 0.6 - 1e-9 && fast < 4.0 * 0.6 + ramp, "{fast}");
 }
+
+/// The drives of a machine file.
+fn drives_of(text: &str) -> Drives {
+    Machine::of("m.toml", text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).content.drives
+}
+
+#[test]
+fn what_waits_for_the_spindle_is_a_setting_of_the_control() {
+    let spindle = "[drives.spindle]\nconstant = \"1e-7 s/rpm2\"\nbase_speed = \"1000 rpm\"\n";
+    // 0.5 s from rest to 2000 rpm; 0.1 s of feed; the end waits for another 0.5 s.
+    let text = "G21 G90 G0 X0 Y0 Z0\nS2000 M3\nM8\nG1 X1 F600\nM5\nM0\nG0 X1\nM30\n";
+    let time = |control: &str, more: &str| total(text, &drives_of(&format!("[control]\n{control}{spindle}{more}")));
+    let plain = time("", "");
+    assert!((plain - 1.1).abs() < 1e-9, "{plain}");
+    // Whoever waits, the time is the same here; where coolant does not wait, the feed does.
+    for wait in ["M8", "first_feed", "block"] {
+        assert!((time(&format!("spindle_wait = \"{wait}\"\n"), "") - plain).abs() < 1e-9, "{wait}");
+    }
+    let part = |control: &str, line: usize| {
+        let drives = drives_of(&format!("[control]\n{control}{spindle}"));
+        let spent = spent(&program(text), &drives);
+        spent.iter().filter(|one| one.key == line && one.part == Part::Spindle).map(|one| one.seconds).sum::<f64>()
+    };
+    assert!((part("spindle_wait = \"M8\"\n", 2) - 0.5).abs() < 1e-9);
+    assert!((part("spindle_wait = \"first_feed\"\n", 3) - 0.5).abs() < 1e-9);
+    assert!((part("spindle_wait = \"block\"\n", 1) - 0.5).abs() < 1e-9);
+    // A stop that does not wait leaves it to the end.
+    let ends = |more: &str| {
+        let spent = spent(&program(text), &drives_of(&format!("{spindle}{more}")));
+        spent.iter().filter(|one| one.key == 5 && one.part == Part::Spindle).map(|one| one.seconds).sum::<f64>()
+    };
+    assert!((ends("") - 0.5).abs() < 1e-9 && ends("stop_waits = false\n") == 0.0);
+}
+
+#[test]
+fn the_cosine_rule_slows_the_slower_motion_at_a_corner() {
+    let drives = drives_of("[drives]\nfeed_acceleration = \"1 m/s2\"\ncorner = { rule = \"cosine\" }\n");
+    // 0.1 m/s along 100 mm twice, with a turn of 60 degrees: 0.05 m/s at the corner. Each change by 0.05 m/s takes 0.05 s, in which
+    // 1.25 mm are lost against 0.1 m/s: 0.0125 s on both sides.
+    let y = 50.0 * 3f64.sqrt();
+    let time = total(&format!("G21 G90 G0 X0 Y0 Z0\nG1 X100 F6000\nX150 Y{y:.9}\nM30\n"), &drives);
+    assert!((time - (2.0 + 0.1 + 0.025)).abs() < 1e-6, "{time}");
+    // At a right angle it rests.
+    let square = total("G21 G90 G0 X0 Y0 Z0\nG1 X100 F6000\nY100\nM30\n", &drives);
+    assert!((square - 2.2).abs() < 1e-6, "{square}");
+}
+
+#[test]
+fn rapid_motions_blend_where_the_control_lets_them() {
+    let machine = |blend: bool| {
+        drives_of(&format!(
+            "[drives]\nrapid_speed = \"6 m/min\"\nfeed_acceleration = \"1 m/s2\"\nacceleration = \"1 m/s2\"\n\
+             settling = {{ feed = \"0.2 s\", rapid = \"0.1 s\" }}\n[control]\nrapid_blend = {blend}\n"
+        ))
+    };
+    // Two ways of 100 mm at 0.1 m/s in one line: as one of 200 mm, 2.1 s, and settling at its end alone.
+    let text = "G21 G90 G0 X0 Y0 Z0\nG0 X100\nG1 X200 F6000\nM30\n";
+    let (blended, resting) = (total(text, &machine(true)), total(text, &machine(false)));
+    assert!((blended - 2.3).abs() < 1e-6, "{blended}");
+    assert!((resting - (2.0 * 1.1 + 0.3)).abs() < 1e-6, "{resting}");
+}
+
+#[test]
+fn an_arm_has_the_next_tool_ready() {
+    let changer =
+        |kind: &str| drives_of(&format!("[drives.changer]\nchange_time = \"2 s\"\nindex_time = \"0.5 s\"\n{kind}"));
+    let text = "G21 G90 G0 X0 Y0 Z0\nT1 M6\nT5 M6\nG0 X0\nM30\n";
+    assert_eq!(total(text, &changer("")), 6.0);
+    assert_eq!(total(text, &changer("kind = \"carousel\"\n")), 6.0);
+    assert_eq!(total(text, &changer("kind = \"arm\"\n")), 4.0);
+}

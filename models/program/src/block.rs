@@ -214,7 +214,7 @@ impl Program {
             program.unknown.extend(block.unknown.filter(|line| program.unknown.last() != Some(line)));
             program.blocks.push(block);
         }
-        if program.blocks.iter().all(|block| block.motions.is_empty()) {
+        if program.blocks.iter().all(|block| block.motions.is_empty() && block.dwell == 0.0) {
             return Err(ProgramError::still(dialect));
         }
         Ok(program)

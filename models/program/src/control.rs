@@ -77,6 +77,11 @@ pub struct Control {
     pub feed: Option<f64>,
     /// Whether F holds on the contour instead of the path of the cutter's centre.
     pub feed_at_contour: bool,
+    /// Letter of the turns of a helix on Fanuc, L or P. Where none is given, L: an assumption, since controls differ by option.
+    pub turns: u8,
+    /// Whether compensation of the radius begins and ends by type B of Fanuc: around an outer corner. Type A goes straight to and
+    /// from the place beside the contour.
+    pub startup_b: bool,
 }
 
 impl Default for Control {
@@ -98,6 +103,8 @@ impl Default for Control {
             library: None,
             feed: None,
             feed_at_contour: false,
+            turns: b'L',
+            startup_b: false,
         }
     }
 }
@@ -174,7 +181,8 @@ impl Control {
     }
 
     /// Keys of [`Control::set`].
-    pub const KEYS: &'static str = "units, decimal, peck_clearance, pecks, rotary_feed, feed_at, m.NUMBER, g.NUMBER";
+    pub const KEYS: &'static str =
+        "units, decimal, peck_clearance, pecks, rotary_feed, feed_at, turns, startup, m.NUMBER, g.NUMBER";
 
     /// Sets a value by its key, one of [`Control::KEYS`]: a word, or a number with its unit, a length for the clearance and a
     /// time for `m.NUMBER` and `g.NUMBER`, from 0 to 1e6 m or s.
@@ -210,6 +218,8 @@ impl Control {
             "pecks" => self.full_pecks = choice(["chip_breaking", "full"])? == 1,
             "rotary_feed" => self.rotary_feed_all_axes = choice(["linear_axes", "all_axes"])? == 1,
             "feed_at" => self.feed_at_contour = choice(["centre", "contour"])? == 1,
+            "turns" => self.turns = [b'L', b'P'][choice(["L", "P"])?],
+            "startup" => self.startup_b = choice(["A", "B"])? == 1,
             "peck_clearance" => self.peck_clearance = Some(1e3 * quantity("m")?),
             _ => {
                 let (table, number) = key.split_once('.').unwrap_or((key, ""));

@@ -34,7 +34,7 @@ impl ProgramError {
 
     /// The error of a program for `dialect` in which nothing moves.
     pub fn still(dialect: Dialect) -> Self {
-        Self::of_line(1, dialect, "the program moves no axis; check that it is the right file")
+        Self::of_line(1, dialect, "the program moves no axis and dwells nowhere; check that it is the right file")
     }
 
     /// A fault of a line, from 1, of the program itself.

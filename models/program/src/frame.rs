@@ -72,6 +72,12 @@ impl Frame {
         axes
     }
 
+    /// Whether a plane is seen from its other side, whatever the scales of its axes.
+    pub fn mirrors(&self, [u, v, _]: [usize; 3]) -> bool {
+        let m = &self.matrix;
+        m[u][u] * m[v][v] - m[u][v] * m[v][u] < 0.0
+    }
+
     /// Factor of lengths in a plane and whether it is mirrored; `None` where circles do not stay circles of the plane.
     pub fn plane(&self, [u, v, w]: [usize; 3]) -> Option<(f64, bool)> {
         let m = &self.matrix;
@@ -79,8 +85,7 @@ impl Frame {
         let kept = small(m[w][u]) && small(m[w][v]) && small(m[u][w]) && small(m[v][w]);
         let (a, b) = (m[u][u].hypot(m[v][u]), m[u][v].hypot(m[v][v]));
         let square = small(m[u][u] * m[u][v] + m[v][u] * m[v][v]);
-        let determinant = m[u][u] * m[v][v] - m[u][v] * m[v][u];
-        (kept && square && (a - b).abs() < 1e-9 * a).then_some((a, determinant < 0.0))
+        (kept && square && (a - b).abs() < 1e-9 * a).then_some((a, self.mirrors([u, v, w])))
     }
 }
 

@@ -142,7 +142,7 @@ impl Kernel {
             motion = next;
         }
         let Some(joint) = self.joint.take() else { return self.hand_on(motion) };
-        let surface = self.surface.filter(|_| self.lathe && self.feed_mode == FeedMode::Revolution);
+        let surface = self.surface.filter(|_| self.feed_mode == FeedMode::Revolution);
         let surface = surface.zip(self.feed).map(|(surface, feed)| [feed, surface, self.clamp]);
         let place = (self.line, self.main_line, self.depth);
         self.waiting = Some(PendingMotion { motion, joint, place, plane: self.plane, surface });

@@ -376,7 +376,7 @@ impl Kernel {
             FeedMode::Minute => 60.0 * length / feed,
             FeedMode::Inverse => 60.0 / feed,
             FeedMode::Revolution => {
-                if let Some(surface) = self.surface.filter(|_| self.lathe) {
+                if let Some(surface) = self.surface {
                     return surface_time(start, end, arc, length, feed, surface, self.clamp);
                 }
                 if self.speed <= 0.0 {
@@ -407,8 +407,8 @@ impl Kernel {
 
     /// Takes up a compensation of the radius, on the other side where the contour is mirrored.
     pub fn compensate(&mut self, offset: Offsetting) {
-        let mirrored = self.frame.plane(self.plane).is_some_and(|(_, mirrored)| mirrored);
-        self.offset = Some(offset.fed(self.control.feed_at_contour).mirrored(mirrored));
+        let mirrored = self.frame.mirrors(self.plane);
+        self.offset = Some(offset.fed(self.control.feed_at_contour).led(self.control.startup_b).mirrored(mirrored));
     }
 
     /// Ends the compensation of the radius with the motions that wait; the next motion leads away from the contour.

@@ -54,7 +54,9 @@ pub(crate) fn surface_time(
     if time.is_finite() {
         Ok(time)
     } else {
-        Err(Fault::new("constant surface speed up to the axis needs a greatest speed: write G50 S before"))
+        Err(Fault::new(
+            "constant surface speed up to the axis needs a greatest speed: write G50 S, or D of G96 on LinuxCNC, before",
+        ))
     }
 }
 

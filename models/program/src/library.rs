@@ -1,5 +1,6 @@
 //! Subprograms in files of their own.
 
+use crate::error::Fault;
 use std::path::PathBuf;
 use toolroom_pages::Source;
 
@@ -7,6 +8,21 @@ use toolroom_pages::Source;
 const LARGEST: u64 = 50_000_000;
 /// Greatest number of files that one program reads: a bound against programs without end (assumption).
 const FILES: usize = 1000;
+
+/// A name that two places of a text begin, with their lines.
+pub(crate) struct Twice(pub String, pub usize, pub usize);
+
+impl Twice {
+    /// Fails where there is one: which place a call means differs by control.
+    pub fn refuse(twice: Option<Self>, file: &str) -> Result<(), Fault> {
+        let Some(Self(name, first, second)) = twice else { return Ok(()) };
+        let within = if file.is_empty() { String::new() } else { format!(" of {file}") };
+        let message = format!(
+            "{name} stands in line {first} and again in line {second}{within}: controls keep one of a name; rename one of them"
+        );
+        Err(if file.is_empty() { Fault::new(message).in_line(second) } else { Fault::new(message) })
+    }
+}
 
 /// The folder beside a program.
 #[derive(Clone, Debug, Default)]

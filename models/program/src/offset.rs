@@ -34,6 +34,10 @@ pub(crate) struct Offsetting {
     at_once: bool,
     /// Whether F holds on the contour instead of the path of the cutter's centre.
     at_contour: bool,
+    /// Whether it begins and ends around an outer corner, instead of straight from and to the programmed path.
+    around: bool,
+    /// Where the last element ended on the contour, with its direction there.
+    last: Option<(Point, Point)>,
     /// The motion whose end waits for the next, with its centre path up to now.
     waiting: Option<(Motion, Event)>,
     /// What happens behind the waiting motion.
@@ -68,8 +72,9 @@ impl Offsetting {
         // A negative radius is one on the other side.
         let (left, radius) = if radius < 0.0 { (!left, -radius) } else { (left, radius) };
         let stage = Stage::Starting;
-        let (at_once, at_contour) = (false, false);
-        Self { left, radius, plane, corner, stage, at_once, at_contour, waiting: None, held: Vec::new(), lifts: 0 }
+        let (at_once, at_contour, around) = (false, false, false);
+        let (last, waiting, held) = (None, None, Vec::new());
+        Self { left, radius, plane, corner, stage, at_once, at_contour, around, last, waiting, held, lifts: 0 }
     }
 
     /// The same on the other side where `mirrored` says so.
@@ -80,6 +85,17 @@ impl Offsetting {
     /// The same with F on the contour where `at_contour` says so.
     pub fn fed(self, at_contour: bool) -> Self {
         Self { at_contour, ..self }
+    }
+
+    /// The same, begun and ended around an outer corner where `around` says so.
+    pub fn led(self, around: bool) -> Self {
+        Self { around, ..self }
+    }
+
+    /// Whether the path turns away from the cutter.
+    fn turns_outwards(&self, leaving: Point, entering: Point) -> bool {
+        let turn = cross(leaving, entering);
+        if self.left { turn < -SAME } else { turn > SAME }
     }
 
     /// Where the cutter stands behind the contour, beside the programmed place `start`; `None` before the contour ends.
@@ -153,7 +169,18 @@ impl Offsetting {
                 return Err(Fault::new("the compensation of the radius ends in an arc; end it in a straight motion"));
             }
             let end = self.pick(&motion.end);
-            return Ok(vec![Event { kind: EventKind::Motion(self.between(&motion, from, end)), ..place }]);
+            let mut out = Vec::new();
+            let mut from = from;
+            if let Some((corner, leaving)) = self.last.take().filter(|_| self.around) {
+                let (entering, _) = self.directions(&motion);
+                if self.turns_outwards(leaving, entering) {
+                    let start = along(corner, self.normal(entering), self.radius);
+                    self.outer(&mut out, &motion, (from, start), corner, (leaving, entering), place);
+                    from = start;
+                }
+            }
+            out.push(Event { kind: EventKind::Motion(self.between(&motion, from, end)), ..place });
+            return Ok(out);
         }
         let Some((before, before_place)) = self.waiting.take() else {
             if matches!(motion.path, Path::Arc(_)) {
@@ -172,10 +199,15 @@ impl Offsetting {
         let mut next = self.beside(&motion, before_place.line, place.line)?;
         if starting {
             self.stage = Stage::Running;
-            // The cutter comes to the point beside the beginning of the first element.
-            let first = self.between(&before, self.pick(&before.start), start);
+            // The cutter comes to the point beside the beginning of the first element, or first beside the end of its way there.
+            let around = self.around && self.turns_outwards(leaving, entering);
+            let to = if around { along(corner, self.normal(leaving), self.radius) } else { start };
+            let first = self.between(&before, self.pick(&before.start), to);
             out.push(Event { kind: EventKind::Motion(first), ..before_place });
-            self.release(&mut out, start);
+            self.release(&mut out, to);
+            if around {
+                self.outer(&mut out, &motion, (to, start), corner, (leaving, entering), place);
+            }
         } else {
             let end = along(corner, self.normal(leaving), self.radius);
             let turn = cross(leaving, entering);
@@ -382,6 +414,8 @@ impl Offsetting {
                 return Err(Fault::new("the compensation of the radius ends with the motion in which it begins"));
             }
             let end = self.pick(&motion.end);
+            let (_, leaving) = self.directions(&motion);
+            self.last = Some((along(end, self.normal(leaving), -self.radius), leaving));
             out.push(Event { kind: EventKind::Motion(motion), ..place });
             self.release(&mut out, end);
             self.stage = Stage::Leaving(end);

@@ -79,7 +79,7 @@ impl Run {
     /// [`ProgramError`] where the language is not clear, or the file cannot be read.
     pub fn new(text: impl Into<Source>, control: &Control) -> Result<Self, ProgramError> {
         let text = &text.into();
-        let unreadable = |dialect: Dialect, fault: Fault| ProgramError::of_line(1, dialect, fault.message);
+        let unreadable = |dialect: Dialect, fault: Fault| ProgramError::of_line(fault.line, dialect, fault.message);
         let (dialect, reason) = match control.dialect {
             Some(dialect) => (dialect, "as given".to_owned()),
             None => Detector::detect(text, control.extension.as_deref())

@@ -1,26 +1,18 @@
 //! Stock that is cut motion by motion.
 
-use crate::engaged::{Engaged, Place, Stock};
-use crate::load::{Load, Tool, wear_rate};
+use crate::engaged::{Engaged, Stock};
+use crate::front::{Place, Step};
+use crate::load::{Load, Tool};
 use crate::map::Map;
 use crate::swath::{Index, Swath};
 use std::f64::consts::{PI, TAU};
 use toolroom_contour::{Point, Section, Track};
 use toolroom_program::{Motion, Path};
 
-/// Difference between bound and samples that is not refined further, rad.
-const FINE: f64 = 0.5 * PI / 180.0;
-/// Sections of chips of one step differ by no more than this share.
-const ALIKE: f64 = 0.1;
-/// Half a step is no longer than this share of the cutter's radius.
-const LONGEST: f64 = 0.25;
-/// Steps are not halved below this share of the cutter's radius.
-const SHORTEST: f64 = 0.02;
 /// Share of the axial depth by which the floor may change within a piece of a ramp.
 const RAMP: f64 = 0.1;
-/// Rings of the end of a cutter that goes straight down, and of one on a ramp.
+/// Rings of the end of a cutter that goes straight down.
 const RINGS: u32 = 40;
-const RAMP_RINGS: u32 = 12;
 /// Pieces of a motion that is neither straight nor an arc in the plane XY.
 const PIECES: u32 = 64;
 /// Greatest number of pieces of a ramp (assumption).
@@ -33,14 +25,11 @@ pub(crate) enum Encounter<'a> {
     /// None engaged, but some within the margin.
     Near,
     /// Engaged at the bound, and at the samples.
-    Cut(&'a Engaged, &'a [Engaged; 3], &'a Tool),
+    Cut(&'a Engaged, [&'a Engaged; 3], &'a Tool),
 }
 
 /// Takes the shares of a motion between which a stretch lies, and what it meets; in order.
 pub(crate) type Look<'l> = dyn FnMut(f64, f64, Encounter<'_>) + 'l;
-
-/// A piece among those of its motion, with who looks: the way before it and the whole way, m.
-type PieceInMotion<'r, 'l> = (&'r mut Look<'l>, f64, f64);
 
 /// Distance, m, from material within which a way is not in air for those who look (assumption).
 pub(crate) const MARGIN: f64 = 1e-3;
@@ -106,8 +95,8 @@ pub(crate) struct Sums {
 
 impl Cut {
     /// Takes what is engaged on a step: at its samples, and at the bound.
-    pub(crate) fn take(&mut self, samples: &[Engaged; 3], bound: &Engaged) {
-        self.sampled = samples.iter().map(Engaged::angle).fold(self.sampled, f64::max);
+    pub(crate) fn take(&mut self, samples: [&Engaged; 3], bound: &Engaged) {
+        self.sampled = samples.into_iter().map(Engaged::angle).fold(self.sampled, f64::max);
         self.bound = self.bound.max(bound.angle());
         self.depth = self.depth.max(bound.depth());
     }
@@ -116,13 +105,13 @@ impl Cut {
 impl Sums {
     /// Adds a step of this length, m, from what is engaged at its ends and its middle, by Simpson's rule; `wear_rate` is the share of a
     /// life that a second uses.
-    pub(crate) fn take(&mut self, samples: &[Engaged; 3], step: f64, wear_rate: impl Fn(&Engaged) -> Option<f64>) {
+    pub(crate) fn take(&mut self, samples: [&Engaged; 3], step: f64, wear_rate: impl Fn(&Engaged) -> Option<f64>) {
         if samples.iter().all(|engaged| engaged.angle() == 0.0) {
             self.air += step;
         } else {
             self.way += step;
         }
-        for (engaged, share) in samples.iter().zip([1.0, 4.0, 1.0]) {
+        for (engaged, share) in samples.into_iter().zip([1.0, 4.0, 1.0]) {
             let weight = share * step / 6.0;
             let area = engaged.area();
             self.area += weight * area;
@@ -220,9 +209,9 @@ impl Cutting {
 
     /// Moves a tool; `speed` is that of the spindle, rad/s. A rapid motion clears what it meets, as any other.
     ///
-    /// The engaged angle of a step is measured at its ends and its middle, and bounded in between: every point of the rim is
-    /// taken to be deeper in material by the way that it moves from the middle. Steps are halved until both differ by less than
-    /// half a degree and the sections of the chips by less than a tenth, or to a fiftieth of the cutter's radius.
+    /// The engaged angle of a step is measured at its ends and its middle, and bounded in between: a point of the rim counts as in
+    /// material unless one swath holds it all along the step, which for convex ones its ends tell. Steps are halved until both differ by less
+    /// than half a degree and the sections of the chips by less than a tenth, or to a fiftieth of the cutter's radius.
     pub fn motion(&mut self, motion: &Motion, tool: &Tool, speed: f64) -> Cut {
         self.motion_seen(motion, tool, speed, None)
     }
@@ -298,7 +287,8 @@ impl Cutting {
         for ring in 0..rings {
             let reach = radius * (f64::from(ring) + 0.5) / f64::from(rings);
             for heading in [0.0, PI] {
-                let engaged = self.stock.engaged(around, None, &Place { centre, radius: reach, bottom, heading }, 0.0);
+                let engaged =
+                    self.stock.engaged(around, None, &Step::at(&Place { centre, radius: reach, bottom, heading }, 0.0));
                 let solid: f64 = engaged
                     .layers
                     .iter()
@@ -309,92 +299,6 @@ impl Cutting {
             }
         }
         (volume, depth)
-    }
-
-    fn piece(
-        &self,
-        piece: &Piece,
-        tool: &Tool,
-        (feed, speed): (f64, f64),
-        (cut, sums): (&mut Cut, &mut Sums),
-        mut among: Option<PieceInMotion<'_, '_>>,
-    ) {
-        let path = &piece.path;
-        let low = piece.from.min(piece.to);
-        let middle_height = 0.5 * (piece.from + piece.to);
-        // Greatest way of a rim point for a way of the centre.
-        let moves = 1.0 + tool.radius * path.curvature.abs();
-        // The newest motion comes back on itself only where it turns.
-        let turns = path.curvature != 0.0;
-        let engaged_at = |around: &[&Swath], way: f64, bottom: f64, slack: f64| -> Engaged {
-            let place = Place {
-                centre: path.at(way),
-                radius: tool.radius,
-                bottom,
-                heading: path.heading + path.curvature * way,
-            };
-            let behind = || Track::new(Section { length: way, ..*path });
-            let swath = (turns && way > 0.0).then(|| Swath { track: behind(), radius: tool.radius, floor: low });
-            self.stock.engaged(around, swath.as_ref(), &place, slack)
-        };
-        // On a ramp the end of the cutter takes off what its rim has not: all that stands in its way at the start of a piece.
-        // What is counted as removed is what counts as gone, down to the floor of the piece.
-        let floor = piece.from.max(piece.to);
-        let ramp = piece.from != piece.to;
-        if ramp && floor < self.stock.top {
-            let around = self.index.near(path.start, tool.radius);
-            cut.removed += self.disc(&around, path.start, tool.radius, floor, RAMP_RINGS).0;
-        }
-        let mut open = vec![(0.0, path.length)];
-        while let Some((from, to)) = open.pop() {
-            let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-            // Everything that the step can touch is looked up once; its ends lie no farther than half of it from the middle.
-            let around = self.index.near(path.at(middle), tool.radius + half);
-            let bound = engaged_at(&around, middle, low, half * moves);
-            if bound.layers.is_empty() {
-                if let Some((look, before, length)) = &mut among {
-                    let near = !engaged_at(&around, middle, low, half * moves + MARGIN).layers.is_empty();
-                    if near && half > 0.5 * MARGIN {
-                        open.extend([(middle, to), (from, middle)]);
-                        continue;
-                    }
-                    let share = |way: f64| (*before + way) / *length;
-                    look(share(from), share(to), if near { Encounter::Near } else { Encounter::Air });
-                }
-                sums.air += to - from;
-                continue;
-            }
-            if half * moves > LONGEST * tool.radius {
-                open.extend([(middle, to), (from, middle)]);
-                continue;
-            }
-            let samples = [from, middle, to].map(|way| engaged_at(&around, way, middle_height, 0.0));
-            let sampled = samples.iter().map(Engaged::angle).fold(0.0, f64::max);
-            let [first, second, third] = samples.each_ref().map(Engaged::area);
-            let [most, least] = [first.max(second).max(third), first.min(second).min(third)];
-            // The angle needs its bound close; volume and air need sections of chips that are alike, and near each other.
-            let coarse = bound.angle() - sampled > FINE || most - least > ALIKE * most;
-            if coarse && half * moves > SHORTEST * tool.radius {
-                open.extend([(middle, to), (from, middle)]);
-                continue;
-            }
-            if let Some((look, before, length)) = &mut among {
-                let share = |way: f64| (*before + way) / *length;
-                look(share(from), share(to), Encounter::Cut(&bound, &samples, tool));
-            }
-            cut.take(&samples, &bound);
-            // Simpson's rule over the step.
-            let [first, second, third] = if ramp {
-                [from, middle, to].map(|way| engaged_at(&around, way, floor, 0.0).area())
-            } else {
-                [first, second, third]
-            };
-            cut.removed += (to - from) * (first + 4.0 * second + third) / 6.0;
-            sums.take(&samples, to - from, |engaged| wear_rate(engaged, tool, feed, speed));
-            if let Some(load) = Load::most(&bound, &samples, tool, feed, speed) {
-                cut.load = Some(cut.load.map_or(load, |before| before.max(load)));
-            }
-        }
     }
 }
 

@@ -1,10 +1,11 @@
 //! The engaged part of the rim at one position.
 
+use crate::front::{Front, Step};
 use crate::profile::Profile;
 use crate::swath::Swath;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
-use toolroom_contour::{Point, Rim, Track};
+use toolroom_contour::Point;
 
 /// Outline of a stock seen along Z.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,15 +50,8 @@ pub(crate) struct Engaged {
 
 /// Layers beyond which floors are joined, each to the next higher one: never less material (assumption).
 const LAYERS: usize = 64;
-/// Depth, m, up to which a point on the boundary of a swath counts as in material: the rim begins a motion on the end of
-/// the last one. Rounding is less.
-const TOUCH: f64 = 1e-12;
 /// Difference of heights, m, that is none.
 const LEVEL: f64 = 1e-9;
-/// Angle, rad, below which nothing lies between two crossings: rounding.
-const LEAST: f64 = 1e-13;
-/// Angle, rad, below which a rim only touches: less than a hundredth of a degree.
-const GRAZE: f64 = 1e-4;
 
 impl Stock {
     /// Volume, m³.
@@ -82,176 +76,80 @@ impl Stock {
         }
     }
 
-    fn crossings(&self, rim: &Rim, slack: f64, angles: &mut Vec<f64>) {
+    /// Takes out of a front where it lies outside of the outline.
+    fn clear_outside(&self, front: &mut Front<'_>) {
         match &self.outline {
             &Outline::Box(low, high) => {
-                for (point, heading) in [(low, 0.0), (low, FRAC_PI_2), (high, 0.0), (high, FRAC_PI_2)] {
-                    let outwards = if point == low { -slack } else { slack };
-                    let grown = Point { x: point.x + outwards, y: point.y + outwards };
-                    rim.line(grown, heading, angles);
-                }
+                front.clear_beyond((low, FRAC_PI_2), |point| low.x - point.x);
+                front.clear_beyond((low, 0.0), |point| low.y - point.y);
+                front.clear_beyond((high, FRAC_PI_2), |point| point.x - high.x);
+                front.clear_beyond((high, 0.0), |point| point.y - high.y);
             }
-            Outline::Circle(centre, radius) => rim.circle(*centre, radius + slack, angles),
-            Outline::Profile(profile) => profile.crossings(rim, slack, angles),
+            Outline::Circle(centre, radius) => front.clear_outside_circle(*centre, *radius),
+            Outline::Profile(profile) => front.clear_around(
+                |rim, slack, angles| profile.crossings(rim, slack, angles),
+                |point, slack| !profile.holds(point, slack),
+            ),
         }
     }
 
-    /// What of a cutter at `centre`, of `radius`, whose end is at the height `bottom` and that moves along `heading`, is in
-    /// material that the swaths `around` it, the lowest first, and its own have left. Every point of the rim is taken to be deeper in material by
-    /// `slack`.
+    /// What of a cutter is in material that the swaths `around` it, the lowest first, and its own have left: at a place, or anywhere on a
+    /// step.
     ///
     /// A swath takes its angles from what is still in material, the lowest swaths first: a layer higher up has nothing in
     /// material that the one below it has not. So each swath is looked at once, and only near what is left.
-    pub(crate) fn engaged(&self, around: &[&Swath], swath: Option<&Swath>, place: &Place, slack: f64) -> Engaged {
-        let &Place { centre, radius, bottom, heading } = place;
-        let low = bottom.max(self.base);
+    pub(crate) fn engaged(&self, around: &[&Swath], own: Option<&Swath>, step: &Step) -> Engaged {
+        let low = step.bottom.max(self.base);
         if low >= self.top {
             return Engaged::default();
         }
-        let reaches = |swath: &&Swath| swath.floor < self.top && swath.track.reaches(centre, swath.radius + radius);
-        let mut swaths: Vec<&Swath> = around.iter().copied().filter(reaches).collect();
-        if let Some(latest) = swath.filter(|latest| latest.floor < self.top) {
-            let place = swaths.partition_point(|swath| swath.floor < latest.floor);
-            swaths.insert(place, latest);
+        let mut front = Front::new(step);
+        self.clear_outside(&mut front);
+        let own_place = own.map_or(around.len(), |own| around.partition_point(|swath| swath.floor < own.floor));
+        let (lower, higher) = around.split_at(own_place);
+        let all = lower.iter().copied().chain(own).chain(higher.iter().copied());
+        let mut rest = all.take_while(|swath| swath.floor < self.top).peekable();
+        while !front.is_clear() {
+            let Some(swath) = rest.next_if(|swath| swath.floor <= low + LEVEL) else { break };
+            front.clear(swath);
         }
-        let mut floors: Vec<f64> =
-            swaths.iter().map(|swath| swath.floor).filter(|floor| *floor > low + LEVEL).chain([self.top]).collect();
-        floors.dedup_by(|a, b| *a - *b < LEVEL);
-        while floors.len() > LAYERS {
-            // The thinnest layer takes the floor above it.
-            let thin = (0..floors.len() - 1)
-                .min_by(|a, b| (floors[a + 1] - floors[*a]).total_cmp(&(floors[b + 1] - floors[*b])));
-            floors.remove(thin.unwrap_or(0));
+        let mut angles = front.angles();
+        if angles.is_empty() {
+            // Nor is there anything higher up.
+            return Engaged::default();
         }
-        let mut front = Front::new(Rim { centre, radius }, heading);
-        front.take(|rim, angles| self.crossings(rim, slack, angles), |point| !self.holds(point, slack));
-        let mut layers = Vec::with_capacity(floors.len());
+        let mut count = 0;
+        let mut last = low;
+        for swath in rest.clone().filter(|swath| swath.floor > low + LEVEL) {
+            count += usize::from(swath.floor - last >= LEVEL);
+            last = swath.floor;
+        }
+        let thin = if count > LAYERS { (self.top - low) / LAYERS as f64 } else { 0.0 };
+        let mut layers = Vec::new();
         let mut from = low;
-        let mut rest = swaths.into_iter().peekable();
-        for floor in floors {
-            while let Some(swath) = rest.next_if(|swath| swath.floor <= from + LEVEL) {
-                let reach = swath.radius - slack - TOUCH;
-                if reach > 0.0 {
-                    front.clear(&swath.track, reach);
+        while !front.is_clear() {
+            // Floors that are too near to the last one are joined to the next one.
+            let Some(level) = rest.clone().map(|swath| swath.floor).find(|floor| *floor >= from + thin) else { break };
+            let mut changed = false;
+            while let Some(swath) = rest.next_if(|swath| swath.floor <= level + LEVEL) {
+                changed |= front.clear(swath);
+            }
+            // A layer begins only where something has been cleared above it.
+            if changed {
+                let above = front.angles();
+                if above != angles {
+                    let angles = std::mem::replace(&mut angles, above);
+                    layers.push(Layer { height: level - from, radius: step.radius(), slope: 1.0, angles });
+                    from = level;
+                }
+                if angles.is_empty() {
+                    return Engaged { layers };
                 }
             }
-            let angles = front.angles();
-            if angles.is_empty() {
-                // Nor is there anything higher up.
-                break;
-            }
-            layers.push(Layer { height: floor - from, radius, slope: 1.0, angles });
-            from = floor;
         }
+        layers.push(Layer { height: self.top - from, radius: step.radius(), slope: 1.0, angles });
         Engaged { layers }
     }
-}
-
-/// What of the front half of a rim is in material.
-struct Front {
-    rim: Rim,
-    /// Angle at which the front half begins, rad.
-    begin: f64,
-    parts: Vec<Part>,
-    angles: Vec<f64>,
-}
-
-/// A part of the rim in material.
-#[derive(Clone, Copy, Debug)]
-struct Part {
-    /// From the begin of the front half, rad.
-    from: f64,
-    to: f64,
-    /// Its middle.
-    middle: Point,
-    /// Greatest distance of its points from the middle, m.
-    reach: f64,
-}
-
-impl Front {
-    fn new(rim: Rim, heading: f64) -> Self {
-        let mut front =
-            Self { rim, begin: heading - FRAC_PI_2, parts: Vec::with_capacity(4), angles: Vec::with_capacity(16) };
-        front.parts.push(front.arc(0.0, PI));
-        front
-    }
-
-    fn arc(&self, start: f64, end: f64) -> Part {
-        let reach = 2.0 * self.rim.radius * (0.25 * (end - start)).sin();
-        Part { from: start, to: end, middle: self.rim.at(self.begin + 0.5 * (start + end)), reach }
-    }
-
-    /// Takes the region within `reach` of a track out.
-    fn clear(&mut self, track: &Track, reach: f64) {
-        let mut crossed = false;
-        self.parts.retain(|arc| {
-            let distance = track.distance(arc.middle);
-            if distance + arc.reach < reach {
-                return false;
-            }
-            crossed |= distance - arc.reach < reach;
-            true
-        });
-        if crossed {
-            self.take(|rim, angles| rim.crossings(track, reach, angles), |point| track.reaches(point, reach));
-        }
-    }
-
-    /// Takes out where `is_free` holds, which changes only at the angles that `crossings` gives.
-    fn take(&mut self, crossings: impl FnOnce(&Rim, &mut Vec<f64>), is_free: impl Fn(Point) -> bool) {
-        let mut angles = std::mem::take(&mut self.angles);
-        angles.clear();
-        crossings(&self.rim, &mut angles);
-        for angle in &mut angles {
-            *angle = (*angle - self.begin).rem_euclid(TAU);
-        }
-        angles.retain(|angle| *angle < PI);
-        angles.sort_by(f64::total_cmp);
-        let mut left: Vec<Part> = Vec::with_capacity(self.parts.len() + 2);
-        for arc in &self.parts {
-            let inner = angles.iter().copied().filter(|angle| *angle > arc.from && *angle < arc.to);
-            let (mut from, mut kept): (f64, Option<(f64, f64)>) = (arc.from, None);
-            for to in inner.chain([arc.to]) {
-                if to - from <= LEAST {
-                    continue;
-                }
-                if !is_free(self.rim.at(self.begin + 0.5 * (from + to))) {
-                    kept = match kept {
-                        Some((start, end)) if from - end < LEAST => Some((start, to)),
-                        before => {
-                            left.extend(before.map(|(start, end)| self.arc(start, end)));
-                            Some((from, to))
-                        }
-                    };
-                }
-                from = to;
-            }
-            match kept {
-                Some((start, end)) if start == arc.from && end == arc.to => left.push(*arc),
-                kept => left.extend(kept.map(|(start, end)| self.arc(start, end))),
-            }
-        }
-        self.parts = left;
-        self.angles = angles;
-    }
-
-    /// Start and end of each part, rad from the direction of travel.
-    fn angles(&self) -> Vec<(f64, f64)> {
-        let parts = self.parts.iter().filter(|arc| arc.to - arc.from > GRAZE);
-        parts.map(|arc| (arc.from - FRAC_PI_2, arc.to - FRAC_PI_2)).collect()
-    }
-}
-
-/// A cutter on its way.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
-    pub centre: Point,
-    /// m.
-    pub radius: f64,
-    /// Height of its end, m.
-    pub bottom: f64,
-    /// rad.
-    pub heading: f64,
 }
 
 impl Engaged {

@@ -1,7 +1,7 @@
 //! The holder of a tool above material.
 
 use crate::cutting::{Cutting, Piece};
-use crate::engaged::Place;
+use crate::front::{Place, Step};
 use std::f64::consts::PI;
 use toolroom_contour::Point;
 
@@ -48,7 +48,7 @@ impl Cutting {
                 let heading = path.heading + path.curvature * way;
                 [heading, heading + PI].into_iter().any(|heading| {
                     let place = Place { centre: path.at(way), radius: holder.radius, bottom, heading };
-                    !self.stock().engaged(&around, None, &place, slack).layers.is_empty()
+                    !self.stock().engaged(&around, None, &Step::at(&place, slack)).layers.is_empty()
                 })
             };
             if !meets(middle, half * moves) {

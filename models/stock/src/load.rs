@@ -109,8 +109,8 @@ impl Load {
 
     /// The greatest load of a stretch, at its bound and at its samples: power grows with the engagement, but the force across the path
     /// of a cutter whose chips become thicker falls with it where the tangential force outweighs the radial one.
-    pub(crate) fn most(bound: &Engaged, samples: &[Engaged], tool: &Tool, feed: f64, speed: f64) -> Option<Self> {
-        samples.iter().chain([bound]).filter_map(|engaged| Self::of(engaged, tool, feed, speed)).reduce(Self::max)
+    pub(crate) fn most(bound: &Engaged, samples: [&Engaged; 3], tool: &Tool, feed: f64, speed: f64) -> Option<Self> {
+        samples.into_iter().chain([bound]).filter_map(|engaged| Self::of(engaged, tool, feed, speed)).reduce(Self::max)
     }
 
     /// The load of a clockwise cutter that feeds `feed` m/s at `speed` rad/s, from its [`forces`]. `None` where the forces of the tool are not known or the spindle stands.

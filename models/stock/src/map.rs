@@ -1,7 +1,8 @@
 //! Stock as heights over a grid, for cutters whose end is not flat.
 
 use crate::end::End;
-use crate::engaged::{Engaged, Layer, Outline, Place, Stock};
+use crate::engaged::{Engaged, Layer, Outline, Stock};
+use crate::front::Place;
 use crate::load::Tool;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
 use toolroom_contour::Point;

@@ -1,7 +1,8 @@
 //! Motions through a stock of heights over a grid.
 
 use crate::cutting::{Cut, Encounter, Look, MARGIN, Sums};
-use crate::engaged::{Engaged, Place};
+use crate::engaged::Engaged;
+use crate::front::Place;
 use crate::load::{Load, Tool, wear_rate};
 use crate::map::Map;
 use std::f64::consts::PI;
@@ -66,8 +67,8 @@ impl Map {
                 let (centre, tip) = at(to);
                 cut.holder |= self.over(centre, holder.radius, tip + holder.overhang) > 0.0;
             }
-            let samples = [begin, halfway, end];
-            let depth = samples.iter().map(Engaged::depth).fold(0.0, f64::max);
+            let samples = [&begin, &halfway, &end];
+            let depth = samples.into_iter().map(Engaged::depth).fold(0.0, f64::max);
             if gone <= WIDTH * self.cell() * depth * step || bound.layers.is_empty() {
                 sums.air += step;
                 if let Some(look) = &mut look {
@@ -77,11 +78,11 @@ impl Map {
                 continue;
             }
             if let Some(look) = &mut look {
-                look(from, to, Encounter::Cut(&bound, &samples, tool));
+                look(from, to, Encounter::Cut(&bound, samples, tool));
             }
-            cut.take(&samples, &bound);
-            sums.take(&samples, step, |engaged| wear_rate(engaged, tool, feed, speed));
-            if let Some(load) = Load::most(&bound, &samples, tool, feed, speed) {
+            cut.take(samples, &bound);
+            sums.take(samples, step, |engaged| wear_rate(engaged, tool, feed, speed));
+            if let Some(load) = Load::most(&bound, samples, tool, feed, speed) {
                 cut.load = Some(cut.load.map_or(load, |before| before.max(load)));
             }
         }

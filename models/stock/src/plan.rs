@@ -8,8 +8,10 @@ use speeds::{Commands, rpm};
 use std::collections::BTreeMap;
 use toolroom_program::{Action, Arc, Control, EventKind, Motion, Path, Purpose, Run, Source};
 
+mod kept;
 mod speeds;
 
+pub use kept::AsProgrammed;
 pub use speeds::SpeedChange;
 
 toolroom_form::vocabulary! {
@@ -43,28 +45,6 @@ pub struct LimitUse {
     pub planned: (f64, usize),
     /// Time for which it binds, s, without accelerations.
     pub binds: f64,
-}
-
-/// Why motions at feed keep the feed of the program.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum AsProgrammed {
-    /// Straight down, threads, canned cycles, rotary axes: their forces are not modelled.
-    Motion,
-    /// The spindle stands or turns counterclockwise.
-    Spindle,
-    /// The tool has no parameter set: its feed is never raised in material.
-    Tool,
-}
-
-impl AsProgrammed {
-    /// In words.
-    pub fn reason(self) -> &'static str {
-        match self {
-            Self::Motion => "straight down, canned cycles, threads or rotary axes",
-            Self::Spindle => "the spindle does not turn clockwise",
-            Self::Tool => "the tool has no parameter set, so it is not made faster in material",
-        }
-    }
 }
 
 /// Feeds of a program inside limits.
@@ -137,12 +117,13 @@ struct Open {
 const LEAST_BLOCK: (f64, f64) = (0.5e-3, 0.02);
 /// A division of a motion has to save this time, s (assumption).
 const SAVES: f64 = 0.01;
-/// Motions with those that were divided over motions, at most.
-const BLOCKS: f64 = 3.0;
 /// Feed in air where nothing limits it, m/s: 5 m/min (assumption).
 const AIR: f64 = 5.0 / 60.0;
 
 impl FeedPlan {
+    /// Motions with those that were divided over motions, at most, where nothing else is said.
+    pub const BLOCKS: f64 = 3.0;
+
     /// Plans the feeds of a program through the stock of a setup, and with `speeds` the spindle speeds as well. Without an objective
     /// nothing is planned, and only the use of the limits at the programmed feeds is worked out. `names` are the limits that count, all
     /// where there is none.
@@ -160,6 +141,20 @@ impl FeedPlan {
         control: &Control,
         setup: &Setup,
         (objective, speeds): (Option<FeedObjective>, bool),
+        names: &[FeedLimit],
+    ) -> Result<Self, FollowError> {
+        Self::divided(text, control, setup, (objective, speeds, Self::BLOCKS), names)
+    }
+
+    /// [`new`](Self::new), with at most `blocks` times as many motions as the program has, of at least 1.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn divided(
+        text: impl Into<Source>,
+        control: &Control,
+        setup: &Setup,
+        (objective, speeds, blocks): (Option<FeedObjective>, bool, f64),
         names: &[FeedLimit],
     ) -> Result<Self, FollowError> {
         let mut limits: BTreeMap<u32, FeedLimits> =
@@ -189,7 +184,7 @@ impl FeedPlan {
                     AtWork { tool: &setup.tools[&motion.tool], limits: &limits[&motion.tool], speed: motion.speed };
                 trial.take(motion, &at_work, objective, saves);
             }
-            let most = BLOCKS * trial.motions_before as f64;
+            let most = blocks.max(1.0) * trial.motions_before as f64;
             if trial.motions_planned as f64 <= most || saves > 1e6 {
                 return Ok(trial);
             }
@@ -364,7 +359,7 @@ fn way(seen: Encounter<'_>) -> Way {
         Encounter::Air => Way::Air,
         Encounter::Near => Way::Near,
         Encounter::Cut(bound, samples, tool) => {
-            let samples = samples.each_ref().map(|engaged| Demand::from_engaged(engaged, tool));
+            let samples = samples.map(|engaged| Demand::from_engaged(engaged, tool));
             Way::Cut([Demand::from_engaged(bound, tool), Demand::heaviest(&samples)])
         }
     }

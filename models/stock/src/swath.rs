@@ -1,7 +1,7 @@
 //! What the cutter has run over, found by its place.
 
+use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::collections::{BTreeMap, HashMap};
 use toolroom_contour::{Point, Section, Track};
 
 /// A region around a path, cleared down to a floor.
@@ -18,7 +18,7 @@ pub(crate) struct Swath {
 #[derive(Clone, Debug)]
 pub(crate) struct Index {
     swaths: Vec<Swath>,
-    squares: BTreeMap<(i64, i64), Vec<u32>>,
+    squares: HashMap<(i64, i64), Vec<u32>>,
     /// The swath of each path that has been run, whichever way round.
     paths: HashMap<[i64; 6], u32>,
     /// Side of a square, m.
@@ -60,7 +60,7 @@ fn key(swath: &Swath) -> [i64; 6] {
 impl Index {
     /// Without swaths, for cutters of about this radius, m.
     pub fn new(radius: f64) -> Self {
-        Self { swaths: Vec::new(), squares: BTreeMap::new(), paths: HashMap::new(), side: 2.0 * radius.max(1e-4) }
+        Self { swaths: Vec::new(), squares: HashMap::new(), paths: HashMap::new(), side: 2.0 * radius.max(1e-4) }
     }
 
     fn square(&self, point: Point) -> (i64, i64) {
@@ -96,21 +96,35 @@ impl Index {
 
     /// Swaths that reach within `radius` of a point, the lowest first.
     pub fn near(&self, centre: Point, radius: f64) -> Vec<&Swath> {
-        let (from, to) = (
-            self.square(Point { x: centre.x - radius, y: centre.y - radius }),
-            self.square(Point { x: centre.x + radius, y: centre.y + radius }),
-        );
-        let mut found: Vec<u32> = Vec::new();
+        let corner = |away: f64| Point { x: centre.x + away, y: centre.y + away };
+        self.within((corner(-radius), corner(radius)), centre, radius)
+    }
+
+    /// Swaths that may reach within `radius` of a path, the lowest first.
+    pub fn along(&self, path: &Section, radius: f64) -> Vec<&Swath> {
+        let half = 0.5 * path.length;
+        self.within(around(path, radius), path.at(half), radius + half)
+    }
+
+    fn within(&self, (low, high): (Point, Point), centre: Point, radius: f64) -> Vec<&Swath> {
+        let (from, to) = (self.square(low), self.square(high));
+        // A bit of each swath: most lie in many squares.
+        let mut seen = vec![0u64; self.swaths.len().div_ceil(64)];
+        let mut near: Vec<(f64, u32)> = Vec::new();
         for x in from.0..=to.0 {
             for y in from.1..=to.1 {
-                found.extend(self.squares.get(&(x, y)).into_iter().flatten());
+                for number in self.squares.get(&(x, y)).into_iter().flatten() {
+                    let (word, bit) = (&mut seen[*number as usize / 64], 1u64 << (number % 64));
+                    let swath = &self.swaths[*number as usize];
+                    if *word & bit == 0 && swath.track.reaches(centre, swath.radius + radius) {
+                        near.push((swath.floor, *number));
+                    }
+                    *word |= bit;
+                }
             }
         }
-        found.sort_unstable();
-        found.dedup();
-        let swaths = found.into_iter().map(|number| &self.swaths[number as usize]);
-        let mut near: Vec<&Swath> = swaths.filter(|swath| swath.track.reaches(centre, swath.radius + radius)).collect();
-        near.sort_by(|a, b| a.floor.total_cmp(&b.floor));
-        near
+        // Of one floor the latest first: it is the likeliest to have cleared what is in front of the cutter.
+        near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        near.into_iter().map(|(_, number)| &self.swaths[number as usize]).collect()
     }
 }

@@ -61,6 +61,28 @@ fn an_inner_corner_engages_a_right_angle_more() {
     }
 }
 
+/// What lies within two contours is a hole.
+#[test]
+fn a_drawn_stock_has_holes() {
+    let circle = |radius: f64| {
+        let mut trace = Trace::new(Point { x: radius, y: 0.0 }, 0.5 * PI);
+        trace.arc(radius, 2.0 * PI).expect("a circle");
+        trace.outline().expect("an outline")
+    };
+    let ring = Profile::new(&[circle(0.03), circle(0.02)].concat(), 0.0);
+    assert!((ring.area() / (PI * 5e-4) - 1.0).abs() < 1e-3, "{}", ring.area());
+    assert!(ring.distance(Point { x: 0.025, y: 0.0 }) < 0.0 && ring.distance(Point::default()) > 0.0);
+    let stock = Stock { outline: Outline::Profile(Arc::new(ring)), ..block(0.06, 0.04) };
+    // Along X through the middle of the ring: two walls of 10 mm for a slot of 8 mm.
+    let (cuts, _) = run("G0 X-50 Y0 Z-2\nG1 X50 F500\n", stock, 4e-3);
+    let cut = &cuts[0];
+    let slot = |half: f64| half * (0.03f64.powi(2) - half * half).sqrt() + 9e-4 * (half / 0.03).asin();
+    let hole = |half: f64| half * (0.02f64.powi(2) - half * half).sqrt() + 4e-4 * (half / 0.02).asin();
+    let volume = 2e-3 * 2.0 * (slot(4e-3) - hole(4e-3));
+    assert!((cut.removed / volume - 1.0).abs() < 1e-3, "{} {volume}", cut.removed);
+    assert!(cut.air > 0.7 && cut.sampled > 3.1, "{cut:?}");
+}
+
 /// A box drawn by four lines is cut as the box, and grown by an offset its corners are round.
 #[test]
 fn a_drawn_stock_is_cut_as_what_it_draws() {
@@ -78,7 +100,9 @@ fn a_drawn_stock_is_cut_as_what_it_draws() {
     let (of_lines, _) = run(text, drawn(0.0), 4e-3);
     for (one, other) in of_box.iter().zip(&of_lines) {
         assert!((one.sampled - other.sampled).abs() < 1e-9, "{one:?} {other:?}");
-        assert!((one.removed - other.removed).abs() < 1e-6 * one.removed + 1e-15, "{one:?} {other:?}");
+        // Between samples less is known of an outline than of a box, so its steps are finer: the volumes differ by what Simpson's rule
+        // leaves of both.
+        assert!((one.removed - other.removed).abs() < 1e-4 * one.removed + 1e-15, "{one:?} {other:?}");
     }
     // Along the side of the grown stock the same shoulder lies farther out.
     let shoulder = |y: f64, stock: Stock| run(&format!("G0 X20 Y{y} Z-5\nG1 X40 F500\n"), stock, 5e-3).0[0].sampled;

@@ -25,6 +25,7 @@
 //! ```
 
 mod events;
+mod figures;
 mod keys;
 mod plateau;
 mod run_table;

@@ -1,5 +1,6 @@
 //! Runs of programs, timed stretch by stretch.
 
+use super::figures::{Figures, figures};
 use super::plateau::{changes, plateau};
 use super::runs::Run;
 use crate::{RecordKind, Records};
@@ -51,6 +52,17 @@ pub fn stretches(runs: &[&Run], program: &Program, least: f64, rapid_speed: f64)
     let blocks = |of: &dyn Fn(&Stretch) -> usize| rows.iter().map(|(_, i, _)| line(of(&parts[*i]))).collect();
     records.set_numbers("first_block", blocks(&|part| part.blocks.start));
     records.set_numbers("last_block", blocks(&|part| part.blocks.end - 1));
+    let of_parts = figures(program, &parts);
+    let mut number = |name: &str, of: fn(&Figures) -> f64| {
+        records.set_numbers(name, rows.iter().map(|(_, i, _)| of(&of_parts[*i])).collect());
+    };
+    number("spindle_from", |figures| figures.spindle[0]);
+    number("spindle_to", |figures| figures.spindle[1]);
+    number("stops", |figures| figures.stops);
+    number("rapid_length", |figures| figures.rapid_length);
+    number("corner_sum", |figures| figures.corner_sum);
+    number("shortest_block", |figures| figures.shortest_block);
+    number("waits", |figures| figures.waits);
     (records, untimed)
 }
 

@@ -26,6 +26,9 @@ use tags::{Entity, drawing, fault};
 
 /// Greatest distance of ends that are one point where no other is given, m.
 pub(crate) const JOIN: f64 = 1e-6;
+/// Where ends within [`JOIN`] make no closed contour, those within this distance are one point as well, m: coordinates with four decimals of
+/// an inch put ends up to 3.6 um apart.
+const ROUNDED: f64 = 5e-6;
 
 /// Joins elements end to end, ends within `join`, m, being one point; each chain with whether it is closed.
 fn chains(mut left: Vec<Element>, join: f64) -> Result<Vec<(Vec<Element>, bool)>, FileError> {
@@ -94,7 +97,8 @@ pub fn read(
     Ok(read_placed(text, (layer, unit, JOIN), Some(side), closed)?.0.0)
 }
 
-/// Reads the one closed outline of a layer, along which no cutter runs, as [`read`] reads a contour.
+/// Reads the closed outlines of a layer, along which no cutter runs, as [`read`] reads a contour: what lies within an odd number of them
+/// is enclosed, so that contours within another one are its holes.
 ///
 /// # Errors
 /// As [`read`].
@@ -106,11 +110,22 @@ pub fn read(
 /// assert!((outline.iter().map(|section| section.length).sum::<f64>() - 0.04 * std::f64::consts::PI).abs() < 1e-9);
 /// ```
 pub fn read_outline(text: &str, layer: Option<&str>, unit: Option<f64>) -> Result<Vec<Section>, FileError> {
-    let Traced { trace, lines, first, .. } = traced(text, (layer, unit, JOIN))?;
-    trace.outline().map_err(|fault| {
-        let line = lines.last().copied().unwrap_or(first);
-        FileError { line, column: 1, fault: Box::new(fault) }
-    })
+    let of = (layer, unit, JOIN);
+    let list = drawn(text, of)?;
+    if list.len() > 1 && list.iter().any(|(_, closed)| !closed) {
+        return Err(several(&list));
+    }
+    let mut sections = Vec::new();
+    for (chain, closed) in list {
+        let first = chain[0].line;
+        let Traced { trace, lines, .. } = traced(chain, closed)?;
+        let outline = trace.outline().map_err(|fault| {
+            let line = lines.last().copied().unwrap_or(first);
+            FileError { line, column: 1, fault: Box::new(fault) }
+        })?;
+        sections.extend(outline);
+    }
+    Ok(sections)
 }
 
 /// A contour as it was drawn.
@@ -120,8 +135,6 @@ struct Traced {
     lines: Vec<usize>,
     /// Whether it draws a curve that is no arc.
     curves: Vec<bool>,
-    /// Line of the first element.
-    first: usize,
     /// How far the curves stray from their arcs, m.
     residual: f64,
 }
@@ -134,7 +147,10 @@ pub(crate) fn read_placed(
     side: Option<CutterSide>,
     closed: bool,
 ) -> Result<(Placed, f64), FileError> {
-    let Traced { trace, lines, curves, first, residual } = traced(text, of)?;
+    let list = drawn(text, of)?;
+    let [(chain, is_closed)] = &list[..] else { return Err(several(&list)) };
+    let first = chain[0].line;
+    let Traced { trace, lines, curves, residual } = traced(chain.clone(), *is_closed)?;
     let side =
         side.ok_or_else(|| fault(first, "a drawing does not say where the cutter runs: give cutter_side in the file"))?;
     let mut contour = trace.finish(side, closed).map_err(|fault| {
@@ -145,8 +161,11 @@ pub(crate) fn read_placed(
     Ok(((contour, lines.into_iter().map(|line| (line, 1)).collect()), residual))
 }
 
-/// The one contour of a layer, with a unit and the distance of ends that are one point, m.
-fn traced(text: &str, (layer, unit, join): (Option<&str>, Option<f64>, f64)) -> Result<Traced, FileError> {
+/// The contours of a layer, with a unit and the distance of ends that are one point, m: each with whether it is closed.
+fn drawn(
+    text: &str,
+    (layer, unit, join): (Option<&str>, Option<f64>, f64),
+) -> Result<Vec<(Vec<Element>, bool)>, FileError> {
     let drawing = drawing(text)?;
     let entities = &drawing.entities;
     let first = entities.first().map_or(1, |entity| entity.line);
@@ -162,27 +181,37 @@ fn traced(text: &str, (layer, unit, join): (Option<&str>, Option<f64>, f64)) -> 
         known.dedup();
         return Err(fault(first, format!("nothing is drawn on layer {layer}; there are {}", known.join(", "))));
     }
-    let list = chains(elements(&drawing, layer, unit)?, join.max(JOIN))?;
-    let [(chain, is_closed)] = &list[..] else {
-        if list.is_empty() {
-            return Err(fault(first, "the drawing has no lines, arcs or other curves on this layer"));
-        }
-        let contour = |(chain, closed): &(Vec<Element>, bool)| {
-            let ends = chain[0].start.distance(chain[chain.len() - 1].end);
-            let ends =
-                if *closed { "closed".to_owned() } else { format!("open, {:.4} mm between its ends", ends * 1e3) };
-            format!("line {} ({} elements, {ends})", chain[0].line, chain.len())
-        };
-        let named: Vec<String> = list.iter().take(10).map(contour).collect();
-        let message = format!(
-            "{} contours are drawn, at {}; name the layer of one, or say with --join which ends are one point",
-            list.len(),
-            named.join(", ")
-        );
-        return Err(fault(list[1].0[0].line, message));
+    let elements = elements(&drawing, layer, unit)?;
+    let list = chains(elements.clone(), join.max(JOIN))?;
+    if list.is_empty() {
+        return Err(fault(first, "the drawing has no lines, arcs or other curves on this layer"));
+    }
+    if join > JOIN || list.iter().all(|(_, closed)| *closed) {
+        return Ok(list);
+    }
+    let rounded = chains(elements, ROUNDED).ok().filter(|rounded| rounded.iter().all(|(_, closed)| *closed));
+    Ok(rounded.unwrap_or(list))
+}
+
+/// The error of a drawing with several contours where one is asked for: each with its line, elements, length and ends.
+fn several(list: &[(Vec<Element>, bool)]) -> FileError {
+    let contour = |(chain, closed): &(Vec<Element>, bool)| {
+        let ends = chain[0].start.distance(chain[chain.len() - 1].end);
+        let ends = if *closed { "closed".to_owned() } else { format!("open, {:.4} mm between its ends", ends * 1e3) };
+        format!("line {} ({} elements, {ends})", chain[0].line, chain.len())
     };
-    let mut chain = chain.clone();
-    if *is_closed && chain.iter().map(Element::area).sum::<f64>() < 0.0 {
+    let named: Vec<String> = list.iter().take(10).map(contour).collect();
+    let message = format!(
+        "{} contours are drawn, at {}; name the layer of one, or say with --join which ends are one point",
+        list.len(),
+        named.join(", ")
+    );
+    fault(list[1].0[0].line, message)
+}
+
+/// A contour as it was drawn; a closed one counterclockwise.
+fn traced(mut chain: Vec<Element>, is_closed: bool) -> Result<Traced, FileError> {
+    if is_closed && chain.iter().map(Element::area).sum::<f64>() < 0.0 {
         chain.reverse();
         chain.iter_mut().for_each(|element| *element = element.reversed());
     }
@@ -198,7 +227,7 @@ fn traced(text: &str, (layer, unit, join): (Option<&str>, Option<f64>, f64)) -> 
         curves.resize(trace.sections(), element.curve.is_some());
     }
     let residual = chain.iter().filter_map(|element| element.curve).fold(0.0, f64::max);
-    Ok(Traced { trace, lines, curves, first, residual })
+    Ok(Traced { trace, lines, curves, residual })
 }
 
 /// The natural arc of a part of a curve is the run of one sign of curvature around it, as that of a spline is.

@@ -283,3 +283,27 @@ fn ends_within_a_given_distance_are_one_point() {
         read_placed(&arcs, (Some("A"), None, 10e-6), Some(CutterSide::Left), true).expect("a circle");
     assert!((circle.length() - 0.02 * PI).abs() < 20e-6 && circle.sections.len() == 2, "{circle:?}");
 }
+
+#[test]
+fn ends_that_differ_by_the_digits_of_the_drawing_are_one_point() {
+    // Four decimals of an inch: the lower line ends 3.6 um from the arc.
+    let text = slot(MM).replacen("11\n40\n21\n-10\n", "11\n40.0025\n21\n-10.0025\n", 1);
+    let contour = read(&text, Some("OUTER"), None, CutterSide::Left, true).expect("a contour");
+    assert!((contour.length() - (0.08 + 0.02 * PI)).abs() < 10e-6, "{}", contour.length());
+    let wide = slot(MM).replacen("11\n40\n21\n-10\n", "11\n40.006\n21\n-10\n", 1);
+    assert!(read(&wide, Some("OUTER"), None, CutterSide::Left, true).expect_err("open").to_string().contains("--join"));
+}
+
+#[test]
+fn an_outline_has_the_holes_of_its_layer() {
+    let circle = |x: f64, radius: f64| ("CIRCLE", "A", [(10, x), (20, 0.0), (40, radius)]);
+    let circles = [circle(0.0, 50.0), circle(20.0, 5.0), circle(-20.0, 8.0)];
+    let drawn: Vec<_> = circles.iter().map(|(kind, layer, codes)| (*kind, *layer, &codes[..])).collect();
+    let text = drawing(MM, &drawn);
+    let length: f64 =
+        read_outline(&text, Some("A"), None).expect("outlines").iter().map(|section| section.length).sum();
+    assert!((length - 2.0 * PI * 0.063).abs() < 1e-9, "{length}");
+    // One contour is asked for where a cutter runs.
+    let several = read(&text, Some("A"), None, CutterSide::Left, true).expect_err("three").to_string();
+    assert!(several.contains("3 contours"), "{several}");
+}

@@ -274,7 +274,7 @@ impl Iso {
                 if linuxcnc && let Some(clamp) = words.take(b'D') {
                     kernel.clamp = clamp;
                 }
-                if !lathe {
+                if !lathe && !linuxcnc {
                     return refuse("constant surface speed on a mill has no time of its own here; write G97");
                 }
                 kernel.surface = kernel.surface.or(self.modes.surface).or(Some(0.0));
@@ -286,7 +286,7 @@ impl Iso {
             970 => {
                 // Without a speed of its own the spindle goes on as fast as it turned.
                 self.modes.surface = kernel.surface.or(self.modes.surface);
-                if let Some(surface) = kernel.surface.take().filter(|surface| *surface > 0.0 && lathe)
+                if let Some(surface) = kernel.surface.take().filter(|surface| *surface > 0.0)
                     && !words.has(b'S')
                 {
                     let around = std::f64::consts::TAU * kernel.at[0].abs();

@@ -64,8 +64,7 @@ impl Iso {
         let Some(mut cycle) = self.cycle else {
             return Err(Fault::new("no cycle is in force; write its code with Z and R again"));
         };
-        let [u, v, w] = kernel.plane;
-        let across = AXES[w] as u8;
+        let [u, v, _] = kernel.plane;
         // Rotary axes turn to the next hole as the plane's axes move; LinuxCNC refuses them in a cycle.
         let turns = self.macros() && words.any(b"ABC");
         let bores = words.any(b"XYZR") || turns;
@@ -73,15 +72,7 @@ impl Iso {
         let take = |own: &Self, words: &mut Words, letter: u8| -> Result<Option<f64>, Fault> {
             words.take(letter).map(|value| own.mm(kernel, words, letter, value)).transpose()
         };
-        if let Some(value) = take(self, words, across)? {
-            cycle.bottom = Some((value, stepped));
-        }
-        if let Some(value) = take(self, words, b'R')? {
-            cycle.reference = Some((value, stepped));
-        }
-        if let Some(value) = take(self, words, b'Q')? {
-            cycle.peck = Some(value.abs());
-        }
+        self.cycle_words(&mut cycle, words, kernel)?;
         let shifts = matches!(cycle.code, 76 | 87);
         if matches!(cycle.code, 73 | 83) && self.dialect == Dialect::Haas {
             // I, J and K of Haas: first depth, decrement and least depth of the pecks.
@@ -109,10 +100,6 @@ impl Iso {
                 ));
             }
             cycle.back = value;
-        }
-        if let Some(value) = words.take(b'P') {
-            let milliseconds = self.dialect != Dialect::LinuxCnc && !words.is_pointed(b'P');
-            cycle.dwell = if milliseconds { 1e-3 * value } else { value };
         }
         if self.dialect == Dialect::Haas {
             words.spend(b"E");
@@ -148,6 +135,28 @@ impl Iso {
             let mut place = target;
             self.polar(&mut place, kernel)?;
             self.hole_at(&place, cycle, kernel)?;
+        }
+        Ok(())
+    }
+
+    /// Depth, plane R, peck and dwell of a cycle, where the block has them.
+    fn cycle_words(&self, cycle: &mut Cycle, words: &mut Words, kernel: &Kernel) -> Result<(), Fault> {
+        let stepped = !kernel.absolute;
+        let mut take = |letter: u8| -> Result<Option<f64>, Fault> {
+            words.take(letter).map(|value| self.mm(kernel, words, letter, value)).transpose()
+        };
+        if let Some(value) = take(AXES[kernel.plane[2]] as u8)? {
+            cycle.bottom = Some((value, stepped));
+        }
+        if let Some(value) = take(b'R')? {
+            cycle.reference = Some((value, stepped));
+        }
+        if let Some(value) = take(b'Q')? {
+            cycle.peck = Some(value.abs());
+        }
+        if let Some(value) = words.take(b'P') {
+            let milliseconds = self.dialect != Dialect::LinuxCnc && !words.is_pointed(b'P');
+            cycle.dwell = if milliseconds { 1e-3 * value } else { value };
         }
         Ok(())
     }
@@ -230,6 +239,11 @@ impl Iso {
         let Some(cycle) = self.cycle else {
             return Err(Fault::new(format!("G{code} repeats the holes of a cycle, but none is in force")));
         };
+        // A cycle that begins in the same block takes its own words; I, J, K and L are those of the pattern.
+        let mut cycle = cycle;
+        self.cycle_words(&mut cycle, words, kernel)?;
+        self.cycle = Some(cycle);
+        words.remove(AXES[kernel.plane[2]] as u8);
         let centre = self.target(words, kernel)?;
         if !centre.is_empty() {
             kernel.straight(&centre, true)?;

@@ -51,7 +51,7 @@ impl Iso {
         };
         let turns = match self.dialect {
             Dialect::LinuxCnc | Dialect::Haas => words.whole(b'P', 1.0, 1e5)?,
-            Dialect::Fanuc => words.whole(b'L', 1.0, 1e5)?,
+            Dialect::Fanuc => words.whole(kernel.control.turns, 1.0, 1e5)?,
             Dialect::FanucLathe | Dialect::Siemens | Dialect::Heidenhain => None,
         };
         kernel.round(&target, round, left, f64::from(turns.unwrap_or(1) - 1))

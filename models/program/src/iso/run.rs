@@ -10,7 +10,7 @@ use super::words::Words;
 use crate::Dialect;
 use crate::error::Fault;
 use crate::kernel::Kernel;
-use crate::library::Library;
+use crate::library::{Library, Twice};
 use crate::motion::EventKind;
 use crate::run::{Flow, Interpreter, Place, between};
 use std::collections::HashMap;
@@ -108,22 +108,27 @@ impl Iso {
 
     fn add(&mut self, text: &Source, name: String) -> Result<(), Fault> {
         let reader = LineReader::new(self.dialect, self.files.len());
-        self.files.push(name);
         let mut open = Vec::new();
+        let (mut lines, mut twice) = (HashMap::new(), None);
         let Self { statements, programs, subs, heads, .. } = self;
         statements.add(text, reader, |index, list| {
             link(list, index, &mut open);
-            match list.item(index).map(|statement| &statement.code) {
-                Some(Code::Program(number)) => {
+            match list.item(index).map(|statement| (&statement.code, statement.line)) {
+                Some((Code::Program(number), line)) => {
+                    if let Some(first) = lines.insert(*number, line) {
+                        twice.get_or_insert_with(|| Twice(format!("O{number}"), first, line));
+                    }
                     programs.entry(*number).or_insert(index);
                     heads.push(index);
                 }
-                Some(Code::Order(name, Order::Sub)) => {
+                Some((Code::Order(name, Order::Sub), _)) => {
                     subs.entry(name.clone()).or_insert(index);
                 }
                 _ => {}
             }
         })?;
+        Twice::refuse(twice, &name)?;
+        self.files.push(name);
         for open in open {
             if let Some(statement) = statements.item(open.index()) {
                 statement.code = Code::Fault(open.fault());

@@ -6,11 +6,12 @@ mod contour;
 mod cycles;
 mod line;
 mod pattern;
+mod system;
 
 use crate::error::Fault;
 use crate::frame::Frame;
 use crate::kernel::Kernel;
-use crate::library::Library;
+use crate::library::{Library, Twice};
 use crate::motion::EventKind;
 use crate::run::{Flow, Interpreter, Place};
 use crate::{Dialect, Units};
@@ -122,13 +123,18 @@ impl Klartext {
 
     fn add(&mut self, text: &Source, name: String) -> Result<usize, Fault> {
         let file = self.files.len();
-        self.files.push(name);
         let Self { statements, labels, .. } = self;
+        let (mut lines, mut twice) = (HashMap::new(), None);
         let items = statements.add(text, LineReader::new(file), |index, list| {
-            if let Some(label) = list.item(index).and_then(|statement| statement.label()) {
-                labels.entry((file, label.to_owned())).or_insert(index);
+            let Some(statement) = list.item(index) else { return };
+            let Some(label) = statement.label() else { return };
+            if let Some(first) = lines.insert(label.to_owned(), statement.line) {
+                twice.get_or_insert_with(|| Twice(format!("LBL {label}"), first, statement.line));
             }
+            labels.entry((file, label.to_owned())).or_insert(index);
         })?;
+        Twice::refuse(twice, &name)?;
+        self.files.push(name);
         Ok(items.start)
     }
 
@@ -283,6 +289,12 @@ impl Klartext {
             return Ok(());
         }
         let (target, value) = body.split_once('=').ok_or_else(|| Fault::new("FN number: Q = value"))?;
+        if number == 18 {
+            let target =
+                target.trim().strip_prefix("SYSREAD").ok_or_else(|| Fault::new("FN 18: SYSREAD Q = ID NR IDX"))?;
+            let result = self.system_value(value, kernel)?;
+            return self.set(target.trim(), result);
+        }
         let words: Vec<&str> = value.split_whitespace().collect();
         let operand = |interpreter: &Self, place: usize| {
             let word = words.get(place).ok_or_else(|| Fault::new("a value is missing"))?;

@@ -139,13 +139,14 @@ impl Siemens {
 
     /// An arc that begins in the direction of the last motion.
     fn tangent(&mut self, target: &Target, kernel: &mut Kernel) -> Result<(), Fault> {
-        if kernel.frame != Frame::IDENTITY && kernel.frame.matrix != Frame::IDENTITY.matrix {
-            return Err(Fault::new("CT within a rotation or scale is not followed; write the arc with CR=").refusing());
-        }
         let [u, v, _] = kernel.plane;
         let from = kernel.program_at();
         let end = |axis: usize| target.end(axis, &from);
-        let direction = [self.modes.direction[u], self.modes.direction[v]];
+        // The last motion ran in the workpiece; the arc is written in the coordinates of the program.
+        let mut ahead = [0.0; 9];
+        ahead[..3].copy_from_slice(&self.modes.direction);
+        let turned = Frame { matrix: kernel.frame.matrix, ..Frame::IDENTITY }.program(ahead);
+        let direction = [turned[u], turned[v]];
         match tangent([from[u], from[v]], [end(u), end(v)], direction) {
             Some((centre, left)) => kernel.round(target, Round::Centre(centre), left, 0.0),
             None if direction == [0.0; 2] => {
