@@ -4,8 +4,8 @@ use super::Milling;
 use super::engagement::Geometry;
 use super::slice::Slice;
 use crate::error::{ChatterError, positive};
-use crate::gauss::Rule;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use toolroom_spectral::Rule;
 
 /// Slices of the corner, in equal steps of the axial angle, and of the straight part above it where a helix makes it lag.
 /// Limits of ball ends change by less than 1e-3 with twice as many (a test).
