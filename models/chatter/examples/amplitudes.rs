@@ -77,8 +77,9 @@ fn case(i: usize) -> Case {
     }
 }
 
-/// Greatest peak-to-peak displacement (m) by a fine run, by `settled` with its band, and by `limit_cycle`.
-fn judged(case: &Case) -> Result<[f64; 4], ChatterError> {
+/// Greatest peak-to-peak displacement (m) by a fine run, by `settled` with its band, and by `limit_cycle`; last 1 where `settled`
+/// tells a range, because the vibration does not repeat or depends on its start, else 0.
+fn judged(case: &Case) -> Result<[f64; 5], ChatterError> {
     let Case { cut, speed, depth, .. } = case;
     let settled = cut.settled(*speed, *depth)?;
     let greatest = |of: &dyn Fn(usize) -> f64| of(0).max(of(1));
@@ -92,7 +93,8 @@ fn judged(case: &Case) -> Result<[f64; 4], ChatterError> {
     let fine = cut.simulate(*speed, *depth, &settings)?;
     let quick = cut.limit_cycle(*speed, *depth)?.amplitude * cut.feed_per_tooth;
     let of_settled = greatest(&|direction| settled.simulation.peak_to_peak(direction));
-    Ok([greatest(&|direction| fine.peak_to_peak(direction)), of_settled, settled.band, quick])
+    let irregular = f64::from(u8::from(settled.range.is_some()));
+    Ok([greatest(&|direction| fine.peak_to_peak(direction)), of_settled, settled.band, quick, irregular])
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -100,12 +102,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let first = std::env::args().nth(2).map_or(Ok(0), |first| first.parse::<usize>())?;
     let cases: Vec<Case> = (first..first + count).into_par_iter().map(case).collect();
     // A cutter that is pulled into the work is refused.
-    let found: Vec<Option<[f64; 4]>> = cases.par_iter().map(|case| judged(case).ok()).collect();
+    let found: Vec<Option<[f64; 5]>> = cases.par_iter().map(|case| judged(case).ok()).collect();
     let mut out = std::io::stdout();
     writeln!(out, "{} of {count} cuts are refused", found.iter().filter(|found| found.is_none()).count())?;
     let apart = |value: f64, truth: f64| (value / truth - 1.0).abs();
     for (i, (case, found)) in cases.iter().zip(&found).enumerate() {
-        let Some([fine, settled, band, quick]) = found else { continue };
+        let Some([fine, settled, band, quick, _]) = found else { continue };
         if apart(*settled, *fine) > *band || apart(*quick, *fine) > 0.15 {
             writeln!(
                 out,
@@ -122,17 +124,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let all = found.iter().enumerate();
         let of_kind: Vec<_> =
             all.filter(|(i, _)| (first + i) % 2 == doubling).filter_map(|(_, found)| found.as_ref()).collect();
-        let share = |holds: &dyn Fn(&[f64; 4]) -> bool| {
+        let share = |holds: &dyn Fn(&[f64; 5]) -> bool| {
             100.0 * of_kind.iter().filter(|found| holds(found)).count() as f64 / of_kind.len().max(1) as f64
         };
-        let within_band = share(&|[fine, settled, band, _]| apart(*settled, *fine) <= *band);
-        let narrow = share(&|[_, _, band, _]| *band <= 0.15);
-        let [of_settled, of_quick] = [1, 3].map(|k| share(&|found: &[f64; 4]| apart(found[k], found[0]) <= 0.15));
+        let within_band = share(&|[fine, settled, band, ..]| apart(*settled, *fine) <= *band);
+        let narrow = share(&|[_, _, band, ..]| *band <= 0.15);
+        let [of_settled, of_quick] = [1, 3].map(|k| share(&|found: &[f64; 5]| apart(found[k], found[0]) <= 0.15));
         let worst = |k: usize| of_kind.iter().map(|found| (found[k] / found[0]).ln().abs()).fold(0.0, f64::max).exp();
+        let regular = of_kind.iter().filter(|found| found[4] == 0.0);
+        let worst_regular = regular.map(|found| (found[1] / found[0]).ln().abs()).fold(0.0, f64::max).exp();
+        let irregular = share(&|found| found[4] > 0.0);
         writeln!(
             out,
             "{name}: settled within its band {within_band:.1} %, bands up to 15 % {narrow:.1} %, within 15 % \
-             {of_settled:.1} %, at worst a factor of {:.2}; quick within 15 % {of_quick:.1} %, at worst {:.2}",
+             {of_settled:.1} %, at worst a factor of {:.2}, {worst_regular:.2} of those that repeat ({irregular:.1} % tell a range); \
+             quick within 15 % {of_quick:.1} %, at worst {:.2}",
             worst(1),
             worst(3)
         )?;

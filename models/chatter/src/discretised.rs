@@ -6,11 +6,10 @@
 //! convergence` prints the errors of all three.
 
 use crate::error::{ChatterError, positive, within};
-use crate::gauss::MAX_NODES;
-use crate::krylov::{Krylov, LinearMap};
 use crate::milling::{Milling, tooth_period_gain};
 use nalgebra::{DMatrix, DVector, Vector2};
 use std::f64::consts::TAU;
+use toolroom_spectral::{Krylov, LinearMap, MAX_NODES};
 
 /// Which discretisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -120,6 +120,12 @@ pub enum ChatterError {
     },
 }
 
+impl From<toolroom_spectral::NotConverged> for ChatterError {
+    fn from(toolroom_spectral::NotConverged { residual }: toolroom_spectral::NotConverged) -> Self {
+        Self::NotConverged { residual }
+    }
+}
+
 impl ChatterError {
     /// Whether the search for an answer failed at one point. Every other error refuses the question itself, at this
     /// point and all others.

@@ -1,10 +1,9 @@
 //! The period map of a regenerative cut, by spectral collocation of the stretches in cut and the
 //! exact response in free flight.
 
-use crate::factor::{Factors, subtract_columns};
-use crate::krylov::{LinearMap, dot, subtract};
 use crate::response::{Modes, Response};
 use std::sync::Arc;
+use toolroom_spectral::{Factors, LinearMap, dot, subtract, subtract_columns};
 
 /// Force of some teeth in cut: `−depth gain(t) (u(t) − u(past))`.
 #[derive(Clone, Debug)]

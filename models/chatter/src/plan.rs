@@ -1,11 +1,11 @@
 //! From the geometry of a cut and the motion of the spindle to a [`Period`].
 
-use crate::gauss::Rule;
 use crate::period::{EarlierCut, Element, PastSample, Period, Stretch, Term};
 use crate::response::{Modes, Response, nodes_for, parts_for};
 use crate::speed_variation::Started;
 use std::f64::consts::TAU;
 use std::sync::Arc;
+use toolroom_spectral::Rule;
 
 /// How the spindle turns.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,6 @@
 //! Response of the modes over one stretch of time, exact without force and collocated with it.
 
-use crate::factor::Factors;
-use crate::gauss::{MAX_NODES, Rule};
+use toolroom_spectral::{Factors, MAX_NODES, Rule};
 
 /// A mode as the cut sees it: `output` turns its coordinate into displacement, `input` the
 /// cutting force into modal force.
@@ -189,7 +188,7 @@ fn add_blocks(matrix: &mut [f64], column: &[f64], k: usize, modal: &Modal, sampl
             let factor = modal.output[a] * modal.input[b];
             if factor != 0.0 {
                 let start = (b * n + k) * samples + a * n;
-                crate::krylov::subtract(&mut matrix[start..start + n], -factor, column);
+                toolroom_spectral::subtract(&mut matrix[start..start + n], -factor, column);
             }
         }
     }

@@ -6,11 +6,11 @@
 
 use crate::error::{ChatterError, within};
 use crate::milling::AtSpeed;
-use crate::scan::may_reach_zero;
 use crate::turning::TurningAtSpeed;
 use crate::{Milling, Scatter, Turning};
 use rayon::prelude::*;
 use std::borrow::Cow;
+use toolroom_spectral::may_reach_zero;
 
 /// Depths of the grid in one step in which the spectral radius is sampled at first (assumption; a test compares with every
 /// depth).

@@ -408,7 +408,7 @@ impl Milling {
         let edge = [self.force.edge_tangential, self.force.edge_radial];
         let lag = self.cutter.lag_angle(depth) / step_angle;
         let count = lag.ceil().max(1.0) as usize;
-        if self.cutter.corner_radius == 0.0 {
+        if self.cutter.is_cylinder() {
             let (first, bins) = bins(entry, (entry, exit), step_angle);
             let slice = |number: usize| AxialSlice {
                 width: depth / count as f64,

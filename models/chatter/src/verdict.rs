@@ -1,9 +1,9 @@
 //! The answer to "is this cut stable?".
 
-use crate::krylov::Dominant;
 use crate::structure::Mode;
 use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
+use toolroom_spectral::Dominant;
 
 /// How a cut is, or would first become, unstable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

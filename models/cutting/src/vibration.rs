@@ -18,7 +18,8 @@ pub(crate) use turning::{Edge, EdgeCell};
 
 use memo::Memo;
 use toolroom_chatter::{AmplitudeTable, ChatterKind, LimitCycle, Mode, SpeedVariation};
-use toolroom_process::record;
+use toolroom_effects::Terms;
+use toolroom_process::{Number, record};
 
 record! {
     /// How wear changes the regenerative cut, and how chatter wears the edge.
@@ -155,18 +156,48 @@ impl Boundary {
     }
 }
 
-/// Modes whose frequencies and damping differ from nominal by factors, at the same modal mass.
-fn scattered(modes: &[Mode], frequency_factor: f64, damping_factor: f64) -> Vec<Mode> {
-    modes.iter().map(|mode| other(mode, frequency_factor, damping_factor)).collect()
-}
-
-/// One of them.
+/// A mode whose frequency and damping differ by factors, at the same modal mass.
 fn other(mode: &Mode, frequency_factor: f64, damping_factor: f64) -> Mode {
     Mode {
         natural_frequency: mode.natural_frequency * frequency_factor,
         stiffness: mode.stiffness * frequency_factor * frequency_factor,
         damping_ratio: (mode.damping_ratio * damping_factor).min(0.99),
         ..*mode
+    }
+}
+
+/// How modes differ from those of the structure, by the machine and by effects.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ModeFactors {
+    /// On natural frequencies, at the same modal masses.
+    pub frequency: f64,
+    /// On damping ratios.
+    pub damping: f64,
+    /// On stiffnesses beside what the frequency does to them. Only cutting force over stiffness counts for stability, so that it
+    /// divides coefficient and process damping.
+    pub stiffness: f64,
+}
+
+impl ModeFactors {
+    /// Factors of a machine on frequencies at the same masses and on damping, and what effects change: their frequencies are
+    /// at the same stiffness.
+    pub fn new<N: Number>(machine_frequency: N, machine_damping: N, terms: &Terms<N>) -> Self {
+        let frequency = terms.mode_frequency.re();
+        Self {
+            frequency: machine_frequency.re() * frequency,
+            damping: machine_damping.re() * terms.mode_damping.re(),
+            stiffness: terms.mode_stiffness.re() / (frequency * frequency),
+        }
+    }
+
+    /// The mode with these factors, stiffness but for what the frequency does to it left out.
+    fn of(&self, mode: &Mode) -> Mode {
+        other(mode, self.frequency, self.damping)
+    }
+
+    /// The modes with these factors, as [`ModeFactors::of`].
+    fn of_all(&self, modes: &[Mode]) -> Vec<Mode> {
+        modes.iter().map(|mode| self.of(mode)).collect()
     }
 }
 

@@ -10,7 +10,7 @@ pub struct CatalogueEntry {
     pub id: &'static str,
     /// One line for people.
     pub title: &'static str,
-    /// The strength: unit, range, meaning. Never negative, neutral at zero.
+    /// The strength: unit, range, meaning. Neutral at zero; negative only where a change goes either way.
     pub size: &'static Field,
     /// Measured channels that the effect moves, by their column name.
     pub channels: &'static [Touched],

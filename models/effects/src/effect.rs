@@ -17,7 +17,7 @@ macro_rules! catalogue {
         /// An effect that a nominal model leaves out, with its strength and shape.
         ///
         /// An effect maps a [`Context`] to changes of [`Terms`]; its `size` is neutral at zero, and
-        /// never negative in those of the catalogue.
+        /// negative only where a change goes either way.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[non_exhaustive]
         pub enum Effect<N: Copy = f64> {
@@ -119,6 +119,12 @@ catalogue! {
     ChuckStiffness in chuck_stiffness;
     /// The flank rubs on the waves of the surface.
     ProcessDamping in process_damping;
+    /// Natural frequencies are not those that were tapped.
+    ModeFrequency in mode_frequency;
+    /// Damping ratios are not those that were tapped.
+    ModeDamping in mode_damping;
+    /// Modes are stiffer or softer than they were tapped.
+    ModeStiffness in mode_stiffness;
     /// Old coolant cools less.
     CoolantAgeing in coolant_ageing;
     /// Another coolant lubricates better.

@@ -26,6 +26,12 @@ record! {
         runout: Real["m" => "um"] = 0.0, 0.0..=1e-2;
         /// Summand of the relative amplitude of the clamping stiffness in a chuck of three jaws.
         chuck_modulation: Real = 0.0, 0.0..=1.0;
+        /// Factor on the natural frequencies of what vibrates, at the same stiffness.
+        mode_frequency: Real = 1.0, 0.5..=2.0;
+        /// Factor on the damping ratios of what vibrates.
+        mode_damping: Real = 1.0, 0.1..=10.0;
+        /// Factor on the modal stiffnesses of what vibrates, at the same natural frequencies.
+        mode_stiffness: Real = 1.0, 0.1..=10.0;
         /// Summand of the indentation coefficient of process damping.
         process_damping: Real["N/m" => "N/m"] = 0.0, 0.0..=1e9;
         /// Factor on the process stiffness Cp of grinding (normal force per depth of cut).

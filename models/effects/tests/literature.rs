@@ -90,3 +90,17 @@ fn damping_and_modulation_pass_on_what_was_measured() {
     let mu = terms(named("chuck_stiffness", 0.3), Context::neutral()).chuck_modulation;
     close((1.0 + mu) / (1.0 - mu), 13.0 / 7.0, 1e-12);
 }
+
+/// A change either way is a factor on all modes; nothing else of a cut moves.
+#[test]
+fn modes_change_either_way() {
+    for (id, size) in [("mode_frequency", -0.05), ("mode_damping", 0.4), ("mode_stiffness", -0.3)] {
+        let changed = terms(named(id, size), Context::neutral());
+        let factors = [changed.mode_frequency, changed.mode_damping, changed.mode_stiffness];
+        let expected =
+            ["mode_frequency", "mode_damping", "mode_stiffness"].map(|own| if own == id { 1.0 + size } else { 1.0 });
+        assert_eq!(factors, expected, "{id}");
+        let rest = Terms { mode_frequency: 1.0, mode_damping: 1.0, mode_stiffness: 1.0, ..changed };
+        assert_eq!(rest, Terms::neutral(), "{id}");
+    }
+}

@@ -113,6 +113,12 @@ static CUTTER: Form = Form {
             "0 mm",
             "Radius of the corner: a bull nose, half the diameter a ball end",
         ),
+        Key::default(
+            "taper_angle",
+            Kind::quantity("rad", "deg", 0.0, 1.396, "5 deg"),
+            "0 deg",
+            "Angle between axis and edge of a cone that is `diameter` wide at its tip; 90 deg less the lead angle of a face mill",
+        ),
     ],
 };
 

@@ -304,6 +304,21 @@ fn cutter(walk: &mut Walk, section: &Section<'_>) -> Option<Cutter> {
         };
         walk.fault(section.span_of("corner_radius"), fault);
     }
+    let taper_angle = section.si("taper_angle")?;
+    let degrees = |value: f64| format!("{} deg", significant(value.to_degrees()));
+    let beside = ["corner_radius", "runout", "runout_angle"]
+        .into_iter()
+        .find(|key| section.si(key).is_some_and(|own| own > 0.0));
+    if let Some(second) = beside.or_else(|| section.given("pitch").then_some("pitch")).filter(|_| taper_angle > 0.0) {
+        let fault = Fault::Contradiction {
+            first: "taper_angle",
+            first_value: degrees(taper_angle),
+            second,
+            second_value: "given".to_owned(),
+            rule: "tapered cutters are calculated without a corner radius, with equal pitch and without runout",
+        };
+        walk.fault(section.span_of("taper_angle"), fault);
+    }
     Some(Cutter {
         teeth,
         diameter,
@@ -312,6 +327,7 @@ fn cutter(walk: &mut Walk, section: &Section<'_>) -> Option<Cutter> {
         runout: section.si("runout")?,
         runout_angle: section.si("runout_angle")?,
         corner_radius,
+        taper_angle,
     })
 }
 

@@ -116,8 +116,13 @@ fn a_corner_radius_reaches_the_limit_and_what_it_cannot_have_is_refused() {
     let (cylinder, ball) = (limit("", ""), limit("corner_radius = \"6 mm\"", "axial = \"200 MPa\""));
     // The tip of a ball hardly reaches a wall at a quarter of the diameter: it may go deeper.
     assert!(ball > cylinder + 0.5e-3, "{cylinder} {ball}");
+    // A taper turns the force: with the axial coefficient it cuts less deep, and wider above its tip.
+    let cone = limit("taper_angle = \"45 deg\"", "axial = \"200 MPa\"");
+    assert!((cone / cylinder - 1.0).abs() > 0.01, "{cylinder} {cone}");
     for (cutter, force, word) in [
         ("corner_radius = \"7 mm\"", "", "half the diameter"),
+        ("taper_angle = \"10 deg\"\nrunout = \"5 um\"", "feed_per_tooth = \"0.1 mm\"", "tapered cutters"),
+        ("taper_angle = \"10 deg\"\ncorner_radius = \"1 mm\"", "", "without a corner radius"),
         ("corner_radius = \"2 mm\"\nrunout = \"5 um\"", "feed_per_tooth = \"0.1 mm\"", "equal pitch"),
     ] {
         let error = parse("chart.toml", &text(cutter, force), &[]).unwrap_err();

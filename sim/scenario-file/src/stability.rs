@@ -63,7 +63,7 @@ pub(super) fn around_milling(
         Ok(structure) => {
             let axial_ratio = cut.force.axial / cut.force.tangential;
             let structure = structure.by_speed(cut.by_speed).along_path(cut.along_path);
-            let structure = structure.with_corner(cut.cutter.corner_radius, axial_ratio);
+            let structure = structure.with_profile(&cut.cutter, axial_ratio);
             milling.structure = Some(Arc::new(structure));
         }
         Err(reason) => refused(walk, tool, reason),

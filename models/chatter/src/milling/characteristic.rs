@@ -10,12 +10,10 @@
 
 use super::Milling;
 use super::engagement::Geometry;
-use crate::gauss::Rule;
-use crate::krylov::Dominant;
-use crate::polynomial::{Root, least_root};
 use crate::response::Modal;
 use nalgebra::Complex;
 use std::sync::Arc;
+use toolroom_spectral::{Dominant, Root, Rule, least_root};
 
 /// Greatest order of the series.
 const MAX_ORDER: usize = 100;

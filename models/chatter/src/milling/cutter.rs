@@ -3,6 +3,9 @@
 use crate::error::{ChatterError, finite, positive, within};
 use std::f64::consts::{PI, TAU};
 
+/// Greatest taper (rad): flatter edges, as of high-feed mills below 10°, cut along the axis, where nothing vibrates here (assumption).
+const WIDEST_TAPER: f64 = 80.0 / 180.0 * PI;
+
 /// A milling cutter.
 ///
 /// | symbol | field | unit | range |
@@ -14,9 +17,11 @@ use std::f64::consts::{PI, TAU};
 /// | e | `runout` | m | ≥ 0 |
 /// | lambda | `runout_angle` | rad | any |
 /// | r_c | `corner_radius` | m | 0 … D/2: a cylinder, a bull nose, a ball end |
+/// | alpha | `taper_angle` | rad | 0 … 80°, of a cone; the lead angle of a face mill is `pi/2 − alpha` |
 ///
-/// With a corner radius the axis stands normal to the feed, the flutes lag by `2 tan(beta) z/D` at the height z, and pitch
-/// and runout are those of a true cutter.
+/// With a corner radius or a taper the axis stands normal to the feed, the flutes lag by `2 tan(beta) z/D` at the height z, and
+/// pitch and runout are those of a true cutter. A tapered cutter has its diameter, and its engagement, at the tip: it grows wider by
+/// `2 z tan(alpha)` above, and meets a wall that stands upright over a wider angle there.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Cutter {
     /// Number of teeth.
@@ -38,6 +43,9 @@ pub struct Cutter {
     /// Radius of the corner between face and flute (m): 0 a cylinder, half the diameter a ball end.
     #[serde(default)]
     pub corner_radius: f64,
+    /// Angle between axis and edge (rad): 0 a cylinder; without a corner radius.
+    #[serde(default)]
+    pub taper_angle: f64,
 }
 
 impl Cutter {
@@ -51,6 +59,7 @@ impl Cutter {
             runout: 0.0,
             runout_angle: 0.0,
             corner_radius: 0.0,
+            taper_angle: 0.0,
         }
     }
 
@@ -64,6 +73,10 @@ impl Cutter {
         within("runout", self.runout, 0.0, self.diameter)?;
         finite("runout_angle", self.runout_angle)?;
         within("corner_radius", self.corner_radius, 0.0, 0.5 * self.diameter)?;
+        within("taper_angle", self.taper_angle, 0.0, WIDEST_TAPER)?;
+        if self.taper_angle > 0.0 {
+            within("corner_radius with a taper", self.corner_radius, 0.0, 0.0)?;
+        }
         if !self.pitch.is_empty() {
             if self.pitch.len() != self.teeth {
                 let (value, wanted) = (self.pitch.len() as f64, self.teeth as f64);
@@ -87,9 +100,14 @@ impl Cutter {
         self.pitch.get(j).copied().unwrap_or(TAU / self.teeth as f64)
     }
 
-    /// Whether a tooth is the same at every depth: straight, without a corner.
+    /// Whether a tooth is the same at every depth: straight, without a corner or a taper.
     pub(crate) fn is_straight(&self) -> bool {
-        self.helix_angle == 0.0 && self.corner_radius == 0.0
+        self.helix_angle == 0.0 && self.is_cylinder()
+    }
+
+    /// Whether the radius is the same at every depth.
+    pub(crate) fn is_cylinder(&self) -> bool {
+        self.corner_radius == 0.0 && self.taper_angle == 0.0
     }
 
     /// Whether one tooth period is like the next.
@@ -185,7 +203,7 @@ impl Engagement {
 /// | C_i | `process_damping` | N/m | ≥ 0 |
 /// | K_te | `edge_tangential` | N/m | ≥ 0 |
 /// | K_re | `edge_radial` | N/m | any |
-/// | K_a | `axial` | Pa | any; with a corner radius alone |
+/// | K_a | `axial` | Pa | any; with a corner radius or a taper alone |
 ///
 /// The edge forces do not depend on the chip: they act on load and vibration, not on stability.
 ///
@@ -207,7 +225,7 @@ pub struct MillingForce {
     /// Radial force of the edge per depth (N/m).
     #[serde(default)]
     pub edge_radial: f64,
-    /// Axial cutting-force coefficient (Pa), which acts in the plane where a corner radius turns the edge.
+    /// Axial cutting-force coefficient (Pa), which acts in the plane where a corner radius or a taper turns the edge.
     #[serde(default)]
     pub axial: f64,
 }

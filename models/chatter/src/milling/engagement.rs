@@ -29,7 +29,7 @@ pub(crate) struct Geometry {
     pub span: f64,
     /// Arcs of every tooth with the tooth's angle ahead of tooth 0.
     pub teeth: Vec<(f64, Vec<Arc>)>,
-    /// Of a cutter with a corner radius the slice that each of these teeth is; none of a cylinder.
+    /// Of a cutter with a corner radius or a taper the slice that each of these teeth is; none of a cylinder.
     pub slices: Vec<Slice>,
     /// Lag angle of the helix over the depth.
     pub lag: f64,
@@ -40,7 +40,7 @@ pub(crate) struct Geometry {
 impl Geometry {
     /// `whole_revolution` keeps a revolution even where a tooth period would do.
     pub fn new(cut: &Milling, depth: f64, whole_revolution: bool) -> Result<Self, ChatterError> {
-        if cut.cutter.corner_radius > 0.0 && depth > 0.0 {
+        if !cut.cutter.is_cylinder() && depth > 0.0 {
             return Ok(Self::sliced(cut, depth, whole_revolution));
         }
         let cutter = &cut.cutter;

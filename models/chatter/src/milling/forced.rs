@@ -192,7 +192,7 @@ impl Milling {
 
     /// Complex Fourier coefficients of the static force, harmonics 0 … [`HARMONICS`].
     fn force_coefficients(&self, geometry: &Geometry, depth: f64) -> Vec<Vector2<Complex<f64>>> {
-        let rule = crate::gauss::Rule::of(48);
+        let rule = toolroom_spectral::Rule::of(48);
         let mut coefficients = vec![Vector2::zeros(); HARMONICS + 1];
         for pair in geometry.breaks.windows(2) {
             // The highest harmonic turns far within a stretch: panels keep the quadrature exact.

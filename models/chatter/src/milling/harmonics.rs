@@ -21,10 +21,10 @@
 use super::Milling;
 use super::engagement::Geometry;
 use crate::error::{ChatterError, positive};
-use crate::gauss::Rule;
 use crate::verdict::{ChatterKind, StabilityLimit};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::{PI, TAU};
+use toolroom_spectral::Rule;
 
 /// The response of a structure (m/N) in (feed, normal) at a frequency (rad/s) above zero: xx, xy, yx, yy.
 pub type Response<'a> = dyn Fn(f64) -> [Complex<f64>; 4] + 'a;

@@ -27,7 +27,7 @@ impl Milling {
         if self.along_path.is_some() {
             let limit = |(_, cut): (_, Self)| cut.zeroth_order_limit(spindle_speed);
             let least = self.places().into_iter().map(limit).try_fold(f64::INFINITY, |least, limit| match limit {
-                Err(ChatterError::NoLimit { .. }) => Ok(least),
+                Err(ChatterError::NoLimit { .. }) => Ok::<_, ChatterError>(least),
                 limit => Ok(least.min(limit?)),
             })?;
             return if least.is_finite() { Ok(least) } else { Err(ChatterError::NoLimit { searched: f64::INFINITY }) };

@@ -1,11 +1,11 @@
-//! Cutters whose edge bends round a corner: axial slices, each straight with its own radius.
+//! Cutters whose edge bends round a corner or leans with a taper: axial slices, each straight with its own radius.
 
 use super::Milling;
 use super::engagement::Geometry;
 use super::slice::Slice;
 use crate::error::{ChatterError, positive};
-use crate::gauss::Rule;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use toolroom_spectral::Rule;
 
 /// Slices of the corner, in equal steps of the axial angle, and of the straight part above it where a helix makes it lag.
 /// Limits of ball ends change by less than 1e-3 with twice as many (a test).
@@ -14,10 +14,13 @@ pub(crate) const SLICES: usize = 16;
 /// The slices of `cut` at `depth` (m), from the tip up; none of a cylinder.
 pub(crate) fn slices(cut: &Milling, depth: f64, count: usize) -> Vec<Slice> {
     let corner = cut.cutter.corner_radius;
-    if corner == 0.0 || depth <= 0.0 {
+    if cut.cutter.is_cylinder() || depth <= 0.0 {
         return Vec::new();
     }
     let full = 0.5 * cut.cutter.diameter;
+    if cut.cutter.taper_angle > 0.0 {
+        return cone(full, cut.cutter.taper_angle, depth, count);
+    }
     let height = depth.min(corner);
     let last = (1.0 - height / corner).clamp(-1.0, 1.0).acos();
     let mut found = Vec::with_capacity(2 * count);
@@ -50,8 +53,18 @@ pub(crate) fn slices(cut: &Milling, depth: f64, count: usize) -> Vec<Slice> {
     found
 }
 
+/// Even slices of a cone that is `tip` (m) in radius at its tip and has the angle `taper` (rad) between axis and edge.
+fn cone(tip: f64, taper: f64, depth: f64, count: usize) -> Vec<Slice> {
+    let (share, (cosine, sine)) = (1.0 / count as f64, taper.sin_cos());
+    let slice = |i: usize| {
+        let height = depth * share * (i as f64 + 0.5);
+        Slice { share, radius: tip + height * cosine / sine, height, sine, cosine, edge: 1.0 / sine }
+    };
+    (0..count).map(slice).collect()
+}
+
 impl Geometry {
-    /// The cut of a cutter with a corner radius at `depth` (m): each slice of each tooth is a straight tooth that lags. A
+    /// The cut of a cutter with a corner radius or a taper at `depth` (m): each slice of each tooth is a straight tooth that lags. A
     /// depth at which the corner does not reach the work is free flight.
     pub fn sliced(cut: &Milling, depth: f64, whole_revolution: bool) -> Self {
         Self::of_slices(cut, &slices(cut, depth, SLICES), whole_revolution)
@@ -83,7 +96,7 @@ impl Geometry {
 
 impl Milling {
     /// Mean force on the cutter (feed, normal) over a revolution at `depth` (m) without vibration (N), of cylinders and of
-    /// cutters with a corner radius.
+    /// cutters with a corner radius or a taper.
     ///
     /// # Errors
     /// A cut that is none; a depth that is not positive.
@@ -113,23 +126,24 @@ impl Milling {
         self.cutter.corner_radius.min(depth)
     }
 
-    /// Refuses a cutter with a corner radius where a calculation knows cylinders alone.
+    /// Refuses a cutter with a corner radius or a taper where a calculation knows cylinders alone.
     pub(crate) fn only_cylinder(&self) -> Result<(), ChatterError> {
-        let quantity = "corner_radius where only cylinders are calculated";
-        crate::error::within(quantity, self.cutter.corner_radius, 0.0, 0.0).map(drop)
+        let within = crate::error::within;
+        within("corner_radius where only cylinders are calculated", self.cutter.corner_radius, 0.0, 0.0)?;
+        within("taper_angle where only cylinders are calculated", self.cutter.taper_angle, 0.0, 0.0).map(drop)
     }
 
-    /// What a cutter with a corner radius can have beside it.
+    /// What a cutter with a corner radius or a taper can have beside it.
     pub(super) fn check_corner(&self) -> Result<(), ChatterError> {
-        if self.cutter.corner_radius == 0.0 {
+        if self.cutter.is_cylinder() {
             return Ok(());
         }
         let within = crate::error::within;
         within("corner_radius", self.cutter.corner_radius, 0.0, 0.5 * self.cutter.diameter)?;
-        within("entry with a corner radius", self.engagement.entry, 0.0, PI)?;
-        within("exit with a corner radius", self.engagement.exit, 0.0, PI)?;
+        within("entry with a corner radius or a taper", self.engagement.entry, 0.0, PI)?;
+        within("exit with a corner radius or a taper", self.engagement.exit, 0.0, PI)?;
         let irregular = f64::from(u8::from(!self.cutter.is_regular()));
-        within("unequal pitch or runout with a corner radius", irregular, 0.0, 0.0).map(drop)
+        within("unequal pitch or runout with a corner radius or a taper", irregular, 0.0, 0.0).map(drop)
     }
 }
 

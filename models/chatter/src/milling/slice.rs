@@ -2,12 +2,15 @@
 
 use super::cutter::MillingForce;
 
+/// Sine of the angle below which a wall is the one that the cutter itself leaves.
+const OWN_WALL: f64 = 1e-9;
+
 /// A part of the depth in which the cutter counts as straight.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slice {
     /// Share of the depth.
     pub share: f64,
-    /// Radius (m).
+    /// Radius (m), at the middle.
     pub radius: f64,
     /// Height of its middle above the tip (m).
     pub height: f64,
@@ -35,9 +38,13 @@ impl Slice {
     }
 
     /// Angles of entry and exit: where the slice is in the work that the full diameter meets from `entry` to `exit`, whose
-    /// walls stand at `−R cos(angle)` from the axis.
+    /// walls stand at `−R cos(angle)` from the axis. At 0 and pi the wall is the one that the cutter leaves, as wide as it is.
     pub fn engagement(&self, full_radius: f64, entry: f64, exit: f64) -> (f64, f64) {
-        let at = |angle: f64| (angle.cos() * full_radius / self.radius).clamp(-1.0, 1.0).acos();
+        let at = |angle: f64| {
+            let own = angle.sin().abs() < OWN_WALL;
+            let across = if own { angle.cos().signum() } else { angle.cos() * full_radius / self.radius };
+            across.clamp(-1.0, 1.0).acos()
+        };
         (at(entry), at(exit))
     }
 }

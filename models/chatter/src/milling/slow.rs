@@ -31,11 +31,10 @@
 use super::Milling;
 use super::engagement::Geometry;
 use crate::error::ChatterError;
-use crate::krylov::Dominant;
-use crate::scan::STEPS;
 use crate::structure::Mode;
 use nalgebra::{Complex, Matrix2};
 use std::f64::consts::TAU;
+use toolroom_spectral::{Dominant, STEPS};
 
 /// Decay of a free vibration in a tooth period, as a logarithm, from which on the envelope answers: `−ln` of the rounding
 /// of numbers, 36.04. In the cuts above the multiplier of the period map was never lost below 37, and mostly above.

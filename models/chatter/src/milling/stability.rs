@@ -11,7 +11,6 @@ use super::characteristic::Characteristic;
 use super::engagement::Geometry;
 use super::slow;
 use crate::error::{ChatterError, positive, within};
-use crate::krylov::{Dominant, Krylov, LinearMap, dense_dominant, dense_eigenvalues};
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::response::{LONG_PARTS, SHORT_PARTS};
@@ -21,6 +20,7 @@ use crate::verdict::StabilityVerdict;
 use nalgebra::Complex;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
+use toolroom_spectral::{Dominant, Krylov, LinearMap, dense_dominant, dense_eigenvalues};
 
 /// How much effort a spectral radius is worth.
 #[derive(Clone, Copy)]
@@ -312,8 +312,8 @@ impl<'a> AtSpeed<'a> {
         };
         let mut map = PeriodMap::new(period, depth, &mut self.storage);
         let found = self.krylov.dominant(&mut map, residual);
-        if !matches!(found, Err(ChatterError::NotConverged { .. })) {
-            return Ok((found?, *length));
+        if let Ok(found) = found {
+            return Ok((found, *length));
         }
         // Slow but sure.
         let refined = self.assemble(depth, Effort::Boundary.settings().0, LONG_PARTS)?;
@@ -447,7 +447,7 @@ impl<'a> AtSpeed<'a> {
         let period = self.assemble(depth, Effort::Boundary.settings().0 + extra, LONG_PARTS)?.period;
         let mut storage = MapStorage::default();
         let matrix = PeriodMap::new(&period, depth, &mut storage).dense();
-        dense_eigenvalues(matrix)
+        Ok(dense_eigenvalues(matrix)?)
     }
 
     /// Spectral radius at `depth` (m) with a geometry of its own.

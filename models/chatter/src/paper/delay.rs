@@ -1,9 +1,8 @@
 //! Period map of a linear system whose delay equals its period.
 
 use crate::error::ChatterError;
-use crate::gauss::Rule;
-use crate::krylov::dense_eigenvalues;
 use nalgebra::{Complex, DMatrix, SMatrix};
+use toolroom_spectral::{Rule, dense_eigenvalues};
 
 /// Floquet multipliers of `z' = a(t) z + b(t) y(t − period)`, `y = c z`, the greatest first.
 ///
@@ -70,5 +69,5 @@ pub fn delayed_multipliers<const N: usize, const D: usize>(
         }
     }
     map.rows_mut(signals, N).copy_from(&state);
-    dense_eigenvalues(map)
+    Ok(dense_eigenvalues(map)?)
 }

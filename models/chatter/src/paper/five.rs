@@ -2,10 +2,10 @@
 
 use super::{KGF_PER_MM, Preset, delayed_multipliers, monodromy};
 use crate::error::{ChatterError, finite, positive, within};
-use crate::krylov::dense_eigenvalues;
 use crate::verdict::{ChatterKind, StabilityVerdict};
 use nalgebra::{Complex, DMatrix, SMatrix};
 use std::f64::consts::{FRAC_PI_2, TAU};
+use toolroom_spectral::dense_eigenvalues;
 
 /// Cycles of the fastest vibration in a revolution with regeneration: the period map has 28 rows for each, and its
 /// eigenvalues take seconds.
@@ -248,7 +248,7 @@ impl FiveDegrees {
         }
         let steps = ((80.0 * cycles).ceil() as usize).max(400);
         let map = monodromy(|s| self.coefficients(ratio * s), TAU / ratio, steps);
-        dense_eigenvalues(DMatrix::from_iterator(10, 10, map.iter().copied()))
+        Ok(dense_eigenvalues(DMatrix::from_iterator(10, 10, map.iter().copied()))?)
     }
 
     /// Verdict at `spindle_speed` (rad/s), with the spectral radius over one revolution.

@@ -2,10 +2,10 @@
 
 use super::{KGF_PER_MM, Preset, magnus::monodromy};
 use crate::error::{ChatterError, finite, positive, within};
-use crate::krylov::dense_eigenvalues;
 use crate::verdict::{ChatterKind, StabilityVerdict};
 use nalgebra::{Complex, DMatrix, SMatrix};
 use std::f64::consts::TAU;
+use toolroom_spectral::dense_eigenvalues;
 
 /// Workpiece in a chuck as one mode:
 /// `m x'' + h x' + c (1 + mu sin(w t)) x = −c_p y`, `T y' + y = x`.
@@ -125,12 +125,12 @@ impl Reduced {
         within("modulation", modulation, 0.0, f64::MAX)?;
         positive("speed_ratio", speed_ratio)?;
         within("speed_ratio", speed_ratio, 1.0 / super::MOST_CYCLES, f64::MAX)?;
-        dense_eigenvalues(if self.lag == 0.0 {
+        Ok(dense_eigenvalues(if self.lag == 0.0 {
             let map = self.period_map_without_lag(modulation, speed_ratio);
             DMatrix::from_iterator(2, 2, map.iter().copied())
         } else {
             DMatrix::from_iterator(3, 3, self.period_map(modulation, speed_ratio).iter().copied())
-        })
+        })?)
     }
 
     /// Period map with lag, in time scaled by w0.

@@ -4,9 +4,7 @@
 use super::Turning;
 use super::roots::TurningAtSpeed;
 use crate::SpeedVariation;
-use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive, within};
-use crate::krylov::{Dominant, Krylov};
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::response::{Modal, Modes, SHORT_PARTS};
@@ -14,6 +12,7 @@ use crate::speed_variation::Started;
 use crate::verdict::{ChatterKind, StabilityLimit, StabilityVerdict};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
+use toolroom_spectral::{Dominant, Krylov, brackets, root};
 
 /// Nodes added to each part of a period for a verdict, and for a limit, which is found to three parts in a thousand.
 const FINE: usize = 6;
@@ -273,9 +272,9 @@ impl Turning {
                     prepared.insert((most.max(width), self.period(motion, variation.revolutions, (stiffening, COARSE))))
                 }
             };
-            krylov.dominant(&mut PeriodMap::new(period, width, &mut storage), 1e-3)
+            Ok(krylov.dominant(&mut PeriodMap::new(period, width, &mut storage), 1e-3)?)
         };
-        let mut excess = |width: f64| Ok(dominant(width)?.value.norm().ln());
+        let mut excess = |width: f64| -> Result<f64, ChatterError> { Ok(dominant(width)?.value.norm().ln()) };
         let found = brackets(&mut excess, (0.0, -1.0), greatest, steps, true)?;
         let Some([before, after]) = found.first() else {
             return Err(ChatterError::NoLimit { searched: greatest });

@@ -5,6 +5,7 @@ mod intervals;
 mod literature;
 mod refusals;
 mod roots;
+mod taper;
 mod verdicts;
 
 /// The study that `examples/consistency.rs` makes of more systems.

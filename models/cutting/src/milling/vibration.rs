@@ -1,7 +1,7 @@
 //! Verdicts of milling.
 
 use super::{Milling, MillingInput, MillingState};
-use crate::vibration::{RoundedVerdict, Tooth, ToothCell, Vibration, variation};
+use crate::vibration::{ModeFactors, RoundedVerdict, Tooth, ToothCell, Vibration, variation};
 use std::f64::consts::FRAC_1_SQRT_2;
 use toolroom_effects::Terms;
 use toolroom_process::Number;
@@ -72,8 +72,7 @@ impl<N: Number> Milling<N> {
             radial: (force.radial_cutting * chip).re(),
             process_damping: terms.process_damping.re(),
             runout: terms.runout.re(),
-            frequency_factor: u.natural_frequency_factor.re(),
-            damping_factor: u.modal_damping_factor.re(),
+            modes: ModeFactors::new(u.natural_frequency_factor, u.modal_damping_factor, terms),
             variation: variation(u.speed_variation.re(), u.variation_revolutions.re()),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::equations::Engagement;
 use super::{Turning, TurningInput, TurningState};
-use crate::vibration::{Edge, EdgeCell, RoundedVerdict, Vibration, variation};
+use crate::vibration::{Edge, EdgeCell, ModeFactors, RoundedVerdict, Vibration, variation};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 use toolroom_effects::Terms;
 use toolroom_process::Number;
@@ -75,8 +75,7 @@ impl<N: Number> Turning<N> {
             process_damping: terms.process_damping.re(),
             modulation: terms.chuck_modulation.re(),
             position: u.position.re(),
-            frequency_factor: u.natural_frequency_factor.re(),
-            damping_factor: u.modal_damping_factor.re(),
+            modes: ModeFactors::new(u.natural_frequency_factor, u.modal_damping_factor, terms),
             variation: variation(u.speed_variation.re(), u.variation_revolutions.re()),
         }
     }

@@ -1,8 +1,8 @@
 //! What vibrates in milling.
 
 use super::{
-    Boundary, Cell, DAMPING_STEP, LITTLE_DAMPING, Memo, Regeneration, RoundedVerdict, SPEED_STEP, STIFFNESS_STEP,
-    Vibration, coarse_damping, damping_grade, one_step, other, rounded, rounded_damping, scattered,
+    Boundary, Cell, DAMPING_STEP, LITTLE_DAMPING, Memo, ModeFactors, Regeneration, RoundedVerdict, SPEED_STEP,
+    STIFFNESS_STEP, Vibration, coarse_damping, damping_grade, one_step, rounded, rounded_damping,
 };
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -19,8 +19,8 @@ pub struct MillingStructure {
     modes: Vec<Mode>,
     by_speed: Option<SpeedModes>,
     along_path: Option<PathModes>,
-    /// Radius of the corner (m), and the axial over the tangential coefficient, which acts there.
-    corner: (f64, f64),
+    /// Radius of the corner (m), taper (rad), and the axial over the tangential coefficient, which acts with either.
+    corner: Corner,
     helix_angle: f64,
     process_damping: f64,
     /// What wear changes.
@@ -32,6 +32,21 @@ pub struct MillingStructure {
     growth: Memo<(Key, i32), f64>,
     /// By steps of the ratio of depth to limit.
     cycles: Memo<(Key, i32), Option<LimitCycle>>,
+}
+
+/// How the edge is turned from the axis, and the axial over the tangential coefficient.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Corner {
+    radius: f64,
+    taper: f64,
+    axial: f64,
+}
+
+impl Corner {
+    /// Whether the depth changes radius and angles of the teeth.
+    fn turns(&self) -> bool {
+        self.radius > 0.0 || self.taper > 0.0
+    }
 }
 
 /// What a verdict depends on, rounded.
@@ -93,8 +108,7 @@ pub(crate) struct Tooth {
     pub radial: f64,
     pub process_damping: f64,
     pub runout: f64,
-    pub frequency_factor: f64,
-    pub damping_factor: f64,
+    pub modes: ModeFactors,
     pub variation: Option<SpeedVariation>,
 }
 
@@ -128,7 +142,7 @@ impl MillingStructure {
             modes,
             by_speed: None,
             along_path: None,
-            corner: (0.0, 0.0),
+            corner: Corner::default(),
             helix_angle,
             process_damping,
             regeneration,
@@ -152,16 +166,17 @@ impl MillingStructure {
         Self { along_path, ..self }
     }
 
-    /// The structure of a cutter with a corner of `radius` (m), a ball end or a bull nose; `axial_ratio` is the axial over the
-    /// tangential coefficient. Stability and vibration are those of this cutter.
+    /// The structure of a cutter with the corner or the taper of `cutter`; `axial_ratio` is the axial over the tangential
+    /// coefficient. Stability and vibration are those of this cutter.
     #[must_use]
-    pub fn with_corner(self, radius: f64, axial_ratio: f64) -> Self {
-        Self { corner: (radius, axial_ratio), ..self }
+    pub fn with_profile(self, cutter: &Cutter, axial_ratio: f64) -> Self {
+        let corner = Corner { radius: cutter.corner_radius, taper: cutter.taper_angle, axial: axial_ratio };
+        Self { corner, ..self }
     }
 
     /// Whether the depth changes the angles of the teeth, so that limits do not go with the inverse of the coefficient.
     fn depth_counts(&self) -> bool {
-        self.helix_angle != 0.0 || self.corner.0 > 0.0
+        self.helix_angle != 0.0 || self.corner.turns()
     }
 
     /// Least and greatest spindle speed (rad/s) at which the modes are known, where they change with it.
@@ -169,11 +184,12 @@ impl MillingStructure {
         self.by_speed.as_ref().map(SpeedModes::range)
     }
 
-    /// Tangential coefficient of the worn edge (Pa) and process damping over it (m).
+    /// Tangential coefficient of the worn edge over the factor of the stiffness (Pa), and process damping over the coefficient (m).
     fn worn(&self, tooth: &Tooth) -> (f64, f64) {
         let tangential = tooth.tangential * self.regeneration.coefficient_factor(tooth.wear_ratio);
         let land = self.regeneration.land_damping(tooth.flank_wear);
-        (tangential, (self.process_damping + tooth.process_damping + land) / tangential)
+        let damping = (self.process_damping + tooth.process_damping + land) / tangential;
+        (tangential / tooth.modes.stiffness, damping)
     }
 
     /// Process damping in the grades at which it is judged: coarse ones at varying speed.
@@ -196,8 +212,8 @@ impl MillingStructure {
             teeth: tooth.teeth as usize,
             diameter: tooth.diameter.to_bits(),
             searched: (SEARCHED * tooth.depth * if helical { 1.0 } else { tangential / NOMINAL }).log2().ceil() as i32,
-            frequency_factor: tooth.frequency_factor.to_bits(),
-            damping_factor: tooth.damping_factor.to_bits(),
+            frequency_factor: tooth.modes.frequency.to_bits(),
+            damping_factor: tooth.modes.damping.to_bits(),
             variation: tooth.variation.map_or((0, 0), |v| (v.amplitude.to_bits(), v.revolutions)),
         }
     }
@@ -207,15 +223,16 @@ impl MillingStructure {
         let (tangential, damping) = self.worn(tooth);
         let helical = self.depth_counts();
         let judged = if helical { rounded(tangential, STIFFNESS_STEP).1 } else { NOMINAL };
-        let corner_radius = self.corner.0.min(0.5 * tooth.diameter);
-        // With a corner the teeth count as true: runout is not calculated there.
-        let runout = if corner_radius > 0.0 { 0.0 } else { tooth.runout };
+        let corner_radius = self.corner.radius.min(0.5 * tooth.diameter);
+        // With a corner or a taper the teeth count as true: runout is not calculated there.
+        let runout = if self.corner.turns() { 0.0 } else { tooth.runout };
+        let taper_angle = self.corner.taper;
         let straight = Cutter::straight(key.teeth, tooth.diameter);
-        let cutter = Cutter { helix_angle: self.helix_angle, runout, corner_radius, ..straight };
+        let cutter = Cutter { helix_angle: self.helix_angle, runout, corner_radius, taper_angle, ..straight };
         let direction = if tooth.down { Direction::Down } else { Direction::Up };
         let force = MillingForce {
             process_damping: rounded_damping(self.graded(damping, tooth)).1 * judged,
-            axial: judged * self.corner.1,
+            axial: judged * self.corner.axial,
             ..MillingForce::new(judged, judged * radial_ratio(tooth).1)
         };
         let speed = rounded(tooth.spindle_speed, SPEED_STEP).1;
@@ -224,7 +241,7 @@ impl MillingStructure {
             None => Cow::Borrowed(&self.modes),
         };
         let cut = Milling {
-            modes: scattered(&modes, tooth.frequency_factor, tooth.damping_factor),
+            modes: tooth.modes.of_all(&modes),
             cutter,
             engagement: Engagement::new((tooth.width / tooth.diameter).min(1.0), direction)?,
             force,
@@ -237,7 +254,7 @@ impl MillingStructure {
 
     /// The modes along the path with the factors of the machine.
     fn path(&self, tooth: &Tooth) -> Option<PathModes> {
-        let scatter = |_, mode: &Mode| other(mode, tooth.frequency_factor, tooth.damping_factor);
+        let scatter = |_, mode: &Mode| tooth.modes.of(mode);
         self.along_path.as_ref().map(|path| path.map(scatter))
     }
 
@@ -275,7 +292,7 @@ impl MillingStructure {
         let key = Key { damping: 0, searched: 0, variation: (0, 0), ..*key };
         // A corner meets the work at other angles at every depth.
         let (step, depth) =
-            if self.corner.0 > 0.0 { rounded(tooth.depth, SPEED_STEP * CYCLE_SPEED) } else { (0, DEPTH) };
+            if self.corner.turns() { rounded(tooth.depth, SPEED_STEP * CYCLE_SPEED) } else { (0, DEPTH) };
         self.forced.of((key, step), || {
             let respond = || -> Result<f64, ChatterError> {
                 let (cut, speed, _) = self.judged(tooth, &key)?;
@@ -370,24 +387,21 @@ impl MillingStructure {
         let graded = LITTLE_DAMPING * (((damping / LITTLE_DAMPING).asinh() / step).round() * step).sinh();
         Tooth {
             spindle_speed: rounded(tooth.spindle_speed, SPEED_STEP * CYCLE_SPEED).1,
-            process_damping: tooth.process_damping + (graded - damping) * tangential,
+            process_damping: tooth.process_damping + (graded - damping) * tangential * tooth.modes.stiffness,
             variation: None,
             ..*tooth
         }
     }
 
-    /// The cut of an operating point as the stability model sees it, nothing rounded.
+    /// The cut of an operating point as the stability model sees it, nothing rounded; a factor of the stiffness divides its forces.
     pub(crate) fn regenerative(&self, tooth: &Tooth) -> Result<Milling, ChatterError> {
         let (cut, _, _) = self.judged(tooth, &self.key(tooth))?;
         let (tangential, damping) = self.worn(tooth);
         let radial = tangential * tooth.radial / tooth.tangential;
-        let axial = tangential * self.corner.1;
+        let axial = tangential * self.corner.axial;
         let force =
             MillingForce { process_damping: damping * tangential, axial, ..MillingForce::new(tangential, radial) };
-        let by_speed = self
-            .by_speed
-            .as_ref()
-            .map(|table| table.map(|_, mode| other(mode, tooth.frequency_factor, tooth.damping_factor)));
+        let by_speed = self.by_speed.as_ref().map(|table| table.map(|_, mode| tooth.modes.of(mode)));
         Ok(Milling { force, by_speed, ..cut })
     }
 

@@ -1,8 +1,8 @@
 //! What vibrates in turning.
 
 use super::{
-    Boundary, Cell, Memo, Regeneration, RoundedVerdict, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping,
-    damping_grade, one_step, other, rounded, rounded_damping, scattered,
+    Boundary, Cell, Memo, ModeFactors, Regeneration, RoundedVerdict, SPEED_STEP, STIFFNESS_STEP, Vibration,
+    coarse_damping, damping_grade, one_step, rounded, rounded_damping,
 };
 use std::f64::consts::TAU;
 use toolroom_chatter::paper::Reduced;
@@ -112,8 +112,7 @@ pub(crate) struct Edge {
     pub modulation: f64,
     /// Of the tool, from the jaws (m); 0 where not given.
     pub position: f64,
-    pub frequency_factor: f64,
-    pub damping_factor: f64,
+    pub modes: ModeFactors,
     pub variation: Option<SpeedVariation>,
 }
 
@@ -164,14 +163,15 @@ impl TurningStructure {
         self.bar.map(|(bar, _)| bar.length)
     }
 
-    /// Process damping of a worn edge (N/m).
+    /// Process damping of a worn edge over the factor of the stiffness (N/m).
     fn process_damping(&self, edge: &Edge) -> f64 {
-        self.cut.process_damping + edge.process_damping + self.regeneration.land_damping(edge.flank_wear)
+        let land = self.regeneration.land_damping(edge.flank_wear);
+        (self.cut.process_damping + edge.process_damping + land) / edge.modes.stiffness
     }
 
-    /// Factor of wear, hardness and effects on the cutting coefficient.
+    /// Factor of wear, hardness and effects on the cutting coefficient, over that of the stiffness.
     fn coefficient(&self, edge: &Edge) -> f64 {
-        edge.coefficient * self.regeneration.coefficient_factor(edge.wear_ratio)
+        edge.coefficient * self.regeneration.coefficient_factor(edge.wear_ratio) / edge.modes.stiffness
     }
 
     /// Process damping over the coefficient (m), in the grades at which it is judged: coarse
@@ -191,8 +191,8 @@ impl TurningStructure {
             speed: rounded(edge.spindle_speed, SPEED_STEP).0,
             damping: rounded_damping(ratio).0,
             place,
-            frequency_factor: edge.frequency_factor.to_bits(),
-            damping_factor: edge.damping_factor.to_bits(),
+            frequency_factor: edge.modes.frequency.to_bits(),
+            damping_factor: edge.modes.damping.to_bits(),
             diameter: edge.diameter.to_bits(),
             variation: edge.variation.map_or((0, 0), |v| (v.amplitude.to_bits(), v.revolutions)),
         }
@@ -210,11 +210,8 @@ impl TurningStructure {
         let damping = rounded_damping(self.damping_ratio(edge)).1 * cut.cutting_coefficient;
         let speed = rounded(edge.spindle_speed, SPEED_STEP).1;
         let nominal = cut.at_spindle_speed(speed)?.into_owned();
-        let modes = scattered(&nominal.modes, edge.frequency_factor, edge.damping_factor);
-        let along_path = nominal
-            .along_path
-            .as_ref()
-            .map(|path| path.map(|_, mode| other(mode, edge.frequency_factor, edge.damping_factor)));
+        let modes = edge.modes.of_all(&nominal.modes);
+        let along_path = nominal.along_path.as_ref().map(|path| path.map(|_, mode| edge.modes.of(mode)));
         Ok((Turning { modes, process_damping: damping, diameter: edge.diameter, along_path, ..nominal }, speed))
     }
 
@@ -325,14 +322,12 @@ impl TurningStructure {
         })
     }
 
-    /// The cut of an operating point as the stability model sees it, nothing rounded but the place.
+    /// The cut of an operating point as the stability model sees it, nothing rounded but the place; a factor of the stiffness
+    /// divides its forces.
     pub(crate) fn regenerative(&self, edge: &Edge) -> Result<Turning, ChatterError> {
         let key = self.key(edge);
         let (cut, _) = self.nominal(edge, &key)?;
-        let by_speed = self
-            .at_place(self.place(&key))?
-            .by_speed
-            .map(|table| table.map(|_, mode| other(mode, edge.frequency_factor, edge.damping_factor)));
+        let by_speed = self.at_place(self.place(&key))?.by_speed.map(|table| table.map(|_, mode| edge.modes.of(mode)));
         let cutting_coefficient = cut.cutting_coefficient * self.coefficient(edge);
         Ok(Turning { cutting_coefficient, process_damping: self.process_damping(edge), by_speed, ..cut })
     }

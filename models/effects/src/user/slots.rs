@@ -51,7 +51,8 @@ slots! {
     /// A term that an effect may change.
     Term of Terms:
     cutting_force feed_force specific_cutting_force temperature_rise wear_rate mechanical_wear
-    thermal_damage_coupling runout chuck_modulation process_damping process_stiffness threshold_force
+    thermal_damage_coupling runout chuck_modulation mode_frequency mode_damping mode_stiffness process_damping
+    process_stiffness threshold_force
     thermal_softening chipping_rate force_reading force_offset temperature_offset spindle_loss form_error
     width_of_cut wheel_wear_ratio start_offset system_stiffness thermal_growth
 }
@@ -76,7 +77,8 @@ impl Term {
             Self::wear_rate | Self::mechanical_wear | Self::thermal_damage_coupling => &["flank_wear"],
             Self::runout => &["vibration_rms", "roughness_ra", "flank_wear"],
             Self::chuck_modulation => &["vibration_rms"],
-            Self::process_damping => &["vibration_rms", "roughness_ra"],
+            Self::mode_frequency => &["dominant_frequency", "vibration_rms", "roughness_ra"],
+            Self::mode_damping | Self::mode_stiffness | Self::process_damping => &["vibration_rms", "roughness_ra"],
             Self::process_stiffness | Self::system_stiffness => GRINDING,
             Self::threshold_force => &["normal_force", "force_after_spark_out", "stock_removed"],
             Self::thermal_softening => FORCES,
@@ -102,6 +104,9 @@ impl Term {
             | Self::wear_rate
             | Self::mechanical_wear
             | Self::runout
+            | Self::mode_frequency
+            | Self::mode_damping
+            | Self::mode_stiffness
             | Self::process_damping
             | Self::chipping_rate
             | Self::force_reading

@@ -252,3 +252,26 @@ fn a_wall_is_judged_at_its_worst_place_and_a_ball_end_by_its_corner() {
     assert!(margin(&soft) < margin(&plain) - 0.1, "{} {}", margin(&soft), margin(&plain));
     assert_ne!(format!("{:?}", ball.passes), format!("{:?}", plain.passes));
 }
+
+/// A machine whose structure is softer than the one that was tapped: it chatters more there, nowhere else, and size zero is the
+/// shop without the effect.
+#[test]
+fn a_softer_structure_of_one_machine_chatters_there() {
+    let with = |effects: &str| log(&scenario(&[&format!("tool.insert.effects={effects}")]), "constant");
+    let plain = log(&scenario(&[]), "constant");
+    let machine = |log: &RunLog, machine: u32| {
+        let turned = log.passes.iter().filter(move |row| row.operation == 0 && row.machine == machine);
+        turned.map(|row| row.stability_margin).fold(f64::INFINITY, f64::min)
+    };
+    let on_first =
+        |id: &str, size: f64| format!("[{{ id = \"{id}\", size = {size}, scope = {{ machine = \"L1\" }} }}]");
+    for id in ["mode_frequency", "mode_damping", "mode_stiffness"] {
+        assert_eq!(format!("{:?}", with(&on_first(id, 0.0)).passes), format!("{:?}", plain.passes), "{id}");
+    }
+    let softer = with(&on_first("mode_stiffness", -0.3));
+    // The margin is 1 − depth/limit, and the limit goes with the stiffness.
+    assert!(machine(&softer, 0) < machine(&plain, 0) - 0.2, "{} {}", machine(&softer, 0), machine(&plain, 0));
+    assert!((machine(&softer, 1) - machine(&plain, 1)).abs() < 0.1, "{} {}", machine(&softer, 1), machine(&plain, 1));
+    let stiffer = with(&on_first("mode_stiffness", 0.5));
+    assert!(machine(&stiffer, 0) > machine(&plain, 0) + 0.1, "{} {}", machine(&stiffer, 0), machine(&plain, 0));
+}

@@ -2,9 +2,9 @@
 
 use super::{AtSpeed, Effort};
 use crate::error::{ChatterError, within};
-use crate::krylov::{LinearMap, dense_eigenvalues};
 use crate::period::{MapStorage, PeriodMap};
 use crate::response::LONG_PARTS;
+use toolroom_spectral::{LinearMap, dense_eigenvalues};
 
 /// Greatest number of unknowns of a period map whose multipliers are counted (assumption: half a second of dense eigenvalues).
 const MOST_COUNTED: usize = 300;

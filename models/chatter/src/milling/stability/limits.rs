@@ -2,13 +2,12 @@
 
 use super::super::slow;
 use super::{AtSpeed, Effort, LEAST_EXCESS};
-use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive};
 use crate::intervals::Crossing;
 use crate::intervals::{Certificate, StableIntervals};
 use crate::plan::Motion;
-use crate::scan::{STEPS, SignChanges};
 use crate::verdict::{StabilityLimit, StabilityVerdict};
+use toolroom_spectral::{STEPS, SignChanges, brackets, root};
 
 /// Even steps in which depths are sampled at varying speed, where a verdict costs some milliseconds and the islands of lobes are
 /// blurred (assumption).
@@ -144,7 +143,9 @@ impl AtSpeed<'_> {
         self.turn_to_worst_limit(greatest)?;
         positive("greatest depth", greatest)?;
         let deepest = depths.iter().copied().fold(0.0, f64::max);
-        let mut excess = |depth: f64| Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln());
+        let mut excess = |depth: f64| -> Result<f64, ChatterError> {
+            Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln())
+        };
         let mut last = (0.0, -1.0);
         for step in 1..=steps {
             if last.0 >= deepest {
@@ -164,7 +165,9 @@ impl AtSpeed<'_> {
 
     pub(super) fn fixed_rough_limit(&mut self, greatest: f64, steps: usize) -> Result<StabilityLimit, ChatterError> {
         positive("greatest depth", greatest)?;
-        let mut excess = |depth: f64| Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln());
+        let mut excess = |depth: f64| -> Result<f64, ChatterError> {
+            Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln())
+        };
         let found = brackets(&mut excess, (0.0, -1.0), greatest, steps, true)?;
         let Some([before, after]) = found.first() else {
             return Err(ChatterError::NoLimit { searched: greatest });

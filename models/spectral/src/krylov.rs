@@ -1,11 +1,18 @@
 //! Dominant eigenvalue of a linear map by Arnoldi's method, gated on its residual.
 
-use crate::error::ChatterError;
 use crate::hessenberg;
 use nalgebra::{Complex, DMatrix, Schur};
 
+/// An iteration that did not converge.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the search for the eigenvalue of greatest modulus did not converge: its residual is {residual:e}")]
+pub struct NotConverged {
+    /// The least residual that was reached; infinite where a vector outgrew all numbers.
+    pub residual: f64,
+}
+
 /// A real linear map of a space onto itself.
-pub(crate) trait LinearMap {
+pub trait LinearMap {
     /// Dimension of the space.
     fn size(&self) -> usize;
     /// `y = map x`.
@@ -30,7 +37,8 @@ const MAX_STEPS: usize = 240;
 
 /// Eigenvalue of greatest modulus.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Dominant {
+pub struct Dominant {
+    /// The eigenvalue.
     pub value: Complex<f64>,
     /// `|M v − value v| / (|value| |v|)`.
     pub residual: f64,
@@ -40,10 +48,10 @@ pub(crate) struct Dominant {
 /// numbers, which a period map has where a vibration outgrows them within the period.
 ///
 /// # Errors
-/// [`ChatterError::NotConverged`] for such a matrix, and where the iteration does not end.
-pub(crate) fn dense_eigenvalues(matrix: DMatrix<f64>) -> Result<Vec<Complex<f64>>, ChatterError> {
+/// [`NotConverged`] for such a matrix, and where the iteration does not end.
+pub fn dense_eigenvalues(matrix: DMatrix<f64>) -> Result<Vec<Complex<f64>>, NotConverged> {
     const SWEEPS: usize = 100_000;
-    let failed = ChatterError::NotConverged { residual: f64::INFINITY };
+    let failed = NotConverged { residual: f64::INFINITY };
     if !matrix.norm().is_finite() {
         return Err(failed);
     }
@@ -58,7 +66,10 @@ pub(crate) fn dense_eigenvalues(matrix: DMatrix<f64>) -> Result<Vec<Complex<f64>
 
 /// Eigenvalue of greatest modulus among all, where the iteration found none. The residual is the
 /// backward error of the Schur form.
-pub(crate) fn dense_dominant(matrix: DMatrix<f64>) -> Result<Dominant, ChatterError> {
+///
+/// # Errors
+/// As [`dense_eigenvalues`].
+pub fn dense_dominant(matrix: DMatrix<f64>) -> Result<Dominant, NotConverged> {
     let error = f64::EPSILON * matrix.norm() * matrix.nrows() as f64;
     let value = dense_eigenvalues(matrix)?[0];
     let modulus = value.norm();
@@ -84,7 +95,7 @@ struct Outlook {
 
 /// Working storage, kept between calls.
 #[derive(Default)]
-pub(crate) struct Krylov {
+pub struct Krylov {
     basis: Vec<Vec<f64>>,
     /// Columns of the projected map, column k with k + 2 entries.
     projected: Vec<Vec<f64>>,
@@ -102,7 +113,10 @@ pub(crate) struct Krylov {
 
 impl Krylov {
     /// Eigenvalue of greatest modulus with a residual of at most `tolerance`.
-    pub fn dominant(&mut self, map: &mut impl LinearMap, tolerance: f64) -> Result<Dominant, ChatterError> {
+    ///
+    /// # Errors
+    /// [`NotConverged`] after 240 steps, or as soon as a vector outgrows all numbers.
+    pub fn dominant(&mut self, map: &mut impl LinearMap, tolerance: f64) -> Result<Dominant, NotConverged> {
         let size = map.size();
         let greatest = size.min(MAX_STEPS);
         self.overflowed = false;
@@ -119,7 +133,7 @@ impl Krylov {
             let next = self.step(map, step);
             if !next.is_finite() {
                 self.overflowed = true;
-                return Err(ChatterError::NotConverged { residual: f64::INFINITY });
+                return Err(NotConverged { residual: f64::INFINITY });
             }
             step += 1;
             fall *= next / outlook.modulus;
@@ -141,7 +155,7 @@ impl Krylov {
                 }
             }
             if exhausted {
-                return Err(ChatterError::NotConverged { residual: best });
+                return Err(NotConverged { residual: best });
             }
             latest = 2 * step;
         }
@@ -292,7 +306,7 @@ impl Krylov {
 
 /// Scalar product with four sums, which the compiler can keep in vector registers.
 #[inline]
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (quads_a, quads_b) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = quads_a.remainder().iter().zip(quads_b.remainder()).map(|(x, y)| x * y).sum();
@@ -306,7 +320,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// `y −= factor x`.
 #[inline]
-pub(crate) fn subtract(y: &mut [f64], factor: f64, x: &[f64]) {
+pub fn subtract(y: &mut [f64], factor: f64, x: &[f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y -= factor * x;
     }

@@ -16,7 +16,8 @@ const STARTS: usize = 32;
 
 /// A simple root.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Root {
+pub struct Root {
+    /// Where it lies.
     pub at: Complex<f64>,
     /// Size of the last Newton step over the root.
     pub step: f64,
@@ -31,7 +32,7 @@ pub(crate) struct Root {
 /// one in the disc of the least so far; if so the next is found. So the answer does not hang on the
 /// guess. Where that stalls or loses its digits, Jury's criterion alone gives the modulus by bisection,
 /// and the root is sought on that circle. `rest` is working storage.
-pub(crate) fn least_root(coefficients: &[f64], guess: Option<Complex<f64>>, rest: &mut Vec<f64>) -> Option<Root> {
+pub fn least_root(coefficients: &[f64], guess: Option<Complex<f64>>, rest: &mut Vec<f64>) -> Option<Root> {
     let least = by_division(coefficients, guess, rest).or_else(|| on_the_circle(coefficients))?;
     polish(coefficients, least)
 }

@@ -3,11 +3,11 @@
 use std::sync::{Arc, OnceLock};
 
 /// Greatest number of nodes in one element.
-pub(crate) const MAX_NODES: usize = 64;
+pub const MAX_NODES: usize = 64;
 
 /// Nodes of one element on 0 … 1 and what collocation needs at them.
 #[derive(Debug)]
-pub(crate) struct Rule {
+pub struct Rule {
     /// Nodes, ascending.
     pub nodes: Vec<f64>,
     /// Quadrature weights; they sum to one.

@@ -1,23 +1,21 @@
 //! Where a sampled function changes sign, with the samples closer where it comes near zero between them.
 
-use crate::error::ChatterError;
-
 /// Even steps in which a range is sampled at first, where an evaluation costs little (assumption: the humps of a spectral radius
 /// are wider).
-pub(crate) const STEPS: usize = 48;
+pub const STEPS: usize = 48;
 /// How often a step is halved where the function may reach zero within it.
 const HALVINGS: u32 = 7;
 
 /// An argument and the value there.
-pub(crate) type Sample = (f64, f64);
+pub type Sample = (f64, f64);
 /// Two samples before a step, its two ends and two samples behind it, where they are known.
-pub(crate) type Around = [Option<Sample>; 6];
+pub type Around = [Option<Sample>; 6];
 
 /// Brackets of the sign changes of `f` on `0 … greatest`, by ascending argument; `first` is the value at zero.
 ///
 /// The range is sampled in even steps. A step whose ends have one sign is halved where the chords beside it, or
 /// the parabolas where they are steeper, continued into it meet beyond zero: there a hump that is narrower than the step can hide.
-pub(crate) struct SignChanges<F> {
+pub struct SignChanges<F> {
     f: F,
     greatest: f64,
     steps: usize,
@@ -26,18 +24,19 @@ pub(crate) struct SignChanges<F> {
     step: usize,
 }
 
-impl<F: FnMut(f64) -> Result<f64, ChatterError>> SignChanges<F> {
+impl<E, F: FnMut(f64) -> Result<f64, E>> SignChanges<F> {
+    /// A search of `f`, which is `first` at zero, up to `greatest` in even `steps`.
     pub fn new(f: F, first: f64, greatest: f64, steps: usize) -> Self {
         Self { f, greatest, steps, samples: vec![(0.0, first)], step: 0 }
     }
 
     /// The sample after `step` steps.
-    fn sample(&mut self, step: usize) -> Result<Sample, ChatterError> {
+    fn sample(&mut self, step: usize) -> Result<Sample, E> {
         let x = self.greatest * step as f64 / self.steps as f64;
         Ok((x, (self.f)(x)?))
     }
 
-    fn advance(&mut self) -> Result<Vec<[Sample; 2]>, ChatterError> {
+    fn advance(&mut self) -> Result<Vec<[Sample; 2]>, E> {
         let step = self.step;
         self.step += 1;
         while self.samples.len() < (step + 3).min(self.steps + 1) {
@@ -66,7 +65,7 @@ impl<F: FnMut(f64) -> Result<f64, ChatterError>> SignChanges<F> {
     }
 
     /// Brackets between the two middle ones of six samples.
-    fn search(&mut self, around: Around, halvings: u32, found: &mut Vec<[Sample; 2]>) -> Result<(), ChatterError> {
+    fn search(&mut self, around: Around, halvings: u32, found: &mut Vec<[Sample; 2]>) -> Result<(), E> {
         let [further, before, Some(from), Some(to), after, beyond] = around else { return Ok(()) };
         if (from.1 > 0.0) != (to.1 > 0.0) {
             found.push([from, to]);
@@ -82,9 +81,9 @@ impl<F: FnMut(f64) -> Result<f64, ChatterError>> SignChanges<F> {
     }
 }
 
-impl<F: FnMut(f64) -> Result<f64, ChatterError>> Iterator for SignChanges<F> {
+impl<E, F: FnMut(f64) -> Result<f64, E>> Iterator for SignChanges<F> {
     /// The brackets in the next step.
-    type Item = Result<Vec<[Sample; 2]>, ChatterError>;
+    type Item = Result<Vec<[Sample; 2]>, E>;
 
     fn next(&mut self) -> Option<Self::Item> {
         (self.step < self.steps).then(|| self.advance())
@@ -109,7 +108,7 @@ fn steepest(up: f64, at: Sample, before: Sample, further: Option<Sample>, end: f
 
 /// Whether a function may reach zero between the two middle ones of six samples, which have one sign: lines from either side
 /// with the slopes of `steepest` meet beyond zero.
-pub(crate) fn may_reach_zero([further, before, from, to, after, beyond]: Around) -> bool {
+pub fn may_reach_zero([further, before, from, to, after, beyond]: Around) -> bool {
     let (Some(from), Some(to)) = (from, to) else { return false };
     // Towards zero is upwards.
     let up = if from.1 > 0.0 { -1.0 } else { 1.0 };
@@ -131,7 +130,7 @@ mod tests {
 
     fn changes(f: impl Fn(f64) -> f64) -> Vec<f64> {
         let first = f(0.0);
-        let scan = SignChanges::new(|x| Ok(f(x)), first, 1.0, STEPS);
+        let scan = SignChanges::new(|x| Ok::<_, std::convert::Infallible>(f(x)), first, 1.0, STEPS);
         scan.flat_map(Result::unwrap).map(|[a, b]| 0.5 * (a.0 + b.0)).collect()
     }
 

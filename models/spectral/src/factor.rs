@@ -7,7 +7,7 @@ use crate::krylov::subtract;
 
 /// `P A = L U` of a small dense matrix.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Factors {
+pub struct Factors {
     size: usize,
     /// Columns one after another; the strict lower part holds L.
     columns: Vec<f64>,
@@ -20,7 +20,7 @@ const TOGETHER: usize = 4;
 /// `y −= Σ factors[k] columns[k]`, one column after the other in every entry; `columns` is column-major with as many rows
 /// as `y` has entries.
 #[inline]
-pub(crate) fn subtract_columns(y: &mut [f64], factors: &[f64], columns: &[f64]) {
+pub fn subtract_columns(y: &mut [f64], factors: &[f64], columns: &[f64]) {
     let rows = y.len();
     let (blocks, rest) = factors.as_chunks::<TOGETHER>();
     let mut columns = columns.chunks_exact(rows);

@@ -1,15 +1,13 @@
 //! Where a sampled function changes sign.
 
-use crate::error::ChatterError;
-
 /// Root of `f` between `a` and `b`, where it has the values `fa` and `fb` of opposite sign, to a
 /// relative `tolerance` of the interval's far end: Brent's method (1973).
-pub(crate) fn root(
-    mut f: impl FnMut(f64) -> Result<f64, ChatterError>,
+pub fn root<E>(
+    mut f: impl FnMut(f64) -> Result<f64, E>,
     (mut a, mut fa): (f64, f64),
     (mut b, mut fb): (f64, f64),
     tolerance: f64,
-) -> Result<f64, ChatterError> {
+) -> Result<f64, E> {
     let absolute = tolerance * a.abs().max(b.abs());
     let (mut c, mut fc) = (a, fa);
     let mut step = b - a;
@@ -61,13 +59,13 @@ pub(crate) fn root(
 
 /// Brackets of the sign changes of `f` on `from … to`, sampled in `steps` equal steps, starting
 /// from the value `first` at `from`.
-pub(crate) fn brackets(
-    mut f: impl FnMut(f64) -> Result<f64, ChatterError>,
+pub fn brackets<E>(
+    mut f: impl FnMut(f64) -> Result<f64, E>,
     (from, first): (f64, f64),
     end: f64,
     steps: usize,
     stop_at_first: bool,
-) -> Result<Vec<[(f64, f64); 2]>, ChatterError> {
+) -> Result<Vec<[(f64, f64); 2]>, E> {
     let mut found = Vec::new();
     let mut last = (from, first);
     for step in 1..=steps {
@@ -97,7 +95,7 @@ mod tests {
             (|x| (x - 1e-6).signum(), 0.0, 1.0, 1e-6),
         ];
         for (f, a, b, x) in cases {
-            let found = root(|x| Ok(f(x)), (a, f(a)), (b, f(b)), 1e-12).unwrap();
+            let found = root(|x| Ok::<_, std::convert::Infallible>(f(x)), (a, f(a)), (b, f(b)), 1e-12).unwrap();
             assert!((found - x).abs() < 1e-3 * x + 1e-11, "{found}");
         }
     }
