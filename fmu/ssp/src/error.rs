@@ -26,15 +26,13 @@ pub enum MasterError {
         source: LoadError,
     },
     /// A start value that its unit does not take.
-    #[error("{}{system}: {component}.{variable}: {reason}", .place.as_ref().map_or(String::new(), |place| format!("{place}: ")))]
+    #[error("{}{system}: {variable}: {reason}", .place.as_ref().map_or(String::new(), |place| format!("{place}: ")))]
     Start {
         /// File, entry and line, where a package has it.
         place: Option<String>,
         /// System.
         system: String,
-        /// Component.
-        component: String,
-        /// Variable.
+        /// Component and variable, as `component.variable`.
         variable: String,
         /// Why.
         reason: String,

@@ -254,13 +254,7 @@ fn start_values_of(
         let Some((variable, own)) = found else {
             let reason = "start values begin with the name of a component".to_owned();
             let system = structure.name.clone();
-            return Err(MasterError::Start {
-                place: None,
-                system,
-                component: String::new(),
-                variable: name.clone(),
-                reason,
-            });
+            return Err(MasterError::Start { place: None, system, variable: name.clone(), reason });
         };
         own.insert(variable.to_owned(), value.clone());
     }
@@ -273,8 +267,7 @@ fn start_values_of(
             MasterError::Start {
                 place: place.map(|parameter| format!("{}: {}:{}", path.display(), parameter.entry, parameter.line)),
                 system: structure.name.clone(),
-                component: component.name.clone(),
-                variable: variable.to_owned(),
+                variable: format!("{}.{variable}", component.name),
                 reason,
             }
         };
