@@ -79,8 +79,8 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawTable, BrokenQuote> {
     Ok(table)
 }
 
-/// What is said of rows that are equal to an earlier one in every cell, as those of two exports in one file are. They are read all the
-/// same: coarse readings may repeat honestly.
+/// What is said of rows that are equal to an earlier one in every cell, as those of two exports in one file are. They are not left out
+/// for that: coarse readings may repeat honestly.
 fn repeated_rows(table: &RawTable) -> Option<String> {
     let mut earlier: HashMap<&[String], usize> = HashMap::with_capacity(table.rows.len());
     let mut first = None;
@@ -96,8 +96,7 @@ fn repeated_rows(table: &RawTable) -> Option<String> {
     let (line, original) = first?;
     let rows = if count == 1 { "1 row repeats".to_owned() } else { format!("{count} rows repeat") };
     Some(format!(
-        "{rows} an earlier one in every cell, first line {line} that of line {original}: read as they stand; delete them if they were \
-         exported twice"
+        "{rows} an earlier one in every cell, first line {line} that of line {original}: delete them if they were exported twice"
     ))
 }
 

@@ -109,14 +109,14 @@ mod tests {
 
     #[test]
     fn a_stretch_tells_what_drives_and_spindle_have_to_do() {
-        let text = "G21 G90 G17 T1 M6\nG0 X0 Y0 Z1\nS3000 M3\nG1 Z0 F60\nX60 F600\nY30\nG0 Z50\nM5\nM30\n";
+        let text = "G21 G90 G17 T1 M6\nG0 X0 Y0 Z2\nZ1\nS3000 M3\nG1 Z0 F60\nX60 F600\nY30\nG0 Z50\nM5\nM30\n";
         let program = Program::read(text, &Control::default()).expect("a program");
         let parts = program.stretches(1e6, 0.5);
         let all = figures(&program, &parts);
         let sum = |of: fn(&Figures) -> f64| all.iter().map(of).sum::<f64>();
-        // Into the cut and out of it; the way up; two square corners, at the bottom and in the plane.
+        // Into the cut and out of it; the ways down and up, the first being unknown; two square corners, at the bottom and in the plane.
         assert_eq!(sum(|figures| figures.stops), 2.0);
-        assert!((sum(|figures| figures.rapid_length) - 0.050).abs() < 1e-9, "{all:?}");
+        assert!((sum(|figures| figures.rapid_length) - 0.051).abs() < 1e-9, "{all:?}");
         assert!((sum(|figures| figures.corner_sum) - 2.0 * 0.5f64.sqrt()).abs() < 1e-9, "{all:?}");
         // The tool change, the first feed and the end.
         assert_eq!(sum(|figures| figures.waits), 3.0);

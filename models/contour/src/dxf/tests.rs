@@ -291,7 +291,8 @@ fn ends_that_differ_by_the_digits_of_the_drawing_are_one_point() {
     let contour = read(&text, Some("OUTER"), None, CutterSide::Left, true).expect("a contour");
     assert!((contour.length() - (0.08 + 0.02 * PI)).abs() < 10e-6, "{}", contour.length());
     let wide = slot(MM).replacen("11\n40\n21\n-10\n", "11\n40.006\n21\n-10\n", 1);
-    assert!(read(&wide, Some("OUTER"), None, CutterSide::Left, true).expect_err("open").to_string().contains("--join"));
+    let open = read(&wide, Some("OUTER"), None, CutterSide::Left, true).expect_err("open").to_string();
+    assert!(open.contains("the contour is open: its end is 0.0060 mm from its start"), "{open}");
 }
 
 #[test]
