@@ -344,9 +344,12 @@ fn a_stock_is_what_a_drawing_or_a_contour_file_outlines() {
     };
     let drawn = "dxf = \"blank.dxf\"\nlayer = \"BLANK\"\nunits = \"mm\"\nbase = \"-20 mm\"\nheight = \"20 mm\"";
     let [boxed, lines] = [result(of_box), result(drawn)];
-    for key in ["removed [cm3]", "peak_power [kW]", "air_time [s]", "peak_engagement [deg]"] {
+    // The volume is a sum over steps, which box and outline take where they need them.
+    for (key, bound) in
+        [("removed [cm3]", 1e-4), ("peak_power [kW]", 1e-6), ("air_time [s]", 1e-6), ("peak_engagement [deg]", 1e-6)]
+    {
         let (one, other) = (number(&boxed, key), number(&lines, key));
-        assert!((one - other).abs() <= 1e-6 * one.abs(), "{key}: {one} and {other}");
+        assert!((one - other).abs() <= bound * one.abs(), "{key}: {one} and {other}");
     }
     let of_contour = result("contour = \"mc1.toml\"\noffset = \"3 mm\"\nbase = \"-20 mm\"\nheight = \"20 mm\"");
     assert!(of_contour.status.success(), "{}", stderr(&of_contour));
@@ -456,7 +459,7 @@ fn a_ball_cutter_goes_through_a_grid_of_heights() {
     let segment = 25.0 * 0.6f64.acos() - 3.0 * 4.0;
     let number = |of: &Value, key: &str| of[key].as_f64().unwrap_or_else(|| panic!("{key} in {of}"));
     assert!((number(&ball, "removed [cm3]") / (0.06 * segment) - 1.0).abs() < 0.01, "{ball}");
-    assert!((number(&flat, "removed [cm3]") - 1.2).abs() < 1e-3, "{flat}");
+    assert!((number(&flat, "removed [cm3]") / 1.2 - 1.0).abs() < 1e-3, "{flat}");
     assert!((number(&ball, "resolution [mm]") - 0.2).abs() < 1e-9, "{ball}");
     assert!(number(&ball, "peak_power [kW]") < number(&flat, "peak_power [kW]"), "{ball}");
 }

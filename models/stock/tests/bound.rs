@@ -116,8 +116,9 @@ fn left_by(motion: &Motion, upto: f64, radius: f64, point: [f64; 2], height: f64
     }
 }
 
-/// The angle of the front half of a rim that is in material at the end of the cutter, rad, from points 0.01 deg apart.
-fn counted(before: &[Motion], motion: &Motion, share: f64, radius: f64) -> f64 {
+/// The angle of the front half of a rim that is in material at the end of the cutter, rad, from points 0.01 deg apart, and the number of its
+/// parts, each of which may be counted as one point more than it is long.
+fn counted(before: &[Motion], motion: &Motion, share: f64, radius: f64) -> (f64, u32) {
     let at = motion.position(share);
     let heading = match motion.path {
         Path::Line => (motion.end[1] - motion.start[1]).atan2(motion.end[0] - motion.start[0]),
@@ -149,25 +150,26 @@ fn counted(before: &[Motion], motion: &Motion, share: f64, radius: f64) -> f64 {
     let count = (PI / FINE).round() as usize;
     // A distance changes by no more than the way along the rim, so that points nearer than this are alike.
     let reach = (0.5 * COARSE as f64 + 0.5) * FINE * radius;
-    let mut inside = 0;
+    let (mut inside, mut parts, mut previous) = (0, 0, false);
+    let mut take = |is_inside: bool| {
+        inside += u32::from(is_inside);
+        parts += u32::from(is_inside && !previous);
+        previous = is_inside;
+    };
     for first in (0..count).step_by(COARSE) {
         let depth = deep(first as f64 + 0.5 * (COARSE as f64 - 1.0));
-        if depth < -reach {
-            continue;
+        for index in (first..first + COARSE).map(|index| index as f64) {
+            take(match (depth < -reach, depth > reach) {
+                (true, _) => false,
+                (false, true) => !own(index),
+                (false, false) => deep(index) > ROUNDING && !own(index),
+            });
         }
-        inside += match (depth > reach, turns) {
-            (true, false) => COARSE,
-            (true, true) => (first..first + COARSE).filter(|index| !own(*index as f64)).count(),
-            (false, _) => {
-                let material = |index: &usize| deep(*index as f64) > ROUNDING && !own(*index as f64);
-                (first..first + COARSE).filter(material).count()
-            }
-        };
     }
-    inside as f64 * FINE
+    (f64::from(inside) * FINE, parts)
 }
 
-/// The greatest excess of the counted angle over the bound, deg, with the places looked at.
+/// The greatest excess of the counted angle over the bound for each part of the rim, deg, with the places looked at.
 fn tried(programs: std::ops::Range<u64>, looks: u32) -> (f64, u64) {
     let (mut worst, mut places) = (f64::NEG_INFINITY, 0);
     for seed in programs {
@@ -203,8 +205,8 @@ fn tried(programs: std::ops::Range<u64>, looks: u32) -> (f64, u64) {
                         for _ in 0..looks {
                             let way = random.between(from, to) * motion.length;
                             let share = ((way / STEP).round() * STEP / motion.length).clamp(from, to);
-                            let angle = counted(&before, &motion, share, radius);
-                            let excess = (angle - bound).to_degrees();
+                            let (angle, parts) = counted(&before, &motion, share, radius);
+                            let excess = (angle - bound).to_degrees() / f64::from(parts.max(1));
                             assert!(
                                 excess <= 0.011,
                                 "seed {seed}, line {}, share {share}: {} deg counted, {} deg bound\n{text}",
