@@ -27,6 +27,17 @@ pub(crate) struct Source<'a> {
     pub comparison: &'a Comparison,
 }
 
+/// Key figures that are left to the files: ratios of times that a report lists by themselves, and quantiles between those that it lists.
+pub(crate) const IN_FILES: [&str; 7] = [
+    "nee",
+    "allocation_ratio",
+    "utilisation_efficiency",
+    "technical_efficiency",
+    "setup_ratio",
+    "lead_time_p50",
+    "lead_time_p80",
+];
+
 impl<'a> Source<'a> {
     /// Policies that get pictures of their own: the baseline, the headline and the rival that the
     /// decision names, in the order of the study.
@@ -50,6 +61,11 @@ impl<'a> Source<'a> {
     fn is_told(&self, id: &str) -> bool {
         let some = |index: usize| self.comparison.policies.iter().any(|policy| policy.kpis[index].mean != 0.0);
         self.study.index(id).is_some_and(|index| self.is_defined(index) && some(index))
+    }
+
+    /// Whether a report lists a key figure of the shop: a value under some policy, and not another view of what stands there.
+    fn is_listed(&self, index: usize) -> bool {
+        self.is_defined(index) && !IN_FILES.contains(&self.study.kpis[index].definition.id)
     }
 
     /// Whether a key figure of the shop has a value under some policy.
@@ -197,7 +213,7 @@ fn notes(source: &Source<'_>) -> Section {
         ));
     }
     let shop = source.study.kpis.iter().enumerate().filter(|(_, kpi)| kpi.machine.is_none());
-    let definitions = shop.filter(|(index, _)| source.is_defined(*index)).map(|(_, kpi)| kpi);
+    let definitions = shop.filter(|(index, _)| source.is_listed(*index)).map(|(_, kpi)| kpi);
     if source.comparison.policies.len() > 1 {
         section = section.paragraph(
             "All policies see the same arrivals, hardness, edges, breakdowns and sensor noise in a replication, so \

@@ -59,7 +59,7 @@ pub enum MasterError {
         /// Component.
         component: String,
         /// Why.
-        source: SimulateError,
+        source: Box<SimulateError>,
     },
     /// A component that is not there, or twice, in an order of units.
     #[error("the order of units has to name each of them once: {}", .known.join(", "))]
@@ -83,7 +83,7 @@ pub enum MasterError {
         /// Component.
         component: String,
         /// Time and call.
-        source: SimulateError,
+        source: Box<SimulateError>,
     },
     /// The results cannot be written.
     #[error("the results cannot be written: {0}")]

@@ -151,7 +151,7 @@ impl System {
         }
         let parts = self.units.iter().enumerate().map(|(index, unit)| {
             own_steps(unit, start, stop, step)
-                .map_err(|source| MasterError::Steps { component: self.name(index), source })
+                .map_err(|source| MasterError::Steps { component: self.name(index), source: Box::new(source) })
         });
         let parts = parts.collect::<Result<Vec<u64>, _>>()?;
         let heads = self.outputs.iter().flatten().map(|output| &output.head);
@@ -196,7 +196,7 @@ impl System {
     }
 
     fn failed(&self, index: usize, source: SimulateError) -> MasterError {
-        MasterError::Unit { component: self.name(index), source }
+        MasterError::Unit { component: self.name(index), source: Box::new(source) }
     }
 
     fn name(&self, index: usize) -> String {

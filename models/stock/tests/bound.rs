@@ -30,6 +30,11 @@ impl Random {
     }
 }
 
+/// A place as it is written, with three decimals: the arc that begins there begins on its circle.
+fn written(value: f64) -> f64 {
+    (value * 1e3).round() / 1e3
+}
+
 /// A program of levels, straight walls, arcs, plunges and ramps in a block of 60 x 40 mm.
 fn program(random: &mut Random) -> String {
     let mut text = "G21 G90 G0 X-20 Y-20 Z5\nT1 M6\nS3000 M3\n".to_owned();
@@ -37,6 +42,7 @@ fn program(random: &mut Random) -> String {
     for _ in 0..4 + random.between(0.0, 7.0) as u32 {
         let kind = random.between(0.0, 10.0);
         let (to_x, to_y) = (random.between(-8.0, WIDTH + 8.0), random.between(-8.0, HEIGHT + 8.0));
+        let (to_x, to_y) = (written(to_x), written(to_y));
         if z > 0.0 || kind < 1.0 {
             // Up, over, and down in material or beside it.
             z = -random.between(0.5, 8.0);
@@ -45,18 +51,19 @@ fn program(random: &mut Random) -> String {
         } else if kind < 3.0 {
             // A wall along an axis, a small step beside the last.
             let aside = random.between(0.05, 3.0);
-            y = (y + aside).min(HEIGHT + 6.0);
+            y = written((y + aside).min(HEIGHT + 6.0));
             text += &format!("G1 Y{y:.3} F700\nX{to_x:.3}\n");
             x = to_x;
         } else if kind < 6.0 {
-            // An arc about a centre near by; its end is on it to the digits of the program.
+            // An arc about a centre near by. The stock follows its circle, whereas a place on it is one of a spiral to the end that was
+            // written: with nine decimals they are one.
             let (reach, from) = (random.between(0.5, 15.0), random.between(0.0, TAU));
             let (turn, left) = (random.between(0.2, TAU), random.between(0.0, 1.0) < 0.5);
             let centre = [x - reach * from.cos(), y - reach * from.sin()];
             let to = if left { from + turn } else { from - turn };
             (x, y) = (centre[0] + reach * to.cos(), centre[1] + reach * to.sin());
             let [i, j] = [-reach * from.cos(), -reach * from.sin()];
-            text += &format!("{} X{x:.6} Y{y:.6} I{i:.6} J{j:.6} F700\n", if left { "G3" } else { "G2" });
+            text += &format!("{} X{x:.9} Y{y:.9} I{i:.9} J{j:.9} F700\n", if left { "G3" } else { "G2" });
         } else if kind < 7.0 {
             z -= random.between(0.1, 2.0);
             text += &format!("G1 Z{z:.3} F200\n");

@@ -38,7 +38,6 @@ th,td{text-align:left;padding:3px 14px 3px 0;border-bottom:1px solid var(--rule)
 thead th{font-weight:600;border-bottom:2px solid var(--rule);white-space:nowrap}\
 tbody th{font-weight:400}\
 .num{text-align:right}\
-ul.long{max-width:none;columns:2 26em;column-gap:2em}ul.long li{break-inside:avoid}\
 details{margin-top:6px;font-size:14px}summary{cursor:pointer;color:var(--link);width:max-content}\
 details .scroll{max-height:360px;overflow:auto;margin-top:8px;padding:0 12px;background:var(--soft);border:1px solid var(--rule)}\
 details table{font-size:13px;margin:0}details thead th{position:sticky;top:0;background:var(--soft)}\

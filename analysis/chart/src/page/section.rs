@@ -56,9 +56,6 @@ impl Figure {
 /// Figures that a [`Section::choice`] offers at most; the style sheet has a rule for each.
 pub(super) const CHOICES: usize = 24;
 
-/// Entries of a list up to which it stands in one column (assumption: a screen has them all).
-const SHORT: usize = 20;
-
 /// Columns from which a table needs the whole width of the page.
 const WIDE: usize = 10;
 
@@ -88,7 +85,7 @@ impl Item {
                 let _ = write!(out, "<p>{}</p>", escape(text));
             }
             Self::List(entries) if !entries.is_empty() => {
-                out.push_str(if entries.len() > SHORT { "<ul class=\"long\">" } else { "<ul>" });
+                out.push_str("<ul>");
                 for entry in entries {
                     let _ = write!(out, "<li>{}</li>", escape(entry));
                 }

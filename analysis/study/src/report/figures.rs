@@ -1,6 +1,6 @@
-//! All key figures as a table.
+//! Key figures as a table.
 
-use super::{Source, replications};
+use super::{IN_FILES, Source, replications};
 use crate::figure::{decimals, is_noise, label, plain, shown};
 use toolroom_chart::page::Section;
 use toolroom_chart::{Cell, Table};
@@ -9,7 +9,7 @@ use toolroom_chart::{Cell, Table};
 const COLUMNS: usize = 11;
 
 pub(super) fn section(source: &Source<'_>) -> Section {
-    let mut section = Section::new("All key figures");
+    let mut section = Section::new("Key figures");
     let policies = &source.comparison.policies;
     for together in policies.chunks(COLUMNS) {
         let names = together.iter().map(|policy| policy.name.clone());
@@ -19,7 +19,7 @@ pub(super) fn section(source: &Source<'_>) -> Section {
             .kpis
             .iter()
             .enumerate()
-            .filter(|(index, kpi)| kpi.machine.is_none() && source.is_defined(*index))
+            .filter(|(index, kpi)| kpi.machine.is_none() && source.is_listed(*index))
         {
             let cells = together.iter().map(|policy| {
                 let value = shown(kpi, &policy.kpis[index]);
@@ -35,5 +35,5 @@ pub(super) fn section(source: &Source<'_>) -> Section {
         let sequential = if source.study.until.is_empty() { "" } else { " (sequential)" };
         section = section.table(format!("Means and 95 % half-widths over {over}{sequential}"), table);
     }
-    section
+    section.note(format!("kpi.csv has {} as well.", IN_FILES.join(", ")))
 }

@@ -26,7 +26,7 @@ fn every_picture_is_there_and_well_formed() {
         "Tool life",
         "One shift: adaptive",
         "State times: constant",
-        "All key figures",
+        "Key figures",
         "Amdahl",
         "wear limit of insert",
         "toolroom compare x.toml",
@@ -54,7 +54,7 @@ fn an_empty_shop_and_a_single_policy_have_reports() {
     let empty = || RunLog { horizon: 3600.0, ..RunLog::default() };
     for policies in [1, 2] {
         let page = html(&fixture::scenario(), policies, &empty);
-        assert!(page.contains("All key figures") && !page.contains("NaN"));
+        assert!(page.contains("Key figures") && !page.contains("NaN"));
         assert!(!page.contains("Cutting time per edge used"), "only key figures that have a value are explained");
         assert_eq!(page.contains("The decision compares"), policies == 2);
         let page = html(&fixture::scenario(), policies, &fixture::log);
