@@ -27,8 +27,9 @@ pub(crate) struct Source<'a> {
     pub comparison: &'a Comparison,
 }
 
-/// Key figures that are left to the files: ratios of times that a report lists by themselves, and quantiles between those that it lists.
-pub(crate) const IN_FILES: [&str; 7] = [
+/// Key figures that are left to the files: ratios of times that a report lists by themselves, quantiles between those that it lists, and
+/// tardiness with weights.
+const IN_FILES: [&str; 8] = [
     "nee",
     "allocation_ratio",
     "utilisation_efficiency",
@@ -36,6 +37,7 @@ pub(crate) const IN_FILES: [&str; 7] = [
     "setup_ratio",
     "lead_time_p50",
     "lead_time_p80",
+    "weighted_tardiness",
 ];
 
 impl<'a> Source<'a> {

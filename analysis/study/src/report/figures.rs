@@ -1,6 +1,6 @@
 //! Key figures as a table.
 
-use super::{IN_FILES, Source, replications};
+use super::{Source, replications};
 use crate::figure::{decimals, is_noise, label, plain, shown};
 use toolroom_chart::page::Section;
 use toolroom_chart::{Cell, Table};
@@ -35,5 +35,5 @@ pub(super) fn section(source: &Source<'_>) -> Section {
         let sequential = if source.study.until.is_empty() { "" } else { " (sequential)" };
         section = section.table(format!("Means and 95 % half-widths over {over}{sequential}"), table);
     }
-    section.note(format!("kpi.csv has {} as well.", IN_FILES.join(", ")))
+    section.note("kpi.csv has more, such as nee, setup_ratio and quantiles of the lead time.")
 }
