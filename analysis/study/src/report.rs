@@ -27,17 +27,21 @@ pub(crate) struct Source<'a> {
     pub comparison: &'a Comparison,
 }
 
-/// Key figures that are left to the files: ratios of times that a report lists by themselves, quantiles between those that it lists, and
-/// tardiness with weights.
-const IN_FILES: [&str; 8] = [
+/// Key figures that the report of a shop that cuts leaves to the files: ratios of times that it lists by themselves, and figures of
+/// queues and dates.
+const IN_FILES: [&str; 12] = [
     "nee",
     "allocation_ratio",
     "utilisation_efficiency",
     "technical_efficiency",
     "setup_ratio",
+    "queue_time",
+    "flow_factor",
     "lead_time_p50",
     "lead_time_p80",
+    "lead_time_p95",
     "weighted_tardiness",
+    "greatest_tardiness",
 ];
 
 impl<'a> Source<'a> {
@@ -67,7 +71,8 @@ impl<'a> Source<'a> {
 
     /// Whether a report lists a key figure of the shop: a value under some policy, and not another view of what stands there.
     fn is_listed(&self, index: usize) -> bool {
-        self.is_defined(index) && !IN_FILES.contains(&self.study.kpis[index].definition.id)
+        let left_out = !self.scenario.tools.is_empty() && IN_FILES.contains(&self.study.kpis[index].definition.id);
+        self.is_defined(index) && !left_out
     }
 
     /// Whether a key figure of the shop has a value under some policy.

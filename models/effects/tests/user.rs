@@ -262,5 +262,5 @@ fn the_text_of_a_definition_reads_back_to_the_same() {
 fn the_vocabulary_lists_what_each_process_has() {
     let depth = vocabulary().find(|own| own.field.name == "depth_of_cut").expect("listed");
     assert_eq!((depth.processes, depth.factor), ([Some("turning"), Some("milling"), None], None));
-    assert_eq!(vocabulary().filter(|own| own.factor.is_some()).count(), 24);
+    assert_eq!(vocabulary().filter(|own| own.factor.is_some()).count(), 27);
 }

@@ -35,5 +35,5 @@ pub(super) fn section(source: &Source<'_>) -> Section {
         let sequential = if source.study.until.is_empty() { "" } else { " (sequential)" };
         section = section.table(format!("Means and 95 % half-widths over {over}{sequential}"), table);
     }
-    section.note("kpi.csv has more, such as nee, setup_ratio and quantiles of the lead time.")
+    section
 }
