@@ -276,7 +276,7 @@ impl From<KindError> for Failure {
 
 /// The code of the refusal of a model or of the stop of a shop that an error comes from, where it has one.
 fn code_of_model(error: &(dyn Error + 'static)) -> Option<&'static str> {
-    let of_shop = || error.downcast_ref::<ShopError>().and_then(ShopError::code);
+    let of_shop = || error.downcast_ref::<Box<ShopError>>().and_then(|stopped| stopped.code());
     match error.downcast_ref::<ModelError>() {
         Some(refusal) => refusal.code(),
         None => of_shop().or_else(|| error.source().and_then(code_of_model)),

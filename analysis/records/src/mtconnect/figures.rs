@@ -114,8 +114,8 @@ mod tests {
         let parts = program.stretches(1e6, 0.5);
         let all = figures(&program, &parts);
         let sum = |of: fn(&Figures) -> f64| all.iter().map(of).sum::<f64>();
-        // Into the cut and out of it; the ways down and up, the first being unknown; two square corners, at the bottom and in the plane.
-        assert_eq!(sum(|figures| figures.stops), 2.0);
+        // Out of the cut, before which M3 stops the axes; the ways down and up, the first being unknown; two square corners, at the bottom and in the plane.
+        assert_eq!(sum(|figures| figures.stops), 1.0);
         assert!((sum(|figures| figures.rapid_length) - 0.051).abs() < 1e-9, "{all:?}");
         assert!((sum(|figures| figures.corner_sum) - 2.0 * 0.5f64.sqrt()).abs() < 1e-9, "{all:?}");
         // The tool change, the first feed and the end.
