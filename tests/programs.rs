@@ -346,7 +346,7 @@ fn a_stock_is_what_a_drawing_or_a_contour_file_outlines() {
     let [boxed, lines] = [result(of_box), result(drawn)];
     // The volume is a sum over steps, which box and outline take where they need them.
     for (key, bound) in
-        [("removed [cm3]", 1e-4), ("peak_power [kW]", 1e-6), ("air_time [s]", 1e-6), ("peak_engagement [deg]", 1e-6)]
+        [("removed [cm3]", 1e-5), ("peak_power [kW]", 1e-6), ("air_time [s]", 1e-6), ("peak_engagement [deg]", 1e-6)]
     {
         let (one, other) = (number(&boxed, key), number(&lines, key));
         assert!((one - other).abs() <= bound * one.abs(), "{key}: {one} and {other}");

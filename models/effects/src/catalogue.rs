@@ -69,6 +69,11 @@ pub(crate) const fn rises(channel: &'static str) -> Touched {
     Touched { channel, sign: Sign::Rises }
 }
 
+/// Who looks for an effect on modes in the place of a search of its own.
+pub(crate) const BY_CUTS_THAT_CHATTERED: Search = Search::Untried(
+    "asked by `dynamics_drift`, of the cuts that chattered and their frequencies; no other channel of a cut reads it",
+);
+
 /// `channel` falls.
 pub(crate) const fn falls(channel: &'static str) -> Touched {
     Touched { channel, sign: Sign::Falls }

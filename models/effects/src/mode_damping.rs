@@ -17,6 +17,11 @@ record! {
     }
 }
 
+/// Who looks for it in the place of a search of its own.
+const BY_STIFFNESS: Search = Search::Untried(
+    "`dynamics_drift` asks for the stiffness, from which cuts that chattered do not tell the damping; no other channel of a cut reads it",
+);
+
 pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     id: "mode_damping",
     title: "damping ratios are not those that were tapped",
@@ -26,20 +31,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "mode_stiffness",
     separating_test: "tap the machine: the width of the resonance is the damping; the force of a cut is the coefficient",
     source: "assumption: one factor for all modes",
-    processes: &[
-        (
-            "turning",
-            Search::Untried(
-                "asked by `dynamics_drift`, of the cuts that chattered and their frequencies; no other channel of a cut reads it",
-            ),
-        ),
-        (
-            "milling",
-            Search::Untried(
-                "asked by `dynamics_drift`, of the cuts that chattered and their frequencies; no other channel of a cut reads it",
-            ),
-        ),
-    ],
+    processes: &[("turning", BY_STIFFNESS), ("milling", BY_STIFFNESS)],
 };
 
 impl<N: Number> ModeDamping<N> {

@@ -1,7 +1,7 @@
 //! The structure is stiffer or softer than it was tapped.
 
-use crate::catalogue::{CatalogueEntry, falls};
-use crate::{Context, Search, Terms};
+use crate::catalogue::{BY_CUTS_THAT_CHATTERED, CatalogueEntry, falls};
+use crate::{Context, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -26,20 +26,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "mode_damping",
     separating_test: "tap the machine: the height of the resonance is stiffness times damping, its width the damping",
     source: "assumption: one factor for all modes",
-    processes: &[
-        (
-            "turning",
-            Search::Untried(
-                "asked by `dynamics_drift`, of the cuts that chattered and their frequencies; no other channel of a cut reads it",
-            ),
-        ),
-        (
-            "milling",
-            Search::Untried(
-                "asked by `dynamics_drift`, of the cuts that chattered and their frequencies; no other channel of a cut reads it",
-            ),
-        ),
-    ],
+    processes: &[("turning", BY_CUTS_THAT_CHATTERED), ("milling", BY_CUTS_THAT_CHATTERED)],
 };
 
 impl<N: Number> ModeStiffness<N> {
