@@ -79,6 +79,7 @@ mod shift_labels;
 mod shop_facts;
 #[cfg(test)]
 mod shop_tests;
+mod size;
 mod stepwise;
 mod stops;
 mod summary;

@@ -7,12 +7,13 @@
 use super::belief::held_against;
 use super::closure::closures;
 use super::constants::{
-    AGREED, CONVINCING, FEWEST_GROUPS, FORM, GATE, IMITATED, LEAST_CLOSED, LEAST_OF_CLOSABLE, LEAST_SIZE, PAIR_GATE,
+    AGREED, CONVINCING, FEWEST_GROUPS, FORM, GATE, IMITATED, LEAST_CLOSED, LEAST_OF_CLOSABLE, PAIR_GATE,
     PROMISED, REMAINDER, SCATTERED, SLACK, STRAINED,
 };
 use super::decision::Decision;
 use super::diagnosing::Diagnosing;
 use super::evidence::predictive_gain;
+use super::size::too_small;
 use super::trial::{Remainder, Trial, shape_lead};
 use super::{Closure, Fit, Forward};
 use std::sync::OnceLock;
@@ -121,13 +122,10 @@ pub const RULES: &[Rule] = &[
     },
     Rule {
         id: "size",
-        reason: "its size is at least a quarter of an ordinary one",
+        reason: "its size is at least a quarter of an ordinary one, or it moves a channel by as much as matters",
         refusal: Refusal::Abstention,
         applies: |_| true,
-        verdict: |judged| {
-            let least = judged.trial.sizes(judged.model()).into_iter().map(f64::abs).fold(f64::INFINITY, f64::min);
-            (least < LEAST_SIZE).then(|| format!("its size is {least:.2} of an ordinary one, too small to matter"))
-        },
+        verdict: |judged| too_small(judged.model(), judged.context.basis, judged.trial),
     },
     Rule {
         id: "remainder",

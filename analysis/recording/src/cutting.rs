@@ -180,7 +180,7 @@ fn times(run: &Run<'_>, rows: &[usize], records: &mut Records) {
     for (row, pass_index) in rows.iter().enumerate() {
         let visit = &run.visits.list[run.visits.of_pass[*pass_index]];
         if visit.passes.len() == 1 && visit.whole {
-            cycle[row] = visit.handling + run.log.passes[*pass_index].cutting_time;
+            cycle[row] = visit.handling + visit.machining;
             stops[row] = f64::from(visit.stops);
             stopped[row] = visit.stop_time;
         }

@@ -99,6 +99,25 @@ fn forces_and_wear_are_those_of_the_log_within_their_sensors() {
     assert!((cycle / expected - 1.0).abs() < 0.01, "{cycle} s, {expected} s");
 }
 
+/// What a shop does otherwise than programmed is in the time that its control clocks, faster or slower.
+#[test]
+fn a_cycle_lasts_as_long_as_the_machine_was_at_it() {
+    let cycle = |deviation: &str| {
+        let (_, _, all) = shop("turning.toml", &[&format!("deviation=[{deviation}]")]);
+        mean(all[0].numbers("cycle_time").expect("cycles").iter().copied().filter(|cycle| cycle.is_finite()))
+    };
+    let (planned, cut) = (cycle(""), 60.0 * 0.575_958_653);
+    let added = |deviation: &str| cycle(deviation) - planned;
+    for size in [0.15, -0.15] {
+        let added = added(&format!(r#"{{ id = "feed_override", size = {size} }}"#));
+        assert!((added / (size * cut) - 1.0).abs() < 0.05, "{size}: {added} s");
+    }
+    // Ten stops of 20 s in an hour of cutting, some nineteen in two hundred operations.
+    let stopped = added(r#"{ id = "micro_stops", size = "10 1/h" }"#);
+    let expected = cut * 10.0 / 3600.0 * 20.0;
+    assert!(stopped > 0.4 * expected && stopped < 1.8 * expected, "{stopped} s, {expected} s");
+}
+
 /// A shop stops in the middle of what it does: the control has clocked no cycle of it.
 #[test]
 fn an_operation_in_process_at_the_end_has_no_cycle_time() {

@@ -39,6 +39,8 @@ pub struct Visit {
     cut: (f64, f64),
     /// Loading and unloading, s.
     pub handling: f64,
+    /// In cut or in plain work as the control clocks it, with what was added to the program, s.
+    pub machining: f64,
     /// Whether it began and ended within the run: of another one the control has clocked no cycle.
     pub whole: bool,
     /// Breakdowns in the middle of it.
@@ -102,9 +104,8 @@ impl Visits {
                     visit.stops += 1;
                     visit.stop_time += state.end - state.start;
                 }
-                MachineState::Cutting
-                | MachineState::Working
-                | MachineState::Setup
+                MachineState::Cutting | MachineState::Working => visit.machining += state.end - state.start,
+                MachineState::Setup
                 | MachineState::ToolChange
                 | MachineState::Dressing
                 | MachineState::Idle
