@@ -21,7 +21,7 @@
 //! | why model and records differ | [`diagnose`] | `toolroom gap diagnose` |
 //! | a diagnosis with its documents | [`gap_study::GapStudy`] | `toolroom gap diagnose` |
 //! | a process at one point, at many | [`planning::point::Point`], [`planning::point::PointGrid`] | `toolroom point` |
-//! | the cycle time of a part program | [`planning::program::CycleTime`] | `toolroom program` |
+//! | a part program on a machine | [`planning::program::ProgramStudy`] | `toolroom program` |
 //! | what differs between two runs | [`study::difference::RunDifference`] | `toolroom diff` |
 //! | what is wrong in a file of any kind | [`kinds::FileKind`] | `toolroom check` |
 //! | a process as an FMI unit | [`fmu::package`] | `toolroom fmu export` |

@@ -10,14 +10,12 @@ use toolroom_chart::page::Provenance;
 use toolroom_drives::{Drives, Machine};
 use toolroom_location::Location;
 use toolroom_output::{Files, provenance};
-use toolroom_planning::engagement::Engagement;
-use toolroom_planning::explain::Explanation;
-use toolroom_planning::feeds::Feeds;
+use toolroom_planning::feeds::FeedRequest;
 use toolroom_planning::folders::programs;
-use toolroom_planning::motions::motion_table;
-use toolroom_planning::program::report::{ProgramContext, report};
-use toolroom_planning::program::{CycleTime, drawing, overview_json, overview_text, set_drive};
-use toolroom_post::{Form, post};
+use toolroom_planning::program::{
+    CycleTime, ProgramOnMachine, ProgramRequest, ProgramStudy, overview_json, overview_text, set_drive,
+};
+use toolroom_post::Form;
 use toolroom_program::{Control, Dialect, ProgramError, Source, Units};
 use toolroom_stock::{FeedLimit, FeedObjective, FollowError, Setup};
 
@@ -104,76 +102,63 @@ fn machine_of(file: &Path, args: &ProgramArgs, setup: Option<&Setup>) -> Result<
     Ok((control, drives))
 }
 
-/// Steps of a program on which bars count: its cycle time, its engagement, its feeds, its files.
-const STEPS: u32 = 4;
-
 /// All that is told of one program.
 fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let name = file.display().to_string();
-    let text = Source::open(file).map_err(Failure::unread(file))?;
+    let source = Source::open(file).map_err(Failure::unread(file))?;
     let files = Files::new([file], voice.force);
     let outputs = [&args.blocks, &args.out, &args.motions, &args.report, &args.drawing];
     files.check_all(outputs.into_iter().flatten().map(PathBuf::as_path))?;
     let setup = args.setup.as_deref().map(|path| Setup::read(path, &[])).transpose()?.map(|file| file.content);
     let (control, drives) = machine_of(file, args, setup.as_ref())?;
     let bar = Bar::of(voice, "steps");
-    let cycle = CycleTime::new(text.clone(), &control, &drives, args.blocks.is_some())
-        .map_err(|error| refused(file, &error))?;
-    bar.part(1, STEPS);
-    let explanation = args
-        .explain
-        .map(|line| Explanation::new(&text, &control, &drives, line as usize))
-        .transpose()
-        .map_err(|error| refused(file, &error))?;
-    let engagement = setup
-        .as_ref()
-        .map(|setup| Engagement::new(text.clone(), &control, setup, args.motions.as_ref().map(|_| &drives)))
-        .transpose()
+    let of = ProgramOnMachine { source, control, drives, setup };
+    let study = ProgramStudy::new(of, &request(args), &|done, total| bar.part(done, total))
         .map_err(|error| not_followed(file, &error))?;
-    bar.part(2, STEPS);
-    let feeds = feeds(&text, &control, &drives, setup.as_ref(), args).map_err(|error| not_followed(file, &error))?;
-    bar.part(3, STEPS);
     let put = |path: &Path, bytes: &[u8]| -> Result<(), Failure> {
         files.put(path, bytes)?;
         voice.say(format_args!("wrote {}", path.display()));
         Ok(())
     };
     if let Some(path) = &args.motions {
-        let table =
-            engagement.as_ref().map_or_else(|| motion_table(&text, &control, &drives), |table| Ok(table.table()));
-        put(path, table.map_err(|error| refused(file, &error))?.as_bytes())?;
+        put(path, study.motions().map_err(|error| refused(file, &error))?.as_bytes())?;
     }
     if let Some(path) = &args.blocks {
-        put(path, cycle.table().as_bytes())?;
+        put(path, study.cycle.table().as_bytes())?;
     }
     if let Some(path) = &args.report {
-        let known = ProgramContext {
-            cycle: &cycle,
-            setup: setup.as_ref(),
-            engagement: engagement.as_ref(),
-            feeds: feeds.as_ref(),
-        };
-        let page = report(&name, (&text, &control, &drives), &known, origin(file, args)?)
-            .map_err(|error| not_followed(file, &error))?;
+        let page = study.report(&name, origin(file, args)?).map_err(|error| not_followed(file, &error))?;
         put(path, page.html().as_bytes())?;
     }
     if let Some(path) = &args.drawing {
-        let drawing = drawing(&text, &control).map_err(|error| refused(file, &error))?;
-        put(path, drawing.text().as_bytes())?;
+        put(path, study.drawing().map_err(|error| refused(file, &error))?.text().as_bytes())?;
     }
     if let (Some(dialect), Some(path)) = (args.post.as_deref().and_then(Dialect::named), &args.out) {
         let form = Form { dialect, keep_cycles: args.keep_cycles };
-        let written = match &feeds {
-            Some(feeds) => feeds.post(text, &control, form),
-            None => post(text, &control, form),
-        };
-        let written = written.map_err(|error| refused(file, &error))?;
+        let written = study.post(form).map_err(|error| refused(file, &error))?;
         put(path, written.text.as_bytes())?;
         for note in written.notes() {
             voice.say(note);
         }
     }
     bar.finish();
+    say(&study.cycle, voice);
+    if voice.json {
+        voice.json(&study.json())?;
+    } else {
+        study.texts().iter().try_for_each(|text| voice.data(text))?;
+    }
+    match study.fault().filter(|_| args.strict) {
+        Some((line, fault)) => {
+            let message = format!("{name}:{line}: {fault}");
+            Err(Failure::work(message).at(Some(Location::line(name, line))))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Says how a program was read.
+fn say(cycle: &CycleTime, voice: &Voice) {
     let (dialect, reason) = cycle.dialect();
     voice.say(format_args!("read as a program for {dialect}: {reason}"));
     for (line, note) in cycle.notes() {
@@ -185,50 +170,6 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
             "{count} blocks move axes from places that only the machine knows (first: line {first}); those axes count as standing"
         ));
     }
-    if voice.json {
-        let mut result = cycle.json();
-        if let Some(engagement) = &engagement {
-            result["engagement"] = engagement.json();
-        }
-        if let Some(feeds) = &feeds {
-            let mut of_feeds = feeds.json();
-            result["engagement"]["limits"] = of_feeds["limits"].take();
-            result["planned"] = of_feeds["planned"].take();
-        }
-        if let Some(explanation) = &explanation {
-            result["explained"] = explanation.json();
-        }
-        voice.json(&result)?;
-    } else {
-        voice.data(cycle.text())?;
-        if let Some(engagement) = &engagement {
-            voice.data(engagement.text())?;
-        }
-        if let Some(feeds) = &feeds {
-            voice.data(feeds.text())?;
-        }
-        if let Some(explanation) = &explanation {
-            voice.data(explanation.text())?;
-        }
-    }
-    if let Some((limit, ratio, line)) = feeds.iter().flat_map(Feeds::broken).next().filter(|_| args.strict) {
-        let message = format!("{name}:{line}: {} is {ratio:.2} times what is allowed", limit.word());
-        return Err(Failure::work(message).at(Some(Location::line(name, line))));
-    }
-    let Some(engagement) = engagement.filter(|_| args.strict) else { return Ok(()) };
-    let faults = [
-        (engagement.crashes().first(), "a rapid motion meets material"),
-        (engagement.holders().first(), "the holder of the tool meets material"),
-        (engagement.hollow_plunges().first(), "a tool that does not cut at its centre plunges"),
-        (engagement.gouges().first().map(|(line, _)| line), "the motion cuts into the part"),
-    ];
-    match faults.into_iter().find_map(|(line, fault)| Some((line?, fault))) {
-        Some((line, fault)) => {
-            let message = format!("{name}:{line}: {fault}");
-            Err(Failure::work(message).at(Some(Location::line(name, *line))))
-        }
-        None => Ok(()),
-    }
 }
 
 /// Command and input files of a report, but for the text of the setup.
@@ -237,18 +178,21 @@ fn origin(file: &Path, args: &ProgramArgs) -> Result<Provenance, Failure> {
     Ok(provenance("program", &[(file.display().to_string(), &bytes)], args.words(), None))
 }
 
-/// Use of the limits and planned feeds, where either is requested.
-fn feeds(
-    text: &Source,
-    control: &Control,
-    drives: &Drives,
-    setup: Option<&Setup>,
-    args: &ProgramArgs,
-) -> Result<Option<Feeds>, FollowError> {
-    let Some(setup) = setup.filter(|_| args.objective.is_some() || args.limits.is_some()) else { return Ok(None) };
-    let objective = args.objective.as_deref().and_then(FeedObjective::from_word);
-    let limits: Vec<FeedLimit> = args.limits.iter().flatten().filter_map(|word| FeedLimit::from_word(word)).collect();
-    Feeds::new(text, control, drives, setup, (objective, (args.speeds, args.blocks_factor), &limits)).map(Some)
+/// What the arguments ask of a program.
+fn request(args: &ProgramArgs) -> ProgramRequest {
+    let limits = args.limits.iter().flatten().filter_map(|word| FeedLimit::from_word(word)).collect();
+    let feeds = FeedRequest {
+        objective: args.objective.as_deref().and_then(FeedObjective::from_word),
+        speeds: args.speeds,
+        blocks_factor: args.blocks_factor,
+        limits,
+    };
+    ProgramRequest {
+        blocks: args.blocks.is_some(),
+        motions: args.motions.is_some(),
+        explain: args.explain.map(|line| line as usize),
+        feeds: (args.objective.is_some() || args.limits.is_some()).then_some(feeds),
+    }
 }
 
 /// A refused program, with all words of it that are refused.

@@ -72,6 +72,9 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
         let id = own["id"].as_str().unwrap_or_default();
         request.only.is_empty() || request.only.iter().any(|only| only == id)
     };
+    if let Some(error) = unknown(diagnosis, request.only) {
+        return Err(error);
+    }
     let effects = list("effects");
     let effects: Vec<&Value> = effects.iter().filter(wanted).copied().collect();
     let mut constants = if request.calibration { list("calibration") } else { Vec::new() };
@@ -125,4 +128,20 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
     let mark = request.text.chars().next().filter(|first| *first == BYTE_ORDER_MARK);
     changes.text = mark.into_iter().collect::<String>() + &document.to_string();
     Ok(changes)
+}
+
+/// The first of the names that were chosen that stands for nothing in a diagnosis, whatever its process.
+fn unknown(diagnosis: &Value, only: &[String]) -> Option<ApplyError> {
+    let of = |applied: &Value| {
+        let lists = ["effects", "calibration"].map(|key| applied[key].as_array().cloned().unwrap_or_default());
+        lists.concat().iter().filter_map(|own| own["id"].as_str().map(str::to_owned)).collect::<Vec<String>>()
+    };
+    let proposals = diagnosis["proposals"].as_array().into_iter().flatten();
+    let mut there: Vec<String> = of(&diagnosis["applied"]);
+    there.extend(proposals.flat_map(|own| of(&own["applied"])));
+    there.sort();
+    there.dedup();
+    let name = only.iter().find(|name| !there.contains(name))?.clone();
+    let found = if there.is_empty() { "no effect".to_owned() } else { there.join(", ") };
+    Some(ApplyError::Only { name, found })
 }

@@ -32,6 +32,14 @@ pub enum ApplyError {
         /// What was looked for.
         target: String,
     },
+    /// Something that was chosen by name and that the diagnosis has not found.
+    #[error("--only {name}: the diagnosis has found no `{name}`; it has {found}")]
+    Only {
+        /// What was chosen.
+        name: String,
+        /// What there is.
+        found: String,
+    },
     /// Nothing to write.
     #[error("the diagnosis has neither an effect nor a calibration that is to be written")]
     Nothing,
@@ -56,6 +64,7 @@ impl ApplyError {
             Self::Model { .. } => "give the diagnosed file with the same --set, or diagnose again",
             Self::Schema { .. } | Self::Value { .. } => "diagnose again",
             Self::Effect { .. } => "choose others by --only ID",
+            Self::Only { .. } => "give the id of an effect of the diagnosis, or leave --only out",
             Self::Target { .. } => "give the model whose rows were diagnosed",
             Self::Nothing => "there is nothing to switch on",
             Self::Text { .. } => "mend the file",

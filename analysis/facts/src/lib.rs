@@ -15,6 +15,7 @@
 //! | [`middle`] | do changes and handling last as long as the file says, and would a cause of the catalogue show it? |
 //! | [`spread`] | do times scatter as the file says, whatever their middle? |
 //! | [`arrivals`] | do as many jobs come, and as evenly? |
+//! | [`agreement`] | which machines of a pool share a constant? |
 //! | [`survival`] | do edges live as long as simulated ones (log-rank, censored)? |
 //! | [`waits`] | do queues wait as replicated ones do (days are blocks)? |
 //!
@@ -30,6 +31,7 @@
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
+pub mod agreement;
 pub mod arrivals;
 pub mod count;
 mod fact;

@@ -56,8 +56,8 @@ pub struct QueueFit {
     pub score: f64,
     /// Area between the distribution of the probabilities and the uniform one; 0 for the true shop.
     pub area: f64,
-    /// Mean waits of the replications, s.
-    pub means: Vec<f64>,
+    /// Sum of the recorded waits of each day, s, with the mean of that of the replications, s.
+    pub days: Vec<(f64, f64)>,
     /// The score of each replication among the others.
     pub scores: Vec<f64>,
 }
@@ -320,28 +320,31 @@ fn fit(
     let mut random = ChaCha8Rng::seed_from_u64(seed.wrapping_add(1));
     let mut days = Days::default();
     let mut others = vec![Days::default(); REPLICATIONS];
-    let mut means = vec![0.0; REPLICATIONS];
+    let mut sums: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
     let mut probabilities = Vec::with_capacity(scored.len());
     for place in scored {
         let (call, replicated) = (calls[*place], &waits[*place]);
         let day = (call.ready / DAY).floor() as i64;
-        let u = rank(call.visit.start - call.ready, replicated, 0.0, random.random());
+        let recorded = call.visit.start - call.ready;
+        let u = rank(recorded, replicated, 0.0, random.random());
         days.add(day, u);
+        let mean = replicated.iter().sum::<f64>() / REPLICATIONS as f64;
+        let of_day = sums.entry(day).or_default();
+        *of_day = (of_day.0 + recorded.max(0.0), of_day.1 + mean);
         probabilities.push(u);
         for (replication, wait) in replicated.iter().enumerate() {
             // Among the others: itself is one of those that are equal.
             others[replication].add(day, rank(*wait, replicated, 1.0, random.random()));
-            means[replication] += wait / scored.len() as f64;
         }
     }
     probabilities.sort_by(f64::total_cmp);
     let all = probabilities.len() as f64;
     let area = probabilities.iter().enumerate().map(|(i, u)| ((i as f64 + 0.5) / all - u).abs()).sum::<f64>() / all;
     QueueFit {
-        mean: means.iter().sum::<f64>() / REPLICATIONS as f64,
+        mean: sums.values().map(|own| own.1).sum::<f64>() / scored.len() as f64,
         score: days.score(),
         area,
-        means,
+        days: sums.into_values().collect(),
         scores: others.iter().map(Days::score).collect(),
     }
 }

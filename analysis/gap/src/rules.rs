@@ -7,8 +7,8 @@
 use super::belief::held_against;
 use super::closure::closures;
 use super::constants::{
-    AGREED, CONVINCING, FEWEST_GROUPS, FORM, GATE, IMITATED, LEAST_CLOSED, LEAST_OF_CLOSABLE, PAIR_GATE,
-    PROMISED, REMAINDER, SCATTERED, SLACK, STRAINED,
+    AGREED, CONVINCING, FEWEST_GROUPS, FORM, GATE, IMITATED, LEAST_CLOSED, LEAST_OF_CLOSABLE, PAIR_GATE, PROMISED,
+    REMAINDER, SCATTERED, SLACK, STRAINED,
 };
 use super::decision::Decision;
 use super::diagnosing::Diagnosing;

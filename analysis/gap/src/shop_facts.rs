@@ -7,11 +7,12 @@ use super::constants::UNEXPLAINED_QUEUE;
 use super::queue::{QueueScore, occasion, queues};
 use super::{Diagnosis, EffectId, Fitness, GapVerdict, Part};
 use std::collections::BTreeMap;
+use toolroom_facts::agreement::{agreeing, same_middle, same_rate};
 use toolroom_facts::failures::{History, shape, time_between};
 use toolroom_facts::spread::spread;
 use toolroom_facts::survival::{Life, lives};
 use toolroom_facts::times::{share_above, times};
-use toolroom_facts::waits::waits;
+use toolroom_facts::waits::{Waits, waits};
 use toolroom_facts::{Fact, Quantity, adjusted, findings, slight};
 use toolroom_nominal::Declarations;
 use toolroom_nominal::shop::{Breakdowns, SHORT_STOP, Shop, Station, Visit, Visits, visits};
@@ -101,51 +102,97 @@ fn same(a: &FailureMode, b: &FailureMode) -> bool {
     a.clock == b.clock && a.time_between == b.time_between && a.time_to_repair == b.time_to_repair
 }
 
-/// Times between failures and to repair: of each machine, and of all machines with one law together.
+/// Times between failures and to repair: of all machines with one law together as far as they agree, and of each machine.
 pub(super) fn of_failures(shop: &Shop, visits: &Visits, shaped: bool, seed: u64) -> Vec<Fact> {
-    let mut facts = Vec::new();
-    let mut pools: Vec<(&FailureMode, Vec<usize>)> = Vec::new();
+    let mut pools: Vec<Pool<'_>> = Vec::new();
     for (machine, name) in visits.machines.iter().enumerate() {
         let Some(mode) = shop.station(name).and_then(only) else { continue };
-        match pools.iter_mut().find(|(other, _)| same(other, mode)) {
-            Some((_, machines)) => machines.push(machine),
-            None => pools.push((mode, vec![machine])),
+        let own = (name.as_str(), &visits.breakdowns[machine]);
+        match pools.iter_mut().find(|pool| same(pool.mode, mode)) {
+            Some(pool) => pool.machines.push(own),
+            None => pools.push(Pool { mode, machines: vec![own] }),
         }
     }
-    for (mode, machines) in &pools {
-        let all: Vec<&Breakdowns> = machines.iter().map(|machine| &visits.breakdowns[*machine]).collect();
-        let place = machines.iter().map(|machine| visits.machines[*machine].as_str()).collect::<Vec<_>>().join(", ");
-        facts.extend(of_mode(mode, place, &all, shaped, seed));
-        if machines.len() > 1 {
-            for machine in machines {
-                let breakdowns = [&visits.breakdowns[*machine]];
-                facts.extend(of_mode(mode, visits.machines[*machine].clone(), &breakdowns, true, seed));
-            }
-        }
-    }
-    facts
+    let of_pool = |pool: &Pool<'_>| -> Vec<Fact> {
+        // The shape of a machine alone is asked where it has no pool.
+        let shaped = |places: &[usize]| shaped || places.len() < pool.machines.len().min(2);
+        let between = pool.facts(pool.rate_groups(), |places| pool.of_rate(places, shaped(places), seed));
+        between.into_iter().chain(pool.facts(pool.repair_groups(), |places| pool.of_repair(places))).collect()
+    };
+    pools.iter().flat_map(of_pool).collect()
 }
 
-fn of_mode(mode: &FailureMode, place: String, all: &[&Breakdowns], shaped: bool, seed: u64) -> Vec<Fact> {
-    let busy = mode.clock == FailureClock::Busy;
-    let between = |own: &Breakdowns| if busy { own.used_between.clone() } else { own.up_between.clone() };
-    let repairs: Vec<f64> = all.iter().flat_map(|own| own.repairs.iter().copied()).collect();
-    let history = History {
-        place: place.clone(),
-        pooled: all.len() > 1,
-        failures: all.iter().map(|own| own.times.len() as u64).sum(),
-        exposure: all.iter().map(|own| if busy { own.used } else { own.up }).sum(),
-        intervals: all.iter().flat_map(|own| between(own)).collect(),
-    };
-    // Only what is repaired for longer than a short stop is told from one.
-    let visible = share_above(&mode.time_to_repair, SHORT_STOP);
-    let exponential = matches!(mode.time_between, Distribution::Exponential { .. });
-    // Counts of several clocks that are not exponential have no law of one.
-    let level = (exponential || all.len() == 1).then(|| time_between(&history, &mode.time_between, visible, seed));
-    let shape = if shaped { None } else { shape(&history, &mode.time_between, seed) };
-    let repair = times(Quantity::TimeToRepair, &place, &repairs, &mode.time_to_repair, 0.0, SHORT_STOP);
-    let repair = repair.map(|fact| Fact { pooled: all.len() > 1, ..fact });
-    level.flatten().into_iter().chain(shape).chain(repair).collect()
+/// Machines that break down by one law.
+struct Pool<'a> {
+    mode: &'a FailureMode,
+    /// Name and breakdowns of each.
+    machines: Vec<(&'a str, &'a Breakdowns)>,
+}
+
+impl Pool<'_> {
+    /// The facts of every group of machines, and of each machine of the first one.
+    fn facts(&self, groups: Vec<Vec<usize>>, of: impl Fn(&[usize]) -> Vec<Fact>) -> Vec<Fact> {
+        let alone = groups.first().filter(|group| group.len() > 1).cloned().unwrap_or_default();
+        groups.into_iter().chain(alone.into_iter().map(|place| vec![place])).flat_map(|group| of(&group)).collect()
+    }
+
+    /// The machines that break down as often as each other, and those that do not; counts that are not Poisson's are not compared.
+    fn rate_groups(&self) -> Vec<Vec<usize>> {
+        if !matches!(self.mode.time_between, Distribution::Exponential { .. }) {
+            return vec![(0..self.machines.len()).collect()];
+        }
+        let seen = |place: &usize| {
+            let breakdowns = self.machines[*place].1;
+            (breakdowns.times.len() as u64, self.exposure(breakdowns))
+        };
+        agreeing(self.machines.len(), |places| {
+            same_rate(&places.iter().map(seen).filter(|own| own.1 > 0.0).collect::<Vec<_>>())
+        })
+    }
+
+    /// The machines whose repairs last as long as each other's, and those whose do not.
+    fn repair_groups(&self) -> Vec<Vec<usize>> {
+        let repairs = |place: &usize| self.machines[*place].1.repairs.as_slice();
+        agreeing(self.machines.len(), |places| same_middle(&places.iter().map(repairs).collect::<Vec<_>>()))
+    }
+
+    fn exposure(&self, breakdowns: &Breakdowns) -> f64 {
+        if self.mode.clock == FailureClock::Busy { breakdowns.used } else { breakdowns.up }
+    }
+
+    fn place(&self, places: &[usize]) -> String {
+        places.iter().map(|place| self.machines[*place].0).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Level and shape of the times between failures.
+    fn of_rate(&self, places: &[usize], shaped: bool, seed: u64) -> Vec<Fact> {
+        let (mode, busy) = (self.mode, self.mode.clock == FailureClock::Busy);
+        let all = || places.iter().map(|place| self.machines[*place].1);
+        let between = |own: &Breakdowns| if busy { own.used_between.clone() } else { own.up_between.clone() };
+        let history = History {
+            place: self.place(places),
+            pooled: places.len() > 1,
+            failures: all().map(|own| own.times.len() as u64).sum(),
+            exposure: all().map(|own| self.exposure(own)).sum(),
+            intervals: all().flat_map(between).collect(),
+        };
+        // Only what is repaired for longer than a short stop is told from one.
+        let visible = share_above(&mode.time_to_repair, SHORT_STOP);
+        let exponential = matches!(mode.time_between, Distribution::Exponential { .. });
+        // Counts of several clocks that are not exponential have no law of one.
+        let level =
+            (exponential || places.len() == 1).then(|| time_between(&history, &mode.time_between, visible, seed));
+        let shape = if shaped { None } else { shape(&history, &mode.time_between, seed) };
+        level.flatten().into_iter().chain(shape).collect()
+    }
+
+    fn of_repair(&self, places: &[usize]) -> Vec<Fact> {
+        let repairs: Vec<f64> =
+            places.iter().flat_map(|place| self.machines[*place].1.repairs.iter().copied()).collect();
+        let law = &self.mode.time_to_repair;
+        let repair = times(Quantity::TimeToRepair, &self.place(places), &repairs, law, 0.0, SHORT_STOP);
+        repair.into_iter().map(|fact| Fact { pooled: places.len() > 1, ..fact }).collect()
+    }
 }
 
 /// Lives of the edges of every machine.
@@ -186,5 +233,5 @@ fn of_handling(shop: &Shop, visits: &Visits, stated: &Declarations) -> Vec<Fact>
 fn of_queue(score: &QueueScore, explained: bool) -> Option<Fact> {
     let fit = score.fit(explained);
     let place = score.machines.join(", ");
-    waits(&place, score.waits as u64, score.recorded, &fit.means, fit.score, &fit.scores)
+    waits(&place, &Waits { count: score.waits as u64, days: &fit.days, score: fit.score, scores: &fit.scores })
 }

@@ -34,6 +34,7 @@ mod readers;
 mod records;
 mod reference;
 mod samples;
+mod scopes;
 mod truncated;
 mod warning;
 mod workload;
@@ -83,6 +84,14 @@ pub const CODES: &[(&str, &str)] = &[
     (
         "empirical",
         "A warning of check: an effect of the file has kind = \"empirical\". It describes what records showed without saying why, such as a term that gap diagnose --propose has written. It holds where it was seen; its formula keeps the value of the end of that range beyond it. Look for the cause before a plan rests on it.",
+    ),
+    (
+        "acts-together",
+        "A warning of check: two entries of the same effect, or two calibrations of the same value, can act on one operation. Their factors multiply and what they add is added, in the order of the file. Where only one of them is meant, write the operations of each into its `scope`.",
+    ),
+    (
+        "records-only",
+        "A warning of check: something is scoped by `material` or `operator`. A simulated shop has neither, so that it acts on the records of a diagnosis and in no run.",
     ),
     (
         "coefficients",

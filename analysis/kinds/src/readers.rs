@@ -5,6 +5,7 @@ use crate::base;
 use crate::checked::{CheckResult, checked};
 use crate::empirical::empirical;
 use crate::places::{header, nominal as nominal_place, parameter, refused};
+use crate::scopes::{records_only, together};
 use crate::warning::{Warning, unusual};
 use crate::workload::workload;
 use serde_json::{Map, json};
@@ -72,7 +73,9 @@ pub fn scenario(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
         scenario.horizon / 3600.0,
     ) + &workload.text();
     let strange = unusual(&echo);
-    let warnings: Vec<Warning> = workload.warnings.into_iter().chain(empirical(&scenario)).chain(strange).collect();
+    let scoped = together(&scenario).into_iter().chain(records_only(&scenario));
+    let told = workload.warnings.into_iter().chain(empirical(&scenario)).chain(scoped);
+    let warnings: Vec<Warning> = told.chain(strange).collect();
     Ok(CheckResult { echo, result, summary }.warned(&warnings))
 }
 

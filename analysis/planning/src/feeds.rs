@@ -9,6 +9,19 @@ use toolroom_program::{Action, Block, Blocks, Control, ProgramError, Sense, Sour
 pub use toolroom_stock::{FeedLimit, FeedObjective};
 use toolroom_stock::{FeedPlan, FollowError, LimitUse, Setup};
 
+/// What is asked of the feeds of a program in a setup.
+#[derive(Clone, Debug)]
+pub struct FeedRequest {
+    /// What planned feeds are to reach; `None` only holds those of the program against the limits.
+    pub objective: Option<FeedObjective>,
+    /// Whether spindle speeds are planned as well.
+    pub speeds: bool,
+    /// Motions of a plan over those of the program, at most (from 1).
+    pub blocks_factor: f64,
+    /// The limits that count; none are all of the setup.
+    pub limits: Vec<FeedLimit>,
+}
+
 /// A program with the use of its limits and, where an objective is given, its planned feeds.
 #[derive(Clone, Debug)]
 pub struct Feeds {
@@ -19,7 +32,7 @@ pub struct Feeds {
 }
 
 impl Feeds {
-    /// Plans a program, with `speeds` its spindle speeds, too, into at most `blocks` times as many motions; `limits` are those that count, all where there is none.
+    /// Plans a program as `asked`.
     ///
     /// # Errors
     /// [`FollowError`]: the program is refused, or cuts with a tool that the setup does not have.
@@ -28,9 +41,11 @@ impl Feeds {
         control: &Control,
         drives: &Drives,
         setup: &Setup,
-        (objective, (speeds, blocks), limits): (Option<FeedObjective>, (bool, f64), &[FeedLimit]),
+        asked: &FeedRequest,
     ) -> Result<Self, FollowError> {
-        let plan = FeedPlan::divided(source.clone(), control, setup, (objective, speeds, blocks), limits)?;
+        let objective = asked.objective;
+        let how = (objective, asked.speeds, asked.blocks_factor);
+        let plan = FeedPlan::divided(source.clone(), control, setup, how, &asked.limits)?;
         let before = time(source, control, drives, &FeedPlan::default())?;
         let after = if objective.is_some() { time(source, control, drives, &plan)? } else { before };
         Ok(Self { plan, objective, times: (before, after) })

@@ -1,7 +1,10 @@
 //! The nominal cycle time of a part program, by tool and by block.
 
 mod course;
-pub mod report;
+mod report;
+mod study;
+
+pub use study::{ProgramOnMachine, ProgramRequest, ProgramStudy};
 
 use crate::change::{ChangeError, assign, parts};
 use crate::tables::table;

@@ -1,7 +1,12 @@
 //! How long each block takes.
 
+mod joints;
+mod ramp;
+
 use crate::record::Drives;
 use crate::spindle::Spindle;
+use joints::{joints, smooth};
+use ramp::Ramp;
 use toolroom_program::{Action, Block, Motion, Path, Program, Purpose};
 
 /// Time that a machine spends.
@@ -389,113 +394,6 @@ impl Timer {
     /// the end under `key`.
     pub fn finish(&mut self, key: usize, done: &mut Vec<Spent>) {
         self.close(key, done);
-    }
-}
-
-/// Speed at the corner between two motions, m/s.
-fn corner(previous: &Step, following: &Step, drives: &Drives) -> f64 {
-    let top = previous.top.min(following.top);
-    if drives.corner_step > 0.0 {
-        let change = previous.end.iter().zip(following.start).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        return top.min(drives.corner_step / change.max(1e-12));
-    }
-    let dot: f64 = previous.end.iter().zip(following.start).map(|(a, b)| a * b).sum();
-    if drives.corner_cosine >= 0.5 {
-        return top * dot.clamp(0.0, 1.0);
-    }
-    let half = (0.5 * (1.0 + dot.clamp(-1.0, 1.0))).sqrt();
-    // Without a turn the speed is that of the motions, whatever the rounding of `half`.
-    let acceleration = 1.0 / drives.inverse_acceleration;
-    top.min((acceleration * drives.corner_deviation * half / (1.0 - half).max(1e-15)).sqrt())
-}
-
-/// Whether a motion goes on at the speed of the one before it without slowing down between them.
-fn smooth(previous: &Step, following: &Step, drives: &Drives) -> bool {
-    (previous.top - following.top).abs() <= 1e-9 * previous.top
-        && corner(previous, following, drives) >= previous.top * (1.0 - 1e-9)
-}
-
-/// Speeds before each step and behind the last, m/s, and whether the look-ahead holds them below the speed of the step.
-fn joints(steps: &[Step], entry: f64, drives: &Drives) -> (Vec<f64>, Vec<bool>) {
-    let acceleration = 1.0 / drives.inverse_acceleration;
-    let mut joints = vec![0.0; steps.len() + 1];
-    let mut short_sighted = vec![false; steps.len() + 1];
-    joints[0] = entry;
-    for i in 1..steps.len() {
-        joints[i] = corner(&steps[i - 1], &steps[i], drives);
-    }
-    let reach = |speed: f64, way: f64| (speed * speed + 2.0 * acceleration * way).sqrt();
-    if drives.look_ahead >= 1.0 {
-        // What lies beyond the look-ahead may be a stop.
-        let ahead = drives.look_ahead as usize;
-        let mut ways = vec![0.0; steps.len() + 1];
-        for (i, step) in steps.iter().enumerate() {
-            ways[i + 1] = ways[i] + step.way;
-        }
-        for i in 1..steps.len() {
-            let seen = (i + ahead - 1).min(steps.len());
-            let speed = reach(0.0, ways[seen] - ways[i]);
-            // What is known to be the last step needs no foresight.
-            short_sighted[i] = seen < steps.len() && speed < joints[i];
-            joints[i] = joints[i].min(speed);
-        }
-    }
-    for i in (1..steps.len()).rev() {
-        joints[i] = joints[i].min(reach(joints[i + 1], steps[i].way));
-    }
-    for i in 0..steps.len() {
-        joints[i + 1] = joints[i + 1].min(reach(joints[i], steps[i].way));
-    }
-    (joints, short_sighted)
-}
-
-/// How a drive changes its speed.
-#[derive(Clone, Copy)]
-struct Ramp {
-    /// m/s².
-    acceleration: f64,
-    /// s.
-    jerk_time: f64,
-}
-
-/// Halvings of the interval of a peak speed: to a part in a thousand million, so that the time is that of the closed form within a
-/// microsecond.
-const HALVINGS: usize = 30;
-
-impl Ramp {
-    /// Time of a change of speed by `change` m/s, s.
-    fn time(&self, change: f64) -> f64 {
-        let full = self.acceleration * self.jerk_time;
-        if change >= full {
-            change / self.acceleration + self.jerk_time
-        } else {
-            2.0 * (change * self.jerk_time / self.acceleration).sqrt()
-        }
-    }
-
-    /// Time, s, and way, m, of the ramps from `start` over `peak` to `end`; their speed is symmetric.
-    fn both(&self, start: f64, peak: f64, end: f64) -> (f64, f64) {
-        let (up, down) = (self.time((peak - start).max(0.0)), self.time((peak - end).max(0.0)));
-        (up + down, 0.5 * (start + peak) * up + 0.5 * (peak + end) * down)
-    }
-
-    /// Time of a `way`, m, from speed `start` over at most `top` to `end`, m/s, in s.
-    fn time_of(&self, way: f64, top: f64, start: f64, end: f64) -> f64 {
-        let squares = start * start + end * end;
-        let mut peak = top.min((self.acceleration * way + 0.5 * squares).sqrt());
-        if self.jerk_time > 0.0 && self.both(start, peak, end).1 > way {
-            let (mut low, mut high) = (start.max(end), peak);
-            for _ in 0..HALVINGS {
-                peak = 0.5 * (low + high);
-                if self.both(start, peak, end).1 > way { high = peak } else { low = peak }
-            }
-        }
-        let (time, ramps) = self.both(start, peak, end);
-        if ramps > way {
-            // The look-ahead knows no jerk: ramps that are too long are taken at their mean speed.
-            return time * way / ramps;
-        }
-        time + if peak > 0.0 { (way - ramps) / peak } else { 0.0 }
     }
 }
 

@@ -4,7 +4,13 @@
 //! Systems here have a handful of states and smooth right-hand sides; sizes are known at
 //! compile time, nothing is allocated.
 
+mod dormand_prince;
+mod short_step;
+
+pub use short_step::{Autonomous, short_step};
+
 use crate::{ModelError, Number};
+use dormand_prince::{Dense, Step, dormand_prince};
 
 /// One classical fourth-order Runge–Kutta step of length `h` from (`t`, `y`).
 ///
@@ -254,74 +260,6 @@ pub fn unless_passed<const E: usize>(passed: [bool; E], events: [f64; E]) -> [f6
     std::array::from_fn(|i| if passed[i] { f64::NEG_INFINITY } else { events[i] })
 }
 
-/// Greatest change of a component in a [`short_step`], share of its size and scale.
-const SHORT: f64 = 0.02;
-
-/// A right-hand side that time does not enter. A closure is one; a type of its own may have it
-/// compiled into the step with `#[inline(always)]`, so that what it returns stays in registers.
-pub trait Autonomous<const D: usize> {
-    /// The right-hand side at `y`.
-    fn slope(&self, y: &[f64; D]) -> [f64; D];
-}
-
-impl<const D: usize, F: Fn(&[f64; D]) -> [f64; D]> Autonomous<D> for F {
-    #[inline]
-    fn slope(&self, y: &[f64; D]) -> [f64; D] {
-        self(y)
-    }
-}
-
-/// One third-order step over `h` where so little changes in it that this is accurate enough; `None` where it is not. It takes
-/// three calls of the right-hand side, whatever went before it.
-///
-/// Accurate enough is: no component changes by more than 2 % of its size plus its scale
-/// (`absolute/relative` of the tolerance), and the error of the embedded second-order step is
-/// within the tolerance. That of the step itself is smaller by the ratio of `h` to the time in
-/// which the right-hand side changes.
-///
-/// # Source
-/// Bogacki & Shampine, Appl. Math. Lett. 2 (1989) 321-325: the third-order step. Their second-order step asks for the
-/// right-hand side at the end as well, which the next step can only use where its input is the same; an input that changes
-/// with every step would cost a fourth call. The weights 1/9, 2/3, 2/9 of the same three calls meet the conditions of second
-/// order, too, and their error is at least that of Bogacki and Shampine in each of the two terms of third order:
-///
-/// | term | this | Bogacki & Shampine |
-/// |---|---|---|
-/// | f'f'f | 1/12 | 1/48 |
-/// | f''(f, f) | 1/48 | 1/48 |
-///
-/// ```
-/// use toolroom_process::ode::{Tolerance, short_step};
-/// let tolerance = Tolerance { relative: 1e-7, absolute: [1e-7] };
-/// let end = short_step(&|y: &[f64; 1]| [-y[0]], &[1.0], 0.01, &tolerance).unwrap();
-/// assert!((end[0] - (-0.01f64).exp()).abs() < 1e-9);
-/// ```
-#[inline]
-pub fn short_step<const D: usize>(
-    rhs: &impl Autonomous<D>,
-    y: &[f64; D],
-    h: f64,
-    tolerance: &Tolerance<D>,
-) -> Option<[f64; D]> {
-    let relative = tolerance.relative;
-    let size = |i: usize| tolerance.absolute[i] + relative * y[i].abs();
-    let k1 = rhs.slope(y);
-    if !every(D, |i| (h * k1[i]).abs() * relative <= SHORT * size(i)) {
-        return None;
-    }
-    let k2 = rhs.slope(&std::array::from_fn(|i| y[i] + 0.5 * h * k1[i]));
-    let k3 = rhs.slope(&std::array::from_fn(|i| y[i] + 0.75 * h * k2[i]));
-    let error = |i: usize| h * (1.0 / 9.0) * (k1[i] - 3.0 * k2[i] + 2.0 * k3[i]);
-    every(D, |i| error(i).abs() <= size(i))
-        .then(|| std::array::from_fn(|i| y[i] + h * (2.0 / 9.0 * k1[i] + 1.0 / 3.0 * k2[i] + 4.0 / 9.0 * k3[i])))
-}
-
-/// Whether a condition holds for every component, without a branch for each.
-#[inline]
-fn every(components: usize, holds: impl Fn(usize) -> bool) -> bool {
-    (0..components).fold(true, |so_far, i| so_far & holds(i))
-}
-
 /// An accepted step of an integration.
 #[derive(Clone, Copy)]
 pub struct Stretch<'a, const D: usize> {
@@ -367,109 +305,6 @@ fn locate<const D: usize, const E: usize>(
         }
     }
     earliest
-}
-
-struct Step<const D: usize> {
-    end: [f64; D],
-    error: [f64; D],
-    k3: [f64; D],
-    k4: [f64; D],
-    k5: [f64; D],
-    k6: [f64; D],
-    k7: [f64; D],
-}
-
-/// Coefficients of the Dormand–Prince 5(4) pair with first-same-as-last.
-fn dormand_prince<const D: usize>(
-    rhs: &mut impl FnMut(f64, &[f64; D]) -> [f64; D],
-    t: f64,
-    y: &[f64; D],
-    k1: &[f64; D],
-    h: f64,
-) -> Step<D> {
-    let k2 = rhs(t + h / 5.0, &std::array::from_fn(|i| y[i] + h * (k1[i] / 5.0)));
-    let k3 = rhs(t + 0.3 * h, &std::array::from_fn(|i| y[i] + h * (3.0 / 40.0 * k1[i] + 9.0 / 40.0 * k2[i])));
-    let k4 = rhs(
-        t + 0.8 * h,
-        &std::array::from_fn(|i| y[i] + h * (44.0 / 45.0 * k1[i] - 56.0 / 15.0 * k2[i] + 32.0 / 9.0 * k3[i])),
-    );
-    let k5 = rhs(
-        t + 8.0 / 9.0 * h,
-        &std::array::from_fn(|i| {
-            y[i] + h
-                * (19372.0 / 6561.0 * k1[i] - 25360.0 / 2187.0 * k2[i] + 64448.0 / 6561.0 * k3[i]
-                    - 212.0 / 729.0 * k4[i])
-        }),
-    );
-    let k6 = rhs(
-        t + h,
-        &std::array::from_fn(|i| {
-            y[i] + h
-                * (9017.0 / 3168.0 * k1[i] - 355.0 / 33.0 * k2[i] + 46732.0 / 5247.0 * k3[i] + 49.0 / 176.0 * k4[i]
-                    - 5103.0 / 18656.0 * k5[i])
-        }),
-    );
-    let end: [f64; D] = std::array::from_fn(|i| {
-        y[i] + h
-            * (35.0 / 384.0 * k1[i] + 500.0 / 1113.0 * k3[i] + 125.0 / 192.0 * k4[i] - 2187.0 / 6784.0 * k5[i]
-                + 11.0 / 84.0 * k6[i])
-    });
-    let k7 = rhs(t + h, &end);
-    let error = std::array::from_fn(|i| {
-        h * (71.0 / 57600.0 * k1[i] - 71.0 / 16695.0 * k3[i] + 71.0 / 1920.0 * k4[i] - 17253.0 / 339200.0 * k5[i]
-            + 22.0 / 525.0 * k6[i]
-            - k7[i] / 40.0)
-    });
-    Step { end, error, k3, k4, k5, k6, k7 }
-}
-
-impl<const D: usize> Step<D> {
-    /// Root mean square of the error in units of the tolerance; at most 1 is accepted.
-    fn error_norm(&self, y: &[f64; D], tolerance: &Tolerance<D>) -> f64 {
-        let mut sum = 0.0;
-        for (i, start) in y.iter().enumerate() {
-            let scale = tolerance.absolute[i] + tolerance.relative * start.abs().max(self.end[i].abs());
-            sum += (self.error[i] / scale).powi(2);
-        }
-        (sum / D as f64).sqrt()
-    }
-
-    fn dense(&self, y: &[f64; D], k1: &[f64; D], h: f64) -> Dense<D> {
-        let rise: [f64; D] = std::array::from_fn(|i| self.end[i] - y[i]);
-        let bend: [f64; D] = std::array::from_fn(|i| h * k1[i] - rise[i]);
-        Dense {
-            start: *y,
-            rise,
-            bend,
-            third: std::array::from_fn(|i| rise[i] - h * self.k7[i] - bend[i]),
-            fourth: std::array::from_fn(|i| {
-                h * (-12715105075.0 / 11282082432.0 * k1[i] + 87487479700.0 / 32700410799.0 * self.k3[i]
-                    - 10690763975.0 / 1880347072.0 * self.k4[i]
-                    + 701980252875.0 / 199316789632.0 * self.k5[i]
-                    - 1453857185.0 / 822651844.0 * self.k6[i]
-                    + 69997945.0 / 29380423.0 * self.k7[i])
-            }),
-        }
-    }
-}
-
-/// Fourth-order polynomial over one step.
-struct Dense<const D: usize> {
-    start: [f64; D],
-    rise: [f64; D],
-    bend: [f64; D],
-    third: [f64; D],
-    fourth: [f64; D],
-}
-
-impl<const D: usize> Dense<D> {
-    fn at(&self, share: f64) -> [f64; D] {
-        let rest = 1.0 - share;
-        std::array::from_fn(|i| {
-            self.start[i]
-                + share * (self.rise[i] + rest * (self.bend[i] + share * (self.third[i] + rest * self.fourth[i])))
-        })
-    }
 }
 
 /// Starting step: a tenth of the time in which the state would change by its own size. A fifth

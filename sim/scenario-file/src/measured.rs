@@ -110,6 +110,8 @@ fn scope_of(walk: &mut Walk, table: &Section<'_>, names: &Names) -> Scope {
                 "tool" => Some(names.all.tools.iter().map(String::as_str).collect()),
                 "part" => Some(names.all.parts.iter().map(String::as_str).collect()),
                 "operation" => Some(names.all.operations.iter().map(String::as_str).collect()),
+                // Records may name shifts of which their model has no calendar.
+                "shift" if !names.shifts.is_empty() => Some(names.shifts.iter().map(String::as_str).collect()),
                 _ => None,
             };
             if let Some(known) = known.filter(|known| known.iter().all(|own| *own != name)) {

@@ -10,6 +10,8 @@ use toolroom_scenario::{Fixture, ToolType};
 #[derive(Default)]
 pub(super) struct Names {
     pub calendars: Vec<String>,
+    /// Shifts of any calendar.
+    pub shifts: Vec<String>,
     pub setup_matrices: Vec<String>,
     pub crews: Vec<String>,
     /// Fixtures, with the operations that need them as far as these have been read.

@@ -16,8 +16,8 @@ use toolroom_effects::read_definitions;
 use toolroom_form::{Fault, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
 use toolroom_scenario::{
-    BatchUnit, Buffer, Calibration, CalibrationShift, Distribution, GapSection, MachineType, Scenario, Shared, Target,
-    ToolType, TuneRequest, Variants,
+    BatchUnit, Buffer, Calibration, CalibrationShift, Distribution, GapSection, MachineType, Scenario, Shared,
+    ShiftCalendar, Target, ToolType, TuneRequest, Variants,
 };
 
 /// Horizon of a file whose own is left out or cannot be read, s: so long that nothing is told to lie beyond it (assumption: ten
@@ -43,6 +43,8 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<ScenarioCo
     let start = shop.as_ref().and_then(|shop| start(walk, shop));
     let horizon = shop.as_ref().and_then(|shop| shop.si("horizon")).unwrap_or(UNREAD_HORIZON);
     let calendars = calendars(walk, root, &mut names, start, horizon);
+    let most_shifts = calendars.iter().map(ShiftCalendar::shift_count).max().unwrap_or(0);
+    names.shifts = (1..=most_shifts).map(|number| format!("S{number}")).collect();
     let setup_matrices = resources::setup_matrices(walk, root, &mut names);
     let (mut machines, buffers) = machines(walk, root, &mut names);
     let buffers = flow::shared(walk, root, &names, &mut machines, buffers);

@@ -49,6 +49,17 @@ impl Scope {
             && (!timed || place.time.is_some_and(within))
     }
 
+    /// Whether an operation can lie in both.
+    pub fn meets(&self, other: &Self) -> bool {
+        let names = |key| other.names.iter().find(|(own, _)| *own == key).map(|(_, names)| names);
+        let alike = |(key, own): &(&'static str, Vec<String>)| {
+            names(*key).is_none_or(|theirs| own.iter().any(|name| theirs.contains(name)))
+        };
+        let before =
+            |end: Option<f64>, begin: Option<f64>| matches!((end, begin), (Some(end), Some(begin)) if end <= begin);
+        self.names.iter().all(alike) && !before(self.until, other.from) && !before(other.until, self.from)
+    }
+
     /// In words, `machine=M1, shift=S1|S2`; empty where it holds everywhere.
     pub fn words(&self) -> String {
         let mut words: Vec<String> =

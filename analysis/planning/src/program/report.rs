@@ -1,50 +1,31 @@
 //! The report of a part program: its path coloured by load, loads over time, and where the time goes.
 
-use super::CycleTime;
 use super::course::{Course, Leg};
-use crate::engagement::Engagement;
+use super::{ProgramOnMachine, ProgramStudy};
 use crate::feeds::Feeds;
 use crate::plane::in_proportion;
 use std::f64::consts::PI;
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Axis, Colour, Dash, Plot, StackedBars, Style, Table};
-use toolroom_drives::{Drives, Part};
-use toolroom_program::{Control, Source};
-use toolroom_stock::{FeedLimit, FeedLimits, FeedPlan, FollowError, Load, Setup};
-
-/// What is known of a program beside its text.
-#[derive(Clone, Copy, Debug)]
-pub struct ProgramContext<'a> {
-    /// Its time.
-    pub cycle: &'a CycleTime,
-    /// Stock and tools.
-    pub setup: Option<&'a Setup>,
-    /// What it does to them.
-    pub engagement: Option<&'a Engagement>,
-    /// Its use of limits, and planned feeds.
-    pub feeds: Option<&'a Feeds>,
-}
+use toolroom_drives::Part;
+use toolroom_stock::{FeedLimit, FeedLimits, FeedPlan, FollowError, Load};
 
 /// The report of a program named `name`. Its pictures show the planned feeds where there are some, else those of the program.
 ///
 /// # Errors
 /// [`FollowError`]: the program is refused, or cuts with a tool that the setup does not have.
-pub fn report(
-    name: &str,
-    (source, control, drives): (&Source, &Control, &Drives),
-    known: &ProgramContext<'_>,
-    provenance: Provenance,
-) -> Result<Report, FollowError> {
+pub(super) fn report(name: &str, study: &ProgramStudy, provenance: Provenance) -> Result<Report, FollowError> {
     let as_programmed = FeedPlan::default();
-    let plan = known.feeds.map_or(&as_programmed, Feeds::plan);
-    let course = Course::new(source, control, drives, known.setup, plan)?;
+    let plan = study.feeds.as_ref().map_or(&as_programmed, Feeds::plan);
+    let ProgramOnMachine { source, control, drives, setup } = &study.of;
+    let course = Course::new(source, control, drives, setup.as_ref(), plan)?;
     let title = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    let mut report = Report::new(title).lead(lead(known, &course));
-    for tile in tiles(known) {
+    let mut report = Report::new(title).lead(lead(study, &course));
+    for tile in tiles(study) {
         report = report.tile(tile);
     }
     let mut path = Section::new("Path");
-    for warning in warnings(known) {
+    for warning in warnings(study) {
         path = path.warning(warning);
     }
     if course.joined {
@@ -57,48 +38,48 @@ pub fn report(
     };
     report = report.section(path);
     let mut over_time = Section::new("Over time");
-    for figure in courses(known, &course) {
+    for figure in courses(study, &course) {
         over_time = over_time.figure(figure);
     }
     report = report.section(over_time);
     let mut section =
         Section::new("Where the time goes").figure(parts(&course)).table("Seconds by tool", seconds(&course));
-    if let Some(feeds) = known.feeds {
+    if let Some(feeds) = &study.feeds {
         section = section.table("Use of the limits: 1 is all that is allowed", feeds.limits_table());
     }
-    let notes: Vec<String> = known.cycle.notes().iter().map(|(line, text)| format!("line {line}: {text}")).collect();
+    let notes: Vec<String> = study.cycle.notes().iter().map(|(line, text)| format!("line {line}: {text}")).collect();
     if !notes.is_empty() {
         section = section.paragraph("What the reader noticed:").list(notes);
     }
     Ok(report.section(section).provenance(provenance))
 }
 
-fn lead(known: &ProgramContext<'_>, course: &Course) -> String {
-    let (dialect, reason) = known.cycle.dialect();
+fn lead(study: &ProgramStudy, course: &Course) -> String {
+    let (dialect, reason) = study.cycle.dialect();
     let read = format!("Read as a program for {dialect}: {reason}.");
-    let planned = known.feeds.and_then(Feeds::planned_times).map(|(before, after)| {
+    let planned = study.feeds.as_ref().and_then(Feeds::planned_times).map(|(before, after)| {
         format!(" With planned feeds it takes {after:.1} s on this machine, as programmed {before:.1} s; the pictures show the plan.")
     });
     read + &planned.unwrap_or_else(|| format!(" It takes {:.1} s on this machine.", course.total))
 }
 
-fn tiles(known: &ProgramContext<'_>) -> Vec<Tile> {
-    let time = known.cycle.sum(|share| share.total);
-    let changes: u32 = known.cycle.shares.iter().map(|share| share.changes).sum();
-    let mut tiles = vec![match known.feeds.and_then(Feeds::planned_times) {
+fn tiles(study: &ProgramStudy) -> Vec<Tile> {
+    let time = study.cycle.sum(|share| share.total);
+    let changes: u32 = study.cycle.shares.iter().map(|share| share.changes).sum();
+    let mut tiles = vec![match study.feeds.as_ref().and_then(Feeds::planned_times) {
         Some((before, after)) => {
             let gain = 100.0 * (after / before - 1.0);
             Tile::new("planned time", format!("{after:.1} s"), format!("{gain:+.1} % against {before:.1} s"))
         }
         None => Tile::new("cycle time", format!("{time:.1} s"), format!("{changes} tool changes")),
     }];
-    if let Some(engagement) = known.engagement {
+    if let Some(engagement) = &study.engagement {
         let (cutting, air) = engagement.times();
         let share = 100.0 * air / (cutting + air).max(f64::MIN_POSITIVE);
         tiles.push(Tile::new("in air at feed", format!("{air:.1} s"), format!("{share:.0} % of the time at feed")));
         let (angle, line) = engagement.bound();
         tiles.push(Tile::new("greatest engagement", format!("{:.1} deg", angle.to_degrees()), format!("line {line}")));
-        let place = |line: usize| match known.feeds.and_then(Feeds::planned_times) {
+        let place = |line: usize| match study.feeds.as_ref().and_then(Feeds::planned_times) {
             Some(_) => format!("as programmed, line {line}"),
             None => format!("line {line}"),
         };
@@ -112,9 +93,9 @@ fn tiles(known: &ProgramContext<'_>) -> Vec<Tile> {
     tiles
 }
 
-fn warnings(known: &ProgramContext<'_>) -> Vec<String> {
+fn warnings(study: &ProgramStudy) -> Vec<String> {
     let mut list = Vec::new();
-    if let Some(engagement) = known.engagement {
+    if let Some(engagement) = &study.engagement {
         for (lines, what) in [
             (engagement.crashes(), "rapid motions meet material"),
             (engagement.holders(), "blocks in which the holder of the tool meets material"),
@@ -124,7 +105,7 @@ fn warnings(known: &ProgramContext<'_>) -> Vec<String> {
             }
         }
     }
-    for (limit, ratio, line) in known.feeds.map(Feeds::broken).unwrap_or_default() {
+    for (limit, ratio, line) in study.feeds.as_ref().map(Feeds::broken).unwrap_or_default() {
         list.push(format!("{} is {ratio:.2} times what is allowed, in line {line}.", limit.word()));
     }
     list
@@ -237,8 +218,8 @@ fn views(course: &Course) -> Vec<(String, Figure)> {
 }
 
 /// Feed, power, force, deflection and engagement over time.
-fn courses(known: &ProgramContext<'_>, course: &Course) -> Vec<Figure> {
-    let planned = known.feeds.and_then(Feeds::planned_times).is_some();
+fn courses(study: &ProgramStudy, course: &Course) -> Vec<Figure> {
+    let planned = study.feeds.as_ref().and_then(Feeds::planned_times).is_some();
     let end = course.total;
     let over = |value: &dyn Fn(&Leg) -> f64| -> Vec<(f64, f64)> {
         let mut points: Vec<(f64, f64)> = Vec::new();
@@ -276,11 +257,11 @@ fn courses(known: &ProgramContext<'_>, course: &Course) -> Vec<Figure> {
     let loaded = course.legs.iter().any(|leg| leg.load.is_some());
     let allowed = |of: fn(&FeedLimits) -> Option<f64>| -> Option<f64> {
         // One line for all tools, or none.
-        let mut limits = known.setup?.limits.values().map(of);
+        let mut limits = study.of.setup.as_ref()?.limits.values().map(of);
         let first = limits.next()??;
         limits.all(|limit| limit == Some(first)).then_some(first)
     };
-    let limits = known.feeds.is_some();
+    let limits = study.feeds.is_some();
     type Row = (&'static str, &'static str, f64, fn(&Load) -> f64, fn(&FeedLimits) -> Option<f64>);
     let rows: [Row; 3] = [
         ("Cutting power", "kW", 1e-3, |load| load.power, |limits| limits.power),
@@ -299,7 +280,7 @@ fn courses(known: &ProgramContext<'_>, course: &Course) -> Vec<Figure> {
         }
         figures.push(Figure::new(&picture, "Mean over a revolution at the bound of the engagement between samples."));
     }
-    if known.setup.is_some() {
+    if study.of.setup.is_some() {
         let at = |leg: &Leg| if leg.rapid { 0.0 } else { leg.angle.min(PI).to_degrees() };
         let picture = plot("Engagement", "Engagement angle", "deg", "Engaged angle of the rim over time.").step(
             "bound between samples",

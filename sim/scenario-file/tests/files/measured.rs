@@ -125,6 +125,11 @@ fn what_nobody_knows_is_named_with_its_fix() {
             "two deviation",
         ),
         ("[[deviation]]\nid = \"feed_override\"\nsize = 0.1\nscope = { machine = \"L9\" }\n", "no machine \"L9\""),
+        (
+            "[[calendar]]\nname = \"day\"\nperiod = \"1 day\"\nshift = [{ start = \"6 h\", end = \"14 h\" }, { start = \"14 h\", end = \"22 h\" }]\n\
+             [[deviation]]\nid = \"operator_delay\"\nsize = \"20 s\"\nscope = { shift = \"S9\" }\n",
+            "no shift \"S9\"",
+        ),
         ("[[deviation]]\nid = \"feed_override\"\nsize = 0.1\nscope = { from = \"2026-03-02T06:00\" }\n", "no start"),
         (
             "[[deviation]]\nid = \"feed_override\"\nsize = 0.1\nscope = { from = \"2 h\", until = \"1 h\" }\n",
