@@ -43,6 +43,11 @@ fn changed(args: &ApplyArgs, path: &Path, nominal: &NominalModel, diagnosis: &Va
     };
     let mut changes = apply(request)?;
     changes.text = marked(&changes.text, &changes.data);
+    if !matches!(nominal.process, NominalProcess::Program(_)) {
+        // Records may name what no scenario knows; what is written has to be one.
+        NominalModel::parse(&path.display().to_string(), &changes.text, &args.set)
+            .map_err(|error| ApplyError::Names { message: error.to_string() })?;
+    }
     Ok(changes)
 }
 

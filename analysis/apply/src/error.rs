@@ -40,6 +40,12 @@ pub enum ApplyError {
         /// What there is.
         found: String,
     },
+    /// A finding that names what the model does not have.
+    #[error("apply-target: with what was found nothing could read the model: {message}")]
+    Names {
+        /// What its reader says.
+        message: String,
+    },
     /// Nothing to write.
     #[error("the diagnosis has neither an effect nor a calibration that is to be written")]
     Nothing,
@@ -66,6 +72,9 @@ impl ApplyError {
             Self::Effect { .. } => "choose others by --only ID",
             Self::Only { .. } => "give the id of an effect of the diagnosis, or leave --only out",
             Self::Target { .. } => "give the model whose rows were diagnosed",
+            Self::Names { .. } => {
+                "name machines, parts and shifts in records and model alike, or choose findings by --only ID"
+            }
             Self::Nothing => "there is nothing to switch on",
             Self::Text { .. } => "mend the file",
         }

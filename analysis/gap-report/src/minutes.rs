@@ -1,9 +1,12 @@
 //! Minutes and money a week.
 
+use crate::Reading;
 use crate::readings::Readings;
 use crate::{DAY, WEEK};
 use std::collections::BTreeMap;
 
+/// Mean of the times in cut over their middle, of what is stopped from time to time.
+const EXCESS: &str = "cutting_excess";
 /// Channels whose values are time of a machine.
 const TIMES: [&str; 5] = ["cycle_time", "cutting_time", "handling_time", "tool_change_time", "feed_hold_time"];
 
@@ -48,11 +51,19 @@ impl Minutes {
         let all = || timed.iter().flat_map(|channel| readings.of(*channel));
         let times = all().map(|reading| reading.place.time).filter(|time| time.is_finite());
         let (first, last) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), time| (a.min(time), b.max(time)));
-        if last - first < DAY {
+        let span = readings.span.unwrap_or(last - first);
+        if span.is_nan() || span < DAY {
             return None;
         }
-        let weeks = (last - first) / WEEK;
-        let sum = |value: &dyn Fn(&crate::Reading) -> f64| {
+        let weeks = span / WEEK;
+        let excess = excesses(readings);
+        // Stage of the model, or what was measured behind the last one.
+        let time = |reading: &Reading, stage: usize| {
+            let Some(stage_value) = reading.stages.get(stage) else { return reading.measured };
+            let place = (reading.channel, reading.place.machine.clone(), reading.place.time.to_bits());
+            stage_value * excess.get(&place).map_or(1.0, |means| means[stage] / means[means.len() - 1])
+        };
+        let sum = |value: &dyn Fn(&Reading) -> f64| {
             all().fold([0.0; 2], |[minutes, money], reading| {
                 let seconds = value(reading) * reading.place.operations;
                 let rate = rates.by_machine.get(&reading.place.machine).copied().unwrap_or(0.0);
@@ -60,11 +71,11 @@ impl Minutes {
             })
         };
         let step = |label: &str, [minutes, money]: [f64; 2]| Step { label: label.to_owned(), minutes, money };
-        let mut steps = vec![step("nominal model", sum(&|reading| reading.stages[0]))];
+        let mut steps = vec![step("nominal model", sum(&|reading| time(reading, 0)))];
         for (stage, name) in readings.stages.iter().enumerate() {
-            steps.push(step(name, sum(&|reading| reading.stages[stage + 1] - reading.stages[stage])));
+            steps.push(step(name, sum(&|reading| time(reading, stage + 1) - time(reading, stage))));
         }
-        steps.push(step("unexplained", sum(&|reading| reading.measured - reading.stages[reading.stages.len() - 1])));
+        steps.push(step("unexplained", sum(&|reading| reading.measured - time(reading, readings.stages.len()))));
         steps.push(step("recorded", sum(&|reading| reading.measured)));
         let currency = if rates.by_machine.is_empty() { String::new() } else { rates.currency.clone() };
         Some(Self { currency, weeks, steps })
@@ -77,6 +88,23 @@ impl Minutes {
             if self.currency.is_empty() { String::new() } else { format!(" and {:.0} {}", step.money, self.currency) };
         Some(format!("{:.0} min{money} a week", step.minutes))
     }
+}
+
+/// Means of the excess of times in cut by the channel of these times and by machine and day: of each stage, then as measured. A
+/// reading of the times is a middle, and what stops an operation now and then moves the mean alone.
+fn excesses(readings: &Readings) -> BTreeMap<(usize, String, u64), Vec<f64>> {
+    let channel = |name: &str| readings.channels.iter().position(|own| own.name == name);
+    let (Some(cut), Some(excess)) = (channel("cutting_time"), channel(EXCESS)) else { return BTreeMap::new() };
+    let mut all: BTreeMap<(usize, String, u64), (Vec<f64>, f64)> = BTreeMap::new();
+    for reading in readings.of(excess) {
+        let place = (cut, reading.place.machine.clone(), reading.place.time.to_bits());
+        let (sums, count) = all.entry(place).or_insert_with(|| (vec![0.0; reading.stages.len() + 1], 0.0));
+        let values = reading.stages.iter().chain([&reading.measured]);
+        sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        *count += 1.0;
+    }
+    let mean = |(sums, count): (Vec<f64>, f64)| sums.into_iter().map(|sum| sum / count).collect();
+    all.into_iter().map(|(place, own)| (place, mean(own))).collect()
 }
 
 #[cfg(test)]
@@ -102,6 +130,7 @@ mod tests {
             }],
             stages: vec!["calibration".to_owned(), "feed_override".to_owned()],
             list: vec![reading(0.0, 108.0), reading(7.0, 107.0)],
+            span: None,
         };
         let rates =
             Rates { currency: "EUR".to_owned(), by_machine: BTreeMap::from([("L1".to_owned(), 60.0 / 3600.0)]) };

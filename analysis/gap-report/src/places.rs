@@ -4,8 +4,8 @@ use crate::DAY;
 use crate::minutes::Rates;
 use crate::readings::{Place, Readings};
 use std::collections::BTreeMap;
-use toolroom_gap::shop::visits;
-use toolroom_gap::{ChannelId, Diagnosis, Forward, NominalModel, NominalProcess};
+use toolroom_gap::shop::{Visits, visits};
+use toolroom_gap::{ChannelId, Diagnosis, Forward, NominalModel, NominalProcess, Transform};
 use toolroom_records::Records;
 use toolroom_scenario::Scenario;
 
@@ -29,8 +29,9 @@ impl Readings {
         for part in parts {
             match &model.process {
                 NominalProcess::Shop(_) => {
-                    let places = of_days(records, part.as_ref());
-                    readings.add(part.as_ref(), diagnosis, &|row, channel| places(row, channel));
+                    let seen = visits(records);
+                    readings.span = Some(span(&seen));
+                    readings.add(part.as_ref(), diagnosis, &of_days(&seen, part.as_ref()));
                 }
                 NominalProcess::Turning(_)
                 | NominalProcess::Milling(_)
@@ -48,34 +49,46 @@ impl Readings {
     }
 }
 
-/// Places of the blocks of a shop: a machine and day. The medians of a channel stand for all operations (changes, holds)
-/// of that machine and day, each for as many.
-fn of_days(records: &Records, part: &dyn Forward) -> impl Fn(usize, &str) -> Place {
-    let seen = visits(records);
-    let mut counts: BTreeMap<String, [usize; 3]> = BTreeMap::new();
+/// Places of the blocks of a shop: a machine and day. The middles of a channel stand for all operations (changes, holds) of that
+/// machine and day: each for as many as it was taken of, times what all of them took over what their middles say.
+fn of_days<'a>(seen: &'a Visits, part: &'a dyn Forward) -> impl Fn(usize, &str) -> Place + 'a {
+    let mut taken: BTreeMap<(String, &str), f64> = BTreeMap::new();
     for visit in &seen.list {
         let name = format!("{} day {}", seen.machines[visit.machine], (visit.start / DAY).floor() as i64 + 1);
-        let count = counts.entry(name).or_default();
-        *count = [count[0] + 1, count[1] + visit.changes.len(), count[2] + visit.holds.len()];
+        for (channel, time) in [
+            (ChannelId::CuttingTime, visit.cutting),
+            (ChannelId::HandlingTime, visit.handling),
+            (ChannelId::ToolChangeTime, visit.changes.iter().sum()),
+            (ChannelId::FeedHoldTime, visit.holds.iter().sum()),
+        ] {
+            *taken.entry((name.clone(), channel.word())).or_default() += time;
+        }
     }
-    let measured = &part.frame().measured;
-    let mut blocks: BTreeMap<(usize, String), f64> = BTreeMap::new();
-    for observation in &measured.observations {
-        let channel = measured.channels[observation.channel].id.to_string();
-        *blocks.entry((measured.group_of_row[observation.row], channel)).or_default() += 1.0;
+    let frame = part.frame();
+    let measured = &frame.measured;
+    let mut said: BTreeMap<(usize, &str), f64> = BTreeMap::new();
+    for (observation, count) in measured.observations.iter().zip(&frame.stands_for) {
+        let channel = &measured.channels[observation.channel];
+        let value = if channel.transform == Transform::Log { observation.value.exp() } else { observation.value };
+        *said.entry((measured.group_of_row[observation.row], channel.id.word())).or_default() += count * value;
     }
-    let (groups, of_row) = (measured.groups.clone(), measured.group_of_row.clone());
     move |row, channel| {
-        let name = &groups[of_row[row]];
-        let [visits, changes, holds] = counts.get(name).copied().unwrap_or_default();
-        let events = match channel {
-            channel if channel == ChannelId::ToolChangeTime.word() => changes,
-            channel if channel == ChannelId::FeedHoldTime.word() => holds,
-            _ => visits,
+        let group = measured.group_of_row[row];
+        let name = &measured.groups[group];
+        let whole = taken.iter().find(|((own, of), _)| own == name && *of == channel).map(|(_, time)| *time);
+        let middles = said.iter().find(|((own, of), _)| *own == group && *of == channel).map(|(_, time)| *time);
+        let operations = match (whole, middles) {
+            (Some(whole), Some(middles)) if middles > 0.0 => whole / middles,
+            _ => 1.0,
         };
-        let operations = events as f64 / blocks.get(&(of_row[row], channel.to_owned())).copied().unwrap_or(1.0);
         let day = name.rsplit_once(" day ").and_then(|(machine, day)| Some((machine, day.parse::<f64>().ok()?)));
         let (machine, time) = day.map_or((name.as_str(), f64::NAN), |(machine, day)| (machine, DAY * (day - 0.5)));
         Place { machine: machine.to_owned(), time, operations }
     }
+}
+
+/// From the first to the last operation of a log, s.
+fn span(seen: &Visits) -> f64 {
+    let ends = seen.list.iter().map(|visit| visit.end).fold(f64::NEG_INFINITY, f64::max);
+    ends - seen.list.iter().map(|visit| visit.start).fold(f64::INFINITY, f64::min)
 }

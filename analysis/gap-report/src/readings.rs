@@ -10,7 +10,7 @@ pub struct Place {
     pub machine: String,
     /// Time from the start of the records, s; NaN where nobody knows.
     pub time: f64,
-    /// Operations for which each channel of the row stands: 1 where a row is an operation.
+    /// Operations for which the reading stands, times the mean of theirs over the reading: 1 where a row is an operation.
     pub operations: f64,
 }
 
@@ -76,6 +76,8 @@ pub struct Readings {
     pub stages: Vec<String>,
     /// Readings.
     pub list: Vec<Reading>,
+    /// Time that the records span, s, where a row is no operation; else the rows say it.
+    pub span: Option<f64>,
 }
 
 impl Reading {
@@ -132,9 +134,11 @@ impl Readings {
             let relative = self.channels[first + observation.channel].relative;
             let mut values: Vec<f64> = stages.iter().map(|stage| stage[i]).collect();
             values.resize(self.stages.len() + 1, values[values.len() - 1]);
+            let mut place = place(observation.row, &self.channels[first + observation.channel].name);
+            place.operations *= frame.stands_for.get(i).copied().unwrap_or(1.0);
             self.list.push(Reading {
                 channel: first + observation.channel,
-                place: place(observation.row, &self.channels[first + observation.channel].name),
+                place,
                 measured: if relative { observation.value.exp() } else { observation.value },
                 stages: values,
             });

@@ -240,21 +240,22 @@ fn generic(judged: &Judged<'_>) -> Option<String> {
 }
 
 /// What is added has to shrink the gap of groups left out by more than [`LEAST_CLOSED`], or by [`LEAST_OF_CLOSABLE`] of
-/// what can be closed at all. An effect of which the form allowance could take half has to do so for certain.
+/// what can be closed at all. An effect of which the form allowance could take half has to close more than [`LEAST_CLOSED`] for certain,
+/// alone and beside another one.
 ///
 /// The form of the equations drowns a gap where the interval of the closure holds zero and is wider than the least
 /// closure. An effect that the form could not imitate is then named if it improves the prediction of left-out groups
-/// beside the allowance, for certain. A further effect that moves the same readings has to be certain, or to lead by more.
+/// beside the allowance, for certain. Another further effect that moves the same readings has to be certain, or to lead by more.
 fn closes(judged: &Judged<'_>) -> Option<String> {
     let closed = judged.own();
     let imitated = judged.added().iter().any(|index| judged.decision.base.imitated(judged.model(), *index) > IMITATED);
-    let certain = closed.ci90[0] > 0.0;
+    let certain = closed.ci90[0] > if imitated { LEAST_CLOSED } else { 0.0 };
     // Where noise is most of a gap, a root mean square hides what is closed; where form errors are, the other does.
     // Nothing to be closed above the noise is no objection.
     let share = if closed.of_closable.is_nan() { 1.0 } else { closed.of_closable };
     let much = closed.closed > LEAST_CLOSED || (closed.closed > 0.0 && share >= LEAST_OF_CLOSABLE);
     let kept = if judged.further() {
-        much && (certain || judged.lead > PAIR_GATE + scattered(judged))
+        much && (certain || (!imitated && judged.lead > PAIR_GATE + scattered(judged)))
     } else {
         let drowned = !certain && closed.ci90[1] > 0.0 && closed.ci90[1] - closed.ci90[0] > LEAST_CLOSED;
         (much && (certain || !imitated)) || (drowned && !imitated && predicts(judged))

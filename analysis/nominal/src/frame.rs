@@ -105,6 +105,8 @@ pub struct Frame {
     pub shape_leads: Vec<f64>,
     /// What each row times once more, such as a stretch of a program in another piece; empty where nothing is repeated.
     pub repeats: Vec<Option<usize>>,
+    /// Number of single values that each observation stands for, of middles of times; 1 each where it is empty.
+    pub stands_for: Vec<f64>,
 }
 
 impl Frame {
@@ -127,6 +129,7 @@ impl Frame {
             kinds: Vec::new(),
             shape_leads: Vec::new(),
             repeats: Vec::new(),
+            stands_for: Vec::new(),
         }
     }
 

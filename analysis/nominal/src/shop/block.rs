@@ -47,6 +47,8 @@ pub struct Block {
     /// Their standard deviations by the scatter of single operations, of the logarithm where the
     /// channel is compared so.
     pub deviations: Figures,
+    /// Number of single values that each of them stands for; 0 of what is no middle of times.
+    pub counts: Figures,
     /// Programmed over actual feed of each operation, less one, ascending; empty where nothing was
     /// overridden.
     pub excesses: Vec<f64>,
@@ -199,6 +201,7 @@ impl Blocks {
             time,
             values: Figures::all(f64::NAN),
             deviations: Figures::all(1.0),
+            counts: Figures::all(0.0),
             excesses: Vec::new(),
             cutting: 0.0,
             short_repairs: 0.0,
@@ -221,10 +224,12 @@ impl Blocks {
             block.class = class(pooled_visits.len());
             let mut cut = logarithms(&at, &|visit| visit.cutting);
             block.values[Figure::CuttingTime] = median(&mut cut).exp();
+            block.counts[Figure::CuttingTime] = cut.len() as f64;
             block.deviations[Figure::CuttingTime] = of_median(cut.len()) * blocks.scatter[program].hypot(0.3 * clock);
             let mut handling = logarithms(&at, &|visit| visit.handling);
             if !handling.is_empty() {
                 block.values[Figure::HandlingTime] = median(&mut handling).exp();
+                block.counts[Figure::HandlingTime] = handling.len() as f64;
                 block.deviations[Figure::HandlingTime] = of_median(handling.len()) * handling_scatter[&machine];
             }
             if pooled_visits.iter().any(|visit| visit.override_excess > 0.0) {
@@ -280,10 +285,12 @@ impl Blocks {
             if !changes.is_empty() {
                 blocks.changes.push(changes.iter().map(|change| change.max(CLOCK).ln()).collect());
                 block.values[Figure::ToolChangeTime] = median(&mut changes.clone());
+                block.counts[Figure::ToolChangeTime] = changes.len() as f64;
                 block.deviations[Figure::ToolChangeTime] = of_median(changes.len());
             }
             let holds: Vec<f64> = pooled_visits.iter().flat_map(|visit| visit.holds.iter().copied()).collect();
             if !holds.is_empty() {
+                block.counts[Figure::FeedHoldTime] = holds.len() as f64;
                 block.values[Figure::FeedHoldTime] = holds.iter().sum::<f64>() / holds.len() as f64;
                 block.deviations[Figure::FeedHoldTime] = (holds.len() as f64).sqrt().recip();
             }

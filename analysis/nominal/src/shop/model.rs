@@ -2,8 +2,8 @@
 
 use super::super::features::standardised;
 use super::super::{
-    Channel, Covariate, Declarations, Direction, EffectRefusal, Family, Forward, Frame, Local, Measured, Point, Role,
-    Settings, Surface, WrittenEffect,
+    Channel, Covariate, Declarations, Direction, EffectRefusal, Family, Forward, Frame, Local, Measured, Observation,
+    Point, Role, Settings, Surface, WrittenEffect,
 };
 use super::action::Action;
 use super::block::{Block, Blocks, ROOT_SCORE, TAIL};
@@ -127,6 +127,8 @@ impl ShopModel {
             let scatter = blocks[observation.row].deviations[self.figures[observation.channel]];
             observation.deviation = observation.deviation.hypot(scatter);
         }
+        let count = |own: &Observation| blocks[own.row].counts[self.figures[own.channel]];
+        self.frame.stands_for = measured.observations.iter().map(count).collect();
         self.frame.measured = measured;
     }
 
@@ -300,7 +302,7 @@ impl ShopModel {
         let policy = of(&|action| matches!(action, Action::Policy));
         let regular = breakdown_scores(of(&|action| matches!(action, Action::Breakdowns)));
         let measured = &self.frame.measured;
-        let value = |observation: &super::super::Observation| {
+        let value = |observation: &Observation| {
             let (row, figure) = (observation.row, self.figures[observation.channel]);
             let block = &self.blocks.list[row];
             let nominal = self.nominal[row][figure];
