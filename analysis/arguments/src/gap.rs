@@ -101,8 +101,8 @@ pub struct DiagnoseArgs {
     /// Where no cause is known, write terms that describe the gap (empirical, not a cause) into this file
     #[arg(long, value_name = "PROPOSED.toml")]
     pub propose: Option<PathBuf>,
-    /// Share of the groups that is kept out of the fit and only predicted
-    #[arg(long, value_name = "FRACTION", conflicts_with = "holdout_data")]
+    /// Share of the groups that is kept out of the fit and only predicted, at most a half
+    #[arg(long, value_name = "FRACTION", conflicts_with = "holdout_data", value_parser = held_out)]
     pub holdout: Option<f64>,
     /// Records of other groups on which the closure is scored
     #[arg(long, value_name = "DATA2")]
@@ -330,4 +330,10 @@ impl BlindArgs {
         }
         list
     }
+}
+
+/// A share of groups that leaves at least as many to be fitted.
+fn held_out(text: &str) -> Result<f64, String> {
+    let share = text.parse::<f64>().ok().filter(|share| *share > 0.0 && *share <= 0.5);
+    share.ok_or_else(|| "a share above 0 and at most 0.5 is needed, such as 0.25".to_owned())
 }

@@ -81,6 +81,13 @@ impl Minutes {
         Some(Self { currency, weeks, steps })
     }
 
+    /// What an effect costs a week, or saves, in a sentence.
+    pub fn effect(&self, label: &str) -> Option<String> {
+        let saves = self.steps.iter().find(|step| step.label == label)?.minutes < 0.0;
+        let cost = self.cost(label)?.replace('-', "");
+        Some(format!("It {} {cost}.", if saves { "saves" } else { "costs" }))
+    }
+
     /// What a step costs a week, in words: `41 min and 58 EUR a week`.
     pub fn cost(&self, label: &str) -> Option<String> {
         let step = self.steps.iter().find(|step| step.label == label)?;
@@ -138,6 +145,10 @@ mod tests {
         let by_step: Vec<f64> = minutes.steps.iter().map(|step| step.minutes).collect();
         assert!((by_step[..4].iter().sum::<f64>() - by_step[4]).abs() < 1e-9, "{by_step:?}");
         assert_eq!(minutes.cost("feed_override").as_deref(), Some("2 min and 2 EUR a week"));
+        assert_eq!(minutes.effect("feed_override").as_deref(), Some("It costs 2 min and 2 EUR a week."));
+        let faster = |step: &Step| Step { minutes: -step.minutes, money: -step.money, label: step.label.clone() };
+        let saved = Minutes { steps: minutes.steps.iter().map(faster).collect(), ..minutes.clone() };
+        assert_eq!(saved.effect("feed_override").as_deref(), Some("It saves 2 min and 2 EUR a week."));
         assert!((by_step[2] - 2.0).abs() < 1e-12, "twenty operations, 6 s each");
         assert!(Minutes::from_readings(&Readings { list: vec![reading(0.0, 1.0)], ..readings }, &rates).is_none());
     }

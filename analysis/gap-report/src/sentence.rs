@@ -42,6 +42,11 @@ pub(crate) fn words(channel: &str) -> String {
     channel.replace('_', " ")
 }
 
+/// The same with its verb.
+fn being(channel: &str) -> String {
+    format!("{} {}", words(channel), if channel.ends_with("revolutions") { "are" } else { "is" })
+}
+
 fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>) -> Vec<String> {
     let one = |(index, effect): (usize, &NamedEffect)| {
         let shape = if effect.shape.is_empty() { String::new() } else { format!(", {}", effect.shape) };
@@ -52,10 +57,10 @@ fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>
                 format!(" The data do not distinguish it from this: {}.", others.join("; "))
             }
         };
-        let cost = minutes.and_then(|minutes| minutes.cost(effect.id.word()));
-        let cost = cost.map_or_else(String::new, |cost| format!(" It costs {cost}."));
+        let cost = minutes.and_then(|minutes| minutes.effect(effect.id.word()));
+        let cost = cost.map_or_else(String::new, |cost| format!(" {cost}"));
         format!(
-            "{}{}: {} ({}{shape}; {} {}, 90 %: {} … {}; probability {:.2}).{others}{cost}",
+            "{}{}: {}{} ({}{shape}; {} {}, 90 %: {} … {}; probability {:.2}).{others}{cost}",
             moved(readings, index),
             match (effect.empirical, effect.id.is_wear_rate()) {
                 (true, _) => "No cause, but what describes it (empirical)",
@@ -63,6 +68,8 @@ fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>
                 (false, false) => "Cause",
             },
             effect.title,
+            // Titles are those of sizes above zero.
+            if effect.size < 0.0 { ", here the other way round" } else { "" },
             effect.id,
             number(effect.size, 3),
             if effect.unit == "1" { "" } else { effect.unit },
@@ -92,9 +99,9 @@ fn moved(readings: &Readings, index: usize) -> String {
             let mean = change / count;
             let more = if mean > 0.0 { "more" } else { "less" };
             let text = if about.unit == "s" {
-                format!("The {} is {} s {more} an operation. ", words(&about.name), number(mean.abs(), 2))
+                format!("The {} {} s {more} an operation. ", being(&about.name), number(mean.abs(), 2))
             } else {
-                format!("The {} is {} % {more}. ", words(&about.name), number(100.0 * (change / sum).abs(), 2))
+                format!("The {} {} % {more}. ", being(&about.name), number(100.0 * (change / sum).abs(), 2))
             };
             best = Some((weight, text));
         }

@@ -87,6 +87,14 @@ pub enum GapStudyError {
         /// The group.
         name: String,
     },
+    /// Groups by a column that is not there.
+    #[error("--group {column}: the records have no such column{known}")]
+    NoGroup {
+        /// What was asked for.
+        column: String,
+        /// Those that there are.
+        known: String,
+    },
     /// Nothing of what the model predicts was measured.
     #[error("no channel that the model predicts is recorded{}", notes.iter().fold(String::new(), |all, note| format!("{all}; {note}")))]
     NothingMeasured {
@@ -130,6 +138,7 @@ impl Located for GapStudyError {
             Self::Apply(..)
             | Self::TwoModels { .. }
             | Self::BothSets { .. }
+            | Self::NoGroup { .. }
             | Self::NothingMeasured { .. }
             | Self::EffectValue { .. }
             | Self::Refused(..)
@@ -170,6 +179,7 @@ impl GapStudyError {
                 format!("add a model (--model scenarios/gap/{shipped}.toml), or take the table away")
             }
             Self::BothSets { .. } => "give the groups of the second set other names".to_owned(),
+            Self::NoGroup { .. } => "name a column whose levels belong together, or leave --group out".to_owned(),
             Self::NothingMeasured { .. } => {
                 "`toolroom gap` compares forces, wear, power, temperature, stock, …".to_owned()
             }

@@ -120,6 +120,29 @@ fn pretty(value: &Value) -> String {
     format!("{value:#}")
 }
 
+/// Parts of a log whose operations may belong together.
+const GROUPS_OF_LOGS: [&str; 3] = ["machine", "shift", "day"];
+
+/// Whether records can be taken in groups of a column.
+fn known_group(model: &NominalModel, records: &Records, column: &str) -> Result<(), GapStudyError> {
+    let no_group = |known: String| GapStudyError::NoGroup { column: column.to_owned(), known };
+    match model.process {
+        NominalProcess::Shop(_) if GROUPS_OF_LOGS.contains(&column) => Ok(()),
+        NominalProcess::Shop(_) => Err(no_group(format!("; a log has {}", GROUPS_OF_LOGS.join(", ")))),
+        NominalProcess::Turning(_)
+        | NominalProcess::Milling(_)
+        | NominalProcess::Grinding(_)
+        | NominalProcess::Empirical
+        | NominalProcess::Program(_) => {
+            if records.levels(column).is_some() {
+                Ok(())
+            } else {
+                Err(no_group(String::new()))
+            }
+        }
+    }
+}
+
 /// A model over its records, without those that are held out.
 fn prepared(
     table: Table,
@@ -140,6 +163,10 @@ fn prepared(
             });
         }
     };
+    // One of several tables may lack the column: its groups are the usual ones.
+    if let Some(column) = request.group.filter(|_| request.models.len() == 1) {
+        known_group(&model, &records, column)?;
+    }
     let mut outside: Vec<String> = Vec::new();
     if let Some(more) = request.holdout_data {
         let more = reading.records(more, &model)?;

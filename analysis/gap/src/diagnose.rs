@@ -89,6 +89,21 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> DiagnosisWithBas
 const NOT_FITTED: &str = "the calibrated model has no finite prediction of these records, so that nothing was fitted: look for \
                           edges on which it would break long before they did";
 
+/// What to say of named effects of which the file has some already: sizes are counted from that.
+fn stated_effects(model: &dyn Forward, trial: &Trial) -> Vec<String> {
+    let frame = model.frame();
+    let words = |index: &usize| {
+        let (_, stated) = frame.words.effects.iter().find(|(own, _)| own == index)?;
+        let id = frame.candidates[*index].id;
+        let (factor, unit) = id.report_units();
+        let place = model.written(*index).scope.words();
+        let (at, unit) = (if place.is_empty() { "" } else { " at " }, if unit == "1" { "" } else { unit });
+        let [stated, whole] = [*stated, stated + trial.fit.linear.point.effects[*index]].map(|size| factor * size);
+        Some(format!("{id}{at}{place}: the file states {stated:.4} {unit}, and in all it is {whole:.4} {unit}"))
+    };
+    trial.fit.active.iter().filter_map(words).collect()
+}
+
 /// The diagnosis by a nominal model that was calibrated.
 fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> DiagnosisWithBasis {
     let folds = folds(&model.frame().measured);
@@ -112,12 +127,16 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosis
         },
     );
     let mut notes = decision.reasons.clone();
+    notes.extend(stated_effects(model, decision.model()));
     if decision.verdict == GapVerdict::Unknown
         && let Some(best) = tried.first().filter(|best| best.gain > 0.0 && best.closure.closed > 0.0)
     {
         let (effects, closed) = (best.effects.join(" with "), 100.0 * best.closure.closed);
         notes.push(format!("{effects} would close {closed:.0} % of the gap on groups left out; that is no proof"));
     }
+    // What is named is not hidden.
+    let unnamed = hidden.iter().filter(|shown| named.iter().all(|effect| effect.id != shown.row.id));
+    let masked = unnamed.map(|shown| shown.row.clone()).collect();
     let mut diagnosis = Diagnosis {
         verdict: decision.verdict,
         effects: named,
@@ -127,7 +146,7 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosis
         held_out: scored.iter().map(|group| measured.groups[*group].clone()).collect(),
         apart: standing_apart(model, &basis, [&base_left, &chosen_left], &scored),
         budget: budget(model, &decision),
-        masked: hidden.iter().map(|shown| shown.row.clone()).collect(),
+        masked,
         next: NextExperiment::default(),
         calibration: calibration(model, &decision),
         ranking: ranking(model, &decision),

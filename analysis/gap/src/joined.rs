@@ -17,6 +17,11 @@ pub fn joined(
     if let NominalProcess::Shop(shop) = &model.process {
         // The days of another log come after those of the first.
         more = after(shop, records, more);
+        // Every log numbers its jobs and edges from the first: those of another one are others.
+        for column in ["operation_id", "tool_id"] {
+            let names = more.texts(column).map(|names| names.iter().map(|name| held_out(name)).collect());
+            names.into_iter().for_each(|names| more.set_texts(column, names));
+        }
         let [inside, outside] = [records, &more].map(|own| groups_of(shop, own, group));
         if let Some(name) = outside.iter().find(|name| inside.contains(*name)) {
             return Err((group.unwrap_or("day").to_owned(), name.clone()));
@@ -36,4 +41,9 @@ pub fn joined(
         Some(name) => Err((column.to_owned(), name.clone())),
         None => Ok((records.followed_by(&more), outside)),
     }
+}
+
+/// The name of what another log calls `name`; nothing stays nothing.
+fn held_out(name: &str) -> String {
+    if name.is_empty() { String::new() } else { format!("held out {name}") }
 }

@@ -425,3 +425,43 @@ fn holds_of_any_length_are_named_with_their_mean_length() {
     let mean = sizes.iter().sum::<f64>() / 3.0;
     assert!((mean - 15.0).abs() < 1.0, "{sizes:?} s");
 }
+
+/// An effect that the file states and the shop does not have is taken back where it is stated, and no other place has it instead.
+#[test]
+fn what_the_file_states_and_the_shop_has_not_is_taken_back_where_it_is_stated() {
+    let one = |effect, size, key: &'static str, name: &str| Deviation {
+        scope: Scope { names: vec![(key, vec![name.to_owned()])], ..Scope::default() },
+        ..Deviation::new(effect, size)
+    };
+    for stated in [
+        one(ShopEffect::OperatorDelay, 20.0, "shift", "S2"),
+        one(ShopEffect::OperatorDelay, 25.0, "machine", "L1"),
+        one(ShopEffect::MicroStops, 3.0 / 3600.0, "machine", "M1"),
+    ] {
+        let mut model = nominal();
+        model.stated.deviations = vec![stated.clone()];
+        let (forward, _) = model.over(&recorded(7, &[]), None, |_, _| false);
+        let diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
+        let named: Vec<(&str, String)> =
+            diagnosis.effects.iter().map(|own| (own.id.word(), own.shape.clone())).collect();
+        let place = stated.scope.words();
+        assert_eq!(named, [(stated.effect.word(), place)], "{}", diagnosis.terminal());
+        let size = diagnosis.effects[0].size / diagnosis.effects[0].id.report_units().0;
+        assert!((size / stated.size + 1.0).abs() < 0.15, "{size} of {}", stated.size);
+    }
+}
+
+#[test]
+fn a_machine_that_breaks_down_more_often_than_its_pool_is_told_and_its_pool_is_not() {
+    let often = of_shop(13, &|scenario| {
+        // Of four machines with one law the first has another one.
+        for mode in scenario.failures.iter_mut().filter(|mode| mode.machine == 0) {
+            mode.time_between = Distribution::Exponential { mean: 2.0 * 3600.0 };
+        }
+    });
+    let diagnosis = with_facts(&often);
+    let name = &shipped_shop().machines[0].name;
+    let between: Vec<(Quantity, &str)> =
+        found(&diagnosis).into_iter().filter(|own| own.0 == Quantity::TimeBetweenFailures).collect();
+    assert_eq!(between, [(Quantity::TimeBetweenFailures, name.as_str())], "{}", diagnosis.terminal());
+}

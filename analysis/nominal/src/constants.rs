@@ -32,6 +32,9 @@ pub(crate) const BROKEN: f64 = 0.6e-3;
 pub(crate) const BREAKING: f64 = 0.15e-3;
 /// Change of the time in cut, as a share, at the greatest feed override. Source: controls go up to 200 %.
 pub(crate) const FASTEST: f64 = -0.5;
+/// Share of a time of people that may be saved where time may be added (1). Assumption: nobody loads in less than half of the time
+/// that is planned for it.
+pub(crate) const SAVED: f64 = 0.5;
 /// Ordinary change of the time in cut by an override that nobody records, as a share. Assumption: an operator who turns the feed
 /// down turns it down by ten per cent.
 pub(crate) const OVERRIDDEN: f64 = 0.1;

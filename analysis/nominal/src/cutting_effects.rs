@@ -1,6 +1,6 @@
 //! Effects of turning and milling that the diagnosis tries, with the shapes that the data ask for.
 
-use super::constants::{FASTEST, OVERRIDDEN};
+use super::constants::{FASTEST, OVERRIDDEN, SAVED};
 use super::features::{self, standardised};
 use super::search::{self, Rows, SearchContext, Shape, Way};
 use super::{Candidate, Channel, ChannelId, EffectId, Untried};
@@ -151,6 +151,14 @@ pub(super) struct Delay {
     pub scope: Scope,
 }
 
+/// What the middle operation takes beside its cut, s; 0 where no cycle time is recorded.
+fn handling(records: &Records, durations: &[f64]) -> f64 {
+    let cycles = records.numbers("cycle_time").unwrap_or_default();
+    let mut beside: Vec<f64> = cycles.iter().zip(durations).map(|(cycle, cut)| cycle - cut).collect();
+    beside.retain(|time| time.is_finite());
+    if beside.is_empty() { 0.0 } else { toolroom_statistics::median(&mut beside).max(0.0) }
+}
+
 /// Delays by what is recorded.
 pub(super) fn delays(records: &Records, groups: &[usize], durations: &[f64]) -> Vec<Delay> {
     let mut list = Vec::new();
@@ -160,11 +168,12 @@ pub(super) fn delays(records: &Records, groups: &[usize], durations: &[f64]) -> 
             list.push(Delay { candidate, column, scope });
         }
     };
+    let handled = handling(records, durations);
     for (column, name, rows) in features::indicators(records, &["machine", "shift", "operator"]) {
         let key = SCOPE_NAMES.iter().find(|key| **key == column);
         let names = key.map(|key| (*key, vec![name.clone()])).into_iter().collect();
         let scope = Scope { names, ..Scope::default() };
-        add_on(scope, format!("{column} {name}"), EffectId::OPERATOR_DELAY, [30.0, 0.0], rows);
+        add_on(scope, format!("{column} {name}"), EffectId::OPERATOR_DELAY, [30.0, -SAVED * handled], rows);
     }
     let mut add = |id: EffectId, sizes: [f64; 2], column: Vec<f64>| {
         add_on(Scope::default(), String::new(), id, sizes, column);

@@ -22,7 +22,11 @@ impl FileNominal {
         words.surfaces.iter().for_each(|(i, x)| base.surfaces[*i] = *x);
         words.effects.iter().for_each(|(i, size)| base.effects[*i] = *size);
         let mut frame = model.frame().clone();
-        words.effects.iter().for_each(|(i, size)| frame.candidates[*i].greatest -= size);
+        // What is stated may not be there: sizes are bounded in all.
+        for (i, size) in &words.effects {
+            frame.candidates[*i].least -= size;
+            frame.candidates[*i].greatest -= size;
+        }
         Box::new(Self { model, frame, base })
     }
 

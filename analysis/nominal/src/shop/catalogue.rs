@@ -1,6 +1,6 @@
 //! What may be missing from a shop, as candidates over the blocks of its log.
 
-use super::super::constants::{BROKEN, FASTEST, OVERRIDDEN};
+use super::super::constants::{BROKEN, FASTEST, OVERRIDDEN, SAVED};
 use super::super::{Candidate, EffectId, search};
 use super::action::Action;
 use super::block::Block;
@@ -89,10 +89,26 @@ impl ShopModel {
         if has(Figure::FailureInterval) {
             list.push((EffectId::BREAKDOWN_SHAPE, String::new(), 2.0, Action::Breakdowns));
         }
+        // What is added may be saved as well, as far as there is something to be saved.
+        let shortest = |figure: Figure| {
+            let nominal = self.nominal.iter().map(|of_block| of_block[figure]).filter(|time| time.is_finite());
+            nominal.reduce(f64::min).unwrap_or(0.0)
+        };
         for (id, shape, typical, action) in list {
             let greatest = id.entry().size.max;
             let greatest = if matches!(action, Action::Policy) { greatest.min(later(shop)) } else { greatest };
-            let least = if matches!(action, Action::Slower(_)) { FASTEST } else { 0.0 };
+            let least = match action {
+                Action::Slower(_) => FASTEST,
+                Action::Delay(_) => -SAVED * shortest(Figure::HandlingTime),
+                Action::Change(_) => -SAVED * shortest(Figure::ToolChangeTime),
+                Action::Overridden(_)
+                | Action::Acceleration(_)
+                | Action::Stops(_)
+                | Action::Booked
+                | Action::Hold(_)
+                | Action::Policy
+                | Action::Breakdowns => 0.0,
+            };
             self.frame.candidates.push(Candidate { id, shape, typical, greatest, least });
             self.actions.push(action);
         }

@@ -47,7 +47,7 @@ pub struct ShopModel {
     pub(super) frame: Frame,
     pub(super) blocks: Blocks,
     /// Nominal value of each block by channel.
-    nominal: Vec<Figures>,
+    pub(super) nominal: Vec<Figures>,
     /// Growth of the life of edges with the wear limit, 1/m, by block.
     life_slope: Vec<f64>,
     pub(super) actions: Vec<Action>,
