@@ -3,6 +3,8 @@
 use toolroom_shards::fingerprint;
 
 const TABLE: &str = "[gap.applied]";
+/// How the lines of the mark begin.
+const MINE: [&str; 2] = [TABLE, "data = "];
 
 /// A model with the mark at its end; `data` are hashes of the records that its calibration has seen.
 pub fn marked(model: &str, data: &[String]) -> String {
@@ -27,10 +29,11 @@ fn parted(model: &str) -> (String, Option<String>) {
         if line.trim_start().starts_with('[') {
             within = line.trim_start().starts_with(TABLE);
         }
-        if !within {
-            lines.push(line);
-        } else if let Some(value) = line.trim().strip_prefix("text = \"") {
+        if let Some(value) = line.trim().strip_prefix("text = \"").filter(|_| within) {
             hash = Some(value.trim_end_matches('"').to_owned());
+        } else if !within || !MINE.iter().any(|own| line.trim_start().starts_with(own)) {
+            // What somebody has written behind the mark is no part of it.
+            lines.push(line);
         }
     }
     (lines.join("\n").trim_end().to_owned(), hash)
@@ -47,6 +50,8 @@ mod tests {
         assert!(is_marked(&marked(&model, &[])) && marked(&model, &["0a".to_owned()]) == model);
         assert!(!is_marked(&model.replace("0.1", "0.2")));
         assert!(!is_marked(&format!("{model}[output]\nlogs = false\n")));
+        assert!(!is_marked(&format!("{model}# ask Ann about the wear\n")));
+        assert!(is_marked(&format!("{model}\n\n")));
         assert!(!is_marked("schema = 1\n"));
     }
 }

@@ -61,6 +61,11 @@ fn in_place(rival: &Trial, candidate: usize) -> Vec<(usize, Evidence)> {
     all
 }
 
+/// Whether `other` may have the sign that the records ask of `candidate`.
+fn may_go_with(model: &dyn Forward, base: &Trial, candidate: usize, other: usize) -> bool {
+    base.scores().score[candidate] >= 0.0 || model.frame().candidates[other].two_sided()
+}
+
 /// Of `all` candidates beside the model `base`, by falling gain, those that come near to `candidate`.
 fn rivals(model: &dyn Forward, base: &Trial, all: Vec<(usize, Evidence)>, candidate: usize) -> Vec<(EffectId, String)> {
     let candidates = &model.frame().candidates;
@@ -79,7 +84,7 @@ fn rivals(model: &dyn Forward, base: &Trial, all: Vec<(usize, Evidence)>, candid
         let (left_out, error) = predictive_gain(&own, evidence);
         let close = lead < GATE || (lead < CLEAR && left_out < CLEARLY_LEFT_OUT * error);
         let alike = cosine[(candidate, *other)];
-        if alike > SAME {
+        if alike > SAME && may_go_with(model, base, candidate, *other) {
             class.push((id, format!("{id} leaves the same signature (cosine {alike:.2})")));
         } else if evidence.admissible && close && gain(evidence, &base.evidence) > own_gain / RIVAL {
             class.push((id, format!("{id} explains nearly as much (log evidence {lead:.1} less)")));

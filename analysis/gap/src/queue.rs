@@ -17,7 +17,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, BTreeSet};
 use toolroom_nominal::Declarations;
-use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score, scope_names};
+use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score, scope_of};
 use toolroom_scenario::{Deviation, MICRO_STOP, Occasion, Scope, ShopConstant, ShopEffect, calibrated};
 use toolroom_statistics::Moments;
 
@@ -208,7 +208,7 @@ struct ActingEffect {
 
 impl ActingEffect {
     fn named(effect: &NamedEffect) -> Self {
-        let scope = Scope { names: scope_names(&effect.shape), ..Scope::default() };
+        let scope = scope_of(&effect.shape);
         Self { id: effect.id, as_recorded: effect.shape == "as recorded", scope, size: effect.size }
     }
 

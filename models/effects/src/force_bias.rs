@@ -11,7 +11,7 @@ record! {
     /// Assumption: constant.
     pub struct ForceBias {
         /// Force that is read without a cut.
-        size: Real["N" => "N"] = 0.0, 0.0..=1e4;
+        size: Real["N" => "N"] = 0.0, -1e4..=1e4;
     }
 }
 

@@ -12,7 +12,7 @@ record! {
     /// Assumption: linear in time.
     pub struct ForceDrift {
         /// Share by which the reading grows per time.
-        size: Real["1/s" => "1/h"] = 0.0, 0.0..=1e-3;
+        size: Real["1/s" => "1/h"] = 0.0, -1e-3..=1e-3;
     }
 }
 

@@ -12,8 +12,8 @@ record! {
     /// Assumption for the equal shares. For scale, VDI 3323 groups 1 and 3 (125 and 250 HB) have
     /// k_c1.1 = 1350 and 1675 N/mm²: size 0.24 is a doubling of the hardness.
     pub struct LotHardness {
-        /// Share by which the deviating lot is harder to cut.
-        size: Real = 0.0, 0.0..=5.0;
+        /// Share by which the deviating lot is harder to cut; below zero it is softer.
+        size: Real = 0.0, -0.3..=5.0;
     }
 }
 

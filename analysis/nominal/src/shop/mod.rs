@@ -44,4 +44,4 @@ pub use nominal::{EdgeLife, Program, Shop, Station};
 pub use state::State;
 pub use stops::Shape;
 pub use visit::{Breakdowns, SHORT_STOP, Visit, Visits, visits};
-pub use words::scope_names;
+pub use words::scope_of;

@@ -1,21 +1,24 @@
-//! Parts of a shop's log on which an effect may act alone: shifts, machines, pools of machines, parts.
+//! Parts of a shop's log on which an effect may act alone: shifts, machines, pools of machines, parts, and all from a day on.
 
 use super::block::Block;
 use super::nominal::Shop;
 use super::visit::Visits;
 use std::collections::BTreeSet;
+use toolroom_scenario::Scope;
 
 /// Shifts, machines or parts among which one may have an effect of its own (count). Assumption: among more the price of
 /// the choice hides what is to be found.
 const MOST_LEVELS: usize = 12;
 /// Machines or pools in one shift that are tried (count). Assumption: as above.
 const MOST_CROSSED: usize = 24;
+/// A day, s.
+const DAY: f64 = 86400.0;
 
 /// The shape of a candidate on a part of the blocks, such as `machine=M1|M2, shift=S2`, with the weight of each block.
 pub(super) type Part = (String, Vec<f64>);
 
-/// Parts of the blocks on which an effect may act: shifts, machines and parts one by one, pools of machines, and machines
-/// and pools in one shift. Of parts that hold the same blocks the first counts.
+/// Parts of the blocks on which an effect may act: shifts, machines and parts one by one, pools of machines, machines and pools in
+/// one shift, and all from the beginning of a day on. Of parts that hold the same blocks the first counts.
 pub(super) fn parts(shop: &Shop, visits: &Visits, blocks: &[Block]) -> Vec<Part> {
     let part = |block: &Block| block.program.and_then(|program| Some(visits.programs[program].split_once('/')?.0));
     let shifts: Vec<String> = blocks.iter().map(|block| block.shift.clone()).collect();
@@ -53,7 +56,23 @@ pub(super) fn parts(shop: &Shop, visits: &Visits, blocks: &[Block]) -> Vec<Part>
             }
         }
     }
+    for from in days(blocks) {
+        let scope = Scope { from: Some(from), ..Scope::default() };
+        add(scope.words(), blocks.iter().map(|block| f64::from(u8::from(block.time >= from))).collect());
+    }
     found
+}
+
+/// Beginnings of days, s, but for the first and the last tenth of the log; of many, as many as a name may have levels.
+fn days(blocks: &[Block]) -> Vec<f64> {
+    let times = || blocks.iter().map(|block| block.time);
+    let (first, last) = (times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max));
+    let edge = 0.1 * (last - first);
+    let days: BTreeSet<i64> = times().map(|time| (time / DAY).floor() as i64).collect();
+    let all: Vec<f64> = days.into_iter().map(|day| day as f64 * DAY).collect();
+    let inner: Vec<f64> = all.into_iter().filter(|day| *day > first + edge && *day < last - edge).collect();
+    let step = inner.len().div_ceil(MOST_LEVELS).max(1);
+    inner.into_iter().step_by(step).collect()
 }
 
 /// Names that occur, where they are two to twelve.

@@ -140,7 +140,7 @@ pub fn visits(events: &Records) -> Visits {
     for machine in 0..all.machines.len() {
         let rows: Vec<usize> = (0..events.len()).filter(|row| machines[*row] == all.machines[machine]).collect();
         let named = rows.iter().any(|row| !text("operation_id")[*row].is_empty());
-        let (mut stays, mut count) = (Vec::with_capacity(rows.len()), 0);
+        let (mut stays, mut count, mut handled) = (Vec::with_capacity(rows.len()), 0, false);
         for pair in rows.windows(2) {
             let (row, next) = (pair[0], pair[1]);
             let mut state = State::of(&text("state")[row]);
@@ -148,13 +148,15 @@ pub fn visits(events: &Records) -> Visits {
                 state = State::Unknown;
                 gaps += 1;
             }
-            // Without names an operation goes on until the machine is idle or changes its program.
+            // Without names an operation goes on until the machine is idle, changes its program or is unloaded.
             let resting = matches!(state, State::Idle | State::OffShift | State::Unknown);
             let before = stays.last().is_some_and(|last: &Stay<'_>| last.program == programs[row].as_str());
-            if !named && (resting || !before) {
+            let handling = state == State::Handling;
+            if !named && (resting || !before || (handled && !handling)) {
                 count += 1;
             }
-            let run_name = || if resting { String::new() } else { format!("{}#{count}", programs[row]) };
+            handled = handling;
+            let run_name = || if resting || handling { String::new() } else { format!("{}#{count}", programs[row]) };
             let operation = if named { text("operation_id")[row].clone() } else { run_name() };
             let (start, end) = (times[row], times[next]);
             let (program, tool, feed) = (programs[row].as_str(), text("tool_id")[row].as_str(), feeds[row]);

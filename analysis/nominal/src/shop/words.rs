@@ -80,7 +80,7 @@ impl ShopModel {
 
     /// How a scenario says a candidate.
     pub(super) fn written_effect(&self, candidate: usize) -> WrittenEffect {
-        let scope = Scope { names: scope_names(&self.frame.candidates[candidate].shape), ..Scope::default() };
+        let scope = scope_of(&self.frame.candidates[candidate].shape);
         let recorded = match &self.actions[candidate] {
             Action::Overridden(mean) | Action::Hold(mean) => Some(*mean),
             Action::Slower(_)
@@ -96,12 +96,34 @@ impl ShopModel {
     }
 }
 
-/// The names of a scope in the shape of a candidate, such as `machine=L1`.
-pub fn scope_names(shape: &str) -> Vec<(&'static str, Vec<String>)> {
+/// The scope in the shape of a candidate, such as `machine=L1` or `from 86400 s`.
+pub fn scope_of(shape: &str) -> Scope {
     let names = |part: &str| {
         let (key, list) = part.split_once('=')?;
         let key = toolroom_scenario::SCOPE_NAMES.iter().find(|own| **own == key)?;
         Some((*key, list.split('|').map(str::to_owned).collect::<Vec<_>>()))
     };
-    shape.split(", ").filter_map(names).collect()
+    let time = |word: &str| {
+        let seconds = |part: &str| part.strip_prefix(word)?.trim().strip_suffix(" s")?.parse::<f64>().ok();
+        shape.split(", ").find_map(seconds)
+    };
+    Scope { names: shape.split(", ").filter_map(names).collect(), from: time("from "), until: time("until ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scope_reads_back_from_its_words() {
+        let names = vec![("machine", vec!["L1".to_owned(), "L2".to_owned()]), ("shift", vec!["S2".to_owned()])];
+        for scope in [
+            Scope { names, from: Some(86400.0), until: Some(172_800.5) },
+            Scope { from: Some(432_000.0), ..Scope::default() },
+            Scope::shift("S1"),
+            Scope::default(),
+        ] {
+            assert_eq!(scope_of(&scope.words()), scope);
+        }
+    }
 }
