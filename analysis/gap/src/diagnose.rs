@@ -191,7 +191,8 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosis
             if decision.verdict == GapVerdict::Effect {
                 diagnosis.fit_with_effects = Some(test(&decision.model().fit));
             }
-            doubted(&mut diagnosis, decision.structure(model), pushed, || decision.asked_for(context));
+            let (structure, asked) = (decision.structure(model), || decision.asked_for(context));
+            doubted(&mut diagnosis, structure, pushed, asked, || closed_by_constants(context, &decision.base));
         }
     }
     let far = diagnosis.far_gains();

@@ -267,7 +267,7 @@ impl<'a> Occupation<'a> {
                 continue;
             }
             all += match effect.id.shop() {
-                Some(ShopEffect::FeedOverride) if effect.as_recorded => time * visit.override_excess,
+                Some(ShopEffect::FeedOverride) if effect.as_recorded => time * effect.size * visit.override_excess,
                 Some(ShopEffect::FeedOverride) => time * effect.size,
                 Some(ShopEffect::OperatorDelay) => effect.size,
                 Some(ShopEffect::ToolChangeDelay) => changes * effect.size,

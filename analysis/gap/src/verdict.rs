@@ -59,8 +59,14 @@ pub(super) fn backed(
         diagnosis.verdict = GapVerdict::Masked;
         diagnosis.suspected = Some(why.clone());
         diagnosis.notes.push(why);
-    } else if !small
-        && let Some(constant) = diagnosis.constant()
+    } else if !small {
+        constant_beyond_belief(diagnosis, by_constants);
+    }
+}
+
+/// A constant that went farther than is believed of it is what the gap is, if such constants close it on groups left out.
+fn constant_beyond_belief(diagnosis: &mut Diagnosis, by_constants: impl Fn() -> Option<Closure>) {
+    if let Some(constant) = diagnosis.constant()
         && by_constants().is_some_and(|closed| closed.closed > LEAST_CLOSED && closed.ci90[0] > 0.0)
     {
         diagnosis.verdict = GapVerdict::Constant;
@@ -84,12 +90,13 @@ pub(super) fn unrejected(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<
 
 /// Sets the verdict where the noise was read off the records. Names are no question of its tests: there calibration may
 /// follow what an effect does, and evidence tells them apart. `structure` says what the map shows beyond its null; the others
-/// are as in [`backed`].
+/// are as in [`backed`]. Where a constant is off beyond belief, that is the finding.
 pub(super) fn doubted(
     diagnosis: &mut Diagnosis,
     structure: Option<Mapped>,
     pushed: impl Fn() -> Option<String>,
     asked: impl Fn() -> Option<(String, f64)>,
+    by_constants: impl Fn() -> Option<Closure>,
 ) {
     if let Some(with) = diagnosis.fit_with_effects.as_ref().filter(|fit| !fit.passed()) {
         let words = rejected(Some(with));
@@ -109,6 +116,9 @@ pub(super) fn doubted(
         diagnosis.verdict = if matters { GapVerdict::Unknown } else { GapVerdict::Small };
         let by_map = structure.map(|own| own.words).filter(|_| fit.passed());
         diagnosis.notes.insert(0, by_map.unwrap_or_else(|| rejected(Some(&fit))));
+        if matters {
+            constant_beyond_belief(diagnosis, by_constants);
+        }
     }
 }
 
@@ -208,7 +218,7 @@ mod tests {
     fn told(mut diagnosis: Diagnosis, structure: Option<f64>, gain: Option<f64>) -> Diagnosis {
         let asked = || gain.map(|gain| ("micro_stops".to_owned(), gain));
         let structure = structure.map(|share| Mapped { words: "structure is left".to_owned(), share });
-        doubted(&mut diagnosis, structure, || None, asked);
+        doubted(&mut diagnosis, structure, || None, asked, || None);
         diagnosis
     }
 

@@ -12,7 +12,7 @@ use toolroom_records::{RecordKind, Records};
 const DAY: f64 = 86400.0;
 /// Differences that mean nothing, in standard deviations of a value (assumption).
 const RESOLUTION: f64 = 0.02;
-/// Most effects that are streams of their own.
+/// Most effects that are streams of their own (count; assumption).
 const EFFECTS: usize = 160;
 
 /// Column of the time of a row, s.
@@ -96,7 +96,14 @@ fn readings(part: &dyn Forward) -> Vec<Vec<(String, f64)>> {
         .zip(&raw)
         .map(|(own, raw)| own.value - if log(own.channel) { raw.ln() } else { *raw })
         .collect();
-    let effects: Vec<Direction> = (0..frame.candidates.len().min(EFFECTS)).map(Direction::Effect).collect();
+    // A block is of one machine and its streams are, too: an effect at machines is that everywhere, and one from a date on is what
+    // is looked for.
+    let own = |candidate: &usize| {
+        let scope = part.written(*candidate).scope;
+        scope.names.iter().all(|(key, _)| *key != "machine") && scope.from.is_none() && scope.until.is_none()
+    };
+    let watched: Vec<usize> = (0..frame.candidates.len()).filter(own).take(EFFECTS).collect();
+    let effects: Vec<Direction> = watched.iter().map(|candidate| Direction::Effect(*candidate)).collect();
     let slopes = part.slopes(&point, &raw, &effects);
     let of_group = |group: usize| {
         let span = measured.spans[group].clone();
@@ -111,7 +118,7 @@ fn readings(part: &dyn Forward) -> Vec<Vec<(String, f64)>> {
                 readings.push((channel.id.to_string(), resolved(sum / deviation)));
             }
         }
-        for (candidate, slopes) in frame.candidates.iter().zip(&slopes) {
+        for (candidate, slopes) in watched.iter().map(|candidate| &frame.candidates[*candidate]).zip(&slopes) {
             let (mut product, mut square, mut count) = (0.0, 0.0, 0.0_f64);
             for i in span.clone().filter(|i| residuals[*i].is_finite()) {
                 let observation = &measured.observations[i];

@@ -4,7 +4,7 @@
 pub(super) enum Action {
     /// Longer cutting, by share, on blocks by weight.
     Slower(Vec<f64>),
-    /// Longer cutting by the overrides that are recorded, over their mean.
+    /// Longer cutting by the overrides that are recorded; the share that they add to the time of all operations.
     Overridden(f64),
     /// Longer handling on blocks by weight, s.
     Delay(Vec<f64>),

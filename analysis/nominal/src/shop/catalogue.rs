@@ -8,7 +8,7 @@ use super::figure::Figure;
 use super::model::ShopModel;
 use super::nominal::Shop;
 use super::scopes::parts;
-use super::visit::Visits;
+use super::visit::{Visit, Visits};
 use toolroom_scenario::effects::SHOP_EFFECTS;
 
 /// How far beyond the land at which the file changes them edges may be used, m: until they count as broken. That of the
@@ -32,15 +32,12 @@ impl ShopModel {
                 list.push((EffectId::FEED_OVERRIDE, scope.clone(), OVERRIDDEN, Action::Slower(on.clone())));
             }
             if visits.overridden {
-                let all = blocks.iter().flat_map(|block| block.excesses.iter()).filter(|excess| **excess > 1e-3);
-                let (sum, count) = all.fold((0.0, 0.0), |(sum, count), excess| (sum + excess, count + 1.0));
-                if sum > 0.0 {
-                    list.push((
-                        EffectId::FEED_OVERRIDE,
-                        "as recorded".to_owned(),
-                        OVERRIDDEN,
-                        Action::Overridden(sum / count),
-                    ));
+                let full = |visit: &Visit| visit.cutting / (1.0 + visit.override_excess);
+                let time: f64 = visits.list.iter().map(full).sum();
+                let lost: f64 = visits.list.iter().map(|visit| visit.cutting - full(visit)).sum();
+                if lost > 0.0 {
+                    let (id, shape) = (EffectId::FEED_OVERRIDE, "as recorded".to_owned());
+                    list.push((id, shape, 1.0, Action::Overridden(lost / time)));
                 }
             }
             let speeds: Vec<f64> = visits

@@ -315,7 +315,7 @@ impl ShopModel {
             for (action, size) in self.actions.iter().zip(&point.effects) {
                 match action {
                     Action::Slower(weights) => slower *= 1.0 + size * weights[row],
-                    Action::Overridden(mean) => overridden += size / mean,
+                    Action::Overridden(_) => overridden += size,
                     Action::Delay(weights) => delay += size * weights[row],
                     Action::Change(weights) => change += size * weights[row],
                     Action::Acceleration(speeds) => blocks += size * speeds[row],
