@@ -252,6 +252,17 @@ fn nameless_handling_belongs_to_the_operations_around_it() {
 }
 
 #[test]
+fn operations_without_names_end_where_they_are_unloaded() {
+    let csv = "time [s],machine,state,program\n0,M,idle,\n10,M,handling,P\n50,M,cutting,P\n120,M,handling,P\n\
+        140,M,handling,P\n180,M,cutting,P\n220,M,stopped,P\n230,M,cutting,P\n270,M,handling,P\n290,M,idle,\n2000,M,unavailable,\n";
+    let (records, _) = toolroom_records::parse_csv("events", csv.as_bytes(), RecordKind::Shop).expect("events");
+    let seen = visits(&records);
+    let times: Vec<(f64, f64)> = seen.list.iter().map(|visit| (visit.cutting, visit.handling)).collect();
+    assert_eq!(times, [(70.0, 60.0), (80.0, 60.0)], "{seen:?}");
+    assert_eq!(seen.list[1].stops, [10.0]);
+}
+
+#[test]
 fn another_log_of_the_shop_is_held_out_day_by_day() {
     let model = nominal();
     let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
