@@ -4,9 +4,10 @@
 use super::cut_fault::{CutFault, STUCK};
 use super::ports::{Ports, elements, read, write};
 use super::program::Program;
+use super::reaction::Reaction;
 use super::vibration::{Instant, Listener, Vibration};
 use toolroom_process::{MachineProcess, ProcessEvent, watched};
-use toolroom_scenario::policies::Sample;
+use toolroom_scenario::policies::{Sample, Stability};
 
 /// A stretch of cutting under one command: where it starts, where it ends, what happens.
 #[derive(Clone, Debug, Default)]
@@ -48,7 +49,7 @@ pub struct Segment {
 impl Segment {
     /// Cuts from `state` under [`Segment::start_input`] for `duration`, with a sensor sample
     /// every `sampling_period`.
-    pub(super) fn plan(
+    pub fn plan(
         &mut self,
         process: &dyn MachineProcess,
         ports: &Ports,
@@ -144,6 +145,13 @@ impl Segment {
         Ok(())
     }
 
+    /// When a listening controller stops the segment, s from its start.
+    pub fn stop(&self, rule: Option<&Stability>, known: Option<&Reaction>) -> Option<f64> {
+        let reaction_time = rule?.reaction_time()?;
+        let stop = self.vibration.as_ref()?.onset? + reaction_time;
+        (stop < self.elapsed && known.is_none_or(|known| !known.exhausted)).then_some(stop)
+    }
+
     /// Whether `event` happened without stopping the cut.
     pub fn has(&self, event: ProcessEvent) -> bool {
         self.passed.iter().any(|(_, each)| *each == event)
@@ -151,7 +159,7 @@ impl Segment {
 
     /// Share of the path of the whole segment as requested that is behind after `elapsed`
     /// seconds, the speed going linearly from that of the start input.
-    pub(super) fn share(&self, ports: &Ports, elapsed: f64) -> f64 {
+    pub fn share(&self, ports: &Ports, elapsed: f64) -> f64 {
         let whole = self.requested;
         let speed = read(&self.start_input, ports.cutting_speed, 0.0);
         let acceleration = read(&self.start_input, ports.cutting_acceleration, 0.0);
@@ -178,12 +186,12 @@ fn sample(ports: &Ports, input: &[f64], output: &[f64], elapsed: f64) -> Sample 
 }
 
 /// Does `work` and refuses it where an effect of a user gave no value on the way.
-pub(super) fn refusing<T>(work: impl FnOnce() -> Result<T, CutFault>) -> Result<T, CutFault> {
+pub fn refusing<T>(work: impl FnOnce() -> Result<T, CutFault>) -> Result<T, CutFault> {
     watched(work).map_err(CutFault::Model)?
 }
 
 /// Moves an edge that is out of cut, before it cuts under `command`: it cools, nothing else.
-pub(super) fn rest(
+pub fn rest(
     process: &dyn MachineProcess,
     ports: &Ports,
     state: &mut [f64],
