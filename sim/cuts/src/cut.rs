@@ -103,11 +103,15 @@ impl Segment {
             let start =
                 listener.as_ref().map(|_| Instant { time, state: self.state.clone(), input: self.input.clone() });
             let advance = process
-                .advance_watched(&mut self.state, &mut self.input, goal - time, &times, &mut |i, u, y| {
-                    look(u, y, times[i], next(i));
-                })
+                .advance_to_output(
+                    &mut self.state,
+                    &mut self.input,
+                    goal - time,
+                    &times,
+                    &mut |i, u, y| look(u, y, times[i], next(i)),
+                    &mut self.output,
+                )
                 .map_err(CutFault::Model)?;
-            process.output(&self.state, &self.input, &mut self.output);
             let end = sampling_period.filter(|_| advance.event.is_none() && goal == duration).map(|_| duration);
             look(&self.input, &self.output, advance.elapsed, end);
             if engaged {
@@ -152,6 +156,37 @@ impl Segment {
         (stop < self.elapsed && known.is_none_or(|known| !known.exhausted)).then_some(stop)
     }
 
+    /// Moves an edge that is out of cut, before it cuts under [`Segment::start_input`]: it cools, nothing else.
+    ///
+    /// # Errors
+    /// What the model refuses.
+    pub fn rest(
+        &mut self,
+        process: &dyn MachineProcess,
+        ports: &Ports,
+        state: &mut [f64],
+        duration: f64,
+    ) -> Result<(), CutFault> {
+        let Some(engaged) = ports.engaged else { return Ok(()) };
+        let (mut left, mut stuck) = (duration, 0);
+        let input = &mut self.input;
+        input.clone_from(&self.start_input);
+        input[engaged] = 0.0;
+        write(input, ports.cutting_acceleration, 0.0);
+        while left > 0.0 {
+            let advance = process.advance(state, input, left).map_err(CutFault::Model)?;
+            if advance.event.is_none() {
+                break;
+            }
+            left -= advance.elapsed;
+            stuck = if advance.elapsed > 0.0 { 0 } else { stuck + 1 };
+            if stuck > STUCK {
+                return Err(CutFault::Stuck);
+            }
+        }
+        Ok(())
+    }
+
     /// Whether `event` happened without stopping the cut.
     pub fn has(&self, event: ProcessEvent) -> bool {
         self.passed.iter().any(|(_, each)| *each == event)
@@ -188,31 +223,4 @@ fn sample(ports: &Ports, input: &[f64], output: &[f64], elapsed: f64) -> Sample 
 /// Does `work` and refuses it where an effect of a user gave no value on the way.
 pub fn refusing<T>(work: impl FnOnce() -> Result<T, CutFault>) -> Result<T, CutFault> {
     watched(work).map_err(CutFault::Model)?
-}
-
-/// Moves an edge that is out of cut, before it cuts under `command`: it cools, nothing else.
-pub fn rest(
-    process: &dyn MachineProcess,
-    ports: &Ports,
-    state: &mut [f64],
-    command: &[f64],
-    duration: f64,
-) -> Result<(), CutFault> {
-    let Some(engaged) = ports.engaged else { return Ok(()) };
-    let (mut left, mut stuck) = (duration, 0);
-    let mut input = command.to_vec();
-    input[engaged] = 0.0;
-    write(&mut input, ports.cutting_acceleration, 0.0);
-    while left > 0.0 {
-        let advance = process.advance(state, &mut input, left).map_err(CutFault::Model)?;
-        if advance.event.is_none() {
-            break;
-        }
-        left -= advance.elapsed;
-        stuck = if advance.elapsed > 0.0 { 0 } else { stuck + 1 };
-        if stuck > STUCK {
-            return Err(CutFault::Stuck);
-        }
-    }
-    Ok(())
 }

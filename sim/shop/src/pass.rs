@@ -7,7 +7,7 @@ use super::task::{IN_WORK, InCut, MOUNTED, Machining, Pass, Step, Task, in_cut};
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, EventRow, LogEvent, PassRow};
 use rand::RngExt;
-use toolroom_cuts::cut::{refusing, rest};
+use toolroom_cuts::cut::refusing;
 use toolroom_cuts::cut_fault::CutFault;
 use toolroom_cuts::edge::owner;
 use toolroom_cuts::ports::{read, write};
@@ -289,7 +289,7 @@ impl<R: Recorder> Shop<'_, R> {
         edge.clock = now;
         let planned = refusing(|| {
             if idle > 0.0 {
-                rest(process, ports, &mut edge.state, &segment.start_input, idle)?;
+                segment.rest(process, ports, &mut edge.state, idle)?;
             }
             segment.plan(process, ports, &edge.state, *left, sampling)
         });
