@@ -183,9 +183,10 @@ impl Layout {
             .map(|(times, (modes, upkeep))| alone && modes.is_empty() && upkeep.is_empty() && *times == [0.0; 2]);
         let one_step: Vec<bool> = one_step.collect();
         let bare = is_bare(scenario);
-        let quick = quick_machines::machines(scenario, &operations, one_step.clone(), (bare, looks_ahead));
+        let alone = quick_machines::machines(scenario, &operations, one_step.clone(), bare);
         let plan = |index: usize| {
-            MachinePlan::from_scenario(scenario, index, assembles[index], [one_step[index], quick[index]])
+            let kinds = [one_step[index], alone[index], alone[index] && !looks_ahead];
+            MachinePlan::from_scenario(scenario, index, assembles[index], kinds)
         };
         let machine_plans = (0..scenario.machines.len()).map(plan).collect();
         let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();

@@ -429,6 +429,7 @@ impl<R: Recorder> Shop<'_, R> {
             quantity: job.row.quantity,
             machine: machine as u32,
             start: task.begun.seconds(),
+            waited: (task.begun - job.queued).max(0.0),
             end: f64::NAN,
             time_left: 0.0,
             time_before: task.before,
