@@ -93,9 +93,9 @@ fn a_scenario_says_what_is_to_be_known() {
     assert!(page.contains(&format!("of {stopped}, the median by lead_time under programmed")), "which run it is");
     // The command line goes before the file.
     assert_eq!(run(&["--until", "lead_time half-width 0.001 %"]), 60);
-    // It may go on for longer than the replications of a study of their number, unless these are typed.
-    write(&section.replace("until", "max_replications = 70\nuntil"));
-    assert_eq!(run(&["--until", "lead_time half-width 0.001 %"]), 70);
+    // Another number of them counts where they end by a figure, unless one is typed.
+    write(&section.replace("until", "max_replications = 12\nuntil"));
+    assert_eq!(run(&["--until", "lead_time half-width 0.001 %"]), 12);
     assert_eq!(run(&["--until", "lead_time half-width 0.001 %", "--replications", "15"]), 15);
     write(&section.replace("lead_time\"\nuntil", "lead_tine\"\nuntil"));
     let checked = toolroom(&["check", &name]);

@@ -1,5 +1,6 @@
 //! Key figures while a shop runs: a recorder whose memory does not grow with the events of the run.
 
+use super::group_figures::group_values;
 use super::machine::of_machine;
 use super::tally::Tally;
 use super::{cell, kpis, of_shop};
@@ -111,7 +112,7 @@ impl<'a> Counting<'a> {
     /// Values by part, customer and station: for every [`GroupKind`](super::GroupKind) those of its groups, of each its figures,
     /// SI; NaN where a figure is not defined.
     pub fn group_values(&self) -> Vec<f64> {
-        self.tally.group_values()
+        group_values(&self.tally)
     }
 
     /// Edges that left a machine of the cell, in the order in which they were mounted.

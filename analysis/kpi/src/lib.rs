@@ -41,6 +41,8 @@
 mod counting;
 mod definition;
 mod delivery;
+mod delivery_figures;
+mod group_figures;
 mod groups;
 mod histogram;
 mod machine;
@@ -52,11 +54,11 @@ mod tally;
 
 pub use counting::Counting;
 pub use definition::{Better, CURRENCY, Definition, Kpi};
-pub use groups::{GroupKind, group_values_len};
+pub use group_figures::{GroupKind, group_values_len};
 pub use reference::reference;
 pub use runs::{Progress, unless_stopped};
 
-use delivery::DELIVERIES;
+use delivery_figures::DELIVERIES;
 use machine::{MACHINE, of_machine};
 use shop::SHOP;
 use toolroom_scenario::{Scenario, ToolType};

@@ -5,7 +5,7 @@ use super::definition::{CURRENCY, ShopFigure, define, net, oee};
 use super::machine_tally::MachineTally;
 use toolroom_shop::runlog::MachineState;
 
-/// Figures of the shop, in the order of reports; those of [deliveries](super::delivery::DELIVERIES) follow.
+/// Figures of the shop, in the order of reports; those of [deliveries](super::delivery_figures::DELIVERIES) follow.
 pub(super) const SHOP: &[ShopFigure] = &[
     (
         define(

@@ -52,7 +52,7 @@ pub(super) struct Tally {
     /// Lead times, tardiness and orders.
     pub delivery: Delivery,
     /// Sums by part, customer and station.
-    groups: Groups,
+    pub groups: Groups,
     pub scrapped: u32,
     pub scrapped_by_tool: u32,
     pub out_of_tolerance: u32,
@@ -203,11 +203,6 @@ impl Tally {
             tally.failures += 1.0;
         }
         self.chatter_onsets += u32::from(row.event == LogEvent::ChatterOnset);
-    }
-
-    /// Values by part, customer and station.
-    pub fn group_values(&self) -> Vec<f64> {
-        self.groups.values(self)
     }
 
     /// Shifts worked: working time of the machine longest in shift over the length of a shift.

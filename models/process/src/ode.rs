@@ -634,6 +634,47 @@ mod tests {
     }
 
     #[test]
+    fn a_decay_by_itself_takes_few_steps_and_gives_the_same_states_and_events() {
+        // The first component grows by the second, which follows the root of the first within 5 s.
+        let rhs = |_: f64, y: &[f64; 2]| [1e-3 * (1.0 + y[1]), ((1.0 + y[0]).sqrt() - y[1]) / 5.0];
+        let (loose, tight) =
+            (Tolerance { relative: 1e-8, absolute: [1e-8; 2] }, Tolerance { relative: 1e-13, absolute: [1e-13; 2] });
+        let decay = Decay { component: 1, time_constant: 5.0 };
+        let event = |limit: f64| move |_: f64, y: &[f64; 2]| [y[0] - limit];
+        for limit in [1.0, 0.05] {
+            let (mut seen, mut known) = ([0.0; 2], [0.0; 2]);
+            let exact = integrate_watched(rhs, event(limit), &[0.0, 0.2], 60.0, &tight, |step| {
+                if step.start < 17.0 && step.end >= 17.0 {
+                    known = step.at(17.0);
+                }
+            })
+            .unwrap();
+            let end = integrate_decaying(
+                rhs,
+                event(limit),
+                &[0.0, 0.2],
+                60.0,
+                (&loose, decay),
+                |_| f64::NAN,
+                |step| {
+                    if step.start < 17.0 && step.end >= 17.0 {
+                        seen = step.at(17.0);
+                    }
+                },
+            )
+            .unwrap();
+            let plain = integrate(rhs, event(limit), &[0.0, 0.2], 60.0, &loose).unwrap();
+            assert_eq!(end.event, exact.event);
+            assert!((end.time - exact.time).abs() < 1e-6, "{end:?} {exact:?}");
+            for i in 0..2 {
+                assert!((end.state[i] - exact.state[i]).abs() < 1e-7, "{end:?} {exact:?}");
+                assert!((seen[i] - known[i]).abs() < 1e-6, "{seen:?} {known:?}");
+            }
+            assert!(2 * end.evaluations < plain.evaluations, "{} and {}", end.evaluations, plain.evaluations);
+        }
+    }
+
+    #[test]
     fn the_oscillator_returns_after_one_period() {
         let end = integrate(oscillator, |_, _| [-1.0], &[1.0, 0.0], std::f64::consts::TAU, &TIGHT).unwrap();
         assert!((end.state[0] - 1.0).abs() < 1e-8 && end.state[1].abs() < 1e-8, "{end:?}");

@@ -47,7 +47,7 @@ pub(super) fn moment(walk: &mut Walk, section: &Section<'_>, key: &'static str, 
     if let Some(date) = day_first(text) {
         let reason = format!("`{key}` is \"{text}\": dates are written year-month-day");
         let fix = format!(
-            "write \"{date}\"; `toolroom import shop` reads a table whose dates have another form, with format = \"%d.%m.%Y\""
+            "write \"{date}\"; of a table, list its columns in `column` of [tables], this one as {{ name = \"{key}\", from = …, format = \"%d.%m.%Y\" }}"
         );
         walk.fault(section.span_of(key), ScenarioFault::Arrangement { reason, fix });
         return None;
