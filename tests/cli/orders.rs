@@ -127,6 +127,6 @@ fn figures_stand_by_part_and_station_where_nothing_is_logged() {
     assert!(groups("station").iter().all(|group| group["kpi"]["queue_wait [min]"]["mean"].as_f64() > Some(0.0)));
     let table = fs::read_to_string(folder.join("out/stations.csv")).expect("a table");
     assert!(table.starts_with("policy,station,kpi,unit,mean,half_width\n"), "{table}");
-    assert_eq!(table.lines().count(), 1 + 7 * groups("station").len());
+    assert_eq!(table.lines().count(), 1 + 6 * groups("station").len());
     assert!(folder.join("out/parts.csv").is_file() && !folder.join("out/customers.csv").exists());
 }

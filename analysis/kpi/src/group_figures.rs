@@ -2,7 +2,7 @@
 
 use super::definition::Better::{Less, More, Neither};
 use super::definition::{Definition, define};
-use super::groups::{JobGroup, Station, customers, parts, stations};
+use super::groups::{JobGroup, customers, parts, stations};
 use super::machine_tally::MachineTally;
 use super::tally::Tally;
 use toolroom_scenario::{Scenario, station_name};
@@ -48,11 +48,12 @@ impl GroupKind {
     /// What is known of each group.
     pub fn definitions(self) -> impl Iterator<Item = &'static Definition> {
         let jobs = OF_JOBS.iter().map(|(definition, _)| definition);
-        let part = OF_PART.iter().map(|(definition, _)| definition);
         let stations = OF_STATION.iter().map(|(definition, _)| definition);
         let is = move |kind: Self| kind == self;
         let of_jobs = jobs.filter(move |_| !is(Self::Station));
-        of_jobs.chain(part.filter(move |_| is(Self::Part))).chain(stations.filter(move |_| is(Self::Station)))
+        of_jobs
+            .chain(std::iter::once(&QUEUE_TIME).filter(move |_| is(Self::Part)))
+            .chain(stations.filter(move |_| is(Self::Station)))
     }
 }
 
@@ -66,16 +67,20 @@ pub(super) fn group_values(tally: &Tally) -> Vec<f64> {
     let groups = &tally.groups;
     let finite = |value: f64| if value.is_finite() { value } else { f64::NAN };
     let of_jobs = |own: &JobGroup| OF_JOBS.map(|(_, value)| value(tally.window, own));
-    let of_part = |own: &JobGroup| OF_PART.map(|(_, value)| value(tally.window, own));
-    let parts = groups.parts.iter().flat_map(|own| of_jobs(own).into_iter().chain(of_part(own)));
+    let of_part = |(group, own): (usize, &JobGroup)| {
+        let part = groups.part_of.iter().position(|own| *own == Some(group as u32));
+        let queue_time = part.map_or(f64::NAN, |part| own.queue_time(tally.in_process(part)));
+        of_jobs(own).into_iter().chain([queue_time])
+    };
+    let parts = groups.parts.iter().enumerate().flat_map(of_part);
     let customers = groups.customers.iter().flat_map(of_jobs);
     let stations = groups.stations.iter().flat_map(|own| OF_STATION.map(|(_, value)| value(tally, own)));
     parts.chain(customers).chain(stations).map(finite).collect()
 }
 
 /// Sum over the machines of a station.
-fn sum(tally: &Tally, station: &Station, of: fn(&MachineTally) -> f64) -> f64 {
-    station.machines.iter().map(|machine| of(&tally.machines[*machine])).sum()
+fn sum(tally: &Tally, station: &[usize], of: fn(&MachineTally) -> f64) -> f64 {
+    station.iter().map(|machine| of(&tally.machines[*machine])).sum()
 }
 
 /// A figure of a group of jobs from the length of the window, s, and its sums.
@@ -140,26 +145,23 @@ const OF_JOBS: [JobFigure; 10] = [
     ),
 ];
 
-/// Figures of part types alone, of which operations are known.
-const OF_PART: [JobFigure; 1] = [(
-    define(
-        "queue_time",
-        "queue time",
-        "s",
-        "min",
-        Less,
-        "Time in the shop without an operation in process, per good job.",
-    ),
-    |_, own| (own.job_time - own.operation_time).max(0.0) / f64::from(own.jobs),
-)];
+/// The figure of part types alone, of which operations are known.
+const QUEUE_TIME: Definition = define(
+    "queue_time",
+    "queue time",
+    "s",
+    "min",
+    Less,
+    "Time in the shop without an operation in process, per good job.",
+);
 
 /// A figure of a station.
-type StationFigure = (Definition, fn(&Tally, &Station) -> f64);
+type StationFigure = (Definition, fn(&Tally, &[usize]) -> f64);
 
 /// Figures of stations.
-const OF_STATION: [StationFigure; 7] = [
-    (define("begun", "operations begun", "1", "1", Neither, "Operations begun in the window."), |_, own| {
-        f64::from(own.begun)
+const OF_STATION: [StationFigure; 6] = [
+    (define("begun", "operations begun", "1", "1", Neither, "Operations begun in the window."), |t, own| {
+        sum(t, own, |machine| machine.begun)
     }),
     (
         define(
@@ -170,18 +172,7 @@ const OF_STATION: [StationFigure; 7] = [
             Less,
             "Mean time from when a job comes to the queue to the beginning of its operation, of operations begun in the window.",
         ),
-        |_, own| own.waited / f64::from(own.begun),
-    ),
-    (
-        define(
-            "queue_wait_p95",
-            "wait in the queue, 95 %",
-            "s",
-            "min",
-            Less,
-            "Such a time that 95 % of the operations do not exceed, within 0.4 %.",
-        ),
-        |_, own| own.waits.quantile(0.95),
+        |t, own| sum(t, own, |machine| machine.waited) / sum(t, own, |machine| machine.begun),
     ),
     (
         define(

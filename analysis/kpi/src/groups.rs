@@ -48,18 +48,6 @@ pub(super) struct JobGroup {
     pub greatest_tardiness: f64,
     /// Integral of the number of its jobs in the shop.
     pub job_time: f64,
-    /// Of it the time in which an operation of the job was in process.
-    pub operation_time: f64,
-}
-
-/// Sums over the operations of a station that were begun in the window.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Station {
-    pub begun: u32,
-    pub waited: f64,
-    pub waits: Histogram,
-    /// Its machines, by index.
-    pub machines: Vec<usize>,
 }
 
 /// Everything by groups.
@@ -71,7 +59,8 @@ pub(super) struct Groups {
     pub customers: Vec<JobGroup>,
     /// Group of every order.
     pub customer_of: Vec<Option<u32>>,
-    pub stations: Vec<Station>,
+    /// Machines of every station, by index.
+    pub stations: Vec<Vec<usize>>,
 }
 
 /// A good job that left the shop.
@@ -87,37 +76,12 @@ impl Groups {
         let (parts, customers) = (parts(scenario), customers(scenario));
         let part_of = |part: usize| parts.iter().position(|own| *own == part).map(|place| place as u32);
         let customer = |name: &str| customers.iter().position(|own| *own == name).map(|place| place as u32);
-        let station = |machines: Vec<usize>| Station { machines, ..Station::default() };
         Self {
             part_of: (0..scenario.parts.len()).map(part_of).collect(),
             parts: vec![JobGroup::default(); parts.len()],
             customer_of: scenario.orders.iter().map(|order| customer(&order.customer)).collect(),
             customers: vec![JobGroup::default(); customers.len()],
-            stations: stations(scenario).into_iter().map(station).collect(),
-        }
-    }
-
-    /// Station of every operation of every part.
-    pub fn station_of(&self, machines: &[usize]) -> u32 {
-        let mut machines = machines.to_vec();
-        machines.sort_unstable();
-        self.stations.iter().position(|own| own.machines == machines).unwrap_or(0) as u32
-    }
-
-    /// An operation was begun after its job had waited, s.
-    #[inline]
-    pub fn begin(&mut self, station: u32, waited: f64) {
-        let own = &mut self.stations[station as usize];
-        own.begun += 1;
-        own.waited += waited;
-        own.waits.add(waited);
-    }
-
-    /// An operation of a part was in process in the window for this time, s.
-    #[inline]
-    pub fn work(&mut self, part: u32, time: f64) {
-        if let Some(group) = self.part_of[part as usize] {
-            self.parts[group as usize].operation_time += time;
+            stations: stations(scenario),
         }
     }
 
@@ -137,6 +101,11 @@ impl Groups {
 }
 
 impl JobGroup {
+    /// Time in the shop without an operation in process, per good job, s, where operations were for so long.
+    pub fn queue_time(&self, in_process: f64) -> f64 {
+        (self.job_time - in_process).max(0.0) / f64::from(self.jobs)
+    }
+
     fn add_good(&mut self, job: &JobRow, good: &GoodJob) {
         let (lead_time, late) = (job.finish - job.arrival, (job.finish - job.due).max(0.0));
         self.jobs += 1;

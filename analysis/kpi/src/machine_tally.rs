@@ -22,6 +22,9 @@ pub(super) struct MachineTally {
     pub programmed_good: f64,
     /// Good operations completed, 1.
     pub good: f64,
+    /// Operations begun, 1, and the time for which their jobs had waited in the queue.
+    pub begun: f64,
+    pub waited: f64,
     /// Failures, 1.
     pub failures: f64,
     /// When the breakdowns were that wait for their crew, s.

@@ -26,8 +26,8 @@ struct Planned {
     machine: usize,
     /// Whether a wheel does it.
     ground: bool,
-    /// Station of the machines that may do it.
-    station: u32,
+    /// Time for which it was in process in the window, s.
+    in_process: f64,
 }
 
 /// Sums of the shop within the window.
@@ -155,8 +155,8 @@ impl Tally {
             let machine = operation.machines[0];
             let plain = operation.mean_time_on(machine);
             let once = operation.work_per != WorkPer::Part;
-            let (work, station) = (programmed + operation.work.plain_time(), groups.station_of(&operation.machines));
-            Planned { programmed, work, plain, once, machine, ground, station }
+            let work = programmed + operation.work.plain_time();
+            Planned { programmed, work, plain, once, machine, ground, in_process: 0.0 }
         };
         let parts = scenario.parts.iter().zip(programmed_cutting_times(scenario));
         let machines = &scenario.machines;
@@ -321,11 +321,12 @@ impl Tally {
     /// time and earns nothing.
     #[inline]
     pub fn add_operation(&mut self, row: &OperationRow, (warm_up, end): (f64, f64), share: f64, completed: bool) {
-        let Planned { programmed, work, ground, station, .. } = self.planned[row.part as usize][row.operation as usize];
+        let own = &mut self.planned[row.part as usize][row.operation as usize];
+        let Planned { programmed, work, ground, .. } = *own;
         if !self.regrinds[row.part as usize] {
             let inside = (end - row.start.max(warm_up)).max(0.0);
+            own.in_process += inside;
             self.operation_time += inside;
-            self.groups.work(row.part, inside);
         }
         let pieces = f64::from(row.quantity);
         let planned = row.work * work + pieces * self.handling[row.machine as usize];
@@ -334,7 +335,8 @@ impl Tally {
             return;
         }
         if row.start >= warm_up {
-            self.groups.begin(station, row.waited);
+            tally.begun += 1.0;
+            tally.waited += row.waited;
         }
         tally.earned += planned * share;
         if ground {
@@ -350,6 +352,11 @@ impl Tally {
                 tally.good += pieces;
             }
         }
+    }
+
+    /// Time for which operations of a part were in process in the window, s.
+    pub fn in_process(&self, part: usize) -> f64 {
+        self.planned[part].iter().map(|own| own.in_process).sum()
     }
 
     /// What the work of a job takes on the first machine of every operation, s: without setup, waiting and what is done again.
