@@ -19,7 +19,7 @@ use std::cell::Cell;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use toolroom_effects::Effects;
-use toolroom_process::ode::{self, Decay, Tolerance};
+use toolroom_process::ode::{self, Tolerance};
 use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessEvent, Record};
 use toolroom_wear::{Pair, WEAR_EVENTS};
 
@@ -54,15 +54,8 @@ impl Default for Turning {
     }
 }
 
-/// Relative accuracy of a short step of [`Process::advance`]: whole lives come out within 1e-6.
+/// Relative accuracy of a step of [`Process::advance`]: whole lives come out within 1e-6.
 const ACCURACY: f64 = 1e-7;
-
-/// The same of the long steps that leave the decay of the body's temperature out: land and temperature come out within 1e-7 of
-/// those of steps a thousand times as accurate.
-const DECAYING: f64 = 1e-8;
-
-/// Place of the temperature rise of the tool body in [`TurningState`].
-const BODY: usize = 1;
 
 /// Share of the wear limit that one stage of an integration may wear at its initial rate.
 const STAGE: f64 = 0.1;
@@ -218,11 +211,7 @@ impl Turning {
                 seen += 1;
             }
         };
-        // Where verdicts are asked, steps are as short as they are for the body's temperature: a switch is looked for in each.
-        let judges = self.structure.is_some();
-        let accuracy = if judges { ACCURACY } else { DECAYING };
-        let tolerance = Tolerance { relative: accuracy, absolute: self.scales(accuracy) };
-        let body = Decay { component: BODY, time_constant: self.pair.temperature.body_time_constant };
+        let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
         let watch = |step: &ode::Stretch<'_, STATES>| {
             if switch.get().is_some() {
                 return;
@@ -234,12 +223,7 @@ impl Turning {
             look(start + found.unwrap_or(step.end), &|time| step.at(time - start));
             switch.set(found.map(|time| (time, step.at(time))));
         };
-        let (state, left) = (&course.state, dt - start);
-        let end = if judges {
-            ode::integrate_staged(rhs, events, state, left, &tolerance, stage, watch)?
-        } else {
-            ode::integrate_decaying(rhs, events, state, left, (&tolerance, body), stage, watch)?
-        };
+        let end = ode::integrate_staged(rhs, events, &course.state, dt - start, &tolerance, stage, watch)?;
         if let Some((time, state)) = switch.get() {
             *course = Course { time: start + time, state, unstable: !unstable, seen };
             return Ok(None);

@@ -119,26 +119,17 @@ pub fn integrate_watched<const D: usize, const E: usize>(
     watch: impl FnMut(&Stretch<'_, D>),
 ) -> Result<Integration<D>, ModelError> {
     let slope = if t_end > 0.0 { rhs(0.0, y) } else { [0.0; D] };
-    integrate_from(rhs, events, (y, &slope), t_end, tolerance, None, watch)
-}
-
-/// A component that decays towards what the rest of the system makes of it: `y' = (s - y)/time_constant`, whatever moves `s`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Decay {
-    /// Index of the component.
-    pub component: usize,
-    /// Its time constant, s.
-    pub time_constant: f64,
+    integrate_from(rhs, events, y, &slope, t_end, tolerance, watch)
 }
 
 /// [`integrate_watched`] where the right-hand side at the start is known.
 fn integrate_from<const D: usize, const E: usize>(
     mut rhs: impl FnMut(f64, &[f64; D]) -> [f64; D],
     mut events: impl FnMut(f64, &[f64; D]) -> [f64; E],
-    (y, slope): (&[f64; D], &[f64; D]),
+    y: &[f64; D],
+    slope: &[f64; D],
     t_end: f64,
     tolerance: &Tolerance<D>,
-    decay: Option<Decay>,
     mut watch: impl FnMut(&Stretch<'_, D>),
 ) -> Result<Integration<D>, ModelError> {
     if !(t_end >= 0.0 && t_end.is_finite()) {
@@ -152,17 +143,14 @@ fn integrate_from<const D: usize, const E: usize>(
     }
     let mut k1 = *slope;
     let least = LEAST_STEP * t_end;
-    let mut h = first_step(y, &without(&k1, decay), t_end, tolerance);
+    let mut h = first_step(y, &k1, t_end, tolerance);
     while integration.time < t_end {
         // The last step is stretched a little rather than leaving a crumb behind.
         let last = integration.time + 1.01 * h >= t_end;
         if last {
             h = t_end - integration.time;
         }
-        let step = match decay {
-            None => dormand_prince(&mut rhs, integration.time, &integration.state, &k1, h),
-            Some(decay) => decaying_step(&mut rhs, integration.time, (&integration.state, &k1), h, decay),
-        };
+        let step = dormand_prince(&mut rhs, integration.time, &integration.state, &k1, h);
         integration.evaluations += 6;
         let error = step.error_norm(&integration.state, tolerance);
         if error.is_nan() || error > 1.0 {
@@ -214,55 +202,11 @@ fn integrate_from<const D: usize, const E: usize>(
 /// # Errors
 /// As [`integrate`].
 pub fn integrate_staged<const D: usize, const E: usize>(
-    rhs: impl FnMut(f64, &[f64; D]) -> [f64; D],
-    events: impl FnMut(f64, &[f64; D]) -> [f64; E],
-    y: &[f64; D],
-    t_end: f64,
-    tolerance: &Tolerance<D>,
-    stage: impl Fn(&[f64; D]) -> f64,
-    watch: impl FnMut(&Stretch<'_, D>),
-) -> Result<Integration<D>, ModelError> {
-    in_stages(rhs, events, y, t_end, (tolerance, None), stage, watch)
-}
-
-/// [`integrate_staged`] where one component decays by itself, whose decay is worked out exactly in every step: what is left to
-/// integrate moves as slowly as the rest of the system, and steps need not follow the decay.
-///
-/// # Errors
-/// As [`integrate`].
-///
-/// # Source
-/// J. D. Lawson, Generalized Runge-Kutta processes for stable systems with large Lipschitz constants, SIAM Journal on Numerical
-/// Analysis 4 (1967) 372: the integrating factor, here about the value towards which the component goes at the start of a step.
-///
-/// ```
-/// use toolroom_process::ode::{Decay, Tolerance, integrate_decaying};
-/// // The second component follows the first one, which grows evenly: y1 = t - T (1 - exp(-t/T)).
-/// let tolerance = Tolerance { relative: 1e-9, absolute: [1e-9; 2] };
-/// let rhs = |_: f64, y: &[f64; 2]| [1.0, (y[0] - y[1]) / 0.5];
-/// let decay = Decay { component: 1, time_constant: 0.5 };
-/// let end =
-///     integrate_decaying(rhs, |_, _| [-1.0], &[0.0, 0.0], 3.0, (&tolerance, decay), |_| f64::INFINITY, |_| ()).unwrap();
-/// assert!((end.state[1] - (3.0 - 0.5 * (1.0 - (-6.0f64).exp()))).abs() < 1e-8);
-/// ```
-pub fn integrate_decaying<const D: usize, const E: usize>(
-    rhs: impl FnMut(f64, &[f64; D]) -> [f64; D],
-    events: impl FnMut(f64, &[f64; D]) -> [f64; E],
-    y: &[f64; D],
-    t_end: f64,
-    (tolerance, decay): (&Tolerance<D>, Decay),
-    stage: impl Fn(&[f64; D]) -> f64,
-    watch: impl FnMut(&Stretch<'_, D>),
-) -> Result<Integration<D>, ModelError> {
-    in_stages(rhs, events, y, t_end, (tolerance, Some(decay)), stage, watch)
-}
-
-fn in_stages<const D: usize, const E: usize>(
     mut rhs: impl FnMut(f64, &[f64; D]) -> [f64; D],
     mut events: impl FnMut(f64, &[f64; D]) -> [f64; E],
     y: &[f64; D],
     t_end: f64,
-    (tolerance, decay): (&Tolerance<D>, Option<Decay>),
+    tolerance: &Tolerance<D>,
     stage: impl Fn(&[f64; D]) -> f64,
     mut watch: impl FnMut(&Stretch<'_, D>),
 ) -> Result<Integration<D>, ModelError> {
@@ -276,10 +220,10 @@ fn in_stages<const D: usize, const E: usize>(
         let part = integrate_from(
             |time, y| rhs(start + time, y),
             |time, y| events(start + time, y),
-            (&total.state, &slope),
+            &total.state,
+            &slope,
             if last { rest } else { stage },
             tolerance,
-            decay,
             |step| watch(&Stretch { start: start + step.start, end: start + step.end, ..*step }),
         )?;
         total.state = part.state;
@@ -433,59 +377,6 @@ struct Step<const D: usize> {
     k5: [f64; D],
     k6: [f64; D],
     k7: [f64; D],
-    moving: Option<Moving>,
-}
-
-/// A component of which the step has its distance from a value, without the decay of that distance.
-#[derive(Clone, Copy)]
-struct Moving {
-    decay: Decay,
-    /// The value.
-    settled: f64,
-    /// That distance at the start and at the end of the step, and its slope there.
-    start: f64,
-    end: f64,
-    slope: f64,
-}
-
-/// A slope without that of a component whose decay is worked out by itself.
-fn without<const D: usize>(slope: &[f64; D], decay: Option<Decay>) -> [f64; D] {
-    let mut slope = *slope;
-    if let Some(decay) = decay {
-        slope[decay.component] = 0.0;
-    }
-    slope
-}
-
-/// A step in which the distance of a component from where it would settle at the start of the step, `y + T·y'`, is divided by
-/// `exp(-t/T)`.
-fn decaying_step<const D: usize>(
-    rhs: &mut impl FnMut(f64, &[f64; D]) -> [f64; D],
-    t: f64,
-    (y, k1): (&[f64; D], &[f64; D]),
-    h: f64,
-    decay: Decay,
-) -> Step<D> {
-    let Decay { component, time_constant } = decay;
-    let settled = y[component] + time_constant * k1[component];
-    let left_after = |time: f64| (-time / time_constant).exp();
-    let mut start = *y;
-    start[component] -= settled;
-    let mut moved = |time: f64, z: &[f64; D]| {
-        let (left, mut state) = (left_after(time - t), *z);
-        let distance = z[component] * left;
-        state[component] = settled + distance;
-        let mut slope = rhs(time, &state);
-        slope[component] = (slope[component] + distance / time_constant) / left;
-        slope
-    };
-    let mut step = dormand_prince(&mut moved, t, &start, &without(k1, Some(decay)), h);
-    let (left, end, slope) = (left_after(h), step.end[component], step.k7[component]);
-    step.end[component] = settled + end * left;
-    step.error[component] *= left;
-    step.k7[component] = (slope - end / time_constant) * left;
-    step.moving = Some(Moving { decay, settled, start: start[component], end, slope });
-    step
 }
 
 /// Coefficients of the Dormand–Prince 5(4) pair with first-same-as-last.
@@ -529,7 +420,7 @@ fn dormand_prince<const D: usize>(
             + 22.0 / 525.0 * k6[i]
             - k7[i] / 40.0)
     });
-    Step { end, error, k3, k4, k5, k6, k7, moving: None }
+    Step { end, error, k3, k4, k5, k6, k7 }
 }
 
 impl<const D: usize> Step<D> {
@@ -544,24 +435,19 @@ impl<const D: usize> Step<D> {
     }
 
     fn dense(&self, y: &[f64; D], k1: &[f64; D], h: f64) -> Dense<D> {
-        let (mut y, k1, mut end, mut k7) = (*y, without(k1, self.moving.map(|own| own.decay)), self.end, self.k7);
-        if let Some(Moving { decay, start, end: distance, slope, .. }) = self.moving {
-            (y[decay.component], end[decay.component], k7[decay.component]) = (start, distance, slope);
-        }
-        let rise: [f64; D] = std::array::from_fn(|i| end[i] - y[i]);
+        let rise: [f64; D] = std::array::from_fn(|i| self.end[i] - y[i]);
         let bend: [f64; D] = std::array::from_fn(|i| h * k1[i] - rise[i]);
         Dense {
-            start: y,
+            start: *y,
             rise,
             bend,
-            moving: self.moving.map(|own| (own, h)),
-            third: std::array::from_fn(|i| rise[i] - h * k7[i] - bend[i]),
+            third: std::array::from_fn(|i| rise[i] - h * self.k7[i] - bend[i]),
             fourth: std::array::from_fn(|i| {
                 h * (-12715105075.0 / 11282082432.0 * k1[i] + 87487479700.0 / 32700410799.0 * self.k3[i]
                     - 10690763975.0 / 1880347072.0 * self.k4[i]
                     + 701980252875.0 / 199316789632.0 * self.k5[i]
                     - 1453857185.0 / 822651844.0 * self.k6[i]
-                    + 69997945.0 / 29380423.0 * k7[i])
+                    + 69997945.0 / 29380423.0 * self.k7[i])
             }),
         }
     }
@@ -574,22 +460,15 @@ struct Dense<const D: usize> {
     bend: [f64; D],
     third: [f64; D],
     fourth: [f64; D],
-    /// The component that decays, and the length of the step, s.
-    moving: Option<(Moving, f64)>,
 }
 
 impl<const D: usize> Dense<D> {
     fn at(&self, share: f64) -> [f64; D] {
         let rest = 1.0 - share;
-        let mut state = std::array::from_fn(|i| {
+        std::array::from_fn(|i| {
             self.start[i]
                 + share * (self.rise[i] + rest * (self.bend[i] + share * (self.third[i] + rest * self.fourth[i])))
-        });
-        if let Some((Moving { decay, settled, .. }, h)) = self.moving {
-            let distance: f64 = state[decay.component];
-            state[decay.component] = settled + distance * (-share * h / decay.time_constant).exp();
-        }
-        state
+        })
     }
 }
 
@@ -631,47 +510,6 @@ mod tests {
         assert!(error(0.0079) < 0.1 * 2e-7, "{}", error(0.0079));
         // More than 2 % of size and scale.
         assert!(step(0.05, 1.0).is_none());
-    }
-
-    #[test]
-    fn a_decay_by_itself_takes_few_steps_and_gives_the_same_states_and_events() {
-        // The first component grows by the second, which follows the root of the first within 5 s.
-        let rhs = |_: f64, y: &[f64; 2]| [1e-3 * (1.0 + y[1]), ((1.0 + y[0]).sqrt() - y[1]) / 5.0];
-        let (loose, tight) =
-            (Tolerance { relative: 1e-8, absolute: [1e-8; 2] }, Tolerance { relative: 1e-13, absolute: [1e-13; 2] });
-        let decay = Decay { component: 1, time_constant: 5.0 };
-        let event = |limit: f64| move |_: f64, y: &[f64; 2]| [y[0] - limit];
-        for limit in [1.0, 0.05] {
-            let (mut seen, mut known) = ([0.0; 2], [0.0; 2]);
-            let exact = integrate_watched(rhs, event(limit), &[0.0, 0.2], 60.0, &tight, |step| {
-                if step.start < 17.0 && step.end >= 17.0 {
-                    known = step.at(17.0);
-                }
-            })
-            .unwrap();
-            let end = integrate_decaying(
-                rhs,
-                event(limit),
-                &[0.0, 0.2],
-                60.0,
-                (&loose, decay),
-                |_| f64::NAN,
-                |step| {
-                    if step.start < 17.0 && step.end >= 17.0 {
-                        seen = step.at(17.0);
-                    }
-                },
-            )
-            .unwrap();
-            let plain = integrate(rhs, event(limit), &[0.0, 0.2], 60.0, &loose).unwrap();
-            assert_eq!(end.event, exact.event);
-            assert!((end.time - exact.time).abs() < 1e-6, "{end:?} {exact:?}");
-            for i in 0..2 {
-                assert!((end.state[i] - exact.state[i]).abs() < 1e-7, "{end:?} {exact:?}");
-                assert!((seen[i] - known[i]).abs() < 1e-6, "{seen:?} {known:?}");
-            }
-            assert!(2 * end.evaluations < plain.evaluations, "{} and {}", end.evaluations, plain.evaluations);
-        }
     }
 
     #[test]
