@@ -50,7 +50,7 @@ fn take(args: &RunArgs, (time, target): (&str, &Path), voice: &Voice) -> Result<
 fn go_on(args: &RunArgs, source: &Path, voice: &Voice) -> Result<(), Failure> {
     let snapshot = Snapshot::read(source, VERSION)?;
     whole(&args.scenario.changes)?;
-    let horizon = horizon(args.scenario.horizon.as_deref());
+    let horizon = snapshot.horizon(args.scenario.horizon.as_deref())?;
     let before = snapshot.scenario(&horizon)?;
     beyond(&before, &snapshot)?;
     let mut set = match &args.variant {
@@ -107,7 +107,7 @@ pub fn from_snapshot(args: &CompareArgs, source: &Path) -> Result<(CompareArgs, 
         let help = "write a [[variant]] into the scenario before the snapshot is taken, or use toolroom run --from";
         return Err(Failure::argument("a comparison from a snapshot takes no --set, -P, --plan and --tune", help));
     }
-    let horizon = horizon(args.scenario.horizon.as_deref());
+    let horizon = snapshot.horizon(args.scenario.horizon.as_deref())?;
     beyond(&snapshot.scenario(&horizon)?, &snapshot)?;
     let mut args = args.clone();
     args.no_tune = true;
@@ -123,10 +123,6 @@ pub fn from_snapshot(args: &CompareArgs, source: &Path) -> Result<(CompareArgs, 
 pub fn origin(source: &Path, horizon: Option<&str>) -> String {
     let horizon = horizon.map_or_else(String::new, |time| format!(" --horizon {}", quoted(time)));
     format!("--from {}{horizon}", quoted(&source.display().to_string()))
-}
-
-fn horizon(text: Option<&str>) -> Vec<String> {
-    text.iter().map(|time| format!("shop.horizon=\"{time}\"")).collect()
 }
 
 /// Refuses an end that the snapshot has passed.

@@ -112,6 +112,7 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
         policies: request.policies.clone(),
         threads: args.threads,
         until: request.until.clone(),
+        replications: file.replications(!request.until.is_empty() && request.changes.replications.is_none()),
         primary: request.primary.clone(),
         // Records are those of the first replication.
         logged: args.logged.unwrap_or(request.logged).max(u32::from(args.records.is_some())),

@@ -93,6 +93,10 @@ fn a_scenario_says_what_is_to_be_known() {
     assert!(page.contains(&format!("of {stopped}, the median by lead_time under programmed")), "which run it is");
     // The command line goes before the file.
     assert_eq!(run(&["--until", "lead_time half-width 0.001 %"]), 60);
+    // Another number of them counts where they end by a figure, unless one is typed.
+    write(&section.replace("until", "max_replications = 12\nuntil"));
+    assert_eq!(run(&["--until", "lead_time half-width 0.001 %"]), 12);
+    assert_eq!(run(&["--until", "lead_time half-width 0.001 %", "--replications", "15"]), 15);
     write(&section.replace("lead_time\"\nuntil", "lead_tine\"\nuntil"));
     let checked = toolroom(&["check", &name]);
     assert_eq!(checked.status.code(), Some(2), "{}", stdout(&checked));
@@ -103,4 +107,26 @@ fn a_scenario_says_what_is_to_be_known() {
             && message.contains("did you mean `lead_time`"),
         "{message}"
     );
+}
+
+#[test]
+fn figures_stand_by_part_and_station_where_nothing_is_logged() {
+    let folder = directory("cli", "groups");
+    let out = folder.join("out").display().to_string();
+    let cell = shipped("shop/job-shop");
+    let ran = toolroom(&["run", &cell, "--replications", "3", "--logged", "0", "--out", &out, "--json"]);
+    assert!(ran.status.success(), "{}", stderr(&ran));
+    let summary = json(&ran);
+    let groups = |kind: &str| summary[format!("by_{kind}")][0]["groups"].as_array().expect("groups").clone();
+    let sum = |kind: &str, figure: &str| -> f64 {
+        groups(kind).iter().map(|group| group["kpi"][figure]["mean"].as_f64().expect("a number")).sum()
+    };
+    assert!(groups("part").len() > 1 && groups("station").len() > 1 && summary["by_customer"].is_null());
+    let wip = summary["policies"][0]["kpi"]["wip"]["mean"].as_f64().expect("a number");
+    assert!((sum("part", "wip") / wip - 1.0).abs() < 1e-9, "the jobs in the shop are those of its parts");
+    assert!(groups("station").iter().all(|group| group["kpi"]["queue_wait [min]"]["mean"].as_f64() > Some(0.0)));
+    let table = fs::read_to_string(folder.join("out/stations.csv")).expect("a table");
+    assert!(table.starts_with("policy,station,kpi,unit,mean,half_width\n"), "{table}");
+    assert_eq!(table.lines().count(), 1 + 6 * groups("station").len());
+    assert!(folder.join("out/parts.csv").is_file() && !folder.join("out/customers.csv").exists());
 }

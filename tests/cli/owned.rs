@@ -40,8 +40,17 @@ fn a_second_run_keeps_what_it_did_not_write_and_removes_what_it_no_longer_writes
     write(out.join("pictures/one.txt"), "mine");
     done(&quick("run", &out, &["--logged", "0"]));
     assert_eq!((read(out.join("notes.txt")), read(out.join("pictures/one.txt"))), ("mine".into(), "mine".into()));
-    let expected =
-        ["kpi.csv", "notes.txt", "pictures", "report.html", "run.json", "study.json", "summary.json", "trace.json"];
+    let expected = [
+        "kpi.csv",
+        "notes.txt",
+        "pictures",
+        "report.html",
+        "run.json",
+        "stations.csv",
+        "study.json",
+        "summary.json",
+        "trace.json",
+    ];
     assert_eq!(names(&out), expected, "tables that are no longer written are gone, and no lock is left");
 }
 

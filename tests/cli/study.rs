@@ -23,6 +23,7 @@ fn compare_prints_the_table_and_leaves_a_complete_directory() {
         "run.json",
         "schedule.html",
         "states.parquet",
+        "stations.csv",
         "study.json",
         "summary.json",
         "tools.parquet",

@@ -21,7 +21,7 @@ pub struct StartArgs {
     /// Go on from this snapshot: changes act from its instant on
     #[arg(long, value_name = "SNAPSHOT", conflicts_with = "schedule")]
     pub from: Option<PathBuf>,
-    /// Another end of the run that goes on
+    /// Another end of the run that goes on: a date, or a time since the start
     #[arg(long, value_name = "TIME", requires = "from")]
     pub horizon: Option<String>,
     #[command(flatten)]

@@ -1,9 +1,9 @@
 //! Key figures while a shop runs: a recorder whose memory does not grow with the events of the run.
 
+use super::group_figures::group_values;
 use super::machine::of_machine;
-use super::shop::SHOP;
 use super::tally::Tally;
-use super::{cell, kpis};
+use super::{cell, kpis, of_shop};
 use std::collections::VecDeque;
 use toolroom_scenario::Scenario;
 use toolroom_shop::runlog::{
@@ -100,13 +100,19 @@ impl<'a> Counting<'a> {
     /// Values of [`kpis`] in their order, SI; NaN where a figure is not defined.
     pub fn values(&self) -> Vec<f64> {
         let (scenario, tally) = (self.scenario, &self.tally);
-        let shop = SHOP.iter().map(|(_, value)| value(scenario, tally));
+        let shop = of_shop().map(|(_, value)| value(scenario, tally));
         let machines =
             tally.machines.iter().flat_map(|machine| of_machine(scenario).map(|(_, value)| value(tally, machine)));
         let values: Vec<f64> =
             shop.chain(machines).map(|value| if value.is_finite() { value } else { f64::NAN }).collect();
         debug_assert_eq!(values.len(), kpis(scenario).len());
         values
+    }
+
+    /// Values by part, customer and station: for every [`GroupKind`](super::GroupKind) those of its groups, of each its figures,
+    /// SI; NaN where a figure is not defined.
+    pub fn group_values(&self) -> Vec<f64> {
+        group_values(&self.tally)
     }
 
     /// Edges that left a machine of the cell, in the order in which they were mounted.

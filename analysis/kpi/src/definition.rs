@@ -1,6 +1,7 @@
 //! What each key figure is called, measured in, and wanted to be.
 
-use super::tally::{MachineTally, Tally};
+use super::machine_tally::MachineTally;
+use super::tally::Tally;
 use toolroom_process::unit;
 use toolroom_scenario::Scenario;
 
@@ -47,14 +48,19 @@ pub struct Kpi {
 impl Kpi {
     /// Key in JSON: the id, with its unit where it has one: `tool_life [min]`.
     pub fn key(&self) -> String {
-        match self.definition.file_unit() {
-            "1" | CURRENCY => self.definition.id.to_owned(),
-            unit => format!("{} [{unit}]", self.definition.id),
-        }
+        self.definition.key()
     }
 }
 
 impl Definition {
+    /// Key in JSON: the id, with its unit where it has one: `tool_life [min]`.
+    pub fn key(&self) -> String {
+        match self.file_unit() {
+            "1" | CURRENCY => self.id.to_owned(),
+            unit => format!("{} [{unit}]", self.id),
+        }
+    }
+
     /// Unit in files.
     pub fn file_unit(&self) -> &'static str {
         if self.display == "%" { "1" } else { self.display }

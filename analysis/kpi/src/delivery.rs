@@ -64,11 +64,15 @@ impl Delivery {
         self.greatest_tardiness = self.greatest_tardiness.max(late);
         self.tardy += u32::from(job.finish > job.due);
         self.raw_time += raw_time;
-        let weight = match job.order {
+        self.weighted_tardiness += self.weight(scenario, job) * late;
+    }
+
+    /// Weight of the order or source of a job; NaN where sources of its part differ in it.
+    pub fn weight(&self, scenario: &Scenario, job: &JobRow) -> f64 {
+        match job.order {
             Some(order) => scenario.orders[order as usize].weight,
             None => self.weights[job.part as usize].unwrap_or(f64::NAN),
-        };
-        self.weighted_tardiness += weight * late;
+        }
     }
 
     /// A job of any outcome that has left the shop, or is in it at the end of the run.

@@ -41,8 +41,12 @@
 mod counting;
 mod definition;
 mod delivery;
+mod delivery_figures;
+mod group_figures;
+mod groups;
 mod histogram;
 mod machine;
+mod machine_tally;
 mod reference;
 mod runs;
 mod shop;
@@ -50,23 +54,30 @@ mod tally;
 
 pub use counting::Counting;
 pub use definition::{Better, CURRENCY, Definition, Kpi};
+pub use group_figures::{GroupKind, group_values_len};
 pub use reference::reference;
 pub use runs::{Progress, unless_stopped};
 
+use delivery_figures::DELIVERIES;
 use machine::{MACHINE, of_machine};
 use shop::SHOP;
 use toolroom_scenario::{Scenario, ToolType};
 use toolroom_shop::runlog::RunLog;
 
+/// Figures of the shop, in the order of reports.
+fn of_shop() -> impl Iterator<Item = &'static definition::ShopFigure> {
+    SHOP.iter().chain(DELIVERIES)
+}
+
 /// Every figure that there is, and whether it is one of a machine: those of the shop first.
 pub fn definitions() -> impl Iterator<Item = (&'static Definition, bool)> {
-    let shop = SHOP.iter().map(|(definition, _)| (definition, false));
+    let shop = of_shop().map(|(definition, _)| (definition, false));
     shop.chain(MACHINE.iter().map(|(definition, _)| (definition, true)))
 }
 
 /// All figures of a scenario: those of the shop, then those of each machine.
 pub fn kpis(scenario: &Scenario) -> Vec<Kpi> {
-    let shop = SHOP.iter().map(|&(definition, _)| Kpi { definition, machine: None });
+    let shop = of_shop().map(|&(definition, _)| Kpi { definition, machine: None });
     let machines = (0..scenario.machines.len()).flat_map(|machine| {
         of_machine(scenario).map(move |(definition, _)| Kpi { definition: *definition, machine: Some(machine) })
     });

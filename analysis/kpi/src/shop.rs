@@ -2,10 +2,10 @@
 
 use super::definition::Better::{Less, More, Neither};
 use super::definition::{CURRENCY, ShopFigure, define, net, oee};
-use super::tally::MachineTally;
+use super::machine_tally::MachineTally;
 use toolroom_shop::runlog::MachineState;
 
-/// Figures of the shop, in the order of reports.
+/// Figures of the shop, in the order of reports; those of [deliveries](super::delivery_figures::DELIVERIES) follow.
 pub(super) const SHOP: &[ShopFigure] = &[
     (
         define(
@@ -415,82 +415,5 @@ pub(super) const SHOP: &[ShopFigure] = &[
             "Time in the shop without an operation in process, per good job.",
         ),
         |_, t| (t.job_time - t.operation_time).max(0.0) / f64::from(t.delivery.jobs),
-    ),
-    (
-        define(
-            "flow_factor",
-            "flow factor",
-            "1",
-            "1",
-            Less,
-            "Lead time over the programmed time of the good jobs on the first machine of each operation, without setup.",
-        ),
-        |_, t| t.delivery.lead_time / t.delivery.raw_time,
-    ),
-    (
-        define(
-            "lead_time_p50",
-            "lead time, median",
-            "s",
-            "min",
-            Less,
-            "Lead time that half of the good jobs do not exceed, within 0.4 %.",
-        ),
-        |_, t| t.delivery.lead_times.quantile(0.5),
-    ),
-    (
-        define(
-            "lead_time_p80",
-            "lead time, 80 %",
-            "s",
-            "min",
-            Less,
-            "Lead time that 80 % of the good jobs do not exceed, within 0.4 %.",
-        ),
-        |_, t| t.delivery.lead_times.quantile(0.8),
-    ),
-    (
-        define(
-            "lead_time_p95",
-            "lead time, 95 %",
-            "s",
-            "min",
-            Less,
-            "Lead time that 95 % of the good jobs do not exceed, within 0.4 %.",
-        ),
-        |_, t| t.delivery.lead_times.quantile(0.95),
-    ),
-    (
-        define(
-            "weighted_tardiness",
-            "weighted tardiness",
-            "s",
-            "min",
-            Less,
-            "Mean of weight times max(0, finish − due) of good jobs, the weight of their order or source; not defined where sources of one part differ in it.",
-        ),
-        |_, t| t.delivery.weighted_tardiness / f64::from(t.delivery.jobs),
-    ),
-    (
-        define(
-            "greatest_tardiness",
-            "greatest tardiness",
-            "s",
-            "min",
-            Less,
-            "Greatest max(0, finish − due) of good jobs.",
-        ),
-        |_, t| if t.delivery.jobs > 0 { t.delivery.greatest_tardiness } else { f64::NAN },
-    ),
-    (
-        define(
-            "on_time",
-            "orders on time",
-            "1",
-            "%",
-            More,
-            "Share of the orders due by the horizon that had left the shop when they were due, with anything good of them; of shops with orders.",
-        ),
-        |s, t| t.delivery.on_time(s, s.warm_up + t.window),
     ),
 ];

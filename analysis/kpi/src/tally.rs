@@ -2,87 +2,14 @@
 
 use super::cell;
 use super::delivery::Delivery;
+use super::groups::{GoodJob, Groups};
+use super::machine_tally::MachineTally;
 use toolroom_scenario::{ArrivalPattern, Operation, ProcessModel, Scenario, ShiftCalendar, WorkPer};
 use toolroom_shop::programmed_cutting_times;
 use toolroom_shop::runlog::{
     ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, LogEvent, MachineState, OperationResult, OperationRow,
     PassRow, StateRow,
 };
-
-/// Sums of one machine, s unless said otherwise.
-#[derive(Clone, Debug, Default)]
-pub(super) struct MachineTally {
-    /// In shift by what it does; all that is out of shift counts as off shift.
-    states: [f64; MachineState::ALL.len()],
-    /// Repairs out of shift.
-    pub repair_off_shift: f64,
-    /// What the calendar plans, and overtime.
-    planned_busy_time: f64,
-    /// Programmed time (cutting and handling) of all operations, as far as they lie in the window.
-    pub earned: f64,
-    /// Programmed time of the operations completed: PRI · PQ.
-    pub planned_produced: f64,
-    /// The same of the good ones: PRI · GQ.
-    pub planned_good: f64,
-    /// Programmed cutting time of operations that are good so far, as far as they lie in the window.
-    pub programmed_good: f64,
-    /// Good operations completed, 1.
-    pub good: f64,
-    /// Failures, 1.
-    pub failures: f64,
-    /// Operations that a wheel did, by their part in the window.
-    pub wheel_parts: f64,
-}
-
-impl MachineTally {
-    pub fn state(&self, state: MachineState) -> f64 {
-        self.states[state as usize]
-    }
-
-    pub fn planned_busy_time(&self) -> f64 {
-        self.planned_busy_time
-    }
-
-    pub fn production_time(&self) -> f64 {
-        self.state(MachineState::Cutting) + self.state(MachineState::Working) + self.state(MachineState::Handling)
-    }
-
-    pub fn setup_time(&self) -> f64 {
-        self.state(MachineState::Setup)
-    }
-
-    /// In shift with an order, but neither in production nor in setup.
-    pub fn delay_time(&self) -> f64 {
-        let delay = [
-            MachineState::ToolChange,
-            MachineState::Dressing,
-            MachineState::Starved,
-            MachineState::Blocked,
-            MachineState::WaitingOperator,
-            MachineState::WaitingFixture,
-            MachineState::WaitingTool,
-            MachineState::Down,
-        ]
-        .map(|state| self.state(state));
-        delay.iter().sum::<f64>()
-    }
-
-    /// Production, setup and delay: all but idle.
-    pub fn busy_time(&self) -> f64 {
-        self.production_time() + self.setup_time() + self.delay_time()
-    }
-
-    /// Down by the clock, in shift and out of it.
-    pub fn down_time(&self) -> f64 {
-        self.state(MachineState::Down) + self.repair_off_shift
-    }
-
-    pub fn utilisation(&self) -> f64 {
-        let empty = [MachineState::Idle, MachineState::WaitingFixture, MachineState::WaitingTool, MachineState::Down];
-        let idle: f64 = empty.map(|state| self.state(state)).iter().sum();
-        1.0 - idle / self.planned_busy_time()
-    }
-}
 
 /// What is planned of an operation.
 #[derive(Clone, Copy, Debug)]
@@ -99,6 +26,8 @@ struct Planned {
     machine: usize,
     /// Whether a wheel does it.
     ground: bool,
+    /// Time for which it was in process in the window, s.
+    in_process: f64,
 }
 
 /// Sums of the shop within the window.
@@ -115,11 +44,15 @@ pub(super) struct Tally {
     handling: Vec<f64>,
     /// Whether a machine has a calendar.
     calendars: Vec<bool>,
+    /// Whether crews repair all breakdowns of a machine.
+    crewed: Vec<bool>,
     pub machines: Vec<MachineTally>,
     /// Good parts.
     pub good: u32,
     /// Lead times, tardiness and orders.
     pub delivery: Delivery,
+    /// Sums by part, customer and station.
+    pub groups: Groups,
     pub scrapped: u32,
     pub scrapped_by_tool: u32,
     pub out_of_tolerance: u32,
@@ -194,6 +127,12 @@ fn share_after(from: f64, start: f64, end: f64) -> f64 {
     }
 }
 
+/// Whether a machine breaks down, and crews repair all its breakdowns.
+fn has_crew(scenario: &Scenario, machine: usize) -> bool {
+    let mut own = scenario.failures.iter().filter(|failure| failure.machine == machine).peekable();
+    own.peek().is_some() && own.all(|failure| failure.crew.is_some())
+}
+
 /// The calendar of a machine.
 fn calendar(scenario: &Scenario, machine: usize) -> Option<&ShiftCalendar> {
     scenario.machines[machine].calendar.map(|index| &scenario.calendars[index])
@@ -209,13 +148,15 @@ fn sum_in_any_order(values: impl Iterator<Item = f64>) -> f64 {
 impl Tally {
     pub fn new(scenario: &Scenario) -> Self {
         let components = (0..scenario.parts.len()).map(|part| scenario.is_component(part)).collect();
+        let groups = Groups::new(scenario);
         let planned = |(operation, programmed): (&Operation, f64)| {
             let tool = operation.tool.and_then(|tool| scenario.tools.get(tool));
             let ground = tool.is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
             let machine = operation.machines[0];
             let plain = operation.mean_time_on(machine);
             let once = operation.work_per != WorkPer::Part;
-            Planned { programmed, work: programmed + operation.work.plain_time(), plain, once, machine, ground }
+            let work = programmed + operation.work.plain_time();
+            Planned { programmed, work, plain, once, machine, ground, in_process: 0.0 }
         };
         let parts = scenario.parts.iter().zip(programmed_cutting_times(scenario));
         let machines = &scenario.machines;
@@ -226,6 +167,8 @@ impl Tally {
             handling: machines.iter().map(|machine| machine.load_time.mean() + machine.unload_time.mean()).collect(),
             calendars: machines.iter().map(|machine| machine.calendar.is_some()).collect(),
             delivery: Delivery::new(scenario),
+            crewed: (0..machines.len()).map(|machine| has_crew(scenario, machine)).collect(),
+            groups,
             machines: vec![MachineTally::default(); machines.len()],
             ..Self::default()
         }
@@ -239,13 +182,25 @@ impl Tally {
     /// A failure or the onset of chatter counts.
     #[inline]
     pub fn add_event(&mut self, scenario: &Scenario, row: &EventRow) {
+        // What is not of a machine, arrivals for example, is not looked at further.
+        let Some(machine) = row.machine else { return };
+        let tally = &mut self.machines[machine as usize];
+        if self.crewed[machine as usize] {
+            if row.event == LogEvent::Failure {
+                tally.calls.push_back(row.time);
+            } else if row.event == LogEvent::RepairStart {
+                let waited = tally.calls.pop_front().map_or(0.0, |call| row.time - call);
+                if row.time >= scenario.warm_up {
+                    tally.crew_wait += waited;
+                    tally.repairs_begun += 1.0;
+                }
+            }
+        }
         if row.time < scenario.warm_up {
             return;
         }
-        // What is not of a machine, arrivals for example, is not looked at further.
-        let Some(machine) = row.machine else { return };
         if row.event == LogEvent::Failure {
-            self.machines[machine as usize].failures += 1.0;
+            tally.failures += 1.0;
         }
         self.chatter_onsets += u32::from(row.event == LogEvent::ChatterOnset);
     }
@@ -366,15 +321,22 @@ impl Tally {
     /// time and earns nothing.
     #[inline]
     pub fn add_operation(&mut self, row: &OperationRow, (warm_up, end): (f64, f64), share: f64, completed: bool) {
-        let Planned { programmed, work, ground, .. } = self.planned[row.part as usize][row.operation as usize];
+        let own = &mut self.planned[row.part as usize][row.operation as usize];
+        let Planned { programmed, work, ground, .. } = *own;
         if !self.regrinds[row.part as usize] {
-            self.operation_time += (end - row.start.max(warm_up)).max(0.0);
+            let inside = (end - row.start.max(warm_up)).max(0.0);
+            own.in_process += inside;
+            self.operation_time += inside;
         }
         let pieces = f64::from(row.quantity);
         let planned = row.work * work + pieces * self.handling[row.machine as usize];
         let tally = &mut self.machines[row.machine as usize];
         if row.result == OperationResult::Lost {
             return;
+        }
+        if row.start >= warm_up {
+            tally.begun += 1.0;
+            tally.waited += row.waited;
         }
         tally.earned += planned * share;
         if ground {
@@ -390,6 +352,11 @@ impl Tally {
                 tally.good += pieces;
             }
         }
+    }
+
+    /// Time for which operations of a part were in process in the window, s.
+    pub fn in_process(&self, part: usize) -> f64 {
+        self.planned[part].iter().map(|own| own.in_process).sum()
     }
 
     /// What the work of a job takes on the first machine of every operation, s: without setup, waiting and what is done again.
@@ -413,17 +380,20 @@ impl Tally {
         }
         let component = self.components[job.part as usize];
         self.offered += if component { 0.0 } else { f64::from(job.quantity) };
-        self.job_time += left - job.arrival.max(scenario.warm_up);
+        let inside = left - job.arrival.max(scenario.warm_up);
+        self.job_time += inside;
         self.delivery.see(job);
         match job.outcome {
             // What goes into other parts does not leave the shop.
-            JobOutcome::Good if component => {}
+            JobOutcome::Good if component => self.groups.add(job, inside, (None, 0)),
             JobOutcome::Good => {
                 self.good += job.quantity;
                 let raw_time = self.raw_time(job);
                 self.delivery.add(scenario, job, raw_time);
+                let weight = self.delivery.weight(scenario, job);
+                self.groups.add(job, inside, (Some(&GoodJob { raw_time, weight }), 0));
             }
-            JobOutcome::InProcess => {}
+            JobOutcome::InProcess => self.groups.add(job, inside, (None, 0)),
             outcome @ (JobOutcome::ToolFailure
             | JobOutcome::OutOfTolerance
             | JobOutcome::Burnt
@@ -433,6 +403,7 @@ impl Tally {
             | JobOutcome::Breakdown
             | JobOutcome::ShiftEnd) => {
                 let lost = job.quantity;
+                self.groups.add(job, inside, (None, lost));
                 self.scrapped += lost;
                 self.scrapped_by_tool += lost * u32::from(outcome == JobOutcome::ToolFailure);
                 self.out_of_tolerance += lost * u32::from(outcome == JobOutcome::OutOfTolerance);

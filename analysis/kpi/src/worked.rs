@@ -403,3 +403,72 @@ fn waiting_tardiness_and_the_ratios_of_setup_are_those_of_the_envelope() {
     assert!((run.figure("lead_time_p50") / (25.0 * 60.0) - 1.0).abs() < 0.004);
     assert!((run.figure("lead_time_p95") / (50.0 * 60.0) - 1.0).abs() < 0.004);
 }
+
+#[test]
+fn figures_by_part_customer_and_station_are_those_of_their_jobs() {
+    let part = |name: &str, minutes: u32| {
+        format!(
+            "[[part]]\nname = \"{name}\"\n[[part.operation]]\nname = \"work\"\nmachines = \"M\"\nwork = \"{minutes} min\"\n\
+             [[part.operation]]\nname = \"wash\"\nmachines = \"W\"\nwork = \"1 min\"\n"
+        )
+    };
+    let order = |id: u32, part: &str, due: u32, customer: &str| {
+        format!(
+            "[[order]]\nid = \"{id}\"\npart = \"{part}\"\nrelease = \"0 min\"\ndue = \"{due} min\"\ncustomer = \"{customer}\"\n"
+        )
+    };
+    let run = Run::of(&format!(
+        "schema = 1\n[shop]\nname = \"groups\"\nhorizon = \"100 min\"\n[[machine]]\nname = \"M\"\nprocess = \"plain\"\n\
+         [[machine]]\nname = \"W\"\nprocess = \"plain\"\n{}{}{}{}{}",
+        part("A", 10),
+        part("B", 20),
+        order(1, "A", 60, "Miller"),
+        order(2, "A", 60, "Baker"),
+        order(3, "B", 30, "Miller")
+    ));
+    // M: 0 to 10, 10 to 20, 20 to 40 min; W: 10 to 11, 20 to 21, 40 to 41 min.
+    let counting = Counting::from_scenario(&run.scenario, &run.log);
+    let values = counting.group_values();
+    assert_eq!(values.len(), group_values_len(&run.scenario));
+    let mut values = values.into_iter();
+    let mut found = std::collections::BTreeMap::new();
+    for kind in GroupKind::ALL {
+        for group in kind.groups(&run.scenario) {
+            for definition in kind.definitions() {
+                found.insert((kind.name(), group.clone(), definition.id), values.next().expect("a value"));
+            }
+        }
+    }
+    let holds = |kind: &'static str, group: &str, expected: &[(&'static str, f64)]| {
+        for &(id, expected) in expected {
+            let value = found[&(kind, group.to_owned(), id)];
+            assert!((value - expected).abs() <= 0.004 * expected.abs(), "{kind} {group} {id}: {value}, not {expected}");
+        }
+    };
+    holds("part", "A", &[("good", 2.0), ("lead_time", 16.0 * 60.0), ("tardy_share", 0.0), ("queue_time", 5.0 * 60.0)]);
+    holds("part", "B", &[("good", 1.0), ("lead_time", 41.0 * 60.0), ("tardiness", 11.0 * 60.0), ("wip", 0.41)]);
+    holds("customer", "Miller", &[("good", 2.0), ("lead_time", 26.0 * 60.0), ("greatest_tardiness", 11.0 * 60.0)]);
+    holds("customer", "Baker", &[("good", 1.0), ("lead_time_p95", 21.0 * 60.0), ("flow_factor", 21.0 / 11.0)]);
+    holds("station", "M", &[("begun", 3.0), ("queue_wait", 10.0 * 60.0), ("availability", 0.4)]);
+    holds("station", "W", &[("begun", 3.0), ("queue_wait", 0.0), ("good_operations", 3.0)]);
+    assert_eq!(found.keys().filter(|(kind, ..)| *kind == "customer").count(), 20);
+}
+
+#[test]
+fn the_wait_for_a_crew_begins_with_the_breakdown_and_ends_with_the_repair_begun() {
+    // Both machines break down after 60 min; one fitter repairs the first in 30 min and then the other.
+    let machine = |name: &str| {
+        format!(
+            "[[machine]]\nname = \"{name}\"\nprocess = \"plain\"\n[[failure]]\nmachines = [\"{name}\"]\ntime_between = \"60 min\"\n\
+                 time_to_repair = \"30 min\"\nclock = \"calendar\"\ncrew = \"fitters\"\n"
+        )
+    };
+    let run = Run::of(&format!(
+        "schema = 1\n[shop]\nname = \"crew\"\nhorizon = \"110 min\"\n{}{}[[crew]]\nname = \"fitters\"\n\
+         [[part]]\nname = \"A\"\n[[part.operation]]\nname = \"work\"\nmachines = [\"M\", \"N\"]\nwork = \"1 h\"\n\
+         [[arrivals]]\npart = \"A\"\npattern = \"constant_work\"\njobs = 2\n",
+        machine("M"),
+        machine("N")
+    ));
+    run.holds(&[("crew_wait", 15.0 * 60.0)]);
+}

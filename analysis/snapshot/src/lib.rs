@@ -257,6 +257,25 @@ impl Snapshot {
         Ok(file)
     }
 
+    /// The change of the scenario that gives the run another end: a date, where the scenario has a start, or a time since the start.
+    /// None where nothing is given.
+    ///
+    /// # Errors
+    /// [`SnapshotError::Instant`] for a date that is none, or has no start to count from.
+    pub fn horizon(&self, text: Option<&str>) -> Result<Vec<String>, SnapshotError> {
+        let Some(text) = text else { return Ok(Vec::new()) };
+        if !date::is_date(text) {
+            return Ok(vec![format!("shop.horizon=\"{text}\"")]);
+        }
+        let refuse = |reason: &str| Err(SnapshotError::Instant { text: text.to_owned(), reason: reason.to_owned() });
+        match (date::parse(text), self.scenario(&[])?.scenario.start) {
+            (Some(end), Some(start)) if end > start => Ok(vec![format!("shop.horizon=\"{} s\"", end - start)]),
+            (Some(_), Some(_)) => refuse("it is not after the start"),
+            (Some(_), None) => refuse("the scenario has no start"),
+            (None, _) => refuse("there is no such date"),
+        }
+    }
+
     /// Runs a shop up to the instant, and compares what happened with the snapshot: event by event the same, or not at all.
     ///
     /// # Errors

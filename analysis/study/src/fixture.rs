@@ -228,6 +228,7 @@ pub(crate) fn operation(
         quantity: 1,
         machine,
         start,
+        waited: 0.0,
         end,
         time_left: 0.0,
         time_before: 0.0,

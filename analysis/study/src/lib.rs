@@ -16,6 +16,7 @@
 //! | [`study`] | replications of policies in parallel, stop by precision, bounded memory |
 //! | [`compare`] | differences, cell gain and shop gain, bottleneck, decision |
 //! | [`draws`] | draws of a posterior from Parquet files, for scenarios |
+//! | [`groups`] | figures by part type, customer and station |
 //! | [`logs`] | tables of passes, edges, jobs, states and events as Parquet or CSV |
 //! | [`trace`] | machines as tracks for the Perfetto viewer |
 //! | [`StatisticsWanted`] | the section `[statistics]` of a scenario |
@@ -56,6 +57,7 @@ pub mod draws;
 mod figure;
 #[cfg(test)]
 mod fixture;
+pub mod groups;
 pub mod logs;
 pub mod planned;
 pub mod planner;

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `summary.json` | the comparison | yes |
 //! | `kpi.csv` | every figure of every replication | yes |
+//! | `parts.csv`, `customers.csv`, `stations.csv` | figures by part type, by customer and by station, those that there are | yes |
 //! | `orders.csv`, `load.csv`, `queues.csv`, `wip.csv` | of a scenario with orders: when each is finished, load by week, queues, work in process | yes |
 //! | `schedule.csv`, `plan.csv` | the sequences of the first run, as `--schedule` reads them; where a schedule is followed, how far from it | yes |
 //! | `operations`, `tools`, `jobs`, `states`, `events` | logs, Parquet or CSV | yes |
@@ -21,6 +22,7 @@ pub use crate::run_info::RunInfo;
 pub use finished_run::{FinishedRun, FinishedRunError};
 
 use crate::compare::Comparison;
+use crate::groups;
 use crate::logs::{Format, LogError, LogWriter};
 use crate::planner;
 use crate::report::report;
@@ -41,9 +43,12 @@ use toolroom_process::table::CsvWriter;
 use toolroom_scenario::Scenario;
 
 /// The files of every study, beside its log tables.
-pub const NAMES: [&str; 14] = [
+pub const NAMES: [&str; 17] = [
     Finished::FILE,
     "kpi.csv",
+    groups::FILES[0].0,
+    groups::FILES[1].0,
+    groups::FILES[2].0,
     planner::FILES[0],
     planner::FILES[1],
     planner::FILES[2],
@@ -213,6 +218,9 @@ pub(crate) fn write_files(
 ) -> Result<(), ResultError> {
     in_file(directory, Finished::FILE, |out| Finished::write(study, out))?;
     in_file(directory, "kpi.csv", |out| write_kpis(scenario, study, out))?;
+    for (name, kind) in groups::files(scenario) {
+        in_file(directory, name, |out| groups::write(scenario, study, kind, out))?;
+    }
     if !scenario.orders.is_empty() {
         for name in planner::FILES {
             in_file(directory, name, |out| planner::write(name, scenario, study, out))?;

@@ -386,6 +386,7 @@ impl Run {
         if let Some(log) = &log {
             values.extend(Figures::of(scenario).evaluate(scenario, log));
         }
+        values.extend(counting.group_values());
         let life = |edge: &EdgeRow| EdgeLife { cutting_time: edge.cutting_time, reason: edge.reason };
         let digest = counting.closing().map_or(0, |closing| closing.digest);
         Self { values, digest, lives: counting.lives().map(life).collect(), log, lead_times: None }

@@ -4,6 +4,7 @@
 //! not defined is null. Keys are never renamed, more may come.
 
 use crate::compare::{BreakEven, Comparison, Difference, PolicyResult, SWING};
+use crate::groups;
 use crate::kpi::Kpi;
 use crate::planner;
 use crate::study::Study;
@@ -83,6 +84,9 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
         summary["batch_means"] = one_run.into();
     }
     for (key, value) in planner::json(scenario, study).into_iter().flatten() {
+        summary[key] = value;
+    }
+    for (key, value) in groups::json(scenario, study) {
         summary[key] = value;
     }
     if let Some(plan) = planner::plan_json(scenario, study) {

@@ -105,52 +105,62 @@ impl Turning {
         see: &mut dyn FnMut(usize, &TurningInput, &TurningOutput),
     ) -> Result<Advance, ModelError> {
         let mut state = *x;
-        let advance = self.effects.watched(|| self.integrate_unwatched(&mut state, u, dt, times, see))?;
+        let advance = self.effects.watched(|| self.integrate_unwatched(&mut state, u, None, dt, times, see))?;
         *x = state;
         Ok(advance)
     }
 
+    /// The same without an eye on effects; `held` is the engagement of a cut that [keeps still](Self::keeps_still) and whose
+    /// input was checked, where it is known.
     fn integrate_unwatched(
         &self,
         x: &mut TurningState,
         u: &TurningInput,
+        held: Option<Engagement<'_>>,
         dt: f64,
         times: &[f64],
         see: &mut dyn FnMut(usize, &TurningInput, &TurningOutput),
     ) -> Result<Advance, ModelError> {
-        u.check()?;
-        if !(dt >= 0.0 && dt.is_finite()) {
-            return Err(ModelError::Step { seconds: dt });
+        if held.is_none() {
+            u.check()?;
+            if !(dt >= 0.0 && dt.is_finite()) {
+                return Err(ModelError::Step { seconds: dt });
+            }
+            TurningInput::FIELDS[0].check(u.cutting_speed + u.cutting_acceleration * dt)?;
         }
-        TurningInput::FIELDS[0].check(u.cutting_speed + u.cutting_acceleration * dt)?;
-        let first = self.engagement(x, u);
+        if u.engaged == 0.0 && times.is_empty() && self.effects.is_empty() {
+            *x = self.cooled(x, dt);
+            return Ok(Advance { elapsed: dt, event: None });
+        }
+        let first = held.unwrap_or_else(|| self.engagement(x, u));
         if let Some(event) = lost_at_once(&first, x, u) {
             return Ok(Advance { elapsed: 0.0, event: Some(event) });
         }
         // What holds now and does not end the cut, which is a worn edge, is not met again.
         let passed = first.event_indicators(x, u.chipping_resistance).map(|value| value >= 0.0);
         if u.engaged == 0.0 {
-            // Out of cut nothing happens but that the body cools, x' = -x/T.
-            let cooled = |x: &TurningState, time: f64| {
-                let left = (-time / self.pair.temperature.body_time_constant).exp();
-                TurningState { tool_body_temperature_rise: x.tool_body_temperature_rise * left, ..*x }
-            };
             for (i, &time) in times.iter().enumerate() {
                 let u = self.input_after(u, time);
-                see(i, &u, &self.observe(&cooled(x, time), &u));
+                see(i, &u, &self.observe(&self.cooled(x, time), &u));
             }
-            *x = cooled(x, dt);
+            *x = self.cooled(x, dt);
             return Ok(Advance { elapsed: dt, event: None });
         }
         let mut course = Course { time: 0.0, state: [0.0; STATES], unstable: self.judge(x, u).unstable, seen: 0 };
         x.write_to(&mut course.state);
         let (event, elapsed) = loop {
-            if let Some(end) = self.follow(&mut course, passed, u, dt, times, see)? {
+            if let Some(end) = self.follow(&mut course, passed, (u, held), dt, times, see)? {
                 break end;
             }
         };
         *x = TurningState::from_slice(&course.state);
         Ok(Advance { elapsed, event })
+    }
+
+    /// The edge after `time` seconds out of cut: nothing happens but that the body cools, x' = -x/T.
+    fn cooled(&self, x: &TurningState, time: f64) -> TurningState {
+        let left = (-time / self.pair.temperature.body_time_constant).exp();
+        TurningState { tool_body_temperature_rise: x.tool_body_temperature_rise * left, ..*x }
     }
 
     /// Moves a cut to the instant at which it becomes unstable or stable again, or to the end of the step or an event: then it
@@ -159,14 +169,14 @@ impl Turning {
         &self,
         course: &mut Course,
         passed: [bool; WEAR_EVENTS.len()],
-        u: &TurningInput,
+        (u, known): (&TurningInput, Option<Engagement<'_>>),
         dt: f64,
         times: &[f64],
         see: &mut dyn FnMut(usize, &TurningInput, &TurningOutput),
     ) -> Result<Option<(Option<ProcessEvent>, f64)>, ModelError> {
         let Course { time: start, unstable, .. } = *course;
         let x = TurningState::from_slice(&course.state);
-        let first = self.engagement_while(&x, &self.input_after(u, start), unstable);
+        let first = known.unwrap_or_else(|| self.engagement_while(&x, &self.input_after(u, start), unstable));
         // Without effects and chatter the edge changes the contact by its land alone, a ramp by its speed.
         let settled = self.effects.is_empty() && !unstable;
         let held = u.cutting_acceleration == 0.0;
@@ -308,6 +318,20 @@ impl Process for Turning {
         self.integrate(x, u, dt, times, see)
     }
 
+    fn advance_to_output(
+        &self,
+        x: &mut TurningState,
+        u: &TurningInput,
+        dt: f64,
+        times: &[f64],
+        see: &mut dyn FnMut(usize, &TurningInput, &TurningOutput),
+    ) -> Result<(Advance, TurningOutput), ModelError> {
+        let mut memory = TurningMemory::default();
+        let advance =
+            if times.is_empty() { self.step(x, u, dt, &mut memory) } else { self.integrate(x, u, dt, times, see) }?;
+        Ok((advance, self.output_after(x, &self.input_after(u, advance.elapsed), &memory)))
+    }
+
     fn input_after(&self, u: &TurningInput, elapsed: f64) -> TurningInput {
         let mean_speed = u.cutting_speed + 0.5 * u.cutting_acceleration * elapsed;
         TurningInput {
@@ -323,6 +347,20 @@ impl Process for Turning {
 
     fn event_indicators(&self, x: &TurningState, u: &TurningInput, indicators: &mut [f64]) {
         indicators.copy_from_slice(&self.engagement(x, u).event_indicators(x, u.chipping_resistance));
+    }
+
+    fn holds(&self, event: ProcessEvent, x: &TurningState, u: &TurningInput) -> bool {
+        match event {
+            // The land alone says so, whatever the contact.
+            ProcessEvent::WearLimit if self.effects.is_empty() => {
+                x.flank_wear / self.pair.limits.wear_limit - 1.0 >= 0.0
+            }
+            ProcessEvent::WearLimit | ProcessEvent::ThermalCollapse | ProcessEvent::Chipping => {
+                let indicators = self.engagement(x, u).event_indicators(x, u.chipping_resistance);
+                WEAR_EVENTS.iter().zip(indicators).any(|(each, value)| *each == event && value >= 0.0)
+            }
+            ProcessEvent::Burn | ProcessEvent::DressingDue => false,
+        }
     }
 
     fn parameters_mut(&mut self) -> Vec<(&'static str, &mut dyn AnyRecord)> {

@@ -113,6 +113,24 @@ pub trait Process: Send + Sync {
         Ok(advance)
     }
 
+    /// [`Process::advance_watched`] with the outputs where it ends. A process that works out for the step what its outputs
+    /// need, too, does so once; the numbers are those of both methods one after the other.
+    ///
+    /// # Errors
+    /// As [`Process::advance`].
+    #[allow(clippy::type_complexity)] // an alias could not say more
+    fn advance_to_output(
+        &self,
+        x: &mut Self::State,
+        u: &Self::Input,
+        dt: f64,
+        times: &[f64],
+        see: &mut dyn FnMut(usize, &Self::Input, &Self::Output),
+    ) -> Result<(Advance, Self::Output), ModelError> {
+        let advance = self.advance_watched(x, u, dt, times, see)?;
+        Ok((advance, self.output(x, &self.input_after(u, advance.elapsed))))
+    }
+
     /// The input `elapsed` seconds later, where the input itself says that it changes (a
     /// speed ramp). Splitting a step in two uses this for the second half.
     fn input_after(&self, u: &Self::Input, _elapsed: f64) -> Self::Input {
@@ -131,6 +149,15 @@ pub trait Process: Send + Sync {
     /// # Shape
     /// `indicators` has the length of [`Process::EVENTS`].
     fn event_indicators(&self, x: &Self::State, u: &Self::Input, indicators: &mut [f64]);
+
+    /// Whether `event` has happened by state `x` under input `u`: its event function is zero or positive. False for an event
+    /// that the process does not know.
+    fn holds(&self, event: ProcessEvent, x: &Self::State, u: &Self::Input) -> bool {
+        let Some(index) = Self::EVENTS.iter().position(|each| *each == event) else { return false };
+        let mut indicators = vec![0.0; Self::EVENTS.len()];
+        self.event_indicators(x, u, &mut indicators);
+        indicators[index] >= 0.0
+    }
 
     /// Parameter groups by name, for files, FMI parameters and calibration.
     fn parameters_mut(&mut self) -> Vec<(&'static str, &mut dyn AnyRecord)>;
@@ -212,6 +239,25 @@ pub trait MachineProcess: Send + Sync {
         u.copy_from_slice(&point.1);
         Ok(advance)
     }
+    /// [`MachineProcess::advance_watched`], then the outputs where it ends into `y`, as
+    /// [`Process::advance_to_output`].
+    ///
+    /// # Errors
+    /// As [`MachineProcess::advance`].
+    #[allow(clippy::type_complexity)] // an alias could not say more
+    fn advance_to_output(
+        &self,
+        x: &mut [f64],
+        u: &mut [f64],
+        dt: f64,
+        times: &[f64],
+        see: &mut dyn FnMut(usize, &[f64], &[f64]),
+        y: &mut [f64],
+    ) -> Result<Advance, ModelError> {
+        let advance = self.advance_watched(x, u, dt, times, see)?;
+        self.output(x, u, y);
+        Ok(advance)
+    }
 }
 
 /// Advances by `dt`, stopping at each of `times` to `see`, or up to the first event;
@@ -259,10 +305,7 @@ impl<P: Process> MachineProcess for P {
         Process::output(self, &P::State::from_slice(x), &P::Input::from_slice(u)).write_to(y);
     }
     fn holds(&self, event: ProcessEvent, x: &[f64], u: &[f64]) -> bool {
-        let Some(index) = P::EVENTS.iter().position(|each| *each == event) else { return false };
-        let mut indicators = vec![0.0; P::EVENTS.len()];
-        self.event_indicators(&P::State::from_slice(x), &P::Input::from_slice(u), &mut indicators);
-        indicators[index] >= 0.0
+        Process::holds(self, event, &P::State::from_slice(x), &P::Input::from_slice(u))
     }
     fn advance(&self, x: &mut [f64], u: &mut [f64], dt: f64) -> Result<Advance, ModelError> {
         let mut state = P::State::from_slice(x);
@@ -292,5 +335,29 @@ impl<P: Process> MachineProcess for P {
         let elapsed = advance.as_ref().map_or(0.0, |advance| advance.elapsed);
         self.input_after(&input, elapsed).write_to(u);
         advance
+    }
+    fn advance_to_output(
+        &self,
+        x: &mut [f64],
+        u: &mut [f64],
+        dt: f64,
+        times: &[f64],
+        see: &mut dyn FnMut(usize, &[f64], &[f64]),
+        y: &mut [f64],
+    ) -> Result<Advance, ModelError> {
+        let (mut state, input) = (P::State::from_slice(x), P::Input::from_slice(u));
+        let advance = Process::advance_to_output(self, &mut state, &input, dt, times, &mut |i, input, output| {
+            // `u` and `y` serve as scratch.
+            input.write_to(u);
+            output.write_to(y);
+            see(i, u, y);
+        });
+        state.write_to(x);
+        let elapsed = advance.as_ref().map_or(0.0, |(advance, _)| advance.elapsed);
+        self.input_after(&input, elapsed).write_to(u);
+        advance.map(|(advance, output)| {
+            output.write_to(y);
+            advance
+        })
     }
 }

@@ -273,7 +273,8 @@ pub fn quantity(text: &str, si: &'static str) -> Result<f64, UnitError> {
     };
     let rest = &body[end..];
     if rest.starts_with(',') {
-        let fix = format!("\"{}\"", body.replacen(',', ".", 1));
+        // Points before the comma stand between thousands.
+        let fix = format!("\"{}{}\"", body[..end].replace('.', ""), rest.replacen(',', ".", 1));
         return Err(UnitError::DecimalComma { text: body.to_owned(), fix });
     }
     let name = rest.trim_start();
@@ -389,6 +390,8 @@ mod tests {
         assert!(matches!(quantity("500 1/min", "rad/s"), Err(UnitError::WrongDimension { .. })));
         assert!(matches!(quantity("60 m/mn", "m/s"), Err(UnitError::UnknownUnit { at: 5, .. })));
         assert!(matches!(quantity("0,12 mm", "m"), Err(UnitError::DecimalComma { .. })));
+        let Err(UnitError::DecimalComma { fix, .. }) = quantity("1.062,5 mm", "m") else { panic!("a decimal comma") };
+        assert_eq!(fix, "\"1062.5 mm\"");
         assert!(matches!(quantity("fast", "m/s"), Err(UnitError::NotANumber { .. })));
         assert!(matches!(quantity("5 m//s", "m/s"), Err(UnitError::UnknownUnit { .. })));
     }

@@ -349,6 +349,8 @@ pub struct OperationRow {
     pub machine: u32,
     /// Since when its time counts, s: begun, or begun anew after an interruption that undid it.
     pub start: f64,
+    /// Time from when its job came to the queue to that, s.
+    pub waited: f64,
     /// Completed or lost, s; NaN: in process at the end of the run.
     pub end: f64,
     /// Time in cut and in handling that it would still take, s, later passes as programmed; 0 unless

@@ -25,6 +25,12 @@ fn no_date(walk: &mut Walk, span: Span, key: &'static str, read: &str, expected:
     walk.fault(span, ScenarioFault::NoDate { key, read: read.to_owned(), expected, example });
 }
 
+/// A date written as `30.03.2026`, with or without a time of the day, in the form that is read; `None` for any other text.
+fn day_first(text: &str) -> Option<String> {
+    let read = |format: &str| date::by_format(text, format).map(date::show);
+    read("%d.%m.%Y").or_else(|| read("%d.%m.%Y %H:%M"))
+}
+
 /// The time under `key`, s since the start: a date, or a time with its unit. `None` where it is left out or a
 /// problem was noted.
 pub(super) fn moment(walk: &mut Walk, section: &Section<'_>, key: &'static str, start: Option<f64>) -> Option<f64> {
@@ -36,6 +42,14 @@ pub(super) fn moment(walk: &mut Walk, section: &Section<'_>, key: &'static str, 
             (Some(_), None) => walk.fault(span, ScenarioFault::DateWithoutStart { key, read: text.to_owned() }),
             (None, _) => no_date(walk, span, key, text, "date", "\"2026-03-30 06:00\""),
         }
+        return None;
+    }
+    if let Some(date) = day_first(text) {
+        let reason = format!("`{key}` is \"{text}\": dates are written year-month-day");
+        let fix = format!(
+            "write \"{date}\"; of a table, list its columns in `column` of [tables], this one as {{ name = \"{key}\", from = …, format = \"%d.%m.%Y\" }}"
+        );
+        walk.fault(section.span_of(key), ScenarioFault::Arrangement { reason, fix });
         return None;
     }
     match toolroom_process::unit::quantity(text, "s") {

@@ -95,13 +95,19 @@ pub(super) fn inspection(walk: &mut Walk, section: &Section<'_>, names: &[&str],
         walk.fault(section.span_of("sample"), ScenarioFault::Arrangement { reason, fix });
     }
     let on_reject = walk.table(section, "on_reject").map(|rejected| back_to(walk, &rejected, names, index));
-    Inspection {
+    let inspection = Inspection {
         outcomes,
         sample,
         on_reject,
         per: section.chosen("outcomes_per", InspectedUnit::from_word).unwrap_or_default(),
         rework_max: section.count("rework_max").and_then(|most| u32::try_from(most).ok()),
+    };
+    if section.given("rework_max") && !inspection.sends_back() {
+        let reason = format!("operation \"{}\" has `rework_max`, but sends no parts back", names[index]);
+        let fix = "add an outcome with `go`, or `on_reject`, or take out `rework_max`".to_owned();
+        walk.fault(section.span_of("rework_max"), ScenarioFault::Arrangement { reason, fix });
     }
+    inspection
 }
 
 /// The operation under the key `go`, to which parts go back after the operation number `index`.

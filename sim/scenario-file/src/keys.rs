@@ -357,6 +357,11 @@ static STATISTICS: Form = Form {
             "Figures and how well they have to be known: { lead_time = \"half-width 2 %\" }; as --until",
         ),
         Key::optional(
+            "max_replications",
+            Kind::Count { min: 1, max: 1_000_000 },
+            "Most replications until figures are known so well, unless --replications says it; left out: `replications` of [shop]",
+        ),
+        Key::optional(
             "select",
             Kind::Table(&SELECT),
             "By what `toolroom compare` selects the best of the shop and its variants; as --select",

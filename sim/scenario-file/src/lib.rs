@@ -91,6 +91,8 @@ pub struct Statistics {
     pub primary: Option<String>,
     /// Figures and how well they have to be known, by name.
     pub until: Vec<(String, String)>,
+    /// Most replications until they are known so well.
+    pub max_replications: Option<u32>,
     /// By what the best shop is selected.
     pub select: Option<SelectSection>,
 }
@@ -145,5 +147,10 @@ impl ScenarioFile {
         let FormFile { content, echo, text, files } = file;
         let resolve::ScenarioContent { scenario, output, gap, tune, variants, statistics } = content;
         Self { scenario, echo, output, gap, tune, variants, statistics, text, files }
+    }
+
+    /// Most replications of a study that ends when figures are known well enough (`sequential`), or their number.
+    pub fn replications(&self, sequential: bool) -> u32 {
+        self.statistics.max_replications.filter(|_| sequential).unwrap_or(self.scenario.replications)
     }
 }

@@ -105,12 +105,15 @@ fn operations(
         }
         let candidates = machine_indices(walk, &section, "machines", names);
         let able = if plain {
+            if candidates.is_empty() && section.got("machines").is_some_and(|got| !matches!(got.value, Value::Faulty)) {
+                let reason = format!("operation \"{name}\" names no machine");
+                let fix = "write the machines that may do it: machines = [\"T\"]".to_owned();
+                walk.fault(section.span_of("machines"), ScenarioFault::Arrangement { reason, fix });
+            }
             candidates
         } else {
-            {
-                let named = tool_name.or(section.text("program")).unwrap_or_default();
-                able_machines(walk, &section, &name, &candidates, machines, named, process)
-            }
+            let named = tool_name.or(section.text("program")).unwrap_or_default();
+            able_machines(walk, &section, &name, &candidates, machines, named, process)
         };
         let known = tool.and_then(|tool| tools[tool].tool.as_ref());
         let model = known.map(|tool| &tool.process);

@@ -226,6 +226,7 @@ pub(super) fn statistics(walk: &mut Walk, root: &Section<'_>) -> Statistics {
     Statistics {
         primary: section.text("primary").map(str::to_owned),
         until: walk.texts(&section, "until", "{ lead_time = \"half-width 2 %\" }").into_iter().collect(),
+        max_replications: section.given("max_replications").then(|| section.count32("max_replications")),
         select,
     }
 }

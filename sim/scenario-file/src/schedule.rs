@@ -104,6 +104,15 @@ fn row(
     }
     // Rows without a position follow in the order of the table.
     let position = section.count("position").unwrap_or(rows.len() as u64);
+    let same = rows.iter().find(|(other, own, _)| (*other, *own) == (machine, position) && section.given("position"));
+    if let Some((.., other)) = same {
+        let first = &around.parts[orders[other.order].part].operations[other.operation].name;
+        let reason = format!(
+            "position {position} of machine \"{}\" stands twice: for operation \"{first}\" of order \"{}\" and \"{}\" of \"{id}\"",
+            around.machines[machine].name, orders[other.order].id, planned.name
+        );
+        refuse("position", reason, "number the operations of a machine in their order, each once".to_owned());
+    }
     let not_before = moment(walk, section, "not_before", around.start).unwrap_or(0.0);
     let start = moment(walk, section, "start", around.start);
     rows.push((machine, position, PlannedOperation { order, operation, not_before, start }));

@@ -103,7 +103,22 @@ impl Table<'_> {
                 .collect();
             let cells = columns.iter().zip(&cells).map(|(column, cell)| (column.as_str(), cell.as_ref()));
             let cells = cells.filter(|(column, cell)| !column.is_empty() && !cell.is_empty());
-            let table: DeTable<'_> = cells.map(|(column, cell)| entry(form, column, cell, place)).collect();
+            let cells: Vec<(&str, &str)> = cells.collect();
+            let is_count = |column: &str| matches!(form.key(column).map(|key| key.kind), Some(Kind::Count { .. }));
+            let written = cells.iter().filter(|(column, _)| is_count(column));
+            let grouped = written.filter_map(|(column, cell)| Some((column, cell, plain_number(cell)?)));
+            let grouped: Vec<String> = grouped
+                .map(|(column, cell, plain)| {
+                    let reason =
+                        format!("`{column}` is \"{cell}\": points, commas and gaps in whole numbers are not read");
+                    walk.fault(place.clone(), fault(line, reason, Some(format!("write {plain}"))));
+                    plain
+                })
+                .collect();
+            if !grouped.is_empty() {
+                continue;
+            }
+            let table: DeTable<'_> = cells.into_iter().map(|(column, cell)| entry(form, column, cell, place)).collect();
             let echoed = walk.echo.len();
             let section = walk.section(form, kind, &table, place.clone(), None);
             row(walk, &section, line);
@@ -148,6 +163,31 @@ pub(super) fn form_of(kind: &str) -> &'static Form {
     }
 }
 
+/// A number with signs between its digits as a whole number without them, such as `1.062,00`: a comma is taken for the
+/// decimal sign, points and gaps for thousands where three digits follow each. `None` for any other text; decimals that are not
+/// nought are rounded up, since pieces are whole.
+fn plain_number(cell: &str) -> Option<String> {
+    let is_gap = |c: char| matches!(c, '.' | '\'' | ' ' | '\u{a0}' | '\u{202f}');
+    let (whole, decimals) = match cell.rsplit_once(',') {
+        Some((whole, decimals)) => (whole, decimals),
+        None => match cell.rsplit_once('.') {
+            Some((whole, decimals)) if decimals.len() != 3 && !whole.contains(is_gap) => (whole, decimals),
+            Some(_) | None => (cell, ""),
+        },
+    };
+    let mut groups = whole.split(is_gap);
+    let first = groups.next().filter(|first| (1..=3).contains(&first.len()) || !whole.contains(is_gap))?;
+    let all_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let groups: Vec<&str> = groups.collect();
+    let fits =
+        !first.is_empty() && all_digits(first) && groups.iter().all(|group| group.len() == 3 && all_digits(group));
+    if !fits || !all_digits(decimals) || groups.is_empty() && cell == first {
+        return None;
+    }
+    let number: u64 = format!("{first}{}", groups.concat()).parse().ok()?;
+    Some(number.saturating_add(u64::from(decimals.bytes().any(|byte| byte != b'0'))).to_string())
+}
+
 /// A cell as the value of a key.
 fn entry<'d>(
     form: &Form,
@@ -161,4 +201,27 @@ fn entry<'d>(
     let read = read.filter(|value| value.is_integer() || value.is_bool());
     let value = read.unwrap_or(DeValue::String(cell.into()));
     (Spanned::new(place.clone(), column.into()), Spanned::new(place.clone(), value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain_number;
+
+    #[test]
+    fn whole_numbers_with_signs_between_their_digits_are_told_as_they_have_to_be_written() {
+        let told = [
+            ("1.062,00", "1062"),
+            ("1.062,50", "1063"),
+            ("1.062", "1062"),
+            ("12 500", "12500"),
+            ("40,0", "40"),
+            ("2.5", "3"),
+        ];
+        for (cell, plain) in told {
+            assert_eq!(plain_number(cell).as_deref(), Some(plain), "{cell}");
+        }
+        for cell in ["40", "many", "1.06.2", "", ",", "1,062,500 pieces", "-4"] {
+            assert_eq!(plain_number(cell), None, "{cell}");
+        }
+    }
 }

@@ -1,32 +1,19 @@
 //! Chatter in a pass: how it is logged, and who reacts to it.
 
-use super::cut::Segment;
-use super::draws::owner;
 use super::pass::Place;
-use super::ports::read;
-use super::reaction::Reaction;
 use super::recorder::Recorder;
 use super::task::MOUNTED;
-use super::workpiece::Piece;
-use super::workpiece::Surface;
 use super::{Shop, ShopError};
 use crate::runlog::{EventRow, LogEvent};
 use rand_distr::{Distribution as _, StandardNormal};
+use toolroom_cuts::edge::owner;
+use toolroom_cuts::ports::read;
+use toolroom_cuts::reaction::Reaction;
 use toolroom_kernel::{Purpose, Stream};
-use toolroom_scenario::policies::Stability;
 
 /// Other speeds that are tried for one pass on one machine before a controller gives up
 /// (assumption).
 const MOST_TRIALS: usize = 6;
-
-impl Segment {
-    /// When a listening controller stops the segment, s from its start.
-    pub(super) fn stop(&self, rule: Option<&Stability>, known: Option<&Reaction>) -> Option<f64> {
-        let reaction_time = rule?.reaction_time()?;
-        let stop = self.vibration.as_ref()?.onset? + reaction_time;
-        (stop < self.elapsed && known.is_none_or(|known| !known.exhausted)).then_some(stop)
-    }
-}
 
 impl<R: Recorder> Shop<'_, R> {
     /// Logs that chatter has set in, `elapsed` s ago counted from the end of the segment.
@@ -79,14 +66,5 @@ impl<R: Recorder> Shop<'_, R> {
             }
         }
         self.next_pass(machine)
-    }
-}
-
-impl Piece {
-    /// A pass begins anew on the surface.
-    pub(super) fn renew_surface(&mut self) {
-        if self.share_left >= 1.0 {
-            self.surface = Surface::default();
-        }
     }
 }

@@ -3,13 +3,13 @@
 
 use super::draws;
 use super::pass::{PassStart, Place};
-use super::ports::{Ports, write};
-use super::program::{Block, Program};
 use super::recorder::Recorder;
 use super::task::{InCut, in_cut};
 use super::{Shop, ShopError};
 use crate::runlog::ChangeReason;
 use toolroom_contour::{EdgeForce, HelicalCut};
+use toolroom_cuts::ports::{Ports, write};
+use toolroom_cuts::program::{Block, Program};
 use toolroom_cutting::{Milling, MillingInput, MillingState};
 use toolroom_process::Record;
 use toolroom_scenario::ProcessModel;

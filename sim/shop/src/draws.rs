@@ -1,31 +1,13 @@
 //! What chance decides about edges and work, keyed so that it is the same under every policy.
 
-use super::edge::Edge;
 use super::job::Job;
 use super::layout::Layout;
-use super::ports::{Ports, write};
-use super::workpiece::Blank;
 use rand::RngExt;
 use rand_distr::{Distribution as _, StandardNormal};
+use toolroom_cuts::workpiece::Blank;
 use toolroom_kernel::{Entity, Purpose, Stream, Streams};
 use toolroom_scenario::{Arrival, Operation, Part, Scenario, StructureScatter, Work};
 use toolroom_wear::{EdgeScatter, PairScatter, Scatter};
-
-/// Owners of what an edge draws, parts of its own name.
-pub(super) mod owner {
-    /// Sensor noise, numbered by sample.
-    pub const SENSORS: u64 = 0;
-    /// Wear readings, numbered by pass.
-    pub const READINGS: u64 = 1;
-    /// Wear noise within the life, numbered by pass.
-    pub const WEAR_NOISE: u64 = 2;
-    /// Readings of a chatter frequency, numbered by pass.
-    pub const CHATTER: u64 = 3;
-    /// Life of an edge of which nothing else is known.
-    pub const LIFE: u64 = 4;
-    /// Noise of the normal force in grinding, numbered by revolution; owned by the operation.
-    pub const NORMAL_FORCE: u64 = 3;
-}
 
 /// Owner of the pieces of an order, part of the order's own name: apart from the parts by which its
 /// operations are numbered.
@@ -176,45 +158,4 @@ pub(super) fn structure(scatter: &StructureScatter, streams: &Streams, owner: En
         (sigma * z - 0.5 * sigma * sigma).exp()
     };
     (factor(scatter.natural_frequency), factor(scatter.damping_ratio).clamp(0.1, 10.0))
-}
-
-impl Edge {
-    /// Moves the wear noise of the edge to its next pass.
-    pub(super) fn draw_noise(&mut self, scatter: &Scatter, streams: &Streams) {
-        if scatter.life_noise == 0.0 {
-            return; // it stays 0
-        }
-        let pass = u64::from(self.row.passes);
-        let mut stream = streams.at(self.entity.part(owner::WEAR_NOISE), Purpose::Tool, pass);
-        self.noise = if pass == 0 {
-            scatter.sample_noise(&mut stream)
-        } else {
-            scatter.next_noise(self.noise, self.row.cutting_time - self.noise_time, &mut stream)
-        };
-        self.noise_time = self.row.cutting_time;
-    }
-
-    /// Writes what is special about edge and work into the input of the process. A process that
-    /// does not tell mechanical from thermal wear gets the common factor.
-    pub(super) fn write_scatter(
-        &self,
-        scatter: &Scatter,
-        pair: &PairScatter,
-        blank: Blank,
-        ports: &Ports,
-        input: &mut [f64],
-    ) {
-        let EdgeScatter { wear_factor, mechanical_factor, thermal_factor, chipping_resistance, .. } = self.scatter;
-        let noise = scatter.noise_factor(self.noise);
-        let common = if ports.mechanical_wear_factor.is_some() { noise } else { noise * wear_factor };
-        write(input, ports.mechanical_wear_factor, wear_factor * mechanical_factor);
-        write(input, ports.thermal_wear_factor, wear_factor * thermal_factor);
-        write(input, ports.wear_rate_factor, common);
-        write(input, ports.chipping_resistance, chipping_resistance);
-        write(input, ports.flank_shear_factor, pair.flank_shear_factor);
-        write(input, ports.flank_pressure_factor, pair.flank_pressure_factor);
-        write(input, ports.hardness_ratio, blank.hardness);
-        write(input, ports.process_stiffness_factor, blank.hardness);
-        write(input, ports.lot_deviation, blank.lot_deviation);
-    }
 }

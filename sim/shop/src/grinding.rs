@@ -1,14 +1,14 @@
 //! Grinding phases: what the controller makes of the force, what the wheel has gone through.
 
-use super::draws::owner;
-use super::layout::phase_duration;
 use super::pass::{PassStart, Place};
-use super::ports::write;
-use super::program::{Block, Program};
 use super::recorder::Recorder;
 use super::task::{InCut, MOUNTED, in_cut};
 use super::{Shop, ShopError};
 use crate::runlog::ChangeReason;
+use toolroom_cuts::edge::owner;
+use toolroom_cuts::ports::write;
+use toolroom_cuts::program::{Block, Program};
+use toolroom_cuts::tool_plan::phase_duration;
 use toolroom_infeed::{Input, State};
 use toolroom_kernel::Purpose;
 use toolroom_process::{Process, Record};

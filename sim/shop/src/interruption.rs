@@ -3,9 +3,9 @@
 use super::event::Event;
 use super::recorder::Recorder;
 use super::task::{Content, Step, Task};
-use super::workpiece::Piece;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, LogEvent, OperationResult, OperationRow};
+use toolroom_cuts::workpiece::Piece;
 use toolroom_kernel::Purpose;
 use toolroom_scenario::{Distribution, FailureClock, Interruption, ShopConstant, ShopEffect};
 

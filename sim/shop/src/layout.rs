@@ -5,14 +5,14 @@ use super::job::Jobs;
 use super::machine_plan::MachinePlan;
 use super::operation_plan::{ContentPlan, OperationPlan, Passes};
 use super::owners;
-use super::ports::{Ports, read, start_values, write};
 use super::quick_machines;
 use super::readiness::Readiness;
+use toolroom_cuts::tool_plan::{ToolPlan, cut_duration, phase_duration};
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::{
-    ArrivalPattern, Cut, DrawUnit, GrindingPhase, Hold, Interruption, KeyTime, MachineType, Operation, Part,
-    Preemption, Presence, ProcessModel, ReleaseRule, Scenario, SetupMatrix, Work, WorkPer,
+    ArrivalPattern, DrawUnit, GrindingPhase, Hold, Interruption, KeyTime, MachineType, Operation, Part, Preemption,
+    Presence, ReleaseRule, Scenario, SetupMatrix, Work, WorkPer,
 };
 
 /// Tables that follow from the scenario alone.
@@ -74,14 +74,6 @@ pub(super) struct Layout {
     pub travels: bool,
     /// Rows of the schedule of every source in the order of time.
     pub schedules: Vec<Vec<usize>>,
-}
-
-/// A tool as the engine sees it.
-#[derive(Clone, Debug)]
-pub(super) struct ToolPlan {
-    pub ports: Ports,
-    /// Input elements at their start values.
-    pub input: Vec<f64>,
 }
 
 impl Layout {
@@ -191,9 +183,10 @@ impl Layout {
             .map(|(times, (modes, upkeep))| alone && modes.is_empty() && upkeep.is_empty() && *times == [0.0; 2]);
         let one_step: Vec<bool> = one_step.collect();
         let bare = is_bare(scenario);
-        let quick = quick_machines::machines(scenario, &operations, one_step.clone(), (bare, looks_ahead));
+        let alone = quick_machines::machines(scenario, &operations, one_step.clone(), bare);
         let plan = |index: usize| {
-            MachinePlan::from_scenario(scenario, index, assembles[index], [one_step[index], quick[index]])
+            let kinds = [one_step[index], alone[index], alone[index] && !looks_ahead];
+            MachinePlan::from_scenario(scenario, index, assembles[index], kinds)
         };
         let machine_plans = (0..scenario.machines.len()).map(plan).collect();
         let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
@@ -304,37 +297,6 @@ impl Layout {
     }
 }
 
-impl ToolPlan {
-    fn from_process_model(process: &ProcessModel) -> Self {
-        let structure = process.has_structure();
-        let process = process.machine_process();
-        let ports = Ports { structure, ..Ports::of(process) };
-        let mut input: Vec<f64> = start_values(process.inputs()).collect();
-        write(&mut input, ports.engaged, 1.0);
-        Self { ports, input }
-    }
-
-    /// The input of a cut at its programmed speed, without scatter.
-    pub fn cut_input(&self, cut: &Cut) -> Vec<f64> {
-        let mut input = Vec::new();
-        self.write_cut(cut, &mut input);
-        input
-    }
-
-    /// The same into a buffer that is there already.
-    pub fn write_cut(&self, cut: &Cut, input: &mut Vec<f64>) {
-        input.clone_from(&self.input);
-        write(input, self.ports.cutting_speed, cut.cutting_speed);
-        write(input, self.ports.feed, cut.feed);
-        write(input, self.ports.depth_of_cut, cut.depth_of_cut);
-        write(input, self.ports.width_of_cut, cut.width_of_cut);
-        if cut.diameter > 0.0 {
-            write(input, self.ports.workpiece_diameter, cut.diameter);
-        }
-        write(input, self.ports.position, cut.position);
-    }
-}
-
 /// Time of an operation with plain work for so many pieces, when its work takes `drawn` a piece or once, s.
 #[inline]
 pub(super) fn time_of(plan: &OperationPlan, pieces: f64, drawn: f64) -> f64 {
@@ -388,23 +350,6 @@ fn programmed_pass_times(scenario: &Scenario, tools: &[ToolPlan]) -> Vec<Vec<Vec
         }
     };
     scenario.parts.iter().map(|part| part.operations.iter().map(times).collect()).collect()
-}
-
-/// Duration of a whole pass at the constant speed in `input`, s: path over feed rate for
-/// processes that have one (milling), else path over cutting speed.
-pub(super) fn cut_duration(cut: &Cut, process: &ProcessModel, tool: &ToolPlan, input: &[f64]) -> f64 {
-    let process = process.machine_process();
-    let Some(feed_rate) = tool.ports.feed_rate else { return cut.path_length / cut.cutting_speed };
-    let mut output: Vec<f64> = start_values(process.outputs()).collect();
-    let fresh = process.initial();
-    process.output(&fresh, input, &mut output);
-    process.retire(&fresh);
-    cut.path_length / read(&output, Some(feed_rate), f64::NAN)
-}
-
-/// Duration of a grinding phase, s.
-pub(super) fn phase_duration(phase: &GrindingPhase, work_rotation_speed: f64) -> f64 {
-    f64::from(phase.revolutions) * std::f64::consts::TAU / work_rotation_speed
 }
 
 /// Whether a shop has none of what is looked at beside queues when an instant is settled.

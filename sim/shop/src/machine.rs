@@ -1,13 +1,13 @@
 //! A machine and what it is doing.
 
 use super::batch::BatchState;
-use super::cut::Segment;
-use super::edge::Edge;
 use super::job::Origin;
-use super::reaction::Reaction;
 use super::readiness::{Lack, Readiness};
 use super::task::Task;
 use crate::runlog::MachineState;
+use toolroom_cuts::cut::Segment;
+use toolroom_cuts::edge::Edge;
+use toolroom_cuts::reaction::Reaction;
 use toolroom_kernel::SimTime;
 use toolroom_queues::Queue;
 use toolroom_scenario::MachineType;

@@ -20,13 +20,16 @@ pub(super) struct MachinePlan {
     /// Whether plain work that needs no setup is one step: nothing is loaded or unloaded, nobody attends, nothing breaks down and
     /// nothing is calibrated.
     pub one_step: bool,
-    /// Whether such work is all that it does, see [`quick`](super::quick).
+    /// Whether such work of its own is all that it does.
+    pub is_alone: bool,
+    /// Whether no queue looks at the work that waits elsewhere, either, see [`quick`](super::quick).
     pub is_quick: bool,
 }
 
 impl MachinePlan {
     /// The machine number `index`; `assembles` where any of its operations needs components.
-    pub fn from_scenario(scenario: &Scenario, index: usize, assembles: bool, [one_step, is_quick]: [bool; 2]) -> Self {
+    pub fn from_scenario(scenario: &Scenario, index: usize, assembles: bool, kinds: [bool; 3]) -> Self {
+        let [one_step, is_alone, is_quick] = kinds;
         let machine = &scenario.machines[index];
         let calendar = machine.calendar.map(|calendar| &scenario.calendars[calendar]);
         let fits_shifts = calendar.is_some_and(|calendar| calendar.start_only_if_fits);
@@ -38,6 +41,7 @@ impl MachinePlan {
             fits_shifts,
             takes_first: !(reserves || assembles || fits_shifts || !scenario.shared.fixtures.is_empty()),
             one_step,
+            is_alone,
             is_quick,
         }
     }

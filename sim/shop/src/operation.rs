@@ -6,32 +6,14 @@ use super::operation_plan::ContentPlan;
 use super::readiness::Readiness;
 use super::recorder::Recorder;
 use super::task::{Content, IN_WORK, Machining, Step, Task};
-use super::workpiece::Piece;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, LogEvent, OperationResult, OperationRow};
+use toolroom_cuts::workpiece::Piece;
 use toolroom_kernel::{EventKey, Purpose, SimTime};
-use toolroom_scenario::{Operation, ShopConstant, WorkPer};
+use toolroom_scenario::{ShopConstant, WorkPer};
 
 /// Owner of the setups of a job, part of its own name; operations are counted from it.
 const SETUP: u64 = 1 << 46;
-
-impl Piece {
-    /// Why it is no good part, if it is none.
-    fn fault(&self, operation: &Operation) -> Option<JobOutcome> {
-        let rough = self.surface.roughness > operation.roughness_limit;
-        if self.spoiled {
-            Some(JobOutcome::ToolFailure)
-        } else if rough && self.surface.chattered {
-            Some(JobOutcome::Chatter)
-        } else if self.burnt {
-            Some(JobOutcome::Burnt)
-        } else if rough || self.size_error.abs() > operation.size_tolerance {
-            Some(JobOutcome::OutOfTolerance)
-        } else {
-            None
-        }
-    }
-}
 
 impl<R: Recorder> Shop<'_, R> {
     /// The setup that a machine needs for an operation, s; `None` where it needs none.
@@ -447,6 +429,7 @@ impl<R: Recorder> Shop<'_, R> {
             quantity: job.row.quantity,
             machine: machine as u32,
             start: task.begun.seconds(),
+            waited: (task.begun - job.queued).max(0.0),
             end: f64::NAN,
             time_left: 0.0,
             time_before: task.before,

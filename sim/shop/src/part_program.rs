@@ -1,12 +1,12 @@
 //! Part programs: every tool call is a pass of its tool, its spans are the commands of that pass.
 
 use super::pass::{LONG, PassStart, Place};
-use super::ports::{Ports, read, write};
-use super::program::{Block, Program};
 use super::recorder::Recorder;
 use super::task::{IN_WORK, InCut, Machining, in_cut};
 use super::{Shop, ShopError};
 use crate::runlog::ChangeReason;
+use toolroom_cuts::ports::{Ports, read, write};
+use toolroom_cuts::program::{Block, Program};
 use toolroom_scenario::policies::{Conditions, Observation};
 use toolroom_scenario::{CutConditions, ToolCall};
 

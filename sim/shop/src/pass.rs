@@ -1,16 +1,17 @@
 //! Passes: command, plan, interruption, end.
 
-use super::cut::{refusing, rest};
-use super::cut_fault::CutFault;
-use super::draws::{self, owner};
+use super::draws;
 use super::error::Refusal;
-use super::layout::cut_duration;
-use super::ports::{read, write};
 use super::recorder::Recorder;
 use super::task::{IN_WORK, InCut, MOUNTED, Machining, Pass, Step, Task, in_cut};
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, EventRow, LogEvent, PassRow};
 use rand::RngExt;
+use toolroom_cuts::cut::refusing;
+use toolroom_cuts::cut_fault::CutFault;
+use toolroom_cuts::edge::owner;
+use toolroom_cuts::ports::{read, write};
+use toolroom_cuts::tool_plan::cut_duration;
 use toolroom_kernel::Purpose;
 use toolroom_process::{ProcessEvent, watched};
 use toolroom_scenario::policies::{ForceReading, Observation};
@@ -288,7 +289,7 @@ impl<R: Recorder> Shop<'_, R> {
         edge.clock = now;
         let planned = refusing(|| {
             if idle > 0.0 {
-                rest(process, ports, &mut edge.state, &segment.start_input, idle)?;
+                segment.rest(process, ports, &mut edge.state, idle)?;
             }
             segment.plan(process, ports, &edge.state, *left, sampling)
         });

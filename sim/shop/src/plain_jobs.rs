@@ -14,6 +14,8 @@ pub(super) struct PlainJob {
     pub start: f64,
     /// When it is due, s.
     pub due: f64,
+    /// When it came to the queue, s.
+    pub queued: f64,
     /// Number in the order of arrival; [`NOBODY`] where the place is free.
     pub number: u32,
     pub part: u32,

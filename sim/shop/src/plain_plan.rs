@@ -4,21 +4,30 @@ use super::layout::Layout;
 use super::look::queue_kind;
 use toolroom_kernel::Agenda;
 use toolroom_queues::QueueKind;
-use toolroom_scenario::{DispatchRule, Operation, Scenario, WorkPer};
+use toolroom_scenario::{DispatchRule, NextQueue, Operation, Scenario, WorkPer};
 
 /// Whether a shop is nothing but machines that do plain work of their own for jobs of sources, first come, first
-/// served or by rules whose keys stand: what a [`PlainShop`](super::plain_shop::PlainShop) runs.
+/// served, by rules whose keys stand or by such that move with clock and queues: what a
+/// [`PlainShop`](super::plain_shop::PlainShop) runs.
 pub(super) fn is_plain(scenario: &Scenario, layout: &Layout) -> bool {
-    let stands = |machine| {
+    let keys = &scenario.control.keys;
+    let follows = |machine| {
         let rules = scenario.rules(machine);
-        let kind = queue_kind(rules, &scenario.control.keys);
-        matches!(kind, QueueKind::Line | QueueKind::Heap) && !rules.contains(&DispatchRule::Random)
+        let draws = rules.contains(&DispatchRule::Random);
+        let sets_up = |rule: &DispatchRule| matches!(rule, DispatchRule::LeastSetup | DispatchRule::AtcWithSetups);
+        match queue_kind(rules, keys) {
+            QueueKind::Line | QueueKind::Heap => !draws,
+            QueueKind::Kinetic(_) => !draws && !keys.setup && !rules.iter().any(sets_up),
+            QueueKind::Scan => false,
+        }
     };
+    let ahead = !layout.looks_ahead || keys.next_queue == NextQueue::Waiting;
     let usual = |operation: &Operation| {
         operation.setup_spread.is_none() && operation.work_per != WorkPer::Batch && !operation.has_own_times()
     };
     let parts = &scenario.parts;
-    layout.machine_plans.iter().enumerate().all(|(machine, plan)| plan.is_quick && stands(machine))
+    layout.machine_plans.iter().enumerate().all(|(machine, plan)| plan.is_alone && follows(machine))
+        && ahead
         && scenario.branch.is_none()
         && !layout.samples
         && !layout.components.contains(&true)

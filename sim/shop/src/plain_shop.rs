@@ -11,7 +11,8 @@ use super::event::Event;
 use super::layout::{Layout, time_of};
 use super::plain_jobs::{PlainJob, PlainJobs};
 use super::plain_plan::{PlainOperation, operations};
-use super::plain_queue::Waiting;
+use super::plain_queue::{Waiting, WaitingWork};
+use super::queue_change::QueueChange;
 use super::readiness::Readiness;
 use super::recorder::{Closing, Recorder};
 use super::world::SourceState;
@@ -40,6 +41,8 @@ pub(super) struct PlainShop<'a, R> {
     jobs: PlainJobs,
     /// Machines that may choose a job now.
     candidates: Vec<u32>,
+    /// Work that waits at every station, where a rule looks at it.
+    waiting_work: WaitingWork,
     recorder: R,
     /// Instant of the last event, and events in it so far.
     instant: (SimTime, u64),
@@ -130,6 +133,7 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
             operations,
             firsts,
             candidates: Vec::new(),
+            waiting_work: WaitingWork::of(&layout),
             recorder,
             instant: (SimTime::ZERO, 0),
             layout,
@@ -238,6 +242,7 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
             arrival: now.seconds(),
             start: f64::NAN,
             due,
+            queued: now.seconds(),
             number,
             part: part as u32,
             quantity,
@@ -272,8 +277,10 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
     /// A job waits for its operation.
     #[inline]
     fn join(&mut self, slot: usize, now: SimTime) {
-        let job = &self.jobs.all[slot];
+        let job = &mut self.jobs.all[slot];
+        job.queued = now.seconds();
         let index = self.operations[job.place as usize].machine;
+        self.waiting_work.weigh(&self.layout, &self.jobs, slot, QueueChange::Comes);
         let machine = &mut self.machines[index as usize];
         machine.waiting.join(&self.layout, &self.jobs, slot, now);
         if machine.step == PlainStep::Idle && !machine.listed {
@@ -291,7 +298,8 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
             let index = self.candidates[place] as usize;
             let machine = &mut self.machines[index];
             machine.listed = false;
-            if let Some(slot) = machine.waiting.take(&self.jobs) {
+            if let Some(slot) = machine.waiting.take(&self.layout, &self.jobs, &self.waiting_work, now) {
+                self.waiting_work.weigh(&self.layout, &self.jobs, slot, QueueChange::Leaves);
                 self.begin(index, slot, now)?;
             }
         }
@@ -387,6 +395,7 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
             quantity: job.quantity,
             machine: index as u32,
             start: machine.begun.seconds(),
+            waited: (machine.begun.seconds() - job.queued).max(0.0),
             end: f64::NAN,
             time_left: 0.0,
             time_before: 0.0,

@@ -3,17 +3,16 @@
 use super::operation_plan::{ContentPlan, OperationPlan};
 use toolroom_scenario::{Assignment, Scenario};
 
-/// Which machines have nothing else to look at; `one_step` are those on which plain work is one step, `bare` is whether the
-/// shop has nothing beside machines with queues that is looked at in every instant.
+/// Which machines have nothing else to look at but their queues; `one_step` are those on which plain work is one step, `bare` is
+/// whether the shop has nothing beside machines with queues that is looked at in every instant.
 pub(super) fn machines(
     scenario: &Scenario,
     operations: &[Vec<OperationPlan>],
     one_step: Vec<bool>,
-    (bare, looks_ahead): (bool, bool),
+    bare: bool,
 ) -> Vec<bool> {
     let control = &scenario.control;
     let simple = bare
-        && !looks_ahead
         && scenario.orders.is_empty()
         && scenario.shared.cribs.is_empty()
         && scenario.shared.stocks.is_empty()

@@ -1,8 +1,8 @@
 //! An operation in a machine and its steps.
 
-use super::edge::Edge;
-use super::workpiece::Piece;
 use crate::runlog::{MachineState, PassRow};
+use toolroom_cuts::edge::Edge;
+use toolroom_cuts::workpiece::Piece;
 use toolroom_kernel::{EventKey, SimTime};
 use toolroom_scenario::policies::ForceReading;
 

@@ -1,12 +1,12 @@
 //! Edges and wheels: mounted, changed, dressed.
 
 use super::draws;
-use super::edge::Edge;
-use super::ports::write;
 use super::recorder::Recorder;
 use super::task::{IN_WORK, Step};
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, EdgeRow, LogEvent};
+use toolroom_cuts::edge::{Edge, owner};
+use toolroom_cuts::ports::write;
 use toolroom_kernel::Purpose;
 use toolroom_process::Record;
 use toolroom_scenario::ProcessModel;
@@ -27,8 +27,7 @@ impl<R: Recorder> Shop<'_, R> {
         let mut scatter = draws::edge(&self.scenario.tools[tool].scatter, &self.streams, entity);
         scatter.wear_factor /= life_factor;
         let life = self.scenario.tools[tool].life.as_ref();
-        let life =
-            life.map(|life| life.time.sample(&mut self.streams.open(entity.part(draws::owner::LIFE), Purpose::Tool)));
+        let life = life.map(|life| life.time.sample(&mut self.streams.open(entity.part(owner::LIFE), Purpose::Tool)));
         let mut x = process.initial();
         if scatter.initial_flank_wear > 0.0 {
             write(&mut x, self.layout.tools[tool].ports.flank_wear_state, scatter.initial_flank_wear);

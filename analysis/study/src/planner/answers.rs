@@ -3,7 +3,7 @@
 use super::waits::QueueFigure;
 use super::{Figures, LoadKind, WipAnswer};
 use crate::study::Study;
-use toolroom_numerics::order_quantile;
+use toolroom_numerics::rank_quantile;
 use toolroom_scenario::{Scenario, date};
 use toolroom_statistics::{CONFIDENCE, wilson};
 
@@ -193,11 +193,8 @@ fn order_answer(scenario: &Scenario, figures: &Figures, runs: &[&[f64]], order: 
     finishes.iter_mut().filter(|finish| finish.is_nan()).for_each(|finish| *finish = f64::INFINITY);
     finishes.sort_by(f64::total_cmp);
     let by = |share: f64| {
-        let place = (share * finishes.len() as f64).ceil() as usize;
-        match finishes[place.clamp(1, finishes.len()) - 1] {
-            finish if finish.is_finite() => Finish::At(finish),
-            _ => Finish::After(scenario.horizon),
-        }
+        let finish = rank_quantile(&finishes, share);
+        if finish.is_finite() { Finish::At(finish) } else { Finish::After(scenario.horizon) }
     };
     let lost = if finished.is_empty() {
         0.0
@@ -261,5 +258,5 @@ fn queue_answer(scenario: &Scenario, figures: &Figures, runs: &[&[f64]], station
 /// Quantile over the replications; NaN without values.
 fn upper(values: &mut [f64], share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
-    if values.is_empty() { f64::NAN } else { order_quantile(values, share) }
+    rank_quantile(values, share)
 }

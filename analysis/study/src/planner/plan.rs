@@ -4,7 +4,7 @@ use super::{Figures, shown};
 use crate::study::Study;
 use serde_json::{Value, json};
 use std::io;
-use toolroom_numerics::order_quantile;
+use toolroom_numerics::rank_quantile;
 use toolroom_process::table::{Cell, CsvWriter};
 use toolroom_scenario::{PlannedOperation, Scenario};
 use toolroom_shop::runlog::RunLog;
@@ -118,10 +118,10 @@ pub fn write_plan(scenario: &Scenario, study: &Study, out: impl io::Write) -> io
                 running.position.into(),
                 if deviations.is_empty() { Cell::Empty } else { shown(scenario, planned).into() },
                 shown(scenario, mean(starts)).into(),
-                shown(scenario, order_quantile(starts, 0.1)).into(),
-                shown(scenario, order_quantile(starts, 0.9)).into(),
+                shown(scenario, rank_quantile(starts, 0.1)).into(),
+                shown(scenario, rank_quantile(starts, 0.9)).into(),
                 minutes(mean(&deviations)),
-                minutes(order_quantile(&deviations, 0.9)),
+                minutes(rank_quantile(&deviations, 0.9)),
                 (study.replications as usize - starts.len()).into(),
             ])?;
         }
@@ -135,7 +135,7 @@ fn robustness(scenario: &Scenario, study: &Study) -> Option<(usize, f64, f64)> {
     let all = begun(scenario, study, 0);
     let mut deviations: Vec<f64> = all.iter().flat_map(Begun::deviations).collect();
     deviations.sort_by(f64::total_cmp);
-    Some((all.len(), mean(&deviations), order_quantile(&deviations, 0.9)))
+    Some((all.len(), mean(&deviations), rank_quantile(&deviations, 0.9)))
 }
 
 /// The same for programs.

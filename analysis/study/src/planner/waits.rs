@@ -4,7 +4,7 @@
 //! and on its way. Waits before the start of the run are not counted.
 
 use super::Figures;
-use toolroom_numerics::order_quantile;
+use toolroom_numerics::rank_quantile;
 use toolroom_scenario::Scenario;
 use toolroom_shop::runlog::{JobOutcome, JobRow, RunLog};
 
@@ -86,7 +86,7 @@ impl Figures {
             let (mean_wait, upper_wait) = if begun.is_empty() {
                 (f64::NAN, f64::NAN)
             } else {
-                (begun.iter().sum::<f64>() / begun.len() as f64, order_quantile(&begun, UPPER))
+                (begun.iter().sum::<f64>() / begun.len() as f64, rank_quantile(&begun, UPPER))
             };
             values[self.queue(place, QueueFigure::MeanLength)] = length;
             values[self.queue(place, QueueFigure::UpperLength)] = f64::from(upper);

@@ -2,7 +2,7 @@
 
 use super::Figures;
 use std::collections::BTreeMap;
-use toolroom_numerics::order_quantile;
+use toolroom_numerics::rank_quantile;
 use toolroom_scenario::{Scenario, WorkPer};
 use toolroom_shop::programmed_cutting_times;
 use toolroom_shop::runlog::{OperationRow, RunLog};
@@ -62,7 +62,7 @@ pub(super) fn instants(horizon: f64) -> Vec<f64> {
 fn band(mut values: Vec<f64>) -> [f64; 3] {
     values.sort_by(f64::total_cmp);
     let mean = values.iter().sum::<f64>() / values.len() as f64;
-    [mean, order_quantile(&values, 0.1), order_quantile(&values, 0.9)]
+    [mean, rank_quantile(&values, 0.1), rank_quantile(&values, 0.9)]
 }
 
 impl Figures {

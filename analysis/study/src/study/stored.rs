@@ -1,8 +1,8 @@
 //! Runs made elsewhere, for studies in shards.
 
 use super::{EdgeLife, NamedLife, Run, StudyError, resolve, stopped};
-use crate::kpi::{self, Counting};
-use crate::planner::Figures;
+use crate::groups::width;
+use crate::kpi::Counting;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -31,7 +31,7 @@ pub type KnownRuns = BTreeMap<(u32, usize), StoredRun>;
 /// The runs that belong to a study of `policies`, by replication and policy: those whose figures and edges are those of
 /// `scenario`.
 pub fn known_of(scenario: &Scenario, policies: &[usize], runs: Vec<StoredRun>) -> KnownRuns {
-    let figures = kpi::kpis(scenario).len() + Figures::of(scenario).len();
+    let figures = width(scenario);
     let fits = |run: &StoredRun| {
         policies.contains(&run.policy)
             && run.values.len() == figures
@@ -77,7 +77,7 @@ pub fn stored_digest(
     (from, to): (u64, u64),
     runs: &[StoredRun],
 ) -> Result<u64, String> {
-    let figures = kpi::kpis(scenario).len() + Figures::of(scenario).len();
+    let figures = width(scenario);
     let due = (from..to).flat_map(|replication| policies.iter().map(move |policy| (replication, *policy)));
     let mut found = runs.iter();
     for (replication, policy) in due {

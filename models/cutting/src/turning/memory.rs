@@ -126,7 +126,10 @@ impl Turning {
                 return Ok(Advance { elapsed: dt, event: None });
             }
         }
-        self.integrate(x, u, dt, &[], &mut |_, _, _| ())
+        let mut state = *x;
+        let advance = self.integrate_unwatched(&mut state, u, Some(engagement), dt, &[], &mut |_, _, _| ())?;
+        *x = state;
+        Ok(advance)
     }
 
     /// [`Process::output`] with the memory of a step: coefficients of the input. The result is the same to the bit.

@@ -55,6 +55,8 @@ fn bad_orders_and_dates_are_told_in_their_place() {
         ("2026-03-30 06:00", "2026-03-29 06:00", "order-beyond-horizon", line + 5, "2026-03-29 06:00"),
         ("2026-03-31", "2026-03-30", "contradiction", line + 6, "due after it is released"),
         ("2026-03-31", "soon", "quantity", line + 6, "due"),
+        ("2026-03-30 06:00", "30.03.2026", "arrangement", line + 5, "write \"2026-03-30 00:00\""),
+        ("2026-03-30 06:00", "30.3.2026 06:15", "arrangement", line + 5, "write \"2026-03-30 06:15\""),
     ];
     for (from, to, code, place, words) in cases {
         let message = read_with(&ORDER.replace(from, to));
@@ -133,6 +135,40 @@ fn impossible_calendars_are_told() {
     }
 }
 
+#[test]
+fn what_never_acts_or_stands_twice_is_told() {
+    let operation =
+        |more: &str| format!("{SHOP}{ORDER}").replace("work = \"5 min\"", &format!("work = \"5 min\", {more}"));
+    let outcomes = "outcomes = [{ share = 0.1, scrap = true }], rework_max = 2";
+    for (text, words) in [
+        (operation("rework_max = 2"), "sends no parts back"),
+        (operation(outcomes), "sends no parts back"),
+        (operation("setup_time = \"1 min\"").replace("machines = \"saw\"", "machines = []"), "names no machine"),
+        (
+            format!(
+                "{SHOP}{ORDER}{0}{0}",
+                "[[schedule]]\norder = \"A\"\noperation = \"saw\"\nmachine = \"saw\"\nposition = 1\n"
+            ),
+            "planned twice",
+        ),
+        (
+            format!(
+                "{SHOP}{ORDER}{}{}{}",
+                ORDER.replace("\"A\"", "\"B\""),
+                "[[schedule]]\norder = \"A\"\noperation = \"saw\"\nmachine = \"saw\"\nposition = 1\n",
+                "[[schedule]]\norder = \"B\"\noperation = \"saw\"\nmachine = \"saw\"\nposition = 1\n"
+            ),
+            "position 1 of machine \"saw\" stands twice",
+        ),
+    ] {
+        let message = faults_of(&text, &[]);
+        assert!(
+            message.iter().any(|(code, _, text)| *code == "arrangement" && text.contains(words)),
+            "{words}: {message:#?}"
+        );
+    }
+}
+
 /// Orders or faults of a table of orders beside the scenario.
 fn of_table(table: &str) -> Result<Vec<toolroom_scenario::Order>, Vec<String>> {
     orders_read(table, "orders = \"orders.csv\"\n")
@@ -156,6 +192,14 @@ fn orders_read(table: impl AsRef<[u8]>, tables: &str) -> Result<Vec<toolroom_sce
         Err(ReadError::Faults(list)) => Err(list.problems.iter().map(|problem| problem.fault.to_string()).collect()),
         Err(other) => panic!("{other}"),
     }
+}
+
+#[test]
+fn points_between_the_digits_of_pieces_are_refused_once_and_told() {
+    let message = of_table("id;part;quantity\nA;bar;1.062,00\nB;bar;40\n").expect_err("a number as people write it");
+    assert_eq!(message.len(), 1, "{message:?}");
+    assert!(message[0].contains("line 2: `quantity` is \"1.062,00\""), "{message:?}");
+    assert_eq!(of_table("id;part;quantity\nA;bar;1062\n").expect("what was told")[0].quantity, 1062);
 }
 
 #[test]

@@ -71,10 +71,23 @@ fn shop(rule: &str, mixture: usize) -> Scenario {
 
 #[test]
 fn a_plain_shop_leaves_the_log_of_any_other() {
-    let rules =
+    let standing =
         ["\"fifo\"", "\"spt\"", "[\"priority\", \"edd\"]", "\"srpt\"", "\"odd\"", "\"most_operations\"", "\"lifo\""];
-    for mixture in 0..42 {
-        let scenario = shop(rules[mixture % 7], mixture);
+    let moving = [
+        "\"cr\"",
+        "\"atc\"",
+        "\"pt_winq\"",
+        "\"covert\"",
+        "\"s_ro\"",
+        "[\"priority\", \"mdd\"]",
+        "[\"winq\", \"spt\"]",
+        "\"mod\"",
+        "\"pt_winq_npt\"",
+        "\"pt_winq_sl\"",
+    ];
+    for mixture in 0..72 {
+        let rule = if mixture < 42 { standing[mixture % 7] } else { moving[mixture % 10] };
+        let scenario = shop(rule, mixture);
         let plain = Shop::new(&scenario, 0, 0).unwrap();
         let mut whole = plain.clone();
         whole.run_until(SimTime::from_seconds(scenario.horizon).unwrap()).unwrap();

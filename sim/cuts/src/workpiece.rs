@@ -1,5 +1,8 @@
 //! A workpiece as its operation finds and leaves it.
 
+use toolroom_runlog::runlog::JobOutcome;
+use toolroom_scenario::Operation;
+
 /// A workpiece, as far as its operation has come.
 #[derive(Clone, Debug)]
 pub struct Piece {
@@ -53,4 +56,29 @@ pub struct Surface {
     pub roughness: f64,
     /// Whether chatter grew while it was cut.
     pub chattered: bool,
+}
+
+impl Piece {
+    /// A pass begins anew on the surface.
+    pub fn renew_surface(&mut self) {
+        if self.share_left >= 1.0 {
+            self.surface = Surface::default();
+        }
+    }
+
+    /// Why it is no good part, if it is none.
+    pub fn fault(&self, operation: &Operation) -> Option<JobOutcome> {
+        let rough = self.surface.roughness > operation.roughness_limit;
+        if self.spoiled {
+            Some(JobOutcome::ToolFailure)
+        } else if rough && self.surface.chattered {
+            Some(JobOutcome::Chatter)
+        } else if self.burnt {
+            Some(JobOutcome::Burnt)
+        } else if rough || self.size_error.abs() > operation.size_tolerance {
+            Some(JobOutcome::OutOfTolerance)
+        } else {
+            None
+        }
+    }
 }

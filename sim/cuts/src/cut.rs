@@ -4,9 +4,10 @@
 use super::cut_fault::{CutFault, STUCK};
 use super::ports::{Ports, elements, read, write};
 use super::program::Program;
+use super::reaction::Reaction;
 use super::vibration::{Instant, Listener, Vibration};
 use toolroom_process::{MachineProcess, ProcessEvent, watched};
-use toolroom_scenario::policies::Sample;
+use toolroom_scenario::policies::{Sample, Stability};
 
 /// A stretch of cutting under one command: where it starts, where it ends, what happens.
 #[derive(Clone, Debug, Default)]
@@ -48,7 +49,7 @@ pub struct Segment {
 impl Segment {
     /// Cuts from `state` under [`Segment::start_input`] for `duration`, with a sensor sample
     /// every `sampling_period`.
-    pub(super) fn plan(
+    pub fn plan(
         &mut self,
         process: &dyn MachineProcess,
         ports: &Ports,
@@ -102,11 +103,15 @@ impl Segment {
             let start =
                 listener.as_ref().map(|_| Instant { time, state: self.state.clone(), input: self.input.clone() });
             let advance = process
-                .advance_watched(&mut self.state, &mut self.input, goal - time, &times, &mut |i, u, y| {
-                    look(u, y, times[i], next(i));
-                })
+                .advance_to_output(
+                    &mut self.state,
+                    &mut self.input,
+                    goal - time,
+                    &times,
+                    &mut |i, u, y| look(u, y, times[i], next(i)),
+                    &mut self.output,
+                )
                 .map_err(CutFault::Model)?;
-            process.output(&self.state, &self.input, &mut self.output);
             let end = sampling_period.filter(|_| advance.event.is_none() && goal == duration).map(|_| duration);
             look(&self.input, &self.output, advance.elapsed, end);
             if engaged {
@@ -144,6 +149,44 @@ impl Segment {
         Ok(())
     }
 
+    /// When a listening controller stops the segment, s from its start.
+    pub fn stop(&self, rule: Option<&Stability>, known: Option<&Reaction>) -> Option<f64> {
+        let reaction_time = rule?.reaction_time()?;
+        let stop = self.vibration.as_ref()?.onset? + reaction_time;
+        (stop < self.elapsed && known.is_none_or(|known| !known.exhausted)).then_some(stop)
+    }
+
+    /// Moves an edge that is out of cut, before it cuts under [`Segment::start_input`]: it cools, nothing else.
+    ///
+    /// # Errors
+    /// What the model refuses.
+    pub fn rest(
+        &mut self,
+        process: &dyn MachineProcess,
+        ports: &Ports,
+        state: &mut [f64],
+        duration: f64,
+    ) -> Result<(), CutFault> {
+        let Some(engaged) = ports.engaged else { return Ok(()) };
+        let (mut left, mut stuck) = (duration, 0);
+        let input = &mut self.input;
+        input.clone_from(&self.start_input);
+        input[engaged] = 0.0;
+        write(input, ports.cutting_acceleration, 0.0);
+        while left > 0.0 {
+            let advance = process.advance(state, input, left).map_err(CutFault::Model)?;
+            if advance.event.is_none() {
+                break;
+            }
+            left -= advance.elapsed;
+            stuck = if advance.elapsed > 0.0 { 0 } else { stuck + 1 };
+            if stuck > STUCK {
+                return Err(CutFault::Stuck);
+            }
+        }
+        Ok(())
+    }
+
     /// Whether `event` happened without stopping the cut.
     pub fn has(&self, event: ProcessEvent) -> bool {
         self.passed.iter().any(|(_, each)| *each == event)
@@ -151,7 +194,7 @@ impl Segment {
 
     /// Share of the path of the whole segment as requested that is behind after `elapsed`
     /// seconds, the speed going linearly from that of the start input.
-    pub(super) fn share(&self, ports: &Ports, elapsed: f64) -> f64 {
+    pub fn share(&self, ports: &Ports, elapsed: f64) -> f64 {
         let whole = self.requested;
         let speed = read(&self.start_input, ports.cutting_speed, 0.0);
         let acceleration = read(&self.start_input, ports.cutting_acceleration, 0.0);
@@ -178,33 +221,6 @@ fn sample(ports: &Ports, input: &[f64], output: &[f64], elapsed: f64) -> Sample 
 }
 
 /// Does `work` and refuses it where an effect of a user gave no value on the way.
-pub(super) fn refusing<T>(work: impl FnOnce() -> Result<T, CutFault>) -> Result<T, CutFault> {
+pub fn refusing<T>(work: impl FnOnce() -> Result<T, CutFault>) -> Result<T, CutFault> {
     watched(work).map_err(CutFault::Model)?
-}
-
-/// Moves an edge that is out of cut, before it cuts under `command`: it cools, nothing else.
-pub(super) fn rest(
-    process: &dyn MachineProcess,
-    ports: &Ports,
-    state: &mut [f64],
-    command: &[f64],
-    duration: f64,
-) -> Result<(), CutFault> {
-    let Some(engaged) = ports.engaged else { return Ok(()) };
-    let (mut left, mut stuck) = (duration, 0);
-    let mut input = command.to_vec();
-    input[engaged] = 0.0;
-    write(&mut input, ports.cutting_acceleration, 0.0);
-    while left > 0.0 {
-        let advance = process.advance(state, &mut input, left).map_err(CutFault::Model)?;
-        if advance.event.is_none() {
-            break;
-        }
-        left -= advance.elapsed;
-        stuck = if advance.elapsed > 0.0 { 0 } else { stuck + 1 };
-        if stuck > STUCK {
-            return Err(CutFault::Stuck);
-        }
-    }
-    Ok(())
 }

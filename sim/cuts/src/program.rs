@@ -20,7 +20,7 @@ pub struct Program {
 impl Program {
     /// Writes the command that holds from `time` (s since the start) on into `input` and tells
     /// until when it holds, s; the last one holds for ever.
-    pub(super) fn command(&self, time: f64, input: &mut [f64]) -> f64 {
+    pub fn command(&self, time: f64, input: &mut [f64]) -> f64 {
         let mut end = 0.0;
         for (i, block) in self.blocks.iter().enumerate() {
             end += block.duration;
@@ -36,7 +36,7 @@ impl Program {
     }
 
     /// Forgets the first `elapsed` seconds.
-    pub(super) fn skip(&mut self, elapsed: f64) {
+    pub fn skip(&mut self, elapsed: f64) {
         let mut left = elapsed;
         let mut past = 0;
         for block in &mut self.blocks {

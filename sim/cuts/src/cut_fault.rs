@@ -4,7 +4,7 @@ use toolroom_process::ModelError;
 
 /// Why a segment could not be planned.
 #[derive(Debug)]
-pub(super) enum CutFault {
+pub enum CutFault {
     /// The model refused.
     Model(ModelError),
     /// The model raises events and does not move.
@@ -12,4 +12,4 @@ pub(super) enum CutFault {
 }
 
 /// Events in a row without progress after which a process counts as stuck.
-pub(super) const STUCK: u32 = 64;
+pub const STUCK: u32 = 64;

@@ -7,8 +7,8 @@
 use super::cut_fault::{CutFault, STUCK};
 use super::ports::{Ports, elements, read};
 use super::workpiece::Surface;
-use crate::runlog::PassRow;
 use toolroom_process::MachineProcess;
+use toolroom_runlog::runlog::PassRow;
 
 /// Places of a stretch that are looked at.
 const PLACES: usize = 8;
@@ -38,11 +38,11 @@ pub struct Vibration {
 
 impl Vibration {
     /// Nothing cut yet.
-    pub(super) const NONE: Self =
+    pub(crate) const NONE: Self =
         Self { margin: f64::INFINITY, chatter_time: 0.0, onset: None, frequency: 0.0, amplitude: 0.0, roughness: 0.0 };
 
     /// Adds the segment to the row of its pass and to the part.
-    pub(super) fn note(&self, row: &mut PassRow, surface: &mut Surface) {
+    pub fn note(&self, row: &mut PassRow, surface: &mut Surface) {
         row.chatter_time += self.chatter_time;
         row.stability_margin = row.stability_margin.min(self.margin);
         if row.chatter_frequency == 0.0 {
@@ -57,14 +57,14 @@ impl Vibration {
 
 /// An instant of a cut: s from the start of the segment, state and input.
 #[derive(Clone, Debug)]
-pub(super) struct Instant {
+pub(crate) struct Instant {
     pub time: f64,
     pub state: Vec<f64>,
     pub input: Vec<f64>,
 }
 
 /// Whoever follows a segment piece by piece.
-pub(super) struct Listener<'a> {
+pub(crate) struct Listener<'a> {
     process: &'a dyn MachineProcess,
     ports: &'a Ports,
     output: Vec<f64>,

@@ -27,13 +27,14 @@ macro_rules! ports {
         /// Element indices of one process, looked up by name once. A quantity that the process does not
         /// have is neither set nor read.
         #[derive(Clone, Copy, Debug)]
-        pub(super) struct Ports {
-            $(pub $quantity: Option<usize>,)+
+        pub struct Ports {
+            $(#[doc = concat!("Element of `", stringify!($quantity), "`.")] pub $quantity: Option<usize>,)+
             /// Whether the process judges the stability of its cuts.
             pub structure: bool,
         }
 
         impl Ports {
+            /// Those of a process.
             pub fn of(process: &dyn MachineProcess) -> Self {
                 Self {
                     $($quantity: element(Slice::$slice.fields(process), &[$($name),+]),)+
@@ -133,23 +134,23 @@ fn element(fields: &[Field], names: &[&str]) -> Option<usize> {
 }
 
 /// Number of elements of `fields`.
-pub(super) fn elements(fields: &[Field]) -> usize {
+pub fn elements(fields: &[Field]) -> usize {
     fields.iter().map(|field| field.len).sum()
 }
 
 /// Element of `values`, or `missing` where the process does not have it.
-pub(super) fn read(values: &[f64], index: Option<usize>, missing: f64) -> f64 {
+pub fn read(values: &[f64], index: Option<usize>, missing: f64) -> f64 {
     index.map_or(missing, |i| values[i])
 }
 
 /// Sets an element where the process has it.
-pub(super) fn write(values: &mut [f64], index: Option<usize>, value: f64) {
+pub fn write(values: &mut [f64], index: Option<usize>, value: f64) {
     if let Some(i) = index {
         values[i] = value;
     }
 }
 
 /// Start values of all elements.
-pub(super) fn start_values(fields: &[Field]) -> impl Iterator<Item = f64> {
+pub fn start_values(fields: &[Field]) -> impl Iterator<Item = f64> {
     fields.iter().flat_map(|field| std::iter::repeat_n(field.start, field.len))
 }
