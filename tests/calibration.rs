@@ -342,6 +342,36 @@ fn a_log_of_milling_becomes_a_set_whose_draws_a_shop_takes() {
 }
 
 #[test]
+fn a_wear_rate_that_was_measured_is_in_the_baked_set() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/steel-shafts.toml");
+    let shop = fs::read_to_string(shipped).expect("the shipped scenario");
+    let entry = |tool: &str, factor: f64| {
+        format!(
+            "[[calibration]]\nparameter = \"wear_rate\"\ntarget = \"tool {tool}\"\nfactor = {factor}\nstandard_error = 0.05\n\
+             by = \"gap apply\"\n"
+        )
+    };
+    let measured = format!("{shop}\n{}{}", entry("insert", 1.25), entry("end mill", 0.8));
+    fs::write(folder.join("shop.toml"), measured).expect("a scenario");
+    for (tool, levels, other) in [
+        ("insert", "energy_balance.mechanical_wear_per_path and energy_balance.thermal_wear_rate", "end mill"),
+        ("end mill", "life.reference_life", "insert"),
+    ] {
+        let words = ["calibrate", "--bake", "shop.toml", "--tool", tool, "--force", "--json", "--out", "baked.toml"];
+        let baked = answer(&toolroom(folder, &words));
+        let moved: Vec<&str> =
+            baked["moved"].as_array().expect("a list").iter().filter_map(|line| line.as_str()).collect();
+        assert!(moved.iter().any(|line| line.starts_with("wear_rate: times") && line.ends_with(levels)), "{moved:?}");
+        assert_eq!(baked["left_out"], serde_json::json!([format!("wear_rate of tool {other}")]));
+        let set = fs::read_to_string(folder.join("baked.toml")).expect("a set");
+        let first = levels.split(' ').next().expect("a level");
+        assert!(set.contains(&format!("\"{first}\" = {{ factor = 1.0512")), "{set}");
+    }
+}
+
+#[test]
 fn a_decision_of_a_scenario_says_what_to_measure_and_edges_that_chip_give_a_rate() {
     let folder = TempDir::new().expect("a folder");
     let folder = folder.path();

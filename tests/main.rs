@@ -25,6 +25,7 @@ mod planned;
 mod planning;
 mod program_files;
 mod programs;
+mod replacement;
 mod report;
 mod run_predicted;
 mod self_null;

@@ -1,13 +1,19 @@
 """How near the settings that `toolroom compare --tune` finds come to the best ones of a scan.
 
     python tests/studies/tuning.py PROGRAM scenarios/constant-vs-adaptive.toml constant [--seeds 10] [--budget 600]
-        [--scanned 40] [--tuned "VALUE, VALUE; …"] [--set KEY=VALUE …]
+        [--scanned 40] [--tuned "VALUE, VALUE; …"] [--failure SHARE] [--grid "LOW HIGH STEPS; …"] [--keep FILE]
+        [--set KEY=VALUE …]
 
 Every seed of the tuning finds settings for one policy. A grid around them is run on random numbers that are others than those of
 the tuning and of the file, the same for all of its settings. The cost of a part is a quadratic surface through all settings of the
 grid that cost at most a few per cent more than the best: where a single mean is known to a per cent, the surface through some
 twenty of them is known to a tenth. The loss of tuned settings is what the surface has there above its least; how far the means lie
 from the surface is printed as chi square. With --tuned, settings of an earlier run are judged without tuning.
+
+With --failure no more than this share of edges may be lost in cut (the guard of the tuning): the loss is then against the least of
+the surface where a surface through the angles asin √share lies within the guard, and the share at the tuned settings is printed.
+--grid scans a grid that is given, in the order and the units in which settings are printed, and --keep writes what was scanned to a
+file from which the same command goes on, so that two programs are judged by one surface.
 `examples/tuning.rs` of toolroom-study does the same by the library, with single means.
 """
 
@@ -55,7 +61,7 @@ def tuned(args, seed, others):
 
 
 def judged(args, changes, replications):
-    """Cost of a part in every replication."""
+    """Cost of a part and share of edges that were lost in cut, in every replication."""
     with tempfile.TemporaryDirectory() as folder:
         words = ["run", args.scenario, "--policy", args.policy, "--seed", str(JUDGING), "--replications", str(replications),
                  "--out", f"{folder}/out", "--threads", str(args.threads)]
@@ -63,8 +69,26 @@ def judged(args, changes, replications):
         call(args.program, words)
         with open(f"{folder}/out/kpi.csv", newline="") as file:
             rows = list(csv.DictReader(file))
-    wanted = [row for row in rows if row["policy"] == args.policy and row["kpi"] == "cost_per_part" and not row["machine"]]
-    return [float(row["value"]) for row in sorted(wanted, key=lambda row: int(row["replication"]))]
+    def figure(name):
+        wanted = [row for row in rows if row["policy"] == args.policy and row["kpi"] == name and not row["machine"]]
+        return [float(row["value"]) for row in sorted(wanted, key=lambda row: int(row["replication"]))]
+
+    # A replication in which no edge ended has lost none.
+    lost = [0.0 if math.isnan(share) else share for share in figure("edge_failure_share")]
+    return {"costs": figure("cost_per_part"), "lost": lost}
+
+
+def kept(args, changes):
+    """What the settings cost, from the file of an earlier scan where it holds them."""
+    file = pathlib.Path(args.keep) if args.keep else None
+    scanned = json.loads(file.read_text()) if file and file.exists() else {}
+    of_shop = [change for change in args.set if not change.startswith("tune.")]
+    name = " ".join([args.scenario, args.policy, *of_shop, *changes, str(args.scanned)])
+    if name not in scanned:
+        scanned[name] = judged(args, changes, args.scanned)
+        if file:
+            file.write_text(json.dumps(scanned))
+    return scanned[name]
 
 
 def numbers(settings):
@@ -81,7 +105,10 @@ def scan(args, rules):
         unit = shown[len(shown.split(" ")[0]):]
         # The change of a tuned rule with another number in it.
         change = next(change for change in rules[0]["set"] if shown in change)
-        steps = [f"{low * (high / low) ** (step / (STEPS - 1)):.4g}" for step in range(STEPS)]
+        count = STEPS
+        if args.grid:
+            low, high, count = map(float, args.grid.split(";")[place].split())
+        steps = [f"{low * (high / low) ** (step / (count - 1)):.4g}" for step in range(int(count))]
         lists.append([(change.replace(shown, step + unit), float(step)) for step in steps])
     grid = [list(pairs) for pairs in itertools.product(*lists)]
     return [[change for change, _ in pairs] for pairs in grid], np.array([[value for _, value in pairs] for pairs in grid])
@@ -95,18 +122,25 @@ def row(values, centre):
 
 
 class Surface:
-    """A quadratic surface through the cheaper settings of a scan: `costs` has a row a setting and a column a replication."""
+    """A quadratic surface through the cheaper settings of a scan: `costs` has a row a setting and a column a replication. Where
+    `lost` has the share of lost edges in the same order, its least is sought where no more than `failure` are lost."""
 
-    def __init__(self, values, costs):
+    def __init__(self, values, costs, lost, failure):
+        self.failure = failure
+        means = costs.mean(axis=1)
+        allowed = lost.mean(axis=1) <= failure
+        if not allowed.any():
+            raise SystemExit(f"every setting of the scan loses more than {failure:g} of its edges")
         for bound in FITTED:
-            used = costs.mean(axis=1) <= bound * costs.mean(axis=1).min()
+            # Settings that the guard excludes tell the surface on its other side.
+            used = means <= bound * means[allowed].min()
             if used.sum() < row(values, 1.0).shape[1] + SPARE:
                 break
-            self.fit(values, costs, used)
+            self.fit(values, costs, lost, used)
             if self.chi_square < 2 * self.free:
                 break
 
-    def fit(self, values, costs, used):
+    def fit(self, values, costs, lost, used):
         means = costs.mean(axis=1)
         self.values, means, costs = values[used], means[used], costs[used]
         self.centre = np.exp(np.log(self.values).mean(axis=0))
@@ -117,14 +151,20 @@ class Surface:
         self.error = math.sqrt((own**2).sum() / ((count - 1) * (replications - 1)) / replications)
         design = row(self.values, self.centre)
         self.coefficients = np.linalg.lstsq(design, means, rcond=None)[0]
+        self.angles = np.linalg.lstsq(design, np.arcsin(np.sqrt(lost[used].mean(axis=1))), rcond=None)[0]
         self.covariance = np.linalg.inv(design.T @ design) * self.error**2
         left = means - design @ self.coefficients
         self.chi_square, self.free = float((left**2).sum() / self.error**2), count - design.shape[1]
         # The least within the settings that were fitted.
-        axes = [np.linspace(column.min(), column.max(), 61) for column in self.values.T]
+        axes = [np.linspace(column.min(), column.max(), 121) for column in self.values.T]
         grid = np.array(list(itertools.product(*axes)))
+        grid = grid[self.share(grid) <= self.failure]
         heights = row(grid, self.centre) @ self.coefficients
         self.best, self.least = grid[heights.argmin()], float(heights.min())
+
+    def share(self, values):
+        """Share of edges that are lost."""
+        return np.sin(np.maximum(row(values, self.centre) @ self.angles, 0.0)) ** 2
 
     def loss(self, values):
         """Per cent above the least, and the standard error."""
@@ -142,10 +182,15 @@ def main():
     parser.add_argument("--budget", type=int, default=600)
     parser.add_argument("--scanned", type=int, default=40, help="replications of every setting of the scan")
     parser.add_argument("--tuned", help="settings of every seed as they were printed, with semicolons between seeds")
+    parser.add_argument("--failure", type=float, default=1.0, help="greatest share of edges that may be lost in cut")
+    parser.add_argument("--grid", help="least, greatest and number of values of every setting, with semicolons between settings")
+    parser.add_argument("--keep", help="file that holds what was scanned")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--set", action="append", default=[])
     args = parser.parse_args()
     args.program = str(pathlib.Path(args.program).resolve())
+    if args.failure < 1.0:
+        args.set.append(f'tune.guard={{ collapse = "2 %", failure = "{100 * args.failure:g} %" }}')
     text = pathlib.Path(args.scenario).read_text()
     names = re.findall(r'^\[\[policy\]\][^\[]*?^name = "([^"]+)"', text, re.MULTILINE)
     others = [name for name in names if name != args.policy]
@@ -167,7 +212,9 @@ def main():
         for old, new in zip(first["settings"].values(), given[0]):
             rules[0]["set"] = [change.replace(old, new) for change in rules[0]["set"]]
     changes, values = scan(args, rules)
-    surface = Surface(values, np.array([judged(args, own, args.scanned) for own in changes]))
+    scanned = [kept(args, own) for own in changes]
+    costs, lost = (np.array([found[key] for found in scanned]) for key in ("costs", "lost"))
+    surface = Surface(values, costs, lost, args.failure)
     best = ", ".join(f"{value:.4g}" for value in surface.best)
     print(f"least of the surface {surface.least:.4g} at {best}; a mean is known to {100 * surface.error / surface.least:.2f} %, "
           f"chi square {surface.chi_square:.1f} of {surface.free}")
@@ -175,7 +222,9 @@ def main():
     for rule in rules:
         loss, error = surface.loss(numbers(rule["settings"].values()))
         losses.append(loss)
-        print(f"  {', '.join(rule['settings'].values())}: {loss:+.2f} % ± {error:.2f}")
+        share = float(surface.share(np.array([numbers(rule["settings"].values())]))[0])
+        guard = f", {100 * share:.2f} % of edges lost" if args.failure < 1.0 else ""
+        print(f"  {', '.join(rule['settings'].values())}: {loss:+.2f} % ± {error:.2f}{guard}")
     for bound in (0.3, 1.0):
         print(f"within {bound:g} % of the optimum: {sum(loss <= bound for loss in losses)} of {len(losses)}")
 

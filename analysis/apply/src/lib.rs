@@ -13,6 +13,7 @@
 //! | [`apply`] | the text of a model with what a diagnosis has found |
 //! | [`marked`] | a model with a mark, by which the next application knows that it may replace it |
 //! | [`model_hash`] | the hash by which a diagnosis knows the model that it read |
+//! | [`bake()`] | the parameter set of a tool with what a scenario states and calibrates of it |
 //! | [`grew()`] | channels from which a model is farther with it than before |
 //! | [`predictions()`] | what a model predicts of records, without a fit |
 //!
@@ -30,6 +31,7 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod applied;
+mod bake;
 mod constants;
 mod difference;
 mod document;
@@ -45,6 +47,7 @@ mod scope;
 mod values;
 
 pub use applied::{Applied, AppliedEffect, Constant, applied_to};
+pub use bake::{BakeError, Baked, bake};
 pub use difference::changed_lines;
 pub use document::{PredictionRow, Process, SCHEMA, document, point_json, predictions_of, scope_json};
 pub use edit::{Changes, Request, apply};

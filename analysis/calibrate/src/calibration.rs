@@ -19,6 +19,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::sync::atomic::{AtomicU32, Ordering};
+use toolroom_form::nearest;
 use toolroom_numerics::order_quantile;
 
 /// Least edges at which the coverage of left-out readings is judged.
@@ -47,10 +48,12 @@ pub struct HeldOut {
 #[non_exhaustive]
 pub enum CalibrationError {
     /// A parameter that no law has.
-    #[error("no parameter `{name}`; there are {known}")]
+    #[error("no parameter `{name}`{}; there are {known}", near.as_ref().map_or_else(String::new, |near| format!(", did you mean `{near}`?")))]
     Parameter {
         /// What was read.
         name: String,
+        /// What may have been meant.
+        near: Option<String>,
         /// What there is.
         known: String,
     },
@@ -291,12 +294,13 @@ fn of_channel(name: &str) -> bool {
 }
 
 fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationError> {
-    let unknown = |name: &str, models: &[WearModel]| {
-        let mut known: Vec<String> =
-            models.iter().flat_map(|model| model.parameters().iter().map(|parameter| parameter.name.clone())).collect();
+    let unknown = |name: &str, mut known: Vec<String>| {
         known.sort();
         known.dedup();
-        CalibrationError::Parameter { name: name.to_owned(), known: known.join(", ") }
+        // The group may be left out, in what was read as in what is meant.
+        let keys = known.iter().map(|known| known.split_once('.').map_or(known.as_str(), |(_, key)| key));
+        let near = nearest(name, known.iter().map(String::as_str)).or_else(|| nearest(name, keys)).map(str::to_owned);
+        CalibrationError::Parameter { name: name.to_owned(), near, known: known.join(", ") }
     };
     for (name, prior) in request.priors.iter().filter(|(name, _)| !of_channel(name) && name != READING_NOISE) {
         let mut found = false;
@@ -304,7 +308,9 @@ fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationE
             found |= model.set_prior(name, *prior) || model.fixed(name);
         }
         if !found {
-            return Err(unknown(name, models));
+            let free =
+                models.iter().flat_map(|model| model.parameters().iter().map(|parameter| parameter.name.clone()));
+            return Err(unknown(name, free.collect()));
         }
     }
     // Without readings of wear they have no error.
@@ -316,7 +322,10 @@ fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationE
     for (name, value) in &request.fixed {
         let refused = |reason: String| CalibrationError::Fixed { name: name.clone(), value: *value, reason };
         if [EDGE_SCATTER, READING_NOISE].contains(&name.as_str()) {
-            return Err(refused("this is no parameter of a law; a narrow `--prior` holds it".to_owned()));
+            return Err(refused(format!(
+                "this is no parameter of a wear law, which --fix holds; a file with [prior] {name} = {{ factor = 1.01 }} for --prior \
+                 holds it all but there"
+            )));
         }
         let mut found = false;
         for model in models.iter_mut() {
@@ -333,7 +342,7 @@ fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationE
             }
         }
         if !found {
-            return Err(unknown(name, models));
+            return Err(unknown(name, models.iter().flat_map(WearModel::names).collect()));
         }
     }
     Ok(())

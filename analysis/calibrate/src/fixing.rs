@@ -29,6 +29,11 @@ impl WearModel {
         self.law.parameters(&self.template).iter().any(|parameter| parameter.name == name)
     }
 
+    /// Names of all parameters of the law, free or fixed.
+    pub fn names(&self) -> Vec<String> {
+        self.law.parameters(&self.template).into_iter().map(|parameter| parameter.name).collect()
+    }
+
     /// Why no law has the values that are fixed, where the others are as expected.
     pub fn fault(&self) -> Option<String> {
         let expected: Vec<f64> = self.parameters.iter().map(|parameter| parameter.prior.mean).collect();

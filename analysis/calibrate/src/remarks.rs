@@ -1,7 +1,7 @@
 //! What is to be said of data before anything is fitted.
 
 use crate::base::{Base, Condition, Process};
-use crate::edge::{Edge, Life};
+use crate::edge::{Edge, Life, Stretch};
 use crate::treatment::{Clock, Measured};
 use crate::wear_model::{ONE_SPEED, ONE_VALUE};
 
@@ -11,6 +11,8 @@ const FALL: f64 = 3.0;
 const READING: f64 = 0.011;
 /// Readings of an edge that tell whether its wear grows (assumption).
 const EVEN: usize = 4;
+/// Factor by which the second half of a column on an edge is above the first where it grows as wear does (assumption).
+const GROWS: f64 = 1.2;
 /// Share of the wear limit at a first reading beyond which the edge was probably not new when its record began.
 const WORN_ALREADY: f64 = 0.5;
 /// Share of the wear limit that readings have to reach for a life to be measured rather than extrapolated (assumption).
@@ -57,9 +59,13 @@ impl Measured {
         }
         if let Some(name) = even.first() {
             let (count, all) = (even.len(), self.edges.len());
+            let instead = self.grows_instead().map_or_else(
+                || "Is the column that of flank wear?".to_owned(),
+                |column| format!("{column} grows on every edge as wear does: are the two columns exchanged?"),
+            );
             notes.push(format!(
-                "wear does not grow on {count} of {all} edges, {name} first: all its readings are the same within the error of one. Is \
-                 the column that of flank wear?"
+                "wear does not grow on {count} of {all} edges, {name} first: all its readings are the same within the error of one. \
+                 {instead}"
             ));
         }
         let begun = self.edges.iter().filter(|edge| edge.begun.is_some()).count();
@@ -117,6 +123,41 @@ impl Measured {
         ))
     }
 
+    /// The column that rises on every edge, where wear itself does not.
+    fn grows_instead(&self) -> Option<&'static str> {
+        type Read = fn(&Measured, &Stretch) -> f64;
+        let columns: [(&str, Read); 3] = [
+            ("cutting_time", |_, stretch| stretch.time),
+            ("the feed", |measured, stretch| measured.conditions[stretch.condition].cut.feed_per_rev),
+            ("depth_of_cut", |measured, stretch| measured.conditions[stretch.condition].cut.depth_of_cut),
+        ];
+        let grows = |read: &Read| {
+            self.edges.iter().all(|edge| {
+                let values: Vec<f64> = edge.stretches.iter().map(|stretch| read(self, stretch)).collect();
+                // Neighbouring conditions may have been joined, and a reading may fall a little: the halves are compared.
+                let (first, last) = values.split_at(values.len() / 2);
+                let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+                values.len() >= EVEN && mean(last) > GROWS * mean(first)
+            })
+        };
+        columns.iter().find(|(_, read)| grows(read)).map(|(name, _)| *name)
+    }
+
+    /// Says where every feed is larger than its depth of cut.
+    fn feeds_fit(&mut self) {
+        let cuts = || self.conditions.iter().map(|condition| &condition.cut);
+        let least = cuts().map(|cut| cut.feed_per_rev).fold(f64::INFINITY, f64::min);
+        if !self.conditions.is_empty() && cuts().all(|cut| cut.feed_per_rev > cut.depth_of_cut) {
+            let most = cuts().map(|cut| cut.depth_of_cut).fold(0.0, f64::max);
+            self.notes.push(format!(
+                "every feed is larger than its depth of cut (feeds from {:.3} mm, depths up to {:.3} mm), which turning rarely has: \
+                 are the two columns exchanged?",
+                least * 1e3,
+                most * 1e3
+            ));
+        }
+    }
+
     /// Whether the times of rows rise on every edge, as a running total does.
     fn times_look_running(&self) -> bool {
         let times = |edge: &Edge| -> Vec<f64> {
@@ -132,7 +173,10 @@ impl Measured {
     /// Says where the cuts are far from what the set is for.
     pub(crate) fn fit_into(&mut self, base: &Base) {
         match base {
-            Base::Turning { pair, .. } => self.speeds_fit(pair.limits.lowest_speed, pair.limits.highest_speed),
+            Base::Turning { pair, .. } => {
+                self.speeds_fit(pair.limits.lowest_speed, pair.limits.highest_speed);
+                self.feeds_fit();
+            }
             Base::Milling { diameter, .. } => self.widths_fit(*diameter),
         }
     }
@@ -261,6 +305,26 @@ mod tests {
         );
         assert!(notes([2000.0, 2500.0], 0.02).contains("is their unit right?"));
         assert!(!notes([200.0, 240.0], 0.02).contains("cutting speeds from"));
+    }
+
+    #[test]
+    fn exchanged_columns_are_told() {
+        let of = |cut: fn(usize) -> (f64, f64, f64)| {
+            let row = |edge: usize, reading: usize| {
+                let (feed, depth, wear) = cut(reading);
+                format!("O{edge}{reading},L1,E{edge},{reading},{},{feed},{depth},5,{wear:.3}\n", 200 + 40 * edge)
+            };
+            let rows: String = (0..2).flat_map(|edge| (1..=5).map(move |reading| row(edge, reading))).collect();
+            let table = format!("{HEADER}{rows}");
+            let (records, _) = parse_csv("wear.csv", table.as_bytes(), RecordKind::Turning).expect("records");
+            let mut measured = Measured::of(&records, 0.3).expect("edges");
+            measured.fit_into(&Base::from(&Pair::named("c45_t15k6").expect("a shipped set")));
+            measured.notes.join("; ")
+        };
+        assert!(!of(|reading| (0.3, 1.5, 0.04 * reading as f64)).contains("exchanged"));
+        assert!(of(|reading| (1.5, 0.3, 0.04 * reading as f64)).contains("every feed is larger than its depth"));
+        let swapped = of(|reading| (0.04 * reading as f64 + 0.02, 1.5, 0.3));
+        assert!(swapped.contains("the feed grows on every edge as wear does"), "{swapped}");
     }
 
     #[test]

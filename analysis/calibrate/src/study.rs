@@ -270,9 +270,10 @@ impl CalibrationStudy {
         let calibration =
             Calibration::with_progress(measured, base, request, progress).map_err(|error| match &error {
                 CalibrationError::Parameter { .. } => refuse(error, "names are group.key or key"),
-                CalibrationError::Fixed { .. } => {
-                    refuse(error, "--fix stage_contrast=0.6, in the unit of parameter files")
-                }
+                CalibrationError::Fixed { .. } => refuse(
+                    error,
+                    "a value within its range, in the unit of parameter files, such as --fix stage_contrast=0.6",
+                ),
                 CalibrationError::HeldOut(_) => refuse(error, "--holdout 0.2, or names of edges with commas"),
                 CalibrationError::NoDensity(_) => refuse(error, "look at the units of the records"),
             })?;
@@ -426,11 +427,22 @@ fn wear_unit(read: &ReadReport) -> String {
 }
 
 fn fixed(text: &str) -> Result<(String, f64), Refusal> {
-    let parts = text.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
-    parts
-        .filter(|(_, value)| value.is_finite())
-        .map(|(name, value)| (name.to_owned(), value))
-        .ok_or_else(|| refuse(format_args!("--fix {text}: a name and a number are due"), "--fix stage_contrast=0.6"))
+    let due = |what: &str, fix: String| refuse(format_args!("--fix {text}: {what}"), fix);
+    let example = || "--fix stage_contrast=0.6".to_owned();
+    let Some((name, value)) = text.split_once('=').map(|(name, value)| (name.trim(), value.trim())) else {
+        return Err(due("a value is due behind the name", example()));
+    };
+    let number = |text: &str| text.parse::<f64>().ok().filter(|value| value.is_finite());
+    if let Some(value) = number(value) {
+        return Ok((name.to_owned(), value));
+    }
+    // A number with its unit, as files have it.
+    Err(match value.split_once(' ').and_then(|(first, _)| Some((first, number(first)?))) {
+        Some((first, _)) => {
+            due("the number stands alone, in the unit of parameter files", format!("--fix {name}={first}"))
+        }
+        None => due(&format!("`{value}` is no number"), example()),
+    })
 }
 
 /// The mapping of a table of lives, or of wear over time or path without the names of operations and machines: every column by its own

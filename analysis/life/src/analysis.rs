@@ -4,7 +4,7 @@ use super::bootstrap::{self, Banded};
 use super::fit::{Estimated, Fit, fit};
 use super::goodness::{self, Goodness};
 use super::law::{Dimension, Family, Law};
-use super::replacement::{Costs, Replacement};
+use super::replacement::{Costs, Failing, Replacement};
 use super::sample::{Sample, SampleError};
 use super::survival::{Step, kaplan_meier, turnbull};
 use rayon::prelude::*;
@@ -22,6 +22,9 @@ pub struct Request {
     pub goodness: u32,
     /// Costs of replacement.
     pub costs: Costs,
+    /// The same lives in which only failures have ended, where not every end is one: those that came to a limit that is seen
+    /// were replaced as planned.
+    pub failures: Option<Sample>,
     /// Seed of the random numbers.
     pub seed: u64,
 }
@@ -35,6 +38,7 @@ impl Default for Request {
             bootstrap: 500,
             goodness: 199,
             costs: Costs { planned: 1.0, failure: 5.0 },
+            failures: None,
             seed: 1,
         }
     }
@@ -137,9 +141,16 @@ pub struct Analysis {
     pub cost: Vec<Banded>,
     /// Replacement in blocks.
     pub in_blocks: Replacement,
+    /// Whether edges that come to a limit are replaced there as planned, so that only other ends are failures.
+    pub limit_is_seen: bool,
 }
 
 impl Analysis {
+    /// What happens to edges that are not replaced before, in words.
+    pub fn until_the_end(&self) -> &'static str {
+        if self.limit_is_seen { "using edges up to their limit" } else { "running to failure" }
+    }
+
     /// Whether the lives say when to replace: the best age is one that was observed, or running to failure
     /// is best and the mean life known.
     pub fn replacement_seen(&self) -> bool {
@@ -208,7 +219,13 @@ pub fn analyse(sample: &Sample, request: &Request) -> Result<Analysis, SampleErr
     let by_age =
         |of: fn(&Law, f64) -> f64| move |law: &Law, ages: &[f64]| ages.iter().map(|age| of(law, *age)).collect();
     let costs = request.costs;
-    let best_of: Vec<Replacement> = resampled.par_iter().map(|law| costs.best_age(law)).collect();
+    let failures = request.failures.as_ref().map(|sample| law_of(sample, &request.families));
+    let failing = match &failures {
+        None => Failing::Every,
+        Some(None) => Failing::Never,
+        Some(Some(law)) => Failing::By(law),
+    };
+    let best_of: Vec<Replacement> = resampled.par_iter().map(|law| costs.best_age_of(law, failing)).collect();
     let empirical = if sample.inspected() { turnbull(sample) } else { kaplan_meier(sample, request.confidence) };
     let spread =
         |of: fn(&Replacement) -> f64| bootstrap::quantiles(best_of.iter().map(of).collect(), request.confidence);
@@ -221,12 +238,20 @@ pub fn analyse(sample: &Sample, request: &Request) -> Result<Analysis, SampleErr
         residual_life: band(&Law::residual_lives),
         b10: interval(&|law| law.quantile(0.1)),
         mean: interval(&Law::mean),
-        by_age: costs.best_age(&law),
+        by_age: costs.best_age_of(&law, failing),
         best_age: spread(|best| best.age),
         best_cost: spread(|best| best.cost_rate),
-        cost: band(&|law: &Law, ages: &[f64]| costs.at_ages(law, ages)),
-        in_blocks: costs.best_blocks(&law),
+        cost: band(&|law: &Law, ages: &[f64]| costs.at_ages(law, failing, ages)),
+        in_blocks: costs.best_blocks(&law, failing),
+        limit_is_seen: request.failures.is_some(),
         fits,
         resampled,
     })
+}
+
+/// The most credible law of failures; `None` where there are too few for any.
+fn law_of(sample: &Sample, families: &[Family]) -> Option<Law> {
+    let fits: Vec<Fit> = families.par_iter().filter_map(|family| fit(sample, *family).ok()).collect();
+    let regular = fits.iter().filter(|fit| fit.regular());
+    regular.min_by(|a, b| a.aicc().total_cmp(&b.aicc())).map(|fit| fit.law)
 }

@@ -78,6 +78,7 @@ pub fn json(sample: &Sample, analysis: &Analysis, words: &Words) -> Map<String, 
         .collect();
     let best = &analysis.by_age;
     let mut replacement = Map::new();
+    replacement.insert("failure".to_owned(), json!(if analysis.limit_is_seen { "cut" } else { "limit" }));
     if analysis.replacement_seen() {
         replacement.insert(words.key("age"), finite(best.age));
         replacement.insert("cost_rate".to_owned(), json!(best.cost_rate));
@@ -166,14 +167,16 @@ pub fn tiles(sample: &Sample, analysis: &Analysis, words: &Words, confidence: f6
         Tile::new("replace at", "not reached", unseen())
     } else if best.age.is_finite() {
         let note = format!(
-            "saves {:.1} % against running to failure; {} … {}",
+            "saves {:.1} % against {}; {} … {}",
             100.0 * best.saving(),
+            analysis.until_the_end(),
             n(analysis.best_age.0),
             n(analysis.best_age.1)
         );
         Tile::new("replace at", format!("{}{unit}", n(best.age)), note)
     } else {
-        Tile::new("replace at", "failure", "edges do not age enough for anything else to pay")
+        let end = if analysis.limit_is_seen { "the limit" } else { "failure" };
+        Tile::new("replace at", end, "edges do not age enough for anything else to pay")
     };
     let size = format!("{} of them ended", n(sample.ended()));
     vec![Tile::new("lives", n(sample.size()), size), mean, banded("B10", &analysis.b10), replaced]

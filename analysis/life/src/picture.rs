@@ -131,8 +131,8 @@ pub fn cost(analysis: &Analysis, unit: &str, money: &str) -> impl Chart + use<> 
     )
     .band("band", curve.iter().map(|point| (point.age, point.low, point.high)).collect::<Vec<_>>(), Style::nth(0))
     .line("best law", curve.iter().map(|point| (point.age, point.value)).collect::<Vec<_>>(), Style::nth(0))
-    .horizontal(run, "run to failure")
-    .describe("Cost per time in cut when edges are replaced at an age or when they fail.");
+    .horizontal(run, analysis.until_the_end())
+    .describe("Cost per time in cut when edges are replaced at an age, or at their end if it comes before.");
     if analysis.by_age.age.is_finite() { plot.vertical(analysis.by_age.age, "best") } else { plot }
 }
 

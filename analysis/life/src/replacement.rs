@@ -19,7 +19,7 @@ pub struct Replacement {
     pub age: f64,
     /// Cost per time.
     pub cost_rate: f64,
-    /// Cost per time of running to failure.
+    /// Cost per time of using every edge until it ends.
     pub run_to_failure: f64,
 }
 
@@ -30,7 +30,70 @@ impl Replacement {
     }
 }
 
+/// Which of the edges that end by themselves have failed. The others have come to a limit that is seen, and are replaced as
+/// planned.
+#[derive(Clone, Copy, Debug)]
+pub enum Failing<'a> {
+    /// All of them.
+    Every,
+    /// None.
+    Never,
+    /// Those that end by this law; it competes with the limit.
+    By(&'a Law),
+}
+
+/// Parts of an interval of ages over which shares that failed are summed up.
+const PARTS: usize = 8;
+
+impl Failing<'_> {
+    /// Share of edges that have failed between two ages, of which all ends are those of `law`: `∫ R dH` with the hazard of
+    /// failures.
+    fn between(self, law: &Law, start: f64, end: f64) -> f64 {
+        match self {
+            Self::Every => law.survival(start) - law.survival(end),
+            Self::Never => 0.0,
+            Self::By(failures) => {
+                let age = |part: usize| start + (end - start) * part as f64 / PARTS as f64;
+                let share = |part: usize| {
+                    let (from, to) = (age(part), age(part + 1));
+                    law.survival(0.5 * (from + to)) * (failures.ln_survival(from) - failures.ln_survival(to))
+                };
+                let shares = (0..PARTS).map(share).filter(|share| share.is_finite());
+                shares.sum()
+            }
+        }
+    }
+
+    /// Share of edges that have failed by ascending ages.
+    fn failed_by(self, law: &Law, ages: &[f64]) -> Vec<f64> {
+        if let Self::Every = self {
+            return ages.iter().map(|age| 1.0 - law.survival(*age)).collect();
+        }
+        let (mut from, mut failed) = (0.0, 0.0);
+        let next = |age: &f64| {
+            failed += self.between(law, from, *age);
+            from = *age;
+            f64::min(failed, 1.0)
+        };
+        ages.iter().map(next).collect()
+    }
+}
+
 impl Costs {
+    /// Cost of a cycle of which this share ends with a failure.
+    fn of_cycle(&self, failed: f64) -> f64 {
+        self.planned * (1.0 - failed) + self.failure * failed
+    }
+
+    /// Cost per time when every edge is used until it ends.
+    fn until_the_end(&self, law: &Law, failing: Failing<'_>) -> f64 {
+        if let Failing::Every = failing {
+            return self.run_to_failure(law);
+        }
+        let failed = failing.failed_by(law, &grid(range(law)));
+        self.of_cycle(failed.last().copied().unwrap_or(0.0)) / law.mean()
+    }
+
     /// Cost per time when edges are replaced at an age or when they fail, whichever is first:
     /// `(planned·R + failure·(1 - R))/∫R`.
     ///
@@ -64,38 +127,58 @@ impl Costs {
     /// assert!((best.age - 0.5026).abs() < 5e-5 && (best.cost_rate - 3.0314).abs() < 5e-5);
     /// ```
     pub fn best_age(&self, law: &Law) -> Replacement {
+        self.best_age_of(law, Failing::Every)
+    }
+
+    /// The best age where only some of the ends are failures. Infinite where using every edge until it ends is best.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_life::{law::Law, replacement::{Costs, Failing}};
+    /// let (costs, worn) = (Costs { planned: 1.0, failure: 5.0 }, Law::Weibull { shape: 3.0, scale: 1.0 });
+    /// // A limit that is seen is no failure: an edge is used up to it.
+    /// assert!(costs.best_age_of(&worn, Failing::Never).age.is_infinite());
+    /// // Edges that all fail by the law of their ends are those of `best_age`.
+    /// let all = costs.best_age_of(&worn, Failing::By(&worn));
+    /// assert!((all.age / costs.best_age(&worn).age - 1.0).abs() < 1e-3);
+    /// ```
+    pub fn best_age_of(&self, law: &Law, failing: Failing<'_>) -> Replacement {
         let grid = grid(range(law));
-        let lived = law.lived_to(&grid);
-        let rate = |age: f64, lived: f64| {
-            let survival = law.survival(age);
-            (self.planned * survival + self.failure * (1.0 - survival)) / lived
-        };
-        let costs: Vec<f64> = grid.iter().zip(&lived).map(|(age, lived)| rate(*age, *lived)).collect();
+        let (lived, failed) = (law.lived_to(&grid), failing.failed_by(law, &grid));
+        let costs: Vec<f64> = failed.iter().zip(&lived).map(|(failed, lived)| self.of_cycle(*failed) / lived).collect();
         let best = lowest(&costs);
         // From the next point below on, what was lived before is known.
         let first = best.saturating_sub(1);
-        let near = |age: f64| rate(age, lived[first] + law.lived_between(grid[first], age));
-        self.settled(law, golden(grid[first], grid[(best + 1).min(POINTS)], near))
+        let near = |age: f64| {
+            let failed = (failed[first] + failing.between(law, grid[first], age)).min(1.0);
+            self.of_cycle(failed) / (lived[first] + law.lived_between(grid[first], age))
+        };
+        let best = golden(grid[first], grid[(best + 1).min(POINTS)], near);
+        Self::settled(best, self.until_the_end(law, failing))
     }
 
     /// The cost of replacement at ascending ages, [`Costs::at_age`].
-    pub fn at_ages(&self, law: &Law, ages: &[f64]) -> Vec<f64> {
-        let cost = |(age, lived): (&f64, f64)| {
-            let survival = law.survival(*age);
-            (self.planned * survival + self.failure * (1.0 - survival)) / lived
-        };
-        ages.iter().zip(law.lived_to(ages)).map(cost).collect()
+    pub fn at_ages(&self, law: &Law, failing: Failing<'_>, ages: &[f64]) -> Vec<f64> {
+        let failed = failing.failed_by(law, ages);
+        failed.into_iter().zip(law.lived_to(ages)).map(|(failed, lived)| self.of_cycle(failed) / lived).collect()
     }
 
-    /// The best interval of block replacement.
-    pub fn best_blocks(&self, law: &Law) -> Replacement {
+    /// The best interval of block replacement; each edge that ends between is replaced at once, and costs as if it had failed
+    /// in the same share as of all edges that are used until they end.
+    pub fn best_blocks(&self, law: &Law, failing: Failing<'_>) -> Replacement {
         let (low, high) = range(law);
-        self.settled(law, least(low, high, |interval| self.in_blocks(law, interval)))
+        let between = match failing {
+            Failing::Every => *self,
+            Failing::Never | Failing::By(_) => {
+                let failed = failing.failed_by(law, &grid((low, high))).last().copied().unwrap_or(0.0);
+                Self { planned: self.planned, failure: self.of_cycle(failed) }
+            }
+        };
+        Self::settled(least(low, high, |interval| between.in_blocks(law, interval)), self.until_the_end(law, failing))
     }
 
-    /// The rule at its best, or running to failure where that costs less.
-    fn settled(&self, law: &Law, (age, cost_rate): (f64, f64)) -> Replacement {
-        let run_to_failure = self.run_to_failure(law);
+    /// The rule at its best, or using every edge until it ends where that costs less.
+    fn settled((age, cost_rate): (f64, f64), run_to_failure: f64) -> Replacement {
         if cost_rate < run_to_failure {
             Replacement { age, cost_rate, run_to_failure }
         } else {
@@ -217,6 +300,21 @@ mod tests {
     }
 
     #[test]
+    fn a_limit_that_is_seen_is_no_failure_and_chips_before_it_are() {
+        // Chips at a constant rate of 0.3 over the scale of wear-out: they do not age, so that a replacement before the limit
+        // saves nothing, and of all edges the share of chips is ∫ R dH.
+        let (costs, chips) = (Costs { planned: 1.0, failure: 5.0 }, Law::Weibull { shape: 1.0, scale: 1.0 / 0.3 });
+        let ends = Law::Weibull { shape: 3.0, scale: 1.0 };
+        let best = costs.best_age_of(&ends, Failing::By(&chips));
+        let share = 0.3 * ends.mean();
+        assert!(best.age.is_infinite(), "{best:?}");
+        assert!((best.run_to_failure * ends.mean() / (1.0 + 4.0 * share) - 1.0).abs() < 2e-3, "{best:?}");
+        // Chips that come with age are worth a replacement before the limit, later than if the limit were a failure, too.
+        let aged = costs.best_age_of(&ends, Failing::By(&Law::Weibull { shape: 5.0, scale: 1.0 }));
+        assert!(aged.age.is_finite() && aged.age > costs.best_age(&ends).age, "{aged:?}");
+    }
+
+    #[test]
     fn edges_that_do_not_age_are_run_to_failure() {
         let best = Costs { planned: 1.0, failure: 5.0 }.best_age(&Law::Weibull { shape: 1.0, scale: 10.0 });
         assert!(best.age.is_infinite() && best.saving() == 0.0, "{best:?}");
@@ -233,7 +331,7 @@ mod tests {
     #[test]
     fn blocks_cost_more_than_ages() {
         let (costs, law) = (Costs { planned: 1.0, failure: 5.0 }, Law::Weibull { shape: 3.0, scale: 1.0 });
-        let (age, blocks) = (costs.best_age(&law), costs.best_blocks(&law));
+        let (age, blocks) = (costs.best_age(&law), costs.best_blocks(&law, Failing::Every));
         assert!(age.cost_rate < blocks.cost_rate && blocks.cost_rate < blocks.run_to_failure, "{age:?} {blocks:?}");
     }
 }

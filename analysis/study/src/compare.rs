@@ -60,6 +60,8 @@ pub struct Difference {
     pub amdahl_limit: f64,
     /// What carries the shop beyond that limit, where something does.
     pub beyond: Option<&'static str>,
+    /// Prices at which the policy costs as much as the baseline.
+    pub break_even: Vec<BreakEven>,
 }
 
 /// The result of a comparison.
@@ -148,6 +150,7 @@ fn difference(scenario: &Scenario, study: &Study, stations: &[Station], policy: 
         shop_gain,
         amdahl_limit,
         cell_gain,
+        break_even: BreakEven::all(study, policy, 0),
     }
 }
 

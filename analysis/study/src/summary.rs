@@ -169,6 +169,7 @@ fn difference_json(study: &Study, comparison: &Comparison, difference: &Differen
         "shop_gain": interval_json(&difference.shop_gain, 1.0),
         "amdahl_limit": difference.amdahl_limit,
         "beyond": difference.beyond,
+        "break_even": difference.break_even.iter().map(break_even_json).collect::<Vec<_>>(),
     })
 }
 
@@ -230,6 +231,7 @@ mod tests {
         }
         let difference = &json["differences"][0];
         assert_eq!((&difference["policy"], &difference["baseline"]), (&json!("adaptive"), &json!("constant")));
+        assert!(difference["break_even"].is_array());
     }
 
     #[test]

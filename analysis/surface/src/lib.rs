@@ -8,6 +8,7 @@
 //! The least of many noisy means is mostly a lucky one, and each mean rests on its own replications alone. A surface rests on all
 //! of them. It is not the whole truth either: the cost of a part over the wear at which edges are changed has kinks, because edges
 //! are changed between passes. The estimate of a point is therefore a weighted mean of the surface and of the point's own mean.
+//! [`Shares`] says the same of how many of the edges are lost, for a guard.
 //!
 //! # Source
 //! G. E. P. Box, K. B. Wilson, J. Royal Statistical Society B 13 (1951) 1 (quadratic response surfaces); R. C. Paule, J. Mandel,
@@ -19,19 +20,15 @@
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
-use nalgebra::{DMatrix, DVector};
+mod quadratic;
+mod share;
 
-/// Farthest point on any axis, in steps of the first grid, that the surface has to fit (assumption): a parabola describes a
-/// valley, not the walls around it.
-const REACH: f64 = 2.6;
+use quadratic::{Reading, Surface};
+pub use share::{Count, Shares};
+
 /// Sweeps that separate settings from replications; each takes a share of the error that is left, and points share most of
 /// their replications.
 const SWEEPS: usize = 60;
-/// Points beside the coefficients without which no surface is fitted (assumption).
-const SPARE: usize = 2;
-/// Steps of the search for the least of the surface, a step of the first grid each (assumption).
-const FINE: usize = 8;
-
 /// A setting that was tried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
@@ -48,10 +45,7 @@ pub struct Estimates {
     pub means: Vec<f64>,
     /// Variance of a value about the sum of its setting's and its replication's mean.
     pub variance: f64,
-    /// Variance of points about the surface; `None` where no surface could be fitted.
-    pub deviation: Option<f64>,
-    /// Where the surface is least within the points that it fits; `None` without a surface.
-    pub least: Option<Vec<f64>>,
+    surface: Option<Surface>,
 }
 
 impl Estimates {
@@ -66,33 +60,66 @@ impl Estimates {
     ///     Trial { at: vec![f64::from(x)], values: vec![mean, mean + 5.0] }
     /// };
     /// let found = Estimates::from_trials(&(0..7).map(trial).collect::<Vec<_>>());
-    /// assert!((found.least.unwrap()[0] - 3.0).abs() < 1e-9 && (found.means[5] - found.means[3] - 4.0).abs() < 1e-9);
+    /// assert!((found.least(|_| true).unwrap()[0] - 3.0).abs() < 1e-9 && (found.means[5] - found.means[3] - 4.0).abs() < 1e-9);
+    /// // Where the best settings may not be taken, the surface is laid around the best of the others.
+    /// let trials: Vec<Trial> = (0..7).map(trial).collect();
+    /// let found = Estimates::among(&trials, &[true, true, true, false, false, false, false]);
+    /// assert!((found.least(|at| at[0] <= 2.5).unwrap()[0] - 2.5).abs() < 1e-9);
     /// ```
     pub fn from_trials(trials: &[Trial]) -> Self {
+        Self::among(trials, &vec![true; trials.len()])
+    }
+
+    /// The same with the surface around the best of those trials that are `allowed`. The others still tell of the surface.
+    pub fn among(trials: &[Trial], allowed: &[bool]) -> Self {
         let (means, variance) = separated(trials);
-        let none = Self { means: means.clone(), variance, deviation: None, least: None };
-        let Some(mut best) = lowest(&means) else { return none };
+        let best_of = |values: &[f64]| {
+            let of_allowed =
+                values.iter().zip(allowed).map(|(value, allowed)| if *allowed { *value } else { f64::INFINITY });
+            lowest(&of_allowed.collect::<Vec<_>>())
+        };
+        let none = Self { means: means.clone(), variance, surface: None };
+        let Some(mut best) = best_of(&means) else { return none };
+        let readings: Vec<Reading<'_>> = (trials.iter().zip(&means))
+            .map(|(trial, mean)| Reading {
+                at: &trial.at,
+                mean: *mean,
+                error: variance / trial.values.len().max(1) as f64,
+            })
+            .collect();
         let mut found = none;
         // The best by its own mean may be a lucky one: the surface around it says where its neighbours are.
         for _ in 0..3 {
-            let Some(surface) = Surface::around(trials, &means, variance, best) else { return found };
+            let Some(surface) = Surface::around(&readings, best) else { return found };
             let mut estimates = means.clone();
             for &place in &surface.fitted {
-                estimates[place] = surface.estimate(&trials[place], means[place], variance);
+                estimates[place] = surface.estimate(&readings[place]).0;
             }
-            found = Self {
-                means: estimates,
-                variance,
-                deviation: Some(surface.deviation),
-                least: Some(surface.least(trials)),
-            };
-            let next = lowest(&found.means).unwrap_or(best);
+            found = Self { means: estimates, variance, surface: Some(surface) };
+            let next = best_of(&found.means).unwrap_or(best);
             if next == best {
                 break;
             }
             best = next;
         }
         found
+    }
+
+    /// Variance of points about the surface; `None` where no surface could be fitted.
+    pub fn deviation(&self) -> Option<f64> {
+        Some(self.surface.as_ref()?.deviation)
+    }
+
+    /// Places an eighth of a step of the first grid apart within the points that the surface fits, and its height there;
+    /// none without a surface.
+    pub fn heights(&self) -> Vec<(Vec<f64>, f64)> {
+        self.surface.as_ref().map_or_else(Vec::new, Surface::heights)
+    }
+
+    /// Where the surface is least among the places that are `allowed`; `None` without a surface or such a place.
+    pub fn least(&self, allowed: impl Fn(&[f64]) -> bool) -> Option<Vec<f64>> {
+        let places = self.heights().into_iter().filter(|(at, _)| allowed(at));
+        places.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
     }
 }
 
@@ -129,97 +156,6 @@ fn separated(trials: &[Trial]) -> (Vec<f64>, f64) {
     }
     let free = count - used.len() as f64 - most as f64 + 1.0;
     (means, if free > 0.0 { squares / free } else { 0.0 })
-}
-
-/// Products of positions up to the second order.
-fn row(at: &[f64], centre: &[f64]) -> Vec<f64> {
-    let x: Vec<f64> = at.iter().zip(centre).map(|(at, centre)| at - centre).collect();
-    let squares = (0..x.len()).flat_map(|i| (i..x.len()).map(move |j| (i, j)));
-    std::iter::once(1.0).chain(x.iter().copied()).chain(squares.map(|(i, j)| x[i] * x[j])).collect()
-}
-
-/// A quadratic surface through points.
-struct Surface {
-    centre: Vec<f64>,
-    coefficients: DVector<f64>,
-    /// Indices of the points that it fits.
-    fitted: Vec<usize>,
-    /// Variance of points about it.
-    deviation: f64,
-}
-
-impl Surface {
-    /// Through the points around one of them; `None` where there are too few.
-    fn around(trials: &[Trial], means: &[f64], variance: f64, best: usize) -> Option<Self> {
-        let centre = trials[best].at.clone();
-        let near = |place: &usize| {
-            let apart = trials[*place].at.iter().zip(&centre).map(|(at, centre)| (at - centre).abs());
-            means[*place].is_finite() && apart.fold(0.0, f64::max) <= REACH
-        };
-        let fitted: Vec<usize> = (0..trials.len()).filter(near).collect();
-        let rows: Vec<Vec<f64>> = fitted.iter().map(|place| row(&trials[*place].at, &centre)).collect();
-        let size = rows.first()?.len();
-        if fitted.len() < size + SPARE {
-            return None;
-        }
-        let design = DMatrix::from_fn(fitted.len(), size, |i, j| rows[i][j]);
-        let read = DVector::from_iterator(fitted.len(), fitted.iter().map(|place| means[*place]));
-        let errors: Vec<f64> = fitted.iter().map(|place| variance / trials[*place].values.len() as f64).collect();
-        let fit = |deviation: f64| {
-            let weights = DVector::from_iterator(errors.len(), errors.iter().map(|error| (deviation + error).recip()));
-            let weighed = DMatrix::from_fn(fitted.len(), size, |i, j| design[(i, j)] * weights[i]);
-            let coefficients = (weighed.transpose() * &design).cholesky()?.solve(&(weighed.transpose() * &read));
-            let left = &read - &design * &coefficients;
-            let squares = left.iter().zip(weights.iter()).map(|(left, weight)| left * left * weight).sum::<f64>();
-            coefficients.iter().all(|value| value.is_finite()).then_some((coefficients, squares))
-        };
-        let free = (fitted.len() - size) as f64;
-        // Without noise the weights need some variance to begin with.
-        let spread = read.variance();
-        let least = 1e-9 * spread + f64::MIN_POSITIVE;
-        let (mut low, mut high) = (least, least + spread);
-        if fit(low)?.1 <= free {
-            high = low;
-        }
-        while high / low > 1.01 {
-            let middle = (low * high).sqrt();
-            if fit(middle)?.1 > free { low = middle } else { high = middle }
-        }
-        let (coefficients, _) = fit(high)?;
-        Some(Self { centre, coefficients, fitted, deviation: high })
-    }
-
-    /// The surface at a place.
-    fn at(&self, at: &[f64]) -> f64 {
-        row(at, &self.centre).iter().zip(self.coefficients.iter()).map(|(x, c)| x * c).sum()
-    }
-
-    /// The estimate of a point with this mean of its own.
-    fn estimate(&self, trial: &Trial, mean: f64, variance: f64) -> f64 {
-        let surface = self.at(&trial.at);
-        let error = variance / trial.values.len() as f64;
-        let own = if error > 0.0 { self.deviation / (self.deviation + error) } else { 1.0 };
-        surface + own * (mean - surface)
-    }
-
-    /// Where it is least within the box of the points that it fits.
-    fn least(&self, trials: &[Trial]) -> Vec<f64> {
-        let lists: Vec<Vec<f64>> = (0..self.centre.len())
-            .map(|axis| {
-                let ends = self.fitted.iter().map(|place| trials[*place].at[axis]);
-                let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-                let steps = ((high - low) * FINE as f64).ceil().max(1.0);
-                (0..=steps as usize).map(|step| low + (high - low) * step as f64 / steps).collect()
-            })
-            .collect();
-        let grid = lists.iter().fold(vec![Vec::new()], |combinations, list| {
-            let with = |before: &Vec<f64>| {
-                list.iter().map(|value| [before.as_slice(), &[*value]].concat()).collect::<Vec<_>>()
-            };
-            combinations.iter().flat_map(with).collect()
-        });
-        grid.into_iter().min_by(|a, b| self.at(a).total_cmp(&self.at(b))).unwrap_or_else(|| self.centre.clone())
-    }
 }
 
 #[cfg(test)]
@@ -290,7 +226,7 @@ mod tests {
     fn settings_without_a_value_are_infinite_and_few_points_have_no_surface() {
         let trial = |x: f64, value: f64| Trial { at: vec![x], values: vec![value] };
         let estimates = Estimates::from_trials(&[trial(0.0, 3.0), trial(1.0, f64::INFINITY), trial(2.0, 1.0)]);
-        assert_eq!((estimates.means, estimates.least), (vec![3.0, f64::INFINITY, 1.0], None));
+        assert_eq!((estimates.least(|_| true), estimates.means), (None, vec![3.0, f64::INFINITY, 1.0]));
         assert_eq!(Estimates::from_trials(&[]).means, Vec::<f64>::new());
     }
 }

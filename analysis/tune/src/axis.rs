@@ -24,9 +24,9 @@ const LIMIT_SPAN: (f64, f64) = (0.5, 0.95);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Reference {
     /// Cutting speed as programmed, m/s.
-    speed: f64,
+    pub speed: f64,
     /// Flank wear at which the tool itself is worn, m.
-    wear_limit: f64,
+    pub wear_limit: f64,
     /// Time in cut of an edge without scatter at the programmed cut, s; `None` where it has no such life.
     pub life: Option<f64>,
 }

@@ -1,6 +1,8 @@
 //! What the search for the best settings of one rule has found.
 
-use super::search::{Field, Point, Run};
+use super::field::Field;
+use super::outlook::Outlook;
+use super::trial::{Point, Run};
 use super::{Excluded, SettingsMap, ToolChangeTried, TunedPolicy, TunedSetting, given};
 use toolroom_process::unit::convert;
 use toolroom_statistics::Moments;
@@ -8,19 +10,23 @@ use toolroom_statistics::Moments;
 impl Field<'_> {
     /// An objective of the search as files have it.
     fn in_file(&self, objective: f64) -> f64 {
-        self.search.objective.sign * self.search.scale * objective
+        self.search.sign * self.search.scale * objective
     }
 
     /// What was found.
     pub fn told(&self) -> TunedPolicy {
         let request = self.search.request;
-        let estimated = self.estimates().means;
+        let outlook = self.outlook();
+        let estimated = &outlook.estimates.means;
         let Some(best) = self.known().first().copied() else {
+            let failure = request
+                .failure
+                .map_or_else(String::new, |failure| format!(", or more than {} % are lost in cut", 100.0 * failure));
             let reason = format!(
-                "at every setting that was tried the guard is broken: more than {} % of edges collapse",
+                "at every setting that was tried the guard is broken: more than {} % of edges collapse{failure}",
                 100.0 * request.collapse
             );
-            let excluded = self.excluded(&estimated, f64::INFINITY, 0.0);
+            let excluded = self.excluded(&outlook, f64::INFINITY, 0.0);
             return TunedPolicy { evaluations: self.runs_spent, excluded, ..given(&self.rule.name, reason) };
         };
         let least = estimated[best];
@@ -29,7 +35,7 @@ impl Field<'_> {
         let flat = |index: &usize| {
             let point = &self.points[*index];
             point.runs.len() >= 2 * self.first()
-                && point.is_admissible(request)
+                && outlook.admissible[*index]
                 && estimated[*index] - least <= request.indifference * least.abs()
         };
         let flat: Vec<&Point> = (0..self.points.len()).filter(flat).map(|index| &self.points[index]).collect();
@@ -57,11 +63,11 @@ impl Field<'_> {
             evaluations: self.runs_spent,
             objective: Some(self.in_file(moments.mean())),
             standard_error: Some(self.search.scale * moments.standard_error()),
-            collapsed: Some(best.share(|run: &Run| run.collapsed).0),
-            failed: Some(best.share(|run: &Run| run.failed).0),
-            excluded: self.excluded(&estimated, least, moments.mean() - least),
+            collapsed: Some(best.share(|run: &Run| run.collapsed)),
+            failed: Some(best.share(|run: &Run| run.failed)),
+            excluded: self.excluded(&outlook, least, moments.mean() - least),
             tool_changes: Vec::new(),
-            map: self.map(&estimated, place),
+            map: self.map(&outlook, place),
         }
     }
 
@@ -72,9 +78,9 @@ impl Field<'_> {
 
     /// The best settings among those that the guard excludes, where their estimate is below `least`; `shift` leads from an
     /// estimate to a mean of the replications that are reported.
-    fn excluded(&self, estimated: &[f64], least: f64, shift: f64) -> Option<Excluded> {
-        let excluded =
-            |index: &usize| !self.points[*index].is_admissible(self.search.request) && estimated[*index] < least;
+    fn excluded(&self, outlook: &Outlook, least: f64, shift: f64) -> Option<Excluded> {
+        let estimated = &outlook.estimates.means;
+        let excluded = |index: &usize| !outlook.admissible[*index] && estimated[*index] < least;
         let cheapest = (0..self.points.len()).filter(excluded).min_by(|a, b| estimated[*a].total_cmp(&estimated[*b]));
         let cheapest = cheapest.filter(|index| estimated[*index].is_finite())?;
         let point = &self.points[cheapest];
@@ -91,13 +97,14 @@ impl Field<'_> {
         ToolChangeTried {
             rule: self.rule.tool_change.word().to_owned(),
             settings: best.map_or_else(String::new, |best| self.shown(&self.points[best].values)),
-            objective: best.map(|best| self.in_file(self.estimates().means[best])),
+            objective: best.map(|best| self.in_file(self.outlook().estimates.means[best])),
         }
     }
 
     /// Estimates on the grid, with the settings that were chosen.
-    fn map(&self, estimated: &[f64], chosen: usize) -> Option<SettingsMap> {
+    fn map(&self, outlook: &Outlook, chosen: usize) -> Option<SettingsMap> {
         let [first, second] = self.axes.as_slice() else { return None };
+        let estimated = &outlook.estimates.means;
         let axes = [first, second];
         let told = |number: usize, value: f64| {
             let (unit, display) = axes[number].setting.units();
@@ -109,8 +116,7 @@ impl Field<'_> {
         let estimate = |pair: &[f64; 2]| {
             tried(pair).map(|index| estimated[index]).filter(|value| value.is_finite()).map(|value| self.in_file(value))
         };
-        let barred =
-            |pair: &[f64; 2]| tried(pair).is_some_and(|index| !self.points[index].is_admissible(self.search.request));
+        let barred = |pair: &[f64; 2]| tried(pair).is_some_and(|index| !outlook.admissible[index]);
         let values = |number: usize| axes[number].values.iter().map(|value| told(number, *value)).collect();
         Some(SettingsMap {
             settings: axes.map(|axis| (axis.setting.key().to_owned(), axis.setting.units().1.to_owned())),

@@ -27,10 +27,14 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod axis;
+mod field;
 mod found;
+mod outlook;
 mod search;
+mod trial;
+#[cfg(test)]
+mod valley;
 
-use search::Search;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -40,6 +44,7 @@ use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::{Scenario, Tunable, TuneRequest};
 use toolroom_shards::Journal;
 use toolroom_shop::ShopError;
+use trial::{Asked, Run, Search};
 
 /// Least budget of a rule: two replications of every setting of the first grid, and as much again.
 pub const LEAST_BUDGET: u32 = 100;
@@ -366,17 +371,18 @@ pub fn tune_from(
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|source| TuneError::Threads { source })?;
     let done = AtomicU32::new(0);
+    let tuned_on = Scenario { seed: request.seed, ..scenario.clone() };
     let search = Search {
-        scenario: Scenario { seed: request.seed, ..scenario.clone() },
+        simulate: &|asked: &Asked<'_>| Run::simulated(&tuned_on, objective, stop, asked),
+        scenario: &tuned_on,
         request,
-        objective,
+        sign: objective.sign,
         scale: definition.file_scale(),
         pool: &pool,
         progress: &|more| {
             let done = done.fetch_add(more, Ordering::Relaxed) + more;
             progress(Progress { done, total: tunable.saturating_mul(request.budget) });
         },
-        stop,
         known: tried.into_iter().map(TriedRun::known).collect(),
         journal,
     };

@@ -148,8 +148,8 @@ fn every_fault_is_named_with_its_place_and_fix() {
             "lacks `m`",
         ),
         (
-            "handbook = { taylor = { form = \"v = C / (T^m ap^x f^y)\", C = \"420 m/min\", m = 2, source = \"s\" } }\n",
-            "outside",
+            "handbook = { taylor = { form = \"v = C / (T^m ap^x f^y)\", C = \"420 m/min\", m = 2, x = 0, y = 0, source = \"s\" } }\n",
+            "write m = 0.5",
         ),
         (
             "handbook = { taylor = { form = \"v = C / (T^m ap^x f^y)\", C = \"420 m/min\", m = 0.2, x = 0.1, source = \"s\" } }\n",
@@ -194,6 +194,24 @@ fn classic_diffusion_is_brought_to_the_reference_temperature() {
     let both = "diffusion_wear_at_reference = { value = \"5 um/min\", source = \"s\" }\n\
                 reference_temperature = { value = \"1000 K\", source = \"s\" }\n";
     assert!(refused(&group(&format!("{classic}{both}"))).contains("does not apply beside"));
+}
+
+#[test]
+fn what_lives_do_not_vary_is_that_of_the_base_or_assumed_and_never_called_a_handbook() {
+    let lives = "[handbook]\nlives = [{ cutting_speed = \"160 m/min\", life = \"52 min\", feed = \"0.2 mm\" }, \
+                 { cutting_speed = \"200 m/min\", life = \"22.4 min\", feed = \"0.2 mm\" }, \
+                 { cutting_speed = \"250 m/min\", life = \"9.8 min\", feed = \"0.2 mm\" }]\n";
+    let alone = read(lives).unwrap();
+    assert_eq!(value(&alone, "extended_taylor.feed_exponent"), (1.5, Origin::Assumed));
+    assert_eq!(value(&alone, "extended_taylor.depth_exponent"), (0.75, Origin::Assumed));
+    // The exponent that the file states leads from the feed of the lives to the reference cut, too.
+    let stated =
+        format!("{lives}[parameters.extended_taylor]\nfeed_exponent = {{ value = 1.0, source = \"our log\" }}\n");
+    let stated = read(&stated).unwrap();
+    assert_eq!(value(&stated, "extended_taylor.feed_exponent"), (1.0, Origin::Given));
+    let life = |set: &ParameterSet| value(set, "extended_taylor.reference_life").0;
+    let feeds = value(&alone, "extended_taylor.reference_feed").0 / 0.2;
+    assert!((life(&stated) / life(&alone) / feeds.powf(0.5) - 1.0).abs() < 1e-9);
 }
 
 #[test]
@@ -251,7 +269,7 @@ proptest! {
 #[test]
 fn a_fault_of_the_handbook_is_told_alone_and_not_that_the_law_has_nothing_behind_it() {
     for (right, wrong, told) in [
-        ("m = 0.2", "m = 1.2", "`m` = 1.2 is outside 0.01 to 1"),
+        ("m = 0.2", "m = 1.2", "`m` = 1.2 is no exponent of the life"),
         ("C = \"420 m/min\"", "C = \"420\"", "`420` has no unit"),
         ("[handbook]\ntaylor", "[handbook]\ntaylr", "did you mean `taylor`?"),
     ] {

@@ -1,6 +1,6 @@
 //! The sections of a study file.
 
-use super::words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, SamplingWord};
+use super::words::{BodyWord, FailureWord, FamilyWord, KnowsWord, ReadingWord, SamplingWord};
 use toolroom_form::{Form, Key, KeyCondition, Kind, Need, joined};
 use toolroom_process::{Field, Record};
 use toolroom_scenario::SpeedRule;
@@ -174,6 +174,12 @@ static END: Form = Form {
         Key::optional("path", PATH, "Cutting path; the edge is still good"),
         Key::optional("time", TIME, "Time in cut; the edge is still good"),
         Key::optional("roughness", Kind::Table(&ROUGHNESS), "Roughness that grows with flank wear"),
+        Key::default(
+            "failure",
+            Kind::Choice(FailureWord::WORDS),
+            "cut",
+            "Ends that cost a failure of [replacement]: chipping and collapse, or reaching a limit as well",
+        ),
     ],
 };
 

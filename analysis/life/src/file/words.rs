@@ -40,6 +40,17 @@ vocabulary! {
 }
 
 vocabulary! {
+    /// Which ends of an edge are failures.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum FailureWord {
+        /// Chipping and collapse.
+        Cut = "cut",
+        /// Reaching a limit as well.
+        Limit = "limit",
+    }
+}
+
+vocabulary! {
     /// What the oracle knows.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(super) enum KnowsWord {

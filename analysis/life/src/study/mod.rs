@@ -99,6 +99,29 @@ pub struct Ends {
     pub path: f64,
     /// Time in cut, s.
     pub time: f64,
+    /// Which ends cost a failure.
+    pub failure: FailureKind,
+}
+
+/// Which ends of an edge are failures, at the cost that `[replacement]` states for them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FailureKind {
+    /// Those in the cut: chipping and collapse. A limit is seen, and the edge replaced there as planned.
+    #[default]
+    Cut,
+    /// Reaching a limit as well: nobody sees it.
+    Limit,
+}
+
+impl FailureKind {
+    /// Whether this end is a failure.
+    pub fn is_failure(self, end: End) -> bool {
+        match end {
+            End::Chipping | End::Collapse => true,
+            End::WearLimit | End::Roughness | End::Force => self == Self::Limit,
+            End::Path | End::Time => false,
+        }
+    }
 }
 
 impl Default for Ends {
@@ -109,6 +132,7 @@ impl Default for Ends {
             force: f64::INFINITY,
             path: f64::INFINITY,
             time: f64::INFINITY,
+            failure: FailureKind::default(),
         }
     }
 }

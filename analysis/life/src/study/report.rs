@@ -294,12 +294,14 @@ fn text(inputs: &Inputs<'_>, worked: &[Worked<'_>]) -> String {
         } else if best.age.is_finite() {
             writeln!(
                 text,
-                "{first}: replace at {} min, saves {:.1} % against running to failure",
+                "{first}: replace at {} min, saves {:.1} % against {}",
                 number(best.age, 3),
-                100.0 * best.saving()
+                100.0 * best.saving(),
+                analysis.until_the_end()
             )
         } else {
-            writeln!(text, "{first}: run to failure, replacing by age does not pay")
+            let end = if analysis.limit_is_seen { "use every edge up to its limit" } else { "run to failure" };
+            writeln!(text, "{first}: {end}, replacing by age does not pay")
         };
     }
     let _ = writeln!(text, "digest {:016x}", inputs.merged.digest);

@@ -41,7 +41,7 @@ pub struct Tally {
 /// Cycles of edges that are replaced when their wear passes a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WearCycles {
-    /// One where the edge ended before.
+    /// One where the edge failed before.
     pub failed: Sums,
     /// Time in cut until then.
     pub length: Sums,
@@ -49,7 +49,7 @@ pub struct WearCycles {
 
 impl Tally {
     /// Adds a life.
-    pub fn push(&mut self, index: u64, outcome: &Outcome, early: f64) {
+    pub fn push(&mut self, index: u64, outcome: &Outcome, study: &Study) {
         if self.ends.is_empty() {
             self.ends = vec![Sketch::default(); End::ALL.len()];
             self.passages = vec![Sketch::default(); LEVELS];
@@ -60,7 +60,7 @@ impl Tally {
         self.path.push(outcome.path, weight);
         self.weights.push(weight, 1.0);
         self.paths.push(outcome.path, weight);
-        let fails_early = outcome.life < early && !outcome.end.censored();
+        let fails_early = outcome.life < study.early && !outcome.end.censored();
         self.early.push(if fails_early { weight } else { 0.0 }, 1.0);
         let end = End::ALL.iter().position(|end| *end == outcome.end).unwrap_or(0);
         self.ends[end].push(outcome.life, weight);
@@ -74,7 +74,8 @@ impl Tally {
                 }
                 // An edge that reaches the level at its very end is spent, not replaced.
                 let in_time = *passage < outcome.life;
-                cycles.failed.push(f64::from(u8::from(!in_time)), weight);
+                let failed = !in_time && study.ends.failure.is_failure(outcome.end);
+                cycles.failed.push(f64::from(u8::from(failed)), weight);
                 cycles.length.push(passage.min(outcome.life), weight);
             }
         }
@@ -144,7 +145,7 @@ pub fn lives(study: &Study, cell: &Cell, from: u64, to: u64, keep: bool) -> (Tal
                     copula.apply(&mut point);
                 }
                 let outcome = study.live(cell, index, &point, &mut Draws::of(study.seed, index));
-                tally.push(index, &outcome, study.early);
+                tally.push(index, &outcome, study);
                 if keep {
                     outcomes.push(outcome);
                 }

@@ -2,7 +2,7 @@
 
 use super::edge::Outcome;
 use super::run::{Tally, lives};
-use super::{End, Study};
+use super::{End, FailureKind, Study};
 use crate::file::{StudyFile, StudyText, parse};
 use crate::sample::{Observation, Sample, SampleError};
 use std::fs::File;
@@ -190,6 +190,15 @@ const CLASSES: i32 = 100;
 /// Lives of a merged cell as a sample for fits, in minutes: classes of the sketch, edges that
 /// were still good as censored.
 pub fn sample(tally: &Tally) -> Result<Sample, SampleError> {
+    sample_of(tally, |end| !end.censored())
+}
+
+/// The same lives in which only failures have ended.
+pub fn failures(tally: &Tally, kind: FailureKind) -> Result<Sample, SampleError> {
+    sample_of(tally, |end| kind.is_failure(end))
+}
+
+fn sample_of(tally: &Tally, ended: impl Fn(End) -> bool + Copy) -> Result<Sample, SampleError> {
     let minutes = |observation| match observation {
         Observation::Between(low, high) => Observation::Between(low / 60.0, high / 60.0),
         Observation::Failed(_) | Observation::Censored(_) => observation,
@@ -200,7 +209,7 @@ pub fn sample(tally: &Tally) -> Result<Sample, SampleError> {
     let lives = End::ALL.iter().zip(&tally.ends).flat_map(|(end, sketch)| {
         sketch.observations(joined).into_iter().map(move |(observation, weight)| {
             let observation = minutes(observation);
-            (if end.censored() { Observation::Censored(observation.age()) } else { observation }, weight)
+            (if ended(*end) { observation } else { Observation::Censored(observation.age()) }, weight)
         })
     });
     Sample::weighted(lives)

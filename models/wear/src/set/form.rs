@@ -67,11 +67,11 @@ pub(super) static TAYLOR: Form = Form {
     keys: &[
         Key::required("form", Kind::Choice(&[SPEED_FORM, PRODUCT_FORM]), "How the constants are meant"),
         Key::required("C", SPEED, "Speed at which an edge lasts one life_unit at 1 mm of depth and feed"),
-        Key::required("m", RATIO, "Exponent of life").when("form", &[SPEED_FORM]),
+        Key::required("m", LIFE_EXPONENT, "Exponent of life, below 1").when("form", &[SPEED_FORM]),
         Key::required("x", RATIO_OR_ZERO, "Exponent of depth of cut; 0 where the law has none")
             .when("form", &[SPEED_FORM]),
         Key::required("y", RATIO_OR_ZERO, "Exponent of feed; 0 where the law has none").when("form", &[SPEED_FORM]),
-        Key::required("n", RATIO, "Exponent of life").when("form", &[PRODUCT_FORM]),
+        Key::required("n", LIFE_EXPONENT, "Exponent of life, below 1").when("form", &[PRODUCT_FORM]),
         Key::optional("a", RATIO_OR_ZERO, "Exponent of feed").when("form", &[PRODUCT_FORM]),
         Key::optional("b", RATIO_OR_ZERO, "Exponent of depth of cut").when("form", &[PRODUCT_FORM]),
         Key::default("life_unit", Kind::Choice(&["min", "s"]), "min", "Unit in which C counts the life"),
@@ -126,6 +126,8 @@ const LENGTH: Kind = Kind::quantity("m", "mm", 1e-6, 20e-3, "0.3 mm");
 const STRESS: Kind = Kind::quantity("Pa", "N/mm2", 1e7, 2e10, "1700 N/mm2");
 const ANGLE: Kind = Kind::quantity("rad", "deg", -0.6, 2.0, "45 deg");
 const RATIO: Kind = Kind::quantity("1", "1", 0.01, 1.0, "0.25");
+/// An exponent of life; above 1 it is the inverse that is stated, which is answered where it is read.
+const LIFE_EXPONENT: Kind = Kind::quantity("1", "1", 0.01, 20.0, "0.25");
 const RATIO_OR_ZERO: Kind = Kind::quantity("1", "1", 0.0, 5.0, "0.2");
 
 /// A parameter with its source, as files write it.

@@ -140,6 +140,8 @@ pub struct FittedLives {
     pub freedom: usize,
     /// Number of lives.
     pub lives: usize,
+    /// Exponents q and r where the lives do not vary feed or depth.
+    unvaried: [f64; 2],
 }
 
 /// What stands where lives do not vary feed or depth, q and r (assumption: middle of handbook values
@@ -229,13 +231,30 @@ impl FittedLives {
         for (row, &i) in varied.iter().enumerate() {
             exponents[i] = Some((-slope(row), scatter * rows[row][n + row].sqrt()));
         }
-        Ok(Self { level, centre, exponents, scatter, freedom, lives: lives.len() })
+        Ok(Self { level, centre, exponents, scatter, freedom, lives: lives.len(), unvaried: ASSUMED_EXPONENTS })
     }
 
-    /// Exponents p, q, r: fitted ones, and assumed ones where the lives do not vary the quantity.
+    /// The same with exponents q and r that are known otherwise, for what the lives do not vary.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::{FittedLives, TestedLife};
+    /// let lives = [(160.0, 52.0), (200.0, 22.4), (250.0, 9.8)].map(|(speed, life)| TestedLife {
+    ///     cutting_speed: speed / 60.0, feed: 0.2e-3, depth_of_cut: 1.5e-3, life: life * 60.0,
+    /// });
+    /// let fit = FittedLives::new(&lives)?.with_exponents([1.2, 0.6]);
+    /// let fall = fit.life(3.0, 0.3e-3, 1.5e-3) / fit.life(3.0, 0.2e-3, 1.5e-3);
+    /// assert!((fall - 1.5f64.powf(-1.2)).abs() < 1e-12);
+    /// # Ok::<(), toolroom_process::ModelError>(())
+    /// ```
+    pub fn with_exponents(self, unvaried: [f64; 2]) -> Self {
+        Self { unvaried, ..self }
+    }
+
+    /// Exponents p, q, r: fitted ones, and those of [`with_exponents`](Self::with_exponents) or assumed ones where the lives do not vary the quantity.
     pub fn all_exponents(&self) -> [f64; 3] {
         let or = |i: usize, assumed: f64| self.exponents[i].map_or(assumed, |(value, _)| value);
-        [or(0, f64::NAN), or(1, ASSUMED_EXPONENTS[0]), or(2, ASSUMED_EXPONENTS[1])]
+        [or(0, f64::NAN), or(1, self.unvaried[0]), or(2, self.unvaried[1])]
     }
 
     /// Tool life at a cut, s: the median.

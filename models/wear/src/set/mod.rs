@@ -18,6 +18,7 @@ mod handbook;
 mod material;
 mod one_life;
 mod prior;
+mod rate;
 mod read;
 mod scatter;
 mod sources;

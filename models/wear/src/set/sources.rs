@@ -2,7 +2,7 @@
 
 use super::fault::SetFault;
 use super::form::SPEED_FORM;
-use super::handbook::{FittedLives, HandbookTaylor, Kienzle, ReferenceLife, TestedLife};
+use super::handbook::{ASSUMED_EXPONENTS, FittedLives, HandbookTaylor, Kienzle, ReferenceLife, TestedLife};
 use super::material::{FORCE_DEVIATION, MaterialGroup};
 use super::one_life::{ABOUT, EDGE_SCATTER, OneLife, SPEED_EXPONENT_DEVIATION, ToolMaterial};
 use super::values::{Placed, Values};
@@ -12,6 +12,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use toolroom_form::{Fault, Section, Walk, significant};
 use toolroom_process::{Field, Record};
+
+/// Exponents that lives tell only where they vary feed and depth.
+const EXPONENTS: [&str; 2] = ["feed_exponent", "depth_exponent"];
 
 /// What the sections give.
 #[derive(Default)]
@@ -93,6 +96,9 @@ fn taylor(walk: &mut Walk, section: &Section<'_>, reference: Reference<'_>, conv
     let (form, or_zero) = (section.text("form"), |key: &str| number(key).unwrap_or(0.0));
     let law = if form == Some(SPEED_FORM) {
         let Some(m) = number("m") else { return };
+        if !exponent_of_life(walk, section, "m", m) {
+            return;
+        }
         HandbookTaylor {
             constant,
             life_exponent: m,
@@ -102,6 +108,9 @@ fn taylor(walk: &mut Walk, section: &Section<'_>, reference: Reference<'_>, conv
         }
     } else {
         let Some(n) = number("n") else { return };
+        if !exponent_of_life(walk, section, "n", n) {
+            return;
+        }
         HandbookTaylor::of_product(constant, n, or_zero("a"), or_zero("b"), unit)
     };
     let life = law.about(reference_cut[0], reference_cut[1], reference_cut[2]);
@@ -137,6 +146,21 @@ fn taylor(walk: &mut Walk, section: &Section<'_>, reference: Reference<'_>, conv
     set_limit(converted, limit, reference, source);
 }
 
+/// Whether `value` can be the exponent of life; tables that state T as a function of v have its inverse.
+fn exponent_of_life(walk: &mut Walk, section: &Section<'_>, key: &str, value: f64) -> bool {
+    if value > 1.0 {
+        let message = format!(
+            "`{key}` = {} is no exponent of the life, which is below 1: in T = A/v^{} the life falls with that power of the \
+             speed; write {key} = {}",
+            significant(value),
+            significant(value),
+            significant(value.recip())
+        );
+        walk.fault(section.span_of(key), SetFault::Implausible(message));
+    }
+    value <= 1.0
+}
+
 fn lives(walk: &mut Walk, handbook: &Section<'_>, reference: Reference<'_>, converted: &mut Converted) {
     let entries = walk.sections(handbook, "lives", None);
     let Some(reference_cut) = cut(reference) else { return no_cut(walk, handbook.span_of("lives")) };
@@ -158,6 +182,9 @@ fn lives(walk: &mut Walk, handbook: &Section<'_>, reference: Reference<'_>, conv
         Ok(fit) => fit,
         Err(reason) => return walk.fault(handbook.span_of("lives"), SetFault::Model(reason)),
     };
+    // What the lives do not vary they do not tell: the exponent of the file or of its base stands, else an assumed one.
+    let others = EXPONENTS.map(|name| reference("extended_taylor", name));
+    let fit = fit.with_exponents([0, 1].map(|place| others[place].unwrap_or(ASSUMED_EXPONENTS[place])));
     let [speed_exponent, feed_exponent, depth_exponent] = fit.all_exponents();
     let law = ReferenceLife {
         life: fit.life(reference_cut[0], reference_cut[1], reference_cut[2]),
@@ -180,6 +207,16 @@ fn lives(walk: &mut Walk, handbook: &Section<'_>, reference: Reference<'_>, conv
         ));
     }
     set_law(walk, handbook, converted, (law, reference_cut), &source);
+    for (place, name) in EXPONENTS.into_iter().enumerate().filter(|(place, _)| fit.exponents[place + 1].is_none()) {
+        match others[place] {
+            Some(_) => {
+                converted.values.remove(&("extended_taylor", name));
+            }
+            None => {
+                assumed(converted, name, "assumption: middle of handbook values for carbide; the lives do not vary it")
+            }
+        }
+    }
     for (name, (value, error)) in ["speed_exponent", "feed_exponent", "depth_exponent"]
         .iter()
         .zip(fit.exponents)
@@ -198,6 +235,13 @@ fn lives(walk: &mut Walk, handbook: &Section<'_>, reference: Reference<'_>, conv
     set_limit(converted, limits.into_iter().next(), reference, &source);
 }
 
+/// Says of an exponent that nothing in the file states it.
+fn assumed(converted: &mut Converted, name: &'static str, source: &str) {
+    if let Some(placed) = converted.values.get_mut(&("extended_taylor", name)) {
+        (placed.source, placed.origin) = (source.to_owned(), Origin::Assumed);
+    }
+}
+
 fn one_life(walk: &mut Walk, section: &Section<'_>, reference: Reference<'_>, converted: &mut Converted) {
     let Some(reference_cut) = cut(reference) else { return no_cut(walk, section.span.clone()) };
     let (Some(life), Some(cutting_speed)) = (section.si("life"), section.si("cutting_speed")) else { return };
@@ -211,11 +255,8 @@ fn one_life(walk: &mut Walk, section: &Section<'_>, reference: Reference<'_>, co
     ];
     let source = section.text("source").unwrap_or("one life, about");
     set_law(walk, section, converted, (one.law(), life_cut), source);
-    let assumed = format!("assumption: {} in general", tool_material.word());
     for name in ["speed_exponent", "feed_exponent", "depth_exponent"] {
-        if let Some(placed) = converted.values.get_mut(&("extended_taylor", name)) {
-            placed.source.clone_from(&assumed);
-        }
+        assumed(converted, name, &format!("assumption: {} in general", tool_material.word()));
     }
     let [q, r] = OneLife::deviations();
     converted.prior.extend([

@@ -8,8 +8,8 @@ use crate::sample::{Observation, Sample};
 use crate::study::edge::{Draws, level_share};
 use crate::study::run::{Tally, lives};
 use crate::study::sensitivity::{Effect, SobolIndex, morris, sobol};
-use crate::study::shard::sample;
-use crate::study::{Cell, End, Study, Tilt};
+use crate::study::shard::{failures, sample};
+use crate::study::{Cell, End, FailureKind, Study, Tilt};
 use std::sync::Arc;
 
 /// Refits behind the bands of simulated lives.
@@ -38,8 +38,15 @@ pub(super) fn work<'a>(
     request: &Request,
 ) -> Result<Worked<'a>, RefusedCell> {
     let sample = sample(tally).map_err(|source| RefusedCell { cell: name(cell), source })?;
+    let failures = match study.ends.failure {
+        // Where a life only ends by failing, both are the same sample.
+        FailureKind::Limit => None,
+        FailureKind::Cut => {
+            Some(failures(tally, FailureKind::Cut).map_err(|source| RefusedCell { cell: name(cell), source })?)
+        }
+    };
     // Simulated lives in thousands are no draw from any law: a test would only count them.
-    let request = Request { goodness: 0, bootstrap: request.bootstrap.min(REFITS), ..request.clone() };
+    let request = Request { goodness: 0, bootstrap: request.bootstrap.min(REFITS), failures, ..request.clone() };
     let analysis = analyse(&sample, &request).map_err(|error| error.to_string());
     let (by_wear, median_edge) = (by_wear(tally, study, &request.costs), median_edge(study, cell));
     Ok(Worked { cell, tally, sample, analysis, by_wear, median_edge })
