@@ -101,7 +101,7 @@ mod tests {
                     count += 1;
                 }
             };
-            let seen = [15.0, 14.0, 9.0, 20.0].map(|expected| clock(expected));
+            let seen = [15.0, 14.0, 9.0, 20.0].map(&mut clock);
             agreeing(4, |places| same_rate(&places.iter().map(|i| seen[*i]).collect::<Vec<_>>())).len() > 1
         });
         // Of 500 at 1 %: 5 with a standard deviation of 2.2.
