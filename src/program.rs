@@ -13,7 +13,7 @@ use toolroom_output::{Files, provenance};
 use toolroom_planning::feeds::FeedRequest;
 use toolroom_planning::folders::programs;
 use toolroom_planning::program::{
-    CycleTime, ProgramOnMachine, ProgramRequest, ProgramStudy, overview_json, overview_text, set_drive,
+    CycleTime, ProgramOnMachine, ProgramRequest, ProgramStudy, overview_json, overview_text, report, set_drive,
 };
 use toolroom_post::Form;
 use toolroom_program::{Control, Dialect, ProgramError, Source, Units};
@@ -127,7 +127,7 @@ fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         put(path, study.cycle.table().as_bytes())?;
     }
     if let Some(path) = &args.report {
-        let page = study.report(&name, origin(file, args)?).map_err(|error| not_followed(file, &error))?;
+        let page = report(&name, &study, origin(file, args)?).map_err(|error| not_followed(file, &error))?;
         put(path, page.html().as_bytes())?;
     }
     if let Some(path) = &args.drawing {

@@ -4,6 +4,7 @@ mod course;
 mod report;
 mod study;
 
+pub use report::report;
 pub use study::{ProgramOnMachine, ProgramRequest, ProgramStudy};
 
 use crate::change::{ChangeError, assign, parts};

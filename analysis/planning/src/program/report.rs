@@ -14,7 +14,7 @@ use toolroom_stock::{FeedLimit, FeedLimits, FeedPlan, FollowError, Load};
 ///
 /// # Errors
 /// [`FollowError`]: the program is refused, or cuts with a tool that the setup does not have.
-pub(super) fn report(name: &str, study: &ProgramStudy, provenance: Provenance) -> Result<Report, FollowError> {
+pub fn report(name: &str, study: &ProgramStudy, provenance: Provenance) -> Result<Report, FollowError> {
     let as_programmed = FeedPlan::default();
     let plan = study.feeds.as_ref().map_or(&as_programmed, Feeds::plan);
     let ProgramOnMachine { source, control, drives, setup } = &study.of;

@@ -6,7 +6,6 @@ use crate::explain::Explanation;
 use crate::feeds::{FeedRequest, Feeds};
 use crate::motions::motion_table;
 use serde_json::Value;
-use toolroom_chart::page::{Provenance, Report};
 use toolroom_drives::Drives;
 use toolroom_post::{Drawing, Form, Post, post};
 use toolroom_program::{Control, ProgramError, Source};
@@ -97,14 +96,6 @@ impl ProgramStudy {
     /// [`ProgramError`]: the program is refused.
     pub fn drawing(&self) -> Result<Drawing, ProgramError> {
         drawing(&self.of.source, &self.of.control)
-    }
-
-    /// Its report under a `name`.
-    ///
-    /// # Errors
-    /// [`FollowError`]: the program is refused.
-    pub fn report(&self, name: &str, provenance: Provenance) -> Result<Report, FollowError> {
-        super::report::report(name, self, provenance)
     }
 
     /// The program for another control, with the planned feeds where there are some.

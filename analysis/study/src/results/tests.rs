@@ -42,7 +42,7 @@ fn one_and_two_threads_write_the_same_bytes() {
     for format in [Format::Parquet, Format::Csv] {
         let (one, two) = (files(1, format), files(2, format));
         assert_eq!(one.keys().collect::<Vec<_>>(), two.keys().collect::<Vec<_>>());
-        assert_eq!(one.len(), 11);
+        assert_eq!(one.len(), 12);
         for (name, bytes) in one {
             assert!(bytes == two[&name], "{name} differs");
             assert!(!bytes.is_empty(), "{name} is empty");
