@@ -82,16 +82,19 @@ fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>
     diagnosis.effects.iter().enumerate().map(one).collect()
 }
 
-/// What the effect `index` moves most, compared with what its channel leaves.
+/// What the effect `index` moves most of the operations on which it acts, compared with what the channel leaves.
 fn moved(readings: &Readings, index: usize) -> String {
     let stage = index + 2;
     let mut best: Option<(f64, String)> = None;
     for (channel, about) in readings.channels.iter().enumerate() {
         let (mut sum, mut change, mut count) = (0.0_f64, 0.0_f64, 0.0_f64);
         for reading in readings.of(channel).filter(|reading| reading.stages.len() > stage) {
-            sum += reading.stages[stage - 1];
-            change += reading.stages[stage] - reading.stages[stage - 1];
-            count += 1.0;
+            let [before, after] = [stage - 1, stage].map(|stage| reading.stages[stage]);
+            if before != after {
+                sum += before;
+                change += after - before;
+                count += 1.0;
+            }
         }
         let [_, rms] = readings.residuals(channel, readings.stages.len());
         let weight = (change / if about.relative { sum } else { count }).abs() / rms;
