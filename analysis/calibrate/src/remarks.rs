@@ -282,18 +282,23 @@ mod tests {
     const HEADER: &str = "operation_id,machine,tool_id,sequence,cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],\
                           cutting_time [min],flank_wear [mm]\n";
 
-    /// What is said of two edges at two speeds whose wear grows by `step` mm from reading to reading.
-    fn notes(speeds: [f64; 2], step: f64) -> String {
-        let row = |edge: usize, reading: usize| {
-            let wear = step.mul_add(reading as f64, 0.1);
-            format!("O{edge}{reading},L1,E{edge},{reading},{},0.3,1.5,5,{wear:.3}\n", speeds[edge])
-        };
+    /// What is said of two edges with five readings each, `row` by edge and reading.
+    fn told(row: impl Fn(usize, usize) -> String + Copy) -> String {
         let rows: String = (0..2).flat_map(|edge| (1..=5).map(move |reading| row(edge, reading))).collect();
         let table = format!("{HEADER}{rows}");
         let (records, _) = parse_csv("wear.csv", table.as_bytes(), RecordKind::Turning).expect("records");
         let mut measured = Measured::of(&records, 0.3).expect("edges");
         measured.fit_into(&Base::from(&Pair::named("c45_t15k6").expect("a shipped set")));
         measured.notes.join("; ")
+    }
+
+    /// What is said of two edges at two speeds whose wear grows by `step` mm from reading to reading.
+    fn notes(speeds: [f64; 2], step: f64) -> String {
+        let row = |edge: usize, reading: usize| {
+            let wear = step.mul_add(reading as f64, 0.1);
+            format!("O{edge}{reading},L1,E{edge},{reading},{},0.3,1.5,5,{wear:.3}\n", speeds[edge])
+        };
+        told(row)
     }
 
     #[test]
@@ -314,12 +319,7 @@ mod tests {
                 let (feed, depth, wear) = cut(reading);
                 format!("O{edge}{reading},L1,E{edge},{reading},{},{feed},{depth},5,{wear:.3}\n", 200 + 40 * edge)
             };
-            let rows: String = (0..2).flat_map(|edge| (1..=5).map(move |reading| row(edge, reading))).collect();
-            let table = format!("{HEADER}{rows}");
-            let (records, _) = parse_csv("wear.csv", table.as_bytes(), RecordKind::Turning).expect("records");
-            let mut measured = Measured::of(&records, 0.3).expect("edges");
-            measured.fit_into(&Base::from(&Pair::named("c45_t15k6").expect("a shipped set")));
-            measured.notes.join("; ")
+            told(row)
         };
         assert!(!of(|reading| (0.3, 1.5, 0.04 * reading as f64)).contains("exchanged"));
         assert!(of(|reading| (1.5, 0.3, 0.04 * reading as f64)).contains("every feed is larger than its depth"));

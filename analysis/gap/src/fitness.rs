@@ -5,6 +5,7 @@
 //! everything that was recorded; nor may an effect of the catalogue show. All of that is judged at one level against
 //! data sets that the model draws itself over the same rows and that are fitted as the records are.
 
+use super::channel_scale::ChannelScale;
 use super::constants::{FEWEST_VALUES, NULL_LEVEL};
 use super::fit::offset_residual;
 use super::gram::{factor, inverse_diagonal, normal_equations, part};
@@ -413,14 +414,9 @@ impl<'a> Test<'a> {
             };
             let upper = estimate + super::constants::NINETY * error;
             let about = &measured.channels[*channel];
-            let mut sensor: Vec<f64> =
-                places.iter().map(|place| measured.observations[self.places[*place]].deviation).collect();
-            let mut level: Vec<f64> =
-                places.iter().map(|place| self.fit.linear.raw[self.places[*place]].abs()).collect();
-            let (relative, typical) = (about.transform == Transform::Log, toolroom_statistics::median(&mut level));
-            // A noise that was read off the records is what a single reading shows.
-            let sensor = toolroom_statistics::median(&mut sensor) * self.noise.scale[*channel];
-            let level = if relative { 1.0 } else { typical };
+            let own: Vec<usize> = places.iter().map(|place| self.places[*place]).collect();
+            let ChannelScale { level, sensor } =
+                ChannelScale::new(measured, &self.noise, &self.fit.linear.raw, *channel, &own);
             Structure {
                 channel: about.id,
                 rms: sensor * estimate.max(0.0).sqrt(),

@@ -34,6 +34,7 @@
 mod basis;
 mod belief;
 mod budget;
+mod channel_scale;
 mod channels;
 mod class;
 mod closure;

@@ -1,9 +1,10 @@
 //! Whether the effects of a model are large enough to be named.
 
+use super::Forward;
 use super::Trial;
 use super::basis::Basis;
-use super::constants::{LEAST_SIZE, MATTERING_SENSORS, MATTERING_SHARE};
-use super::{Forward, Transform};
+use super::channel_scale::ChannelScale;
+use super::constants::LEAST_SIZE;
 
 /// What stands against the size of an effect of a model: a small part of an ordinary one that moves no channel by as much as has to be
 /// left of one before a gap counts as one that matters.
@@ -19,7 +20,7 @@ pub(super) fn too_small(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Op
 /// readings.
 fn moves(model: &dyn Forward, basis: &Basis, trial: &Trial, index: usize, size: f64) -> bool {
     let (measured, linear) = (&model.frame().measured, &trial.fit.linear);
-    measured.channels.iter().enumerate().any(|(channel, about)| {
+    (0..measured.channels.len()).any(|channel| {
         let of_channel = |i: &usize| measured.observations[*i].channel == channel;
         let places: Vec<usize> = (0..linear.residual.len()).filter(of_channel).collect();
         if places.is_empty() {
@@ -27,11 +28,6 @@ fn moves(model: &dyn Forward, basis: &Basis, trial: &Trial, index: usize, size: 
         }
         let square = |i: &usize| linear.effects[index].get(*i).map_or(0.0, |slope| (slope * size).powi(2));
         let moved = (places.iter().map(square).sum::<f64>() / places.len() as f64).sqrt();
-        let median = |value: &dyn Fn(usize) -> f64| {
-            toolroom_statistics::median(&mut places.iter().map(|i| value(*i)).collect::<Vec<f64>>())
-        };
-        let sensor = median(&|i| measured.observations[i].deviation) * basis.noise.scale[channel];
-        let level = if about.transform == Transform::Log { 1.0 } else { median(&|i| linear.raw[i].abs()) };
-        moved > (MATTERING_SHARE * level).max(MATTERING_SENSORS * sensor)
+        ChannelScale::new(measured, &basis.noise, &linear.raw, channel, &places).matters(moved)
     })
 }

@@ -14,14 +14,15 @@
 //! and covariates may show no structure beyond its null. Each of them rejects; a rule that keeps an effect from being named
 //! rejects nothing.
 
-use super::constants::{FAR_CONSTANT, LEAST_CLOSED, MATTERING_SENSORS, MATTERING_SHARE};
+use super::channel_scale::ChannelScale;
+use super::constants::{FAR_CONSTANT, LEAST_CLOSED, MATTERING_SHARE};
 use super::decision::Mapped;
 use super::{Calibrated, Closure, Diagnosis, Fitness, GapVerdict, Structure};
 
 impl Structure {
     /// Whether what the model leaves of the channel may matter.
     fn may_matter(&self) -> bool {
-        self.upper > (MATTERING_SHARE * self.level).max(MATTERING_SENSORS * self.sensor)
+        ChannelScale { level: self.level, sensor: self.sensor }.matters(self.upper)
     }
 }
 

@@ -1,21 +1,41 @@
 //! Key figures of deliveries.
 
 use super::definition::Better::{Less, More};
-use super::definition::{ShopFigure, define};
+use super::definition::{Definition, ShopFigure, define};
+
+/// How long jobs take over what they would without waiting.
+pub(super) const FLOW_FACTOR: Definition = define(
+    "flow_factor",
+    "flow factor",
+    "1",
+    "1",
+    Less,
+    "Lead time over the programmed time of the good jobs on the first machine of each operation, without setup.",
+);
+
+/// How long nearly all jobs take.
+pub(super) const LEAD_TIME_P95: Definition = define(
+    "lead_time_p95",
+    "lead time, 95 %",
+    "s",
+    "min",
+    Less,
+    "Lead time that 95 % of the good jobs do not exceed, within 0.4 %.",
+);
+
+/// How long jobs wait.
+pub(super) const QUEUE_TIME: Definition = define(
+    "queue_time",
+    "queue time",
+    "s",
+    "min",
+    Less,
+    "Time in the shop without an operation in process, per good job.",
+);
 
 /// Figures of deliveries and of what they wait for, behind the others of the shop.
 pub(super) const DELIVERIES: &[ShopFigure] = &[
-    (
-        define(
-            "flow_factor",
-            "flow factor",
-            "1",
-            "1",
-            Less,
-            "Lead time over the programmed time of the good jobs on the first machine of each operation, without setup.",
-        ),
-        |_, t| t.delivery.lead_time / t.delivery.raw_time,
-    ),
+    (FLOW_FACTOR, |_, t| t.delivery.lead_time / t.delivery.raw_time),
     (
         define(
             "lead_time_p50",
@@ -38,17 +58,7 @@ pub(super) const DELIVERIES: &[ShopFigure] = &[
         ),
         |_, t| t.delivery.lead_times.quantile(0.8),
     ),
-    (
-        define(
-            "lead_time_p95",
-            "lead time, 95 %",
-            "s",
-            "min",
-            Less,
-            "Lead time that 95 % of the good jobs do not exceed, within 0.4 %.",
-        ),
-        |_, t| t.delivery.lead_times.quantile(0.95),
-    ),
+    (LEAD_TIME_P95, |_, t| t.delivery.lead_times.quantile(0.95)),
     (
         define(
             "weighted_tardiness",

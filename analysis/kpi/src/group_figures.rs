@@ -2,6 +2,7 @@
 
 use super::definition::Better::{Less, More, Neither};
 use super::definition::{Definition, define};
+use super::delivery_figures::{FLOW_FACTOR, LEAD_TIME_P95, QUEUE_TIME};
 use super::groups::{JobGroup, customers, parts, stations};
 use super::machine_tally::MachineTally;
 use super::tally::Tally;
@@ -95,28 +96,8 @@ const OF_JOBS: [JobFigure; 10] = [
     (define("lead_time", "lead time", "s", "min", Less, "Mean time from arrival to finish of good jobs."), |_, own| {
         own.lead_time / f64::from(own.jobs)
     }),
-    (
-        define(
-            "lead_time_p95",
-            "lead time, 95 %",
-            "s",
-            "min",
-            Less,
-            "Lead time that 95 % of the good jobs do not exceed, within 0.4 %.",
-        ),
-        |_, own| own.lead_times.quantile(0.95),
-    ),
-    (
-        define(
-            "flow_factor",
-            "flow factor",
-            "1",
-            "1",
-            Less,
-            "Lead time over the programmed time of the good jobs on the first machine of each operation, without setup.",
-        ),
-        |_, own| own.lead_time / own.raw_time,
-    ),
+    (LEAD_TIME_P95, |_, own| own.lead_times.quantile(0.95)),
+    (FLOW_FACTOR, |_, own| own.lead_time / own.raw_time),
     (define("tardiness", "tardiness", "s", "min", Less, "Mean of max(0, finish − due) of good jobs."), |_, own| {
         own.tardiness / f64::from(own.jobs)
     }),
@@ -144,16 +125,6 @@ const OF_JOBS: [JobFigure; 10] = [
         |window, own| own.job_time / window,
     ),
 ];
-
-/// The figure of part types alone, of which operations are known.
-const QUEUE_TIME: Definition = define(
-    "queue_time",
-    "queue time",
-    "s",
-    "min",
-    Less,
-    "Time in the shop without an operation in process, per good job.",
-);
 
 /// A figure of a station.
 type StationFigure = (Definition, fn(&Tally, &[usize]) -> f64);

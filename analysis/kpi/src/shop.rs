@@ -2,6 +2,7 @@
 
 use super::definition::Better::{Less, More, Neither};
 use super::definition::{CURRENCY, ShopFigure, define, net, oee};
+use super::delivery_figures::QUEUE_TIME;
 use super::machine_tally::MachineTally;
 use toolroom_shop::runlog::MachineState;
 
@@ -405,15 +406,5 @@ pub(super) const SHOP: &[ShopFigure] = &[
         let setup = t.sum(MachineTally::setup_time);
         setup / (t.sum(MachineTally::production_time) + setup)
     }),
-    (
-        define(
-            "queue_time",
-            "queue time",
-            "s",
-            "min",
-            Less,
-            "Time in the shop without an operation in process, per good job.",
-        ),
-        |_, t| (t.job_time - t.operation_time).max(0.0) / f64::from(t.delivery.jobs),
-    ),
+    (QUEUE_TIME, |_, t| (t.job_time - t.operation_time).max(0.0) / f64::from(t.delivery.jobs)),
 ];
