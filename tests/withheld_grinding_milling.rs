@@ -1,7 +1,9 @@
 //! Diagnosis of grinding and milling shops whose hidden effect, equations and noise no model here
 //! knows, and of records that lack what one would want.
 
-use toolroom_gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
+use std::collections::BTreeMap;
+use toolroom_effects::Sign;
+use toolroom_gap::{Diagnosis, GapVerdict, NominalModel, Point, diagnose, predict};
 use toolroom_records::{RecordKind, parse_csv};
 use toolroom_truth::Case;
 
@@ -145,4 +147,37 @@ fn a_drifting_force_sensor_of_a_mill_is_named() {
     let (diagnosis, _) = diagnosed("milling", &Case::one("milling", "force_drift", 2.0, 1).records());
     let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.word()).collect();
     assert_eq!(named, ["force_drift"], "{}", diagnosis.terminal());
+}
+
+#[test]
+fn every_effect_of_grinding_lists_the_channels_that_it_moves_and_which_way() {
+    // A channel that an effect moves and does not list has no part in its closure: a wheel that dulls at one grinder was
+    // named at both, since the force after spark-out did not count.
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/gap/grinding.toml");
+    let model = NominalModel::read(&path, &[]).expect("the shipped nominal model");
+    let (records, _) =
+        parse_csv("truth", Case::null("grinding", 1).records().as_bytes(), model.kind()).expect("records");
+    let (forward, _) = model.over(&records, None, |_, _| false);
+    let frame = forward.frame();
+    let nominal = Point::nominal(forward.as_ref());
+    let (_, before) = predict(forward.as_ref(), &nominal);
+    let mut seen = 0;
+    for (index, candidate) in frame.candidates.iter().enumerate() {
+        let mut point = nominal.clone();
+        point.effects[index] = candidate.typical;
+        let (_, after) = predict(forward.as_ref(), &point);
+        let mut moved: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
+        for ((own, before), after) in frame.measured.observations.iter().zip(&before).zip(&after) {
+            let sums = moved.entry(frame.measured.channels[own.channel].id.word()).or_default();
+            *sums = (sums.0 + before.abs(), sums.1 + after - before);
+        }
+        for (channel, (level, change)) in moved.into_iter().filter(|(_, (level, change))| change.abs() > 0.01 * level) {
+            let way = if change > 0.0 { Sign::Rises } else { Sign::Falls };
+            let listed = candidate.id.entry().channels.iter().find(|own| own.channel == channel);
+            let told = listed.map(|own| own.sign);
+            assert_eq!(told, Some(way), "{} {}: {channel} by {:.3}", candidate.id, candidate.shape, change / level);
+            seen += 1;
+        }
+    }
+    assert!(seen > 10, "{seen}");
 }

@@ -6,7 +6,8 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
 use std::fmt::Write;
-use toolroom_gap::{EffectId, identifiability};
+use toolroom_chart::number;
+use toolroom_gap::{EffectId, Identifiable, identifiability};
 use toolroom_gap_study::usable;
 
 pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
@@ -42,19 +43,26 @@ pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
     let mut text = String::from(
         "least size that these runs would show (nineteen times of twenty), and what it is confused with\n",
     );
-    for row in &list {
-        let name = if row.shape.is_empty() { row.id.to_string() } else { format!("{} ({})", row.id, row.shape) };
-        let least = if row.minimal_detectable.is_finite() {
-            format!("{:.3} {}", row.minimal_detectable, row.unit)
+    let name = |row: &Identifiable| {
+        if row.shape.is_empty() { row.id.to_string() } else { format!("{} ({})", row.id, row.shape) }
+    };
+    let least = |row: &Identifiable| {
+        if row.minimal_detectable.is_finite() {
+            format!("{} {}", number(row.minimal_detectable, 3), row.unit)
         } else {
             "never".to_owned()
-        };
+        }
+    };
+    let lines: Vec<[String; 2]> = list.iter().map(|row| [name(row), least(row)]).collect();
+    let width = |place: usize| lines.iter().map(|line| line[place].chars().count()).max().unwrap_or(0);
+    let [names, sizes] = [0, 1].map(width);
+    for (row, [name, least]) in list.iter().zip(&lines) {
         let confused = if row.confused.is_empty() {
             String::new()
         } else {
             format!("; confused with {}", EffectId::words(&row.confused).join(", "))
         };
-        let _ = writeln!(text, "  {name:34} {least:>18}{confused}");
+        let _ = writeln!(text, "  {name:names$}  {least:>sizes$}{confused}");
     }
     voice.data(text.trim_end())
 }

@@ -36,7 +36,15 @@ pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
         let named: Vec<String> = diagnosis["effects"].as_array().into_iter().flatten().map(words).collect();
         let new = named.iter().any(|effect| !named_before.contains(effect));
         if round > 1 && !new {
-            voice.data(format_args!("round {round} names nothing new: {} holds what was found", model.display()))?;
+            let left = match diagnosis["verdict"].as_str() {
+                Some("unknown") => "; what is left of the gap has no cause that was found",
+                Some("masked") => "; calibration takes up what may be left of the gap",
+                _ => "",
+            };
+            voice.data(format_args!(
+                "round {round} names nothing new: {} holds what was found{left}",
+                model.display()
+            ))?;
             return compared(args, &model, voice);
         }
         named_before.extend(named);

@@ -205,7 +205,11 @@ pub fn document(mut document: Value, processes: &[Process<'_>], data: (String, u
 pub fn predictions_of(records: &Records, parts: &[Applied]) -> Vec<PredictionRow> {
     let id = |row: usize| {
         let texts = ["operation_id", "trial_id"].iter().find_map(|name| records.texts(name));
-        texts.map_or_else(|| (row + 1).to_string(), |texts| texts[row].clone())
+        match texts.map(|texts| texts[row].as_str()) {
+            Some("") => format!("row {}", row + 1),
+            Some(id) => id.to_owned(),
+            None => (row + 1).to_string(),
+        }
     };
     let row = |part: &Applied, i: usize| {
         let [nominal, calibrated, applied] = &part.predictions;

@@ -33,6 +33,7 @@
 
 pub mod agreement;
 pub mod arrivals;
+mod clock;
 pub mod count;
 mod fact;
 pub mod failures;

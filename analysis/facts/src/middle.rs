@@ -4,6 +4,7 @@
 //! multiplies, and so the times scatter by as much more; what is added leaves their scatter as it was. Where the file gives
 //! one time nothing scatters by it, and nothing tells one from the other.
 
+use crate::clock::clock_error;
 use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
 use crate::law::{Reference, RelativeLaw};
@@ -152,7 +153,8 @@ fn scattered(timed: &Timed<'_>, model: f64) -> Option<Scattered> {
     let n = count as f64;
     let kurtosis = power(4) / n / (power(2) / n).powi(2);
     let error = if kurtosis.is_finite() { ((kurtosis - 1.0).max(0.0) / (4.0 * (n - 1.0))).sqrt() } else { 0.0 };
-    let (of_factor, of_summand, clock) = (deviation / mean, deviation, CLOCK / model);
+    let error_of_clock = clock_error(timed.pairs.iter().map(|(recorded, _)| recorded), 1).max(CLOCK);
+    let (of_factor, of_summand, clock) = (deviation / mean, deviation, error_of_clock / model);
     Some(Scattered {
         factor: timed.law.p(count, of_factor, Reference::OwnMean, clock / mean),
         summand: timed.law.p(count, of_summand, Reference::MeanOfLaw, clock),
@@ -218,6 +220,23 @@ mod tests {
                 assert!((3..=34).contains(&rejected), "{count} {fact}: {rejected}");
             }
         }
+    }
+
+    #[test]
+    fn what_the_clock_of_a_log_rounds_away_is_no_scatter() {
+        let law = law(0.15);
+        let rounded = |seed: u64| -> Vec<(f64, f64)> {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let step = |time: f64| (time / 10.0).round() * 10.0;
+            let draw = Distribution::Lognormal { mean: 60.0, cv: 0.15 };
+            let one = |_| {
+                let begin: f64 = 1000.0 * random.random::<f64>();
+                (step(begin + draw.quantile(random.random())) - step(begin), 60.0)
+            };
+            (0..300).map(one).collect()
+        };
+        let rejected = (0..100).filter(|seed| asked(&rounded(*seed), &law)[1].p < 0.01).count();
+        assert!(rejected <= 4, "{rejected} of 100");
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! Scatter of times whose middle is known by other means.
 
+use crate::clock::clock_error;
 use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
 use crate::told::FactDetail;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::erf::erfc;
+use toolroom_statistics::median;
 
 /// Fewest times that say something about a scatter (count; assumption).
 const FEWEST: usize = 20;
@@ -12,20 +14,29 @@ const FEWEST: usize = 20;
 /// Variance of logarithms below which times do not scatter (1). Derivation: a part in a million is beyond any clock.
 const NONE: f64 = 1e-12;
 
+/// Times that many times as long or as short as the middle one of their group stand apart (1): a row that is missing in a log makes
+/// one of two, and that is no scatter. Those of the file are left out alike. Source: the specification of the diagnosis, section 10.
+const APART: f64 = 5.0;
+
+/// Rounded differences in a time of handling (count): of loading and of unloading.
+const DIFFERENCES: usize = 2;
+
 /// Standard deviation of the logarithms about their own group, and the standard error of its logarithm.
 ///
 /// The error is that of a variance from `n` values of kurtosis κ, `√((κ − 1)/(4 n))`: heavy tails count.
 fn deviation(groups: &[Vec<f64>]) -> Option<(f64, f64, u64)> {
     let (mut squares, mut fourth, mut freedom, mut count) = (0.0, 0.0, 0.0, 0);
     for group in groups.iter().filter(|group| group.len() > 1) {
-        let logarithms: Vec<f64> = group.iter().map(|time| time.max(1e-9).ln()).collect();
+        let middle = median(&mut group.clone());
+        let beside = group.iter().filter(|time| (middle / APART..=middle * APART).contains(*time));
+        let logarithms: Vec<f64> = beside.map(|time| time.max(1e-9).ln()).collect();
         let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
         for off in logarithms.iter().map(|value| (value - mean).powi(2)) {
             squares += off;
             fourth += off * off;
         }
-        freedom += group.len() as f64 - 1.0;
-        count += group.len() as u64;
+        freedom += logarithms.len() as f64 - 1.0;
+        count += logarithms.len() as u64;
     }
     let variance = squares / freedom;
     let kurtosis = fourth / count as f64 / (squares / count as f64).powi(2);
@@ -42,7 +53,12 @@ pub fn spread(quantity: Quantity, place: &str, recorded: &[Vec<f64>], drawn: &[f
     let (model, model_error, _) = deviation(&[drawn.to_vec()])?;
     let (estimate, own_error, count) = deviation(recorded)?;
     let error = model_error.hypot(own_error);
-    let p = erfc((estimate / model).ln().abs() / error / std::f64::consts::SQRT_2);
+    // The clock may have added to what is recorded, and need not have.
+    let clock = clock_error(recorded.iter().flatten(), DIFFERENCES);
+    let times = || recorded.iter().flatten();
+    let rounded = (times().map(|time| (clock / time).powi(2)).sum::<f64>() / times().count() as f64).sqrt();
+    let expected = estimate.clamp(model, model.hypot(rounded));
+    let p = erfc((estimate / expected).ln().abs() / error / std::f64::consts::SQRT_2);
     let normal = Normal::standard();
     let half = normal.inverse_cdf(0.95) * error;
     let reach = (normal.inverse_cdf(1.0 - 0.5 * LEVEL) + normal.inverse_cdf(POWER)) * error;

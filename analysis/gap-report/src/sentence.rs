@@ -185,6 +185,7 @@ mod tests {
                     title: "forces grow with flank wear",
                     empirical: false,
                     shape: String::new(),
+                    written: WrittenEffect::default(),
                     size: 0.2,
                     unit: "1",
                     ci90: [0.17, 0.23],

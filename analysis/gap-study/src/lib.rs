@@ -30,6 +30,7 @@ mod error;
 mod figures;
 mod known;
 mod machines;
+mod parts;
 mod rates;
 mod recorded;
 mod recovery;

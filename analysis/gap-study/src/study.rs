@@ -3,6 +3,7 @@
 use crate::constants::{causes_of_facts, complete, constants_of_facts, drop_said_twice};
 use crate::known::{self, RecordedModel};
 use crate::machines::Machines;
+use crate::parts::{finds_a_part, split};
 use crate::user_effects::refused_in;
 use crate::{GapRequest, GapStudyError, Reading, Table, tables, usable};
 use serde_json::Value;
@@ -10,12 +11,11 @@ use std::path::Path;
 use toolroom_apply::{Applied, Grew, PredictionRow, Process, document, grew, point_json, predictions_of};
 use toolroom_chart::ResultFiles;
 use toolroom_chart::page::Provenance;
-use toolroom_effects::Definition;
 use toolroom_gap::plan::plan;
-use toolroom_gap::shop::{add_facts, visits};
+use toolroom_gap::shop::{LogGroup, add_facts, visits};
 use toolroom_gap::{
-    Answers, Diagnosis, DiagnosisWithBasis, EffectId, EffectRefusal, Forward, GATE, GapVerdict, NextExperiment,
-    NominalModel, NominalProcess, Point, ProcessData, add_dynamics, diagnosed_processes, joined,
+    Answers, DiagnosisWithBasis, EffectRefusal, Forward, GapVerdict, NextExperiment, NominalModel, NominalProcess,
+    Point, ProcessData, add_dynamics, diagnosed_processes, joined,
 };
 use toolroom_gap_proposals::{DescriptionRequest, NOTHING, Proposed, is_open, proposed};
 use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
@@ -66,7 +66,7 @@ impl GapStudy {
         let (mut answers, mut diagnosed) = diagnosed_processes(&asked, request.seed);
         if let Some(parts) = split(&answers, &rest, &stated, &asked, request) {
             let (second, rests_on) = diagnosed_processes(&parts, request.seed);
-            if names_a_part(&second, &asked, &parts) {
+            if finds_a_part(&answers, &second, &asked, &parts) {
                 (answers, diagnosed, asked) = (second, rests_on, parts);
             }
         }
@@ -120,15 +120,12 @@ fn pretty(value: &Value) -> String {
     format!("{value:#}")
 }
 
-/// Parts of a log whose operations may belong together.
-const GROUPS_OF_LOGS: [&str; 3] = ["machine", "shift", "day"];
-
 /// Whether records can be taken in groups of a column.
 fn known_group(model: &NominalModel, records: &Records, column: &str) -> Result<(), GapStudyError> {
     let no_group = |known: String| GapStudyError::NoGroup { column: column.to_owned(), known };
     match model.process {
-        NominalProcess::Shop(_) if GROUPS_OF_LOGS.contains(&column) => Ok(()),
-        NominalProcess::Shop(_) => Err(no_group(format!("; a log has {}", GROUPS_OF_LOGS.join(", ")))),
+        NominalProcess::Shop(_) if LogGroup::from_word(column).is_some() => Ok(()),
+        NominalProcess::Shop(_) => Err(no_group(format!("; a log has {}", LogGroup::WORDS.join(", ")))),
         NominalProcess::Turning(_)
         | NominalProcess::Milling(_)
         | NominalProcess::Grinding(_)
@@ -240,111 +237,10 @@ fn proposals(
     Ok(all)
 }
 
-/// The models of turning, milling and grinding in which what was found, or what the data ask for where nothing was named, is
-/// tried on parts of the records as well; nothing where there is no such effect.
-fn split(
-    answers: &Answers,
-    tables: &[Option<(NominalModel, Records)>],
-    stated: &[RecordedModel],
-    asked: &[ProcessData],
-    request: &GapRequest<'_>,
-) -> Option<Vec<ProcessData>> {
-    let mut any = false;
-    let mut all = Vec::new();
-    for (i, (process, diagnosis)) in answers.processes.iter().enumerate() {
-        let own = &asked[i];
-        let Some((model, records)) = &tables[i] else {
-            let (notes, impossible) = (own.notes.clone(), own.impossible);
-            all.push(ProcessData { process, parts: Vec::new(), notes, impossible });
-            continue;
-        };
-        // Records that the model has seen are held against what it was before them, which has no parts.
-        let aside = stated[i].is_set_aside();
-        let mut effects = if aside { Vec::new() } else { asked_for(process, diagnosis) };
-        effects.extend(described(process, request, &effects).into_iter().filter(|_| !aside));
-        let places = if aside { Vec::new() } else { places(process, diagnosis) };
-        any |= !effects.is_empty() || !places.is_empty();
-        let held = |_: usize, name: &str| !fitted(own, name);
-        all.push(model.clone().splitting(effects, places).asked(records, request.group, held));
-    }
-    any.then_some(all)
-}
-
 /// Whether a group is part of the fit.
-fn fitted(asked: &ProcessData, name: &str) -> bool {
+pub(crate) fn fitted(asked: &ProcessData, name: &str) -> bool {
     let measured = asked.parts.iter().map(|part| &part.frame().measured);
     measured.flat_map(|own| own.groups.iter().zip(&own.fitted)).any(|(group, fitted)| group == name && *fitted)
-}
-
-/// Effects of a diagnosis, by id and shape, of which it is asked where they act.
-fn asked_for(process: &str, diagnosis: &Diagnosis) -> Vec<(EffectId, String)> {
-    if !SPLIT.contains(&process) {
-        return Vec::new();
-    }
-    let named = || diagnosis.effects.iter().map(|own| (own.id, own.shape.clone()));
-    let likely = || {
-        let told = matches!(diagnosis.verdict, GapVerdict::Unknown | GapVerdict::Small | GapVerdict::Masked);
-        let asked = diagnosis.ranking.iter().filter(move |own| told && own.gain > GATE);
-        asked.map(|own| (own.id, own.shape.clone())).take(MOST_SPLIT)
-    };
-    if diagnosis.effects.is_empty() { likely().collect() } else { named().take(MOST_SPLIT).collect() }
-}
-
-/// Effects of the request that describe and are no cause, by id and shape, but for those in `known`: a term that was proposed
-/// may say nothing but where it acts.
-fn described(process: &str, request: &GapRequest<'_>, known: &[(EffectId, String)]) -> Vec<(EffectId, String)> {
-    let acts = |own: &&&'static Definition| own.is_empirical() && own.entry().search(process).is_some();
-    let all = request.defined.iter().filter(acts).map(|own| (EffectId::from(*own), String::new()));
-    all.filter(|own| SPLIT.contains(&process) && !known.contains(own)).collect()
-}
-
-/// Levels of columns that the strongest structure follows, where it has no cause: every effect is tried there.
-fn places(process: &str, diagnosis: &Diagnosis) -> Vec<(String, String)> {
-    if !SPLIT.contains(&process) {
-        return Vec::new();
-    }
-    let mut list: Vec<(String, String)> = Vec::new();
-    if follows_a_date(diagnosis) {
-        // No level of a column: what is tried there is tried from dates on.
-        list.push(("start_time".to_owned(), String::new()));
-    }
-    if !matches!(diagnosis.verdict, GapVerdict::Unknown | GapVerdict::Effect) {
-        return list;
-    }
-    let dates = list.len();
-    let levels =
-        diagnosis.cells.iter().flat_map(|cell| [&cell.group, &cell.regime]).filter_map(|own| own.split_once('='));
-    for (column, name) in levels {
-        let own = (column.to_owned(), name.to_owned());
-        if !list.contains(&own) && list.len() < MOST_SPLIT + dates {
-            list.push(own);
-        }
-    }
-    list
-}
-
-/// Whether what the test finds follows the calendar, and is neither explained nor small.
-fn follows_a_date(diagnosis: &Diagnosis) -> bool {
-    let open = matches!(diagnosis.verdict, GapVerdict::Unknown | GapVerdict::Masked | GapVerdict::Constant);
-    let Some(fit) = diagnosis.fit.as_ref().filter(|fit| open && !fit.passed()) else { return false };
-    fit.parts.iter().any(|part| part.p <= fit.level && part.follows.starts_with("calendar"))
-}
-
-/// Processes whose effects are tried on parts of the records in a second run: the model of a shop has those parts from the
-/// first on, and stretches of programs and power laws have none.
-const SPLIT: [&str; 3] = ["turning", "milling", "grinding"];
-/// Effects that are tried on parts of the records at a time (assumption): each brings a candidate for every part.
-const MOST_SPLIT: usize = 2;
-
-/// Whether a diagnosis names an effect that acts on a part of the records and that the first one did not know.
-fn names_a_part(answers: &Answers, before: &[ProcessData], now: &[ProcessData]) -> bool {
-    let knows = |asked: &ProcessData, id: EffectId, shape: &str| {
-        let candidates = asked.parts.iter().flat_map(|part| &part.frame().candidates);
-        candidates.into_iter().any(|own| own.id == id && own.shape == shape)
-    };
-    let all = answers.processes.iter().zip(before.iter().zip(now));
-    let mut effects = all.flat_map(|((_, own), asked)| own.effects.iter().map(move |effect| (effect, asked)));
-    effects.any(|(own, (before, now))| knows(now, own.id, &own.shape) && !knows(before, own.id, &own.shape))
 }
 
 /// Whether a table in which nothing was measured has a place for it, so that more rows are all it lacks.

@@ -285,11 +285,13 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
         let class = class(context, decision, trial, *index);
         let names = trial.fit.active.iter().map(|other| model.frame().candidates[*other].id);
         let others = class.iter().filter(|(id, _)| names.clone().all(|name| name != *id));
+        let written = model.written(*index);
         NamedEffect {
             id: candidate.id,
             title: candidate.id.entry().title,
-            empirical: model.written(*index).definition.is_some_and(Definition::is_empirical),
+            empirical: written.definition.is_some_and(Definition::is_empirical),
             shape: candidate.shape.clone(),
+            written,
             size: size * factor,
             unit,
             ci90: [(size - NINETY * deviation).max(candidate.least) * factor, (size + NINETY * deviation) * factor],
@@ -405,14 +407,14 @@ fn next(diagnosis: &Diagnosis) -> NextExperiment {
         let other = effect.class[1];
         let test = effect.id.entry().separating_test;
         let separates = vec![[effect.id.to_string(), other.to_string()]];
-        return NextExperiment { design: format!("{test}; three edges"), minutes: 60.0, separates };
+        return NextExperiment { design: format!("{test}; three times"), minutes: 60.0, separates };
     }
     let Some(masked) = diagnosis.masked.iter().find(|_| diagnosis.verdict != GapVerdict::Effect) else {
         return NextExperiment::default();
     };
     let confounder = masked.id.entry().confounder;
     NextExperiment {
-        design: format!("{}; three edges", masked.separating_test),
+        design: format!("{}; three times", masked.separating_test),
         minutes: 60.0,
         separates: vec![[masked.id.to_string(), confounder.to_owned()]],
     }

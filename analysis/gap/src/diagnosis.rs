@@ -4,6 +4,7 @@ use super::number::number;
 use super::{ChannelId, DynamicsDrift, EffectId, Fitness, Identifiable, Measures};
 use serde_json::{Value, json};
 use toolroom_facts::{Fact, Finding};
+use toolroom_nominal::WrittenEffect;
 
 /// The answer in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,8 +60,10 @@ pub struct NamedEffect {
     pub title: &'static str,
     /// Whether it describes the records without saying why, as its author says: **empirical, not a cause**.
     pub empirical: bool,
-    /// Which lot, window or time constant; may be empty.
+    /// Which lot, window or time constant, or where it acts, for people; may be empty.
     pub shape: String,
+    /// How a scenario says it.
+    pub written: WrittenEffect,
     /// Size.
     pub size: f64,
     /// Unit of the size.

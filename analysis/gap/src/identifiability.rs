@@ -137,7 +137,12 @@ fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<Shown> {
             id: candidate.id,
             shape: candidate.shape.clone(),
             masking: scores.masking[index],
-            minimal_detectable: least * candidate.typical * factor,
+            minimal_detectable: if least * candidate.typical > candidate.greatest {
+                // A size that the effect cannot have.
+                f64::INFINITY
+            } else {
+                least * candidate.typical * factor
+            },
             unit,
             confused,
             bias,

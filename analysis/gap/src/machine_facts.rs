@@ -17,9 +17,10 @@ use std::collections::BTreeMap;
 use toolroom_facts::law::RelativeLaw;
 use toolroom_facts::middle::{Timed, agree, middle_and_scatter};
 use toolroom_facts::{Fact, Quantity};
+use toolroom_nominal::WrittenEffect;
 use toolroom_nominal::shop::{Shop, Visit, Visits, visits};
 use toolroom_records::Records;
-use toolroom_scenario::{Deviation, Distribution, MachineType, Scenario, ShopConstant, ShopEffect, calibrated};
+use toolroom_scenario::{Deviation, Distribution, MachineType, Scenario, Scope, ShopConstant, ShopEffect, calibrated};
 
 /// Tests what the `events` of machines count against the `scenario` that they run by, adds it to what the records of a
 /// process say, and takes back that there is no gap where the log contradicts a constant of the file. `labels` are the shifts as
@@ -58,16 +59,16 @@ fn cause(scenario: &Scenario, fact: &Fact) -> Option<NamedEffect> {
     let half = NINETY * delay.standard_error;
     let machines: Vec<&str> = fact.place.split(", ").collect();
     let everywhere = scenario.machines.iter().all(|machine| machines.contains(&machine.name.as_str()));
-    let shape = [
-        ("machine", if everywhere { String::new() } else { machines.join("|") }),
-        ("shift", fact.told.shifts.join("|")),
-    ];
-    let shape = shape.iter().filter(|(_, names)| !names.is_empty()).map(|(key, names)| format!("{key}={names}"));
+    let machines = if everywhere { Vec::new() } else { machines.into_iter().map(str::to_owned).collect() };
+    let mut names = vec![("machine", machines), ("shift", fact.told.shifts.clone())];
+    names.retain(|(_, names)| !names.is_empty());
+    let scope = Scope { names, ..Scope::default() };
     Some(NamedEffect {
         id,
         title: id.entry().title,
         empirical: false,
-        shape: shape.collect::<Vec<_>>().join(", "),
+        shape: scope.words(),
+        written: WrittenEffect { scope, ..WrittenEffect::default() },
         size: delay.size,
         unit: "s",
         ci90: [delay.size - half, delay.size + half],

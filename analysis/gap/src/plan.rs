@@ -65,14 +65,17 @@ pub struct Block {
 pub struct Plan {
     /// All of the menu that these records allow.
     pub blocks: Vec<Block>,
+    /// What tells most apart and is in no menu, in words; empty where nothing is open.
+    pub by_hand: String,
 }
 
 /// Plans the next experiment after `records`, of which `diagnosis` says what is open.
 pub fn plan(model: &NominalModel, records: &Records, group: Option<&str>, diagnosis: &Diagnosis) -> Plan {
     let (before, scatter) = seen(model, records, group, None, None);
     let open = open(diagnosis, &before);
+    let by_hand = diagnosis.next.design.clone();
     if open.is_empty() {
-        return Plan { blocks: Vec::new() };
+        return Plan { blocks: Vec::new(), by_hand };
     }
     let asked: Vec<EffectId> = open.iter().flat_map(|(a, b)| std::iter::once(*a).chain(*b)).collect();
     let block = |offered: menu::Offered| {
@@ -104,7 +107,7 @@ pub fn plan(model: &NominalModel, records: &Records, group: Option<&str>, diagno
     };
     let mut blocks: Vec<Block> = menu::blocks(records).into_par_iter().map(block).collect();
     blocks.sort_by(|a, b| b.worth.total_cmp(&a.worth));
-    Plan { blocks }
+    Plan { blocks, by_hand }
 }
 
 impl SeenEffects {
@@ -251,13 +254,14 @@ impl Plan {
                 "separates": block.separates(), "pairs": block.pairs.iter().map(pair).collect::<Vec<_>>(),
             })
         };
-        json!({ "schema": 1, "next": self.best().map(block), "menu": self.blocks.iter().map(block).collect::<Vec<_>>() })
+        json!({ "schema": 1, "next": self.best().map(block), "by_hand": self.by_hand, "menu": self.blocks.iter().map(block).collect::<Vec<_>>() })
     }
 
     /// For people.
     pub fn text(&self) -> String {
         let Some(best) = self.best() else {
-            return "no experiment of the menu would show more than these records do".to_owned();
+            let none = "no experiment of the menu would show more than these records do".to_owned();
+            return if self.by_hand.is_empty() { none } else { format!("{none}; by hand: {}", self.by_hand) };
         };
         let mut text = format!("next     {}\n", best.design);
         let _ = writeln!(text, "         {} operations, {:.0} min of machine time", best.operations, best.minutes);

@@ -16,8 +16,8 @@ use super::{Diagnosis, EffectId, NamedEffect};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, BTreeSet};
-use toolroom_nominal::Declarations;
-use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score, scope_of};
+use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score};
+use toolroom_nominal::{Declarations, WrittenEffect};
 use toolroom_scenario::{Deviation, MICRO_STOP, Occasion, Scope, ShopConstant, ShopEffect, calibrated};
 use toolroom_statistics::Moments;
 
@@ -208,8 +208,8 @@ struct ActingEffect {
 
 impl ActingEffect {
     fn named(effect: &NamedEffect) -> Self {
-        let scope = scope_of(&effect.shape);
-        Self { id: effect.id, as_recorded: effect.shape == "as recorded", scope, size: effect.size }
+        let WrittenEffect { scope, recorded, .. } = effect.written.clone();
+        Self { id: effect.id, as_recorded: recorded.is_some(), scope, size: effect.size }
     }
 
     fn stated(deviation: &Deviation) -> Self {

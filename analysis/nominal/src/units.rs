@@ -1,19 +1,20 @@
 //! Channels and conditions in a wrong unit.
 
 use super::constants::{HANDLING, IMPOSSIBLE, NEAR};
-use super::{ChannelId, Forward, Point, Transform};
+use super::{Channel, ChannelId, Forward, Point, Transform};
 use toolroom_statistics::median;
 
-/// Factors that slips of units leave, and what they are.
-const SLIPS: [(f64, &str); 8] = [
-    (25.4, "inch for mm"),
-    (1000.0, "a prefix"),
-    (60.0, "minutes for seconds"),
-    (9.81, "kgf for N"),
-    (4.448, "lbf for N"),
-    (0.3048 * 1000.0, "feet for mm"),
-    (3.281, "feet for m"),
-    (10.0, "a decimal point"),
+/// Factors that slips of units leave, what they are, and the SI unit of the channels in which they happen; any, where none
+/// is named.
+const SLIPS: [(f64, &str, Option<&str>); 8] = [
+    (25.4, "inch for mm", Some("m")),
+    (1000.0, "a prefix", None),
+    (60.0, "minutes for seconds", Some("s")),
+    (9.81, "kgf for N", Some("N")),
+    (4.448, "lbf for N", Some("N")),
+    (0.3048 * 1000.0, "feet for mm", Some("m")),
+    (3.281, "feet for m", Some("m")),
+    (10.0, "a decimal point", None),
 ];
 
 /// Ratio of measurement to the nominal model by channel, median.
@@ -35,25 +36,26 @@ pub fn ratios(model: &dyn Forward) -> Vec<f64> {
 }
 
 /// What to say about a channel whose ratio is impossible; `None` where it is possible.
-pub fn suspicion(channel: ChannelId, ratio: f64) -> Option<String> {
+fn suspicion(channel: &Channel, ratio: f64) -> Option<String> {
+    let id = channel.id;
     // Handling may take several times as long as cutting.
-    let impossible = if channel == ChannelId::CycleTime { IMPOSSIBLE * HANDLING } else { IMPOSSIBLE };
+    let impossible = if id == ChannelId::CycleTime { IMPOSSIBLE * HANDLING } else { IMPOSSIBLE };
     if ratio.is_nan() || ratio <= 0.0 || ratio.ln().abs() < impossible.ln() {
         return None;
     }
-    let slip = SLIPS
-        .iter()
-        .find(|(factor, _)| (ratio.ln() - factor.ln()).abs() < NEAR || (ratio.ln() + factor.ln()).abs() < NEAR);
-    let likely = slip.map_or_else(String::new, |(factor, what)| {
+    let likely = slip(channel.unit, ratio).map_or_else(String::new, |(factor, what)| {
         let sign = if ratio > 1.0 { "×" } else { "÷" };
         format!("; is it {what} ({sign}{factor})?")
     });
-    Some(format!("{channel} is {ratio:.3} times the nominal model: left out, check its unit{likely}"))
+    Some(format!("{id} is {ratio:.3} times the nominal model: left out, check its unit{likely}"))
 }
 
-/// Whether a channel's ratio is a slip of units.
-fn slips(ratio: f64) -> bool {
-    SLIPS.iter().any(|(factor, _)| (ratio.ln().abs() - factor.ln()).abs() < NEAR)
+/// The slip of units that leaves `ratio` in a channel of the SI unit `unit`, with its factor.
+fn slip(unit: &str, ratio: f64) -> Option<(f64, &'static str)> {
+    let found = |(factor, _, of): &&(f64, &str, Option<&str>)| {
+        of.is_none_or(|own| own == unit) && (ratio.ln().abs() - factor.ln()).abs() < NEAR
+    };
+    SLIPS.iter().find(found).map(|(factor, what, _)| (*factor, *what))
 }
 
 /// Greatest change of a channel, median of the logarithm, that one effect of ordinary size makes.
@@ -78,8 +80,9 @@ pub fn suspicious(model: &dyn Forward) -> Vec<(ChannelId, String)> {
     let channels = model.frame().measured.channels.iter().zip(ratios(model)).enumerate();
     let mut list: Vec<(ChannelId, f64, String)> = channels
         .filter_map(|(index, (channel, ratio))| {
-            let note = suspicion(channel.id, ratio)?;
-            let possible = !slips(ratio) && ratio.ln().abs() < IMPOSSIBLE.ln() + reach(model, index);
+            let note = suspicion(channel, ratio)?;
+            let possible =
+                slip(channel.unit, ratio).is_none() && ratio.ln().abs() < IMPOSSIBLE.ln() + reach(model, index);
             (!possible).then_some((channel.id, ratio, note))
         })
         .collect();

@@ -21,7 +21,12 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     id: "threshold_force",
     title: "the grinding wheel rubs before it cuts",
     size: &ThresholdForce::<f64>::FIELDS[0],
-    channels: &[rises("normal_force"), rises("force_after_spark_out"), falls("stock_removed")],
+    channels: &[
+        rises("normal_force"),
+        rises("tangential_force"),
+        rises("force_after_spark_out"),
+        falls("stock_removed"),
+    ],
     regime: "low infeed, spark-out",
     confounder: "force exponent below one",
     separating_test: "low infeed and a long spark-out: the force keeps a floor",

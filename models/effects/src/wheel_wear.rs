@@ -1,6 +1,6 @@
 //! The grinding wheel wears.
 
-use crate::catalogue::{CatalogueEntry, falls};
+use crate::catalogue::{CatalogueEntry, falls, rises};
 use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
@@ -19,7 +19,13 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     id: "wheel_wear",
     title: "the grinding wheel wears",
     size: &WheelWear::<f64>::FIELDS[0],
-    channels: &[falls("stock_removed"), falls("normal_force")],
+    channels: &[
+        falls("stock_removed"),
+        falls("normal_force"),
+        falls("tangential_force"),
+        falls("force_after_spark_out"),
+        rises("rise_revolutions"),
+    ],
     regime: "commanded infeed and work diameter",
     confounder: "an infeed scale error",
     separating_test: "measure the wheel before and after ten parts",

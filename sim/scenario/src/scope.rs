@@ -60,12 +60,16 @@ impl Scope {
         self.names.iter().all(alike) && !before(self.until, other.from) && !before(other.until, self.from)
     }
 
-    /// In words, `machine=M1, shift=S1|S2`; empty where it holds everywhere.
+    /// In words, `machine=M1, shift=S1|S2, from 120 h`; empty where it holds everywhere. Times that are no whole hours are in s.
     pub fn words(&self) -> String {
         let mut words: Vec<String> =
             self.names.iter().map(|(key, names)| format!("{key}={}", names.join("|"))).collect();
-        words.extend(self.from.map(|from| format!("from {from} s")));
-        words.extend(self.until.map(|until| format!("until {until} s")));
+        let time = |time: f64| match time / 3600.0 {
+            hours if hours.fract() == 0.0 => format!("{hours} h"),
+            _ => format!("{time} s"),
+        };
+        words.extend(self.from.map(|from| format!("from {}", time(from))));
+        words.extend(self.until.map(|until| format!("until {}", time(until))));
         words.join(", ")
     }
 }

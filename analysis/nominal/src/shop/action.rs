@@ -1,5 +1,7 @@
 //! What a candidate does to a block.
 
+use toolroom_scenario::Scope;
+
 /// What a candidate does to a block.
 pub(super) enum Action {
     /// Longer cutting, by share, on blocks by weight.
@@ -22,4 +24,22 @@ pub(super) enum Action {
     Policy,
     /// Regular breakdowns.
     Breakdowns,
+}
+
+impl Action {
+    /// What distinguishes a candidate from others of its effect, for people: where it acts, or what of the records it follows.
+    pub fn shape(&self, scope: &Scope) -> String {
+        match self {
+            Self::Overridden(_) => "as recorded".to_owned(),
+            Self::Booked => "booked".to_owned(),
+            Self::Slower(_)
+            | Self::Delay(_)
+            | Self::Change(_)
+            | Self::Stops(_)
+            | Self::Hold(_)
+            | Self::Acceleration(_)
+            | Self::Policy
+            | Self::Breakdowns => scope.words(),
+        }
+    }
 }

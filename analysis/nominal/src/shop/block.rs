@@ -18,7 +18,7 @@ const SHAPED: usize = 8;
 const POOLED: usize = 3;
 /// Length of a part of the day in which times are pooled, s.
 const PART: f64 = 4.0 * 3600.0;
-const DAY: f64 = 86400.0;
+pub(super) const DAY: f64 = 86400.0;
 /// Error of a time read from a control, s (the sheet of cycle times).
 const CLOCK: f64 = 0.5;
 /// Mean and standard deviation of the root of the magnitude of a standard normal number, whose

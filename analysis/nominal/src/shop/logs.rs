@@ -1,16 +1,45 @@
-//! Two event logs of one shop, one after the other.
+//! Groups of an event log, and two logs of one shop, one after the other.
 
-use super::block::Blocks;
-use super::model::groups;
+use super::block::{Block, Blocks, DAY};
 use super::nominal::Shop;
-use super::visit::visits;
+use super::visit::{Visits, visits};
 use std::collections::BTreeSet;
+use toolroom_form::vocabulary;
 use toolroom_records::Records;
 
 /// Least time between two logs, s: no stay goes on from one to the next.
 const APART: f64 = 86400.0;
 /// Logs move by whole weeks, s, unless a calendar asks for more.
 const WEEK: u64 = 7 * 86400;
+
+vocabulary! {
+    /// Parts of a log whose operations may belong together.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum LogGroup {
+        /// All operations on a machine.
+        Machine = "machine",
+        /// All operations in a shift.
+        Shift = "shift",
+        /// All operations of a day.
+        Day = "day",
+    }
+}
+
+/// Groups of blocks and the group of each; of a machine on a day where the column `by` is none of [`LogGroup`].
+pub(super) fn groups(blocks: &Blocks, visits: &Visits, by: Option<&str>) -> (Vec<String>, Vec<usize>) {
+    let name = |block: &Block| match by.and_then(LogGroup::from_word) {
+        Some(LogGroup::Machine) => visits.machines[block.machine].clone(),
+        Some(LogGroup::Shift) => block.shift.clone(),
+        Some(LogGroup::Day) => format!("day {:.0}", (block.time / DAY).floor() + 1.0),
+        None => blocks.groups[block.group].clone(),
+    };
+    let all: Vec<String> = blocks.list.iter().map(name).collect();
+    let mut names = all.clone();
+    names.sort();
+    names.dedup();
+    let of_row = all.iter().map(|own| names.binary_search(own).unwrap_or(0)).collect();
+    (names, of_row)
+}
 
 /// The groups that a log falls into.
 pub fn groups_of(shop: &Shop, events: &Records, by: Option<&str>) -> BTreeSet<String> {

@@ -9,6 +9,7 @@ use super::action::Action;
 use super::block::{Block, Blocks, ROOT_SCORE, TAIL};
 use super::constant::{Constant, Label};
 use super::figure::{Figure, Figures};
+use super::logs::groups;
 use super::nominal::Shop;
 use super::shapes::{Shapes, Stopped};
 use super::stops::Shape;
@@ -18,6 +19,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::gamma::gamma;
 use toolroom_innovations::Chain;
 use toolroom_records::{Records, Sensor};
+use toolroom_scenario::Scope;
 use toolroom_statistics::median;
 
 /// Prior standard deviations of logarithms (assumptions): programmed times as planners know them, gains of
@@ -51,6 +53,8 @@ pub struct ShopModel {
     /// Growth of the life of edges with the wear limit, 1/m, by block.
     life_slope: Vec<f64>,
     pub(super) actions: Vec<Action>,
+    /// Operations on which each of them acts.
+    pub(super) scopes: Vec<Scope>,
     /// What stops that nobody books do to blocks.
     pub(super) stopped: Stopped,
     /// Figure of the blocks by channel of the frame.
@@ -93,6 +97,7 @@ impl ShopModel {
             life_slope: blocks.list.iter().map(|block| life_slope(shop, &seen, block)).collect(),
             blocks,
             actions: Vec::new(),
+            scopes: Vec::new(),
             stopped: Stopped::default(),
             figures: Vec::new(),
         };
@@ -410,22 +415,6 @@ fn families(surfaces: &[Surface], times: &[(Vec<usize>, &'static str)]) -> Vec<F
         Family { name, surfaces: own.map(|surface| surface.name.clone()).collect() }
     };
     times.iter().filter(|(channels, _)| !channels.is_empty()).map(family).collect()
-}
-
-/// Groups of blocks and the group of each.
-pub(super) fn groups(blocks: &Blocks, visits: &Visits, by: Option<&str>) -> (Vec<String>, Vec<usize>) {
-    let name = |block: &Block| match by {
-        Some("machine") => visits.machines[block.machine].clone(),
-        Some("shift") => block.shift.clone(),
-        Some("day") => format!("day {:.0}", (block.time / 86400.0).floor() + 1.0),
-        _ => blocks.groups[block.group].clone(),
-    };
-    let all: Vec<String> = blocks.list.iter().map(name).collect();
-    let mut names = all.clone();
-    names.sort();
-    names.dedup();
-    let of_row = all.iter().map(|own| names.binary_search(own).unwrap_or(0)).collect();
-    (names, of_row)
 }
 
 /// What the nominal shop expects of a block; NaN where it has no opinion.

@@ -1,6 +1,6 @@
 //! Parts of a shop's log on which an effect may act alone: shifts, machines, pools of machines, parts, and all from a day on.
 
-use super::block::Block;
+use super::block::{Block, DAY};
 use super::nominal::Shop;
 use super::visit::Visits;
 use std::collections::BTreeSet;
@@ -11,11 +11,9 @@ use toolroom_scenario::Scope;
 const MOST_LEVELS: usize = 12;
 /// Machines or pools in one shift that are tried (count). Assumption: as above.
 const MOST_CROSSED: usize = 24;
-/// A day, s.
-const DAY: f64 = 86400.0;
 
-/// The shape of a candidate on a part of the blocks, such as `machine=M1|M2, shift=S2`, with the weight of each block.
-pub(super) type Part = (String, Vec<f64>);
+/// A part of the blocks, with the weight of each block in it.
+pub(super) type Part = (Scope, Vec<f64>);
 
 /// Parts of the blocks on which an effect may act: shifts, machines and parts one by one, pools of machines, machines and pools in
 /// one shift, and all from the beginning of a day on. Of parts that hold the same blocks the first counts.
@@ -25,10 +23,11 @@ pub(super) fn parts(shop: &Shop, visits: &Visits, blocks: &[Block]) -> Vec<Part>
     let machines: Vec<String> = blocks.iter().map(|block| visits.machines[block.machine].clone()).collect();
     let made: Vec<String> = blocks.iter().map(|block| part(block).unwrap_or_default().to_owned()).collect();
     let mut found: Vec<Part> = Vec::new();
-    let mut add = |shape: String, on: Vec<f64>| {
+    let mut add = |names: Vec<(&'static str, Vec<&str>)>, from: Option<f64>, on: Vec<f64>| {
         let known = |own: &Part| own.1 == on;
         if on.contains(&1.0) && on.contains(&0.0) && !found.iter().any(known) {
-            found.push((shape, on));
+            let owned = |(key, list): (&'static str, Vec<&str>)| (key, list.into_iter().map(str::to_owned).collect());
+            found.push((Scope { names: names.into_iter().map(owned).collect(), from, until: None }, on));
         }
     };
     let on = |names: &[String], test: &dyn Fn(&str) -> bool| -> Vec<f64> {
@@ -36,12 +35,12 @@ pub(super) fn parts(shop: &Shop, visits: &Visits, blocks: &[Block]) -> Vec<Part>
     };
     for (key, names) in [("shift", &shifts), ("machine", &machines), ("part", &made)] {
         for level in levels(names) {
-            add(format!("{key}={level}"), on(names, &|name| name == level));
+            add(vec![(key, vec![level])], None, on(names, &|name| name == level));
         }
     }
     let pools = pools(shop, visits);
     for pool in pools.iter().chain(&all_but_one(visits)) {
-        add(format!("machine={}", pool.join("|")), on(&machines, &|name| pool.contains(&name)));
+        add(vec![("machine", pool.clone())], None, on(&machines, &|name| pool.contains(&name)));
     }
     let alone = visits.machines.iter().map(|name| vec![name.as_str()]);
     let (places, turns) = (alone.chain(pools).collect::<Vec<_>>(), levels(&shifts));
@@ -52,13 +51,13 @@ pub(super) fn parts(shop: &Shop, visits: &Visits, blocks: &[Block]) -> Vec<Part>
                     .iter()
                     .zip(&shifts)
                     .map(|(machine, own)| f64::from(u8::from(place.contains(&machine.as_str()) && own == *shift)));
-                add(format!("machine={}, shift={shift}", place.join("|")), both.collect());
+                add(vec![("machine", place.clone()), ("shift", vec![*shift])], None, both.collect());
             }
         }
     }
     for from in days(blocks) {
-        let scope = Scope { from: Some(from), ..Scope::default() };
-        add(scope.words(), blocks.iter().map(|block| f64::from(u8::from(block.time >= from))).collect());
+        let on = blocks.iter().map(|block| f64::from(u8::from(block.time >= from))).collect();
+        add(Vec::new(), Some(from), on);
     }
     found
 }

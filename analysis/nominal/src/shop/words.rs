@@ -25,7 +25,7 @@ impl ShopModel {
                     Some(action) => {
                         let id = EffectId::from(deviation.effect);
                         let typical = if deviation.size == 0.0 { 1.0 } else { deviation.size.abs() };
-                        let shape = deviation.scope.words();
+                        let shape = action.shape(&deviation.scope);
                         self.frame.candidates.push(Candidate {
                             id,
                             shape,
@@ -34,6 +34,7 @@ impl ShopModel {
                             least: 0.0,
                         });
                         self.actions.push(action);
+                        self.scopes.push(deviation.scope.clone());
                         self.actions.len() - 1
                     }
                     None => {
@@ -80,7 +81,6 @@ impl ShopModel {
 
     /// How a scenario says a candidate.
     pub(super) fn written_effect(&self, candidate: usize) -> WrittenEffect {
-        let scope = scope_of(&self.frame.candidates[candidate].shape);
         let recorded = match &self.actions[candidate] {
             Action::Overridden(mean) | Action::Hold(mean) => Some(*mean),
             Action::Slower(_)
@@ -92,38 +92,6 @@ impl ShopModel {
             | Action::Policy
             | Action::Breakdowns => None,
         };
-        WrittenEffect { scope, recorded, ..WrittenEffect::default() }
-    }
-}
-
-/// The scope in the shape of a candidate, such as `machine=L1` or `from 86400 s`.
-pub fn scope_of(shape: &str) -> Scope {
-    let names = |part: &str| {
-        let (key, list) = part.split_once('=')?;
-        let key = toolroom_scenario::SCOPE_NAMES.iter().find(|own| **own == key)?;
-        Some((*key, list.split('|').map(str::to_owned).collect::<Vec<_>>()))
-    };
-    let time = |word: &str| {
-        let seconds = |part: &str| part.strip_prefix(word)?.trim().strip_suffix(" s")?.parse::<f64>().ok();
-        shape.split(", ").find_map(seconds)
-    };
-    Scope { names: shape.split(", ").filter_map(names).collect(), from: time("from "), until: time("until ") }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_scope_reads_back_from_its_words() {
-        let names = vec![("machine", vec!["L1".to_owned(), "L2".to_owned()]), ("shift", vec!["S2".to_owned()])];
-        for scope in [
-            Scope { names, from: Some(86400.0), until: Some(172_800.5) },
-            Scope { from: Some(432_000.0), ..Scope::default() },
-            Scope::shift("S1"),
-            Scope::default(),
-        ] {
-            assert_eq!(scope_of(&scope.words()), scope);
-        }
+        WrittenEffect { scope: self.scopes[candidate].clone(), recorded, ..WrittenEffect::default() }
     }
 }
