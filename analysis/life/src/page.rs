@@ -117,7 +117,8 @@ pub fn json(sample: &Sample, analysis: &Analysis, words: &Words) -> Map<String, 
 
 /// The fits as a table.
 pub fn fits(analysis: &Analysis, words: &Words) -> Table {
-    let mut table = Table::new(["law", "parameters (interval)", "log-likelihood", "AICc", "A²", "p"]);
+    let mut table = Table::new(["law", "parameters (interval)", "log-likelihood", "AICc above the least", "A²", "p"]);
+    let least = analysis.fits.iter().map(|fitted| fitted.fit.aicc()).fold(f64::INFINITY, f64::min);
     for fitted in &analysis.fits {
         let parameter = |(name, at, dimension): &(&str, super::fit::Estimated, Dimension)| {
             let unit = if *dimension == Dimension::Life && !words.unit.is_empty() {
@@ -132,7 +133,7 @@ pub fn fits(analysis: &Analysis, words: &Words) -> Table {
             picture::label(fitted.fit.law.family()).into(),
             fitted.parameters.iter().map(parameter).collect::<Vec<_>>().join(", ").into(),
             fitted.fit.log_likelihood.into(),
-            fitted.fit.aicc().into(),
+            (fitted.fit.aicc() - least).into(),
             fitted.distance.into(),
             fitted.goodness.map_or(f64::NAN, |test| test.p).into(),
         ]);
@@ -201,14 +202,16 @@ impl Group<'_> {
     }
 
     /// What is said of replacing its edges.
-    fn replaced(&self, unit: &str) -> String {
+    fn replaced(&self, words: &Words) -> String {
+        let unit = words.unit.as_str();
+        let per = if words.money.is_empty() { String::new() } else { format!(" {}/{unit}", words.money) };
         let blocks = &self.analysis.in_blocks;
         let costs = if !self.analysis.replacement_seen() {
             "When to replace an edge lies beyond the ages that were observed; the curve there is the law's alone."
                 .to_owned()
         } else if blocks.age.is_finite() {
             format!(
-                "In blocks, replacing all edges every {} {unit} whatever their age, the cost per time is {} against {} by age.",
+                "In blocks, replacing all edges every {} {unit} whatever their age, the cost per time is {}{per} against {}{per} by age.",
                 toolroom_chart::number(blocks.age, 4),
                 toolroom_chart::number(blocks.cost_rate, 4),
                 toolroom_chart::number(self.analysis.by_age.cost_rate, 4)
@@ -304,7 +307,7 @@ pub fn sections(groups: &[Group<'_>], words: &Words, confidence: f64) -> Vec<Sec
             let chart = picture::banded("Mean residual life", residual(), &group.analysis.residual_life, unit, time);
             Figure::new(&chart, group.said("How long an edge of an age will still last on average."))
         }));
-    let texts: Vec<String> = groups.iter().map(|group| group.said(&group.replaced(unit))).collect();
+    let texts: Vec<String> = groups.iter().map(|group| group.said(&group.replaced(words))).collect();
     let replacement = Section::new("Replacement");
     let replacement = match &texts[..] {
         [text] => replacement.paragraph(text.as_str()),

@@ -30,15 +30,25 @@ pub fn histogram(sample: &Sample, analysis: &Analysis, unit: &str) -> impl Chart
     plot.describe("Histogram of lives with the densities of the laws that are most credible by AICc.")
 }
 
-/// Forty equal classes of weighted lives between inspections, each life spread over its class.
+/// Forty equal classes of weighted lives between inspections, each life spread over the time between its two.
 fn weighted_columns(lives: &[(Observation, f64)]) -> Vec<(f64, f64, f64)> {
     const CLASSES: usize = 40;
-    let ages = || lives.iter().map(|(life, _)| life.age());
-    let (low, high) = (ages().fold(f64::INFINITY, f64::min), ages().fold(0.0, f64::max));
+    let span = |life: &Observation| match *life {
+        Observation::Between(from, to) => (from, to),
+        Observation::Failed(age) | Observation::Censored(age) => (age, age),
+    };
+    let low = lives.iter().map(|(life, _)| span(life).0).fold(f64::INFINITY, f64::min);
+    let high = lives.iter().map(|(life, _)| span(life).1).fold(0.0, f64::max);
     let width = ((high - low) / CLASSES as f64).max(1e-12 * high);
     let mut counts = [0.0; CLASSES];
     for (life, weight) in lives {
-        counts[(((life.age() - low) / width) as usize).min(CLASSES - 1)] += weight;
+        let (from, to) = span(life);
+        let class = |age: f64| (((age - low) / width) as usize).min(CLASSES - 1);
+        for (i, count) in counts.iter_mut().enumerate().take(class(to) + 1).skip(class(from)) {
+            let begin = low + width * i as f64;
+            let inside = to.min(begin + width) - from.max(begin);
+            *count += if to > from { weight * inside.max(0.0) / (to - from) } else { *weight };
+        }
     }
     let total: f64 = counts.iter().sum();
     let column = |(i, count): (usize, &f64)| {

@@ -137,7 +137,8 @@ fn csv(table: &Table) -> String {
 }
 
 fn words() -> Words {
-    Words { unit: "min".to_owned(), money: String::new() }
+    // Files of studies state costs in this currency only.
+    Words { unit: "min".to_owned(), money: "EUR".to_owned() }
 }
 
 fn summary(
@@ -337,10 +338,20 @@ fn report(
             "Time at which 5, 50 and 95 % of all edges have passed a level of wear; a line ends where fewer get there.",
         ));
     }
+    if worked.len() > SHOWN {
+        let (all, shown) = (worked.len(), SHOWN);
+        cells = cells.note(format!(
+            "Pictures and laws below are those of the first {shown} of {all} rows; cells.csv and summary.json hold all."
+        ));
+    }
     report = report.section(cells);
     let of_cell = |cell: &Worked<'_>| if worked.len() == 1 { String::new() } else { name(cell.cell) };
     let by_wear = |(wear, rate): (f64, f64)| {
-        format!("Replaced by wear instead, at {} mm, the cost per time is {}.", number(wear * 1e3, 3), number(rate, 4))
+        format!(
+            "Replaced by wear instead, at {} mm, the cost per time is {} EUR/min.",
+            number(wear * 1e3, 3),
+            number(rate, 4)
+        )
     };
     let shown = || worked.iter().take(SHOWN);
     let groups: Vec<page::Group<'_>> = shown()
