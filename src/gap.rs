@@ -14,7 +14,7 @@ use crate::args::{GapCommand, GapData};
 use crate::effects::defined;
 use crate::failure::Failure;
 use crate::speak::Voice;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toolroom_gap::NominalModel;
 use toolroom_gap_study::{GapStudyError, Reading};
 use toolroom_records::Records;
@@ -57,6 +57,11 @@ fn recorded(path: &Path, model: &NominalModel, voice: &Voice) -> Result<Records,
 }
 
 /// Nothing of what the model predicts was measured.
+/// The files behind `--data`: the path itself, and of a folder every table in it. None of them is ever replaced.
+fn files_of(data: &Path) -> Vec<PathBuf> {
+    std::iter::once(data.to_owned()).chain(toolroom_records::table_files(data)).collect()
+}
+
 fn nothing_measured(notes: &[String]) -> Failure {
     GapStudyError::NothingMeasured { notes: notes.to_vec() }.into()
 }

@@ -106,10 +106,13 @@ fn machine_of(file: &Path, args: &ProgramArgs, setup: Option<&Setup>) -> Result<
 fn one(file: &Path, args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let name = file.display().to_string();
     let source = Source::open(file).map_err(Failure::unread(file))?;
-    let files = Files::new([file], voice.force);
+    let setup = args.setup.as_deref().map(|path| Setup::read(path, &[])).transpose()?;
+    let named = setup.iter().flat_map(|setup| &setup.files).map(AsRef::as_ref);
+    let inputs = std::iter::once(file).chain(args.setup.as_deref()).chain(args.drives.as_deref()).chain(named);
+    let files = Files::new(inputs, voice.force);
     let outputs = [&args.blocks, &args.out, &args.motions, &args.report, &args.drawing];
     files.check_all(outputs.into_iter().flatten().map(PathBuf::as_path))?;
-    let setup = args.setup.as_deref().map(|path| Setup::read(path, &[])).transpose()?.map(|file| file.content);
+    let setup = setup.map(|file| file.content);
     let (control, drives) = machine_of(file, args, setup.as_ref())?;
     let bar = Bar::of(voice, "steps");
     let of = ProgramOnMachine { source, control, drives, setup };

@@ -32,9 +32,10 @@ fn export(args: &SspExportArgs, voice: &Voice) -> Result<(), Failure> {
     let refused = |error| Failure::argument(error, "`toolroom check` lists machines, operations and policies");
     let stop = seconds("--stop", Some(&args.stop))?.filter(|stop| *stop > 0.0);
     let stop = stop.ok_or_else(|| Failure::argument("--stop: it has to be above 0", "such as \"1 h\""))?;
-    let files = Files::new([args.scenario.file.as_path()], voice.force);
-    files.check(&args.out)?;
     let file = read(&args.scenario.file, &args.scenario.changes.overrides())?;
+    let inputs = file.files.iter().map(AsRef::as_ref).chain([args.scenario.file.as_path()]);
+    let files = Files::new(inputs, voice.force);
+    files.check(&args.out)?;
     let choice =
         Choice { machine: args.machine.clone(), policy: args.policy.clone(), operation: args.operation.clone() };
     let cell = Cell::of(&file.scenario, &choice).map_err(|error| refused(error.to_string()))?;

@@ -9,7 +9,9 @@ use toolroom_output::Files;
 
 /// Writes the set of `tool` of the scenario `path` with the values that the scenario states or calibrates everywhere.
 pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Failure> {
-    let scenario = toolroom_scenario_file::read(path, &[])?.scenario;
+    let file = toolroom_scenario_file::read(path, &[])?;
+    let files = Files::new(file.files.iter().map(AsRef::as_ref).chain([path]), voice.force);
+    let scenario = file.scenario;
     let place = path.display();
     let folder = path.parent().unwrap_or(Path::new(""));
     let Baked { mut set, moved, left_out } =
@@ -22,7 +24,6 @@ pub fn run(path: &Path, tool: &str, out: &Path, voice: &Voice) -> Result<(), Fai
         })?;
     set.name = out.file_stem().map_or_else(|| "baked".into(), |stem| stem.to_string_lossy().into_owned());
     set.title = format!("{}, as {place} calibrates it", set.title);
-    let files = Files::new([path], voice.force);
     files.check(out)?;
     files.put(out, set.to_toml().as_bytes())?;
     if voice.json {

@@ -18,7 +18,7 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
         Some(_) => &[Version::Three],
     };
     let description = unit.describe();
-    let files = Files::new([], voice.force);
+    let files = Files::new(args.parameters.iter().map(AsRef::as_ref), voice.force);
     let places = places(args, versions, |version| file_name(description, version));
     places.iter().try_for_each(|(_, path)| files.check(path))?;
     let sets = own_sets(args, unit)?;

@@ -1,7 +1,7 @@
 //! `toolroom gap apply`: the model with everything that a diagnosis has found, and what that does
 //! to the key figures of the shop.
 
-use super::{nominal_of, reading};
+use super::{files_of, nominal_of, reading};
 use crate::args::ApplyArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
@@ -17,7 +17,8 @@ pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
     let place = |error: &serde_json::Error| Location::column(args.diagnosis.display(), error.line(), error.column());
     let diagnosis: Value = serde_json::from_str(&read(&args.diagnosis)?)
         .map_err(|error| Failure::of_file(&args.diagnosis, &error, "give a diagnosis.json").at(Some(place(&error))))?;
-    let inputs = args.models.iter().chain([&args.diagnosis]).chain(&args.data).map(AsRef::as_ref);
+    let data: Vec<PathBuf> = args.data.iter().flat_map(|data| files_of(data)).collect();
+    let inputs = args.models.iter().chain([&args.diagnosis]).chain(&data).map(AsRef::as_ref);
     let files = Files::new(inputs, voice.force);
     match &args.models[..] {
         [model] => one(args, model, &files, &diagnosis, voice),

@@ -1,23 +1,23 @@
 //! `toolroom gap diagnose`.
 
-use super::reading;
+use super::{files_of, reading};
 use crate::args::DiagnoseArgs;
 use crate::effects::defined;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
+use std::path::PathBuf;
 use toolroom_chart::page::Provenance;
 use toolroom_gap_study::{GapRequest, GapStudy, NAMES};
 use toolroom_output::{Files, OutputDir};
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
-    let inputs =
-        args.models.iter().chain([&args.data]).chain(&args.holdout_data).chain(&args.effects).map(AsRef::as_ref);
-    let out = args.out.as_deref().map(|target| OutputDir::create(target, NAMES, inputs, voice.force)).transpose()?;
-    let inputs =
-        args.models.iter().chain([&args.data]).chain(&args.holdout_data).chain(&args.effects).map(AsRef::as_ref);
-    let files = Files::new(inputs, voice.force);
+    let data: Vec<PathBuf> =
+        [&args.data].into_iter().chain(&args.holdout_data).flat_map(|data| files_of(data)).collect();
+    let inputs = || args.models.iter().chain(&data).chain(&args.effects).map(AsRef::as_ref);
+    let out = args.out.as_deref().map(|target| OutputDir::create(target, NAMES, inputs(), voice.force)).transpose()?;
+    let files = Files::new(inputs(), voice.force);
     if let Some(path) = &args.propose {
         files.check(path)?;
     }

@@ -1,6 +1,6 @@
 //! `toolroom gap plan`.
 
-use super::{nominal, recorded};
+use super::{files_of, nominal, recorded};
 use crate::args::PlanArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
@@ -13,7 +13,8 @@ use toolroom_records::write_csv;
 
 pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {
     let began = Instant::now();
-    let inputs = [args.data.model.as_path(), args.data.data.as_path()];
+    let data = files_of(&args.data.data);
+    let inputs = data.iter().chain([&args.data.model]).map(AsRef::as_ref);
     let names = &["plan.json", "runs.csv"];
     let out = args.out.as_deref().map(|target| OutputDir::create(target, names, inputs, voice.force)).transpose()?;
     let model = nominal(&args.data)?;

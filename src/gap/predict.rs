@@ -1,6 +1,6 @@
 //! `toolroom gap predict`: what a model predicts of recorded operations.
 
-use super::reading;
+use super::{files_of, reading};
 use crate::args::{GapData, PredictArgs};
 use crate::effects::defined;
 use crate::failure::Failure;
@@ -44,7 +44,8 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         let path = out.join("predictions.csv");
         std::fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.clone(), source })?;
-        Files::new([model, data].into_iter().chain(effects).map(AsRef::as_ref), voice.force)
+        let data = files_of(data);
+        Files::new(data.iter().chain([model]).chain(effects).map(AsRef::as_ref), voice.force)
             .put(&path, text.as_bytes())?;
         if voice.json {
             return voice.json(&json!({ "schema": 1, "rows": rows.len(), "path": path.display().to_string() }));

@@ -1,6 +1,6 @@
 //! `toolroom gap watch`: whether a shop that was diagnosed has changed since.
 
-use super::{nominal, recorded};
+use super::{files_of, nominal, recorded};
 use crate::args::WatchArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
@@ -27,7 +27,8 @@ pub fn run(args: &WatchArgs, voice: &Voice) -> Result<(), Failure> {
         super::nothing_measured(&["the newest block of each machine may still grow and is not used".to_owned()])
     })?;
     if let Some(path) = &args.state {
-        let files = Files::new([args.data.model.as_path(), args.data.data.as_path()], voice.force);
+        let data = files_of(&args.data.data);
+        let files = Files::new(data.iter().chain([&args.data.model]).map(AsRef::as_ref), voice.force);
         files.put_marked(path, &watch.state(), |old| Watch::resume(old, &key).is_ok())?;
     }
     if voice.json {

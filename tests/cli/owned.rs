@@ -223,3 +223,49 @@ fn a_plan_takes_no_file_of_the_user_and_never_the_scenario() {
     assert!(refused(&to(&plan, &[])).contains("was changed since"));
     done(&to(&plan, &["--force"]));
 }
+
+#[test]
+fn a_part_program_replaces_neither_its_setup_nor_its_machine() {
+    let dir = directory("cli", "owned_program");
+    let [program, setup, machine] =
+        ["part.nc", "setup.toml", "machine.toml"].map(|name| dir.join(name).display().to_string());
+    write(&program, "G21 G90\nG0 X0 Y0 Z5\nG1 X10 F600\nM30\n");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    write(&setup, &read(root.join("new/setup.toml")));
+    write(&machine, &read(root.join("machines/vmc.toml")));
+    for (option, target) in
+        [("--report", &setup), ("--blocks", &setup), ("--blocks", &machine), ("--motions", &machine)]
+    {
+        let before = read(target);
+        let arguments = ["program", &program, "--setup", &setup, "--drives", &machine, option, target, "--force"];
+        assert!(refused(&toolroom(&arguments)).contains("is an input of this command"), "{option} {target}");
+        assert_eq!(read(target), before);
+    }
+}
+
+#[test]
+fn no_diagnosis_takes_the_place_of_the_records_that_it_reads() {
+    let dir = directory("cli", "owned_records");
+    let records = dir.join("records");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let [log, map] = ["new/log.csv", "new/map.toml"].map(|name| root.join(name).display().to_string());
+    let to = records.display().to_string();
+    done(&toolroom(&["import", "csv", &log, "--map", &map, "--out", &to]));
+    let imported = read(records.join("operations.csv"));
+    let model = shipped("gap/turning");
+    for verb in ["diagnose", "plan"] {
+        for force in [&[][..], &["--force"]] {
+            let arguments = ["gap", verb, "--model", &model, "--data", &to, "--out", &to];
+            let said = refused(&toolroom(&[&arguments[..], force].concat()));
+            assert!(said.contains("operations.csv"), "{verb}: {said}");
+            assert_eq!(read(records.join("operations.csv")), imported, "{verb}");
+        }
+    }
+    // What is imported is no result of an earlier run.
+    let template = shipped("template");
+    assert!(refused(&toolroom(&["run", &template, "--out", &to])).contains("that `toolroom import` wrote"));
+    assert_eq!(read(records.join("operations.csv")), imported);
+    let said =
+        toolroom(&["calibrate", "turning", "--life", "15 min", "--at", "200 m/min", "--model", &model, "--out", &to]);
+    assert!(refused(&said).contains("--life"), "{}", stderr(&said));
+}

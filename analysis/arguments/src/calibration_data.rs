@@ -9,40 +9,40 @@ pub struct CalibrationData {
     #[arg(long, value_name = "RECORDS", requires = "model", conflicts_with = "life")]
     pub data: Option<PathBuf>,
     /// Parameter set from which everything comes that the data do not say: a shipped name or a file
-    #[arg(long, value_name = "SET", requires = "data")]
+    #[arg(long, value_name = "SET", requires = "data", conflicts_with = "life")]
     pub model: Option<String>,
     /// Mapping file for a table of any layout
-    #[arg(long, value_name = "MAP.toml", requires = "data")]
+    #[arg(long, value_name = "MAP.toml", requires = "data", conflicts_with = "life")]
     pub map: Option<PathBuf>,
     /// Wear law of turning: all, or extended_taylor, takeyama_murata, usui, energy_balance; may be repeated. Milling has `life`
-    #[arg(long, value_name = "NAME", requires = "data", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME", requires = "data", conflicts_with = "life", value_delimiter = ',')]
     pub law: Vec<String>,
     /// Shape of the wear curve of laws that state lives: straight, curved, tilted, or all of them; may be repeated
-    #[arg(long, value_name = "WORD", requires = "data", value_delimiter = ',')]
+    #[arg(long, value_name = "WORD", requires = "data", conflicts_with = "life", value_delimiter = ',')]
     pub shape: Vec<String>,
     /// Column of words whose edges may wear at different rates, such as material; material=steel has the set carry steel
-    #[arg(long, value_name = "COLUMN", requires = "data")]
+    #[arg(long, value_name = "COLUMN", requires = "data", conflicts_with = "life")]
     pub by: Option<String>,
     /// A parameter that is not fitted, such as stage_tilt=0; may be repeated
-    #[arg(long, value_name = "KEY=VALUE", requires = "data")]
+    #[arg(long, value_name = "KEY=VALUE", requires = "data", conflicts_with = "life")]
     pub fix: Vec<String>,
     /// File whose [prior] goes before that of the set: a parameter set, or nothing but [prior]
-    #[arg(long, value_name = "FILE", requires = "data")]
+    #[arg(long, value_name = "FILE", requires = "data", conflicts_with = "life")]
     pub prior: Option<PathBuf>,
     /// Edges that take no part and are predicted: a share such as 0.2, or names such as E03,E07
-    #[arg(long, value_name = "SHARE|EDGES", requires = "data")]
+    #[arg(long, value_name = "SHARE|EDGES", requires = "data", conflicts_with = "life")]
     pub holdout: Option<String>,
     /// How edges begin: new, or unknown where their first reading is all that is known of what was before
-    #[arg(long, value_name = "WORD", requires = "data", default_value = "new", value_parser = ["new", "unknown"])]
+    #[arg(long, value_name = "WORD", requires = "data", conflicts_with = "life", default_value = "new", value_parser = ["new", "unknown"])]
     pub start: String,
     /// Let the wear rate wander within lives, and find by how much
-    #[arg(long, requires = "data")]
+    #[arg(long, requires = "data", conflicts_with = "life")]
     pub life_noise: bool,
     /// Work out profile intervals too
-    #[arg(long, requires = "data")]
+    #[arg(long, requires = "data", conflicts_with = "life")]
     pub profile: bool,
     /// Scenario whose choice between two speeds says what to measure next, by cost
-    #[arg(long, value_name = "SCENARIO", requires = "data")]
+    #[arg(long, value_name = "SCENARIO", requires = "data", conflicts_with = "life")]
     pub decision: Option<PathBuf>,
     /// Draws of the posterior
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = draws)]
@@ -51,7 +51,7 @@ pub struct CalibrationData {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Fail where the law or a parameter is not determined; the files are written
-    #[arg(long, requires = "data")]
+    #[arg(long, requires = "data", conflicts_with = "life")]
     pub strict: bool,
 }
 

@@ -9,11 +9,11 @@ fn verbs(command: &Command) -> Vec<(String, &Command)> {
     for verb in command.get_subcommands().filter(|verb| !verb.is_hide_set() && verb.get_name() != "help") {
         let name = format!("{} {}", command.get_bin_name().unwrap_or(command.get_name()), verb.get_name());
         let inner = verbs(verb);
-        if inner.is_empty() {
+        // `modes FILE` is a verb, and so is `modes update`.
+        if inner.is_empty() || verb.get_positionals().next().is_some() {
             all.push((name, verb));
-        } else {
-            all.extend(inner);
         }
+        all.extend(inner);
     }
     all
 }

@@ -52,6 +52,8 @@ enum Earlier {
 
 /// Folder of the journals of work that is not complete.
 const JOURNAL: &str = ".toolroom-journal";
+/// What a folder of imported records holds, beside them.
+const IMPORT: &str = "import.json";
 /// What a folder of results always holds.
 const MARK: &str = "run.json";
 /// Folder of the files that are not complete.
@@ -88,6 +90,7 @@ impl OutputDir {
         out.lock = Some(Lock::take(&out.place)?);
         out.earlier = earlier(&out.place);
         out.check(names.iter().copied().chain([MARK]))?;
+        out.spare_records(names)?;
         // Under the lock a draft is that of a dead process.
         if out.draft.is_dir() {
             fs::remove_dir_all(&out.draft).map_err(unwritable)?;
@@ -131,6 +134,19 @@ impl OutputDir {
             permit(&self.target.join(name), listed.standing(&self.place, name)?, &self.inputs, self.force)?;
         }
         Ok(())
+    }
+
+    /// Refuses a folder of imported records to what is no import: they are measurements, and no result that a next run replaces.
+    fn spare_records(&self, names: &[&str]) -> Result<(), OutputError> {
+        let imported = manifest(&self.place)
+            .is_some_and(|run| run["command"].as_str().is_some_and(|command| command.starts_with("toolroom import")));
+        let Earlier::Listed(listed) = &self.earlier else { return Ok(()) };
+        if self.force || !imported || names.contains(&IMPORT) {
+            return Ok(());
+        }
+        let (folder, names) = (self.target.display(), listed.names().collect::<Vec<_>>().join(", "));
+        let message = format!("{folder} holds records that `toolroom import` wrote: {names}");
+        Err(OutputError::refused(message, "choose another folder, or replace them with --force; nothing was changed"))
     }
 
     /// The folder under the name that the user gave it.
@@ -397,6 +413,26 @@ mod tests {
         assert_eq!(run(&target, &["stopped/jobs.csv"]), ["run.json", "stopped/jobs.csv"]);
         assert_eq!(run(&target, &["kpi.csv"]), ["kpi.csv", "run.json"]);
         assert!(!target.join("stopped").exists(), "an empty folder goes with its files");
+    }
+
+    #[test]
+    fn imported_records_are_no_results_that_the_next_run_replaces() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let target = folder.path().join("records");
+        let import = |names: &[&str]| {
+            let out = OutputDir::create(&target, names, [], false)?;
+            names.iter().try_for_each(|name| out.put(name, "measured"))?;
+            let run =
+                json!({ "schema": 1, "version": "0", "command": "toolroom import csv log.csv", "complete": true });
+            out.put_json(MARK, &run)?;
+            out.publish()
+        };
+        import(&["operations.csv", IMPORT]).expect("a free place");
+        import(&["operations.csv", IMPORT]).expect("another import of the same");
+        let refused = OutputDir::create(&target, &["diagnosis.json"], [], false).expect_err("it holds records");
+        assert!(refused.to_string().contains("operations.csv"), "{refused}");
+        assert_eq!(fs::read_to_string(target.join("operations.csv")).expect("there"), "measured");
+        OutputDir::create(&target, &["diagnosis.json"], [], true).expect("by force");
     }
 
     #[test]

@@ -39,7 +39,7 @@ pub use chatter::{CHATTER_FREQUENCY_DEVIATION, WRONG_CHATTER_RECORD};
 pub use columns::{ColumnKind, RecordColumn};
 pub use csv_table::{OtherTable, RawTable};
 pub use error::RecordError;
-pub use read::{cells, parse_csv, read, tables};
+pub use read::{cells, parse_csv, read, table_files, tables};
 pub use report::ReadReport;
 pub use sensor::Sensor;
 pub use write::write_csv;

@@ -62,6 +62,15 @@ pub fn tables(dir: &Path) -> Vec<RecordKind> {
     kinds.into_iter().filter(|kind| find(dir, *kind).is_ok() || !folders(dir, *kind).is_empty()).collect()
 }
 
+/// Files of all tables that a directory holds, by itself or in its folders.
+pub fn table_files(dir: &Path) -> Vec<PathBuf> {
+    let of_kind = |kind: &RecordKind| {
+        let nested = folders(dir, *kind);
+        nested.iter().map(PathBuf::as_path).chain([dir]).filter_map(|own| find(own, *kind).ok()).collect::<Vec<_>>()
+    };
+    RecordKind::ALL.iter().flat_map(of_kind).collect()
+}
+
 /// Folders of a directory that hold a file of the kind, by name.
 fn folders(dir: &Path, kind: RecordKind) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(dir).into_iter().flatten().filter_map(Result::ok);
