@@ -124,7 +124,7 @@ def book():
     summary = (ROOT / "docs/SUMMARY.md").read_text(encoding="utf-8")
     named = {link.partition("#")[0] for link in LINK.findall(summary)}
     pages = {str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.md")}
-    return sorted(page for page in pages - named if not page.startswith(("gap-benchmark/", "reference/")) and page != "SUMMARY.md")
+    return sorted(page for page in pages - named if not page.startswith("gap-benchmark/") and page != "SUMMARY.md")
 
 
 def front_door():

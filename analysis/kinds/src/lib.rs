@@ -51,7 +51,7 @@ pub const CODES: &[(&str, &str)] = &[
     ),
     (
         "overload",
-        "A warning of check, run and compare: a station, or everybody who has a skill, has more work than working time until the horizon, or until a due date. The queue before it then grows without end, and lead times say how long was simulated. The same is said before run and compare begin. Mean times, one setup a lot, no breakdowns: the true load is greater. Lower the arrivals, or add machines, people or hours.",
+        "A warning of check, run and compare: a station, or everybody who has a skill, has more work than working time until the horizon, or until a due date. The queue before it then grows without end, and lead times say how long was simulated. The same is said before run and compare begin. Mean times, one setup a lot where more than one group comes, no tool changes, no breakdowns: the true load is greater. Lower the arrivals, or add machines, people or hours.",
     ),
     (
         "memory",

@@ -92,8 +92,9 @@ pub fn chart(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
 
 pub fn structure(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     let file = toolroom_lobes::read_structure(path, set)?;
-    let modes = file.content.modes.len();
-    Ok(checked("structure", Some(&file.content.name), file.echo, &format!("a structure of {modes} modes")))
+    // What stiffer modes give way is no mode of the file.
+    let modes = counted(file.content.rotations.len(), "mode", "modes");
+    Ok(checked("structure", Some(&file.content.name), file.echo, &format!("a structure of {modes}")))
 }
 
 pub fn coefficients(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {

@@ -7,6 +7,7 @@ mod earliest;
 use crate::Warning;
 use crate::presence::{absent, paid_twice};
 use crate::truncated::truncated;
+use std::collections::BTreeSet;
 use std::iter::successors;
 use toolroom_scenario::{
     Arrival, ArrivalPattern, BatchUnit, InspectedTo, Interruption, Operation, Order, Presence, Scenario, WorkPer, date,
@@ -78,6 +79,8 @@ struct Shop<'a> {
     scenario: &'a Scenario,
     /// Time of passes as programmed, s, by part and operation.
     cutting: Vec<Vec<f64>>,
+    /// Groups of setups that come to each machine.
+    groups: Vec<BTreeSet<&'a str>>,
 }
 
 /// What no rule of dispatching helps against: stations and skills with more work than working time, and a queue that would
@@ -85,7 +88,7 @@ struct Shop<'a> {
 ///
 /// It is worked out from mean times and speeds as programmed, without a simulation, so that it can be said before a run.
 pub fn overloads(scenario: &Scenario, bound: Option<u64>, logged: bool) -> Vec<Warning> {
-    let shop = Shop { scenario, cutting: programmed_cutting_times(scenario) };
+    let shop = Shop::new(scenario);
     let loads = shop.loads();
     let mut warnings: Vec<Warning> = loads
         .iter()
@@ -115,7 +118,7 @@ pub fn overloads(scenario: &Scenario, bound: Option<u64>, logged: bool) -> Vec<W
 
 /// Works out load and earliest finishes.
 pub(crate) fn workload(scenario: &Scenario) -> Workload {
-    let shop = Shop { scenario, cutting: programmed_cutting_times(scenario) };
+    let shop = Shop::new(scenario);
     let loads = shop.loads();
     let mut warnings: Vec<Warning> = Vec::new();
     for load in &loads {
@@ -135,7 +138,19 @@ pub(crate) fn workload(scenario: &Scenario) -> Workload {
     Workload { loads, warnings }
 }
 
-impl Shop<'_> {
+impl<'a> Shop<'a> {
+    fn new(scenario: &'a Scenario) -> Self {
+        let groups = vec![BTreeSet::new(); scenario.machines.len()];
+        let mut shop = Self { scenario, cutting: programmed_cutting_times(scenario), groups };
+        for (part, operation) in shop.lots() {
+            let operation = &scenario.parts[part].operations[operation];
+            for machine in &operation.machines {
+                shop.groups[*machine].insert(&operation.setup_group);
+            }
+        }
+        shop
+    }
+
     /// Every station, and every skill that any operation needs.
     fn loads(&self) -> Vec<Load> {
         let scenario = self.scenario;
@@ -400,12 +415,14 @@ impl Shop<'_> {
             machine.load_time.mean() + machine.unload_time.mean()
         });
         let setup = least(&|machine| {
+            // Where nothing else comes, the machine stays set up.
+            let stays = self.groups[machine].len() < 2;
             let machine = &scenario.machines[machine];
             let Some(matrix) = machine.setup_matrix.map(|index| &scenario.setup_matrices[index]) else {
-                return planned.setup_time.unwrap_or(machine.setup_time);
+                return if stays { 0.0 } else { planned.setup_time.unwrap_or(machine.setup_time) };
             };
             let Some(to) = matrix.group(&planned.setup_group) else { return 0.0 };
-            let from = (0..matrix.times.len()).filter(|from| *from != to);
+            let from = (0..matrix.times.len()).filter(|from| *from != to && !stays);
             from.map(|from| matrix.times[from][to]).reduce(f64::min).unwrap_or(matrix.times[to][to])
         });
         Need { handling, setup }

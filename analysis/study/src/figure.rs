@@ -5,7 +5,7 @@ use toolroom_scenario::Scenario;
 use toolroom_statistics::Interval;
 
 /// Decimals that show an uncertainty with one digit, or two if it starts below 5. A value that does
-/// not vary gets the decimals that it has, a value of unknown uncertainty four digits; never more
+/// not vary gets the decimals that it has, but no more than four digits, as a value of unknown uncertainty does; never more
 /// than four decimals.
 pub(crate) fn decimals(value: f64, half_width: f64) -> usize {
     const MOST: f64 = 4.0;
@@ -18,7 +18,9 @@ pub(crate) fn decimals(value: f64, half_width: f64) -> usize {
             let scaled = value * 10_f64.powi(digits);
             (scaled - scaled.round()).abs() <= 1e-9 * scaled.abs()
         };
-        return (0..MOST as i32).find(exact).unwrap_or(if value.is_finite() { MOST as i32 } else { 0 }) as usize;
+        let four = if value == 0.0 || !value.is_finite() { 0.0 } else { 3.0 - value.abs().log10().floor() };
+        let most = four.clamp(0.0, MOST) as i32;
+        return (0..most).find(exact).unwrap_or(most) as usize;
     } else {
         (value.abs(), 4.0)
     };
@@ -87,7 +89,16 @@ mod tests {
     #[test]
     fn what_does_not_vary_is_printed_as_it_is() {
         assert_eq!(plain(8.000_000_000_1, decimals(8.000_000_000_1, 1e-10)), "8");
-        for (value, text) in [(0.0, "0"), (8.0, "8"), (0.25, "0.25"), (1.0 / 3.0, "0.3333"), (-1.5, "−1.5")] {
+        for (value, text) in [
+            (0.0, "0"),
+            (8.0, "8"),
+            (0.25, "0.25"),
+            (1.0 / 3.0, "0.3333"),
+            (-1.5, "−1.5"),
+            (4323.0 + 1.0 / 3.0, "4323"),
+            (61.0526, "61.05"),
+            (12345.6, "12346"),
+        ] {
             assert_eq!(plain(value, decimals(value, 0.0)), text);
         }
     }

@@ -4,6 +4,7 @@ mod chatter;
 mod difference;
 mod figures;
 mod orders;
+mod policies;
 mod quality;
 mod shop;
 mod tuned;
@@ -53,6 +54,20 @@ impl<'a> Source<'a> {
         shown.sort_unstable();
         shown.dedup();
         shown
+    }
+
+    /// What is said where some policies have no picture of their own; `None` where all have one.
+    fn unpictured(&self) -> Option<String> {
+        let shown = self.pictured();
+        let all = self.comparison.policies.len();
+        let names: Vec<&str> = shown.iter().map(|position| self.name(*position)).collect();
+        (shown.len() < all).then(|| {
+            format!(
+                "Pictures of single policies show {} of {all}: {}. The tables have all of them.",
+                shown.len(),
+                names.join(", ")
+            )
+        })
     }
 
     fn headline(&self) -> Option<&'a Difference> {

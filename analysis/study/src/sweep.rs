@@ -134,6 +134,33 @@ impl Sweep {
         text.trim_end().to_owned()
     }
 
+    /// Cost of a part under every policy over the values of the key.
+    fn costs(&self, summaries: &[Value], key: Axis) -> Plot {
+        let unit = summaries.first().and_then(|summary| summary["currency"].as_str()).unwrap_or_default();
+        let title = "Cost of a part";
+        let mut plot = Plot::new(title, key, Axis::linear(title, unit))
+            .describe("The cost of a part under each policy at each value of the key, with its 95 % interval.");
+        let policies = summaries.first().and_then(|summary| summary["policies"].as_array()).map_or(0, Vec::len);
+        for policy in 0..policies {
+            let name = summaries[0]["policies"][policy]["name"].as_str().unwrap_or_default();
+            let costs: Vec<(f64, f64, [Option<f64>; 2])> = self
+                .values
+                .iter()
+                .zip(summaries)
+                .filter_map(|(value, summary)| {
+                    let cost = &summary["policies"][policy]["kpi"]["cost_per_part"];
+                    let ends = [0, 1].map(|end| cost["ci95"][end].as_f64());
+                    Some((split(value).ok()?.0, cost["mean"].as_f64()?, ends))
+                })
+                .collect();
+            let band = costs.iter().filter_map(|(value, _, ends)| Some((*value, ends[0]?, ends[1]?)));
+            plot = plot.band(format!("95 % of {name}"), band.collect::<Vec<_>>(), Style::nth(policy));
+            let line = costs.iter().map(|(value, mean, _)| (*value, *mean));
+            plot = plot.marked_line(name, line.collect::<Vec<_>>(), Style::nth(policy));
+        }
+        plot
+    }
+
     /// The results as a page: the difference of the decision at each value, and its maps over prices.
     pub fn report(&self, summaries: &[Value]) -> Report {
         let unit = self.values.first().and_then(|value| split(value).ok()).map_or("", |(_, unit)| unit);
@@ -151,6 +178,7 @@ impl Sweep {
         let mean = |summary: &Value| summary["decision"]["difference"]["mean"].as_f64();
         let means: Vec<(f64, f64)> =
             numbers().zip(summaries).filter_map(|(value, summary)| Some((value, mean(summary)?))).collect();
+        let compared = !means.is_empty();
         let plot = Plot::new("Difference of the decision", key(), Axis::linear("Difference of the cost of a part", ""))
             .describe(
                 "The difference at each value of the key with its 95 % interval; zero is where the decision turns.",
@@ -158,10 +186,18 @@ impl Sweep {
             .band("95 %", ends, Style::nth(1))
             .marked_line("difference", means, Style::nth(0))
             .horizontal(0.0, "both cost the same");
-        let mut section = Section::new("Each value of the key").figure(Figure::new(
-            &plot,
-            "Below zero the adaptive or later policy is cheaper. Where policies are tuned, each value has settings of its own.",
-        ));
+        let mut section = Section::new("Each value of the key");
+        section = if compared {
+            section.figure(Figure::new(
+                &plot,
+                "Below zero the adaptive or later policy is cheaper. Where policies are tuned, each value has settings of its own.",
+            ))
+        } else {
+            section.figure(Figure::new(
+                &self.costs(summaries, key()),
+                "No policy is compared with another here: the cost of a part under each, with its 95 % interval.",
+            ))
+        };
         for (value, summary) in self.values.iter().zip(summaries) {
             if let Some(line) = summary["decision"]["line"].as_str() {
                 section = section.paragraph(format!("{} = {value}: {line}", self.key));
@@ -278,8 +314,11 @@ fn figure(figures: &Value, name: &str) -> String {
 /// A number and its unit.
 fn split(text: &str) -> Result<(f64, &str), SweepError> {
     let text = text.trim();
-    let end = text.find(|c: char| c.is_alphabetic() || c == '%' || c.is_whitespace()).unwrap_or(text.len());
-    let number = text[..end].parse().map_err(|_| SweepError::NoNumber { text: text.to_owned() })?;
+    // The longest beginning that is a number: "1e3 mm" has an exponent, "1 e" a unit.
+    let ends = text.char_indices().map(|(place, c)| place + c.len_utf8()).rev();
+    let number = |end: usize| Some((text[..end].parse::<f64>().ok().filter(|number| number.is_finite())?, end));
+    let (number, end) =
+        ends.into_iter().find_map(number).ok_or_else(|| SweepError::NoNumber { text: text.to_owned() })?;
     Ok((number, text[end..].trim()))
 }
 
@@ -289,6 +328,8 @@ mod tests {
 
     #[test]
     fn a_line_through_the_differences_says_where_the_decision_turns() {
+        assert_eq!(Sweep::new("key", "1e0 mm", "3e0 mm", "1").unwrap_err().fix(), "write all three in the same unit");
+        assert_eq!(Sweep::new("key", "1e0", "5", "2").unwrap().values, ["1", "3", "5"]);
         let sweep = Sweep::new("key", "1 min", "3 min", "1 min").unwrap();
         let summary = |mean: f64| serde_json::json!({ "decision": { "difference": { "mean": mean } } });
         assert_eq!(sweep.turns_at(&[-1.0, 0.0, 1.0].map(summary)).as_deref(), Some("2.00 min"));

@@ -83,6 +83,13 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
         let fault = Fault::MissingKey { section: section.to_owned(), key, example: example.to_owned() };
         walk.fault(root.span_of("limits"), fault);
     }
+    // A force across the cutting speed takes no power: such a limit would never act.
+    let across = matches!(&cut, LobesCut::Turning { cut, .. } if cut.force_angle == 0.0);
+    if across && (limits.power.is_some() || limits.torque.is_some()) {
+        let section = "[cut] beside a limit of power or torque".to_owned();
+        let fault = Fault::MissingKey { section, key: "force_angle", example: "\"70 deg\"".to_owned() };
+        walk.fault(root.span_of("limits"), fault);
+    }
     Some(LobesFile { name, title, cut, variation, chart: chart?, points, scatter, limits, feed, table })
 }
 

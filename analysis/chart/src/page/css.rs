@@ -31,9 +31,9 @@ figure{margin:10px 0 12px}figcaption{font-size:14px;color:var(--tr-muted);margin
 border:1px solid var(--rule);border-radius:4px;cursor:pointer}.choice>input:focus-visible+label{outline:2px solid var(--link)}\
 figcaption b{color:var(--tr-ink);font-weight:600}\
 .chart{overflow-x:auto}.chart>svg{display:block;width:100%;min-width:560px;height:auto}\
-.scroll{overflow:auto;max-height:350px;margin:10px 0 14px}.scroll>table{margin:0}.scroll thead th{position:sticky;top:0;background:var(--tr-paper)}\
+.scroll{overflow:auto;max-height:350px;margin:10px 0 14px;container-type:inline-size}.scroll>table{margin:0}.scroll thead th{position:sticky;top:0;background:var(--tr-paper)}\
 table{border-collapse:collapse;font-size:14px;margin:0 0 12px;font-variant-numeric:tabular-nums}\
-caption{text-align:left;font-weight:600;padding:0 0 6px}\
+caption{text-align:left;font-weight:600;padding:0 0 6px}caption>span{display:block;position:sticky;left:0;width:max-content;max-width:100cqw}\
 th,td{text-align:left;padding:3px 14px 3px 0;border-bottom:1px solid var(--rule);vertical-align:top}\
 thead th{font-weight:600;border-bottom:2px solid var(--rule);white-space:nowrap}\
 tbody th{font-weight:400}\

@@ -238,7 +238,7 @@ fn write_table(out: &mut String, table: &Table, caption: Option<&str>, rows: usi
     let wide = if table.columns().len() >= WIDE { " wide" } else { "" };
     let _ = write!(out, "<div class=\"scroll{wide}\"><table>");
     if let Some(caption) = caption.filter(|c| !c.is_empty()) {
-        let _ = write!(out, "<caption>{}</caption>", escape(caption));
+        let _ = write!(out, "<caption><span>{}</span></caption>", escape(caption));
     }
     out.push_str("<thead><tr>");
     for (i, column) in table.columns().iter().enumerate() {

@@ -73,3 +73,14 @@ fn a_skill_is_a_station_and_sources_count_by_their_rates() {
     let queue = workload(&shipped("queue.toml", &[]).scenario);
     assert!((queue.loads[0].share() - 0.8).abs() < 1e-9 && queue.warnings.is_empty(), "{queue:?}");
 }
+
+#[test]
+fn a_machine_to_which_one_group_comes_is_set_up_no_more() {
+    let text = "schema = 1\n[shop]\nname = \"one\"\nhorizon = \"200 h\"\n[[machine]]\nname = \"L\"\nprocess = \"plain\"\n\
+                setup_time = \"25 min\"\n[[part]]\nname = \"shaft\"\n[[part.operation]]\nname = \"turn\"\nmachines = \"L\"\n\
+                work = \"3 min\"\n[[arrivals]]\npart = \"shaft\"\npattern = \"poisson\"\nrate = \"10 1/h\"\n";
+    let file = toolroom_scenario_file::parse("one.toml", text, &[]).expect("a scenario");
+    let found = workload(&file.scenario);
+    assert_eq!((found.loads[0].setup, found.loads[0].work), (0.0, 200.0 * 10.0 * 180.0));
+    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+}

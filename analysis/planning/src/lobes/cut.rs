@@ -159,14 +159,15 @@ impl Cut {
                     Ok((position.unwrap_or_default(), limit))
                 };
                 let limits = cut.places().into_par_iter().map(limit).collect::<Limits>()?;
-                prepared(cut, *variation, speed)?.worst_position(depth)?.map(|worst| AlongPath { worst, limits })
+                let loudest = prepared(cut, *variation, speed)?.worst_position(depth)?;
+                loudest.map(|loudest| AlongPath::new(limits, loudest))
             }
             Self::Turning(cut, None) if cut.along_path.is_some() => {
                 let limit = |(position, cut): (Option<f64>, Turning)| {
                     Ok((position.unwrap_or_default(), found(cut.limit(speed))?.filter(|limit| *limit <= greatest)))
                 };
                 let limits = cut.places().into_iter().map(limit).collect::<Limits>()?;
-                cut.worst_position(speed, depth)?.map(|worst| AlongPath { worst, limits })
+                cut.worst_position(speed, depth)?.map(|loudest| AlongPath::new(limits, loudest))
             }
             Self::Milling(..) | Self::Turning(..) | Self::Chuck(_) | Self::ChipLag(_) | Self::Lathe(_) => None,
         })
@@ -187,10 +188,18 @@ impl Cut {
 /// What stability is along the path of the tool, at one speed.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AlongPath {
-    /// Place (m) at which a disturbance at the depth in question grows most.
+    /// Place (m) of the least limit; where no place has one, that at which a disturbance at the depth in question grows most.
     pub worst: f64,
     /// Judged places (m) with the least unstable depth (m), where there is one.
     pub limits: Vec<(f64, Option<f64>)>,
+}
+
+impl AlongPath {
+    fn new(limits: Vec<(f64, Option<f64>)>, loudest: f64) -> Self {
+        let limited = limits.iter().filter_map(|(place, limit)| Some((*place, (*limit)?)));
+        let worst = limited.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(loudest, |(place, _)| place);
+        Self { worst, limits }
+    }
 }
 
 /// A milling cut at a speed that may vary.

@@ -40,11 +40,11 @@ struct Row {
     difference: Interval,
 }
 
-/// Share of a key figure below which a paired difference is the rounding of sums that were added in another order:
+/// Share of a key figure below which a difference is the rounding of sums that were added in another order:
 /// 10⁴ times the spacing of double precision (assumption: no figure is a sum of cancelling terms).
 const ROUNDING: f64 = 1e-12;
 
-/// Whether a paired difference of figures of this size is only rounding, in its mean and in every replication.
+/// Whether a difference of figures of this size is only rounding, in its mean and in every replication.
 fn is_rounding(difference: &Interval, size: f64) -> bool {
     difference.mean.abs() <= ROUNDING * size && difference.half_width <= ROUNDING * size
 }
@@ -80,7 +80,7 @@ impl RunDifference {
                 [a, b].map(|sample| t_interval(&Vec::from_iter(sample.values().copied()), CONFIDENCE).mean);
             if one.is_finite() && two.is_finite() && one != two {
                 let difference = difference(a, b, unpaired_because.is_none());
-                if unpaired_because.is_none() && is_rounding(&difference, one.abs().max(two.abs())) {
+                if is_rounding(&difference, one.abs().max(two.abs())) {
                     continue;
                 }
                 rows.push(Row { policy: policy.to_owned(), kpi: kpi.to_owned(), one, two, difference });

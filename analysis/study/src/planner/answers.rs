@@ -75,6 +75,21 @@ impl Finish {
             Self::After(horizon) => format!("after {}", shown(scenario, horizon)),
         }
     }
+
+    /// As a column of dates holds it.
+    pub fn stamped(self, scenario: &Scenario) -> String {
+        match self {
+            Self::At(time) => stamped(scenario, time),
+            Self::After(horizon) => format!("after {}", stamped(scenario, horizon)),
+        }
+    }
+}
+
+/// A time as a column of a table holds it: dates always with their seconds, so that programs read all of a column alike.
+pub(crate) fn stamped(scenario: &Scenario, time: f64) -> String {
+    const WITHOUT_SECONDS: usize = "2026-01-01 00:00".len();
+    let text = shown(scenario, time);
+    if scenario.start.is_some() && text.len() == WITHOUT_SECONDS { text + ":00" } else { text }
 }
 
 /// A time as people read it; empty where there is none.

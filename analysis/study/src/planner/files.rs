@@ -1,6 +1,6 @@
 //! The answers as tables, JSON and text.
 
-use super::answers::{Answers, OrderAnswer, shown};
+use super::answers::{Answers, OrderAnswer, shown, stamped};
 use super::{Figures, LoadKind, answers};
 use crate::study::Study;
 use serde_json::{Value, json};
@@ -15,13 +15,13 @@ pub const FILES: [&str; 4] = ["orders.csv", "load.csv", "queues.csv", "wip.csv"]
 /// Most orders that are named on a terminal.
 const MOST_NAMED: usize = 20;
 
-/// Minutes with one decimal; empty where there are none.
+/// Minutes; empty where there are none.
 fn minutes(seconds: f64) -> Cell<'static> {
-    if seconds.is_nan() { Cell::Empty } else { Cell::Fixed(seconds / 60.0, 1) }
+    if seconds.is_nan() { Cell::Empty } else { (seconds / 60.0).into() }
 }
 
 fn share(value: f64) -> Cell<'static> {
-    if value.is_nan() { Cell::Empty } else { Cell::Fixed(value, 4) }
+    if value.is_nan() { Cell::Empty } else { value.into() }
 }
 
 /// Writes one of [`FILES`], with the rows of every policy.
@@ -70,16 +70,16 @@ fn write_orders<'a>(
     for (policy, all) in every {
         for answer in &all.orders {
             let order = &scenario.orders[answer.order];
-            let [p50, p80, p95] = answer.quantiles.map(|finish| Cell::Own(finish.shown(scenario)));
+            let [p50, p80, p95] = answer.quantiles.map(|finish| Cell::Own(finish.stamped(scenario)));
             csv.row([
                 policy.into(),
                 (&order.id).into(),
                 (&scenario.parts[order.part].name).into(),
                 (&order.customer).into(),
                 order.quantity.into(),
-                shown(scenario, order.release).into(),
-                shown(scenario, order.due).into(),
-                shown(scenario, answer.mean).into(),
+                stamped(scenario, order.release).into(),
+                stamped(scenario, order.due).into(),
+                stamped(scenario, answer.mean).into(),
                 p50,
                 p80,
                 p95,
@@ -120,7 +120,7 @@ fn write_loads<'a>(
                 share(answer.load()),
                 share(answer.high_load),
             ];
-            let times = LoadKind::of_scenario(scenario).map(|kind| Cell::Fixed(answer.mean(kind) / 3600.0, 3));
+            let times = LoadKind::of_scenario(scenario).map(|kind| Cell::from(answer.mean(kind) / 3600.0));
             csv.row(first.into_iter().chain(times))?;
         }
     }
@@ -155,7 +155,7 @@ fn write_queues<'a>(
                 share(answer.longest[1]),
                 minutes(answer.wait[0]),
                 minutes(answer.wait[1]),
-                Cell::Fixed(answer.total / 3600.0, 3),
+                (answer.total / 3600.0).into(),
             ])?;
         }
     }
@@ -172,8 +172,8 @@ fn write_wip<'a>(
     let mut csv = CsvWriter::new(out, header)?;
     for (policy, all) in every {
         for answer in all.wip {
-            let work = answer.work.map(|seconds| Cell::Fixed(seconds / 3600.0, 3));
-            let first = [policy.into(), shown(scenario, answer.time).into()];
+            let work = answer.work.map(|seconds| Cell::from(seconds / 3600.0));
+            let first = [policy.into(), stamped(scenario, answer.time).into()];
             csv.row(first.into_iter().chain(answer.orders.map(share)).chain(work))?;
         }
     }

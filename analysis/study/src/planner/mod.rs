@@ -11,7 +11,7 @@ mod waits;
 mod wip;
 
 pub use answers::{Answers, Finish, LoadAnswer, LongestWait, OrderAnswer, QueueAnswer, answers};
-pub(crate) use answers::{late, late_in, shown};
+pub(crate) use answers::{late, late_in, shown, stamped};
 pub use files::{FILES, json, late_orders, write};
 pub(crate) use files::{resource_name, station, ticks};
 pub use plan::{PLAN, SEQUENCES, plan_json, plan_line, write_plan, write_sequences};

@@ -1,6 +1,6 @@
 //! The schedule of a run in the form in which another run follows it, and how far runs come off the schedule that they follow.
 
-use super::{Figures, shown};
+use super::{Figures, stamped};
 use crate::study::Study;
 use serde_json::{Value, json};
 use std::io;
@@ -39,8 +39,8 @@ pub fn write_sequences(scenario: &Scenario, log: &RunLog, out: impl io::Write) -
                 (&scenario.parts[part as usize].operations[operation as usize].name).into(),
                 (&machine.name).into(),
                 position.into(),
-                shown(scenario, start).into(),
-                shown(scenario, end).into(),
+                stamped(scenario, start).into(),
+                stamped(scenario, end).into(),
             ])?;
         }
     }
@@ -82,7 +82,7 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 fn minutes(seconds: f64) -> Cell<'static> {
-    if seconds.is_finite() { Cell::Fixed(seconds / 60.0, 2) } else { Cell::Empty }
+    if seconds.is_finite() { (seconds / 60.0).into() } else { Cell::Empty }
 }
 
 /// Writes every operation of the schedule with its planned and its simulated start, under every policy.
@@ -116,10 +116,10 @@ pub fn write_plan(scenario: &Scenario, study: &Study, out: impl io::Write) -> io
                 (&scenario.parts[order.part].operations[running.planned.operation].name).into(),
                 (&scenario.machines[running.machine].name).into(),
                 running.position.into(),
-                if deviations.is_empty() { Cell::Empty } else { shown(scenario, planned).into() },
-                shown(scenario, mean(starts)).into(),
-                shown(scenario, rank_quantile(starts, 0.1)).into(),
-                shown(scenario, rank_quantile(starts, 0.9)).into(),
+                if deviations.is_empty() { Cell::Empty } else { stamped(scenario, planned).into() },
+                stamped(scenario, mean(starts)).into(),
+                stamped(scenario, rank_quantile(starts, 0.1)).into(),
+                stamped(scenario, rank_quantile(starts, 0.9)).into(),
                 minutes(mean(&deviations)),
                 minutes(rank_quantile(&deviations, 0.9)),
                 (study.replications as usize - starts.len()).into(),

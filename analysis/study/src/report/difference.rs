@@ -31,11 +31,10 @@ pub(super) fn section(source: &Source<'_>) -> Section {
     }
     let further = [("Key figures", relative(source)), ("Other prices", tornado(source))];
     section = section.choice(further.into_iter().filter_map(|(name, figure)| Some((name.to_owned(), figure?))));
-    let mut roles = Table::new(["policy", "what it is"]);
-    for policy in &source.comparison.policies {
-        roles.push([policy.name.as_str().into(), policy.role.describe().into()]);
+    if let Some(note) = source.unpictured() {
+        section = section.note(note);
     }
-    section.table("Policies", roles)
+    section.table("Policies", super::policies::table(source))
 }
 
 /// The difference of the decision at half and at twice each price.
@@ -154,7 +153,8 @@ pub(super) fn gain_section(source: &Source<'_>) -> Section {
             source.name(difference.policy).into(),
             factor(difference.cell_gain.mean).into(),
             factor(shop.mean).into(),
-            format!("{} … {}", factor(shop.low()), factor(shop.high())).into(),
+            // A ratio of numbers of parts is nowhere below zero, however few replications tell it.
+            format!("{} … {}", factor(shop.low().max(0.0)), factor(shop.high())).into(),
             factor(difference.amdahl_limit).into(),
         ]);
     }

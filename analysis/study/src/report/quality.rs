@@ -14,25 +14,34 @@ pub(super) fn section(source: &Source<'_>) -> Option<Section> {
         "Size error of ground parts (what is left above the commanded radius) and form error of milled contours, \
          after the last pass of the operation. A part beyond the tolerance is scrap, and so is a burnt one.",
     );
-    let mut any = false;
+    let mut pictures: Vec<(String, Figure)> = Vec::new();
+    let mut numbers: Option<Table> = None;
     for (part, description) in source.scenario.parts.iter().enumerate() {
         for (index, operation) in description.operations.iter().enumerate() {
             if matches!(operation.work, Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_)) {
-                any = true;
                 let Some(tool) = operation.tool else { continue };
                 let place = Place { part: part as u32, operation: index as u32, tool, description: operation };
-                if let Some(figure) = distribution(source, &place) {
-                    section = section.figure(figure);
+                let name = format!("{} / {}", description.name, operation.name);
+                let own = table(source, &place);
+                let all = numbers.get_or_insert_with(|| {
+                    Table::new(std::iter::once("operation").chain(own.columns().iter().map(String::as_str)))
+                });
+                for row in own.rows() {
+                    all.push(std::iter::once(name.as_str().into()).chain(row.iter().cloned()));
                 }
-                let caption = format!(
-                    "{}, first replication: time in cut of a part, size error (mean, 95 % of the parts below, greatest), scrap",
-                    operation.name
-                );
-                section = section.table(caption, table(source, &place));
+                if let Some(figure) = distribution(source, &place, &name) {
+                    pictures.push((name, figure));
+                }
             }
         }
     }
-    any.then_some(section)
+    section = section.choice(pictures);
+    numbers.map(|numbers| {
+        section.table(
+            "First replication: time in cut of a part, size error (mean, 95 % of the parts below, greatest), scrap",
+            numbers,
+        )
+    })
 }
 
 /// An operation and where it stands.
@@ -59,14 +68,13 @@ impl Place<'_> {
 }
 
 /// Histograms of the pictured policies on common classes, with the tolerance.
-fn distribution(source: &Source<'_>, place: &Place<'_>) -> Option<Figure> {
+fn distribution(source: &Source<'_>, place: &Place<'_>, name: &str) -> Option<Figure> {
     let pictured = source.pictured();
     let sizes: Vec<Vec<f64>> =
         pictured.iter().map(|&position| source.log(position).map_or_else(Vec::new, |log| place.sizes(log))).collect();
     let classes: Vec<(f64, f64)> =
         Histogram::new(sizes.iter().flatten().copied()).counts().map(|(from, to, _)| (from, to)).collect();
     let (low, high) = (classes.first()?.0, classes.last()?.1);
-    let name = &place.description.name;
     let mut chart = Plot::new(
         format!("Size error: {name}"),
         Axis::linear("Size error", "um"),

@@ -8,6 +8,7 @@ use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Colour, Gantt, Hatch, Marker, StackedBars, Style, Table};
 use toolroom_process::ProcessEvent;
 use toolroom_process::unit::convert;
+use toolroom_scenario::{MachineType, Scenario};
 use toolroom_shop::runlog::{LogEvent, MachineState};
 
 /// Words and style of each state, in the order of [`MachineState::ALL`]. What fills most of a shift
@@ -49,11 +50,24 @@ const MARKS: [(&str, &[LogEvent], Marker); 4] = [
 /// Longest stretch of dates that a Gantt chart of orders shows, s: a week.
 const WEEK: f64 = 7.0 * 86_400.0;
 
+/// The first instant from `from` on at which a machine works; `from` where none does before the horizon.
+fn first_work(scenario: &Scenario, from: f64) -> f64 {
+    let of_machine = |machine: &MachineType| {
+        let Some(calendar) = machine.calendar.map(|index| &scenario.calendars[index]) else { return Some(from) };
+        let mut time = from;
+        while !calendar.works_at(time) {
+            time = calendar.next_boundary(time).filter(|next| next.time < scenario.horizon)?.time;
+        }
+        Some(time)
+    };
+    scenario.machines.iter().filter_map(of_machine).reduce(f64::min).unwrap_or(from)
+}
+
 /// One shift of the first replication, the first one that counts; of a scenario with dates the first week.
 fn gantt(source: &Source<'_>, position: usize) -> Option<Figure> {
     let log = source.log(position)?;
     let scenario = source.scenario;
-    let from = scenario.warm_up;
+    let from = first_work(scenario, scenario.warm_up);
     let dated = scenario.start.filter(|_| !scenario.orders.is_empty());
     let stretch = if dated.is_some() { WEEK } else { scenario.shift_length };
     let to = (from + stretch).min(log.horizon);
