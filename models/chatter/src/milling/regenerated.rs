@@ -9,7 +9,6 @@ use super::engagement::Geometry;
 use super::forced::HARMONICS;
 use crate::error::ChatterError;
 use nalgebra::{Complex, DMatrix, DVector, Matrix2, Vector2};
-use std::f64::consts::TAU;
 
 /// Harmonics of the revolution up to this share of the fastest mode's frequency answer each other (assumption: beyond it a mode
 /// moves by an eighth of its static compliance).
@@ -150,6 +149,7 @@ impl Geometry {
 mod tests {
     use super::*;
     use crate::{Cutter, Direction, Engagement, MillingForce, Mode};
+    use std::f64::consts::TAU;
 
     /// Two teeth with a runout as great as most of the feed, below the limit of stability.
     fn runout() -> Milling {
@@ -160,11 +160,11 @@ mod tests {
         let mut cutter = Cutter::straight(2, 0.012);
         cutter.runout = 20e-6;
         cutter.runout_angle = 146.697_710_616_f64.to_radians();
-        let mut force = MillingForce::new(1636.985_894e6, 183.568_984e6);
+        let mut force = MillingForce::new(1.636_985_894e9, 183.568_984e6);
         force.edge_tangential = 7.484_876_669e3;
         force.edge_radial = 1.817_054_27e3;
         Milling {
-            modes: vec![mode([1.0, 0.0], 1331.754_917_6, 0.03, 2e7), mode([0.0, 1.0], 1455.050_745_4, 0.035, 2.2e7)],
+            modes: vec![mode([1.0, 0.0], 1_331.754_917_6, 0.03, 2e7), mode([0.0, 1.0], 1_455.050_745_4, 0.035, 2.2e7)],
             cutter,
             engagement: Engagement::new(0.3, Direction::Up).expect("sound"),
             force,
