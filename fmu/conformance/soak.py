@@ -107,6 +107,14 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             rows, digests[threads], policies, workers = watched(arguments, threads, folder)
         rows = [(at, runs / policies, own, others, spent) for at, runs, own, others, spent in rows]
+        for wanted in (100, 1000, 10000):
+            reached = next((row for row in rows if row[1] >= wanted), None)
+            if reached:
+                at, runs, own, others, spent = reached
+                print(
+                    f"{threads} thread(s), replication {runs:.0f}: {own:.1f} MB, workers {others:.1f} MB, "
+                    f"{spent:.1f} s of processor time, {at:.1f} s"
+                )
         after = [row for row in rows if row[1] >= 100]
         if len(after) < 3:
             sys.exit("too short to be watched: more replications, or --every less")

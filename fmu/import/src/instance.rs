@@ -3,6 +3,7 @@
 #![allow(unsafe_code)] // text from a C library
 
 mod exchange;
+mod locate;
 mod three;
 mod two;
 
@@ -79,6 +80,23 @@ pub enum Action<'a> {
         time: f64,
         /// Length, s.
         duration: f64,
+    },
+    /// Takes a step that holds an event again, from the state saved in `place`, each time to the middle of what is left,
+    /// until the event is located; the instance is left there. Of the actions behind, the first `inputs` are done before
+    /// each try and the next `reads` after it.
+    Locate {
+        /// Where the state at the start of the step is saved.
+        place: Place,
+        /// Start, s.
+        time: f64,
+        /// Length of the step, s.
+        length: f64,
+        /// Flags of the events before the step, 0 or 1; the first `reads` read them after it.
+        before: &'a [u8],
+        /// Number of actions before each try.
+        inputs: u32,
+        /// Number of actions after each try.
+        reads: u32,
     },
     /// Saves the state, over an earlier one of the same place.
     Save(Place),
@@ -211,36 +229,50 @@ impl Local {
         answer.values.clear();
         answer.texts.clear();
         answer.stepped = StepResult::Whole;
-        for (number, action) in actions.iter().enumerate() {
+        let mut number = 0;
+        while let Some(action) = actions.get(number) {
             begin(number);
-            match *action {
-                Action::Set(port, value) => self.0.set(port, &[value])?,
-                Action::SetArray(Port { value_type: ValueType::String, reference, .. }, bytes) => {
-                    let texts = bytes.split_inclusive(|byte| *byte == 0);
-                    let texts: Result<Vec<&CStr>, _> = texts.map(CStr::from_bytes_with_nul).collect();
-                    self.0.set_texts(reference, &texts.unwrap_or_default())?;
-                }
-                Action::SetArray(port, bytes) => {
-                    let numbers = bytes.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number));
-                    self.0.set(port, &numbers.collect::<Vec<_>>())?;
-                }
-                Action::Get(port) => self.0.get(port, &mut answer.values)?,
-                Action::GetText(port) => self.0.get_text(port, &mut answer.texts)?,
-                Action::Step { time, duration } => {
-                    answer.stepped = self.0.step(time, duration)?;
-                    if answer.stepped != StepResult::Whole {
-                        break;
-                    }
-                }
-                Action::Save(place) => self.0.save(place)?,
-                Action::Restore(place) => self.0.restore(place)?,
-                Action::Forget(place) => self.0.forget(place)?,
-                Action::Serialize => self.0.serialize(&mut answer.bytes)?,
-                Action::Deserialize(bytes) => self.0.deserialize(bytes)?,
-                Action::Terminate => self.0.terminate()?,
+            if let Action::Locate { .. } = action {
+                let first = number;
+                number += self.locate(&actions[first..], answer, &|behind| begin(first + behind))?;
+            } else {
+                self.one(action, answer)?;
+                number += 1;
+            }
+            if answer.stepped != StepResult::Whole {
+                break;
             }
         }
         Ok(())
+    }
+
+    /// One action that stands by itself.
+    fn one(&mut self, action: &Action<'_>, answer: &mut Answer) -> Result<(), CallError> {
+        match *action {
+            Action::Set(port, value) => self.0.set(port, &[value]),
+            Action::SetArray(Port { value_type: ValueType::String, reference, .. }, bytes) => {
+                let texts = bytes.split_inclusive(|byte| *byte == 0);
+                let texts: Result<Vec<&CStr>, _> = texts.map(CStr::from_bytes_with_nul).collect();
+                self.0.set_texts(reference, &texts.unwrap_or_default())
+            }
+            Action::SetArray(port, bytes) => {
+                let numbers = bytes.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number));
+                self.0.set(port, &numbers.collect::<Vec<_>>())
+            }
+            Action::Get(port) => self.0.get(port, &mut answer.values),
+            Action::GetText(port) => self.0.get_text(port, &mut answer.texts),
+            Action::Step { time, duration } => {
+                answer.stepped = self.0.step(time, duration)?;
+                Ok(())
+            }
+            Action::Locate { .. } => Ok(()), // stands with others
+            Action::Save(place) => self.0.save(place),
+            Action::Restore(place) => self.0.restore(place),
+            Action::Forget(place) => self.0.forget(place),
+            Action::Serialize => self.0.serialize(&mut answer.bytes),
+            Action::Deserialize(bytes) => self.0.deserialize(bytes),
+            Action::Terminate => self.0.terminate(),
+        }
     }
 }
 

@@ -24,11 +24,32 @@ pub(crate) enum Keeping {
     Instances { edges: Mutex<Edges>, goes_back: bool },
 }
 
-/// An instance that nobody uses, and the state that it is in.
+/// An instance that nobody uses, the state that it is in, and what was read there.
 #[derive(Debug)]
 pub(crate) struct Idle {
     instance: Instance,
     at: Vec<f64>,
+    reading: Option<Reading>,
+}
+
+/// Outputs at the end of a step, under the inputs of that step.
+#[derive(Debug)]
+pub(crate) struct Reading {
+    inputs: Vec<f64>,
+    outputs: Vec<f64>,
+}
+
+impl Reading {
+    /// A reading of `outputs` under `inputs`.
+    pub fn of(inputs: &[f64], outputs: &[f64]) -> Self {
+        Self { inputs: inputs.to_vec(), outputs: outputs.to_vec() }
+    }
+
+    /// The outputs, where the inputs are these to the bit.
+    fn under(&self, inputs: &[f64]) -> Option<Vec<f64>> {
+        let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+        (bits(&self.inputs) == bits(inputs)).then(|| self.outputs.clone())
+    }
 }
 
 /// Instances of edges.
@@ -47,6 +68,7 @@ struct Edge {
     states: Place,
     /// States that are saved in memory.
     saved: BTreeSet<Place>,
+    reading: Option<Reading>,
 }
 
 /// Why a state could not be used.
@@ -83,6 +105,8 @@ pub(crate) struct Turn<'a> {
     pub time: f64,
     entry: Option<Entry>,
     exit: Option<Action<'static>>,
+    /// What was read of the outputs in the state that was kept last.
+    pub reading: Option<Reading>,
 }
 
 enum Entry {
@@ -94,6 +118,7 @@ impl Turn<'_> {
     /// Does `actions` from the state that is wanted, and keeps the state that they lead to with `keep`.
     pub fn act(&mut self, actions: &[Action<'_>], keep: bool, answer: &mut Answer) -> Result<(), CallError> {
         let entry = self.entry.take();
+        self.reading = None;
         let first = entry.as_ref().map(|entry| match entry {
             Entry::Bytes(bytes) => Action::Deserialize(bytes),
             Entry::Place(place) => Action::Restore(*place),
@@ -126,7 +151,7 @@ impl Keeping {
         let capacity = 2 * answer.bytes.len() + 64;
         let mut x = vec![0.0; 2 + capacity.div_ceil(BYTES)];
         pack(0.0, &answer.bytes, &mut x);
-        let pool = Mutex::new(vec![Idle { instance, at: x.clone() }]);
+        let pool = Mutex::new(vec![Idle { instance, at: x.clone(), reading: None }]);
         Ok((Self::Numbers { capacity, pool, single: maker.unit.only_one() }, x, answer.values))
     }
 
@@ -150,7 +175,7 @@ impl Keeping {
         let mut edges = locked(edges);
         edges.next += 1;
         let number = edges.next;
-        edges.alive.insert(number, Edge { instance, at: 0, states: 0, saved });
+        edges.alive.insert(number, Edge { instance, at: 0, states: 0, saved, reading: None });
         Some(vec![0.0, number as f64, 0.0])
     }
 
@@ -191,13 +216,14 @@ impl Keeping {
                 let held = single.then_some(shelf); // the only instance: others wait for it
                 let mut idle = match idle {
                     Some(idle) => idle,
-                    None => Idle { instance: maker.instance()?, at: Vec::new() },
+                    None => Idle { instance: maker.instance()?, at: Vec::new(), reading: None },
                 };
                 let entry = (idle.at != x).then(|| Entry::Bytes(unpack(x)));
                 idle.at.clear(); // its inputs are others from now on
                 let exit = Some(Action::Serialize);
-                let mut turn = Turn { instance: &mut idle.instance, time: x[0], entry, exit };
+                let mut turn = Turn { instance: &mut idle.instance, time: x[0], entry, exit, reading: None };
                 let (result, end) = work(&mut turn, answer)?;
+                idle.reading = turn.reading;
                 if let Some(time) = end {
                     let bytes = &answer.bytes;
                     if bytes.len() > *capacity {
@@ -222,8 +248,9 @@ impl Keeping {
                 let entry = (edge.at != wanted).then_some(Entry::Place(wanted));
                 let next = edge.states + 1;
                 let exit = goes_back.then_some(Action::Save(next));
-                let mut turn = Turn { instance: &mut edge.instance, time: x[0], entry, exit };
+                let mut turn = Turn { instance: &mut edge.instance, time: x[0], entry, exit, reading: None };
                 let (result, end) = work(&mut turn, answer)?;
+                edge.reading = turn.reading;
                 edge.at = wanted;
                 if let Some(time) = end {
                     (edge.at, edge.states) = (next, next);
@@ -232,6 +259,22 @@ impl Keeping {
                 }
                 locked(edges).alive.insert(number, edge);
                 Ok(result)
+            }
+        }
+    }
+
+    /// Outputs in the state `x` under `inputs`, where an instance was read just so at the end of its last step.
+    pub fn read_before(&self, x: &[f64], inputs: &[f64]) -> Option<Vec<f64>> {
+        match self {
+            Self::Numbers { pool, .. } => {
+                let pool = locked(pool);
+                // The last one put back is most likely the one.
+                pool.iter().rev().filter(|idle| idle.at == x).find_map(|idle| idle.reading.as_ref()?.under(inputs))
+            }
+            Self::Instances { edges, .. } => {
+                let edges = locked(edges);
+                let edge = edges.alive.get(&(x[1] as u64)).filter(|edge| edge.at == x[2] as Place)?;
+                edge.reading.as_ref()?.under(inputs)
             }
         }
     }

@@ -39,6 +39,8 @@ pub mod archive;
 pub mod check;
 pub mod description;
 #[cfg(feature = "fmi")]
+mod halving;
+#[cfg(feature = "fmi")]
 mod importer;
 #[cfg(feature = "fmi")]
 pub mod instance;

@@ -1,16 +1,17 @@
 //! A unit in the place of a process of the shop.
 
+mod driven;
 mod locate;
 
 use crate::instance::{Action, Answer, Place, Port, StartValue, StepResult};
-use crate::keeping::{Keeping, KeepingError, Maker, Turn};
+use crate::keeping::{Keeping, KeepingError, Maker, Reading, Turn};
 use crate::notes::Notes;
 use crate::parts::Parts;
 use crate::unit::{Steps, Unit};
 use crate::watch::Watch;
 use crate::wire::{Wire, Wires, WiringError, events, inner, start_values};
 use std::sync::Arc;
-use toolroom_process::{Advance, Field, Kind, MachineProcess, ModelError, ProcessEvent, Wiring};
+use toolroom_process::{Advance, Field, Kind, ModelError, ProcessEvent, Wiring};
 
 /// Parts of a pass in which the speed is held where the unit knows no ramp and no step is given
 /// (assumption).
@@ -29,11 +30,20 @@ const UNIT_STATE: Field = Field {
     doc: "State of an imported unit, its wear and its events.",
 };
 
+/// Flank wear as it was read at the end of the last step: the shop asks for it far more often than the unit is stepped.
+const SEEN_WEAR: Field = Field {
+    name: "seen_flank_wear",
+    unit: "m",
+    display: "mm",
+    doc: "Flank wear of an imported unit at the end of its last step.",
+    ..UNIT_STATE
+};
+
+/// Flags of the events as they were read with it, and what a unit of fixed steps is behind.
+const SEEN: Field = Field { name: "seen_flags", doc: "Flags of the events of an imported unit.", ..UNIT_STATE };
+
 /// Mechanical energy that a unit may count; the shop reads it from the state.
 const ENERGY: Field = Field { name: "energy", unit: "J", display: "J", doc: "Mechanical energy spent.", ..UNIT_STATE };
-
-/// Share of a step to which an event is located (about the rounding of its time).
-const EVENT_TIME: f64 = 1e-13;
 
 /// Where the state at the start of a step is saved while an event is located.
 const START: Place = Place::MAX;
@@ -42,7 +52,7 @@ const START: Place = Place::MAX;
 ///
 /// Its state is what the unit writes with `fmi2SerializeFMUstate` or `fmi3SerializeFMUState`, as
 /// numbers, or a state saved in memory, and events are located by going back and halving the step.
-/// Without saved states it goes forward only ([`MachineProcess::goes_back`]), and an event happens at the
+/// Without saved states it goes forward only ([`toolroom_process::MachineProcess::goes_back`]), and an event happens at the
 /// end of its step. So it does in a unit that takes steps of one length only. Such a unit is never more than half a
 /// step away from the clock of the shop: what a pass leaves over is carried to the next one.
 ///
@@ -123,7 +133,11 @@ impl UnitProcess {
         fresh.push(wear.first().copied().map_or(0.0, |wear| watch.inward(wear)));
         fresh.extend(flags);
         fresh.extend(grid.map(|_| 0.0));
-        let mut states = vec![Field { len: fresh.len(), ..UNIT_STATE }];
+        let kept = keeping.length();
+        let mut states = vec![Field { len: kept, ..UNIT_STATE }];
+        // One place for the wear, whether the unit tells it or not.
+        states.push(if watch.wear().is_some() { SEEN_WEAR } else { UNIT_STATE });
+        states.extend((fresh.len() > kept + 1).then(|| Field { len: fresh.len() - kept - 1, ..SEEN }));
         states.extend(energy.map(|_| ENERGY));
         Ok(Self {
             name,
@@ -163,8 +177,11 @@ impl UnitProcess {
         actions.extend(self.outputs.wires.iter().flatten().map(|wire| Action::Get(wire.port)));
     }
 
-    fn get_flags(&self, actions: &mut Vec<Action<'_>>) {
+    /// What is read after a step: flags of the events, outputs, energy.
+    fn get_after_step(&self, actions: &mut Vec<Action<'_>>) {
         actions.extend(self.events.iter().map(|(_, port)| Action::Get(*port)));
+        self.get_outputs(actions);
+        actions.extend(self.energy.map(|energy| Action::Get(energy.port)));
     }
 
     /// Longest communication step of `dt` seconds at this acceleration.
@@ -258,13 +275,13 @@ impl UnitProcess {
 
     /// Whether an event is located by taking its step again in parts.
     fn halves(&self) -> bool {
-        self.goes_back() && self.grid.is_none()
+        self.keeping.goes_back() && self.grid.is_none()
     }
 
     /// Whether a step that the unit discarded can be taken again in parts: from the state before it, which a unit of FMI
     /// 3.0 is in after that.
     fn retakes(&self) -> bool {
-        self.grid.is_none() && (self.goes_back() || self.unit.description().major == 3)
+        self.grid.is_none() && (self.keeping.goes_back() || self.unit.description().major == 3)
     }
 
     /// One communication step, up to the first event in it; how long it took.
@@ -285,6 +302,7 @@ impl UnitProcess {
             match stepped {
                 StepResult::Whole if event.is_some() && self.halves() => {
                     let (length, event) = self.locate(turn, answer, u, from, part, step.before, seen)?;
+                    self.remember(turn, answer, u);
                     return Ok((done + length, event));
                 }
                 StepResult::Whole => {
@@ -331,29 +349,63 @@ impl UnitProcess {
             self.get_outputs(&mut actions);
         }
         actions.push(Action::Step { time: step.from, duration: step.length });
-        self.get_flags(&mut actions);
-        self.get_outputs(&mut actions);
-        actions.extend(self.energy.map(|energy| Action::Get(energy.port)));
+        self.get_after_step(&mut actions);
+        // At the end of a ramp the speed is another one: the shop will ask for the outputs there.
+        let ramp = self.ramp_end(u, step.length);
+        if let Some((wire, speed)) = ramp {
+            actions.push(Action::Set(wire.port, wire.outward(speed)));
+            self.get_outputs(&mut actions);
+        }
         turn.act(&actions, true, answer)?;
+        let whole = answer.stepped == StepResult::Whole;
+        let at_end = match ramp.filter(|_| whole) {
+            Some(_) => answer.values.split_off(answer.values.len() - self.watch.len()),
+            None => Vec::new(),
+        };
         let mut values = answer.values.as_slice();
         if step.check {
             let (outputs, rest) = values.split_at(self.watch.len());
             seen[0] = self.watch.check(outputs, step.from, seen[0])?;
             values = rest;
         }
-        if answer.stepped != StepResult::Whole {
+        if !whole {
             return Ok((answer.stepped, None));
         }
         let (flags, values) = values.split_at(self.events.len());
         seen[0] = self.watch.check(&values[..self.watch.len()], step.from + step.length, seen[0])?;
         seen[1..].copy_from_slice(flags);
+        match ramp {
+            Some((_, speed)) => {
+                // Outputs that cannot be are refused where they are asked for.
+                let sound = self.watch.check(&at_end, step.from + step.length, f64::NEG_INFINITY).is_ok();
+                let mut inputs = u.to_vec();
+                inputs[self.speed] = speed;
+                turn.reading = sound.then(|| Reading::of(&inputs, &at_end));
+            }
+            None => self.remember(turn, answer, u),
+        }
         let rose =
             self.events.iter().zip(before.iter().zip(flags)).find(|(_, (before, now))| !**before && **now != 0.0);
         Ok((StepResult::Whole, rose.map(|((event, _), _)| *event)))
     }
 
+    /// Wire and value of the speed at the end of a step of `length` seconds in which the unit itself ramps it.
+    fn ramp_end(&self, u: &[f64], length: f64) -> Option<(Wire, f64)> {
+        let i = self.acceleration.filter(|i| self.inputs.wires[*i].is_some() && u[*i] != 0.0)?;
+        let wire = self.inputs.wires[self.speed].filter(|_| self.grid.is_none())?;
+        Some((wire, u[self.speed] + u[i] * length))
+    }
+
+    /// Keeps the outputs at the end of a step, so that nobody has to ask for them under the same inputs again. `answer` holds
+    /// them behind what was read before the step and the flags, and before the energy.
+    fn remember(&self, turn: &mut Turn<'_>, answer: &Answer, u: &[f64]) {
+        let end = answer.values.len() - usize::from(self.energy.is_some());
+        turn.reading = Some(Reading::of(u, &answer.values[end - self.watch.len()..end]));
+    }
+
     /// What comes of `actions` at the state `x`, by another instance where the first one fails: a worker that died since
-    /// the last step leaves no gap in a log, which would have no place to tell of it. [`MachineProcess::notes`] does.
+    /// the last step leaves no gap in a log, which would have no place to tell of it.
+    /// [`toolroom_process::MachineProcess::notes`] does.
     fn read_at(
         &self,
         x: &[f64],
@@ -397,94 +449,4 @@ struct Try {
     save: bool,
     /// Looks at the outputs before it, too.
     check: bool,
-}
-
-impl MachineProcess for UnitProcess {
-    fn name(&self) -> &str {
-        self.name
-    }
-    fn inputs(&self) -> &[Field] {
-        &self.inputs.fields
-    }
-    fn states(&self) -> &[Field] {
-        &self.states
-    }
-    fn outputs(&self) -> &[Field] {
-        &self.outputs.fields
-    }
-    fn initial(&self) -> Vec<f64> {
-        let mut x = self.fresh.clone();
-        if let Some(saved) = self.keeping.begin(&self.maker()) {
-            x[..saved.len()].copy_from_slice(&saved);
-        }
-        x.extend(self.energy.map(|_| 0.0));
-        x
-    }
-    fn goes_back(&self) -> bool {
-        self.keeping.goes_back()
-    }
-    fn fixed_step(&self) -> Option<f64> {
-        self.grid
-    }
-    fn settle(&self, x: &[f64]) {
-        self.keeping.settle(&x[..self.keeping.length()]);
-    }
-    fn retire(&self, x: &[f64]) {
-        self.keeping.retire(&x[..self.keeping.length()]);
-    }
-    fn notes(&self) -> Vec<String> {
-        self.notes.told(self.unit.path(), self.grid)
-    }
-    /// Outputs as the unit gives them after its inputs were set; not a number where it refuses or gives one that
-    /// cannot be, which the next step from there refuses.
-    fn output(&self, x: &[f64], u: &[f64], y: &mut [f64]) {
-        let mut actions = Vec::new();
-        self.set(u, &mut actions);
-        self.get_outputs(&mut actions);
-        let check = |answer: &Answer, time| self.watch.check(&answer.values, time, f64::NEG_INFINITY).map(|_| ());
-        match self.read_at(x, &actions, check) {
-            Ok(answer) => {
-                let wires = self.outputs.wires.iter().flatten();
-                y.iter_mut().zip(wires.zip(&answer.values)).for_each(|(y, (wire, value))| *y = wire.inward(*value));
-            }
-            Err(_) => y.fill(f64::NAN),
-        }
-    }
-    /// By the flag of the unit; false where it has none for the event or refuses.
-    fn holds(&self, event: ProcessEvent, x: &[f64], u: &[f64]) -> bool {
-        let Some(flag) = self.events.iter().find(|(each, _)| *each == event) else { return false };
-        let mut actions = Vec::new();
-        self.set(u, &mut actions);
-        actions.push(Action::Get(flag.1));
-        self.read_at(x, &actions, |_, _| Ok(())).is_ok_and(|answer| answer.values[0] != 0.0)
-    }
-    fn advance(&self, x: &mut [f64], u: &mut [f64], dt: f64) -> Result<Advance, ModelError> {
-        if !(dt.is_finite() && dt >= 0.0) {
-            return Err(ModelError::Step { seconds: dt });
-        }
-        for (field, value) in self.inputs.fields.iter().zip(&*u) {
-            field.check(*value)?;
-        }
-        if dt == 0.0 {
-            return Ok(Advance { elapsed: 0.0, event: None });
-        }
-        let mut input = u.to_vec();
-        let (kept, rest) = x.split_at_mut(self.keeping.length());
-        let (watched, counted) = rest.split_at_mut(1 + self.events.len() + usize::from(self.grid.is_some()));
-        let (mut state, mut seen, mut answer) = (kept.to_vec(), watched.to_vec(), Answer::default());
-        let work = |turn: &mut Turn<'_>, answer: &mut Answer| {
-            let way = self.steps(turn, answer, &mut input, dt, &mut seen)?;
-            Ok((way.advance, Some(way.time)))
-        };
-        let advance =
-            self.keeping.with(&self.maker(), &mut state, &mut answer, work).map_err(|error| self.refusal(&error))?;
-        // The energy is what was read last.
-        if let (Some(slot), Some(wire), Some(energy)) = (counted.first_mut(), self.energy, answer.values.last()) {
-            *slot = wire.inward(*energy);
-        }
-        kept.copy_from_slice(&state);
-        watched.copy_from_slice(&seen);
-        u.copy_from_slice(&input);
-        Ok(advance)
-    }
 }

@@ -6,8 +6,8 @@
 //! `E (1 + i eta)` of a hysteretic loss factor.
 //!
 //! # Source
-//! Schmitz, Smith: Machining Dynamics (receptance coupling); Cowper, J. Appl. Mech. 33 (1966) 335-340 (shear coefficient of the
-//! solid circle, which is taken for hollow sections too).
+//! Schmitz, Smith: Machining Dynamics (receptance coupling); Hutchinson, J. Appl. Mech. 68 (2001) 87-92 (shear coefficient of
+//! a circle, solid or hollow).
 //!
 //! # What is not modelled
 //! Torsion and axial motion, gyroscopic moments, joints whose stiffness depends on load or speed.
@@ -101,6 +101,14 @@ fn section(outer: f64, inner: f64) -> (f64, f64) {
     (0.25 * PI * (outer.powi(2) - inner.powi(2)), PI / 64.0 * (outer.powi(4) - inner.powi(4)))
 }
 
+/// Shear coefficient of a ring by the ratio of its inner to its outer diameter; a thin tube shears at half of its area.
+fn shear_coefficient(nu: f64, ratio: f64) -> f64 {
+    let square = ratio * ratio;
+    let both = (1.0 + square).powi(2);
+    6.0 * (1.0 + nu).powi(2) * both
+        / ((7.0 + 12.0 * nu + 4.0 * nu * nu) * both + 4.0 * (5.0 + 6.0 * nu + 2.0 * nu * nu) * square)
+}
+
 impl Segment {
     /// A solid rod of a length and diameter (m), of which the share `factor` of the diameter bends and moves: 1 for a plain one.
     pub const fn rod(length: f64, diameter: f64, factor: f64, material: Material) -> Self {
@@ -113,8 +121,8 @@ impl Segment {
         let modulus = Complex::new(1.0, loss_factor) * youngs_modulus;
         let (bending_area, bending_moment) = section(self.diameter * self.bending_factor, self.inner_diameter);
         let (area, moment) = section(self.diameter * self.inertia_factor, self.inner_diameter);
-        let cowper = 6.0 * (1.0 + nu).powi(2) / (7.0 + 12.0 * nu + 4.0 * nu * nu);
-        let shear = modulus * (cowper * bending_area / (2.0 * (1.0 + nu)));
+        let shear_share = shear_coefficient(nu, self.inner_diameter / (self.diameter * self.bending_factor));
+        let shear = modulus * (shear_share * bending_area / (2.0 * (1.0 + nu)));
         let stiffness = modulus * bending_moment;
         // The state in units of length, 1, E I/L and E I/L² has entries of like size.
         let l = self.length;
@@ -269,6 +277,18 @@ pub(crate) mod tests {
             }
         }
         found
+    }
+
+    #[test]
+    fn a_tube_shears_at_less_than_its_area() {
+        // A solid circle and, for any Poisson's ratio, a thin tube: (1 + nu)/(2 + nu).
+        close(shear_coefficient(0.29, 0.0), 6.0 * 1.29 * 1.29 / (7.0 + 12.0 * 0.29 + 4.0 * 0.29 * 0.29), 1e-15);
+        for nu in [0.0, 0.24, 0.5] {
+            close(shear_coefficient(nu, 1.0), (1.0 + nu) / (2.0 + nu), 1e-14);
+        }
+        // A bore weakens it steadily.
+        let ratios: Vec<f64> = (0..=10).map(|i| shear_coefficient(0.29, 0.1 * f64::from(i))).collect();
+        assert!(ratios.windows(2).all(|pair| pair[1] < pair[0]), "{ratios:?}");
     }
 
     fn close(value: f64, expected: f64, tolerance: f64) {

@@ -69,6 +69,7 @@ ports! {
     pass_time: Input ["pass_time"];
     lot_deviation: Input ["lot_deviation"];
     flank_wear_state: State ["flank_wear"];
+    flank_wear_seen: State ["seen_flank_wear"];
     energy_state: State ["energy"];
     feed_rate: Output ["feed_rate"];
     flank_wear: Output ["flank_wear", "wheel_wear"];
@@ -95,10 +96,10 @@ ports! {
 }
 
 impl Ports {
-    /// Flank wear of an edge in `state`, m: where it is no state of its own, as in an imported unit, the output of
-    /// `process` with this input.
+    /// Flank wear of an edge in `state`, m: where it is neither a state nor kept beside one, as by an imported unit, the output
+    /// of `process` with this input.
     pub fn worn(&self, process: &dyn MachineProcess, state: &[f64], input: &[f64], output: &mut Vec<f64>) -> f64 {
-        if let Some(wear) = self.flank_wear_state {
+        if let Some(wear) = self.flank_wear_state.or(self.flank_wear_seen) {
             return state[wear];
         }
         if self.flank_wear.is_none() {

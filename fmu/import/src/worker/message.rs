@@ -140,6 +140,15 @@ impl Bytes {
                 self.bytes(bytes);
             }
             Action::Terminate => self.byte(10),
+            Action::Locate { place, time, length, before, inputs, reads } => {
+                self.byte(11);
+                self.whole(place);
+                self.real(time);
+                self.real(length);
+                self.bytes(before);
+                self.whole(inputs);
+                self.whole(reads);
+            }
         }
     }
 }
@@ -201,7 +210,15 @@ impl<'a> Content<'a> {
             8 => Action::SetArray(self.port()?, self.bytes()?),
             9 => Action::GetText(self.port()?),
             10 => Action::Terminate,
-            11.. => return Err(broken()),
+            11 => Action::Locate {
+                place: self.whole()?,
+                time: self.real()?,
+                length: self.real()?,
+                before: self.bytes()?,
+                inputs: self.whole()?,
+                reads: self.whole()?,
+            },
+            12.. => return Err(broken()),
         })
     }
     fn start_value(&mut self) -> io::Result<(Port, StartValue)> {
@@ -396,6 +413,7 @@ mod tests {
                 Action::Step { time: value, duration: 2.0 }, Action::Get(b), Action::Restore(place),
                 Action::Forget(place), Action::Serialize, Action::SetArray(b, &state), Action::GetText(a),
                 Action::Terminate,
+                Action::Locate { place, time: value, length: 3.0, before: &state, inputs: number, reads: place },
             ];
             let request = Request::Act { number, actions };
             let written = content(&request.write());

@@ -2,9 +2,10 @@
 
 use super::cutter::Engagement;
 use super::engagement::Geometry;
+use super::regenerated::{Regeneration, Settled};
 use super::{Direction, Milling};
 use crate::error::{ChatterError, positive};
-use nalgebra::{Complex, Vector2};
+use nalgebra::{Complex, Matrix2, Vector2};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
@@ -26,11 +27,15 @@ pub struct Forced {
     pub displacement: Vec<[f64; 2]>,
 }
 
-/// Harmonics of the tooth-passing frequency that are summed.
-const HARMONICS: usize = 200;
+/// Harmonics of the tooth-passing frequency that are summed; of the spindle's where teeth differ.
+pub(super) const HARMONICS: usize = 200;
 
-/// Origin and span of the angle (rad), and the coefficients of the force in it (N).
-type ForceSeries = (f64, f64, Vec<Vector2<Complex<f64>>>);
+/// The static force of a cut over a repetition, and what it changes by for each motion.
+struct Forces {
+    geometry: Geometry,
+    coefficients: Vec<Vector2<Complex<f64>>>,
+    regeneration: Option<Regeneration>,
+}
 
 /// Samples of the displacement over a period.
 const SAMPLES: usize = 1000;
@@ -38,7 +43,9 @@ const SAMPLES: usize = 1000;
 impl Milling {
     /// Forced vibration at `spindle_speed` (rad/s) and `depth` (m), by the Fourier coefficients of
     /// the static force times the frequency response. It is the motion of a stable cut: the same in
-    /// every period, so regeneration drops out. Where the modes change along the path it is that of the place with the
+    /// every period, so regeneration drops out where all teeth are alike. With runout or unequal pitch it is the same in every
+    /// revolution, and a tooth finds what an earlier one left that moved otherwise: then the harmonics are solved for together, with
+    /// every tooth cutting the surface that it would find without vibration. Where the modes change along the path it is that of the place with the
     /// greatest error of the surface.
     ///
     /// # Errors
@@ -67,35 +74,80 @@ impl Milling {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         positive("depth", depth)?;
-        let geometry = Geometry::new(self, depth, false)?;
+        let forces = self.forces(depth)?;
+        let geometry = &forces.geometry;
         let base = geometry.span;
         let response: Vec<_> =
             (0..=HARMONICS).map(|r| self.frequency_response(r as f64 * spindle_speed / base)).collect();
-        let coefficients = self.force_coefficients(&geometry, depth);
-        let motion: Vec<Vector2<Complex<f64>>> =
-            coefficients.iter().zip(&response).map(|(force, response)| response * force).collect();
+        let Settled { motion, force } = self.periodic(&forces, spindle_speed, &response)?;
         let at = |series: &[Vector2<Complex<f64>>], angle: f64| sum(series, (angle - geometry.origin) / base);
-        let angles = (0..SAMPLES).map(|i| geometry.origin + base * i as f64 / SAMPLES as f64);
-        let displacement: Vec<[f64; 2]> = angles.clone().map(|angle| at(&motion, angle)).collect();
+        let angles: Vec<f64> = (0..SAMPLES).map(|i| geometry.origin + base * i as f64 / SAMPLES as f64).collect();
+        let displacement: Vec<[f64; 2]> = angles.iter().map(|angle| at(&motion, *angle)).collect();
         let range = |axis: usize| {
             let values = displacement.iter().map(|u| u[axis]);
             values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
         };
-        let greatest = |axis: usize| {
-            angles.clone().map(|angle| self.static_force(&geometry, depth, angle)[axis].abs()).fold(0.0, f64::max)
-        };
+        let regenerates = forces.regeneration.is_some();
+        let cutting: Vec<[f64; 2]> = (angles.iter().zip(&displacement))
+            .map(|(angle, u)| {
+                let [x, y] = self.static_force(geometry, depth, *angle);
+                if !regenerates {
+                    return [x, y];
+                }
+                let change = self.regenerated_force(geometry, depth, *angle, *u, |earlier| at(&motion, earlier));
+                [x + change[0], y + change[1]]
+            })
+            .collect();
+        let greatest = |axis: usize| cutting.iter().map(|force| force[axis].abs()).fold(0.0, f64::max);
         Ok(Forced {
             peak_to_peak: [range(0), range(1)],
             surface_location_error: at(&motion, self.wall(depth))[1],
-            mean_force: [coefficients[0][0].re, coefficients[0][1].re],
+            mean_force: [force[0][0].re, force[0][1].re],
             greatest_force: [greatest(0), greatest(1)],
-            greatest_resultant: angles
-                .clone()
-                .map(|angle| self.static_force(&geometry, depth, angle))
-                .map(|[x, y]| x.hypot(y))
-                .fold(0.0, f64::max),
+            greatest_resultant: cutting.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max),
             displacement,
         })
+    }
+
+    fn forces(&self, depth: f64) -> Result<Forces, ChatterError> {
+        let geometry = Geometry::new(self, depth, false)?;
+        let coefficients = self.force_coefficients(&geometry, depth);
+        let regeneration = Regeneration::of(self, &geometry, depth);
+        Ok(Forces { geometry, coefficients, regeneration })
+    }
+
+    /// Motion and force of the stable cut under `forces` with the structure's `responses` (m/N) to their harmonics.
+    fn periodic(
+        &self,
+        forces: &Forces,
+        spindle_speed: f64,
+        responses: &[Matrix2<Complex<f64>>],
+    ) -> Result<Settled, ChatterError> {
+        if let Some(regeneration) = &forces.regeneration {
+            return regeneration.settle(self, spindle_speed, &forces.coefficients, responses);
+        }
+        let motion = forces.coefficients.iter().zip(responses).map(|(force, response)| response * force).collect();
+        Ok(Settled { motion, force: forces.coefficients.clone() })
+    }
+
+    /// What the force (N) at an angle of tooth 0 changes by for the displacement `u` (m) there and those of `earlier` angles.
+    fn regenerated_force(
+        &self,
+        geometry: &Geometry,
+        depth: f64,
+        angle: f64,
+        u: [f64; 2],
+        earlier: impl Fn(f64) -> [f64; 2],
+    ) -> [f64; 2] {
+        let mut force = [0.0; 2];
+        for tooth in geometry.cutting(angle - 1e-12, angle + 1e-12) {
+            let h = geometry.directional(self, tooth, angle);
+            let before = earlier(angle - geometry.teeth[tooth.0].1[tooth.1].delay);
+            let (x, y) = (u[0] - before[0], u[1] - before[1]);
+            force[0] -= depth * (h[0] * x + h[1] * y);
+            force[1] -= depth * (h[2] * x + h[3] * y);
+        }
+        force
     }
 
     /// What the forced vibration leaves on the wall (m), positive where material is left: in up milling the tooth that moves
@@ -116,11 +168,9 @@ impl Milling {
             if *depth == 0.0 {
                 return Ok(None);
             }
-            let geometry = Geometry::new(self, positive("depth", *depth)?, false)?;
-            let coefficients = self.force_coefficients(&geometry, *depth);
-            Ok(Some((geometry.origin, geometry.span, coefficients)))
+            self.forces(positive("depth", *depth)?).map(Some)
         };
-        let series: Vec<Option<ForceSeries>> = depths.par_iter().map(series).collect::<Result<_, ChatterError>>()?;
+        let series: Vec<Option<Forces>> = depths.par_iter().map(series).collect::<Result<_, ChatterError>>()?;
         let sign = if self.direction() == Direction::Up { -1.0 } else { 1.0 };
         // Straight teeth repeat after the same angle at every depth, helical ones too.
         let span = if self.cutter.is_regular() { TAU / self.cutter.teeth as f64 } else { TAU };
@@ -131,9 +181,10 @@ impl Milling {
                 let responses: Vec<_> =
                     (0..=HARMONICS).map(|r| cut.frequency_response(r as f64 * speed / span)).collect();
                 for ((worst, series), depth) in worst.iter_mut().zip(&series).zip(depths) {
-                    let Some((origin, base, forces)) = series else { continue };
-                    let motion: Vec<_> = forces.iter().zip(&responses).map(|(force, g)| g * force).collect();
-                    let left = sign * sum(&motion, (self.wall(*depth) - origin) / base)[1];
+                    let Some(forces) = series else { continue };
+                    let motion = cut.periodic(forces, *speed, &responses)?.motion;
+                    let Geometry { origin, span, .. } = &forces.geometry;
+                    let left = sign * sum(&motion, (self.wall(*depth) - origin) / span)[1];
                     if left.abs() > worst.abs() {
                         *worst = left;
                     }
@@ -192,27 +243,16 @@ impl Milling {
 
     /// Complex Fourier coefficients of the static force, harmonics 0 … [`HARMONICS`].
     fn force_coefficients(&self, geometry: &Geometry, depth: f64) -> Vec<Vector2<Complex<f64>>> {
-        let rule = toolroom_spectral::Rule::of(48);
         let mut coefficients = vec![Vector2::zeros(); HARMONICS + 1];
-        for pair in geometry.breaks.windows(2) {
-            // The highest harmonic turns far within a stretch: panels keep the quadrature exact.
-            let panels = ((pair[1] - pair[0]) / geometry.span * HARMONICS as f64 / 8.0).ceil().max(1.0) as usize;
-            let length = (pair[1] - pair[0]) / panels as f64;
-            for panel in 0..panels {
-                let from = pair[0] + length * panel as f64;
-                for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
-                    let angle = from + node * length;
-                    let [x, y] = self.static_force(geometry, depth, angle);
-                    let share = weight * length / geometry.span;
-                    let turn = Complex::from_polar(1.0, -TAU * (angle - geometry.origin) / geometry.span);
-                    let mut factor = Complex::new(share, 0.0);
-                    for coefficient in &mut coefficients {
-                        *coefficient += Vector2::new(factor * x, factor * y);
-                        factor *= turn;
-                    }
-                }
+        geometry.over_panels(HARMONICS, |angle, share| {
+            let [x, y] = self.static_force(geometry, depth, angle);
+            let turn = Complex::from_polar(1.0, -TAU * (angle - geometry.origin) / geometry.span);
+            let mut factor = Complex::new(share, 0.0);
+            for coefficient in &mut coefficients {
+                *coefficient += Vector2::new(factor * x, factor * y);
+                factor *= turn;
             }
-        }
+        });
         coefficients
     }
 }

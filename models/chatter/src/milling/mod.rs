@@ -8,6 +8,7 @@ mod harmonics;
 mod load;
 mod preview;
 mod profile;
+mod regenerated;
 mod slice;
 mod slow;
 mod stability;

@@ -92,6 +92,16 @@ fn with_height(mut target: Target, block: &Target, axis: usize) -> Target {
     target
 }
 
+/// Ends the compensation of the radius where the tool stands: that is the place from which the next motion counts.
+fn leave_contour(kernel: &mut Kernel) -> Result<(), Fault> {
+    kernel.finish_offset()?;
+    if let Some(place) = kernel.offset.as_ref().and_then(|offset| offset.standing(kernel.at)) {
+        kernel.at = place;
+        kernel.offset = None;
+    }
+    Ok(())
+}
+
 impl Approach {
     /// The first point of the contour; `start` is where the approach begins.
     pub fn end(&self, start: &Axes) -> Axes {
@@ -130,6 +140,26 @@ impl Klartext {
         Way::of(word).ok_or_else(|| {
             Fault::at(column, format!("{word} is no approach that is followed; LT, LN, CT and LCT are, by X and Y"))
         })
+    }
+
+    /// The radius of the arc that the cutter's edge draws where its centre runs on one of `radius`, mm; negative comes from, or
+    /// leaves to, the side of the work. R of an arc of approach or departure is that of the path of the tool's centre, which lies
+    /// inside of the arc of the edge on the side of the tool and outside of it on the side of the work.
+    fn edge_radius(&self, radius: f64, kernel: &Kernel) -> Result<f64, Fault> {
+        let cutter = self.cutter_radius(kernel).unwrap_or(0.0);
+        let edge = if radius < 0.0 { -radius - cutter } else { radius + cutter };
+        if edge > 0.0 && radius != 0.0 {
+            return Ok(edge);
+        }
+        Err(Fault::new(if radius == 0.0 {
+            "the arc of the approach or departure has the radius 0: give R, that of the path of the tool's centre"
+                .to_owned()
+        } else {
+            format!(
+                "the cutter of {} mm does not fit outside of an arc of R{radius}, the path of its centre: take a larger R",
+                2.0 * cutter
+            )
+        }))
     }
 
     /// `APPR LCT X+10 Y+20 R5 RL F300`: waits for the element behind it, whose direction it needs.
@@ -200,13 +230,15 @@ impl Klartext {
                 kernel.straight(&at(point), approach.rapid)?;
             }
             Way::Arc | Way::LineArc => {
-                let centre = along(point, across(d, left), size);
+                let edge = self.edge_radius(approach.size, kernel)?;
+                let centre = along(point, across(d, left), edge);
                 let begin = if approach.way == Way::Arc {
                     turned(point, centre, if left { -approach.angle } else { approach.angle })
                 } else {
-                    touch([from[u], from[v]], centre, size, left).ok_or_else(|| {
+                    let meeting = touch([from[u], from[v]], centre, size, left).ok_or_else(|| {
                         Fault::new("the arc of the approach reaches around its start: take a smaller R")
-                    })?
+                    })?;
+                    along(centre, [meeting[0] - centre[0], meeting[1] - centre[1]], edge / size)
                 };
                 kernel.straight(&at_height(begin), approach.rapid)?;
                 kernel.round(&at(point), Round::Centre(centre), left, 0.0)?;
@@ -239,7 +271,7 @@ impl Klartext {
             Way::LineTangent => {
                 let len = len.ok_or_else(|| Fault::new("the departure needs LEN, its length"))?;
                 kernel.straight(&at_height(along(point, d, len)), words.fmax)?;
-                kernel.finish_offset()?;
+                leave_contour(kernel)?;
             }
             Way::LineNormal => {
                 let len = len.ok_or_else(|| Fault::new("the departure needs LEN, its length"))?;
@@ -251,19 +283,21 @@ impl Klartext {
             Way::Arc | Way::LineArc => {
                 let radius = radius.ok_or_else(|| Fault::new("the departure needs R, its radius"))?;
                 let left = side()? != (radius < 0.0);
-                let centre = along(point, across(d, left), radius.abs());
+                let edge = self.edge_radius(radius, kernel)?;
+                let centre = along(point, across(d, left), edge);
                 let end = if way == Way::Arc {
                     let angle = angle.ok_or_else(|| Fault::new("the departure needs CCA, the angle of its arc"))?;
                     turned(point, centre, if left { angle } else { -angle })
                 } else {
                     // The way back is an approach with the other sense.
                     let target = [words.target.end(u, &from), words.target.end(v, &from)];
-                    touch(target, centre, radius.abs(), !left).ok_or_else(|| {
+                    let parting = touch(target, centre, radius.abs(), !left).ok_or_else(|| {
                         Fault::new("the arc of the departure reaches around its end: take a smaller R")
-                    })?
+                    })?;
+                    along(centre, [parting[0] - centre[0], parting[1] - centre[1]], edge / radius.abs())
                 };
                 kernel.round(&at(end), Round::Centre(centre), left, 0.0)?;
-                kernel.finish_offset()?;
+                leave_contour(kernel)?;
                 if way == Way::LineArc {
                     kernel.straight(&words.target, words.fmax)?;
                 }

@@ -293,6 +293,46 @@ fn klartext_programs_of_the_shop_floor() {
                 },
             ),
             (
+                "approach and departure on arcs, whose radii are those of the path of the tool's centre",
+                "0 BEGIN PGM B MM\n1 TOOL CALL 2 Z S1000\n2 TOOL DEF 2 L+0 R+4\n3 L X-30 Y-10 Z+0 R0 FMAX\n4 APPR CT X+0 Y+0 CCA90 R+10 RL F300\n5 L X+0 Y+40\n6 L X+30\n7 DEP CT CCA90 R+5\n8 L X+60 Y+60 R0 FMAX\n9 END PGM B MM",
+                Does {
+                    // The centre comes from X-14 Y-10 about X-14 Y0, and leaves from X30 Y44 to X35 Y49.
+                    feeds: &[(16.0 + 5.0 * PI + 40.0 + 2.0 * PI + 30.0 + r5, 300.0)],
+                    rapids: &[100.0, 25.0],
+                    dwell: 0.0,
+                    end: [60.0, 60.0, 0.0],
+                },
+            ),
+            (
+                "approach that touches an arc of the tool's centre",
+                "0 BEGIN PGM C MM\n1 TOOL CALL 2 Z S1000\n2 TOOL DEF 2 L+0 R+4\n3 L X+30 Y-30 Z+0 R0 FMAX\n4 APPR LCT X+0 Y+0 R10 RR F300\n5 L X+0 Y+40\n6 DEP LN LEN+20\n7 END PGM C MM",
+                Does {
+                    // About X14 Y0, as the approach above without a cutter.
+                    feeds: &[
+                        ((16.0_f64 * 16.0 + 30.0 * 30.0 - 100.0).sqrt(), 300.0),
+                        (10.0 * (PI + f64::atan2(-30.0, 16.0) - (10.0 / 1156.0_f64.sqrt()).acos()), 300.0),
+                        (40.0 + 20.0, 300.0),
+                    ],
+                    rapids: &[100.0],
+                    dwell: 0.0,
+                    end: [24.0, 40.0, 0.0],
+                },
+            ),
+            (
+                "increments behind a departure count from where the tool stands",
+                "0 BEGIN PGM L MM\n1 TOOL DEF 2 L+0 R+10\n2 TOOL CALL 2 Z S4000\n3 L X-10 Y-10 Z-5 R0 F1000\n4 APPR LT X+5 Y+5 LEN10 RL F300\n5 L Y+95\n6 L X+95\n7 DEP LT LEN10\n8 L IX-10\n9 END PGM L MM",
+                Does {
+                    // From X0 Y0 Z100 to X-10 Y-10 Z-5, to the contour, X-5 Y-5, up, about the corner and along it to X105 Y105.
+                    feeds: &[
+                        (11225.0_f64.sqrt(), 1000.0),
+                        (50.0_f64.sqrt() + 10.0 + 90.0 + 5.0 * PI + 90.0 + 10.0 + 10.0, 300.0),
+                    ],
+                    rapids: &[],
+                    dwell: 0.0,
+                    end: [95.0, 105.0, -5.0],
+                },
+            ),
+            (
                 "contour with compensation, rounding and chamfer",
                 "0 BEGIN PGM D MM\n1 TOOL CALL 1 Z S1000\n2 L X-20 Y-20 Z+0 R0 FMAX\n3 L X+0 Y-10 RL F600\n4 L Y+20\n5 L X+40\n6 L Y+0\n7 L X-10\n8 L X-20 Y-20 R0\n9 END PGM D MM",
                 Does {
