@@ -118,6 +118,9 @@ impl Walk {
         }
         for key in form.keys {
             let raw = table.get(key.name);
+            if raw.is_none() && matches!(key.need, Need::Optional) {
+                continue;
+            }
             // Selectors stand before the keys that they decide.
             let applies = |key: &Key| {
                 key.when.map_or(Some(true), |when| {
