@@ -366,7 +366,11 @@ impl Tally {
     /// What the work of a job takes on the first machine of every operation, s: without setup, waiting and what is done again.
     fn raw_time(&self, job: &JobRow) -> f64 {
         // Jobs of one piece take always the same.
-        if job.quantity == 1 { self.raw_times[job.part as usize] } else { self.work_time(job.part as usize, job.quantity) }
+        if job.quantity == 1 {
+            self.raw_times[job.part as usize]
+        } else {
+            self.work_time(job.part as usize, job.quantity)
+        }
     }
 
     /// What the work of so many pieces of a part takes, s.

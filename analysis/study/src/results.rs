@@ -247,7 +247,9 @@ pub(crate) fn write_files(
     }
     let text = format!("{:#}", summary(scenario, study, comparison));
     in_file(directory, "summary.json", |out| writeln!(out, "{text}"))?;
-    in_file(directory, "report.html", |out| out.write_all(report(scenario, study, comparison, info).html().as_bytes()))?;
+    in_file(directory, "report.html", |out| {
+        out.write_all(report(scenario, study, comparison, info).html().as_bytes())
+    })?;
     Ok(text)
 }
 
