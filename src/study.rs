@@ -21,7 +21,6 @@ use toolroom_study::logs::{Format, LogWriter};
 use toolroom_study::request::StudyRequest;
 use toolroom_study::results::{self, FinishedRun, STOPPED, record};
 use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions, known_of};
-use toolroom_study::summary::summary;
 use toolroom_study::terminal::{Style, table};
 use toolroom_study::trace::window;
 use toolroom_study::tune::Tuning;
@@ -217,7 +216,7 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
     if study.replications == 0 {
         // There is no figure to tell.
     } else if voice.json {
-        voice.json(&summary(scenario, study, &recorded.comparison))?;
+        voice.raw(&recorded.summary)?;
     } else {
         let style = Style { colour: voice.colour, wall: Some(recorded.wall), width: voice.width };
         voice.data(table(scenario, study, &recorded.comparison, style).trim_end())?;

@@ -2,6 +2,7 @@
 
     python tests/studies/calibration.py PROGRAM coverage extended_taylor [--sets 100] [--edges 12] [--spread 1] [--wandering]
     python tests/studies/calibration.py PROGRAM choice [--sets 40] [--speeds 1]
+    python tests/studies/calibration.py PROGRAM force [--sets 100] [--exact] [--mean]
 
 Tables of wear are made here, by equations that share no code with the program: each law is integrated over the land, edges
 scatter, readings have an error, and with `--wandering` the wear rate wanders within lives. The program is what a user calls:
@@ -9,7 +10,9 @@ a CSV goes in, JSON comes out. `examples/gates.rs` of toolroom-calibrate counts 
 
 Truths are drawn around the mean of the prior, `--spread` of its standard deviations. With 1 they are drawn from the prior itself,
 and a right inference holds the truth in 90 % of its 90 % intervals whatever the data tell (simulation-based calibration: S. Talts
-and others, arXiv 1804.06788). Needs NumPy.
+and others, arXiv 1804.06788). `force` has a cutting force beside every reading of wear, `F = C·a·f^y·v^n·k + τ·b·h`, with truths of all
+its parameters from their priors; with `--exact` wear is read almost without error, so that only the forces leave anything open, and
+with `--mean` the force is the mean over the cut before the reading, as `run --records` writes it. Needs NumPy.
 """
 
 import argparse
@@ -53,6 +56,16 @@ PRIORS = {
     ],
     "usui": [("usui.wear_at_reference", math.log(0.02002), 0.7), ("usui.activation_temperature", math.log(21950.0), 0.25)],
 }
+# Those of cutting forces: N, exponents, MPa, scatter of edges and relative error of a reading.
+FORCE = [
+    ("force.specific_force", math.log(3000.0), 0.3),
+    ("force.feed_exponent", 0.75, 0.1),
+    ("force.speed_exponent", -0.15, 0.1),
+    ("force.flank_shear_stress", math.log(250.0), 0.5),
+    ("force_scatter", math.log(0.02), 0.5),
+    ("force_noise", math.log(0.02), 0.5),
+]
+CUTTING_EDGE_ANGLE = math.radians(45.0)
 # The land from a new edge to far beyond the limit, mm: finer where the edge runs in.
 LAND = 2.0 * (np.arange(2001) / 2000.0) ** 2
 
@@ -105,11 +118,20 @@ def draw(law, spread, random, known):
             return {name: value for (name, _, _), value in zip(priors, u)}, u
 
 
-def table(law, u, edges, speeds, random, wander, readings=10, stop="reading"):
+def cutting_force(u, cut, land, level):
+    """Force of an edge of a level, N, without the error of its reading."""
+    speed, feed, depth = cut
+    sharp = math.exp(u[0]) * depth * feed ** u[1] * speed ** u[2]
+    return sharp * level + math.exp(u[3]) * depth / math.sin(CUTTING_EDGE_ANGLE) * land
+
+
+def table(law, u, edges, speeds, random, wander, readings=10, stop="reading", force=None, mean=False):
     """Records of edges that are read until they are worn out, so many readings in a life of an hour at most. They are worn out by
-    what was read (`reading`), as in a shop, or by their true wear, which nobody sees (`truth`)."""
+    what was read (`reading`), as in a shop, or by their true wear, which nobody sees (`truth`). With coordinates of a `force` that is
+    read as well, from a stream of its own."""
     rows = ["operation_id,machine,tool_id,sequence,cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],"
-            "cutting_time [min],flank_wear [mm],edge_end"]
+            "cutting_time [min],flank_wear [mm],edge_end" + (",cutting_force [N]" if force else "")]
+    forces = np.random.default_rng(random.bit_generator.seed_seq.spawn(1)[0])
     scatter, noise = math.exp(u[-2]), math.exp(u[-1])
     number = 0
     for edge in range(edges):
@@ -118,10 +140,13 @@ def table(law, u, edges, speeds, random, wander, readings=10, stop="reading"):
         step = min(1.05 * float(np.interp(LIMIT, LAND, times)), 60.0) / readings
         level = math.exp(scatter * random.standard_normal())
         lived, z = 0.0, random.standard_normal()
+        loaded = math.exp(math.exp(force[4]) * forces.standard_normal()) if force else 1.0
         for reading in range(readings):
             # The wandering rate, in pieces of a twentieth of the step.
+            before = []
             for _ in range(20):
                 piece = step / 20.0
+                before.append(float(np.interp(level * (lived + 0.5 * piece), times, LAND)))
                 lived += piece * (1.0 + wander * z)
                 decay = math.exp(-piece / CORRELATION)
                 z = decay * z + math.sqrt(1.0 - decay**2) * random.standard_normal()
@@ -132,7 +157,12 @@ def table(law, u, edges, speeds, random, wander, readings=10, stop="reading"):
             number += 1
             worn = (wear if stop == "reading" else land) >= LIMIT
             end = "worn" if worn else "stopped" if reading + 1 == readings else ""
-            rows.append(f"O{number},L1,E{edge:02},{reading + 1},{cut[0]},{cut[1]},{cut[2]},{step:.6g},{wear:.6g},{end}")
+            row = f"O{number},L1,E{edge:02},{reading + 1},{cut[0]},{cut[1]},{cut[2]},{step:.6g},{wear:.6g},{end}"
+            if force:
+                read = 1.0 + math.exp(force[5]) * forces.standard_normal()
+                seen = float(np.mean(before)) if mean else land
+                row += f",{cutting_force(force, cut, seen, loaded) * read:.6g}"
+            rows.append(row)
             if worn:
                 break
     return "\n".join(rows) + "\n"
@@ -190,6 +220,30 @@ def coverage(args):
     print(f"  sampling: {dict(methods)}")
 
 
+def force(args):
+    low = collections.Counter()  # truths below their intervals
+
+    def one(number):
+        random = np.random.default_rng([2028, number])
+        _, u = draw(args.law, args.spread, random, (0.15, 0.0005) if args.exact else None)
+        truth = [mean + args.spread * deviation * random.standard_normal() for _, mean, deviation in FORCE]
+        text = table(args.law, u, args.edges, args.speeds, random, 0.0, args.readings, args.stop, truth, args.mean)
+        found = calibrate(args.program, text, number + 1, ["--law", args.law, "--draws", "1000"])
+        if found is None or found["force"] is None:
+            return None
+        intervals = {each["name"]: each["coordinate"]["ci90"] for each in found["force"]["parameters"]}
+        held = {name: intervals[name][0] <= value <= intervals[name][1] for (name, *_), value in zip(FORCE, truth)}
+        low.update(name for (name, *_), value in zip(FORCE, truth) if value < intervals[name][0])
+        return held
+
+    found = pieces(args, one)
+    print(f"cutting force beside {args.law}, {len(found)} of {args.sets} sets: "
+          f"{share(sum(sum(held.values()) for held in found), len(found) * len(FORCE))}")
+    for name, *_ in FORCE:
+        inside = sum(held[name] for held in found)
+        print(f"  {name:48} {share(inside, len(found))}, below {low[name]}, above {len(found) - inside - low[name]}")
+
+
 def choice(args):
     laws = list(PRIORS)
 
@@ -214,7 +268,7 @@ def choice(args):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
-    parser.add_argument("study", choices=["coverage", "choice"])
+    parser.add_argument("study", choices=["coverage", "choice", "force"])
     parser.add_argument("law", nargs="?", default="extended_taylor", choices=list(PRIORS))
     parser.add_argument("--sets", type=int, default=40)
     parser.add_argument("--edges", type=int, default=12)
@@ -223,11 +277,13 @@ def main():
     parser.add_argument("--readings", type=int, default=10, help="readings in the life of an edge of median level")
     parser.add_argument("--stop", choices=["reading", "truth"], default="reading", help="what wears an edge out")
     parser.add_argument("--wandering", action="store_true", help="wear rates wander within lives by 10 %% in 5 min")
+    parser.add_argument("--exact", action="store_true", help="wear beside forces is read almost without error")
+    parser.add_argument("--mean", action="store_true", help="forces are means over the cut before each reading")
     parser.add_argument("--blind", action="store_true", help="the program is not told that rates wander")
     parser.add_argument("--jobs", type=int, default=1)
     args = parser.parse_args()
     args.speeds = [180.0, 220.0, 260.0, 320.0] if args.speeds == 4 else [220.0]
-    {"coverage": coverage, "choice": choice}[args.study](args)
+    {"coverage": coverage, "choice": choice, "force": force}[args.study](args)
 
 
 if __name__ == "__main__":

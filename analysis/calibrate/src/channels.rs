@@ -2,7 +2,7 @@
 
 use crate::base::Base;
 use crate::channel::{Channel, ChannelModel, ChannelReading};
-use crate::edge::Edge;
+use crate::edge::{Edge, Stretch};
 use crate::identify::Identifiability;
 use crate::left_out::leave_edges_out;
 use crate::model::Model;
@@ -12,11 +12,37 @@ use crate::treatment::Measured;
 use crate::wear_model::WearModel;
 use toolroom_wear::{Cut, EnergyBalance, Pair, TakeyamaMurata, Usui, WearLaw};
 
+/// Points of a cut of which the mean of a channel is taken, as in what `run --records` writes.
+const POINTS: usize = 8;
+
+/// When a channel was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// At the end of the operation, as its flank wear.
+    End,
+    /// All through the operation: the reading is the mean over the cut.
+    OverCut,
+}
+
+impl When {
+    /// Word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::End => "end",
+            Self::OverCut => "mean_over_cut",
+        }
+    }
+}
+
 /// A channel against wear, fitted.
 #[derive(Clone, Debug)]
 pub struct ChannelFit {
     /// The model.
     pub model: ChannelModel,
+    /// When it was read, as far as the data say.
+    pub when: When,
+    /// By how many logarithms of the posterior density at the maximum that is more probable than the other.
+    pub lead: f64,
     /// Its posterior.
     pub posterior: Posterior,
     /// What the data determine of it.
@@ -122,30 +148,22 @@ fn fitted(
     (base, temperatures_known): (&Pair, bool),
     request: &Request,
 ) -> Option<ChannelFit> {
-    let mut edges = Vec::new();
-    for (edge, loads) in measured.edges.iter().zip(&measured.loads).filter(|(edge, _)| edge.readings() > 0) {
-        let loads = &loads[place(channel)];
-        if loads.is_empty() {
-            continue;
-        }
-        let mut read: Edge = edge.clone();
-        for (stretch, load) in read.stretches.iter_mut().zip(loads) {
-            stretch.wear = load.map(|_| 0.0);
-        }
-        let wear = wear_model.course(u, &read, wear_model.level(u, edge));
-        let reading =
-            |((cut, value), wear): (&(Cut, f64), &f64)| ChannelReading { cut: *cut, wear: *wear, value: *value };
-        let readings: Vec<ChannelReading> = loads.iter().flatten().zip(&wear).map(reading).collect();
-        if !readings.is_empty() {
-            edges.push(readings);
-        }
-    }
-    let mut model = ChannelModel::from_channel(channel, base, edges, None, temperatures_known);
-    request.priors.iter().for_each(|(name, prior)| model.set_prior(name, *prior));
-    let all: Vec<usize> = (0..model.edges()).collect();
-    if all.iter().map(|edge| model.readings(*edge).len()).sum::<usize>() <= model.parameters().len() {
+    let model_of = |when: When| {
+        let edges = readings(channel, (wear_model, u), measured, when);
+        let mut model = ChannelModel::from_channel(channel, base, edges, None, temperatures_known);
+        request.priors.iter().for_each(|(name, prior)| model.set_prior(name, *prior));
+        model
+    };
+    let end = model_of(When::End);
+    let all: Vec<usize> = (0..end.edges()).collect();
+    if all.iter().map(|edge| end.readings(*edge).len()).sum::<usize>() <= end.parameters().len() {
         return None;
     }
+    // Both are as good beforehand: the data say when the channel was read.
+    let over = model_of(When::OverCut);
+    let density = |model: &ChannelModel| Some(maxima(model, &all, request.seed)?.0.ln_density);
+    let lead = density(&over)? - density(&end)?;
+    let (when, model) = if lead > 0.0 { (When::OverCut, over) } else { (When::End, end) };
     let posterior = sample(&model, &all, request.draws, request.seed)?;
     let identifiability = Identifiability::from_model(&model, &posterior);
     let blind = model.without_land();
@@ -156,5 +174,61 @@ fn fitted(
     let gain = differences.iter().sum::<f64>();
     let mean = gain / differences.len() as f64;
     let error = differences.iter().map(|difference| (difference - mean).powi(2)).sum::<f64>().sqrt();
-    Some(ChannelFit { model, posterior, identifiability, gain: (gain, error) })
+    Some(ChannelFit { model, when, lead: lead.abs(), posterior, identifiability, gain: (gain, error) })
+}
+
+/// Readings of a channel with the fitted wear that belongs to them, edge by edge.
+fn readings(
+    channel: Channel,
+    (wear_model, u): (&WearModel, &[f64]),
+    measured: &Measured,
+    when: When,
+) -> Vec<Vec<ChannelReading>> {
+    let mut edges = Vec::new();
+    for (edge, loads) in measured.edges.iter().zip(&measured.loads).filter(|(edge, _)| edge.readings() > 0) {
+        let loads = &loads[place(channel)];
+        if loads.is_empty() {
+            continue;
+        }
+        // Where the wear is asked for, and how many of these points belong to each reading.
+        let (mut stretches, mut counts) = (Vec::with_capacity(edge.stretches.len()), Vec::new());
+        for (stretch, load) in edge.stretches.iter().zip(loads) {
+            let single = stretch.block.is_none_or(|block| block.count <= 1.0);
+            match (load, when) {
+                (None, _) => stretches.push(Stretch { wear: None, ..*stretch }),
+                // Blocks of many readings stand for the mean of short stretches already.
+                (Some(_), When::OverCut) if single => {
+                    let piece = stretch.time / POINTS as f64;
+                    for point in 0..POINTS {
+                        let time = if point == 0 { 0.5 * piece } else { piece };
+                        stretches.push(Stretch::read(stretch.condition, time, 0.0));
+                    }
+                    stretches.push(Stretch::unread(stretch.condition, 0.5 * piece));
+                    counts.push(POINTS);
+                }
+                (Some(_), When::OverCut | When::End) => {
+                    stretches.push(Stretch { wear: Some(0.0), ..*stretch });
+                    counts.push(1);
+                }
+            }
+        }
+        let read = Edge { stretches, ..edge.clone() };
+        let course = wear_model.course(u, &read, wear_model.level(u, edge));
+        let mut rest = course.as_slice();
+        let mut mean = |count: usize| {
+            let (own, others) = rest.split_at(count.min(rest.len()));
+            rest = others;
+            own.iter().sum::<f64>() / own.len() as f64
+        };
+        let reading = |((cut, value), count): (&(Cut, f64), usize)| ChannelReading {
+            cut: *cut,
+            wear: mean(count),
+            value: *value,
+        };
+        let readings: Vec<ChannelReading> = loads.iter().flatten().zip(counts).map(reading).collect();
+        if !readings.is_empty() {
+            edges.push(readings);
+        }
+    }
+    edges
 }

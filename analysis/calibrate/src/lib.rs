@@ -87,7 +87,7 @@ pub use advise::{Advice, Costs, Test, deviation_after};
 pub use base::{Base, Condition, Process};
 pub use calibration::{Calibration, CalibrationError, HeldOut, LawFit, LifeAt, life_at};
 pub use channel::{Channel, ChannelModel, ChannelReading, IDLE_POWER};
-pub use channels::ChannelFit;
+pub use channels::{ChannelFit, When};
 pub use chipping::{ChippingFit, Exposure};
 pub use choice::{Choice, Score, Verdict};
 pub use curve::Curve;

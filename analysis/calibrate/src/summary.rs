@@ -137,6 +137,7 @@ impl Calibration {
         let of_fit = |fit: &ChannelFit| {
             json!({
                 "channel": fit.model.channel().column(), "edges": fit.model.edges(),
+                "read": { "when": fit.when.name(), "lead": fit.lead },
                 "parameters": listed(fit.model.parameters(), &fit.posterior, &fit.identifiability),
                 "gain_of_wear": { "elpd": fit.gain.0, "se": fit.gain.1 },
             })

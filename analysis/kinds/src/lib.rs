@@ -74,6 +74,14 @@ pub const CODES: &[(&str, &str)] = &[
         "A warning of check: an operation needs somebody with a skill, and everybody who has it works only while all machines of the operation rest. The step waits for ever, and with it its order. Let calendars overlap, give somebody else the skill, or take it out of the operation.",
     ),
     (
+        "no-effect",
+        "A warning of check: `replenish` says what is done about pieces of an order that are lost, and no order is of this part. Jobs of sources are not made up for. Take the key out, or add orders of the part.",
+    ),
+    (
+        "never-finished",
+        "A warning of check: inspections scrap every piece of a part, and its orders begin lost pieces anew, so that they go on until the horizon and are never finished. Lower the shares of `outcomes` that scrap, or raise `rework_max`.",
+    ),
+    (
         "rate-counted-twice",
         "A warning of check: operators have a `rate`, and machines that they attend to have one as well. Where people have rates, the rate of a machine is the machine alone; a file whose machine rates hold the wages of operators counts these twice.",
     ),

@@ -3,6 +3,7 @@
 //! Everything here is worked out without a simulation, from mean times.
 
 mod earliest;
+mod visits;
 
 use crate::Warning;
 use crate::presence::{absent, paid_twice};
@@ -10,16 +11,13 @@ use crate::truncated::truncated;
 use std::collections::BTreeSet;
 use std::iter::successors;
 use toolroom_scenario::{
-    Arrival, ArrivalPattern, BatchUnit, InspectedTo, Interruption, Operation, Order, Presence, Scenario, WorkPer, date,
-    station_name,
+    Arrival, ArrivalPattern, BatchUnit, Interruption, Operation, Order, Presence, Scenario, WorkPer, date, station_name,
 };
 use toolroom_shop::programmed_cutting_times;
+use visits::Visits;
 
 /// Most warnings of one kind that are reported one by one.
 const MOST_TOLD: usize = 20;
-
-/// Rounds of jobs that are sent back until no more of them count: of a share of 95 % less than 1e-4 is left.
-const MOST_ROUNDS: usize = 200;
 
 /// Memory of a job that waits, bytes: without a log of the run, and with one.
 ///
@@ -127,6 +125,7 @@ pub(crate) fn workload(scenario: &Scenario) -> Workload {
     warnings.extend(absent(scenario));
     warnings.extend(paid_twice(scenario));
     warnings.extend(truncated(scenario));
+    warnings.extend(shop.never_replaced());
     let late: Vec<String> = scenario.orders.iter().filter_map(|order| shop.unreachable(order)).collect();
     let more = late.len().saturating_sub(MOST_TOLD);
     let late = late.into_iter().map(|message| Warning { code: "late", message });
@@ -315,9 +314,11 @@ impl<'a> Shop<'a> {
     ) {
         let routed = &self.scenario.parts[part];
         let due = order.map(|order| order.due);
+        let visited = Visits::of(routed);
+        let begun = order.map_or(1.0, |order| self.begun(order, &visited));
         for (number, operation) in routed.operations.iter().enumerate() {
             let need = self.need(part, number);
-            let visits = self.visits(part)[number] * order.map_or(1.0, |order| order.share_left(number));
+            let visits = begun * visited.by_operation[number] * order.map_or(1.0, |order| order.share_left(number));
             if visits == 0.0 {
                 continue;
             }
@@ -349,33 +350,6 @@ impl<'a> Shop<'a> {
                 }
             }
         }
-    }
-
-    /// How often a job comes to every operation on average, where inspections send some back.
-    fn visits(&self, part: usize) -> Vec<f64> {
-        let operations = &self.scenario.parts[part].operations;
-        let mut visits = vec![1.0; operations.len()];
-        if operations.iter().all(|operation| operation.inspection.outcomes.is_empty()) {
-            return visits;
-        }
-        // Jobs that have gone around so often are few enough.
-        for _ in 0..MOST_ROUNDS {
-            let mut next = vec![0.0; operations.len() + 1];
-            next[0] = 1.0;
-            for (number, operation) in operations.iter().enumerate() {
-                let mut good = 1.0;
-                for outcome in &operation.inspection.outcomes {
-                    good -= outcome.share;
-                    if let InspectedTo::Operation(to) = outcome.to {
-                        next[to] += visits[number] * outcome.share;
-                    }
-                }
-                next[number + 1] += visits[number] * good;
-            }
-            next.pop();
-            visits = next;
-        }
-        visits
     }
 
     /// Work without loading of so many pieces of so many lots, s: of a machine that makes batches in full ones.

@@ -38,6 +38,8 @@ pub(super) struct Tally {
     components: Vec<bool>,
     /// By part and operation.
     planned: Vec<Vec<Planned>>,
+    /// What the work of one piece takes, s, by part.
+    raw_times: Vec<f64>,
     /// Whether a part is an edge that is ground anew, by part.
     regrinds: Vec<bool>,
     /// Mean time of loading and unloading, s, by machine.
@@ -160,7 +162,7 @@ impl Tally {
         };
         let parts = scenario.parts.iter().zip(programmed_cutting_times(scenario));
         let machines = &scenario.machines;
-        Self {
+        let mut tally = Self {
             components,
             planned: parts.map(|(part, times)| part.operations.iter().zip(times).map(planned).collect()).collect(),
             regrinds: (0..scenario.parts.len()).map(|part| scenario.is_regrind(part)).collect(),
@@ -171,7 +173,9 @@ impl Tally {
             groups,
             machines: vec![MachineTally::default(); machines.len()],
             ..Self::default()
-        }
+        };
+        tally.raw_times = (0..scenario.parts.len()).map(|part| tally.work_time(part, 1)).collect();
+        tally
     }
 
     /// Operations that wheels did, by their part in the window.
@@ -361,12 +365,22 @@ impl Tally {
 
     /// What the work of a job takes on the first machine of every operation, s: without setup, waiting and what is done again.
     fn raw_time(&self, job: &JobRow) -> f64 {
-        let pieces = f64::from(job.quantity);
+        // Jobs of one piece take always the same.
+        if job.quantity == 1 {
+            self.raw_times[job.part as usize]
+        } else {
+            self.work_time(job.part as usize, job.quantity)
+        }
+    }
+
+    /// What the work of so many pieces of a part takes, s.
+    fn work_time(&self, part: usize, pieces: u32) -> f64 {
+        let pieces = f64::from(pieces);
         let time = |own: &Planned| {
             let plain = if own.once { own.plain } else { pieces * own.plain };
             plain + pieces * (own.programmed + self.handling[own.machine])
         };
-        self.planned[job.part as usize].iter().map(time).sum()
+        self.planned[part].iter().map(time).sum()
     }
 
     /// A job that has left the shop, or is in it at the horizon.

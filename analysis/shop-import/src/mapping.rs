@@ -114,6 +114,7 @@ impl TableKind {
                 | Kind::Flag
                 | Kind::Choice(_)
                 | Kind::Or { .. }
+                | Kind::Dated(_)
                 | Kind::Reference(_)
                 | Kind::List(_)
                 | Kind::Shorthand { .. }

@@ -56,6 +56,7 @@ fn of_kind(kind: &Kind, column: &ColumnMap, text: &str, header: &str) -> Result<
                 of_kind(other, column, text, header)
             }
         }
+        Kind::Dated(other) => of_kind(other, column, text, header),
         Kind::Flag => match text.to_lowercase().as_str() {
             "true" => Ok("true".to_owned()),
             "false" => Ok("false".to_owned()),

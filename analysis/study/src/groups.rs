@@ -5,6 +5,7 @@
 use crate::kpi::{Definition, GroupKind, group_values_len, kpis};
 use crate::planner::Figures;
 use crate::study::Study;
+use crate::summary::with_figures;
 use serde_json::{Map, Value, json};
 use std::io;
 use toolroom_process::table::CsvWriter;
@@ -89,9 +90,11 @@ pub(crate) fn json(scenario: &Scenario, study: &Study) -> Vec<(String, Value)> {
                     .into_iter()
                     .map(|(definition, interval)| (definition.key(), shown(&interval.scaled(definition.file_scale()))))
                     .collect();
-                json!({ "name": name, "kpi": figures })
+                with_figures(&name, figures)
             });
-            json!({ "policy": scenario.policies[*policy].name, "groups": groups.collect::<Vec<_>>() })
+            let mut own = json!({ "policy": scenario.policies[*policy].name });
+            own["groups"] = groups.collect();
+            own
         };
         let policies: Vec<Value> = study.policies.iter().enumerate().map(of_policy).collect();
         (format!("by_{}", kind.name()), policies.into())

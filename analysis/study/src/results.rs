@@ -70,6 +70,8 @@ pub struct Recorded {
     pub study: Study,
     /// What they say.
     pub comparison: Comparison,
+    /// The same for programs, as in `summary.json`.
+    pub summary: String,
     /// Time taken by the simulation and the files.
     pub wall: Duration,
     /// The run whose shop stopped before its horizon, where one did: the study ends before it.
@@ -149,7 +151,7 @@ pub fn record(
     }
     let comparison = Comparison::new(scenario, &study);
     let info = &RunInfo { stopped: stopped.as_ref().map(|run| run.source.to_string()), ..info.clone() };
-    write_files(directory, scenario, &study, &comparison, info)?;
+    let summary = write_files(directory, scenario, &study, &comparison, info)?;
     let wall = start.elapsed();
     let mut run = run_json(scenario, &study, info, options.threads, wall);
     if let Some(stopped) = &stopped {
@@ -160,7 +162,7 @@ pub fn record(
         });
     }
     in_file(directory, "run.json", |out| pretty(out, &run))?;
-    Ok(Recorded { study, comparison, wall, stopped })
+    Ok(Recorded { study, comparison, summary, wall, stopped })
 }
 
 /// Folder of the tables of a run that stopped.
@@ -208,14 +210,14 @@ pub fn redraw(
 /// Name of a report that is not whole yet.
 const DRAFT: &str = "report.html.partial";
 
-/// Writes `study.json`, `summary.json`, `kpi.csv`, `trace.json` and `report.html`.
+/// Writes `study.json`, `summary.json`, `kpi.csv`, `trace.json` and `report.html`; the text of `summary.json`.
 pub(crate) fn write_files(
     directory: &Path,
     scenario: &Scenario,
     study: &Study,
     comparison: &Comparison,
     info: &RunInfo,
-) -> Result<(), ResultError> {
+) -> Result<String, ResultError> {
     in_file(directory, Finished::FILE, |out| Finished::write(study, out))?;
     in_file(directory, "kpi.csv", |out| write_kpis(scenario, study, out))?;
     for (name, kind) in groups::files(scenario) {
@@ -243,8 +245,12 @@ pub(crate) fn write_files(
             toolroom_schedule::write(scenario, &what, &pictured.log, out)
         })?;
     }
-    in_file(directory, "summary.json", |out| pretty(out, &summary(scenario, study, comparison)))?;
-    in_file(directory, "report.html", |out| out.write_all(report(scenario, study, comparison, info).html().as_bytes()))
+    let text = format!("{:#}", summary(scenario, study, comparison));
+    in_file(directory, "summary.json", |out| writeln!(out, "{text}"))?;
+    in_file(directory, "report.html", |out| {
+        out.write_all(report(scenario, study, comparison, info).html().as_bytes())
+    })?;
+    Ok(text)
 }
 
 fn in_file(

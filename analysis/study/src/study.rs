@@ -180,7 +180,10 @@ impl Study {
 
     /// Position of a figure of a machine.
     pub fn machine_index(&self, machine: usize, id: &str) -> Option<usize> {
-        self.kpis.iter().position(|kpi| kpi.machine == Some(machine) && kpi.definition.id == id)
+        // Figures of the shop stand first, then those of each machine.
+        let first = self.kpis.partition_point(|kpi| kpi.machine < Some(machine));
+        let own = self.kpis[first..].iter().take_while(|kpi| kpi.machine == Some(machine));
+        own.into_iter().position(|kpi| kpi.definition.id == id).map(|place| first + place)
     }
 
     /// Value of a figure in each replication, SI, NaN where it is not defined. `policy` counts

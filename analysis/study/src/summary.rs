@@ -48,8 +48,6 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
         "replications": study.replications,
         "complete": study.complete,
         "confidence": toolroom_statistics::CONFIDENCE,
-        "policies": policies,
-        "differences": differences,
         "compared_policy": headline.map(|difference| name(difference.policy)),
         "baseline": comparison.policies.first().map(|policy| policy.name.as_str()),
         "cell_gain": headline.map(|difference| difference.cell_gain.mean),
@@ -57,7 +55,6 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
         "amdahl_limit": headline.map(|difference| difference.amdahl_limit),
         "cutting_share": cutting_share(study, comparison),
         "bottleneck": comparison.bottleneck().map(|station| station.name.as_str()),
-        "stations": stations,
         "decision": {
             "outcome": decision.outcome.name(),
             "adaptive": decision.adaptive.map(name),
@@ -70,6 +67,10 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
         "tornado": comparison.break_even.iter().map(tornado_json).collect::<Vec<_>>(),
         "digest": format!("{:016x}", study.digest),
     });
+    // `json!` would copy what it is given.
+    for (key, value) in [("policies", policies), ("differences", differences), ("stations", stations)] {
+        summary[key] = Value::Array(value);
+    }
     summary["run"] = if scenario.is_terminating() { "terminating" } else { "steady_state" }.into();
     if let Some(sequential) = study.sequential_json() {
         summary["sequential"] = sequential;
@@ -146,18 +147,20 @@ pub(crate) fn cutting_share(study: &Study, comparison: &Comparison) -> f64 {
 
 fn policy_json(scenario: &Scenario, study: &Study, policy: &PolicyResult) -> Value {
     let figures = |machine| of_machine(study, machine, |index, kpi| interval_json(&policy.kpis[index], scale(kpi)));
-    let machines: Vec<Value> = scenario
-        .machines
-        .iter()
-        .enumerate()
-        .map(|(machine, named)| json!({ "name": named.name, "kpi": figures(Some(machine)) }))
-        .collect();
-    json!({
-        "name": policy.name,
-        "role": policy.role.describe(),
-        "kpi": figures(None),
-        "machines": machines,
-    })
+    let machines = scenario.machines.iter().enumerate();
+    let machines = machines.map(|(machine, named)| with_figures(&named.name, figures(Some(machine)))).collect();
+    let mut value = with_figures(&policy.name, figures(None));
+    value["role"] = policy.role.describe().into();
+    value["machines"] = Value::Array(machines);
+    value
+}
+
+/// Something with a name and its key figures.
+pub(crate) fn with_figures(name: &str, figures: Map<String, Value>) -> Value {
+    // `json!` would copy what it is given.
+    let mut value = json!({ "name": name });
+    value["kpi"] = Value::Object(figures);
+    value
 }
 
 fn difference_json(study: &Study, comparison: &Comparison, difference: &Difference) -> Value {
@@ -178,7 +181,9 @@ fn scale(kpi: &Kpi) -> f64 {
 }
 
 fn of_machine(study: &Study, machine: Option<usize>, value: impl Fn(usize, &Kpi) -> Value) -> Map<String, Value> {
-    let figures = study.kpis.iter().enumerate().filter(|(_, kpi)| kpi.machine == machine);
+    // Figures of the shop stand first, then those of each machine.
+    let first = study.kpis.partition_point(|kpi| kpi.machine < machine);
+    let figures = study.kpis.iter().enumerate().skip(first).take_while(|(_, kpi)| kpi.machine == machine);
     figures.map(|(index, kpi)| (kpi.key(), value(index, kpi))).collect()
 }
 

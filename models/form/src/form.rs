@@ -76,6 +76,8 @@ pub enum Kind {
         /// What else it may be.
         other: &'static Kind,
     },
+    /// A date such as `2026-03-30 06:00`, or something else. The kind of file reads the date, which stays a text.
+    Dated(&'static Kind),
     /// The name of another section's entry, of this kind.
     Reference(&'static str),
     /// One or more, in brackets; a single one may stand without.

@@ -68,7 +68,7 @@ fn inner(kind: &'static Kind, found: &mut dyn FnMut(Inner)) {
         Kind::Table(form) | Kind::Tables(form) => found(Inner::Form(form)),
         Kind::Shorthand { form, .. } => found(Inner::Form(form)),
         Kind::Fields { fields, .. } => found(Inner::Fields(fields)),
-        Kind::List(item) | Kind::Or { other: item, .. } => inner(item, found),
+        Kind::List(item) | Kind::Or { other: item, .. } | Kind::Dated(item) => inner(item, found),
         Kind::Name
         | Kind::Text
         | Kind::Quantity(_)
@@ -131,6 +131,7 @@ fn takes(kind: &Kind) -> String {
             let words: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
             format!("{}; or {}", words.join(", "), takes(other))
         }
+        Kind::Dated(other) => format!("a date such as `2026-03-30 06:00`; or {}", takes(other)),
         Kind::Reference(kind) => format!("the name of a {kind}"),
         Kind::List(item) => format!("one or more: {}", takes(item)),
         Kind::Table(form) => format!("a table: {}", heading(form)),

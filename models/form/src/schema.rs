@@ -85,6 +85,7 @@ fn property(key: &'static Key) -> Value {
             | Kind::Text
             | Kind::Quantity(_)
             | Kind::Or { .. }
+            | Kind::Dated(_)
             | Kind::Choice(_)
             | Kind::Reference(_)
             | Kind::List(_)
@@ -100,6 +101,9 @@ fn property(key: &'static Key) -> Value {
     }
     body
 }
+
+/// The beginning of a date.
+const DATE: &str = "^[0-9]{4}-[0-9]{2}-[0-9]{2}";
 
 fn kind(value: &'static Kind) -> Value {
     match value {
@@ -122,6 +126,7 @@ fn kind(value: &'static Kind) -> Value {
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Choice(choices) => json!({ "enum": choices }),
         Kind::Or { words, other } => json!({ "anyOf": [{ "enum": words }, kind(other)] }),
+        Kind::Dated(other) => json!({ "anyOf": [kind(other), { "type": "string", "pattern": DATE }] }),
         Kind::List(item) => {
             let item = kind(item);
             json!({ "anyOf": [{ "type": "array", "items": item.clone() }, item] })

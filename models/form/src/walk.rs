@@ -118,6 +118,9 @@ impl Walk {
         }
         for key in form.keys {
             let raw = table.get(key.name);
+            if raw.is_none() && matches!(key.need, Need::Optional) {
+                continue;
+            }
             // Selectors stand before the keys that they decide.
             let applies = |key: &Key| {
                 key.when.map_or(Some(true), |when| {
@@ -315,7 +318,8 @@ impl Walk {
                 self.fault(span, fault);
                 Value::Faulty
             }
-            (Kind::Or { other, .. }, _) => self.value(key, other, raw),
+            (Kind::Dated(_), DeValue::String(text)) if begins_as_date(text) => Value::Text(text.to_string()),
+            (Kind::Dated(other) | Kind::Or { other, .. }, _) => self.value(key, other, raw),
             (Kind::Count { min, max }, DeValue::Integer(integer)) => {
                 match u64::from_str_radix(integer.as_str(), integer.radix())
                     .ok()
@@ -437,6 +441,13 @@ impl Walk {
     }
 }
 
+/// Whether a text begins as a date does: year-month-.
+fn begins_as_date(text: &str) -> bool {
+    let text = text.trim_start().as_bytes();
+    let digits = |range: Range<usize>| text.get(range).is_some_and(|part| part.iter().all(u8::is_ascii_digit));
+    digits(0..4) && text.get(4) == Some(&b'-') && digits(5..7) && text.get(7) == Some(&b'-')
+}
+
 /// The form of the tables under a key, where it takes tables.
 pub(crate) fn table_form(form: &Form, key: &str) -> Option<&'static Form> {
     match form.key(key)?.kind {
@@ -448,6 +459,7 @@ pub(crate) fn table_form(form: &Form, key: &str) -> Option<&'static Form> {
         | Kind::Flag
         | Kind::Choice(_)
         | Kind::Or { .. }
+        | Kind::Dated(_)
         | Kind::Reference(_)
         | Kind::List(_)
         | Kind::Fields { .. }

@@ -16,7 +16,7 @@ pub(crate) fn understood(kind: &Kind, value: &Value<'_>) -> Option<String> {
         (Kind::Amount, Value::Raw(DeValue::Integer(number))) => number.to_string(),
         (Kind::Amount, Value::Raw(DeValue::Float(number))) => number.to_string(),
         (Kind::Shorthand { word, .. } | Kind::Fields { word, .. }, value) => return understood(word, value),
-        (Kind::Or { other, .. }, value) => return understood(other, value),
+        (Kind::Dated(other) | Kind::Or { other, .. }, value) => return understood(other, value),
         (Kind::List(item), Value::List(list)) => {
             list.iter().filter_map(|got| understood(item, &got.value)).collect::<Vec<_>>().join(", ")
         }
@@ -115,6 +115,7 @@ pub(crate) fn expected(kind: &Kind) -> String {
         Kind::Flag => "true or false".to_owned(),
         Kind::Choice(choices) => format!("one of {}", choices.join(", ")),
         Kind::Or { words, other } => format!("{}, or {}", words.join(", "), expected(other)),
+        Kind::Dated(other) => format!("a date, or {}", expected(other)),
         Kind::Reference(kind) => format!("the name of a {kind} in quotes"),
         Kind::List(_) => "a list in brackets".to_owned(),
         Kind::Table(form) => format!("a section {}", form.title),
@@ -141,7 +142,9 @@ pub fn example(kind: &Kind) -> String {
         Kind::Choice(choices) => quoted(choices.first().copied().unwrap_or_default()),
         Kind::List(item) => format!("[{}]", example(item)),
         Kind::Table(form) | Kind::Tables(form) => form.title.to_owned(),
-        Kind::Shorthand { word, .. } | Kind::Fields { word, .. } | Kind::Or { other: word, .. } => example(word),
+        Kind::Shorthand { word, .. } | Kind::Fields { word, .. } | Kind::Or { other: word, .. } | Kind::Dated(word) => {
+            example(word)
+        }
         Kind::Parameters => "{ limits = { wear_limit = \"0.5 mm\" } }".to_owned(),
         Kind::Texts => "{ cutting_speed = \"vc [m/min]\" }".to_owned(),
         Kind::Content(content) => content.example.to_owned(),

@@ -1,6 +1,7 @@
 //! Working time, and the dates from which it counts.
 
 use super::fault::ScenarioFault;
+use super::keys::quantity::DECADE;
 use super::names::{Names, named};
 use toml::de::{DeTable, DeValue};
 use toolroom_form::{Fault, Section, Span, Value, Walk};
@@ -19,6 +20,20 @@ pub(super) fn start(walk: &mut Walk, shop: &Section<'_>) -> Option<f64> {
         no_date(walk, shop.span_of("start"), "start", text, "date", "\"2026-03-30 00:00\"");
     }
     start
+}
+
+/// The end of the run, s: a date after the start, or a time. `None` where a problem was noted.
+pub(super) fn end_of_run(walk: &mut Walk, shop: &Section<'_>, start: Option<f64>) -> Option<f64> {
+    let Some(text) = shop.text("horizon") else { return shop.si("horizon") };
+    let end = moment(walk, shop, "horizon", start)?;
+    if end > 0.0 && end <= DECADE {
+        return Some(end);
+    }
+    let reason = format!("the run would end at {text}, which is not within ten years after its start");
+    let first = date::show(start.unwrap_or(0.0));
+    let fix = format!("write a date after {first}, at which it starts, or a time such as \"6 week\"");
+    walk.fault(shop.span_of("horizon"), ScenarioFault::Arrangement { reason, fix });
+    None
 }
 
 fn no_date(walk: &mut Walk, span: Span, key: &'static str, read: &str, expected: &'static str, example: &'static str) {

@@ -57,7 +57,11 @@ static SHOP: Form = Form {
             Kind::Text,
             "Date of second 0, such as \"2026-03-30 00:00\"; due where anything has a date",
         ),
-        Key::required("horizon", LONG_DURATION, "Simulated time of one replication, warm-up included"),
+        Key::required(
+            "horizon",
+            Kind::Dated(&LONG_DURATION),
+            "Simulated time of one replication, warm-up included; where `start` is given also the date at which it ends",
+        ),
         Key::default(
             "warm_up",
             Kind::Or { words: &["mser5"], other: &TIME },

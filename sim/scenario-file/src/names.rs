@@ -1,6 +1,7 @@
 //! Names of a scenario file, and the references to them.
 
 use super::choices::ProcessKind;
+use std::collections::HashSet;
 use toml::de::{DeTable, DeValue};
 use toolroom_effects::Definition;
 use toolroom_form::{Fault, Section, SectionValue, Span, Value, Walk, nearest};
@@ -50,28 +51,35 @@ impl Names {
 impl Named {
     fn of(root: &Section<'_>) -> Self {
         let mut all = Self::default();
-        for (name, _) in raw_names(root.got("tool").map(|got| &got.value)) {
-            all.tools.push(name);
+        for (name, _) in raw_names(raw(root, "tool")) {
+            all.tools.push(name.to_owned());
         }
-        for (part, table) in raw_names(root.got("part").map(|got| &got.value)) {
-            let operations = table.get("operation").map(|raw| Value::Raw(raw.get_ref().clone()));
-            for (operation, _) in raw_names(operations.as_ref()) {
+        for (part, table) in raw_names(raw(root, "part")) {
+            for (operation, _) in raw_names(table.get("operation").map(|raw| raw.get_ref())) {
                 all.programs.push(format!("{part}/{operation}"));
-                if !all.operations.contains(&operation) {
-                    all.operations.push(operation);
+                if !all.operations.iter().any(|known| known == operation) {
+                    all.operations.push(operation.to_owned());
                 }
             }
-            all.parts.push(part);
+            all.parts.push(part.to_owned());
         }
         all
     }
 }
 
+/// What stands under a key before it is read.
+fn raw<'s, 'd>(section: &'s Section<'d>, key: &str) -> Option<&'s DeValue<'d>> {
+    match section.got(key).map(|got| &got.value) {
+        Some(Value::Raw(value)) => Some(value),
+        Some(_) | None => None,
+    }
+}
+
 /// The tables of a list that have a name.
-fn raw_names<'d>(value: Option<&Value<'d>>) -> Vec<(String, DeTable<'d>)> {
-    let Some(Value::Raw(DeValue::Array(entries))) = value else { return Vec::new() };
-    let tables = entries.iter().filter_map(|entry| entry.get_ref().as_table());
-    tables.filter_map(|table| Some((table.get("name")?.get_ref().as_str()?.to_owned(), table.clone()))).collect()
+fn raw_names<'s, 'd>(value: Option<&'s DeValue<'d>>) -> impl Iterator<Item = (&'s str, &'s DeTable<'d>)> {
+    let entries = value.and_then(DeValue::as_array).into_iter().flatten();
+    let tables = entries.filter_map(|entry| entry.get_ref().as_table());
+    tables.filter_map(|table| Some((table.get("name")?.get_ref().as_str()?, table)))
 }
 
 /// A tool as operations see it: known by name and process even where its constants are at fault.
@@ -97,14 +105,13 @@ pub(super) fn named<'d>(
     {
         walk.fault(0..0, Fault::Nothing { what: key, example });
     }
-    let mut seen: Vec<String> = Vec::new();
+    let mut seen: HashSet<String> = HashSet::new();
     let mut named = Vec::with_capacity(sections.len());
     for section in sections {
         let name = section.text("name").unwrap_or_default().to_owned();
-        if !name.is_empty() && seen.contains(&name) {
+        if !seen.insert(name.clone()) && !name.is_empty() {
             walk.fault(section.span_of("name"), Fault::DuplicateName { kind: key, name: name.clone() });
         }
-        seen.push(name.clone());
         named.push((name, section));
     }
     named

@@ -1,6 +1,6 @@
 //! From sections to the resolved scenario: names become indices, contradictions are found.
 
-use super::calendars::{calendars, start};
+use super::calendars::{calendars, end_of_run, start};
 use super::choices::{LIFE_ONLY, ProcessKind};
 use super::fault::ScenarioFault;
 use super::names::{NamedTool, Names, named, reference};
@@ -41,7 +41,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<ScenarioCo
     walk.currency.clone_from(&currency);
     let mut names = Names::of(root);
     let start = shop.as_ref().and_then(|shop| start(walk, shop));
-    let horizon = shop.as_ref().and_then(|shop| shop.si("horizon")).unwrap_or(UNREAD_HORIZON);
+    let horizon = shop.as_ref().and_then(|shop| end_of_run(walk, shop, start)).unwrap_or(UNREAD_HORIZON);
     let calendars = calendars(walk, root, &mut names, start, horizon);
     let most_shifts = calendars.iter().map(ShiftCalendar::shift_count).max().unwrap_or(0);
     names.shifts = (1..=most_shifts).map(|number| format!("S{number}")).collect();
@@ -117,9 +117,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<ScenarioCo
     let shared = Shared { fixtures: std::mem::take(&mut names.fixtures), cribs, stocks };
     let variants = variants(walk, root, (start, horizon));
     let shop = shop?;
-    if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
-        && warm_up >= horizon
-    {
+    if let Some(warm_up) = shop.si("warm_up").filter(|warm_up| *warm_up >= horizon) {
         let hours = |seconds: f64| format!("{} h", seconds / 3600.0);
         let fault = Fault::Contradiction {
             first: "warm_up",
@@ -141,7 +139,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<ScenarioCo
         start,
         seed,
         replications: shop.count32("replications"),
-        horizon: shop.required("horizon"),
+        horizon,
         warm_up: shop.si("warm_up").unwrap_or(0.0),
         seeks_warm_up: shop.text("warm_up").is_some(),
         shift_length: shop.required("shift_length"),

@@ -71,6 +71,23 @@ fn bad_orders_and_dates_are_told_in_their_place() {
     assert!(without.iter().filter(|(code, ..)| *code == "date-without-start").count() == 3, "{without:#?}");
 }
 
+#[test]
+fn a_run_may_end_at_a_date() {
+    let until = |end: &str| format!("{SHOP}{ORDER}").replace("1 week", end);
+    let file = parse("dated.toml", &until("2026-04-06 00:00"), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let week = parse("dated.toml", &until("1 week"), &[]).unwrap();
+    assert_eq!((file.scenario.horizon, week.scenario.horizon), (7.0 * 86_400.0, 7.0 * 86_400.0));
+    assert_eq!(file.scenario.calendars, week.scenario.calendars);
+    let set = parse("dated.toml", &until("1 week"), &["shop.horizon=2026-04-01".to_owned()]).unwrap();
+    assert_eq!(set.scenario.horizon, 2.0 * 86_400.0);
+    for (end, code) in [("2026-03-29", "arrangement"), ("2126-04-06", "arrangement"), ("2026-02-30", "no-date")] {
+        let told = faults_of(&until(end), &[]);
+        assert!(told.iter().any(|(own, line, _)| *own == code && *line == 5), "{end}: {told:#?}");
+    }
+    let without = faults_of(&until("2026-04-06").replace("start = \"2026-03-30 00:00\"\n", ""), &[]);
+    assert!(without.iter().any(|(own, line, _)| *own == "date-without-start" && *line == 4), "{without:#?}");
+}
+
 const WIP: &str = "[[wip]]\norder = \"A\"\noperation = \"saw\"\nmachine = \"saw\"\ndone = \"25 %\"\nsince = \"-2 h\"\n";
 
 #[test]
