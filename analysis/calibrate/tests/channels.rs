@@ -23,7 +23,7 @@ fn table(base: &Pair, when: When) -> String {
         let (time, cut) = (4.0 * (220.0 / speed).powi(5), Cut::nominal(speed / 60.0, 0.3e-3, 1.5e-3));
         let stretches = vec![Stretch::read(0, time / POINTS as f64, 0.0); 8 * POINTS];
         let edge = Edge { name: format!("E{index}"), stretches, life: None, begun: None };
-        let model = WearModel::new(Law::ExtendedTaylor, base, vec![cut.clone()], vec![edge], 0.3);
+        let model = WearModel::new(Law::ExtendedTaylor, base, vec![cut], vec![edge], 0.3);
         let truth = model.parameters().iter().map(|parameter| match parameter.name.as_str() {
             "extended_taylor.reference_life" => 60f64.ln(),
             "edge_scatter" => 0.15f64.ln(),
