@@ -60,19 +60,21 @@ pub(crate) struct Target {
     pub relative: Option<Vec<f64>>,
     /// That variance (m²/N²) itself, where it was measured.
     pub absolute: Option<Vec<f64>>,
-    /// Greatest variance of each part (m²/N²) that the coherence can tell: a few times that of the measured moduli around a
-    /// line. Without it a model hides on lines without coherence, where a greater modulus is a greater variance: two equal
-    /// modes along x and y would be one at 45 degrees, whose response across nothing measured contradicts.
-    pub ceiling: Option<Vec<f64>>,
+    /// Least and greatest variance of each part (m²/N²) that the coherence can tell: a few times less and more than that of the
+    /// measured moduli around a line. Without the greatest a model hides on lines without coherence, where a greater modulus is
+    /// a greater variance: two equal modes along x and y would be one at 45 degrees, whose response across nothing measured
+    /// contradicts. Without the least a response that is nothing but noise would bind a model that has none there with no variance at
+    /// all: of a machine whose modes move along x and along y the responses across would rule the fit.
+    pub bounds: Option<Vec<[f64; 2]>>,
     /// Variance of each part (m²/N²), of the last round.
     pub variance: Vec<f64>,
 }
 
-/// Lines on either side over which the measured noise is averaged, and how many times that noise a variance may be:
-/// assumptions. A variance of the right model is the noise itself, and the mean of 17 lines is off by a factor of two at most;
+/// Lines on either side over which the measured noise is taken, and how many times more than its mean and less than its median a
+/// variance may be: assumptions. A variance of the right model is the noise itself, and the mean of 17 lines is off by a factor of two at most;
 /// without the number of averages its size is known to their number alone.
 const AROUND: usize = 8;
-const CEILING: [f64; 2] = [4.0, 64.0];
+const WITHIN: [f64; 2] = [4.0, 64.0];
 
 /// Everything measured, and which parameters are free.
 pub(crate) struct Likelihood {
@@ -123,14 +125,14 @@ impl Likelihood {
                 };
                 coherence.iter().map(share).collect()
             });
-            let ceiling = coherence.map(|coherence| ceiling(&function.receptance, coherence, averages));
+            let bounds = coherence.map(|coherence| bounds(&function.receptance, coherence, averages));
             Target {
                 response: function.response.index(),
                 force: function.force.index(),
                 values: function.receptance.clone(),
                 relative,
                 absolute,
-                ceiling,
+                bounds,
                 variance: Vec::new(),
             }
         });
@@ -387,8 +389,10 @@ impl Target {
                 let least = 1e-12 * typical;
                 let variances =
                     moduli.iter().zip(relative).map(|(modulus, share)| (modulus * modulus).max(least) * share);
-                match &self.ceiling {
-                    Some(ceiling) => variances.zip(ceiling).map(|(variance, most)| variance.min(*most)).collect(),
+                match &self.bounds {
+                    Some(bounds) => {
+                        variances.zip(bounds).map(|(variance, [least, most])| variance.clamp(*least, *most)).collect()
+                    }
                     None => variances.collect(),
                 }
             }
@@ -401,22 +405,24 @@ impl Target {
     }
 }
 
-/// Greatest variances of each part of `values`: a mean square modulus is `|H|² + 2 v` with `v = |H|² (1 − γ²)/(2 n γ²)`, so that
-/// each line has a `v = |H|² (1 − γ²)/(2 (n γ² + 1 − γ²))` of its own, which is averaged over neighbours.
-fn ceiling(values: &[Complex<f64>], coherence: &[f64], averages: f64) -> Vec<f64> {
+/// Least and greatest variances of each part of `values`: a mean square modulus is `|H|² + 2 v` with `v = |H|² (1 − γ²)/(2 n γ²)`, so that
+/// each line has a `v = |H|² (1 − γ²)/(2 (n γ² + 1 − γ²))` of its own, of which the mean and the median of neighbours tell the noise
+/// around.
+fn bounds(values: &[Complex<f64>], coherence: &[f64], averages: f64) -> Vec<[f64; 2]> {
     let of_line = |(value, coherence): (&Complex<f64>, &f64)| {
         let noisy = 1.0 - coherence.clamp(0.0, 1.0);
         value.norm_sqr() * noisy / (2.0 * (averages * (1.0 - noisy) + noisy))
     };
     let lines: Vec<f64> = values.iter().zip(coherence).map(of_line).collect();
-    let factor = if averages > 1.0 { CEILING[0] } else { CEILING[1] };
-    let mean = |i: usize| {
-        let near = &lines[i.saturating_sub(AROUND)..(i + AROUND + 1).min(lines.len())];
+    let factor = if averages > 1.0 { WITHIN[0] } else { WITHIN[1] };
+    let around = |i: usize| {
+        let mut near = lines[i.saturating_sub(AROUND)..(i + AROUND + 1).min(lines.len())].to_vec();
         let mean = near.iter().sum::<f64>() / near.len() as f64;
+        near.sort_by(f64::total_cmp);
         // A coherence of exactly one around says nothing of the noise.
-        if mean > 0.0 { factor * mean } else { f64::INFINITY }
+        [near[near.len() / 2] / factor, if mean > 0.0 { factor * mean } else { f64::INFINITY }]
     };
-    (0..lines.len()).map(mean).collect()
+    (0..lines.len()).map(around).collect()
 }
 
 /// `1/sqrt` of the diagonal, which makes the normal equations independent of units; zero for a parameter that moves nothing,
