@@ -33,7 +33,7 @@ fn an_order_table_is_checked_and_answered() {
     assert_eq!(late(&ran(&["--set", "dispatch.rule=edd"])), ["O6"]);
     let table = fs::read_to_string(out.join("orders.csv")).expect("the orders");
     assert!(
-        table.lines().nth(1).expect("a row").contains("O6,hub,west,80,2026-04-01 06:00,2026-04-07 12:00"),
+        table.lines().nth(1).expect("a row").contains("O6,hub,west,80,2026-04-01 06:00:00,2026-04-07 12:00:00"),
         "{table}"
     );
     let loads = fs::read_to_string(out.join("load.csv")).expect("the loads");

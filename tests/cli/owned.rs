@@ -229,9 +229,9 @@ fn a_part_program_replaces_neither_its_setup_nor_its_machine() {
     let dir = directory("cli", "owned_program");
     let [program, setup, machine] =
         ["part.nc", "setup.toml", "machine.toml"].map(|name| dir.join(name).display().to_string());
-    write(&program, "G21 G90\nG0 X0 Y0 Z5\nG1 X10 F600\nM30\n");
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
-    write(&setup, &read(root.join("new/setup.toml")));
+    write(&program, &read(root.join("programs/plate.nc")));
+    write(&setup, &read(root.join("programs/plate-setup.toml")));
     write(&machine, &read(root.join("machines/vmc.toml")));
     for (option, target) in
         [("--report", &setup), ("--blocks", &setup), ("--blocks", &machine), ("--motions", &machine)]

@@ -22,7 +22,7 @@ pub struct StartArgs {
     #[arg(long, value_name = "SNAPSHOT", conflicts_with = "schedule")]
     pub from: Option<PathBuf>,
     /// Another end of the run that goes on: a date, or a time since the start
-    #[arg(long, value_name = "TIME", requires = "from")]
+    #[arg(long, value_name = "TIME", requires = "from", conflicts_with = "file")]
     pub horizon: Option<String>,
     #[command(flatten)]
     pub changes: Changes,

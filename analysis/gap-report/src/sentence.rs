@@ -156,7 +156,7 @@ mod tests {
     use super::*;
     use toolroom_effects::parse_definitions;
     use toolroom_facts::{Fact, FactDetail, Finding, Quantity};
-    use toolroom_gap::{Cell, EffectId, NextExperiment, WEAR_RATE};
+    use toolroom_gap::{Cell, EffectId, NextExperiment, WEAR_RATE, WrittenEffect};
 
     fn diagnosis(verdict: GapVerdict) -> Diagnosis {
         let mut diagnosis = Diagnosis::cannot_tell("two edges were measured".to_owned());

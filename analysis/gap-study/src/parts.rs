@@ -2,7 +2,6 @@
 
 use crate::GapRequest;
 use crate::known::RecordedModel;
-use crate::study::fitted;
 use toolroom_effects::Definition;
 use toolroom_gap::{Answers, Diagnosis, EffectId, GATE, GapVerdict, NominalModel, ProcessData};
 use toolroom_records::Records;
@@ -116,4 +115,10 @@ pub(crate) fn finds_a_part(first: &Answers, now: &Answers, before: &[ProcessData
         };
         now.effects.iter().any(|own| is_part(own.id, &own.shape)) || contradicted()
     })
+}
+
+/// Whether a group is part of the fit.
+pub(crate) fn fitted(asked: &ProcessData, name: &str) -> bool {
+    let measured = asked.parts.iter().map(|part| &part.frame().measured);
+    measured.flat_map(|own| own.groups.iter().zip(&own.fitted)).any(|(group, fitted)| group == name && *fitted)
 }

@@ -3,7 +3,7 @@
 use crate::constants::{causes_of_facts, complete, constants_of_facts, drop_said_twice};
 use crate::known::{self, RecordedModel};
 use crate::machines::Machines;
-use crate::parts::{finds_a_part, split};
+use crate::parts::{finds_a_part, fitted, split};
 use crate::user_effects::refused_in;
 use crate::{GapRequest, GapStudyError, Reading, Table, tables, usable};
 use serde_json::Value;
@@ -235,12 +235,6 @@ fn proposals(
         }
     }
     Ok(all)
-}
-
-/// Whether a group is part of the fit.
-pub(crate) fn fitted(asked: &ProcessData, name: &str) -> bool {
-    let measured = asked.parts.iter().map(|part| &part.frame().measured);
-    measured.flat_map(|own| own.groups.iter().zip(&own.fitted)).any(|(group, fitted)| group == name && *fitted)
 }
 
 /// Whether a table in which nothing was measured has a place for it, so that more rows are all it lacks.

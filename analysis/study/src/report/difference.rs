@@ -31,10 +31,11 @@ pub(super) fn section(source: &Source<'_>) -> Section {
     }
     let further = [("Key figures", relative(source)), ("Other prices", tornado(source))];
     section = section.choice(further.into_iter().filter_map(|(name, figure)| Some((name.to_owned(), figure?))));
-    if let Some(note) = source.unpictured() {
-        section = section.note(note);
+    section = section.table("Policies", super::policies::table(source));
+    match source.unpictured() {
+        Some(note) => section.note(note),
+        None => section,
     }
-    section.table("Policies", super::policies::table(source))
 }
 
 /// The difference of the decision at half and at twice each price.

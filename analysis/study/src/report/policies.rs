@@ -6,16 +6,18 @@ use toolroom_chart::{Table, number};
 use toolroom_process::unit::convert;
 use toolroom_scenario::{DressingRule, PolicyRule, ProcessModel, SpeedRule, StabilityRule};
 
-/// The policies with what they do: speed, what is done about chatter and when wheels are dressed, as far as the shop has it.
+/// The policies with what they do: speed, what is done about chatter, and when wheels are dressed, where they differ in that.
 pub(super) fn table(source: &Source<'_>) -> Table {
     let scenario = source.scenario;
+    let rules = || source.study.policies.iter().map(|position| scenario.policies[*position].dressing);
     let grinds = scenario.tools.iter().any(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
+    let dressed_apart = grinds && rules().zip(rules().skip(1)).any(|(one, next)| one != next);
     let mut table = Table::new(["policy", "what it is"]);
     for (position, policy) in source.comparison.policies.iter().enumerate() {
         let rule = &scenario.policies[source.study.policies[position]];
         let mut words = vec![speed(rule, &policy.role)];
         words.extend(stability(rule.stability));
-        words.extend(grinds.then(|| dressing(rule.dressing)));
+        words.extend(dressed_apart.then(|| dressing(rule.dressing)));
         table.push([policy.name.as_str().into(), words.join("; ").into()]);
     }
     table

@@ -15,20 +15,14 @@ pub(super) fn section(source: &Source<'_>) -> Option<Section> {
          after the last pass of the operation. A part beyond the tolerance is scrap, and so is a burnt one.",
     );
     let mut pictures: Vec<(String, Figure)> = Vec::new();
-    let mut numbers: Option<Table> = None;
+    let mut tables: Vec<(String, Table)> = Vec::new();
     for (part, description) in source.scenario.parts.iter().enumerate() {
         for (index, operation) in description.operations.iter().enumerate() {
             if matches!(operation.work, Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_)) {
                 let Some(tool) = operation.tool else { continue };
                 let place = Place { part: part as u32, operation: index as u32, tool, description: operation };
                 let name = format!("{} / {}", description.name, operation.name);
-                let own = table(source, &place);
-                let all = numbers.get_or_insert_with(|| {
-                    Table::new(std::iter::once("operation").chain(own.columns().iter().map(String::as_str)))
-                });
-                for row in own.rows() {
-                    all.push(std::iter::once(name.as_str().into()).chain(row.iter().cloned()));
-                }
+                tables.push((name.clone(), table(source, &place)));
                 if let Some(figure) = distribution(source, &place, &name) {
                     pictures.push((name, figure));
                 }
@@ -36,12 +30,21 @@ pub(super) fn section(source: &Source<'_>) -> Option<Section> {
         }
     }
     section = section.choice(pictures);
-    numbers.map(|numbers| {
-        section.table(
-            "First replication: time in cut of a part, size error (mean, 95 % of the parts below, greatest), scrap",
-            numbers,
-        )
-    })
+    let caption =
+        "first replication: time in cut of a part, size error (mean, 95 % of the parts below, greatest), scrap";
+    match &tables[..] {
+        [] => None,
+        [(name, own)] => Some(section.table(format!("{name}, {caption}"), own.clone())),
+        [(_, first), ..] => {
+            let mut all = Table::new(std::iter::once("operation").chain(first.columns().iter().map(String::as_str)));
+            for (name, own) in &tables {
+                for row in own.rows() {
+                    all.push(std::iter::once(name.as_str().into()).chain(row.iter().cloned()));
+                }
+            }
+            Some(section.table(format!("Operations, {caption}"), all))
+        }
+    }
 }
 
 /// An operation and where it stands.

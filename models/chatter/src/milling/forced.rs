@@ -2,7 +2,7 @@
 
 use super::cutter::Engagement;
 use super::engagement::Geometry;
-use super::regenerated::{Regeneration, Settled};
+use super::regenerated::{HARMONICS, Regeneration, Settled};
 use super::{Direction, Milling};
 use crate::error::{ChatterError, positive};
 use nalgebra::{Complex, Matrix2, Vector2};
@@ -26,9 +26,6 @@ pub struct Forced {
     /// Displacement (feed, normal) over one period (m), evenly spaced, from entry of tooth 0.
     pub displacement: Vec<[f64; 2]>,
 }
-
-/// Harmonics of the tooth-passing frequency that are summed; of the spindle's where teeth differ.
-pub(super) const HARMONICS: usize = 200;
 
 /// The static force of a cut over a repetition, and what it changes by for each motion.
 struct Forces {

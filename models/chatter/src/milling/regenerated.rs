@@ -6,9 +6,11 @@
 
 use super::Milling;
 use super::engagement::Geometry;
-use super::forced::HARMONICS;
 use crate::error::ChatterError;
 use nalgebra::{Complex, DMatrix, DVector, Matrix2, Vector2};
+
+/// Harmonics of the tooth-passing frequency that are summed; of the spindle's where teeth differ.
+pub(super) const HARMONICS: usize = 200;
 
 /// Harmonics of the revolution up to this share of the fastest mode's frequency answer each other (assumption: beyond it a mode
 /// moves by an eighth of its static compliance).
