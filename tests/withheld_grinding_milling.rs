@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use toolroom_effects::Sign;
-use toolroom_gap::{Diagnosis, GapVerdict, NominalModel, Point, diagnose, predict};
+use toolroom_gap::{Candidate, Diagnosis, GapVerdict, NominalModel, Point, diagnose, predict};
 use toolroom_records::{RecordKind, parse_csv};
 use toolroom_truth::Case;
 
@@ -163,7 +163,9 @@ fn every_effect_of_grinding_lists_the_channels_that_it_moves_and_which_way() {
     let nominal = Point::nominal(forward.as_ref());
     let (_, before) = predict(forward.as_ref(), &nominal);
     let mut seen = 0;
-    for (index, candidate) in frame.candidates.iter().enumerate() {
+    // A wheel that is positioned by command since its dressing is a way of the diagnosis, which moves more.
+    let listed = |(_, candidate): &(usize, &Candidate)| !candidate.shape.starts_with("positioned");
+    for (index, candidate) in frame.candidates.iter().enumerate().filter(listed) {
         let mut point = nominal.clone();
         point.effects[index] = candidate.typical;
         let (_, after) = predict(forward.as_ref(), &point);

@@ -56,18 +56,11 @@ impl<'a> Source<'a> {
         shown
     }
 
-    /// What is said where some policies have no picture of their own; `None` where all have one.
-    fn unpictured(&self) -> Option<String> {
+    /// Names of the policies with pictures of their own, where others have none.
+    fn pictured_alone(&self) -> Option<String> {
         let shown = self.pictured();
-        let all = self.comparison.policies.len();
         let names: Vec<&str> = shown.iter().map(|position| self.name(*position)).collect();
-        (shown.len() < all).then(|| {
-            format!(
-                "Pictures of single policies show {} of {all}: {}. The tables have all of them.",
-                shown.len(),
-                names.join(", ")
-            )
-        })
+        (shown.len() < self.comparison.policies.len()).then(|| names.join(", "))
     }
 
     fn headline(&self) -> Option<&'a Difference> {

@@ -1,6 +1,6 @@
 //! The grinding wheel wears.
 
-use crate::catalogue::{CatalogueEntry, falls, rises};
+use crate::catalogue::{CatalogueEntry, falls};
 use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
@@ -24,7 +24,6 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
         falls("normal_force"),
         falls("tangential_force"),
         falls("force_after_spark_out"),
-        rises("rise_revolutions"),
     ],
     regime: "commanded infeed and work diameter",
     confounder: "an infeed scale error",

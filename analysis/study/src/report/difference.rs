@@ -31,11 +31,11 @@ pub(super) fn section(source: &Source<'_>) -> Section {
     }
     let further = [("Key figures", relative(source)), ("Other prices", tornado(source))];
     section = section.choice(further.into_iter().filter_map(|(name, figure)| Some((name.to_owned(), figure?))));
-    section = section.table("Policies", super::policies::table(source));
-    match source.unpictured() {
-        Some(note) => section.note(note),
-        None => section,
-    }
+    let caption = match source.pictured_alone() {
+        Some(names) => format!("Policies; pictured by themselves: {names}"),
+        None => "Policies".to_owned(),
+    };
+    section.table(caption, super::policies::table(source))
 }
 
 /// The difference of the decision at half and at twice each price.
