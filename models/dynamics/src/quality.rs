@@ -16,6 +16,9 @@ const LEAST_COHERENCE: f64 = 0.7;
 const CLEAR: f64 = 0.5;
 /// Share of its peak that a fitted response may have at an end of the range (assumption: half of a peak is on its flank).
 const GREATEST_AT_END: f64 = 0.5;
+/// Share of the greatest response below which a direct response without a resonance of its own is none (assumption: what is
+/// twenty times as stiff as the softest direction sets no limit).
+const STIFF: f64 = 0.05;
 /// Least number of lines in a half-power band (assumption: three lines meet a circle without telling its noise).
 const LEAST_LINES: f64 = 5.0;
 /// Greatest residual of a fit over the measured response (assumption).
@@ -183,7 +186,13 @@ impl Quality {
                 refusals.push(Refusal::WindowDamping { frequency: mode.natural_frequency.value });
             }
         }
-        let poor = residuals.iter().filter(|(_, residual)| *residual > GREATEST_RESIDUAL);
+        let sizes: Vec<f64> = measured.functions.iter().map(|function| norm(&function.receptance)).collect();
+        let poor = residuals.iter().zip(&measured.functions).zip(&sizes).filter(|(((_, residual), function), size)| {
+            // Across, what is left matters beside the responses along: of modes along x and y it is noise alone.
+            let beside = if function.is_direct() { 1.0 } else { (*size / along(measured, &sizes)).min(1.0) };
+            residual * beside > GREATEST_RESIDUAL
+        });
+        let poor = poor.map(|((found, _), _)| found);
         refusals.extend(
             poor.map(|(function, residual)| Refusal::PoorFit { function: function.clone(), residual: *residual }),
         );
@@ -258,6 +267,17 @@ fn difference(lines: impl Iterator<Item = usize>, one: &[Complex<f64>], other: &
     if size > 0.0 { (left / size).sqrt() } else { 0.0 }
 }
 
+fn norm(values: &[Complex<f64>]) -> f64 {
+    values.iter().map(Complex::norm_sqr).sum::<f64>().sqrt()
+}
+
+/// Geometric mean of the direct responses, of which `sizes` are the norms of all; that of the only one.
+fn along(measured: &Measurement, sizes: &[f64]) -> f64 {
+    let direct = measured.functions.iter().zip(sizes).filter(|(function, _)| function.is_direct());
+    let (count, product) = direct.fold((0.0, 1.0), |(count, product), (_, size)| (count + 1.0, product * size));
+    product.powf(1.0 / f64::max(count, 1.0))
+}
+
 /// Median coherence over the half-power band of a mode, of the direct function nearest to its direction.
 fn band_coherence(measured: &Measurement, mode: &FittedMode) -> Option<f64> {
     let share = |d: usize| mode.direction[d].abs();
@@ -277,9 +297,15 @@ fn edge(measured: &Measurement, fitted: &[Vec<Complex<f64>>], modes: &[FittedMod
     if let Some(frequency) = beyond {
         return Some(Refusal::EdgeOfRange { frequency });
     }
-    let direct = measured.functions.iter().zip(fitted).filter(|(function, _)| function.is_direct());
-    for (_, values) in direct {
-        let peak = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    let direct = || measured.functions.iter().zip(fitted).filter(|(function, _)| function.is_direct());
+    let peak = |values: &[Complex<f64>]| values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    let greatest = direct().map(|(_, values)| peak(values)).fold(0.0, f64::max);
+    for (_, values) in direct() {
+        let peak = peak(values);
+        // A direction in which nothing resonates has the compliance of what is beyond the range, the same at both ends.
+        if peak < STIFF * greatest {
+            continue;
+        }
         for (frequency, value) in [(first, values.first()?), (last, values.last()?)] {
             if value.norm() > GREATEST_AT_END * peak {
                 return Some(Refusal::EdgeOfRange { frequency });
@@ -295,5 +321,8 @@ fn reciprocity(measured: &Measurement) -> Option<f64> {
     let (one, other) = (find("xy")?, find("yx")?);
     let clear = |function: &crate::Frf, i: usize| function.coherence.as_ref().is_none_or(|values| values[i] >= CLEAR);
     let lines = (0..measured.frequencies.len()).filter(|i| clear(one, *i) && clear(other, *i));
-    Some(difference(lines, &one.receptance, &other.receptance))
+    let sizes: Vec<f64> = measured.functions.iter().map(|function| norm(&function.receptance)).collect();
+    // As what a fit leaves across, a difference matters beside the responses along.
+    let beside = (norm(&one.receptance) / along(measured, &sizes)).min(1.0);
+    Some(beside * difference(lines, &one.receptance, &other.receptance))
 }

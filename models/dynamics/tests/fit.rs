@@ -165,6 +165,7 @@ fn responses_across_that_are_noise_alone_do_not_rule_the_fit() {
     let frequencies: Vec<f64> = found.modes.iter().map(|mode| mode.natural_frequency.value).collect();
     assert_eq!(frequencies.len(), 2, "{frequencies:?}");
     assert!((frequencies[0] - 700.0).abs() < 1.0 && (frequencies[1] - 900.0).abs() < 1.0, "{frequencies:?}");
+    assert!(found.quality.refusals.is_empty(), "{:?}", found.quality);
 }
 
 #[test]
