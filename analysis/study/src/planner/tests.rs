@@ -126,7 +126,10 @@ fn the_schedule_of_a_run_is_followed_and_compared() {
     let mut table = Vec::new();
     write_sequences(&first, &study_of_first.first_logs[0], &mut table).unwrap();
     let text = String::from_utf8(table).unwrap();
-    assert!(text.starts_with("order,operation,machine,position,start,end\nO1,turn,T1,1,2026-03-30 06:00:00,"), "{text}");
+    assert!(
+        text.starts_with("order,operation,machine,position,start,end\nO1,turn,T1,1,2026-03-30 06:00:00,"),
+        "{text}"
+    );
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("plan.csv");
     std::fs::write(&file, text).unwrap();
