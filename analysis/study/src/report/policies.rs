@@ -33,12 +33,11 @@ fn speed(rule: &PolicyRule, role: &Role) -> String {
     if *role != Role::Given {
         return role.describe();
     }
-    match rule.speed {
-        SpeedRule::Constant { cutting_speed } => {
-            format!("constant {} m/min{factor}", number(convert(cutting_speed, "m/s", "m/min"), 4))
-        }
-        // Where no speed is commanded, every rule runs as programmed.
-        _ => format!("speed as programmed{factor}"),
+    // Where no speed is commanded, every other rule runs as programmed.
+    if let SpeedRule::Constant { cutting_speed } = rule.speed {
+        format!("constant {} m/min{factor}", number(convert(cutting_speed, "m/s", "m/min"), 4))
+    } else {
+        format!("speed as programmed{factor}")
     }
 }
 
