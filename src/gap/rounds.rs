@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::path::Path;
-use toolroom_gap::NominalProcess;
+use toolroom_gap::{GapVerdict, NominalProcess};
 use toolroom_gap_study::{Figure, figures, table};
 use toolroom_records::RecordKind;
 
@@ -36,10 +36,18 @@ pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
         let named: Vec<String> = diagnosis["effects"].as_array().into_iter().flatten().map(words).collect();
         let new = named.iter().any(|effect| !named_before.contains(effect));
         if round > 1 && !new {
-            let left = match diagnosis["verdict"].as_str() {
-                Some("unknown") => "; what is left of the gap has no cause that was found",
-                Some("masked") => "; calibration takes up what may be left of the gap",
-                _ => "",
+            let verdict = GapVerdict::ALL.into_iter().find(|own| diagnosis["verdict"] == own.name());
+            let left = match verdict {
+                Some(GapVerdict::Unknown) => "; what is left of the gap has no cause that was found",
+                Some(GapVerdict::Masked) => "; calibration takes up what may be left of the gap",
+                Some(
+                    GapVerdict::Effect
+                    | GapVerdict::Constant
+                    | GapVerdict::Small
+                    | GapVerdict::NoGap
+                    | GapVerdict::CannotTell,
+                )
+                | None => "",
             };
             voice.data(format_args!(
                 "round {round} names nothing new: {} holds what was found{left}",

@@ -14,8 +14,8 @@ const FEWEST: usize = 20;
 /// Variance of logarithms below which times do not scatter (1). Derivation: a part in a million is beyond any clock.
 const NONE: f64 = 1e-12;
 
-/// Times that many times as long or as short as the middle one of their group stand apart (1): a row that is missing in a log makes
-/// one of two, and that is no scatter. Those of the file are left out alike. Source: the specification of the diagnosis, section 10.
+/// Times that many times as long or as short as the middle one of their group stand apart (1): they have another cause than the
+/// scatter of the rest (assumption, as for readings that stand apart in a closure). Those of the file are left out alike.
 const APART: f64 = 5.0;
 
 /// Rounded differences in a time of handling (count): of loading and of unloading.
