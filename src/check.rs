@@ -33,6 +33,10 @@ fn each(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
     // What is refused is told at once to people, and to programs with the rest.
     let people = voice.for_people();
     for file in &args.files {
+        if is_schema(file) {
+            voice.say(format_args!("{}: a schema for editors, passed over", file.display()));
+            continue;
+        }
         match read(file, args) {
             Ok((_, checked)) => {
                 voice.say(format_args!("{}: {}", file.display(), checked.summary));
@@ -45,6 +49,7 @@ fn each(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
             }
         }
     }
+    let looked_at = results.len();
     if voice.json {
         voice.json(&json!({ "schema": 1, "valid": refused == 0, "files": results }))?;
     }
@@ -52,9 +57,15 @@ fn each(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::argument(
-        format_args!("{refused} of {} files are refused", args.files.len()),
+        format_args!("{refused} of {looked_at} files are refused"),
         "the faults are listed above, file by file",
     ))
+}
+
+/// Whether a file of a list is a schema as `new` and `schema` write it beside the files that a pattern is meant for.
+fn is_schema(path: &Path) -> bool {
+    let named = path.file_name().and_then(|name| name.to_str()).is_some_and(|name| name.ends_with(".schema.json"));
+    named && std::fs::read_to_string(path).is_ok_and(|text| text.contains("\"$schema\": \"https://json-schema.org"))
 }
 
 /// The kind of a file, and what its reader says.

@@ -88,8 +88,8 @@ fn machine_of(file: &Path, args: &ProgramArgs, setup: Option<&Setup>) -> Result<
         let fault = |error| Failure::argument(format!("--start {text}: {error}"), "write --start \"0,0,100 mm\"");
         control.set_start(text).map_err(fault)?;
     }
-    for (number, tool) in setup.iter().flat_map(|setup| &setup.tools) {
-        control.diameters.insert(*number, 2e3 * tool.radius);
+    if let Some(setup) = setup {
+        setup.tell(&mut control);
     }
     for text in &args.tool {
         let fault = |error| Failure::argument(format!("--tool {text}: {error}"), "write --tool D1=\"10 mm\"");

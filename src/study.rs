@@ -191,9 +191,17 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
             let message = format!("{error}; what was written stays in {} and is not complete", kept.display());
             return Err(Failure::work(message));
         }
-        Err(error) => return Err(Failure::work_error(&error)),
+        Err(error) => {
+            let unbegun = error.unbegun().map(|stopped| never_begun(stopped, request));
+            return Err(unbegun.unwrap_or_else(|| Failure::work_error(&error)));
+        }
     };
     let study = &recorded.study;
+    if let Some(stopped) = recorded.stopped.iter().find(|_| study.replications == 0)
+        && stopped.source.is_of_the_scenario()
+    {
+        return Err(never_begun(stopped, request));
+    }
     if study.replications == 0 && recorded.stopped.is_none() && runs.exists() {
         let message = format!("interrupted: finished runs are kept in {}", target.display());
         return Err(Failure::Interrupted { message, help: RESUME.to_owned() });
@@ -283,6 +291,12 @@ fn record_first(
     }
     voice.say(format_args!("recorded {}", names.join(", ")));
     Ok(())
+}
+
+/// A shop of which no run would begin: the scenario is at fault, as `check` says, and nothing is written.
+fn never_begun(stopped: &StoppedShop, request: &Request<'_>) -> Failure {
+    let help = format!("toolroom check {}, with the same --set, shows the place", quoted(&request.input));
+    Failure::argument(format_args!("no run of policy `{}` would begin: {}", stopped.name, stopped.source), help)
 }
 
 /// A shop that stopped by itself: why, and what is there all the same.

@@ -195,6 +195,12 @@ fn draws_of_a_calibration_enter_a_shop_and_say_what_they_leave_open() {
     let answer = answer(&toolroom(folder, &["compare", "shop.toml", "--replications", "8", "--out", "out", "--json"]));
     let notes = answer["decision"]["notes"].to_string();
     assert!(notes.contains("over 2 draws of the parameters") && notes.contains("of what your data allow"), "{notes}");
+    // What "needs about" counts are replications as they are given, not the two draws of four each.
+    let line = answer["decision"]["line"].as_str().expect("a line");
+    if let Some((_, rest)) = line.split_once("needs about ") {
+        let count: f64 = rest.split(' ').next().and_then(|word| word.parse().ok()).expect("a number");
+        assert!(count >= 8.0, "{line}");
+    }
     // A value that both the file and the draws give, and draws of another law.
     let text_of = |path: &str| fs::read_to_string(folder.join(path)).expect("a file");
     let twice = text_of("shop.toml")
@@ -369,6 +375,31 @@ fn a_wear_rate_that_was_measured_is_in_the_baked_set() {
         let first = levels.split(' ').next().expect("a level");
         assert!(set.contains(&format!("\"{first}\" = {{ factor = 1.0512")), "{set}");
     }
+}
+
+#[test]
+fn edges_whose_record_begins_late_are_not_taken_for_new() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    // The first half of each edge's readings is lost: they begin at 0.19 mm of 0.3.
+    let late = |line: &&str| !line.starts_with('O') || !["-1,", "-2,", "-3,", "-4,"].iter().any(|at| line.contains(at));
+    let table = wear(1.0, "flank_wear [mm]");
+    fs::write(folder.join("wear.csv"), table.lines().filter(late).collect::<Vec<_>>().join("\n")).expect("a table");
+    let life = |more: &[&str]| {
+        let output =
+            calibrated(folder, &[&["--law", "extended_taylor", "--draws", "200", "--force", "--json"], more].concat());
+        let found = answer(&output);
+        let parameters = found["parameters"].as_array().expect("a list").clone();
+        let life =
+            parameters.into_iter().find(|own| own["name"].as_str().is_some_and(|name| name.contains("reference_life")));
+        (life.expect("a life")["map"].as_f64().expect("a number"), found.to_string())
+    };
+    let (by_itself, told) = life(&[]);
+    // At 180 m/min the edges last for 30 min · (220/180)⁴ = 67 min.
+    assert!((55.0..80.0).contains(&by_itself), "{by_itself}");
+    assert!(told.contains("6 edges, E0 first, begin at their first readings (0.1"), "{told}");
+    assert_eq!(life(&["--start", "unknown"]).0, by_itself);
+    assert!(life(&["--start", "new"]).0 < 40.0);
 }
 
 #[test]

@@ -419,6 +419,21 @@ fn a_stable_milling_point_has_its_vibration() {
     assert!(beyond["sle [um]"].is_null() && without.is_null(), "{beyond} {without}");
 }
 
+/// A tooth that reaches less far cuts a thin chip, which the vibration leaves: the series, where every tooth stays in its cut,
+/// told 112.7 um with a band of 4 %. An independent simulation in Python (straight teeth, 1440 steps a revolution, the least chip
+/// against six earlier teeth) gives 48.3 and 129.5 um, and 3 % more than the series without runout.
+#[test]
+fn teeth_that_run_out_leave_their_cut() {
+    let side = shipped("chatter/side-milling");
+    let at = ["lobes", &side, "--set", "cutter.runout=\"50 um\"", "--at", "6000 rpm", "3 mm", "--json"];
+    let vibration = json(&toolroom(&at))["vibration"].clone();
+    assert_eq!(vibration["method"], "simulated", "{vibration}");
+    close(&vibration["pp_x [um]"], 48.3, 0.05);
+    close(&vibration["pp_y [um]"], 129.5, 0.05);
+    assert!(vibration["band"].as_f64().is_some_and(|band| (0.04..0.15).contains(&band)), "{vibration}");
+    assert!(vibration["sle [um]"].is_number(), "{vibration}");
+}
+
 /// One clean hit, a structure written by hand, and a fit whose noise is what it leaves.
 #[test]
 fn what_has_neither_coherence_nor_measurement_is_read() {

@@ -294,6 +294,37 @@ fn a_unit_that_hangs_crashes_or_ends_its_process_is_a_replication_that_failed() 
 }
 
 #[test]
+fn a_call_that_hangs_is_told_after_its_limit_and_is_not_waited_for_twice() {
+    // States as numbers, in memory, and none at all, in a shop that needs none.
+    let without_breakdowns = |text: String| {
+        let (before, rest) = text.split_once("[[failure]]").expect("breakdowns");
+        format!("{before}[[policy]]{}", rest.split_once("[[policy]]").expect("policies").1)
+    };
+    for (states, keeps) in [
+        ("", true),
+        ("canSerializeFMUstate=\"true\"", true),
+        ("canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"", false),
+    ] {
+        let folder = folder();
+        let (begun, out) = (folder.path().join("begun"), folder.path().join("out"));
+        let hang = format!("BEFORE=FILE *f=fopen(\"{}\",\"a\");fputc(1,f);fclose(f);for(;;)", begun.display());
+        let scenario = with_unit(folder.path(), &fixture::unit(folder.path(), &[&hang], (states, "")));
+        if !keeps {
+            let text = fs::read_to_string(&scenario).expect("a scenario");
+            fs::write(&scenario, without_breakdowns(text)).expect("writable");
+        }
+        let study = ["run", &scenario, "--policy", "constant", "--threads", "1"];
+        let limit = ["--set", "tool.insert.wiring.call_limit=1 s", "--out", &out.display().to_string()];
+        let output = expect(1, &[&study[..], &limit].concat());
+        let expected = words_of("fmi2DoStep answered nothing within 1 s (call_limit)");
+        assert!(words(&output).contains(&expected), "{states}: {}", stderr(&output));
+        // The run that stopped is made again for its logs, without the call.
+        assert!(out.join("stopped").is_dir(), "{states}");
+        assert_eq!(fs::metadata(&begun).expect("a call that hangs").len(), 1, "{states}");
+    }
+}
+
+#[test]
 fn a_crash_in_the_37th_replication_keeps_36() {
     let folder = folder();
     let steps = folder.path().join("steps");
@@ -390,10 +421,11 @@ fn check_refuses_what_run_would_refuse() {
     let unit = fixture::unit(folder.path(), &[], change);
     let scenario = with_unit(folder.path(), &unit);
     let out = folder.path().join("out").display().to_string();
-    for (code, arguments) in [(2, &["check", &scenario][..]), (1, &["run", &scenario, "--out", &out])] {
-        let output = expect(code, arguments);
+    for arguments in [&["check", &scenario][..], &["run", &scenario, "--out", &out]] {
+        let output = expect(2, arguments);
         assert!(words(&output).contains(&words_of("cannot go back to an earlier state")), "{}", stderr(&output));
     }
+    assert!(!Path::new(&out).exists());
     // States in memory are enough for breakdowns.
     let unit = fixture::unit(folder.path(), &[], ("canSerializeFMUstate=\"true\"", ""));
     let scenario = with_unit(folder.path(), &unit);
@@ -402,8 +434,8 @@ fn check_refuses_what_run_would_refuse() {
     // A unit of fixed steps of which none is taken in a pass.
     let fixed = ("canHandleVariableCommunicationStepSize=\"true\"", "fixedInternalStepSize=\"1000\"");
     let scenario = with_unit(folder.path(), &fixture::unit(folder.path(), &[], fixed));
-    for (code, verb) in [(2, &["check", &scenario][..]), (1, &["run", &scenario, "--out", &out, "--force"])] {
-        let output = expect(code, verb);
+    for verb in [&["check", &scenario][..], &["run", &scenario, "--out", &out, "--force"]] {
+        let output = expect(2, verb);
         assert!(words(&output).contains(&words_of("cannot be met within half a step")), "{}", stderr(&output));
     }
 }

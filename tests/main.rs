@@ -1,6 +1,7 @@
 //! Every promise of the README that the program has to keep: one module a promise, one binary for all of them.
 
 mod architecture;
+mod arrivals;
 mod blind;
 mod calibration;
 mod cli;

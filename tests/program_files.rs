@@ -27,6 +27,17 @@ fn a_program_with_carriage_returns_alone_is_the_same_program() {
 }
 
 #[test]
+fn a_program_that_only_dwells_takes_its_time_and_one_that_does_nothing_is_refused() {
+    let folder = directory("program_files", "dwells");
+    let waits = program(&folder, "waits.nc", "%\nO1\nG21\nG4 P2000\nM30\n%\n");
+    let told = json(&toolroom(&["program", &waits, "--dialect", "fanuc", "--json"]));
+    assert_eq!((&told["dwell [s]"], &told["cycle_time [s]"]), (&2.0.into(), &2.0.into()), "{told}");
+    let idle = toolroom(&["program", &program(&folder, "idle.nc", "%\nO1\nG21\nM30\n%\n"), "--dialect", "fanuc"]);
+    assert_eq!(idle.status.code(), Some(2));
+    assert!(stderr(&idle).contains("dwells nowhere"), "{}", stderr(&idle));
+}
+
+#[test]
 fn a_program_in_utf_16_is_refused_by_that_name() {
     let folder = directory("program_files", "utf-16");
     let wide: Vec<u8> = [0xff, 0xfe].into_iter().chain(PLATE.encode_utf16().flat_map(u16::to_le_bytes)).collect();

@@ -5,8 +5,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn demo(folder: &Path) -> PathBuf {
+    demo_of(folder, &["--replications", "2"])
+}
+
+fn demo_of(folder: &Path, options: &[&str]) -> PathBuf {
     let output = Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(["demo", "--quiet", "--replications", "2", "--out"])
+        .args(["demo", "--quiet"])
+        .args(options)
+        .arg("--out")
         .arg(folder)
         .output()
         .expect("toolroom runs");
@@ -113,14 +119,16 @@ fn a_report_fits_the_window_and_the_page_and_no_label_lies_on_another() {
         return;
     };
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let html = std::fs::read_to_string(demo(&folder.path().join("demo"))).expect("a report");
-    // A4 with its margins of 14 mm is 688 px wide; on paper nothing scrolls, and the height is that of the pages.
-    let paper = html.replace("@media print", "@media all");
-    for (page, width, most) in [(&html, 1400, 6000), (&html, 700, 11_000), (&paper, 688, 60_000)] {
-        let measured = measured(browser, folder.path(), page, MEASURE, width);
-        let (height, rest) = measured.split_once(' ').expect("a height");
-        assert_eq!(rest, "0 [] []", "at {width} px something overflows or lies on something else");
-        assert!(height.parse::<u32>().expect("a number") <= most, "{height} px tall at {width} px");
+    for (name, shown) in [("cells", &["--replications", "2"][..]), ("shop", &["--shop"])] {
+        let html = std::fs::read_to_string(demo_of(&folder.path().join(name), shown)).expect("a report");
+        // A4 with its margins of 14 mm is 688 px wide; on paper nothing scrolls, and the height is that of the pages.
+        let paper = html.replace("@media print", "@media all");
+        for (page, width, most) in [(&html, 1400, 6000), (&html, 700, 11_000), (&paper, 688, 60_000)] {
+            let measured = measured(browser, folder.path(), page, MEASURE, width);
+            let (height, rest) = measured.split_once(' ').expect("a height");
+            assert_eq!(rest, "0 [] []", "{name} at {width} px: something overflows or lies on something else");
+            assert!(height.parse::<u32>().expect("a number") <= most, "{name}: {height} px tall at {width} px");
+        }
     }
 }
 

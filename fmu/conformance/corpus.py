@@ -16,6 +16,7 @@ import csv
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 import sysconfig
@@ -100,7 +101,15 @@ def with_python():
     return {**os.environ, "LD_PRELOAD": str(library), "PYTHONPATH": sysconfig.get_path("purelib")}
 
 
+def told(text):
+    """Why a simulation ended, without what differs from one run to the next: names of files, times that are rounded."""
+    reason = " ".join(text.replace("error: ", "").split("\n  help")[0].split())
+    reason = re.sub(r"^at \S+ s: ", "", re.sub(r"; \S+ holds what came before$", "", reason))
+    return re.sub(r"\b(\d+\.\d{2})\d+", r"\1", reason)
+
+
 def simulated(toolroom, path, kind, stop, step, folder, environment=None):
+    """Columns of `fmu sim` by their names, or none, and how it went."""
     table = Path(folder) / "rows.csv"
     command = [toolroom, "fmu", "sim", path, "--interface", NAMES[kind], "--stop", f"{stop} s", "--step", f"{step} s"]
     done = run([*command, "--output", table, "--force"], env=environment)
@@ -109,7 +118,7 @@ def simulated(toolroom, path, kind, stop, step, folder, environment=None):
     if done is None:
         return None, "no end within a minute"
     if done.returncode:
-        return None, " ".join(done.stderr.replace("error: ", "").split("\n  help")[0].split())
+        return None, told(done.stderr)
     with open(table, newline="") as file:
         rows = list(csv.reader(file))
     names = [name.split(" [")[0] for name in rows[0]]
@@ -119,7 +128,7 @@ def simulated(toolroom, path, kind, stop, step, folder, environment=None):
             columns[name] = [float(row[i]) for row in rows[1:]]
         except ValueError:
             continue  # texts
-    return columns, None
+    return columns, "runs, with Python preloaded" if environment else "runs"
 
 
 def difference(ours, theirs):
@@ -190,14 +199,12 @@ def main():
             stop = float(own.stopTime or 1.0) if own else 1.0
             step = float(own.stepSize or stop / 500) if own else stop / 500
             with tempfile.TemporaryDirectory() as folder:
-                ours, reason = simulated(arguments.toolroom, path, kind, stop, step, folder)
+                ours, ran = simulated(arguments.toolroom, path, kind, stop, step, folder)
             done = run([sys.executable, "-c", FMPY, path, kind, stop, step])
             theirs = json.loads(done.stdout.splitlines()[-1]) if done and done.returncode == 0 else None
-            ran, shown = "runs", "–"
-            if ours is None:
-                ran = reason.replace("|", "/")
-                if theirs is not None:
-                    failed.append(f"{path} {kind}: {reason}")
+            ran, shown = ran.replace("|", "/"), "–"
+            if ours is None and theirs is not None:
+                failed.append(f"{path} {kind}: {ran}")
             if theirs is None:
                 shown = "FMPy does not run it" if done else "no end within a minute in FMPy"
             elif ours is not None:
@@ -214,7 +221,9 @@ def main():
             if kind == "CoSimulation" and real:
                 steps = round(stop / step)
                 others = [elsewhere(each, path, step, steps, real[0], theirs) for each in OTHERS]
-            row = [path.stem, description.fmiVersion, SHOWN[kind], verdict, ran, shown, *others]
+            by = description.generationTool or ""
+            name = f"{path.stem} ({by})" if "python" in by.lower() else path.stem
+            row = [name, description.fmiVersion, SHOWN[kind], verdict, ran, shown, *others]
             print("| " + " | ".join(row) + " |", flush=True)
     for each in failed:
         print(f"failed: {each}", file=sys.stderr)

@@ -75,9 +75,9 @@ pub trait Unit: Process + Clone + 'static {
         self.output(x, u)
     }
 
-    /// One real output by its name, where it costs less by itself than [`Unit::observe`] costs; the same to the bit. It is
+    /// One real output by its place among the fields, where it costs less by itself than [`Unit::observe`] costs; the same to the bit. It is
     /// asked for the first value that an importer reads after a step.
-    fn observe_one(&self, _name: &str, _x: &Self::State, _u: &Self::Input, _memory: &Self::Memory) -> Option<f64> {
+    fn observe_one(&self, _output: usize, _x: &Self::State, _u: &Self::Input, _memory: &Self::Memory) -> Option<f64> {
         None
     }
 

@@ -385,6 +385,8 @@ fn saved_states_of_others_and_broken_bytes_are_refused() {
         for length in [0, 3, 27, size - 1] {
             assert_eq!(fmi3DeserializeFMUState(other, bytes.as_ptr(), length, &mut copy), ERROR, "{length} bytes");
         }
+        bytes.push(0);
+        assert_eq!(fmi3DeserializeFMUState(other, bytes.as_ptr(), size + 1, &mut copy), ERROR, "a byte more");
         assert_eq!(fmi3DeserializeFMUState(other, bytes.as_ptr(), size, &mut copy), OK);
         assert_eq!(fmi3SetFMUState(other, copy), OK);
         let freed = copy;

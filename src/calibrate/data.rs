@@ -1,12 +1,12 @@
 //! `toolroom calibrate --data`: a parameter set with uncertainty from measured edges.
 
 use super::decision;
-use crate::args::CalibrationData;
+use crate::args::{CalibrationData, CalibrationStart};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::speak::Voice;
 use std::path::{Path, PathBuf};
-use toolroom_calibrate::{CalibrationStudy, Clock, DrawnTable, Process, Verdict};
+use toolroom_calibrate::{CalibrationStudy, Clock, DrawnTable, EdgeStart, Process, Verdict};
 use toolroom_output::{Files, provenance};
 
 pub fn run(
@@ -29,7 +29,11 @@ pub fn run(
         fixed: args.fix.clone(),
         prior: args.prior.clone(),
         holdout: args.holdout.clone(),
-        begun: args.start == "unknown",
+        start: match args.start {
+            CalibrationStart::Auto => EdgeStart::Auto,
+            CalibrationStart::New => EdgeStart::New,
+            CalibrationStart::Unknown => EdgeStart::Unknown,
+        },
         life_noise: args.life_noise,
         profile: args.profile,
         draws: args.draws,

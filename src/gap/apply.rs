@@ -150,7 +150,7 @@ fn put(files: &Files, path: &Path, text: &str) -> Result<(), Failure> {
 }
 
 fn wrote(path: &Path, changes: &Changes, next: &str, voice: &Voice) -> Result<(), Failure> {
-    let effects = if changes.effects.is_empty() { "no effect".to_owned() } else { changes.effects.join(", ") };
+    let effects = if changes.effects.is_empty() { "no further effect".to_owned() } else { changes.effects.join(", ") };
     let constants = changes.constants.len();
     voice.data(format_args!("wrote {} with {effects} and {constants} calibrated constants", path.display()))?;
     voice.say(format_args!("next: {next} {} ; compare with what it was before", path.display()));

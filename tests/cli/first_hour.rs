@@ -33,9 +33,28 @@ fn new_writes_an_example_of_every_kind_that_check_takes() {
         let text = fs::read_to_string(file).expect("written");
         assert!(text.starts_with(&format!("#:schema ./{kind}.schema.json\n")), "{kind}");
         assert!(folder.join(format!("{kind}.schema.json")).is_file(), "{kind}");
+        // The schema that the first line of a file names lies beside it, whatever kind of file it is.
+        for written in answer["files"].as_array().expect("files") {
+            let text = fs::read_to_string(written.as_str().expect("a path")).expect("written");
+            if let Some(schema) = text.strip_prefix("#:schema ").and_then(|rest| rest.lines().next()) {
+                assert!(folder.join(schema).is_file(), "{kind}: {written} names {schema}");
+            }
+        }
         let checked = toolroom(&["check", file, "--kind", kind]);
         assert_eq!(checked.status.code(), Some(0), "{kind}: {}", stderr(&checked));
         assert!(!stderr(&checked).contains("warning["), "{kind}: {}", stderr(&checked));
+        // As a shell hands on all files of the folder.
+        let files: Vec<String> = fs::read_dir(&folder)
+            .expect("a folder")
+            .map(|entry| entry.expect("an entry").path().display().to_string())
+            .collect();
+        let files: Vec<&str> = files
+            .iter()
+            .map(String::as_str)
+            .filter(|file| file.ends_with(".toml") || file.ends_with(".json"))
+            .collect();
+        let all_files = toolroom(&[&["check"], &files[..]].concat());
+        assert!(files.len() < 2 || all_files.status.success(), "{kind}: {}", stderr(&all_files));
         // A second time nothing is replaced.
         assert_eq!(toolroom(&["new", kind, &folder.display().to_string()]).status.code(), Some(2), "{kind}");
     }

@@ -160,7 +160,10 @@ fn a_recorded_shop_is_diagnosed_and_its_key_figures_come_nearer() {
     let (records, out, better) = (path("records"), path("gap"), path("better.toml"));
     let run = ["run", &path("true.toml"), "--replications", "2", "--out", &path("run"), "--records", &records];
     assert_eq!(toolroom(&run).status.code(), Some(0), "{}", stderr(&toolroom(&run)));
-    assert_eq!(names(Path::new(&records)), [".toolroom.json", "cuts.csv", "events.csv", "operations.csv"]);
+    assert_eq!(
+        names(Path::new(&records)),
+        [".toolroom.json", "cuts.csv", "events.csv", "operations.csv", "orders.csv"]
+    );
     let found = json(&toolroom(&["gap", "diagnose", "--model", &nominal, "--data", &records, "--out", &out, "--json"]));
     assert_eq!(
         (&found["verdict"], &found["effects"][0]["id"]),

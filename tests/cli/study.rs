@@ -257,3 +257,33 @@ fn precision_stops_a_study_early() {
     let replications = result["replications"].as_u64().expect("a count");
     assert!((8..400).contains(&replications), "{replications}");
 }
+
+/// What a wheel has not is empty, and its force has a name of its own.
+#[test]
+fn passes_of_wheels_have_no_figures_of_edges() {
+    let dir = directory("cli", "wheels");
+    let out = dir.join("out").display().to_string();
+    let file = shipped("grinder-bottleneck");
+    let output = toolroom(&["run", &file, "--replications", "1", "--format", "csv", "--quiet", "--out", &out]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let table = fs::read_to_string(dir.join("out/operations.csv")).expect("passes");
+    let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().expect("a header");
+    let column =
+        |name: &str| header.iter().position(|own| *own == name).unwrap_or_else(|| panic!("{name}: {header:?}"));
+    let operation = column("operation");
+    let edges =
+        ["cutting_speed_start [m/min]", "depth_of_cut [mm]", "path [m]", "cutting_force [N]", "roughness_ra [um]"];
+    let force = column("normal_force [N]");
+    let (mut ground, mut cut) = (0, 0);
+    for row in lines {
+        if row[operation].starts_with("grind") {
+            ground += 1;
+            assert!(edges.iter().all(|name| row[column(name)].is_empty()) && !row[force].is_empty(), "{row:?}");
+        } else {
+            cut += 1;
+            assert!(edges.iter().all(|name| !row[column(name)].is_empty()) && row[force].is_empty(), "{row:?}");
+        }
+    }
+    assert!(ground > 10 && cut > 10, "{ground} {cut}");
+}

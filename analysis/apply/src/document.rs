@@ -137,6 +137,15 @@ pub struct Process<'a> {
     pub parts: &'a [Applied],
 }
 
+/// Standard error of the size of an effect that is applied, as its interval says it: that of the applied point alone knows of
+/// no other form of the effect.
+fn printed_error(applied: &Value, printed: &[Value]) -> Option<f64> {
+    let alike = |own: &&Value| ["id", "process", "shape", "scope"].iter().all(|key| own[key] == applied[key]);
+    let size = &printed.iter().find(alike)?["size"];
+    let factor = |size: &Value| Some(unit::parse(size["unit"].as_str()?).ok()?.factor);
+    Some(size["se"].as_f64()? * factor(size)? / factor(&applied["size"])?)
+}
+
 /// The document of a diagnosis with everything that an application needs. `document` is what was found; `data` are
 /// hash, rows and the first and last start of the records, s.
 pub fn document(mut document: Value, processes: &[Process<'_>], data: (String, usize, Option<(f64, f64)>)) -> Value {
@@ -186,6 +195,12 @@ pub fn document(mut document: Value, processes: &[Process<'_>], data: (String, u
         "grew": join("grew"),
         "covariance": applied.first().map_or(Value::Null, |own| own["covariance"].clone()),
     });
+    let printed = document["effects"].as_array().cloned().unwrap_or_default();
+    for effect in document["applied"]["effects"].as_array_mut().into_iter().flatten() {
+        if let Some(error) = printed_error(effect, &printed) {
+            effect["size"]["se"] = number(error);
+        }
+    }
     let models: Vec<Value> = processes
         .iter()
         .map(|own| json!({ "process": own.name, "path": own.path.display().to_string(), "hash": own.hash }))
@@ -281,5 +296,23 @@ impl PredictionRow {
             self.standard_deviation.into(),
             self.used.into(),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_applied_effect_has_the_error_of_its_printed_interval_in_its_own_unit() {
+        let effect = |shape: &str, value: f64, unit: &str, se: f64| {
+            json!({ "id": "heat", "process": "turning", "shape": { "width": shape }, "scope": {},
+                "size": { "value": value, "unit": unit, "se": se } })
+        };
+        let printed = [effect("wide", 3.0, "mm", 9.0), effect("narrow", 120.0, "um", 15.0)];
+        let error = |applied: &Value| printed_error(applied, &printed);
+        let own = error(&effect("narrow", 1.2e-4, "m", 1e-9)).expect("the same effect");
+        assert!((own / 15e-6 - 1.0).abs() < 1e-12, "{own}");
+        assert_eq!(error(&effect("other", 1.0, "um", 1.0)), None);
     }
 }

@@ -32,9 +32,9 @@ pub struct CalibrationData {
     /// Edges that take no part and are predicted: a share such as 0.2, or names such as E03,E07
     #[arg(long, value_name = "SHARE|EDGES", requires = "data", conflicts_with = "life")]
     pub holdout: Option<String>,
-    /// How edges begin: new, or unknown where their first reading is all that is known of what was before
-    #[arg(long, value_name = "WORD", requires = "data", conflicts_with = "life", default_value = "new", value_parser = ["new", "unknown"])]
-    pub start: String,
+    /// How edges begin
+    #[arg(long, value_name = "WORD", requires = "data", conflicts_with = "life", default_value = "auto", value_enum)]
+    pub start: CalibrationStart,
     /// Let the wear rate wander within lives, and find by how much
     #[arg(long, requires = "data", conflicts_with = "life")]
     pub life_noise: bool,
@@ -53,6 +53,17 @@ pub struct CalibrationData {
     /// Fail where the law or a parameter is not determined; the files are written
     #[arg(long, requires = "data", conflicts_with = "life")]
     pub strict: bool,
+}
+
+/// How edges were when their records began.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CalibrationStart {
+    /// New, but for those whose first reading is far above zero
+    Auto,
+    /// New
+    New,
+    /// Nothing is supposed of the wear and the time before their first readings
+    Unknown,
 }
 
 /// Most draws of a posterior: the ends of 90 % intervals are then known to 0.7 % of a posterior standard deviation

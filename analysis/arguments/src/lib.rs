@@ -20,7 +20,7 @@ mod study;
 mod unit;
 
 pub use calibrate::CalibrateArgs;
-pub use calibration_data::CalibrationData;
+pub use calibration_data::{CalibrationData, CalibrationStart};
 pub use files::{CheckArgs, NewArgs, ReferenceArgs, SchemaArgs};
 pub use gap::{
     ApplyArgs, BlindArgs, BlindCases, DiagnoseArgs, GapCommand, GapData, IdentifiabilityArgs, LoopArgs, PlanArgs,

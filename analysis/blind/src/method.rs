@@ -7,13 +7,13 @@ use toolroom_truth::{Case, Set};
 pub(crate) const WHOLE: &str = "whole";
 
 /// The whole method, to leave parts of it out.
-pub(crate) const ALL: Method =
-    Method { allowance: true, abstention: true, tolerance: true, scatter: true, memory: true, processes: 1 };
+pub(crate) const ALL: Method = Method::WHOLE;
 
 /// What is left of the method without its parts.
-pub(crate) const PARTS: [(&str, Method); 5] = [
+pub(crate) const PARTS: [(&str, Method); 6] = [
     ("without form tolerance", Method { tolerance: false, ..ALL }),
     ("without abstention", Method { abstention: false, ..ALL }),
+    ("without agreement of groups", Method { agreement: false, ..ALL }),
     ("without factors of edges", Method { scatter: false, ..ALL }),
     ("without form allowance", Method { allowance: false, ..ALL }),
     (

@@ -202,7 +202,10 @@ impl Calibration {
         }
         let candidates: Vec<(Candidate, Vec<LeftOut>)> =
             fits.iter().map(|fit| (fit.model.candidate(), fit.left_out.clone())).collect();
-        let choice = Choice::of(&candidates, &measured.speeds());
+        let mut choice = Choice::of(&candidates, &measured.speeds());
+        if measured.ends_short_of(request.limit) {
+            choice = choice.short_of_limit(measured.greatest(), request.limit);
+        }
         let place = fits.iter().position(|fit| fit.model.candidate() == choice.carried);
         let place = place.expect("the choice is one of the laws");
         let carried = &fits[place];

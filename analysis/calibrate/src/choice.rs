@@ -121,6 +121,20 @@ impl Choice {
         let verdict = if class.len() == 1 { Verdict::Chosen } else { Verdict::CannotTell };
         Self { verdict, carried: simplest(&class), class, scores, reason: None }
     }
+
+    /// The choice where no edge was read near the limit (mm): Taylor's law gives the time to the limit and has its wear curve
+    /// scaled by it, other laws give a rate of wear and know no limit, so that a limit that is not that of the edges would choose.
+    pub(crate) fn short_of_limit(self, greatest: f64, limit: f64) -> Self {
+        let has = |taylor: bool| self.scores.iter().any(|score| (score.candidate.law == Law::ExtendedTaylor) == taylor);
+        if self.verdict != Verdict::Chosen || !(has(true) && has(false)) {
+            return self;
+        }
+        let reason = format!(
+            "wear was read up to {greatest:.3} mm and the limit is {limit:.3} mm, by which Taylor's law scales its curve: give the limit at \
+             which edges are changed (--limit), or name the law (--law)"
+        );
+        Self { verdict: Verdict::CannotTell, reason: Some(reason), ..self }
+    }
 }
 
 /// Weights of the mixture of predictions that has the best left-out score (Yao et al., Bayesian Analysis 13 (2018) 917), by
@@ -159,6 +173,12 @@ mod tests {
         let slow = Choice::of(&clear, &[200.0, 220.0]);
         assert_eq!((slow.verdict, slow.class.len()), (Verdict::CannotTell, 1));
         assert!(slow.reason.is_some());
+        // What is extrapolated to a limit that may be another one chooses between laws that scale by it and others only.
+        let short = Choice::of(&clear, &[180.0, 320.0]).short_of_limit(0.3, 0.8);
+        assert_eq!(short.verdict, Verdict::CannotTell);
+        assert!(short.reason.is_some_and(|reason| reason.contains("--limit")));
+        let rates = [(Law::Usui, left(&[1.0, 2.0, 1.5])), (Law::TakeyamaMurata, left(&[4.0, 5.2, 4.4]))];
+        assert_eq!(Choice::of(&rates, &[180.0, 320.0]).short_of_limit(0.3, 0.8).verdict, Verdict::Chosen);
         let close = [(Law::Usui, left(&[1.0, 2.0, 1.5])), (Law::ExtendedTaylor, left(&[2.0, 3.0, 2.4]))];
         let choice = Choice::of(&close, &[180.0, 320.0]);
         assert_eq!((choice.verdict, choice.carried.law), (Verdict::CannotTell, Law::Usui));

@@ -2,6 +2,7 @@
 
 use crate::base::{Base, Condition, Process};
 use crate::edge::{Edge, Life, Stretch};
+use crate::edge_start::worn_already;
 use crate::treatment::{Clock, Measured};
 use crate::wear_model::{ONE_SPEED, ONE_VALUE};
 
@@ -13,10 +14,6 @@ const READING: f64 = 0.011;
 const EVEN: usize = 4;
 /// Factor by which the second half of a column on an edge is above the first where it grows as wear does (assumption).
 const GROWS: f64 = 1.2;
-/// Share of the wear limit at a first reading beyond which the edge was probably not new when its record began.
-const WORN_ALREADY: f64 = 0.5;
-/// Share of the wear limit that readings have to reach for a life to be measured rather than extrapolated (assumption).
-const REACHED: f64 = 0.8;
 /// Rows of an edge whose times may be compared, and rows of one edge alone that tell a running total (assumption: five times in
 /// rising order are one chance in 120).
 const TIMED: (usize, usize) = (3, 5);
@@ -39,11 +36,8 @@ impl Measured {
             if let Some(first) = falls.first() {
                 fallen.push((edge.name.as_str(), first[0], first[1], falls.len()));
             }
-            if wear.first().is_some_and(|first| *first > WORN_ALREADY * limit) && wear.len() > 1 {
-                let early = edge.stretches.first().is_some_and(|first| first.wear.is_some());
-                if early && wear[1] - wear[0] < 0.5 * wear[0] {
-                    used.push((edge.name.as_str(), wear[0]));
-                }
+            if let Some(first) = worn_already(&edge.stretches, limit).filter(|_| edge.begun.is_none()) {
+                used.push((edge.name.as_str(), first));
             }
         }
         if let Some((name, from, to, count)) = fallen.first() {
@@ -68,13 +62,19 @@ impl Measured {
                  {instead}"
             ));
         }
-        let begun = self.edges.iter().filter(|edge| edge.begun.is_some()).count();
-        if begun > 0 {
+        let begun: Vec<&Edge> = self.edges.iter().filter(|edge| edge.begun.is_some()).collect();
+        if let Some(first) = begun.first() {
+            let who = if begun.len() > 1 {
+                format!("{} edges, {} first, begin at their first readings", begun.len(), first.name)
+            } else {
+                format!("edge {} begins at its first reading", first.name)
+            };
             notes.push(format!(
-                "{begun} edges begin at their first reading: nothing is supposed of the wear and the time before"
+                "{who} ({:.3} mm): nothing is supposed of the wear and the time before; --start new takes every edge for new",
+                first.begun.unwrap_or(0.0)
             ));
         }
-        if let Some((name, wear)) = used.first().filter(|_| begun == 0) {
+        if let Some((name, wear)) = used.first().filter(|_| begun.is_empty()) {
             let who = match used.len() {
                 1 => format!("edge {name}"),
                 many => format!("{many} edges, {name} first"),
@@ -263,7 +263,7 @@ impl Measured {
             refusals.push(format!(
                 "readings up to {greatest:.3} mm only show the run-in: the life is extrapolated; read edges beyond {RUN_IN} mm"
             ));
-        } else if self.readings() > 0 && greatest < REACHED * limit {
+        } else if self.ends_short_of(limit) {
             refusals.push(format!(
                 "readings end at {greatest:.3} mm: the life to {limit:.3} mm is extrapolated; read edges up to the limit, or \
                  give the limit at which edges are changed (--limit)"

@@ -3,6 +3,7 @@
 use crate::base::{Base, Process};
 use crate::calibration::{Calibration, CalibrationError};
 use crate::drawn::DrawnTable;
+use crate::edge_start::EdgeStart;
 use crate::known::{parameters, prior};
 use crate::law::Law;
 use crate::request::Request;
@@ -51,8 +52,8 @@ pub struct CalibrationStudy {
     pub prior: Option<PathBuf>,
     /// Edges that take no part and are predicted: a share of them, `0.2`, or names with commas.
     pub holdout: Option<String>,
-    /// Whether edges were not new when their records began.
-    pub begun: bool,
+    /// How edges were when their records began.
+    pub start: EdgeStart,
     /// Whether the wear rate may wander within lives.
     pub life_noise: bool,
     /// Whether profile intervals are worked out.
@@ -77,7 +78,7 @@ impl Default for CalibrationStudy {
             fixed: Vec::new(),
             prior: None,
             holdout: None,
-            begun: false,
+            start: EdgeStart::Auto,
             life_noise: false,
             profile: false,
             draws: 2000,
@@ -235,7 +236,7 @@ impl CalibrationStudy {
         self.every_row_was_cut(&read)?;
         let (lines, wear_unit) = (read.lines.clone(), wear_unit(&read));
         let treatment =
-            Treatment { by: by.clone(), begun: self.begun, lines, wear_unit, ..Treatment::from_base(&base) };
+            Treatment { by: by.clone(), start: self.start, lines, wear_unit, ..Treatment::from_base(&base) };
         let mut measured = Measured::treated(&records, limit, &treatment).map_err(|error| {
             let reason = format!("{}: {error}", self.data.display());
             refuse(reason, "docs/calibration.md lists the columns; `toolroom import csv` maps other tables to records")
@@ -296,9 +297,9 @@ impl CalibrationStudy {
             .at(Some(Location::line(self.data.display(), *line))))
     }
 
-    /// Refuses rows in which nothing can have been cut: what was cut instead would be missing in the wear of the edge.
+    /// Refuses rows of which is not known what was cut: it would be missing in the wear of the edge.
     fn every_row_was_cut(&self, read: &ReadReport) -> Result<(), Refusal> {
-        let Some((line, what)) = read.uncut.first() else { return Ok(()) };
+        let Some((line, what)) = read.unknown_cuts.first() else { return Ok(()) };
         let reason = format!("{}: line {line}: {what} cannot be used", self.data.display());
         Err(refuse(reason, "write what was cut; a time in cut is that of the row alone")
             .at(Some(Location::line(self.data.display(), *line))))

@@ -4,6 +4,7 @@ use crate::base::{Base, Condition, Process};
 use crate::channel::Channel;
 use crate::data_error::{DataError, LEAST, MOST};
 use crate::edge::{Edge, Life, Stretch};
+use crate::edge_start::EdgeStart;
 use crate::end::End;
 use crate::loads::{ChannelReadings, forget_unread};
 use crate::stated::LifeStatement;
@@ -12,6 +13,9 @@ use std::collections::BTreeMap;
 use toolroom_form::significant;
 use toolroom_records::Records;
 use toolroom_wear::Cut;
+
+/// Share of the wear limit that readings have to reach for a life to be measured rather than extrapolated (assumption).
+const REACHED: f64 = 0.8;
 
 /// Flank wear in mm below which no reading of an edge lies: five times the usual error of a reading below zero.
 const BELOW: f64 = -0.055;
@@ -81,8 +85,8 @@ pub struct Treatment {
     /// Column of words whose edges may wear at different rates, with the word to whose edges the level belongs; that of the
     /// first row if none.
     pub by: Option<(String, Option<String>)>,
-    /// Whether edges were not new when their records began: their first reading is then where they start.
-    pub begun: bool,
+    /// How edges were when their records began.
+    pub start: EdgeStart,
     /// Line of the file of each row of the records; empty where it is not known.
     pub lines: Vec<usize>,
     /// Unit in which flank wear was read.
@@ -97,7 +101,7 @@ impl Treatment {
 
     /// That of records of a process, with the cut that is taken for columns that they lack.
     fn new(process: Process, reference: Condition) -> Self {
-        Self { process, reference, by: None, begun: false, lines: Vec::new(), wear_unit: "mm".to_owned() }
+        Self { process, reference, by: None, start: EdgeStart::Auto, lines: Vec::new(), wear_unit: "mm".to_owned() }
     }
 
     /// Where a row stands.
@@ -316,7 +320,7 @@ impl Measured {
                 }
                 measured.ends.push(end);
                 let mut begun = None;
-                if treatment.begun
+                if treatment.start.is_unknown(&stretches, limit)
                     && let Some(first) = stretches.iter().position(|stretch| stretch.wear.is_some())
                 {
                     begun = stretches[first].wear;
@@ -419,6 +423,12 @@ impl Measured {
             ends: kept.iter().map(|index| self.ends[*index]).collect(),
             ..self.clone()
         })
+    }
+
+    /// Whether wear was read, and never near a flank wear of `limit` mm, nor a life to the limit measured.
+    pub(crate) fn ends_short_of(&self, limit: f64) -> bool {
+        let lived = self.edges.iter().any(|edge| matches!(edge.life, Some((_, Life::Exact(_)))));
+        self.readings() > 0 && !lived && self.greatest() < REACHED * limit
     }
 
     /// Greatest flank wear read, mm; zero without readings.

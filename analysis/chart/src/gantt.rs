@@ -153,7 +153,8 @@ impl Chart for Gantt {
         let kinds = self.kinds.iter().map(|(label, style)| Entry { label, style: *style, sample: Sample::Block });
         let marks = self.mark_kinds.iter().map(|(label, style)| Entry { label, style: *style, sample: Sample::Points });
         let top = frame::header(&mut canvas, &self.title, &kinds.chain(marks).collect::<Vec<_>>());
-        let rows = Rows::new(&mut canvas, self.rows.iter().map(String::as_str), (&self.axis, scale), (top, 38.0), 0.0);
+        let place = (top, Rows::height(self.rows.len(), 38.0));
+        let rows = Rows::new(&mut canvas, self.rows.iter().map(String::as_str), (&self.axis, scale), place, 0.0);
         for i in 0..self.rows.len() {
             for (area, kind, label) in self.drawn(i, &rows) {
                 let style = self.kinds[kind].1;

@@ -11,7 +11,16 @@ pub(crate) struct Rows {
     row: f64,
 }
 
+/// Rows of the usual height (assumption: as many fill half a screen).
+const USUAL_ROWS: usize = 12;
+
 impl Rows {
+    /// Height of each of `count` rows, px: the usual one up to a dozen; more share the place of those, but no row is lower
+    /// than its label.
+    pub fn height(count: usize, usual: f64) -> f64 {
+        (usual * USUAL_ROWS as f64 / count.max(USUAL_ROWS) as f64).max(FONT + 9.0)
+    }
+
     /// Draws labels and axis for rows of `row` pixels; `reserve` pixels stay free on the right.
     pub fn new<'a>(
         canvas: &mut Canvas,

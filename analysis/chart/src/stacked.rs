@@ -78,8 +78,8 @@ impl Chart for StackedBars {
         let entries: Vec<Entry> =
             self.kinds.iter().map(|(label, style)| Entry { label, style: *style, sample: Sample::Block }).collect();
         let top = frame::header(&mut canvas, &self.title, &entries);
-        let rows =
-            Rows::new(&mut canvas, self.rows.iter().map(|r| r.0.as_str()), (&self.axis, scale), (top, 34.0), 0.0);
+        let place = (top, Rows::height(self.rows.len(), 34.0));
+        let rows = Rows::new(&mut canvas, self.rows.iter().map(|r| r.0.as_str()), (&self.axis, scale), place, 0.0);
         let mut omitted = 0;
         for (i, (label, values)) in self.rows.iter().enumerate() {
             let mut from = 0.0;

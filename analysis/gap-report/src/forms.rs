@@ -2,13 +2,13 @@
 
 use crate::minutes::{Minutes, Rates};
 use crate::pictures::{course, equality, map, map_cells, waterfall};
-use crate::readings::Readings;
+use crate::readings::{ReadChannel, Readings};
 use crate::sentence::{sentence, words};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Cell, Table, number};
-use toolroom_gap::{Diagnosis, GapVerdict};
+use toolroom_gap::{Closure, Diagnosis, GapVerdict};
 
 /// Channels that are drawn one by one; the others are in the tables.
 const DRAWN: usize = 6;
@@ -105,6 +105,33 @@ impl Page {
         table
     }
 
+    /// Every channel and the sum of all, with what is read of the channel and its closure.
+    fn closed(&self) -> impl Iterator<Item = (&str, Option<&ReadChannel>, &Closure)> {
+        let channels = self.diagnosis.channels.iter().map(|(name, closure)| (name.word(), closure));
+        let about = |name: &str| self.readings.channels.iter().find(|about| about.name == name);
+        let all = channels.chain([("all, in units of noise", &self.diagnosis.total)]);
+        all.map(move |(name, closure)| (name, about(name), closure))
+    }
+
+    /// The table of [`closures`](Self::closures) as numbers for programs, shares in per cent.
+    fn closure_numbers(&self) -> Vec<Value> {
+        let row = |(name, about, closure): (&str, Option<&ReadChannel>, &Closure)| {
+            let shown = |value: f64| about.map_or(value, |about| about.residual_shown(value));
+            let percent = |share: f64| Some(100.0 * share).filter(|value| value.is_finite());
+            json!({
+                "channel": words(name), "unit": about.map_or("", |about| about.residual_unit()),
+                "before": shown(closure.before), "after": shown(closure.after), "closed, %": percent(closure.closed),
+                "90 % from": percent(closure.ci90[0]), "to": percent(closure.ci90[1]),
+                "of as many new groups, 90 % from": percent(closure.pi90[0]),
+                "of as many new groups, to": percent(closure.pi90[1]), "of closable, %": percent(closure.of_closable),
+                "of the mean, %": percent(closure.measures.mean),
+                "without what stands apart, %": percent(closure.measures.mean_without_apart),
+                "of the rms, %": percent(closure.measures.rms), "robust, %": percent(closure.measures.robust),
+            })
+        };
+        self.closed().map(row).collect()
+    }
+
     fn closures(&self) -> Table {
         let mut table = Table::new([
             "channel",
@@ -112,31 +139,31 @@ impl Page {
             "before",
             "after",
             "closed, %",
-            "90 % from",
-            "to",
-            "of as many new groups, 90 % from",
-            "of as many new groups, to",
+            "90 % interval",
+            "as many new groups",
             "of closable, %",
-            "of the mean, %",
-            "without what stands apart, %",
-            "of the rms, %",
+            "mean, %",
+            "without apart, %",
+            "rms, %",
             "robust, %",
         ]);
-        let channels = self.diagnosis.channels.iter().map(|(name, closure)| (name.word(), closure));
-        for (name, closure) in channels.chain([("all, in units of noise", &self.diagnosis.total)]) {
-            let about = self.readings.channels.iter().find(|about| about.name == name);
+        for (name, about, closure) in self.closed() {
             let shown = |value: f64| Cell::from(about.map_or(value, |about| about.residual_shown(value)));
-            let percent = |share: f64| Cell::from(100.0 * share);
+            // A tenth of a per cent is more than any closure is known to.
+            let rounded = |share: f64| (1000.0 * share).round() / 10.0 + 0.0;
+            let percent = |share: f64| Cell::from(rounded(share));
+            let interval = |[low, high]: [f64; 2]| match low.is_finite() && high.is_finite() {
+                true => format!("{} … {}", rounded(low), rounded(high)).into(),
+                false => Cell::from(""),
+            };
             table.push([
                 words(name).into(),
                 about.map_or("", |about| about.residual_unit()).into(),
                 shown(closure.before),
                 shown(closure.after),
                 percent(closure.closed),
-                percent(closure.ci90[0]),
-                percent(closure.ci90[1]),
-                percent(closure.pi90[0]),
-                percent(closure.pi90[1]),
+                interval(closure.ci90),
+                interval(closure.pi90),
                 percent(closure.of_closable),
                 percent(closure.measures.mean),
                 percent(closure.measures.mean_without_apart),
@@ -204,6 +231,12 @@ impl Page {
         }
         sections.push(
             Section::new(heading("How far the gap closes"))
+                .paragraph(
+                    "Share of the gap that the named effects close, channel by channel, with its 90 % interval and that for as many \
+                     new groups as were measured; what it is of the part that can be closed at all; and the same of the mean, of \
+                     the mean without readings that stand apart, of the root mean square, and of Huber's loss, which heeds outliers \
+                     less.",
+                )
                 .table("On groups that the fit has not seen", self.closures()),
         );
         sections.push(Section::new(heading("What could not be seen")).table("Least sizes", self.hidden()));
@@ -318,6 +351,6 @@ fn of_page(page: &Page) -> Value {
                 "step": step.label, "minutes_per_week": step.minutes, "money_per_week": step.money,
             })).collect::<Vec<_>>(),
         })),
-        "closure": records(page.closures()), "hidden": records(page.hidden()), "next": page.next(),
+        "closure": page.closure_numbers(), "hidden": records(page.hidden()), "next": page.next(),
     })
 }

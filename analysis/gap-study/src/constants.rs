@@ -11,23 +11,31 @@ use toolroom_scenario::{Deviation, Scenario, Scope, ShopEffect};
 const NINETY: f64 = 1.645;
 
 /// Entries of `applied.calibration` for times between failures, repairs, changes of edges and handling that were found off,
-/// machine by machine. A pool speaks for its machines; a machine speaks for itself where its pool was not found off. What was
-/// never seen has no factor, what is off in its scatter alone none that matters, and what a cause adds is an effect.
-/// `known` are the constants that the records of the process move by themselves.
+/// machine by machine, and of times between arrivals, source by source. A pool speaks for its machines; a machine speaks for
+/// itself where its pool was not found off. What was never seen has no factor, what is off in its scatter alone none that
+/// matters, and what a cause adds is an effect. `known` are the constants that the records of the process move by themselves.
 pub fn constants_of_facts(process: &str, diagnosis: &Diagnosis, known: &[Value]) -> Vec<Value> {
     let mut entries = Vec::new();
-    for quantity in
-        [Quantity::TimeBetweenFailures, Quantity::TimeToRepair, Quantity::HandlingTime, Quantity::ToolChangeTime]
-    {
+    for quantity in [
+        Quantity::TimeBetweenFailures,
+        Quantity::TimeToRepair,
+        Quantity::HandlingTime,
+        Quantity::ToolChangeTime,
+        Quantity::ArrivalInterval,
+    ] {
+        let owner = if quantity == Quantity::ArrivalInterval { "source" } else { "machine" };
         let found = found(diagnosis).filter(|fact| fact.quantity == quantity && !fact.is_cause());
         let mut found: Vec<&Fact> = found.filter(|fact| fact.estimate.is_finite() && fact.is_far()).collect();
         found.sort_by_key(|fact| !fact.pooled);
         let mut told = BTreeSet::new();
         for fact in found.into_iter().filter(|fact| !is_moved(fact, process, known)) {
-            for machine in fact.place.split(", ").filter(|machine| told.insert((*machine).to_owned())) {
+            // The name of a part may hold a comma.
+            let places: Vec<&str> =
+                if owner == "source" { vec![&fact.place] } else { fact.place.split(", ").collect() };
+            for place in places.into_iter().filter(|place| told.insert((*place).to_owned())) {
                 let error = (fact.ci90[1] / fact.ci90[0]).ln() / (2.0 * NINETY);
                 entries.push(json!({
-                    "parameter": quantity.name(), "target": format!("machine {machine}"), "process": process, "scope": {},
+                    "parameter": quantity.name(), "target": format!("{owner} {place}"), "process": process, "scope": {},
                     "factor": fact.factor(), "se": if error.is_finite() { json!(error) } else { Value::Null },
                     "prior": null, "moved_sd": null,
                 }));

@@ -8,8 +8,14 @@ use toolroom_scenario_file::ScenarioFile;
 use toolroom_shop::RunLog;
 
 /// Kinds of records that a simulated shop leaves.
-pub const RECORDED: [RecordKind; 5] =
-    [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop, RecordKind::Program];
+pub const RECORDED: [RecordKind; 6] = [
+    RecordKind::Turning,
+    RecordKind::Milling,
+    RecordKind::Grinding,
+    RecordKind::Shop,
+    RecordKind::Orders,
+    RecordKind::Program,
+];
 
 /// What would have been measured of a run of the scenario in `file`, kind by kind; kinds without rows are left out.
 /// Readings carry the errors of the sensors in the section `[gap]`, drawn from the seed of the scenario; `name` is that

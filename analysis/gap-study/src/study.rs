@@ -19,7 +19,7 @@ use toolroom_gap::{
 };
 use toolroom_gap_proposals::{DescriptionRequest, NOTHING, Proposed, is_open, proposed};
 use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
-use toolroom_records::{ColumnKind, Records};
+use toolroom_records::{ColumnKind, RecordError, RecordKind, Records, has_table, read};
 
 /// The files of a diagnosis.
 pub const NAMES: &[&str] = &["diagnosis.json", "report.html", "report.md", "report.json", "predictions.csv"];
@@ -84,7 +84,9 @@ impl GapStudy {
         let with_records = stated.iter().zip(&points).filter_map(|(known, own)| Some((known.records.as_ref()?, own)));
         let predictions = with_records.flat_map(|(records, points)| predictions_of(records, points)).collect();
         let machines = Machines::from_gap_request(request, &rest, reading)?;
-        let pages = completed(request, &mut answers, rest, &asked, machines.as_ref());
+        let orders = orders(request, &rest, reading)?;
+        let beside = Beside { machines: machines.as_ref(), orders: orders.as_ref() };
+        let pages = completed(request, &mut answers, rest, &asked, beside);
         let processes: Vec<Process<'_>> = stated.iter().zip(&points).map(|(known, own)| known.process(own)).collect();
         let mut document = document(answers.json(), &processes, known::data(&stated));
         add_facts_of(&mut document, &answers, machines.as_ref());
@@ -263,13 +265,45 @@ fn points(stated: &[RecordedModel], asked: &[ProcessData], diagnosed: &[Vec<Diag
     all.map(|((known, own), diagnosed)| known.applied(own, diagnosed)).collect()
 }
 
+/// What the data hold beside the tables of the models.
+#[derive(Clone, Copy)]
+struct Beside<'a> {
+    /// Machines of a process, with their events.
+    machines: Option<&'a Machines>,
+    /// Jobs that came to a shop.
+    orders: Option<&'a Records>,
+}
+
+/// The jobs that came to the shop of a model, where the data hold them.
+fn orders(
+    request: &GapRequest<'_>,
+    tables: &[Option<(NominalModel, Records)>],
+    reading: &Reading<'_>,
+) -> Result<Option<Records>, GapStudyError> {
+    let shop = |(model, _): &(NominalModel, Records)| matches!(model.process, NominalProcess::Shop(_));
+    // Of a log that is held out nobody knows when it began: its orders are not read.
+    let alone = request.holdout_data.is_none() && request.data.is_dir();
+    if !alone || !tables.iter().flatten().any(shop) || !has_table(request.data, RecordKind::Orders) {
+        return Ok(None);
+    }
+    match read(request.data, RecordKind::Orders, reading.parquet) {
+        Err(RecordError::NoRows { wrong: false, .. }) => Ok(None),
+        // A planner's table of orders has the same name.
+        Err(error @ RecordError::MissingColumn { .. }) => {
+            (reading.say)(&format!("{error}: it is no table of jobs that came, and arrivals are not tested"));
+            Ok(None)
+        }
+        read => reading.said(read).map(Some),
+    }
+}
+
 /// The pages of the report, after each diagnosis has learned its next experiment and the facts of its log.
 fn completed(
     request: &GapRequest<'_>,
     answers: &mut Answers,
     tables: Vec<Option<(NominalModel, Records)>>,
     asked: &[ProcessData],
-    machines: Option<&Machines>,
+    beside: Beside<'_>,
 ) -> Vec<Page> {
     let mut pages: Vec<Page> = Vec::new();
     for (((process, diagnosis), table), asked) in answers.processes.iter_mut().zip(tables).zip(asked) {
@@ -288,8 +322,8 @@ fn completed(
             own.operation_id = ids.and_then(|ids| ids.get(own.row)).cloned().unwrap_or_default();
         }
         if let NominalProcess::Shop(shop) = &model.process {
-            add_facts(shop, &records, &model.stated, diagnosis, request.seed);
-        } else if let Some(machines) = machines {
+            add_facts(shop, &records, beside.orders, &model.stated, diagnosis, request.seed);
+        } else if let Some(machines) = beside.machines {
             machines.add_to(diagnosis, request.seed);
         }
         add_dynamics(&model, &records, diagnosis, request.seed);

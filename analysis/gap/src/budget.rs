@@ -1,8 +1,9 @@
 //! What the gap is made of: shares of its sum of squares that each stage of explanation takes away.
 //!
 //! The gap is the sum of squares as the fit sees it: noise and scatter between groups weigh readings, and what went far from
-//! its prior is paid for. Stages follow each other from the nominal constants on: calibration, named effects beside it, the
-//! form of the equations, and what nothing explains. Each counts only what it explains beyond the squares that so many
+//! its prior is paid for. Stages follow each other from the nominal constants on: calibration by the values that it has beside
+//! the named effects (alone it might go as far as to imitate them), these effects, the form of the equations, and what nothing
+//! explains. Each counts only what it explains beyond the squares that so many
 //! numbers take of noise alone, so that a model that is right has nothing but noise.
 
 use super::decision::Decision;
@@ -22,13 +23,20 @@ struct Stage {
 impl Stage {
     /// The columns `at` of `gram`, of which those below `nuisance` have the prior of a nuisance.
     fn of(gram: &Gram, at: &[usize], nuisance: usize) -> Self {
-        let right = part_column(&gram.total, at, gram.last());
-        let left = gram.total[(gram.last(), gram.last())] - right.dot(&solution(gram, at, nuisance, &[]));
+        Self::of_first(gram, at, at.len(), nuisance)
+    }
+
+    /// The first `count` of the columns `at` by the values that they have beside the others.
+    fn of_first(gram: &Gram, at: &[usize], count: usize, nuisance: usize) -> Self {
         let prior = |i: usize| if at[i] < nuisance { 1.0 } else { EFFECT_PRIOR.powi(-2) };
         let mut matrix = part(&gram.total, at, at);
         (0..at.len()).for_each(|i| matrix[(i, i)] += prior(i));
+        let mut x = solution(gram, at, nuisance, &[]);
+        (count..at.len()).for_each(|i| x[i] = 0.0);
+        let right = part_column(&gram.total, at, gram.last());
+        let left = gram.total[(gram.last(), gram.last())] - 2.0 * right.dot(&x) + x.dot(&(&matrix * &x));
         let kept = super::gram::inverse_diagonal(&factor(matrix));
-        let chance = (0..at.len()).map(|i| 1.0 - prior(i) * kept[i]).sum();
+        let chance = (0..count).map(|i| 1.0 - prior(i) * kept[i]).sum();
         Self { left, chance }
     }
 
@@ -49,14 +57,15 @@ pub(super) fn budget(model: &dyn Forward, decision: &Decision) -> Budget {
     let allowance = frame.allowances();
     let calibration: Vec<usize> = (0..allowance.len()).filter(|i| !allowance[*i]).collect();
     let everything: Vec<usize> = (0..allowance.len()).collect();
-    let effects = |columns: &[usize]| -> Vec<usize> {
+    let beside = |columns: &[usize]| -> Vec<usize> {
         columns.iter().copied().chain(chosen.fit.active.iter().map(|index| chosen.shared + index)).collect()
     };
     let squares = base.gram.total[(base.gram.last(), base.gram.last())];
     let nominal = Stage { left: squares, chance: 0.0 };
-    let calibrated = Stage::of(&base.gram, &calibration, base.shared).after(nominal);
-    let with_effects = Stage::of(&chosen.gram, &effects(&calibration), chosen.shared).after(calibrated);
-    let with_form = Stage::of(&chosen.gram, &effects(&everything), chosen.shared).after(with_effects);
+    let known = beside(&calibration);
+    let calibrated = Stage::of_first(&chosen.gram, &known, calibration.len(), chosen.shared).after(nominal);
+    let with_effects = Stage::of(&chosen.gram, &known, chosen.shared).after(calibrated);
+    let with_form = Stage::of(&chosen.gram, &beside(&everything), chosen.shared).after(with_effects);
     let measured = &frame.measured;
     let readings: usize = measured.fitted_groups().map(|group| measured.spans[group].len()).sum();
     let unexplained = (with_form.left - (readings as f64 - with_form.chance)).max(0.0);
@@ -93,5 +102,19 @@ mod tests {
             assert!((stage.chance - 100.0 / 101.0).abs() < 1e-12);
             assert!((stage.beyond(nominal) - explained).abs() < 1e-9, "{x}: {}", stage.beyond(nominal));
         }
+    }
+
+    #[test]
+    fn what_an_effect_explains_is_its_share_though_calibration_alone_could_go_as_far() {
+        // A constant and an effect that move the readings alike.
+        let total = DMatrix::from_element(3, 3, 10_000.0);
+        let lengths = total.diagonal();
+        let gram = Gram { folds: Vec::new(), log_determinants: Vec::new(), total, log_determinant: 0.0, lengths };
+        let nominal = Stage { left: 10_000.0, chance: 0.0 };
+        let alone = Stage::of(&gram, &[0], 1).after(nominal).beyond(nominal);
+        let calibrated = Stage::of_first(&gram, &[0, 1], 1, 1).after(nominal);
+        let effects = Stage::of(&gram, &[0, 1], 1).after(calibrated).beyond(calibrated);
+        assert!(alone > 9_990.0, "{alone}");
+        assert!(effects > 9.0 * calibrated.beyond(nominal), "{effects} beside {}", calibrated.beyond(nominal));
     }
 }

@@ -22,8 +22,8 @@ pub(super) const PAIR_GATE: f64 = 8.0;
 /// Assumption: the occurrences of a cause scatter, and what they leave looks like something else; the row "closure"
 /// of the ablation.
 pub(super) const SCATTERED: f64 = 0.05;
-/// Share by which an effect may fall behind a generic signature, of its own gain (1). Assumption: the
-/// function of an effect is as little exact as any other; the row "generic" of the ablation.
+/// Share of its own gain by which an effect may fall behind a generic signature before that takes probability from its
+/// name (1). Assumption: the function of an effect is as little exact as any other.
 pub(super) const FORM: f64 = 0.1;
 /// Greatest structure beside a named effect, as a share of the gain of the effect (1). Assumption: what
 /// leaves half as much as it explains is not the whole cause; the row "remainder" of the ablation.
@@ -31,13 +31,6 @@ pub(super) const REMAINDER: f64 = 0.5;
 /// Share of a signature that the form allowance imitates, above which an effect has to close the gap for certain
 /// (1). Assumption: the allowance imitates most of it; the row "closure" of the ablation.
 pub(super) const IMITATED: f64 = 0.5;
-/// Gain over what the scores of its effects promise, above which a nominal fit is not believed (1).
-/// Assumption: the scores are linear, so that an honest gain may be a few times what they promise; the row
-/// "settled" of the ablation.
-pub(super) const PROMISED: f64 = 4.0;
-/// Gain beside [`PROMISED`] times the promise that is always believed, in log posterior density (1).
-/// Assumption: small promises are uncertain by more than their own size; the row "settled" of the ablation.
-pub(super) const SLACK: f64 = 20.0;
 
 /// Least share of the gap of left-out groups that a name closes (1). Assumption: two hundredths of a root mean square
 /// are of no use to anybody, and with many groups every form error is significant; the row "closure" of the ablation.
@@ -67,8 +60,8 @@ pub(super) const DETECTABLE: f64 = 5.0;
 /// are as often the work of causes that no catalogue has, as blind checks on shops that were used for
 /// development showed; the row "score" of the ablation.
 pub(super) const CONVINCING: f64 = 4.5;
-/// Size over its standard error between groups that a named effect needs, and the lead over its standard
-/// error that speaks for a generic signature instead (1). Assumption: about 95 %, so that all groups say
+/// Size over its standard error between groups that a named effect needs, and lead of a proposed term over its standard
+/// error (1). Assumption: about 95 %, so that all groups say
 /// so and not one; the row "agreement" of the ablation.
 pub(super) const AGREED: f64 = 2.0;
 /// Fewest fitted groups that can name an effect (count). Assumption: the agreement of fewer groups cannot be
@@ -189,6 +182,8 @@ pub(super) const TOO_FEW: f64 = 3.0;
 pub(super) const MATTERING_SHARE: f64 = 0.01;
 /// The same in standard deviations of its sensor (1). Assumption: less is not seen in a single reading.
 pub(super) const MATTERING_SENSORS: f64 = 0.5;
+/// The same in least steps of its readings (1). Derivation: what is less than half a step leaves most readings as they are.
+pub(super) const MATTERING_STEPS: f64 = 0.5;
 /// Score of a queue beyond which it is not what the model says, however few its days are, in standard errors over days (1).
 /// Assumption: at three or four days as many as one in forty right files are beyond it, which costs an answer of
 /// `small` or `unknown` instead of `no_gap`.

@@ -103,9 +103,10 @@ fn best_of(context: Diagnosing<'_>, decision: &Decision, effects: usize) -> Opti
 fn ranked(context: Diagnosing<'_>, decision: &Decision, effects: usize) -> Vec<usize> {
     let (model, count) = (context.model, context.candidates());
     let few = model.frame().measured.fitted_groups().count() < FEWEST_GROUPS;
+    let unasked = few || !context.basis.method.agreement;
     let eligible = |index: &usize| {
         let trial = &decision.trials[*index];
-        trial.fit.active.len() == effects && trial.evidence.admissible && (few || agreed(model, trial))
+        trial.fit.active.len() == effects && trial.evidence.admissible && (unasked || agreed(model, trial))
     };
     let value = |index: &usize| decision.gain_of(&decision.trials[*index], count);
     let mut ranked: Vec<usize> = (0..decision.trials.len()).filter(eligible).collect();

@@ -1,7 +1,8 @@
 //! What a diagnosis says, and its JSON form (schema 1).
 
+use super::drift::DynamicsDrift;
 use super::number::number;
-use super::{ChannelId, DynamicsDrift, EffectId, Fitness, Identifiable, Measures};
+use super::{ChannelId, EffectId, Fitness, Identifiable, Measures};
 use serde_json::{Value, json};
 use toolroom_facts::{Fact, Finding};
 use toolroom_nominal::WrittenEffect;

@@ -1,6 +1,7 @@
 //! What the test of a calibrated model answers.
 
 use super::ChannelId;
+use super::channel_scale::ChannelScale;
 use serde_json::{Value, json};
 
 /// The answer of the test.
@@ -55,11 +56,8 @@ pub struct Structure {
     pub rms: f64,
     /// Upper 90 % end of its root mean square, in the unit of comparison (relative, or SI).
     pub upper: f64,
-    /// Typical value, SI; 1 where the comparison is relative.
-    pub level: f64,
-    /// Standard deviation of the sensor, in the unit of comparison; of the scatter that was read off the records where
-    /// nobody states it.
-    pub sensor: f64,
+    /// What is much of the channel.
+    pub scale: ChannelScale,
     /// Root mean square of all that the model leaves, scatter of groups and of rows made up for, in the unit of comparison.
     pub scatter: f64,
 }
@@ -67,7 +65,7 @@ pub struct Structure {
 impl Structure {
     /// Whether it scatters clearly more than its sensor, whatever it follows.
     pub(super) fn is_wide(&self) -> bool {
-        self.scatter > WIDE * self.sensor
+        self.scatter > WIDE * self.scale.sensor
     }
 }
 

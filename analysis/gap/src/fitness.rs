@@ -415,15 +415,13 @@ impl<'a> Test<'a> {
             let upper = estimate + super::constants::NINETY * error;
             let about = &measured.channels[*channel];
             let own: Vec<usize> = places.iter().map(|place| self.places[*place]).collect();
-            let ChannelScale { level, sensor } =
-                ChannelScale::new(measured, &self.noise, &self.fit.linear.raw, *channel, &own);
+            let scale = ChannelScale::new(measured, &self.noise, &self.fit.linear.raw, *channel, &own);
             Structure {
                 channel: about.id,
-                rms: sensor * estimate.max(0.0).sqrt(),
-                upper: sensor * upper.max(0.0).sqrt(),
-                level,
-                sensor,
-                scatter: sensor * mean.sqrt(),
+                rms: scale.sensor * estimate.max(0.0).sqrt(),
+                upper: scale.sensor * upper.max(0.0).sqrt(),
+                scatter: scale.sensor * mean.sqrt(),
+                scale,
             }
         };
         self.channels.iter().map(one).collect()

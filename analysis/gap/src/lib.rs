@@ -45,6 +45,7 @@ mod diagnose;
 mod diagnosing;
 mod diagnosis;
 mod discrepancy;
+mod drift;
 mod dynamics;
 mod enough;
 mod evidence;
@@ -89,6 +90,7 @@ mod trial;
 mod verdict;
 
 pub use basis::Basis;
+pub use channel_scale::ChannelScale;
 pub use channels::diagnose_parts;
 pub use constants::{FEWEST_GROUPS, GATE, NINETY};
 pub use decision::Decision;
@@ -97,7 +99,8 @@ pub use diagnosis::{
     Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, NamedEffect, NextExperiment, NotNamed, OutlyingReading,
     Ranked, RuleFinding, Tried,
 };
-pub use dynamics::{DriftExplanation, DynamicsDrift, StructureChange, add_dynamics};
+pub use drift::{DriftExplanation, DynamicsDrift, StructureChange};
+pub use dynamics::add_dynamics;
 pub use fit::{Fit, fit};
 pub use fit_answer::{Fitness, LeastSeen, Part, Structure};
 pub use gram::normal_equations;

@@ -16,6 +16,8 @@ pub struct Method {
     pub tolerance: bool,
     /// Factors that differ from group to group, such as the wear of an edge.
     pub scatter: bool,
+    /// Whether groups have to agree on the size of an effect.
+    pub agreement: bool,
     /// Correlation of neighbouring readings, and less weight for outliers.
     pub memory: bool,
     /// Processes of the data set that are asked together: each has an equal share of the error.
@@ -23,6 +25,17 @@ pub struct Method {
 }
 
 impl Method {
+    /// All parts, for one process.
+    pub const WHOLE: Self = Self {
+        allowance: true,
+        abstention: true,
+        tolerance: true,
+        scatter: true,
+        agreement: true,
+        memory: true,
+        processes: 1,
+    };
+
     /// What a name pays for having been chosen among several processes.
     pub(super) fn share(self) -> f64 {
         (self.processes.max(1) as f64).ln()
@@ -31,7 +44,7 @@ impl Method {
 
 impl Default for Method {
     fn default() -> Self {
-        Self { allowance: true, abstention: true, tolerance: true, scatter: true, memory: true, processes: 1 }
+        Self::WHOLE
     }
 }
 

@@ -29,7 +29,6 @@ pub(super) fn inclusion(context: Diagnosing<'_>, decision: &Decision) -> Vec<(Ef
     let (model, count) = (context.model, context.candidates());
     let mut models: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0)];
     if !decision.imaged(context, &decision.model().fit.active) {
-        // As in the rule "generic": the function of an effect is as little exact as any other.
         let form = FORM * decision.gain_of(decision.model(), count);
         models.push((Vec::new(), decision.generic_gain() - form));
     }

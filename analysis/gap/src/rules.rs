@@ -7,8 +7,8 @@
 use super::belief::held_against;
 use super::closure::closures;
 use super::constants::{
-    AGREED, CONVINCING, FEWEST_GROUPS, FORM, GATE, IMITATED, LEAST_CLOSED, LEAST_OF_CLOSABLE, PAIR_GATE, PROMISED,
-    REMAINDER, SCATTERED, SLACK, STRAINED,
+    AGREED, CONVINCING, FEWEST_GROUPS, GATE, IMITATED, LEAST_CLOSED, LEAST_OF_CLOSABLE, PAIR_GATE, REMAINDER,
+    SCATTERED, STRAINED,
 };
 use super::decision::Decision;
 use super::diagnosing::Diagnosing;
@@ -41,6 +41,9 @@ pub enum Refusal {
     Abstention,
 }
 
+/// The rule that asks for groups enough.
+pub(super) const GROUPS: &str = "groups";
+
 /// Every rule, in the order in which they are asked.
 pub const RULES: &[Rule] = &[
     Rule {
@@ -61,7 +64,7 @@ pub const RULES: &[Rule] = &[
         id: "agreement",
         reason: "every size is more than twice its standard error between groups",
         refusal: Refusal::Nothing,
-        applies: |judged| judged.groups() >= FEWEST_GROUPS,
+        applies: |judged| judged.groups() >= FEWEST_GROUPS && judged.context.basis.method.agreement,
         verdict: |judged| (!agreed(judged.model(), judged.trial)).then(|| "groups do not agree on its size".to_owned()),
     },
     Rule {
@@ -75,7 +78,7 @@ pub const RULES: &[Rule] = &[
         },
     },
     Rule {
-        id: "groups",
+        id: GROUPS,
         reason: "at least five groups were fitted",
         refusal: Refusal::Abstention,
         applies: |judged| judged.whole(),
@@ -83,23 +86,6 @@ pub const RULES: &[Rule] = &[
             let groups = judged.groups();
             let why = || format!("{groups} groups are too few to name an effect, at least {FEWEST_GROUPS} are due");
             (groups < FEWEST_GROUPS).then(why)
-        },
-    },
-    Rule {
-        id: "generic",
-        reason: "no generic signature is clearly the better explanation",
-        refusal: Refusal::Abstention,
-        applies: |judged| judged.whole(),
-        verdict: generic,
-    },
-    Rule {
-        id: "settled",
-        reason: "the gain is of the order that the scores promise",
-        refusal: Refusal::Abstention,
-        applies: |judged| judged.whole(),
-        verdict: |judged| {
-            let why = "the calibration of the nominal model did not settle: no effect is named";
-            (!credible(judged)).then(|| why.to_owned())
         },
     },
     Rule {
@@ -228,17 +214,6 @@ impl<'a> Judged<'a> {
     }
 }
 
-/// What an effect does from time to time scatters, and a signature may follow the scatter of a few groups: it has to
-/// be the better one for all of them, and more than an image of the effect.
-fn generic(judged: &Judged<'_>) -> Option<String> {
-    let decision = judged.decision;
-    let value = judged.lead;
-    let (lead, error) = predictive_gain(&decision.before.evidence, &judged.trial.evidence);
-    let stronger = decision.generic_gain() - value > GATE + FORM * value && lead > AGREED * error;
-    let beaten = stronger && !decision.imaged(judged.context, &judged.trial.fit.active);
-    beaten.then(|| "a generic signature predicts groups left out better than any effect".to_owned())
-}
-
 /// What is added has to shrink the gap of groups left out by more than [`LEAST_CLOSED`], or by [`LEAST_OF_CLOSABLE`] of
 /// what can be closed at all. An effect of which the form allowance could take half has to close more than [`LEAST_CLOSED`] for certain,
 /// alone and beside another one.
@@ -299,23 +274,6 @@ fn overlap(judged: &Judged<'_>) -> f64 {
     let all: f64 = rows.clone().map(square).sum();
     let shared: f64 = rows.filter(|i| moves(other, &other.active, *i) != 0.0).map(square).sum();
     if all > 0.0 { shared / all } else { 0.0 }
-}
-
-/// Whether the gain of a model is of the order that the scores of its effects at the nominal fit
-/// promise; a far greater one means that the nominal fit was caught somewhere else.
-fn credible(judged: &Judged<'_>) -> bool {
-    let (decision, trial) = (judged.decision, judged.trial);
-    let candidates = &judged.model().frame().candidates;
-    let lengths = decision.base.scores().length;
-    // Of several shapes of an effect the one that shows best speaks for all, or its size where the
-    // nominal fit gave much of it to calibration.
-    let promise = |(index, size): (&usize, f64)| {
-        let alike = decision.singles.iter().filter(|single| single.id == candidates[*index].id);
-        let score = alike.map(|single| single.score.abs()).fold(lengths[*index] * size.abs(), f64::max);
-        0.5 * score.powi(2) + shape_lead(judged.model(), *index)
-    };
-    let promised: f64 = trial.fit.active.iter().zip(trial.sizes(judged.model())).map(promise).sum();
-    decision.gain_of(trial, candidates.len()) < PROMISED * promised + SLACK
 }
 
 /// Whether the groups agree on every effect of a trial.

@@ -228,7 +228,7 @@ fn handling_that_scatters_more_than_its_file_is_a_constant_of_it() {
         let model = nominal();
         let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
         let mut diagnosis = diagnose(model.over(records, None, |_, _| false).0.as_ref(), 1).diagnosis;
-        add_facts(shop, records, &Declarations::default(), &mut diagnosis, 1);
+        add_facts(shop, records, None, &Declarations::default(), &mut diagnosis, 1);
         diagnosis
     };
     let diagnosis = found(&of_shop(1, &uneven));
@@ -345,7 +345,7 @@ fn with_facts(records: &Records) -> Diagnosis {
     let model = nominal();
     let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
     let mut diagnosis = diagnose(model.over(records, None, |_, _| false).0.as_ref(), 1).diagnosis;
-    add_facts(shop, records, &Declarations::default(), &mut diagnosis, 1);
+    add_facts(shop, records, None, &Declarations::default(), &mut diagnosis, 1);
     diagnosis
 }
 

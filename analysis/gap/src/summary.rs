@@ -8,6 +8,9 @@ use toolroom_facts::Fact;
 
 /// Effects that cannot be seen which the terminal lists.
 const LISTED: usize = 4;
+/// Difference of a closure with and without the readings that stand apart from which on both are said (1). Assumption: a
+/// twentieth of a gap changes what a reader makes of it.
+const APART: f64 = 0.05;
 
 /// Four significant digits without trailing zeros: more of a size are below its own interval.
 pub(super) fn rounded(value: f64) -> String {
@@ -108,6 +111,16 @@ impl Diagnosis {
                 percent(self.total.pi90[1]),
                 percent(self.total.of_closable)
             );
+            let [mean, without] = [self.total.measures.mean, self.total.measures.mean_without_apart];
+            if !self.apart.is_empty() && without.is_finite() && (mean - without).abs() > APART {
+                let _ = writeln!(
+                    text,
+                    "         of the mean {}; {} without what stands apart (readings: {})",
+                    percent(mean),
+                    percent(without),
+                    self.apart.len()
+                );
+            }
         }
         if self.verdict != GapVerdict::CannotTell {
             text += &self.budget_line();

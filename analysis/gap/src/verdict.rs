@@ -3,26 +3,26 @@
 //! | the test | what the search found | verdict |
 //! |---|---|---|
 //! | passes | an effect that spares the model a constant beyond belief | `effect` |
-//! | passes | a constant beyond belief | `constant`; `masked` where a masked effect may have pushed it there |
+//! | passes | a constant beyond belief | `constant`; `masked` where a masked effect may have pushed it there, or where an effect is not named for want of groups alone |
 //! | passes | a model that the evidence asks for, with effects | `masked`: constants within belief do as well |
 //! | passes | nothing | `no_gap` |
 //! | rejects | an effect | `effect`; what is left beside it is said |
-//! | rejects | a constant beyond belief that closes like a cause | `constant`; what is left beside it is said |
+//! | rejects | a constant beyond belief that closes like a cause | `constant`, what is left beside it is said; `unknown` where an effect is not named for want of groups alone |
 //! | rejects | nothing | `small` where nothing that is left matters, else `unknown` |
 //!
 //! Where the noise is read off the records there are two tests: what is left has to be exchangeable, and the map of channels
 //! and covariates may show no structure beyond its null. Each of them rejects; a rule that keeps an effect from being named
 //! rejects nothing.
 
-use super::channel_scale::ChannelScale;
 use super::constants::{FAR_CONSTANT, LEAST_CLOSED, MATTERING_SHARE};
 use super::decision::Mapped;
-use super::{Calibrated, Closure, Diagnosis, Fitness, GapVerdict, Structure};
+use super::rules::GROUPS;
+use super::{Calibrated, Closure, Diagnosis, Fitness, GapVerdict, NotNamed, Structure};
 
 impl Structure {
     /// Whether what the model leaves of the channel may matter.
     fn may_matter(&self) -> bool {
-        ChannelScale { level: self.level, sensor: self.sensor }.matters(self.upper)
+        self.scale.matters(self.upper)
     }
 }
 
@@ -65,13 +65,27 @@ pub(super) fn backed(
     }
 }
 
+/// The effects that are not named for want of groups alone: where groups are too few to tell an effect, they are too few to
+/// tell a constant from it.
+fn in_want_of_groups(diagnosis: &Diagnosis) -> Option<String> {
+    let alone = |own: &&NotNamed| !own.rules.is_empty() && own.rules.iter().all(|rule| rule.rule == GROUPS);
+    let ids: Vec<&str> = diagnosis.not_named.iter().find(alone)?.effects.iter().map(|id| id.word()).collect();
+    let ids = ids.join(" with ");
+    Some(format!("{ids} may have moved the constant: so few groups tell neither from the other"))
+}
+
 /// A constant that went farther than is believed of it is what the gap is, if such constants close it on groups left out.
 fn constant_beyond_belief(diagnosis: &mut Diagnosis, by_constants: impl Fn() -> Option<Closure>) {
-    if let Some(constant) = diagnosis.constant()
-        && by_constants().is_some_and(|closed| closed.closed > LEAST_CLOSED && closed.ci90[0] > 0.0)
-    {
-        diagnosis.verdict = GapVerdict::Constant;
-        diagnosis.notes.insert(0, constant);
+    let Some(constant) = diagnosis.constant() else { return };
+    if !by_constants().is_some_and(|closed| closed.closed > LEAST_CLOSED && closed.ci90[0] > 0.0) {
+        return;
+    }
+    match in_want_of_groups(diagnosis) {
+        Some(why) => diagnosis.notes.insert(0, why),
+        None => {
+            diagnosis.verdict = GapVerdict::Constant;
+            diagnosis.notes.insert(0, constant);
+        }
     }
 }
 
@@ -79,11 +93,12 @@ fn constant_beyond_belief(diagnosis: &mut Diagnosis, by_constants: impl Fn() -> 
 /// the finding.
 pub(super) fn unrejected(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<String>) {
     diagnosis.verdict = GapVerdict::NoGap;
-    if let Some(why) = pushed() {
+    let constant = diagnosis.constant();
+    if let Some(why) = pushed().or_else(|| constant.as_ref().and_then(|_| in_want_of_groups(diagnosis))) {
         diagnosis.verdict = GapVerdict::Masked;
         diagnosis.suspected = Some(why.clone());
         diagnosis.notes.push(why);
-    } else if let Some(constant) = diagnosis.constant() {
+    } else if let Some(constant) = constant {
         diagnosis.verdict = GapVerdict::Constant;
         diagnosis.notes.insert(0, constant);
     }
@@ -145,14 +160,14 @@ fn rejected(fit: Option<&Fitness>) -> String {
     let follows = if part.follows.is_empty() { String::new() } else { format!(" ({})", part.follows) };
     let mut words = format!("the fit is rejected (p = {:.3}): {} {}{follows}", fit.p, part.what, part.test);
     let size = |own: &&Structure| {
-        let [rms, upper] = [own.rms, own.upper].map(|size| size / own.sensor);
+        let [rms, upper] = [own.rms, own.upper].map(|size| size / own.scale.sensor);
         format!("{} by {rms:.2} (up to {upper:.2}) times its sensor", own.channel)
     };
     let large: Vec<String> = fit.structure.iter().filter(|own| own.may_matter()).map(|own| size(&own)).collect();
     if !large.is_empty() {
         words += &format!("; beside noise and scatter {}", large.join(", "));
     }
-    let wide = |own: &&Structure| format!("{} by {:.2} times its sensor", own.channel, own.scatter / own.sensor);
+    let wide = |own: &&Structure| format!("{} by {:.2} times its sensor", own.channel, own.scatter / own.scale.sensor);
     let wide: Vec<String> = fit.structure.iter().filter(|own| own.is_wide()).map(|own| wide(&own)).collect();
     if !wide.is_empty() {
         words += &format!("; what is left scatters in {}", wide.join(", "));
@@ -200,13 +215,14 @@ impl Diagnosis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ChannelId, Part};
+    use crate::{ChannelId, ChannelScale, EffectId, Part, RuleFinding};
 
     /// A diagnosis whose rules kept an effect from being named, with a test of this probability.
     fn abstained(p: f64, upper: f64) -> Diagnosis {
         let part = Part { what: "cutting_time", test: "groups", follows: String::new(), p, statistic: 2.0 };
         let about = ChannelId::CuttingTime;
-        let structure = Structure { channel: about, rms: 0.8 * upper, upper, level: 1.0, sensor: 0.01, scatter: 0.01 };
+        let scale = ChannelScale { level: 1.0, sensor: 0.01, step: 0.0 };
+        let structure = Structure { channel: about, rms: 0.8 * upper, upper, scale, scatter: 0.01 };
         let fit = Fitness { p, level: 0.01, parts: vec![part], least_seen: Vec::new(), structure: vec![structure] };
         Diagnosis {
             verdict: GapVerdict::Unknown,
@@ -240,6 +256,31 @@ mod tests {
             words.contains("machine L1` is 1.208, 6.3 prior") && words.ends_with("the unit of its column"),
             "{words}"
         );
+    }
+
+    #[test]
+    fn groups_too_few_to_name_an_effect_are_too_few_to_name_the_constant_that_imitates_it() {
+        let constant = Calibrated {
+            parameter: "process stiffness Cp".to_owned(),
+            value: 1.36,
+            ci90: [1.35, 1.37],
+            prior_sd_moved: 3.1,
+            gain: false,
+            constant: true,
+        };
+        let refused = |rules: &[&'static str]| NotNamed {
+            effects: vec![EffectId::MICRO_STOPS],
+            rules: rules.iter().map(|rule| RuleFinding { rule, asks: "", found: String::new() }).collect(),
+        };
+        let verdict = |not_named: Vec<NotNamed>| {
+            let calibration = vec![constant.clone()];
+            let mut diagnosis = Diagnosis { not_named, calibration, ..abstained(0.3, 0.1) };
+            unrejected(&mut diagnosis, || None);
+            diagnosis.verdict
+        };
+        assert_eq!(verdict(Vec::new()), GapVerdict::Constant);
+        assert_eq!(verdict(vec![refused(&[GROUPS])]), GapVerdict::Masked);
+        assert_eq!(verdict(vec![refused(&[GROUPS, "closure"])]), GapVerdict::Constant);
     }
 
     #[test]

@@ -5,20 +5,26 @@ use crate::{CheckResult, FileKind, KindError, SchemaSource, checked};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use toolroom_form::{ReadError, Refusal};
-use toolroom_records::{ColumnKind, RecordError, RecordKind, cells, read, tables};
+use toolroom_records::{ColumnKind, RecordError, RecordKind, cells, has_table, read, tables};
 
 /// Tables that gap diagnose, calibrate and their like take as `--data`.
 pub const KIND: FileKind = FileKind {
     word: "records",
-    doc: "Measured records (operations.csv, cuts.csv, trials.csv, events.csv, stretches.csv), or a folder of them",
+    doc: "Measured records (operations.csv, cuts.csv, trials.csv, events.csv, orders.csv, stretches.csv), or a folder of them",
     signs: &[],
     read: Some(check),
     form: SchemaSource::Rows(schema),
 };
 
 /// Kinds by what a table has to have, the most particular first.
-const RECORDS: [RecordKind; 5] =
-    [RecordKind::Shop, RecordKind::Program, RecordKind::Grinding, RecordKind::Milling, RecordKind::Turning];
+const RECORDS: [RecordKind; 6] = [
+    RecordKind::Shop,
+    RecordKind::Orders,
+    RecordKind::Program,
+    RecordKind::Grinding,
+    RecordKind::Milling,
+    RecordKind::Turning,
+];
 
 /// Whether a path is that of records whatever it holds: a folder, or a table in Parquet.
 pub fn by_place(path: &Path) -> bool {
@@ -64,10 +70,22 @@ fn check(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
         let source = "check reads CSV; the verbs that take records read Parquet, too".into();
         Err(RecordError::Table { path: path.to_owned(), source })
     };
-    let kinds = if path.is_dir() { tables(path) } else { vec![kind(path)?] };
+    let kinds = if path.is_dir() {
+        let orders = Some(RecordKind::Orders).filter(|kind| has_table(path, *kind));
+        tables(path).into_iter().chain(orders).collect()
+    } else {
+        vec![kind(path)?]
+    };
     let (mut lines, mut reports) = (Vec::new(), Vec::new());
     for kind in kinds {
-        let (_, report) = read(path, kind, &no_parquet).map_err(|error| refuse(&error))?;
+        let (_, report) = match read(path, kind, &no_parquet) {
+            // A planner's table of orders has the same name.
+            Err(error @ RecordError::MissingColumn { .. }) if path.is_dir() && kind == RecordKind::Orders => {
+                lines.push(format!("{error}: it is no table of jobs that came, and is passed over"));
+                continue;
+            }
+            read => read.map_err(|error| refuse(&error))?,
+        };
         lines.push(report.to_string().trim_end().to_owned());
         reports.push(report.json());
     }

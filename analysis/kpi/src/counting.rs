@@ -147,7 +147,7 @@ impl<'a> Counting<'a> {
         while let Some(row) = stays.operations.front().copied().filter(|row| row.end <= until || horizon.is_some()) {
             let end = if row.end.is_nan() { horizon.unwrap_or(row.end) } else { row.end };
             let (share, completed) = stays.share(&row, self.scenario.warm_up, end);
-            self.tally.add_operation(&row, (self.scenario.warm_up, end), share, completed);
+            self.tally.add_operation(&row, self.scenario.warm_up, share, completed);
             stays.operations.pop_front();
         }
     }
@@ -193,7 +193,7 @@ impl Recorder for Counting<'_> {
         let stays = &mut self.machines[row.machine as usize];
         if stays.operations.is_empty() && row.end <= stays.until {
             let (share, completed) = stays.share(&row, self.scenario.warm_up, row.end);
-            self.tally.add_operation(&row, (self.scenario.warm_up, row.end), share, completed);
+            self.tally.add_operation(&row, self.scenario.warm_up, share, completed);
         } else {
             stays.operations.push_back(row);
         }

@@ -13,6 +13,8 @@ pub(super) struct Delivery {
     pub tardy: u32,
     /// Sum of lead times, s.
     pub lead_time: f64,
+    /// Sum of the times for which their operations were in process, s.
+    pub in_process: f64,
     /// Sum of tardiness, s.
     pub tardiness: f64,
     /// Sum of tardiness times weight, s; NaN with a job whose weight nobody knows.
@@ -59,6 +61,7 @@ impl Delivery {
         let late = (job.finish - job.due).max(0.0);
         self.jobs += 1;
         self.lead_time += job.finish - job.arrival;
+        self.in_process += job.in_process;
         self.lead_times.add(job.finish - job.arrival);
         self.tardiness += late;
         self.greatest_tardiness = self.greatest_tardiness.max(late);

@@ -30,8 +30,14 @@ pub(super) const QUEUE_TIME: Definition = define(
     "s",
     "min",
     Less,
-    "Time in the shop without an operation in process, per good job.",
+    "Lead time of the good jobs less the time of their operations in process. Of jobs that are in the shop at the start, what was done before counts as waiting.",
 );
+
+/// Mean time in a queue (s) of jobs whose lead times and times in process have these sums, s; NaN without a job.
+pub(super) fn queue_time(lead_time: f64, in_process: f64, jobs: u32) -> f64 {
+    // Jobs that are in work in several places at once would have less than none.
+    (lead_time - in_process).max(0.0) / f64::from(jobs)
+}
 
 /// Figures of deliveries and of what they wait for, behind the others of the shop.
 pub(super) const DELIVERIES: &[ShopFigure] = &[

@@ -2,7 +2,7 @@
 
 use super::definition::Better::{Less, More, Neither};
 use super::definition::{Definition, define};
-use super::delivery_figures::{FLOW_FACTOR, LEAD_TIME_P95, QUEUE_TIME};
+use super::delivery_figures::{FLOW_FACTOR, LEAD_TIME_P95, QUEUE_TIME, queue_time};
 use super::groups::{JobGroup, customers, parts, stations};
 use super::machine_tally::MachineTally;
 use super::tally::Tally;
@@ -68,12 +68,9 @@ pub(super) fn group_values(tally: &Tally) -> Vec<f64> {
     let groups = &tally.groups;
     let finite = |value: f64| if value.is_finite() { value } else { f64::NAN };
     let of_jobs = |own: &JobGroup| OF_JOBS.map(|(_, value)| value(tally.window, own));
-    let of_part = |(group, own): (usize, &JobGroup)| {
-        let part = groups.part_of.iter().position(|own| *own == Some(group as u32));
-        let queue_time = part.map_or(f64::NAN, |part| own.queue_time(tally.in_process(part)));
-        of_jobs(own).into_iter().chain([queue_time])
-    };
-    let parts = groups.parts.iter().enumerate().flat_map(of_part);
+    let of_part =
+        |own: &JobGroup| of_jobs(own).into_iter().chain([queue_time(own.lead_time, own.in_process, own.jobs)]);
+    let parts = groups.parts.iter().flat_map(of_part);
     let customers = groups.customers.iter().flat_map(of_jobs);
     let stations = groups.stations.iter().flat_map(|own| OF_STATION.map(|(_, value)| value(tally, own)));
     parts.chain(customers).chain(stations).map(finite).collect()

@@ -42,6 +42,7 @@ pub(super) struct JobGroup {
     pub scrapped: u32,
     pub lead_time: f64,
     pub lead_times: Histogram,
+    pub in_process: f64,
     pub raw_time: f64,
     pub tardiness: f64,
     pub weighted_tardiness: f64,
@@ -101,11 +102,6 @@ impl Groups {
 }
 
 impl JobGroup {
-    /// Time in the shop without an operation in process, per good job, s, where operations were for so long.
-    pub fn queue_time(&self, in_process: f64) -> f64 {
-        (self.job_time - in_process).max(0.0) / f64::from(self.jobs)
-    }
-
     fn add_good(&mut self, job: &JobRow, good: &GoodJob) {
         let (lead_time, late) = (job.finish - job.arrival, (job.finish - job.due).max(0.0));
         self.jobs += 1;
@@ -113,6 +109,7 @@ impl JobGroup {
         self.tardy += u32::from(job.finish > job.due);
         self.lead_time += lead_time;
         self.lead_times.add(lead_time);
+        self.in_process += job.in_process;
         self.raw_time += good.raw_time;
         self.tardiness += late;
         self.weighted_tardiness += good.weight * late;

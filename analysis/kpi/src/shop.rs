@@ -2,7 +2,7 @@
 
 use super::definition::Better::{Less, More, Neither};
 use super::definition::{CURRENCY, ShopFigure, define, net, oee};
-use super::delivery_figures::QUEUE_TIME;
+use super::delivery_figures::{QUEUE_TIME, queue_time};
 use super::machine_tally::MachineTally;
 use toolroom_shop::runlog::MachineState;
 
@@ -406,5 +406,5 @@ pub(super) const SHOP: &[ShopFigure] = &[
         let setup = t.sum(MachineTally::setup_time);
         setup / (t.sum(MachineTally::production_time) + setup)
     }),
-    (QUEUE_TIME, |_, t| (t.job_time - t.operation_time).max(0.0) / f64::from(t.delivery.jobs)),
+    (QUEUE_TIME, |_, t| queue_time(t.delivery.lead_time, t.delivery.in_process, t.delivery.jobs)),
 ];

@@ -26,8 +26,6 @@ struct Planned {
     machine: usize,
     /// Whether a wheel does it.
     ground: bool,
-    /// Time for which it was in process in the window, s.
-    in_process: f64,
 }
 
 /// Sums of the shop within the window.
@@ -67,8 +65,6 @@ pub(super) struct Tally {
     pub chatter_onsets: u32,
     /// Integral of the number of jobs, s.
     pub job_time: f64,
-    /// Of it the time in which an operation of the job was in process, s.
-    pub operation_time: f64,
     /// Jobs at the start and arrived since; infinite with constant work.
     pub offered: f64,
     pub machine_cost: f64,
@@ -158,7 +154,7 @@ impl Tally {
             let plain = operation.mean_time_on(machine);
             let once = operation.work_per != WorkPer::Part;
             let work = programmed + operation.work.plain_time();
-            Planned { programmed, work, plain, once, machine, ground, in_process: 0.0 }
+            Planned { programmed, work, plain, once, machine, ground }
         };
         let parts = scenario.parts.iter().zip(programmed_cutting_times(scenario));
         let machines = &scenario.machines;
@@ -324,14 +320,8 @@ impl Tally {
     /// that lies in the window; the quantities count what is completed in it. What an interruption undid took
     /// time and earns nothing.
     #[inline]
-    pub fn add_operation(&mut self, row: &OperationRow, (warm_up, end): (f64, f64), share: f64, completed: bool) {
-        let own = &mut self.planned[row.part as usize][row.operation as usize];
-        let Planned { programmed, work, ground, .. } = *own;
-        if !self.regrinds[row.part as usize] {
-            let inside = (end - row.start.max(warm_up)).max(0.0);
-            own.in_process += inside;
-            self.operation_time += inside;
-        }
+    pub fn add_operation(&mut self, row: &OperationRow, warm_up: f64, share: f64, completed: bool) {
+        let Planned { programmed, work, ground, .. } = self.planned[row.part as usize][row.operation as usize];
         let pieces = f64::from(row.quantity);
         let planned = row.work * work + pieces * self.handling[row.machine as usize];
         let tally = &mut self.machines[row.machine as usize];
@@ -356,11 +346,6 @@ impl Tally {
                 tally.good += pieces;
             }
         }
-    }
-
-    /// Time for which operations of a part were in process in the window, s.
-    pub fn in_process(&self, part: usize) -> f64 {
-        self.planned[part].iter().map(|own| own.in_process).sum()
     }
 
     /// What the work of a job takes on the first machine of every operation, s: without setup, waiting and what is done again.

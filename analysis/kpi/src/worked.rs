@@ -367,6 +367,16 @@ lot = [{ time = "0 min", size = 2 }]
     assert!(figure("path_per_edge").is_nan());
 }
 
+/// Four orders of 60 min at once on one machine; two are done when the run ends after 150 min, and had waited for 0 and 60 min.
+#[test]
+fn what_is_unfinished_at_the_horizon_has_no_part_in_the_queue_time() {
+    let order = |id: u32| format!("[[order]]\nid = \"{id}\"\npart = \"A\"\ndue = \"10 h\"\n");
+    let shop = "schema = 1\n[shop]\nname = \"q\"\nhorizon = \"150 min\"\n[[machine]]\nname = \"M\"\nprocess = \"plain\"\n\
+                [[part]]\nname = \"A\"\noperation = [{ name = \"a\", machines = \"M\", work = \"60 min\" }]\n";
+    let run = Run::of(&format!("{shop}{}", (1..=4).map(order).collect::<String>()));
+    run.holds(&[("lead_time", 90.0 * 60.0), ("queue_time", 30.0 * 60.0), ("flow_factor", 1.5)]);
+}
+
 /// Two orders of two pieces each on one machine, 10 min a piece, setup of 5 min before each (other groups); the second order waits
 /// for 25 min and is 10 min late, with a weight of 3.
 #[test]

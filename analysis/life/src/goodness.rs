@@ -1,6 +1,6 @@
 //! How far a fitted law is from its lives.
 
-use super::fit::{Fit, fit};
+use super::fit::{Fit, refit};
 use super::law::Law;
 use super::sample::{Observation, Sample};
 use super::survival::{Step, kaplan_meier};
@@ -121,7 +121,8 @@ pub fn test(sample: &Sample, fitted: &Fit, samples: u32, seed: u64) -> Goodness 
         let mut stream = streams.at(Entity::named("goodness of fit"), Purpose::Measurement, u64::from(i));
         let lives = (0..plan.count).map(|_| plan.observe(fitted.law.quantile(stream.random()), stream.random()));
         let drawn = Sample::new(lives.collect::<Vec<_>>()).ok()?;
-        let again = fit(&drawn, fitted.law.family()).ok()?;
+        // The law from which the lives were drawn is near the one that fits them.
+        let again = refit(&drawn, fitted)?;
         Some(anderson_darling(&drawn, &again.law) >= distance)
     });
     let outcomes: Vec<bool> = farther.collect();
@@ -185,6 +186,7 @@ impl Observing {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::fit;
     use crate::law::Family;
     use Observation::{Censored, Failed};
 

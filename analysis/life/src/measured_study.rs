@@ -286,16 +286,12 @@ fn text(groups: &[Group], regression: Option<&Regression>, words: &Words, reques
         if !analysis.replacement_seen() {
             let _ = writeln!(text, "  replace at: {}\n", unseen());
         } else if best.age.is_finite() {
-            let _ = writeln!(
-                text,
-                "  replace at {} ({} … {}): cost per time {} instead of {}, saves {:.1} %\n",
-                n(best.age),
-                n(analysis.best_age.0),
-                n(analysis.best_age.1),
-                n(best.cost_rate),
-                n(best.run_to_failure),
-                100.0 * best.saving()
-            );
+            let saves = match seen.reaches_mean() {
+                true => format!(" instead of {}, saves {:.1} %", n(best.run_to_failure), 100.0 * best.saving()),
+                false => format!("; what running to failure costs is {}", unseen()),
+            };
+            let [age, low, high] = [best.age, analysis.best_age.0, analysis.best_age.1].map(n);
+            let _ = writeln!(text, "  replace at {age} ({low} … {high}): cost per time {}{saves}\n", n(best.cost_rate));
         } else {
             let _ = writeln!(text, "  run to failure: replacing by age does not pay\n");
         }

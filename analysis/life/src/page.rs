@@ -167,13 +167,11 @@ pub fn tiles(sample: &Sample, analysis: &Analysis, words: &Words, confidence: f6
     let replaced = if !analysis.replacement_seen() {
         Tile::new("replace at", "not reached", unseen())
     } else if best.age.is_finite() {
-        let note = format!(
-            "saves {:.1} % against {}; {} … {}",
-            100.0 * best.saving(),
-            analysis.until_the_end(),
-            n(analysis.best_age.0),
-            n(analysis.best_age.1)
-        );
+        let saves = match analysis.reach.reaches_mean() {
+            true => format!("saves {:.1} % against {}; ", 100.0 * best.saving(), analysis.until_the_end()),
+            false => String::new(),
+        };
+        let note = format!("{saves}{} … {}", n(analysis.best_age.0), n(analysis.best_age.1));
         Tile::new("replace at", format!("{}{unit}", n(best.age)), note)
     } else {
         let end = if analysis.limit_is_seen { "the limit" } else { "failure" };

@@ -25,7 +25,7 @@ impl ModesStudy {
             Some(chi2) => writeln!(text, "\nchi2 over degrees of freedom {chi2:.3}"),
             None => writeln!(
                 text,
-                "\nchi2 over degrees of freedom –: without coherence and averages the residuals themselves tell the noise"
+                "\nchi2 over degrees of freedom –: without coherence or averages the residuals themselves tell the noise"
             ),
         };
         for (function, residual) in &quality.residuals {

@@ -73,7 +73,7 @@ impl EffectId {
     pub const WEAR_TEMPERATURE: Self = row(Effect::CATALOGUE, "wear_temperature");
     /// Old coolant cools less.
     pub const COOLANT_AGEING: Self = row(Effect::CATALOGUE, "coolant_ageing");
-    /// Another coolant lubricates better.
+    /// Another coolant lubricates better or worse.
     pub const COOLANT_CHANGE: Self = row(Effect::CATALOGUE, "coolant_change");
     /// One lot of material is harder.
     pub const LOT_HARDNESS: Self = row(Effect::CATALOGUE, "lot_hardness");

@@ -4,26 +4,22 @@ use super::cutting::Cutting;
 use super::empirical::{self, Empirical};
 use super::given::FileNominal;
 use super::grinding::Grinding;
+use super::model_file_error::ModelFileError;
 use super::program::{self, ProgramModel, Stretches};
+use super::sheet::{randomness, settings};
 use super::shop::{Shop, ShopModel};
 use super::{Candidate, Declarations, EffectId, EffectRefusal, Forward, Point, Settings};
 use std::path::Path;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_effects::Definition;
-use toolroom_form::{Form, Key, Kind, Outline, ReadError, Section, Walk};
+use toolroom_form::{Form, Key, Kind, Outline, Section, Walk};
 use toolroom_infeed::Infeed;
-use toolroom_location::{Located, Location};
-use toolroom_process::unit;
-use toolroom_records::Sensor;
 use toolroom_records::{RecordKind, Records};
-use toolroom_scenario::{Calibration, Distribution, GapSection, ProcessModel, Scenario, SensorErrors};
+use toolroom_scenario::{Calibration, GapSection, ProcessModel, Scenario};
 use toolroom_scenario_file::{self as file, GAP};
-use toolroom_wear::Scatter;
 
 /// Stretches of part programs that are reported by name.
 const PLACES: usize = 6;
-/// Shares of a distribution by which its variance is taken.
-const QUANTILES: usize = 400;
 
 /// The process behind a nominal model.
 #[derive(Clone, Debug)]
@@ -87,52 +83,6 @@ impl ProcessData {
             Some(EffectRefusal { row: frame.record_of(refusal.row), ..refusal })
         };
         self.parts.iter().find_map(|part| of_part(part.as_ref()))
-    }
-}
-
-/// Why a nominal model cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ModelFileError {
-    /// The file is at fault.
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    /// No tool of the process.
-    #[error("{file}: no [[tool]] with process = \"{process}\"")]
-    NoTool {
-        /// The file.
-        file: String,
-        /// What was looked for.
-        process: String,
-    },
-    /// Two definitions of one effect.
-    #[error("{file}: [[effect]] `{id}` is defined otherwise in a file of --effects")]
-    Defined {
-        /// The model file.
-        file: String,
-        /// The effect.
-        id: String,
-    },
-    /// A sensor whose quantity does not fit its channel.
-    #[error("{file}: [[gap.sensor]] {channel}: {reason}")]
-    Sensor {
-        /// The file.
-        file: String,
-        /// The channel.
-        channel: String,
-        /// What is wrong.
-        reason: String,
-    },
-}
-
-impl Located for ModelFileError {
-    fn location(&self) -> Option<Location> {
-        match self {
-            Self::Read(error) => error.location(),
-            Self::NoTool { file, .. } | Self::Defined { file, .. } | Self::Sensor { file, .. } => {
-                Some(Location::of(file))
-            }
-        }
     }
 }
 
@@ -425,78 +375,6 @@ fn of_program(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> (Option<
 /// Whether a file has no shop: nothing but priors and sensors of an empirical model.
 fn is_plain(outline: &Outline) -> bool {
     !outline.has("shop")
-}
-
-/// What a run of the scenario draws for the tools of a process, their workpieces and the handling of parts.
-fn randomness(settings: &mut Settings, scenario: &Scenario, process: &str) {
-    let tool = scenario.tools.iter().find(|tool| tool.process.name() == process);
-    settings.scatter = tool.map(|tool| tool.scatter).filter(|scatter| *scatter != Scatter::none());
-    let own = tool.map(|tool| tool.structure_scatter).unwrap_or_default();
-    settings.structure_scatter = [own.natural_frequency, own.damping_ratio];
-    settings.spreads = tool.map(|tool| tool.spreads.clone()).unwrap_or_default();
-    settings.lots = scenario.parts.iter().map(|part| (part.name.clone(), part.batch_size)).collect();
-    let variance = |distribution: &Distribution| {
-        if distribution.is_constant() {
-            return 0.0;
-        }
-        // The mean over equal shares of the probability.
-        let mean = |value: &dyn Fn(f64) -> f64| {
-            (0..QUANTILES).map(|i| value((i as f64 + 0.5) / QUANTILES as f64)).sum::<f64>() / QUANTILES as f64
-        };
-        mean(&|u| (distribution.quantile(u) - distribution.mean()).powi(2))
-    };
-    let machines = scenario.machines.iter().filter(|machine| machine.process == process);
-    let handling = machines.map(|machine| variance(&machine.load_time) + variance(&machine.unload_time));
-    settings.handling = handling.fold(0.0, f64::max).sqrt();
-}
-
-fn settings(file: &str, section: &GapSection, kind: RecordKind) -> Result<Settings, ModelFileError> {
-    let mut settings = Settings {
-        force: section.force,
-        temperature: section.temperature,
-        wear_level: section.wear_level,
-        stiffness: section.stiffness,
-        conditions: section.conditions.clone(),
-        channels: section.channels.clone(),
-        constant_rate: section.constant_rate,
-        edge_wear: section.edge_wear,
-        edge_force: section.edge_force,
-        ..Settings::default()
-    };
-    for sensor in &section.sensors {
-        settings.sensors.push((sensor.channel.clone(), errors(file, sensor, kind)?));
-    }
-    Ok(settings)
-}
-
-/// The sensor sheet of `kind` where records are made rather than read: entries of other kinds are
-/// passed over.
-///
-/// # Errors
-/// [`ModelFileError::Sensor`]: a quantity that does not fit its channel.
-pub fn sensor_sheet(file: &str, section: Option<&GapSection>, kind: RecordKind) -> Result<Settings, ModelFileError> {
-    let mut settings = Settings::default();
-    let sensors = section.into_iter().flat_map(|section| &section.sensors);
-    for sensor in sensors.filter(|sensor| kind.column(&sensor.channel).is_some()) {
-        settings.sensors.push((sensor.channel.clone(), errors(file, sensor, kind)?));
-    }
-    Ok(settings)
-}
-
-fn errors(file: &str, sensor: &SensorErrors, kind: RecordKind) -> Result<Sensor, ModelFileError> {
-    let fault =
-        |reason: String| ModelFileError::Sensor { file: file.to_owned(), channel: sensor.channel.clone(), reason };
-    let column = kind.column(&sensor.channel);
-    let column = column.ok_or_else(|| fault("no such channel".to_owned()))?;
-    let quantity = |text: &Option<String>| match text {
-        None => Ok(0.0),
-        Some(text) => unit::quantity(text, column.unit).map_err(|reason| fault(reason.to_string())),
-    };
-    Ok(Sensor {
-        relative: sensor.relative,
-        absolute: quantity(&sensor.absolute)?,
-        resolution: quantity(&sensor.resolution)?,
-    })
 }
 
 #[cfg(test)]

@@ -174,7 +174,7 @@ impl CycleTime {
         settle(&mut done, &mut shares, &mut rows, &tool_of);
         let run = list.run();
         let (dialect, reason) = run.dialect();
-        if shares.iter().all(|share| share.motions == 0) {
+        if shares.iter().all(|share| share.motions == 0 && share.dwell == 0.0) {
             return Err(ProgramError::still(dialect));
         }
         Ok(Self {

@@ -3,13 +3,14 @@
 //!
 //! A row of `operations` and `cuts` is one pass by one edge, since cutting data belong to a pass;
 //! cycle and stop times belong to operations and are written where an operation has one pass. A row
-//! of `trials` is one part, a row of `stretches` some blocks of a part program in one run.
+//! of `trials` is one part, a row of `stretches` some blocks of a part program in one run, a row of `orders` one job.
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
 mod cutting;
 mod events;
 mod grinding;
+mod orders;
 mod program;
 #[cfg(test)]
 mod tests;
@@ -39,6 +40,7 @@ pub fn simulated(scenario: &Scenario, log: &RunLog, sheet: &Sheet<'_>) -> Result
     let mut all = vec![cutting::records(&run, RecordKind::Turning)?, cutting::records(&run, RecordKind::Milling)?];
     all.push(grinding::trials(&run)?);
     all.push(events::events(&run));
+    all.push(orders::orders(&run));
     all.push(program::stretches(&run));
     all.retain(|records| !records.is_empty());
     Ok(all)

@@ -33,7 +33,14 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 fn a_shop_reads_back_as_operations_cuts_and_events() {
     let (_, log, all) = shop("shop.toml", &["shop.horizon=48 h"]);
     let kinds: Vec<RecordKind> = all.iter().map(|records| records.kind).collect();
-    assert_eq!(kinds, [RecordKind::Turning, RecordKind::Milling, RecordKind::Shop]);
+    assert_eq!(kinds, [RecordKind::Turning, RecordKind::Milling, RecordKind::Shop, RecordKind::Orders]);
+    // Every job that came, at its time, and what became of it.
+    let jobs = &all[3];
+    assert_eq!(jobs.len(), log.jobs.len());
+    let sums = |of: &dyn Fn(usize) -> f64| (0..jobs.len()).map(of).filter(|time| time.is_finite()).sum::<f64>();
+    let (came, left) = (jobs.numbers("arrival_time").expect("times"), jobs.numbers("finish_time").expect("times"));
+    assert!((sums(&|row| came[row]) - sums(&|row| log.jobs[row].arrival)).abs() < 1e-3);
+    assert!((sums(&|row| left[row]) - sums(&|row| log.jobs[row].finish)).abs() < 1e-3);
     let rows: usize = all[..2].iter().map(Records::len).sum();
     assert_eq!(rows, log.passes.iter().filter(|pass| pass.cutting_time > 0.0).count());
     // Stays in a state last until the next event of the machine.

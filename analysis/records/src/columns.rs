@@ -266,6 +266,16 @@ const PROGRAM: &[RecordColumn] = &[
     CYCLE_TIME,
 ];
 
+/// Columns of the jobs that came to a shop.
+const ORDERS: &[RecordColumn] = &[
+    required(text("order")),
+    required(text("part_type")),
+    required(condition("arrival_time", "s", "s", 1e10)),
+    condition("start_time", "s", "s", 1e10),
+    condition("finish_time", "s", "s", 1e10),
+    condition("quantity", "1", "1", 1e9).from(0.0),
+];
+
 /// Columns that every table of an empirical model may have.
 const ANY: &[RecordColumn] = &[
     required(text("operation_id")),
@@ -311,8 +321,8 @@ const ANY: &[RecordColumn] = &[
 
 impl RecordKind {
     /// Every kind.
-    pub const ALL: [Self; 6] =
-        [Self::Turning, Self::Milling, Self::Grinding, Self::Shop, Self::Program, Self::Empirical];
+    pub const ALL: [Self; 7] =
+        [Self::Turning, Self::Milling, Self::Grinding, Self::Shop, Self::Orders, Self::Program, Self::Empirical];
 
     /// Its columns.
     pub fn columns(self) -> &'static [RecordColumn] {
@@ -321,6 +331,7 @@ impl RecordKind {
             Self::Milling => MILLING,
             Self::Grinding => GRINDING,
             Self::Shop => SHOP,
+            Self::Orders => ORDERS,
             Self::Program => PROGRAM,
             Self::Empirical => ANY,
         }
@@ -338,6 +349,7 @@ impl RecordKind {
             Self::Milling => "cuts",
             Self::Grinding => "trials",
             Self::Shop => "events",
+            Self::Orders => "orders",
             Self::Program => "stretches",
         }
     }

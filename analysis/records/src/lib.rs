@@ -39,7 +39,7 @@ pub use chatter::{CHATTER_FREQUENCY_DEVIATION, WRONG_CHATTER_RECORD};
 pub use columns::{ColumnKind, RecordColumn};
 pub use csv_table::{OtherTable, RawTable};
 pub use error::RecordError;
-pub use read::{cells, parse_csv, read, table_files, tables};
+pub use read::{cells, has_table, parse_csv, read, table_files, tables};
 pub use report::ReadReport;
 pub use sensor::Sensor;
 pub use write::write_csv;
@@ -57,6 +57,8 @@ pub enum RecordKind {
     Grinding,
     /// Events of machines.
     Shop,
+    /// Jobs that came to the shop.
+    Orders,
     /// Runs of part programs, as a whole or stretch by stretch.
     Program,
     /// Operations of any process, for an empirical model.

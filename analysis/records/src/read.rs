@@ -59,7 +59,12 @@ pub fn cells(file: &str, bytes: &[u8]) -> Result<RawTable, RecordError> {
 /// share, `operations`, the first counts.
 pub fn tables(dir: &Path) -> Vec<RecordKind> {
     let kinds = [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop, RecordKind::Program];
-    kinds.into_iter().filter(|kind| find(dir, *kind).is_ok() || !folders(dir, *kind).is_empty()).collect()
+    kinds.into_iter().filter(|kind| has_table(dir, *kind)).collect()
+}
+
+/// Whether a directory holds a table of a kind, by itself or in its folders.
+pub fn has_table(dir: &Path, kind: RecordKind) -> bool {
+    find(dir, kind).is_ok() || !folders(dir, kind).is_empty()
 }
 
 /// Files of all tables that a directory holds, by itself or in its folders.
@@ -93,6 +98,7 @@ fn joined(parts: &[PathBuf], kind: RecordKind, parquet: OtherTable<'_>) -> Resul
             .extend(read.columns.into_iter().filter(|column| !report.columns.contains(column)).collect::<Vec<_>>());
         report.notes.extend(read.notes);
         report.dropped.extend(read.dropped);
+        report.unknown_cuts.extend(read.unknown_cuts);
         report.unreadable.extend(read.unreadable);
     }
     // Lines of several files say nothing without the file.
@@ -219,7 +225,7 @@ fn rows(table: &RawTable, used: &[UsedColumn], kind: RecordKind, report: &mut Re
     let mut first_of: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
     // Ids may start anew with each edge: a record is the same only on the same edge.
     let identity: Vec<usize> = match kind {
-        RecordKind::Shop => Vec::new(),
+        RecordKind::Shop | RecordKind::Orders => Vec::new(),
         RecordKind::Turning
         | RecordKind::Milling
         | RecordKind::Grinding
@@ -274,7 +280,7 @@ fn rows(table: &RawTable, used: &[UsedColumn], kind: RecordKind, report: &mut Re
                 let reason =
                     format!("{name} is {read} {unit}, at which nothing is cut: correct it, or leave the row out");
                 wrong = true;
-                report.uncut.push((*line, format!("a {name} of {read} {unit}")));
+                report.unknown_cuts.push((*line, format!("a {name} of {read} {unit}")));
                 report.dropped.push((*line, reason));
                 continue 'rows;
             }
@@ -283,6 +289,12 @@ fn rows(table: &RawTable, used: &[UsedColumn], kind: RecordKind, report: &mut Re
             }
             if must && number.is_none() {
                 wrong |= !missing;
+                let name = &used_column.name;
+                // The order of rows says nothing of what was cut.
+                if name != kind.sequence().1 {
+                    let what = if missing { format!("an empty {name}") } else { format!("a {name} of `{read}`") };
+                    report.unknown_cuts.push((*line, what));
+                }
                 report
                     .dropped
                     .push((*line, format!("{} is {}", used_column.name, if missing { "empty" } else { read })));
@@ -330,9 +342,12 @@ fn ordered(records: Records, report: &mut ReadReport) -> Records {
     let groups: &[&str] = match records.kind {
         RecordKind::Grinding if records.texts(group).is_none() => return records,
         RecordKind::Grinding => &["machine", "wheel_id", "dressing_cycle"],
-        RecordKind::Turning | RecordKind::Milling | RecordKind::Shop | RecordKind::Program | RecordKind::Empirical => {
-            &[group]
-        }
+        RecordKind::Turning
+        | RecordKind::Milling
+        | RecordKind::Shop
+        | RecordKind::Orders
+        | RecordKind::Program
+        | RecordKind::Empirical => &[group],
     };
     let Some(sequence) = records.numbers(order) else { return records };
     let mut rows: Vec<usize> = (0..records.len()).collect();

@@ -18,8 +18,9 @@ pub struct ReadReport {
     pub unused: Vec<String>,
     /// Rows left out: line and reason.
     pub dropped: Vec<(usize, String)>,
-    /// Of these the ones at whose conditions nothing is cut: line and condition.
-    pub uncut: Vec<(usize, String)>,
+    /// Of these the ones of which is not known what was cut, since a condition is missing or at it nothing is cut: line and
+    /// condition.
+    pub unknown_cuts: Vec<(usize, String)>,
     /// Cells taken as missing: line, column and what stood there.
     pub unreadable: Vec<(usize, String, String)>,
     /// What else the reader did on its own account.

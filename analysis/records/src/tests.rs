@@ -45,7 +45,7 @@ fn a_row_at_whose_conditions_nothing_is_cut_is_left_out_with_its_line() {
     let lines: Vec<usize> = report.dropped.iter().map(|(line, _)| *line).collect();
     assert_eq!(lines, [3, 4, 5], "{report}");
     assert!(report.dropped[1].1.starts_with("cutting_time is -2 min, at which nothing is cut"), "{report}");
-    assert_eq!(report.uncut[1], (4, "a cutting_time of -2 min".to_owned()));
+    assert_eq!(report.unknown_cuts[1], (4, "a cutting_time of -2 min".to_owned()));
 }
 
 #[test]

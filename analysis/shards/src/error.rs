@@ -1,6 +1,5 @@
 //! Why a shard was not run or parts were not merged.
 
-use crate::plan::PLAN;
 use std::io;
 use std::path::{Path, PathBuf};
 use toolroom_location::{Located, Location};
@@ -68,10 +67,12 @@ pub enum ShardError {
         path: PathBuf,
     },
     /// A plan of another format.
-    #[error("the plan has the format {found}, this is {PLAN}")]
+    #[error("the plan has the format {found}, this is {expected}")]
     OtherFormat {
         /// Its format.
         found: u32,
+        /// The format of this program.
+        expected: u32,
     },
     /// A plan made by another version of the program.
     #[error("the plan was made by version {found}, this is {expected}")]

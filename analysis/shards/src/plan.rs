@@ -106,7 +106,7 @@ impl Plan {
     /// read.
     pub fn check(&self, version: &str) -> Result<(), ShardError> {
         if self.schema != PLAN {
-            return Err(ShardError::OtherFormat { found: self.schema });
+            return Err(ShardError::OtherFormat { found: self.schema, expected: PLAN });
         }
         if self.version != version {
             return Err(ShardError::OtherVersion { found: self.version.clone(), expected: version.to_owned() });

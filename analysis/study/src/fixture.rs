@@ -265,6 +265,7 @@ pub(crate) fn log() -> RunLog {
         start: 0.0,
         finish,
         due: 500.0,
+        in_process: 0.0,
         divided_from: None,
         outcome,
     };

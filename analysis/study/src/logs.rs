@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use toolroom_parquet::{ParquetTable, PolarsError};
 use toolroom_process::table::{Cell, CsvWriter};
 use toolroom_records::table::Value;
-use toolroom_scenario::Scenario;
+use toolroom_scenario::{ProcessModel, Scenario};
 use toolroom_shop::runlog::{EdgeRow, EventRow, JobRow, PassRow, RunLog, StateRow};
 
 /// Format of the tables.
@@ -115,6 +115,8 @@ pub struct Names {
     machines: Vec<String>,
     tools: Vec<String>,
     parts: Vec<(String, Vec<String>)>,
+    /// Whether a wheel does it, by part and operation.
+    ground: Vec<Vec<bool>>,
     policies: Vec<String>,
     orders: Vec<String>,
 }
@@ -123,7 +125,13 @@ impl Names {
     /// Names of a scenario.
     pub fn of(scenario: &Scenario) -> Self {
         let operations = |part: &toolroom_scenario::Part| part.operations.iter().map(|o| o.name.clone()).collect();
+        let is_ground = |operation: &toolroom_scenario::Operation| {
+            let tool = operation.tool.map(|tool| &scenario.tools[tool].process);
+            matches!(tool, Some(ProcessModel::Infeed(_)))
+        };
+        let ground = |part: &toolroom_scenario::Part| part.operations.iter().map(is_ground).collect();
         Self {
+            ground: scenario.parts.iter().map(ground).collect(),
             machines: scenario.machines.iter().map(|machine| machine.name.clone()).collect(),
             tools: scenario.tools.iter().map(|tool| tool.name.clone()).collect(),
             parts: scenario.parts.iter().map(|part| (part.name.clone(), operations(part))).collect(),
@@ -135,6 +143,12 @@ impl Names {
     /// Name of a machine.
     pub fn machine(&self, index: u32) -> &str {
         self.machines.get(index as usize).map_or("", String::as_str)
+    }
+
+    /// Whether a wheel does an operation of a part.
+    pub(crate) fn is_ground(&self, part: u32, operation: u32) -> bool {
+        let operations = self.ground.get(part as usize);
+        operations.and_then(|own| own.get(operation as usize)).copied().unwrap_or(false)
     }
 
     /// Name of a tool.

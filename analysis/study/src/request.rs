@@ -275,10 +275,17 @@ impl StudyRequest {
     /// What differs between this request and another one, in words.
     fn differences(&self, now: &Self) -> Vec<String> {
         let mut changed = Vec::new();
-        if self.text != now.text || self.file != now.file {
+        if self.text != now.text {
             changed.push(format!("the scenario {} differs from {} as it was", now.file, self.file));
+        } else if self.file != now.file {
+            changed.push(format!("the scenario was named {} and is named {}", self.file, now.file));
         }
-        let inputs = now.inputs.iter().filter(|input| input.0 != now.file && !self.inputs.contains(input));
+        // The files that a scenario names lie beside it: under another name of that they have other names, too.
+        let renamed = self.file != now.file;
+        let known = |name: &String, content: &String| {
+            self.inputs.iter().any(|(own, same)| same == content && (renamed || own == name))
+        };
+        let inputs = now.inputs.iter().filter(|(name, content)| *name != now.file && !known(name, content));
         changed.extend(inputs.map(|(name, _)| format!("{name} differs from what it was")));
         let mut differ = |what: &str, there: Value, here: Value| {
             if there != here {

@@ -117,6 +117,16 @@ impl ResultError {
             Self::Study(_) | Self::Finished(_) | Self::Again { .. } => None,
         }
     }
+
+    /// The shop of which no run would begin, if that was the reason.
+    pub fn unbegun(&self) -> Option<&StoppedShop> {
+        match self {
+            Self::Study(StudyError::Shop(stopped)) => {
+                Some(stopped).filter(|stopped| stopped.source.is_of_the_scenario())
+            }
+            Self::Study(_) | Self::Log(_) | Self::Write { .. } | Self::Finished(_) | Self::Again { .. } => None,
+        }
+    }
 }
 
 /// Runs a study and writes everything that it yields into `directory`, which exists; no log tables

@@ -8,33 +8,35 @@
 //! depend on the number of threads, and only the logs of one chunk are in memory. A study that was
 //! stopped goes on from its [`Finished`] part to the same result.
 
+mod error;
 mod finished;
-
-pub use finished::{Finished, FinishedError};
-
+mod options;
 mod precision;
 mod rows;
 mod samples;
 mod stored;
 
 pub use crate::kpi::Progress;
+pub use error::{StoppedShop, StudyError};
+pub use finished::{Finished, FinishedError};
+pub use options::StudyOptions;
 pub use precision::{NoPrecision, Precision, Width};
 use rows::Rows;
 pub(crate) use samples::by_draw;
 pub use stored::{KnownRuns, StoredRun, known_of, stored_digest, stored_runs};
 
 use crate::kpi::{self, Counting, Kpi, unless_stopped};
-use crate::logs::{LogError, LogWriter};
+use crate::logs::LogWriter;
 use crate::planner::Figures;
 use crate::tune::Tuning;
-use crate::variants::{self, SelectedShop, VariantRuns, VariantShop, Wanted};
+use crate::variants::{self, SelectedShop, VariantRuns};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use toolroom_scenario::Scenario;
 use toolroom_scenario::policies::ResolvedPolicy;
-use toolroom_shards::{FNV_OFFSET, Journal, fnv};
+use toolroom_shards::{FNV_OFFSET, fnv};
 use toolroom_shop::runlog::{ChangeReason, EdgeRow};
 use toolroom_shop::{RunLog, Shop, ShopError};
 use toolroom_statistics::{CONFIDENCE, t_interval};
@@ -45,61 +47,6 @@ const LOGGED_CHUNK: u32 = 4;
 
 /// The same without logs; a multiple of the former.
 const CHUNK: u32 = 16;
-
-/// What to run.
-#[derive(Clone, Debug)]
-pub struct StudyOptions {
-    /// Policies by index; the first one is the baseline of every difference.
-    pub policies: Vec<usize>,
-    /// Replications of each; with [`until`](Self::until) the most that are run.
-    pub replications: u32,
-    /// Threads; 0 for one per processor.
-    pub threads: usize,
-    /// Stop when every policy is known this well; empty: after all replications.
-    pub until: Vec<Precision>,
-    /// Replications whose full logs are written, from the first on.
-    pub logged: u32,
-    /// Runs made elsewhere, which are not made again unless their log is wanted.
-    pub known: Arc<KnownRuns>,
-    /// Where runs without a log are written as they end, so that they are known after any end of the process.
-    pub journal: Option<Arc<Journal<StoredRun>>>,
-    /// Stop after so many replications as if the user had stopped it.
-    pub stop_after: Option<u32>,
-    /// What an earlier, stopped run of the same study finished.
-    pub earlier: Option<Finished>,
-    /// How the settings of the policies were found.
-    pub tuning: Option<Arc<Tuning>>,
-    /// Variants of the shop that are run as often.
-    pub variants: Vec<VariantShop>,
-    /// By what the best of the shop and its variants is selected.
-    pub select: Option<Wanted>,
-    /// How the warm-up of the scenario was found.
-    pub warm_up: Option<Arc<WarmUp>>,
-    /// The figure that matters most: the run with its median is shown.
-    pub primary: Option<String>,
-}
-
-impl StudyOptions {
-    /// All policies of a scenario with its number of replications and full logs of the first.
-    pub fn of(scenario: &Scenario) -> Self {
-        Self {
-            policies: (0..scenario.policies.len()).collect(),
-            replications: scenario.replications,
-            threads: 0,
-            until: Vec::new(),
-            logged: 1,
-            known: Arc::default(),
-            journal: None,
-            stop_after: None,
-            earlier: None,
-            tuning: None,
-            variants: Vec::new(),
-            select: None,
-            warm_up: None,
-            primary: None,
-        }
-    }
-}
 
 /// Life of one cutting edge of a lathe that left the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -211,58 +158,6 @@ impl Study {
     }
 }
 
-/// Why a study has no result.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum StudyError {
-    /// Nothing was requested.
-    #[error("a study needs at least one replication")]
-    NoReplications,
-    /// Nothing to compare.
-    #[error("a study needs at least one policy")]
-    NoPolicies,
-    /// A policy that the scenario does not have.
-    #[error("there is no policy {policy}: the scenario has {count}")]
-    UnknownPolicy {
-        /// Index requested.
-        policy: usize,
-        /// Policies of the scenario.
-        count: usize,
-    },
-    /// The warm-up has to be found before.
-    #[error("the warm-up is still to be found: `run` and `compare` do that; here `warm_up` has to be a time")]
-    SeeksWarmUp,
-    /// The threads cannot be started.
-    #[error("cannot start the threads: {source}")]
-    Threads {
-        /// What the thread pool said.
-        source: rayon::ThreadPoolBuildError,
-    },
-    /// A shop stopped.
-    #[error(transparent)]
-    Shop(#[from] StoppedShop),
-    /// A variant of the shop has no result.
-    #[error("variant \"{name}\": {source}")]
-    Variant {
-        /// Name of the variant.
-        name: String,
-        /// Why.
-        source: Box<StudyError>,
-    },
-    /// A log cannot be written.
-    #[error(transparent)]
-    Log(#[from] LogError),
-    /// The first replication does not come out as the finished part has it.
-    #[error(
-        "policy `{policy}` does not repeat its first replication: the program, the machine or a file that the \
-         scenario names is not what it was"
-    )]
-    NotRepeated {
-        /// Name of the policy.
-        policy: String,
-    },
-}
-
 /// Runs the policies of a scenario on common random numbers.
 ///
 /// The logs of the first [`logged`](StudyOptions::logged) replications go to `logs` in the order
@@ -319,32 +214,6 @@ pub fn run_study_as_far(
 /// planner asks.
 fn keeps_log(scenario: &Scenario, options: &StudyOptions, replication: u32) -> bool {
     replication < options.logged || !scenario.orders.is_empty()
-}
-
-/// A run whose shop stopped before its horizon.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("policy `{name}`, replication {replication}: {source}")]
-pub struct StoppedShop {
-    /// Index of the policy.
-    pub policy: usize,
-    /// Its name.
-    pub name: String,
-    /// Replication, from 0.
-    pub replication: u32,
-    /// What happened in the shop.
-    pub source: Box<ShopError>,
-}
-
-impl StoppedShop {
-    /// The run once more, up to where it stopped: its log, and the reason if it stopped again.
-    ///
-    /// # Errors
-    /// [`ShopError`] where the shop could not even be opened.
-    pub fn again(&self, scenario: &Scenario) -> Result<(RunLog, Option<ShopError>), ShopError> {
-        let resolved = Arc::new(ResolvedPolicy::from_scenario(scenario, self.policy)?);
-        let world = scenario.drawn(self.replication)?;
-        Ok(Shop::with_recorder(&world, resolved, self.replication, RunLog::default())?.run_as_far())
-    }
 }
 
 fn whole((study, stopped): (Study, Option<StoppedShop>)) -> Result<Study, StudyError> {
@@ -546,13 +415,6 @@ fn check(scenario: &Scenario, options: &StudyOptions) -> Result<(), StudyError> 
     match options.policies.iter().find(|&&policy| policy >= count) {
         Some(&policy) => Err(StudyError::UnknownPolicy { policy, count }),
         None => Ok(()),
-    }
-}
-
-impl StudyOptions {
-    /// Whether there is but one run, whose jobs alone tell how well its mean is known.
-    fn is_one_run(&self) -> bool {
-        self.replications == 1
     }
 }
 

@@ -27,8 +27,8 @@ pub struct ModelDescription {
     pub scheduled_execution: Option<Interface>,
     /// Units by name.
     pub units: BTreeMap<String, Unit>,
-    /// Types by name, with the unit that they carry.
-    pub types: BTreeMap<String, Option<String>>,
+    /// Types by name.
+    pub types: BTreeMap<String, DeclaredType>,
     /// Categories of log messages.
     pub log_categories: Vec<String>,
     /// The experiment that its author had in mind.
@@ -51,7 +51,7 @@ pub struct Interface {
 impl Interface {
     /// Whether a capability flag is set.
     pub fn can(&self, flag: &str) -> bool {
-        self.attributes.get(flag).is_some_and(|value| matches!(value.as_str(), "true" | "1"))
+        self.attributes.get(flag).is_some_and(|value| read::is_true(value))
     }
 
     /// Whether the state can be saved and restored; FMI 2.0 and 3.0 spell it differently.
@@ -86,6 +86,31 @@ pub struct BaseUnit {
     pub powers: [i32; 8],
 }
 
+impl BaseUnit {
+    /// Factor and offset by which a value in this unit becomes one in `other`: `factor · value + offset`. `None` between
+    /// different dimensions.
+    ///
+    /// ```
+    /// use toolroom_fmu_import::description::BaseUnit;
+    /// let metre = BaseUnit { factor: 1.0, offset: 0.0, powers: [0, 1, 0, 0, 0, 0, 0, 0] };
+    /// let millimetre = BaseUnit { factor: 1e-3, ..metre };
+    /// assert_eq!(metre.conversion(millimetre), Some((1000.0, 0.0)));
+    /// assert_eq!(metre.conversion(BaseUnit { powers: [1, 0, 0, 0, 0, 0, 0, 0], ..metre }), None);
+    /// ```
+    pub fn conversion(self, other: Self) -> Option<(f64, f64)> {
+        (self.powers == other.powers).then(|| (self.factor / other.factor, (self.offset - other.offset) / other.factor))
+    }
+
+    /// A unit by its name; a revolution counts as an angle.
+    #[cfg(feature = "fmi")]
+    pub(crate) fn from_unit(unit: toolroom_process::unit::Unit) -> Self {
+        let [m, kg, s, k, a, mol, rev, _] = unit.dimension.map(i32::from);
+        // A revolution is counted as one there, and as 2π rad here.
+        let factor = unit.factor * std::f64::consts::TAU.powi(rev);
+        Self { factor, offset: unit.offset, powers: [kg, m, s, a, k, mol, 0, rev] }
+    }
+}
+
 /// `DefaultExperiment`, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Experiment {
@@ -97,6 +122,15 @@ pub struct Experiment {
     pub tolerance: Option<f64>,
     /// Step of communication or integration, s.
     pub step: Option<f64>,
+}
+
+/// A declared type, as far as variables take something from it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DeclaredType {
+    /// Its unit.
+    pub unit: Option<String>,
+    /// `relativeQuantity`.
+    pub relative: bool,
 }
 
 /// Type of a variable's value.
@@ -144,6 +178,30 @@ impl ValueType {
     }
 }
 
+impl ValueType {
+    /// Whether a variable of this type can be `value`: whole numbers within their bits, Booleans as 0 and 1; false for
+    /// what is no number.
+    ///
+    /// ```
+    /// use toolroom_fmu_import::ValueType;
+    /// assert!(ValueType::Integer(8, false).holds(255.0) && !ValueType::Integer(8, false).holds(256.0));
+    /// assert!(!ValueType::Integer(32, true).holds(1.5) && !ValueType::Boolean.holds(2.0));
+    /// ```
+    pub fn holds(self, value: f64) -> bool {
+        let whole = |bits: u8, signed: bool| {
+            let reach = f64::from(bits - u8::from(signed)).exp2();
+            value.fract() == 0.0 && value < reach && value >= if signed { -reach } else { 0.0 }
+        };
+        match self {
+            Self::Float64 | Self::Float32 => value.is_finite(),
+            Self::Integer(bits, signed) => whole(bits, signed),
+            Self::Enumeration => whole(64, true),
+            Self::Boolean => value == 0.0 || value == 1.0,
+            Self::String | Self::Binary | Self::Clock => false,
+        }
+    }
+}
+
 impl fmt::Display for ValueType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -179,6 +237,9 @@ pub struct Variable {
     pub start: Option<String>,
     /// Unit, its own or its type's.
     pub unit: Option<String>,
+    /// Whether it is a difference of quantities (`relativeQuantity`, its own or its type's): offsets between units do not
+    /// concern it.
+    pub relative: bool,
     /// Declared type.
     pub declared_type: Option<String>,
     /// Least value.
@@ -199,6 +260,13 @@ pub struct Variable {
     pub description: String,
     /// Line of the file.
     pub line: u32,
+}
+
+impl Variable {
+    /// Least and greatest value, in its own unit; infinite where the description has none.
+    pub fn bounds(&self) -> [f64; 2] {
+        [self.min.unwrap_or(f64::NEG_INFINITY), self.max.unwrap_or(f64::INFINITY)]
+    }
 }
 
 /// Size of an array in one direction.

@@ -12,6 +12,10 @@ use crate::unit::{Functions, Library, Unit};
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::{Arc, Mutex};
 
+/// Relative difference of two times that is rounding: 2048 steps of a sum that are rounded (assumption: no unit adds up more
+/// between two communication points whose times it is given).
+const ROUNDING: f64 = 2048.0 * f64::EPSILON;
+
 /// Address of a variable for the functions of a library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Port {
@@ -190,11 +194,13 @@ impl Local {
         begin: &dyn Fn(usize),
     ) -> Result<Self, CallError> {
         begin(0);
-        let mut calls: Box<dyn Calls> = match (&library.functions, library.equations.is_some()) {
-            (Functions::Two(_), false) => Box::new(two::Two::new(library)?),
-            (Functions::Two(_), true) => Box::new(exchange::Exchange::new(two::Two::new(library)?)),
-            (Functions::Three(_), false) => Box::new(three::Three::new(library)?),
-            (Functions::Three(_), true) => Box::new(exchange::Exchange::new(three::Three::new(library)?)),
+        let mut calls: Box<dyn Calls> = match (&library.functions, &library.equations) {
+            (Functions::Two(_), None) => Box::new(two::Two::new(library)?),
+            (Functions::Two(_), Some(of)) => Box::new(exchange::Exchange::new(two::Two::new(library)?, &of.names)),
+            (Functions::Three(_), None) => Box::new(three::Three::new(library)?),
+            (Functions::Three(_), Some(of)) => {
+                Box::new(exchange::Exchange::new(three::Three::new(library)?, &of.names))
+            }
         };
         let mut configuring = false;
         for (call, (port, value)) in (1..).zip(start_values) {

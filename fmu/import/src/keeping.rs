@@ -163,6 +163,14 @@ impl Keeping {
         }
     }
 
+    /// What tells the state `x` from others, in whichever instance it is.
+    pub fn moment(&self, x: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Numbers { .. } => x.to_vec(),
+            Self::Instances { .. } => vec![x[0], x[2]],
+        }
+    }
+
     /// State of a new edge, where it is not the same numbers for each.
     pub fn begin(&self, maker: &Maker<'_>) -> Option<Vec<f64>> {
         let Self::Instances { edges, goes_back } = self else { return None };

@@ -43,6 +43,8 @@ mod halving;
 #[cfg(feature = "fmi")]
 mod importer;
 #[cfg(feature = "fmi")]
+mod inputs;
+#[cfg(feature = "fmi")]
 pub mod instance;
 #[cfg(feature = "fmi")]
 mod keeping;

@@ -2,6 +2,7 @@
 
 mod driven;
 mod locate;
+mod refused;
 
 use crate::instance::{Action, Answer, Place, Port, StartValue, StepResult};
 use crate::keeping::{Keeping, KeepingError, Maker, Reading, Turn};
@@ -82,6 +83,8 @@ pub struct UnitProcess {
     acceleration: Option<usize>,
     /// What is told of it.
     notes: Notes,
+    /// Steps that it refused.
+    refused: refused::Refused,
 }
 
 /// How far the unit came, by its own events.
@@ -156,6 +159,7 @@ impl UnitProcess {
             speed,
             acceleration,
             notes: Notes::default(),
+            refused: refused::Refused::default(),
         })
     }
 

@@ -1,16 +1,18 @@
 //! A unit on its own: inputs from a table, outputs to a table.
 
 use crate::description::{ModelDescription, ValueType, Variable};
-use crate::instance::{Action, Answer, CallError, Instance, Port, StartValue, StepResult, bytes_of};
+use crate::inputs::{elements, is_number};
+use crate::instance::{Action, Answer, CallError, Instance, Port, StartValue, StepResult};
 use crate::parts::Retaking;
 use crate::unit::{Steps, Unit};
 use crate::wire::{WiringError, start_values};
 use std::collections::BTreeMap;
-use std::ffi::CString;
-use std::io::{Read, Write};
+use std::io::Write;
 use std::sync::Arc;
 use toolroom_process::Wiring;
-use toolroom_process::table::{Cell, CsvWriter, broken_quote};
+use toolroom_process::table::{Cell, CsvWriter};
+
+pub use crate::inputs::{InputError, Inputs};
 
 /// What is to be simulated.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,12 +47,21 @@ pub struct Done {
 #[non_exhaustive]
 pub enum SimulateError {
     /// The table of inputs.
-    #[error("inputs, line {line}: {message}")]
-    Input {
-        /// Line, from 1.
-        line: u64,
-        /// What is wrong.
-        message: String,
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// More steps than anybody waits for.
+    #[error(
+        "from {start} s to {stop} s in steps of {step} s there are {steps:e} steps, at most 1e9 are taken: give a longer --step or an earlier --stop"
+    )]
+    Steps {
+        /// Start time, s.
+        start: f64,
+        /// Stop time, s.
+        stop: f64,
+        /// Step, s.
+        step: f64,
+        /// Number of steps.
+        steps: f64,
     },
     /// Start, stop and step that give no simulation.
     #[error("from {start} s to {stop} s in steps of {step} s there is nothing to simulate")]
@@ -108,173 +119,6 @@ pub enum SimulateError {
     /// The results cannot be written.
     #[error("the results cannot be written: {0}")]
     Output(#[from] csv::Error),
-}
-
-/// Values of input variables over time: reals are interpolated, all else is held.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Inputs {
-    times: Vec<f64>,
-    signals: Vec<Signal>,
-    /// Values of each column after the time.
-    columns: Vec<Column>,
-}
-
-/// The values of a column.
-#[derive(Clone, Debug, PartialEq)]
-enum Column {
-    Numbers(Vec<f64>),
-    /// Each with a zero byte behind it.
-    Texts(Vec<CString>),
-}
-
-/// A variable and its columns, one for each element.
-#[derive(Clone, Debug, PartialEq)]
-struct Signal {
-    port: Port,
-    interpolated: bool,
-    columns: Vec<usize>,
-}
-
-impl Inputs {
-    /// Reads a CSV table with a column `time` (s) and one for each input, headed by its name,
-    /// with or without unit in brackets; the numbers are in the unit's own units, strings are taken as they are. Arrays
-    /// have a column for each element, `name[1]` or `name[2,1]`; their sizes may depend on `start` values.
-    ///
-    /// # Errors
-    /// [`SimulateError::Input`] with the line.
-    pub fn read(
-        description: &ModelDescription,
-        start: &BTreeMap<String, String>,
-        mut table: impl Read,
-    ) -> Result<Self, SimulateError> {
-        let refused = |line, message: String| SimulateError::Input { line, message };
-        let mut text = String::new();
-        table.read_to_string(&mut text).map_err(|error| refused(1, error.to_string()))?;
-        if let Some(fault) = broken_quote(&text, b',') {
-            return Err(refused(fault.line() as u64, fault.to_string()));
-        }
-        let broken = |error: csv::Error| {
-            let line = error.position().map_or(1, csv::Position::line);
-            refused(line, error.to_string())
-        };
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
-        let header = reader.headers().map_err(broken)?.clone();
-        let bare = |name: &str| {
-            let name = name.trim_start_matches('\u{FEFF}');
-            name.rsplit_once(" [").map_or(name, |(name, _)| name).to_owned()
-        };
-        if header.get(0).map(bare).as_deref() != Some("time") {
-            return Err(refused(1, "the first column is \"time\", in seconds".to_owned()));
-        }
-        let mut inputs = Self::default();
-        let heads: Vec<String> = header.iter().skip(1).map(bare).collect();
-        let settable: Vec<(&Variable, Vec<String>)> = description
-            .variables
-            .iter()
-            .filter(|variable| variable.causality == "input" && !variable.clocked)
-            .filter(|variable| is_number(variable) || is_text(variable))
-            .filter_map(|variable| Some((variable, elements(description, variable, start)?)))
-            .collect();
-        let known = || settable.iter().flat_map(|(_, names)| names);
-        if let Some(name) = heads.iter().find(|name| known().all(|known| known != *name)) {
-            let known = known().map(String::as_str).take(40).collect::<Vec<_>>().join(", ");
-            return Err(refused(1, format!("the unit has no input \"{name}\"; it has: {known}")));
-        }
-        for (variable, names) in &settable {
-            let columns: Vec<Option<usize>> =
-                names.iter().map(|name| heads.iter().position(|head| head == name)).collect();
-            if columns.iter().all(Option::is_none) {
-                continue;
-            }
-            if let Some(i) = columns.iter().position(Option::is_none) {
-                return Err(refused(1, format!("a column \"{}\" is missing: an array is set as a whole", names[i])));
-            }
-            inputs.signals.push(Signal {
-                port: Port { count: names.len() as u32, ..Port::from_variable(variable) },
-                interpolated: variable.variability == "continuous",
-                columns: columns.into_iter().flatten().collect(),
-            });
-        }
-        inputs.columns = vec![Column::Numbers(Vec::new()); heads.len()];
-        for signal in inputs.signals.iter().filter(|signal| signal.port.value_type == ValueType::String) {
-            signal.columns.iter().for_each(|column| inputs.columns[*column] = Column::Texts(Vec::new()));
-        }
-        for record in reader.records() {
-            let record = record.map_err(broken)?;
-            let line = record.position().map_or(0, csv::Position::line);
-            let number = |at: usize| {
-                let text = record.get(at).unwrap_or_default();
-                let value = match text {
-                    "true" => Some(1.0),
-                    "false" => Some(0.0),
-                    text => text.parse::<f64>().ok().filter(|value| value.is_finite()),
-                };
-                value.ok_or_else(|| refused(line, format!("\"{text}\" is no number")))
-            };
-            let time = number(0)?;
-            if inputs.times.last().is_some_and(|last| time < *last) {
-                return Err(refused(line, format!("time goes back to {time} s")));
-            }
-            inputs.times.push(time);
-            for (i, column) in inputs.columns.iter_mut().enumerate() {
-                match column {
-                    Column::Numbers(numbers) => numbers.push(number(i + 1)?),
-                    Column::Texts(texts) => {
-                        let text = CString::new(record.get(i + 1).unwrap_or_default());
-                        texts.push(text.map_err(|_| refused(line, "a text with a zero byte".to_owned()))?);
-                    }
-                }
-            }
-        }
-        if inputs.times.is_empty() {
-            return Err(refused(2, "the table has no rows".to_owned()));
-        }
-        Ok(inputs)
-    }
-
-    /// Values of every input at `time` (s).
-    fn values(&self, time: f64) -> Vec<(Port, Vec<u8>)> {
-        // Of two rows at one time the later one holds from then on.
-        let after = self.times.partition_point(|each| *each <= time);
-        let row = after.saturating_sub(1);
-        let value = |signal: &Signal, values: &[f64]| {
-            if signal.interpolated && after > 0 && after < self.times.len() {
-                let share = (time - self.times[row]) / (self.times[after] - self.times[row]);
-                return values[row] + share * (values[after] - values[row]);
-            }
-            values[row]
-        };
-        let bytes = |signal: &Signal, column: &usize| match &self.columns[*column] {
-            Column::Numbers(numbers) => bytes_of(&[value(signal, numbers)]),
-            Column::Texts(texts) => texts[row].to_bytes_with_nul().to_vec(),
-        };
-        let elements =
-            |signal: &Signal| -> Vec<u8> { signal.columns.iter().flat_map(|column| bytes(signal, column)).collect() };
-        self.signals.iter().map(|signal| (signal.port, elements(signal))).collect()
-    }
-}
-
-/// Names of the elements of `variable`: its own name for a scalar, `name[i,j]` from 1 for an array.
-fn elements(
-    description: &ModelDescription,
-    variable: &Variable,
-    start: &BTreeMap<String, String>,
-) -> Option<Vec<String>> {
-    let extents = description.extents(variable, start)?;
-    if extents.is_empty() {
-        return Some(vec![variable.name.clone()]);
-    }
-    let name = |element: u64| {
-        let mut rest = element;
-        let mut index: Vec<String> = Vec::new();
-        for extent in extents.iter().rev() {
-            index.push((rest % extent + 1).to_string());
-            rest /= extent;
-        }
-        index.reverse();
-        format!("{}[{}]", variable.name, index.join(","))
-    };
-    Some((0..extents.iter().product()).map(name).collect())
 }
 
 /// An output of a unit and its columns.
@@ -336,14 +180,6 @@ pub fn own_steps(unit: &Unit, start: f64, stop: f64, step: f64) -> Result<u64, S
     Ok((step / own).round() as u64)
 }
 
-fn is_text(variable: &Variable) -> bool {
-    variable.value_type == ValueType::String
-}
-
-fn is_number(variable: &Variable) -> bool {
-    !matches!(variable.value_type, ValueType::String | ValueType::Binary | ValueType::Clock)
-}
-
 /// Simulates `unit` and writes time and every output to `table`, one row for each communication point and one column for
 /// each element, in the unit's own units; Booleans as 0 and 1, enumerations as numbers. What [`left_out`] names is left
 /// out. A unit of fixed steps takes as many of its own as a communication step holds; a step that a unit discards is taken
@@ -360,13 +196,16 @@ pub fn simulate(
     let description = unit.description();
     let default = description.experiment;
     let start = experiment.start.or(default.start).unwrap_or(0.0);
-    let last_input = inputs.and_then(|inputs| inputs.times.last().copied());
+    let last_input = inputs.and_then(Inputs::end);
     let stop = experiment.stop.or(last_input).or(default.stop).unwrap_or(start + 1.0);
     let fixed = if let Steps::Every(step) = unit.steps() { Some(step) } else { None };
     let step = experiment.step.or(default.step).or(fixed).unwrap_or((stop - start) / 500.0);
     let steps = ((stop - start) / step - 1e-9).ceil();
-    if !(start.is_finite() && stop > start && step > 0.0 && steps < 1e9) {
+    if !(start.is_finite() && stop > start && step > 0.0) {
         return Err(SimulateError::Experiment { start, stop, step });
+    }
+    if steps >= 1e9 {
+        return Err(SimulateError::Steps { start, stop, step, steps });
     }
     let wiring = Wiring { start: experiment.start_values.clone(), ..Wiring::default() };
     let start_values: Vec<(Port, StartValue)> = start_values(description, &wiring)?;
@@ -460,7 +299,7 @@ fn cells<'a>(outputs: &[Output<'_>], answer: &'a Answer, time: f64) -> Result<Ve
 /// # Errors
 /// [`SimulateError::Value`] with `time` (s).
 pub fn checked(variable: &Variable, value: f64, time: f64) -> Result<(), SimulateError> {
-    let (min, max) = (variable.min.unwrap_or(f64::NEG_INFINITY), variable.max.unwrap_or(f64::INFINITY));
+    let [min, max] = variable.bounds();
     let rule = if !value.is_finite() {
         "which is no finite number".to_owned()
     } else if value < min || value > max {

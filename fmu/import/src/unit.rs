@@ -106,7 +106,7 @@ pub(crate) struct Plan {
 }
 
 /// What a description says of the equations of Model Exchange.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Equations {
     /// Continuous states; FMI 3.0 has a function for the number.
     pub states: u32,
@@ -114,6 +114,8 @@ pub(crate) struct Equations {
     pub indicators: u32,
     /// Whether the unit wants to hear of each step of the integrator.
     pub completed: bool,
+    /// Names of the derivatives as the description lists them, for messages.
+    pub names: Vec<String>,
 }
 
 impl Equations {
@@ -124,6 +126,10 @@ impl Equations {
             completed: match description.major {
                 2 => !interface.can("completedIntegratorStepNotNeeded"),
                 _ => interface.can("needsCompletedIntegratorStep"),
+            },
+            names: {
+                let unknowns = description.structure.derivatives.iter();
+                unknowns.map(|unknown| description.variables[unknown.variable].name.clone()).collect()
             },
         }
     }
@@ -167,7 +173,7 @@ impl Library {
             name: text(&plan.name)?,
             token: text(&plan.token)?,
             resources: plan.resources.as_deref().map(text).transpose()?,
-            equations: plan.equations,
+            equations: plan.equations.clone(),
         }))
     }
 }
@@ -308,6 +314,7 @@ impl Unit {
             },
             equations,
         };
+        let exchange = plan.equations.is_some();
         let home = match isolation {
             Isolation::None => Home::Here(Library::load(&plan).map_err(refused)?),
             #[cfg(unix)]
@@ -319,7 +326,6 @@ impl Unit {
                 return Err(refused("worker processes are for Linux and macOS: set isolation to none".to_owned()));
             }
         };
-        let exchange = equations.is_some();
         Ok(Self { home, path: path.to_owned(), description, interface, exchange, _folder: folder })
     }
 

@@ -9,6 +9,10 @@ use toolroom_process::Field;
 /// How far wear may fall by rounding, as a share of itself (assumption: a unit that keeps its wear in 32 bits).
 const ROUNDING: f64 = 1e-6;
 
+/// Greatest land that a unit may tell of, m. Assumption: ten times what ISO 3685 has for the end of an edge and more; beyond it
+/// the unit means another unit.
+const GREATEST_LAND: f64 = 10e-3;
+
 /// The outputs of a unit that feed quantities of the process, with the bounds that they are held to.
 #[derive(Debug)]
 pub(crate) struct Watch {
@@ -23,9 +27,6 @@ struct Watched {
     unit: String,
     wire: Wire,
     field: Field,
-    /// Bounds of the description, in its own unit.
-    min: f64,
-    max: f64,
 }
 
 impl Watch {
@@ -41,8 +42,6 @@ impl Watch {
                         .map_or(String::new(), |unit| format!(" {unit}")),
                     wire,
                     field: *field,
-                    min: variable.and_then(|variable| variable.min).unwrap_or(f64::NEG_INFINITY),
-                    max: variable.and_then(|variable| variable.max).unwrap_or(f64::INFINITY),
                 }
             })
             .collect();
@@ -69,7 +68,8 @@ impl Watch {
     /// be less than `worn`.
     pub fn check(&self, values: &[f64], time: f64, worn: f64) -> Result<f64, KeepingError> {
         for (output, value) in self.outputs.iter().zip(values) {
-            let Watched { variable, unit, min, max, field, wire } = output;
+            let Watched { variable, unit, field, wire } = output;
+            let [min, max] = wire.bounds();
             let refused = |rule: String| {
                 let value = told(*value);
                 Err(KeepingError::Impossible(format!("at {time} s of its time {variable} = {value}{unit}, {rule}")))
@@ -77,8 +77,8 @@ impl Watch {
             if !value.is_finite() {
                 return refused("which is no finite number".to_owned());
             }
-            if value < min || value > max {
-                return refused(format!("outside {} to {}{unit} of its description", told(*min), told(*max)));
+            if *value < min || *value > max {
+                return refused(format!("outside {} to {}{unit} of its description", told(min), told(max)));
             }
             if let Err(outside) = field.check(wire.inward(*value)) {
                 return refused(format!("which cannot be: {outside}"));
@@ -86,6 +86,15 @@ impl Watch {
         }
         let Some(i) = self.wear else { return Ok(0.0) };
         let (output, wear) = (&self.outputs[i], self.outputs[i].wire.inward(values[i]));
+        if wear > GREATEST_LAND {
+            return Err(KeepingError::Impossible(format!(
+                "at {time} s of its time {} = {}{}: no land of a cutting edge is wider than {} mm; is the unit right?",
+                output.variable,
+                told(values[i]),
+                output.unit,
+                1e3 * GREATEST_LAND
+            )));
+        }
         if wear < worn * (1.0 - ROUNDING) {
             return Err(KeepingError::Impossible(format!(
                 "at {time} s of its time {} = {}{unit} is less than before ({}{unit}): an edge does not grow back",

@@ -1,6 +1,6 @@
 //! Wires between quantities of a process in SI and variables of a unit in its own units.
 
-use crate::description::{ModelDescription, Unit, ValueType, Variable};
+use crate::description::{BaseUnit, ModelDescription, Unit, ValueType, Variable};
 use crate::instance::{CallError, Port, StartValue};
 use std::ffi::CString;
 use toolroom_process::{Field, Kind, ProcessEvent, Wiring, unit};
@@ -41,6 +41,26 @@ pub enum WiringError {
         /// A unit that would do.
         due: String,
     },
+    /// A unit beside another one of the description.
+    #[error("\"{variable}\" is in {own} by its description: leave out [{given}]")]
+    OtherUnit {
+        /// The variable.
+        variable: String,
+        /// Its unit by the description.
+        own: String,
+        /// The unit of the wiring.
+        given: String,
+    },
+    /// An event by something else than a Boolean.
+    #[error("\"{variable}\" is of type {value_type}: the event {event} is told by a Boolean output")]
+    Event {
+        /// The event.
+        event: &'static str,
+        /// The variable.
+        variable: String,
+        /// Its type.
+        value_type: ValueType,
+    },
     /// A unit of another dimension.
     #[error("\"{variable}\" is in {read}, which is no unit of {quantity} ({due})")]
     WrongUnit {
@@ -52,6 +72,28 @@ pub enum WiringError {
         read: String,
         /// The unit that is due.
         due: String,
+    },
+    /// Another number of start values than elements.
+    #[error("start value {value:?} of \"{variable}\": it takes {due} numbers, with blanks between them")]
+    StartCount {
+        /// The parameter.
+        variable: String,
+        /// What was read.
+        value: String,
+        /// How many values are due.
+        due: usize,
+    },
+    /// A start value beyond the bounds of the description.
+    #[error("start value {value} of \"{variable}\" is outside {min} to {max} of its description")]
+    StartRange {
+        /// The parameter.
+        variable: String,
+        /// What was read.
+        value: f64,
+        /// Least value.
+        min: f64,
+        /// Greatest value.
+        max: f64,
     },
     /// A start value that its parameter cannot take.
     #[error("start value {value:?} of \"{variable}\" is no {value_type}")]
@@ -84,12 +126,34 @@ pub struct Wire {
     pub port: Port,
     factor: f64,
     offset: f64,
+    /// Least and greatest value of the variable, in its unit.
+    bounds: [f64; 2],
 }
 
 impl Wire {
+    /// Whether it converts as another one does, to rounding.
+    fn is_like(&self, other: &Self) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
+        near(self.factor, other.factor) && near(self.offset, other.offset)
+    }
+
     /// The SI `value` in the variable's unit.
     pub fn outward(&self, value: f64) -> f64 {
         if self.factor == 1.0 && self.offset == 0.0 { value } else { (value - self.offset) / self.factor }
+    }
+
+    /// Least and greatest value of the variable, in its unit.
+    pub fn bounds(&self) -> [f64; 2] {
+        self.bounds
+    }
+
+    /// The SI `value` in the variable's unit, where its description does not admit it.
+    pub fn beyond(&self, value: f64) -> Option<(f64, [f64; 2])> {
+        let outward = self.outward(value);
+        let [min, max] = self.bounds;
+        // A bound that is converted to and fro is met to rounding.
+        let slack = 1e-12 * outward.abs();
+        (outward < min - slack || outward > max + slack).then_some((outward, self.bounds))
     }
 
     /// The variable's `value` in SI.
@@ -208,8 +272,9 @@ fn wire(
     given: Option<&str>,
 ) -> Result<Wire, WiringError> {
     let port = Port::from_variable(variable);
+    let bounds = variable.bounds();
     if field.kind != Kind::Real || field.unit == "1" && given.is_none() && variable.unit.is_none() {
-        return Ok(Wire { port, factor: 1.0, offset: 0.0 });
+        return Ok(Wire { port, factor: 1.0, offset: 0.0, bounds });
     }
     let (quantity, name) = (field.name.to_owned(), variable.name.clone());
     let wrong = |read: &str| WiringError::WrongUnit {
@@ -220,7 +285,18 @@ fn wire(
     };
     if let Some(text) = given {
         let (zero, one) = (unit::convert(0.0, text, field.unit), unit::convert(1.0, text, field.unit));
-        return if one.is_finite() { Ok(Wire { port, factor: one - zero, offset: zero }) } else { Err(wrong(text)) };
+        if !one.is_finite() {
+            return Err(wrong(text));
+        }
+        let offset = if variable.relative { 0.0 } else { zero };
+        let given = Wire { port, factor: one - zero, offset, bounds };
+        return match &variable.unit {
+            // The same unit by another name is no contradiction.
+            Some(own) if wire(description, field, variable, None).is_ok_and(|by_own| !by_own.is_like(&given)) => {
+                Err(WiringError::OtherUnit { variable: name, own: own.clone(), given: text.to_owned() })
+            }
+            _ => Ok(given),
+        };
     }
     let Some(unit) = &variable.unit else {
         return Err(WiringError::NoUnit { quantity, variable: name, due: field.display.to_owned() });
@@ -235,13 +311,13 @@ fn wire(
             (unit::convert(1.0, unit, field.unit) - zero, zero)
         }
     };
-    if factor.is_finite() && factor != 0.0 { Ok(Wire { port, factor, offset }) } else { Err(wrong(unit)) }
+    let offset = if variable.relative { 0.0 } else { offset };
+    if factor.is_finite() && factor != 0.0 { Ok(Wire { port, factor, offset, bounds }) } else { Err(wrong(unit)) }
 }
 
-/// Powers of kg, m, s, A, K, mol, cd, rad of an SI unit; a revolution counts as an angle.
+/// Powers of kg, m, s, A, K, mol, cd, rad of an SI unit.
 fn powers(si: &str) -> [i32; 8] {
-    let [m, kg, s, k, a, mol, rev, _] = unit::parse(si).map_or([0; 8], |unit| unit.dimension).map(i32::from);
-    [kg, m, s, a, k, mol, 0, rev]
+    unit::parse(si).map_or([0; 8], |unit| BaseUnit::from_unit(unit).powers)
 }
 
 /// Boolean outputs that tell of events, by name or from `given`.
@@ -264,6 +340,10 @@ pub(crate) fn events(
             None => found(description, event.name(), "output"),
         };
         let boolean = variable.filter(|variable| variable.value_type == ValueType::Boolean);
+        if let (Some(named), None) = (variable.filter(|_| wiring.events.contains_key(event.name())), boolean) {
+            let (variable, value_type) = (named.name.clone(), named.value_type);
+            return Err(WiringError::Event { event: event.name(), variable, value_type });
+        }
         events.extend(boolean.map(|variable| (event, Port::from_variable(variable))));
     }
     Ok(events)
@@ -306,6 +386,7 @@ pub fn start_values(description: &ModelDescription, wiring: &Wiring) -> Result<V
             "false" => Some(0.0),
             text => text.parse::<f64>().ok().filter(|value| value.is_finite()),
         };
+        let number = |text: &str| number(text).filter(|value| variable.value_type.holds(*value));
         let numbers = || text.split_whitespace().map(number).collect::<Option<Vec<f64>>>();
         let value = match variable.value_type {
             ValueType::String if count == 1 => CString::new(text.as_str()).ok().map(StartValue::Text),
@@ -315,10 +396,20 @@ pub fn start_values(description: &ModelDescription, wiring: &Wiring) -> Result<V
             | ValueType::Integer(..)
             | ValueType::Boolean
             | ValueType::Enumeration => {
-                if variable.causality == "structuralParameter" {
-                    number(text.trim()).map(StartValue::Structure)
-                } else {
-                    numbers().filter(|numbers| numbers.len() == count as usize).map(StartValue::Numbers)
+                let numbers = numbers().ok_or_else(refused)?;
+                if numbers.len() != count as usize {
+                    let (variable, value, due) = (name.clone(), text.clone(), count as usize);
+                    return Err(WiringError::StartCount { variable, value, due });
+                }
+                let [min, max] = variable.bounds();
+                if let Some(value) = numbers.iter().copied().find(|value| *value < min || *value > max) {
+                    return Err(WiringError::StartRange { variable: name.clone(), value, min, max });
+                }
+                match numbers[..] {
+                    [number] if variable.causality == "structuralParameter" => Some(StartValue::Structure(number)),
+                    // A size is one number.
+                    _ if variable.causality == "structuralParameter" => None,
+                    _ => Some(StartValue::Numbers(numbers)),
                 }
             }
         };

@@ -161,6 +161,7 @@ fn every_fault_of_a_description_is_found_by_its_rule() {
         (TWO, "2026-11-21T15:00:00Z", "2026-11-21T15:00:00.5+00:00", Description, "YYYY-MM-DDThh:mm:ssZ"),
         (TWO, "modelIdentifier=\"Wear\"", "modelIdentifier=\"Wear 2\"", Description, "C identifier"),
         (TWO, "fmiVersion=\"2.0\"", "fmiVersion=\"1.0\"", Description, "2.0 and 3.0 are"),
+        (TWO, "fmiVersion=\"2.0\"", "fmiVersion=\"2.5\"", Description, "2.0 and 3.0 are"),
         (TWO, "</ModelStructure>", "", Description, "not well-formed XML"),
         (THREE, "K=\"1\"", "k=\"1\"", Description, "<BaseUnit> has no attribute k"),
         (

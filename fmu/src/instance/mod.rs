@@ -223,7 +223,7 @@ impl<U: Unit> Instance<U> {
         }
         self.glanced = true;
         let Core { model, state, input, .. } = &self.core;
-        model.process.observe_one(U::Output::FIELDS.get(output)?.name, state, input, &self.memory)
+        model.process.observe_one(output, state, input, &self.memory)
     }
 
     /// A real output that is worked out.

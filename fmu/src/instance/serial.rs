@@ -108,6 +108,9 @@ pub(super) fn read<U: Unit>(bytes: &[u8], resources: Option<&Path>, present: &Ar
     if head.word()? != crc32fast::hash(&bytes[..checked]) {
         return Err(corrupt("its checksum is wrong"));
     }
+    if !head.0.is_empty() {
+        return Err(corrupt("it is longer than it says"));
+    }
     let mode = Mode::from_code(body.array::<1>()?[0]).ok_or_else(|| corrupt("it has an unknown mode"))?;
     let (renewals, acted, events) = (body.flags()?, body.flags()?, body.flags()?);
     let lost = body.array::<1>()?[0] != 0;

@@ -80,8 +80,8 @@ impl Unit for Turning {
         self.output_after(x, u, memory)
     }
 
-    fn observe_one(&self, name: &str, x: &TurningState, u: &TurningInput, memory: &TurningMemory) -> Option<f64> {
-        self.one_output_after(name, x, u, memory)
+    fn observe_one(&self, output: usize, x: &TurningState, u: &TurningInput, memory: &TurningMemory) -> Option<f64> {
+        self.one_output_after(output, x, u, memory)
     }
 
     fn mount(&mut self, machine: &TurningMachine, regeneration: Regeneration) -> Result<(), String> {

@@ -280,7 +280,11 @@ fn start_values_of(
         let wiring = Wiring { start: values, ..Wiring::default() };
         all.push(start_values(description, &wiring).map_err(|error| {
             let reason = error.to_string();
-            if let WiringError::UnknownVariable { variable, .. } | WiringError::StartValue { variable, .. } = &error {
+            if let WiringError::UnknownVariable { variable, .. }
+            | WiringError::StartValue { variable, .. }
+            | WiringError::StartCount { variable, .. }
+            | WiringError::StartRange { variable, .. } = &error
+            {
                 return refused(variable, reason);
             }
             refused("", reason)

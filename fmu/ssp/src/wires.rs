@@ -86,9 +86,11 @@ fn base(
         .or_else(|| description.units.get(variable.unit.as_ref()?)?.base)
 }
 
-/// Factor and offset from one unit to another of the same dimension.
-fn conversion(from: BaseUnit, to: BaseUnit) -> Option<(f64, f64)> {
-    (from.powers == to.powers).then(|| (from.factor / to.factor, (from.offset - to.offset) / to.factor))
+/// The unit of a connector as it is written: its own, or that of its variable.
+fn written(structure: &SystemStructure, component: usize, variable: &Variable) -> String {
+    let connector = structure.components[component].connectors.iter().find(|each| each.name == variable.name);
+    let given = connector.and_then(|connector| connector.unit.as_ref());
+    given.or(variable.unit.as_ref()).cloned().unwrap_or_default()
 }
 
 /// Connections as wires.
@@ -118,10 +120,12 @@ pub(crate) fn wires(
             base(structure, to.component, &target, units[to.component]),
         );
         if let (true, (Some(one), Some(other))) = (connection.converts, bases) {
-            let (unit, shift) = conversion(one, other).ok_or_else(|| {
-                let unit = |variable: &Variable| variable.unit.clone().unwrap_or_default();
-                refused(format!("[{}] is no unit of what is in [{}]", unit(&source), unit(&target)))
+            let (unit, shift) = one.conversion(other).ok_or_else(|| {
+                let units = [written(structure, from.component, &source), written(structure, to.component, &target)];
+                refused(format!("[{}] is no unit of what is in [{}]", units[0], units[1]))
             })?;
+            // 10 °C of a difference are 10 K.
+            let shift = if source.relative || target.relative { 0.0 } else { shift };
             // The transformation comes after the units were converted.
             (factor, offset) = (factor * unit, factor * shift + offset);
         }
@@ -167,10 +171,11 @@ pub(crate) fn shown(
         let own = unit.as_ref().and_then(|unit| structure.units.get(unit)).copied();
         let bases = (base(structure, end.component, variable, units[end.component]), own);
         if let (true, (Some(one), Some(other))) = (connector.converts, bases) {
-            let (scale, shift) = conversion(one, other).ok_or_else(|| MasterError::Connection {
+            let (scale, shift) = one.conversion(other).ok_or_else(|| MasterError::Connection {
                 connection: format!("{} -> {name} of the system", structure.named(end)),
                 reason: "their units are of other dimensions".to_owned(),
             })?;
+            let shift = if variable.relative { 0.0 } else { shift };
             (factor, offset) = (factor * scale, factor * shift + offset);
         }
         let shown = unit.as_ref().or(variable.unit.as_ref()).filter(|unit| *unit != "1");
@@ -187,7 +192,8 @@ pub(crate) fn start_value(parameter: &Parameter, unit: &ModelDescription) -> Res
     let Some(base_unit) = variable.unit.as_ref().and_then(|name| unit.units.get(name)?.base) else {
         return Ok(parameter.value.clone());
     };
-    let (factor, offset) = conversion(given, base_unit).ok_or("its unit is not one of the variable")?;
+    let (factor, shift) = given.conversion(base_unit).ok_or("its unit is not one of the variable")?;
+    let offset = if variable.relative { 0.0 } else { shift };
     if (factor, offset) == (1.0, 0.0) {
         return Ok(parameter.value.clone());
     }

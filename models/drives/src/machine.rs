@@ -238,6 +238,11 @@ static CONTROL: Form = Form {
             Kind::Flag,
             "Whether the axes go on between motions at feed and rapid ones; they rest if left out",
         ),
+        Key::optional(
+            "offset",
+            Kind::Texts,
+            "Origins of the work offsets G54 to G59 against each other: G55 = \"100,0,0 mm\"",
+        ),
         Key::optional("m", Kind::Texts, "Times of M codes: 29 = \"0.3 s\""),
         Key::optional("g", Kind::Texts, "Times of G codes that are not understood: 411 = \"0 s\""),
     ],
@@ -433,9 +438,10 @@ fn control(walk: &mut Walk, section: &Section<'_>, control: &mut Control) {
     if let Some(clearance) = section.si("peck_clearance") {
         set(walk, "peck_clearance", "peck_clearance", &format!("{} mm", 1e3 * clearance));
     }
-    for table in ["m", "g"] {
-        for (number, time) in walk.texts(section, table, "{ 29 = \"0.3 s\" }") {
-            set(walk, table, &format!("{table}.{number}"), &time);
+    let tables = [("m", "{ 29 = \"0.3 s\" }"), ("g", "{ 411 = \"0 s\" }"), ("offset", "{ G55 = \"100,0,0 mm\" }")];
+    for (table, example) in tables {
+        for (name, value) in walk.texts(section, table, example) {
+            set(walk, table, &format!("{table}.{name}"), &value);
         }
     }
 }

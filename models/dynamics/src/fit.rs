@@ -517,7 +517,9 @@ impl Search {
             })
             .collect();
         let reduced_chi2 = self.known_scale.then(|| chi2 / *freedom as f64);
-        let quality = Quality::new(measured, &fitted, &modes, reduced_chi2, wrong_signs);
+        let variances: Vec<&[f64]> = self.likelihood.targets.iter().map(|target| target.variance.as_slice()).collect();
+        let variances = self.known_scale.then_some(variances.as_slice());
+        let quality = Quality::new(measured, &fitted, &modes, reduced_chi2, variances, wrong_signs);
         Fit {
             upper: upper.collect(),
             covariance: kept.iter().map(|i| kept.iter().map(|j| spread[(*i, *j)]).collect()).collect(),

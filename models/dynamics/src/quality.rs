@@ -3,7 +3,7 @@
 mod codes;
 
 use crate::fitted_mode::FittedMode;
-use crate::frf::Measurement;
+use crate::frf::{Frf, Measurement};
 pub use codes::REFUSAL_CODES;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -126,7 +126,7 @@ pub struct Quality {
     /// Misfit over degrees of freedom; one where the variances are right. None where the residuals themselves tell the noise,
     /// for want of coherence or averages: it would be one by definition.
     pub reduced_chi2: Option<f64>,
-    /// Residual over response of every function, on lines of clear coherence.
+    /// Residual over response of every function, on lines of clear coherence; on all where none is clear.
     pub residuals: Vec<(String, f64)>,
     /// Median coherence over the half-power band of every mode.
     pub coherence: Vec<Option<f64>>,
@@ -148,16 +148,22 @@ impl Quality {
         fitted: &[Vec<Complex<f64>>],
         modes: &[FittedMode],
         reduced_chi2: Option<f64>,
+        variances: Option<&[&[f64]]>,
         wrong_signs: Vec<String>,
     ) -> Self {
-        let clear = |values: Option<&Vec<f64>>, i: usize| values.is_none_or(|values| values[i] >= CLEAR);
+        // Where no line is clear, all are looked at: what the fit leaves of noise is most of it.
+        let clear = |function: &Frf| {
+            let all: Vec<usize> = (0..function.receptance.len()).collect();
+            let Some(coherence) = &function.coherence else { return all };
+            let clear: Vec<usize> = all.iter().copied().filter(|i| coherence[*i] >= CLEAR).collect();
+            if clear.is_empty() { all } else { clear }
+        };
         let residuals: Vec<(String, f64)> = measured
             .functions
             .iter()
             .zip(fitted)
             .map(|(function, fitted)| {
-                let lines = (0..fitted.len()).filter(|i| clear(function.coherence.as_ref(), *i));
-                (function.name(), difference(lines, &function.receptance, fitted))
+                (function.name(), difference(clear(function).into_iter(), &function.receptance, fitted))
             })
             .collect();
         let coherence: Vec<Option<f64>> = modes.iter().map(|mode| band_coherence(measured, mode)).collect();
@@ -187,12 +193,22 @@ impl Quality {
             }
         }
         let sizes: Vec<f64> = measured.functions.iter().map(|function| norm(&function.receptance)).collect();
-        let poor = residuals.iter().zip(&measured.functions).zip(&sizes).filter(|(((_, residual), function), size)| {
+        // What noise alone leaves of a response, where it is known: a mode at ten degrees hardly moves in the other direction, and
+        // the right model leaves most of what was measured there.
+        let noise = |place: usize, function: &Frf| {
+            let Some(variance) = variances.and_then(|all| all.get(place)) else { return 0.0 };
+            let (noise, size) = clear(function).into_iter().fold((0.0, 0.0), |(noise, size), i| {
+                (noise + 2.0 * variance[i], size + function.receptance[i].norm_sqr())
+            });
+            if size > 0.0 { noise / size } else { 0.0 }
+        };
+        let poor = (0..residuals.len()).filter(|place| {
+            let (function, (_, residual)) = (&measured.functions[*place], &residuals[*place]);
             // Across, what is left matters beside the responses along: of modes along x and y it is noise alone.
-            let beside = if function.is_direct() { 1.0 } else { (*size / along(measured, &sizes)).min(1.0) };
-            residual * beside > GREATEST_RESIDUAL
+            let beside = if function.is_direct() { 1.0 } else { (sizes[*place] / along(measured, &sizes)).min(1.0) };
+            (residual * residual - noise(*place, function)).max(0.0).sqrt() * beside > GREATEST_RESIDUAL
         });
-        let poor = poor.map(|((found, _), _)| found);
+        let poor = poor.map(|place| &residuals[place]);
         refusals.extend(
             poor.map(|(function, residual)| Refusal::PoorFit { function: function.clone(), residual: *residual }),
         );
@@ -319,7 +335,7 @@ fn edge(measured: &Measurement, fitted: &[Vec<Complex<f64>>], modes: &[FittedMod
 fn reciprocity(measured: &Measurement) -> Option<f64> {
     let find = |name: &str| measured.functions.iter().find(|function| function.name() == name);
     let (one, other) = (find("xy")?, find("yx")?);
-    let clear = |function: &crate::Frf, i: usize| function.coherence.as_ref().is_none_or(|values| values[i] >= CLEAR);
+    let clear = |function: &Frf, i: usize| function.coherence.as_ref().is_none_or(|values| values[i] >= CLEAR);
     let lines = (0..measured.frequencies.len()).filter(|i| clear(one, *i) && clear(other, *i));
     let sizes: Vec<f64> = measured.functions.iter().map(|function| norm(&function.receptance)).collect();
     // As what a fit leaves across, a difference matters beside the responses along.

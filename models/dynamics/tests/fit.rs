@@ -133,6 +133,10 @@ fn bad_measurements_are_refused_with_their_reason() {
             .code()
             == "low-coherence")
     );
+    // No line of it is clear, and what the fit leaves is told all the same.
+    let of_noise = fit(&noisy, &FitOptions { modes: Some(1), ..FitOptions::default() }).unwrap().quality;
+    assert_eq!(of_noise.refusals[0].code(), "low-coherence");
+    assert!(of_noise.residuals[0].1 > 0.5, "{:?}", of_noise.residuals);
     assert_eq!(code(&tap(&TOOL, false, [100.0, 1195.0], 2.0, 0.01, 7)), Some("edge-of-range"));
     assert_eq!(code(&tap(&CLOSE, false, [300.0, 1600.0], 8.0, 0.01, 7)), Some("coarse-frequency"));
     let mut turned = good;
@@ -322,6 +326,24 @@ fn drawn(random: &mut ChaCha8Rng, plane: bool) -> (Vec<Truth>, [f64; 2], f64) {
     let narrowest = truth.iter().map(|[f, zeta, ..]| 2.0 * zeta * f).fold(f64::INFINITY, f64::min);
     let range = [0.25 * truth[0][0], 1.5 * truth[count - 1][0]];
     (truth, range, (narrowest / 8.0).min(4.0))
+}
+
+#[test]
+fn a_mode_that_hardly_moves_across_is_found_over_noise() {
+    let truth = [[850.0, 0.025, 15e6, 10.0]];
+    let at = |noise: f64| tap(&truth, true, [200.0, 2000.0], 2.0, noise, 77).functions;
+    let mut measured = tap(&truth, true, [200.0, 2000.0], 2.0, 0.01, 77);
+    // The same noise in every response; what they measure goes with the cosine and the sine.
+    let sine = 10f64.to_radians().tan();
+    for (place, share) in [(1, sine), (2, sine), (3, sine * sine)] {
+        measured.functions[place] = at(0.01 / share).swap_remove(place);
+    }
+    let found = fit(&measured, &FitOptions::default()).unwrap();
+    // Noise alone is a great part of what was measured along y.
+    let left = found.quality.residuals.iter().find(|(name, _)| name == "yy").unwrap().1;
+    assert!(found.quality.refusals.is_empty() && left > 0.15, "{:?} {left}", found.quality.refusals);
+    let [x, y] = found.modes[0].direction;
+    assert!(found.modes.len() == 1 && (y.atan2(x).to_degrees() - 10.0).abs() < 1.0, "{:?}", found.modes);
 }
 
 /// Run as `cargo test -p toolroom-dynamics --test fit -- --ignored --nocapture`; some minutes.

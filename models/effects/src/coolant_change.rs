@@ -1,24 +1,24 @@
-//! Another coolant lubricates better.
+//! Another coolant lubricates better or worse.
 
 use crate::catalogue::{CatalogueEntry, falls, rises};
 use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
-    /// Another coolant lubricates better: with it the process stiffness of grinding is
+    /// Another coolant lubricates better or worse: with it the process stiffness of grinding is
     /// × (1 − size).
     ///
     /// # Source
     /// Assumption: the lubricant acts on the normal force per depth of cut as a whole.
     pub struct CoolantChange {
-        /// Share by which the other coolant lowers the process stiffness.
-        size: Real = 0.0, 0.0..=0.95;
+        /// Share by which the other coolant lowers the process stiffness; below zero it raises it.
+        size: Real = 0.0, -5.0..=0.95;
     }
 }
 
 pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     id: "coolant_change",
-    title: "another coolant lubricates better",
+    title: "another coolant lubricates better or worse",
     size: &CoolantChange::<f64>::FIELDS[0],
     channels: &[
         falls("normal_force"),

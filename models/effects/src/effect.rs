@@ -127,7 +127,7 @@ catalogue! {
     ModeStiffness in mode_stiffness;
     /// Old coolant cools less.
     CoolantAgeing in coolant_ageing;
-    /// Another coolant lubricates better.
+    /// Another coolant lubricates better or worse.
     CoolantChange in coolant_change;
     /// The grinding wheel dulls between dressings.
     WheelDulling in wheel_dulling;
@@ -153,7 +153,7 @@ catalogue! {
     HelixFormError in helix_form_error;
     /// The drives cut corners.
     ServoLag in servo_lag;
-    /// There is more stock than planned.
+    /// There is more or less stock than planned.
     StockOffset in stock_offset;
     /// The grinding wheel wears.
     WheelWear in wheel_wear;

@@ -1,23 +1,23 @@
-//! There is more stock than planned.
+//! There is more or less stock than planned.
 
 use crate::catalogue::{CatalogueEntry, rises};
 use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
-    /// There is more stock than planned: radial width of cut `+ size`.
+    /// There is more or less stock than planned: radial width of cut `+ size`.
     ///
     /// # Source
     /// Assumption: constant.
     pub struct StockOffset {
-        /// Stock beside the planned allowance.
-        size: Real["m" => "mm"] = 0.0, 0.0..=10e-3;
+        /// Stock beside the planned allowance; below zero there is less.
+        size: Real["m" => "mm"] = 0.0, -10e-3..=10e-3;
     }
 }
 
 pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     id: "stock_offset",
-    title: "there is more stock than planned",
+    title: "there is more or less stock than planned",
     size: &StockOffset::<f64>::FIELDS[0],
     channels: &[rises("cutting_force"), rises("spindle_power"), rises("flank_wear")],
     regime: "small widths of cut",

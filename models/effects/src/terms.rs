@@ -54,11 +54,11 @@ record! {
         /// Summand of the form error of a milled wall.
         form_error: Real["m" => "um"] = 0.0, -1.0..=1.0;
         /// Summand of the radial width of cut.
-        width_of_cut: Real["m" => "mm"] = 0.0, 0.0..=1.0;
+        width_of_cut: Real["m" => "mm"] = 0.0, -1.0..=1.0;
         /// Summand of the wheel volume worn per work volume ground.
         wheel_wear_ratio: Real = 0.0, 0.0..=100.0;
         /// Summand of the infeed that is commanded before contact.
-        start_offset: Real["m" => "um"] = 0.0, 0.0..=1.0;
+        start_offset: Real["m" => "um"] = 0.0, -1.0..=1.0;
         /// Factor on the system stiffness of a grinding machine.
         system_stiffness: Real = 1.0, -1e6..=1e6;
         /// Summand of the growth of a part by grinding heat, per normal force and revolution, as

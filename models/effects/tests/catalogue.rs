@@ -155,8 +155,9 @@ fn the_catalogue_is_complete() {
         assert_eq!(entry, effect.entry());
         assert_eq!(effect.parameters().fields()[SIZE], *entry.size);
         assert_eq!((entry.size.name, entry.size.start), ("size", 0.0), "{}", entry.id);
-        // Modes change either way, lots are harder or softer, sensors read high or low; every other effect has one sign.
-        let signed = entry.id.starts_with("mode_") || ["lot_hardness", "force_bias", "force_drift"].contains(&entry.id);
+        // Modes, lots, sensors, stock and another coolant change either way; every other effect has one sign.
+        let either = ["lot_hardness", "force_bias", "force_drift", "stock_offset", "coolant_change"];
+        let signed = entry.id.starts_with("mode_") || either.contains(&entry.id);
         assert_eq!(entry.size.min < 0.0, signed, "{}", entry.id);
         assert_eq!(effect.size(), 0.0);
         assert!(!entry.channels.is_empty() && !entry.processes.is_empty(), "{}", entry.id);

@@ -1,6 +1,6 @@
 //! Why a file was not read, and where each fault is.
 
-use crate::walk::Problem;
+use crate::fault::Problem;
 use std::fmt;
 use std::ops::Range;
 use toolroom_location::{Located, Location};

@@ -1,6 +1,7 @@
 //! What can be wrong in a file, and the likely fix of each.
 
 use std::error::Error;
+use std::ops::Range;
 use std::sync::Arc;
 use toolroom_process::ModelError;
 use toolroom_process::unit::UnitError;
@@ -14,6 +15,15 @@ pub trait ContentFault: Error + Send + Sync {
     fn fix(&self) -> Option<String> {
         None
     }
+}
+
+/// A fault and the text that it is about.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// What is wrong.
+    pub fault: Fault,
+    /// Bytes of the text.
+    pub span: Range<usize>,
 }
 
 /// One thing that is wrong in a file.

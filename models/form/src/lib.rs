@@ -53,7 +53,7 @@ mod words;
 pub use codes::CODES;
 pub use encoding::{Encoding, Undecodable, utf16_lossy};
 pub use error::{FaultList, Origin, Place, ReadError};
-pub use fault::{ContentFault, Fault, nearest};
+pub use fault::{ContentFault, Fault, Problem, nearest};
 pub use form::{CURRENCIES, Content, Form, Key, KeyCondition, Kind, Need, Quantity, joined, record_keys, same};
 pub use outline::Outline;
 pub use record::{fill_record, set_parameters, set_record};
@@ -63,7 +63,7 @@ pub use schema::{field, schema};
 pub use section::{RuleTable, Section, SectionValue, Span, Value};
 pub use sets::{UnknownSet, shipped_set};
 pub use shipped::{SHIPPED, bytes, is_shipped, place_of, shipped_names};
-pub use walk::{Echo, Problem, Walk};
+pub use walk::{Echo, Walk};
 pub use words::{display, example, significant};
 
 use std::path::{Path, PathBuf};

@@ -1,8 +1,7 @@
 //! What a model refuses of a file whose form is right.
 
 use crate::error::FaultList;
-use crate::fault::{ContentFault, Fault};
-use crate::walk::Problem;
+use crate::fault::{ContentFault, Fault, Problem};
 use std::fmt::Display;
 use std::sync::Arc;
 

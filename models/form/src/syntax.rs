@@ -1,7 +1,6 @@
 //! TOML texts as trees, with what is wrong in them.
 
-use crate::fault::Fault;
-use crate::walk::Problem;
+use crate::fault::{Fault, Problem};
 use std::collections::BTreeSet;
 use toml::Spanned;
 use toml::de::DeTable;

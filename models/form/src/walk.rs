@@ -1,6 +1,6 @@
 //! Reads sections by their [`Form`]: units, ranges, unknown and missing keys, all faults at once.
 
-use crate::fault::{Fault, nearest};
+use crate::fault::{Fault, Problem, nearest};
 use crate::form::{CURRENCIES, Form, Key, Kind, Need, Quantity};
 use crate::section::{RuleTable, Section, SectionValue, Span, Value};
 use crate::words::{described, example, expected, fix, meant, quoted, range, understood};
@@ -10,15 +10,6 @@ use std::path::PathBuf;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use toolroom_process::unit;
-
-/// A fault and the text that it is about.
-#[derive(Clone, Debug)]
-pub struct Problem {
-    /// What is wrong.
-    pub fault: Fault,
-    /// Bytes of the text.
-    pub span: Range<usize>,
-}
 
 /// One quantity as it was understood.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

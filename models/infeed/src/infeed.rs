@@ -263,7 +263,8 @@ impl<N: Number> Infeed<N> {
             wheel_wear: x.wheel_wear,
             process_stiffness,
             lag,
-            rise_revolutions: revolutions_to(N::from(0.95), lag) + late,
+            // A plunge that begins early has risen before it is commanded.
+            rise_revolutions: positive(revolutions_to(N::from(0.95), lag) + late),
         }
     }
 

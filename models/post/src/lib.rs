@@ -110,6 +110,17 @@ pub fn post_as(
         let known = run.position().map(|place| place.is_some());
         writer.known = known;
         let fault = |(line, message): (usize, &str)| refused(line, message);
+        if let Some(line) = run.partly_known() {
+            return Err(refused(
+                line,
+                "of this work offset only some axes are known to the one before: give all of them, with G10 or --set control.offset.G55=\"100,0,0 mm\"",
+            ));
+        }
+        if let EventKind::Offset(Offset::Work(number)) = event.kind {
+            writer.end_cycles(event.line).map_err(fault)?;
+            writer.work(number, event.line).map_err(|message| refused(event.line, &message))?;
+            continue;
+        }
         let EventKind::Motion(motion) = event.kind else {
             if !writer.keeps(&event, known).map_err(fault)? {
                 writer.event(&event);
@@ -146,6 +157,8 @@ struct Writer {
     position: [Option<f64>; 9],
     feed: String,
     plane: [usize; 3],
+    /// Work offset in which it is written, by its number.
+    work: u32,
     speed: f64,
     left_out: Vec<usize>,
     /// Axes whose place the program knows: no other may be sent anywhere.
@@ -191,6 +204,7 @@ impl Writer {
             position: [None; 9],
             feed: String::new(),
             plane: PLANES[0],
+            work: 0,
             speed: 0.0,
             left_out: Vec::new(),
             known: [false; 9],
@@ -264,12 +278,14 @@ impl Writer {
             EventKind::Coolant(on) => self.line(if on { "M8" } else { "M9" }),
             EventKind::Stop(optional) => self.line(if optional { "M1" } else { "M0" }),
             EventKind::Home(axes) => self.home(axes, event.line),
-            EventKind::Offset(offset) => self.offset(offset, event.line),
+            EventKind::Offset(Offset::Length(register)) => self.length(register),
             EventKind::ExactStop => self.leave_out(event.line),
             EventKind::Auxiliary(2 | 30, _)
             | EventKind::Motion(_)
             | EventKind::Block
             | EventKind::Hole
+            // Written where it can be refused.
+            | EventKind::Offset(Offset::Work(_))
             | EventKind::End => {}
             EventKind::Auxiliary(..) => self.leave_out(event.line),
         }
@@ -305,22 +321,54 @@ impl Writer {
         }
     }
 
-    /// Offsets by a table of the control. Klartext adds the length with the tool and has datums of its own.
-    fn offset(&mut self, offset: Offset, line: usize) {
-        let iso = !self.klartext();
-        match offset {
-            Offset::Work(number) if iso && (number < 4 || (number < 6 && self.dialect != Dialect::Siemens)) => {
-                self.line(&format!("G{}", 54 + number));
+    /// The word of a work offset by its number; `None` where the language has none.
+    fn work_word(&self, number: u32) -> Option<String> {
+        match (self.dialect, number) {
+            (Dialect::Heidenhain, _) => None,
+            (_, 0..=3) => Some(format!("G{}", 54 + number)),
+            (Dialect::Siemens, 99) => Some("G500".to_owned()),
+            (Dialect::Siemens, 100..=194) => Some(format!("G{}", 405 + number)),
+            (Dialect::Siemens, _) => None,
+            (_, 4..=5) => Some(format!("G{}", 54 + number)),
+            (Dialect::LinuxCnc, 6..=8) => Some(format!("G59.{}", number - 5)),
+            (Dialect::Fanuc | Dialect::Haas, 100..=198) => Some(format!("G54.1 P{}", number - 99)),
+            (Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas | Dialect::LinuxCnc, _) => None,
+        }
+    }
+
+    /// A work offset of which only the machine knows how it lies to the one before: axes that stood in that one have no place in it until
+    /// they move.
+    fn work(&mut self, number: u32, line: usize) -> Result<(), String> {
+        let changes = number != self.work;
+        match self.work_word(number) {
+            Some(word) => self.line(&word),
+            // A program that has not moved yet counts in it from its begin on.
+            None if changes && self.position.iter().all(Option::is_none) => self.leave_out(line),
+            None if changes => {
+                return Err(format!(
+                    "the program goes on in another work offset, for which {} has no word here, and how it lies to the one before is not \
+                     known: give --set control.offset.G55=\"100,0,0 mm\" (G54 to G59), then its places are worked out; of a datum of Klartext \
+                     or an offset beyond them, divide the program there",
+                    self.dialect.name()
+                ));
             }
-            Offset::Work(0) => {}
-            Offset::Work(_) => self.leave_out(line),
-            Offset::Length(_) if !iso => {}
-            Offset::Length(register) => match (register, self.dialect) {
-                (Some(_), Dialect::Siemens) => self.line("D1"),
-                (None, Dialect::Siemens) => self.line("D0"),
-                (Some(register), _) => self.line(&format!("G43 H{register}")),
-                (None, _) => self.line("G49"),
-            },
+            None => {}
+        }
+        if changes {
+            self.position = [None; 9];
+            self.work = number;
+        }
+        Ok(())
+    }
+
+    /// Lengths by a table of the control. Klartext adds the length with the tool.
+    fn length(&mut self, register: Option<u32>) {
+        match (register, self.dialect) {
+            (_, Dialect::Heidenhain) => {}
+            (Some(_), Dialect::Siemens) => self.line("D1"),
+            (None, Dialect::Siemens) => self.line("D0"),
+            (Some(register), _) => self.line(&format!("G43 H{register}")),
+            (None, _) => self.line("G49"),
         }
     }
 

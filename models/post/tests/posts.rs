@@ -131,6 +131,46 @@ fn an_axis_whose_place_is_not_known_is_sent_nowhere() {
 }
 
 #[test]
+fn axes_are_named_anew_in_another_work_offset_and_none_is_sent_to_a_place_of_the_one_before() {
+    let text = "G21 G90 G54 G0 X-8. Y10.\nZ5.\nG1 X68. F400\nG55 G0 X-8. Y10.\nZ5.\nG1 X68.\nM30\n";
+    for (target, words) in [
+        (Dialect::Fanuc, "G55\nG0 X-8. Y10.\nG0 Z5.\nG1 X68.\n"),
+        (Dialect::Haas, "G55\nG0 X-8. Y10.\nG0 Z5.\nG1 X68.\n"),
+        (Dialect::Siemens, "G55\nG0 X-8 Y10\nG0 Z5\nG1 X68\n"),
+        (Dialect::LinuxCnc, "G55\nG0 X-8 Y10\nG0 Z5\nG1 X68\n"),
+    ] {
+        let written = post(text, &Control::default(), target).expect("a program").text;
+        assert!(written.contains(words), "{written}");
+    }
+    // Klartext has no word for it; where both lie to each other it needs none, nor does any other language.
+    let error = post(text, &Control::default(), Dialect::Heidenhain).expect_err("no word");
+    assert!(error.line == 4 && error.message.contains("control.offset.G55"), "{error}");
+    let mut known = Control::default();
+    known.set("offset.G55", "100,0,-3 mm").expect("a place");
+    for target in TARGETS {
+        let written = post(text, &known, target).expect("a program").text;
+        assert!(!written.contains("G55"), "{written}");
+        let (before, after) = (motions(text, &known).0, motions(&written, &control(target)).0);
+        let ends = |list: &[Motion]| list.last().map(|motion| motion.end);
+        assert_eq!(ends(&before), ends(&after), "{written}");
+        assert_eq!(ends(&before).map(|end| [end[0], end[1], end[2]]), Some([168.0, 10.0, 2.0]));
+    }
+    // Both set by the program, neither known to the first: places go on counting in the one that was in force.
+    let set = "G21 G90 G10 L2 P2 X100. Y0. Z0.\nG10 L2 P3 X200. Y0. Z0.\nG55 G0 X0. Y0.\nZ5.\nG1 Z-1. F100\nG0 Z5.\nG56 X0.\nM30\n";
+    let written = post(set, &Control::default(), Dialect::Fanuc).expect("a program").text;
+    assert!(written.contains("G55\n") && !written.contains("G56") && written.contains("G0 X100."), "{written}");
+    // Words of offsets that not every control has.
+    let many = text.replace("G55", "G54.1 P3");
+    let fanuc = Control::of(Dialect::Fanuc);
+    assert!(post(many.as_str(), &fanuc, Dialect::Haas).expect("a program").text.contains("G54.1 P3\nG0 X-8. Y10."));
+    assert!(post(many.as_str(), &fanuc, Dialect::Siemens).expect("a program").text.contains("G507\nG0 X-8 Y10"));
+    assert_eq!(post(many.as_str(), &fanuc, Dialect::LinuxCnc).expect_err("no word").line, 4);
+    // Of which only some axes are known it is neither one nor the other.
+    let partly = text.replacen("G55", "G10 L2 P1 Z0\nG10 L2 P2 Z5.\nG55", 1);
+    assert!(post(partly.as_str(), &fanuc, Dialect::Haas).expect_err("only Z").message.contains("only some axes"));
+}
+
+#[test]
 fn corners_that_are_nearly_straight_on_are_no_full_circles() {
     // The path turns by a ten thousandth of a degree, and by a millionth: the arc about the corner is shorter than a digit.
     for turn in [2e-6_f64, 4e-8, 1e-7] {

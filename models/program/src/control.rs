@@ -69,6 +69,13 @@ pub struct Control {
     pub m: BTreeMap<u32, f64>,
     /// Times of G codes that are not understood, s, by ten times their number.
     pub g: BTreeMap<u32, f64>,
+    /// Origins of work offsets, X, Y and Z in mm, by the number of their code from 54 to 59: only how they lie to each other
+    /// counts, and that of G54 is 0 where it is left out. Those of other axes count as the same. Empty where they are not known:
+    /// a change of offset makes places unknown then.
+    pub origins: BTreeMap<u32, [f64; 3]>,
+    /// Whether a program that cuts in two work offsets is refused where it is not known how they lie to each other, since what it
+    /// cuts lies in one place.
+    pub one_place: bool,
     /// Diameters of tools, mm, by number or by D.
     pub diameters: BTreeMap<u32, f64>,
     /// Folder of subprograms in files of their own.
@@ -99,6 +106,8 @@ impl Default for Control {
             rotary_feed_all_axes: false,
             m: BTreeMap::new(),
             g: BTreeMap::new(),
+            origins: BTreeMap::new(),
+            one_place: false,
             diameters: BTreeMap::new(),
             library: None,
             feed: None,
@@ -142,22 +151,24 @@ impl Control {
     /// # Errors
     /// What is wrong with the text.
     pub fn set_start(&mut self, text: &str) -> Result<(), String> {
-        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
-        let [x, y, z] = parts[..] else { return Err("three coordinates are needed".to_owned()) };
-        let letter = z.find(|sign: char| sign.is_alphabetic() && !matches!(sign, 'e' | 'E'));
-        let word = letter.and_then(|at| z.get(at..)).ok_or("the unit is missing, as in \"0,0,100 mm\"")?;
         let mut places = [Some(0.0); 9];
-        for (slot, part) in places.iter_mut().zip([x, y, z]) {
-            let bare = part.parse::<f64>().is_ok();
-            let whole = if bare { format!("{part} {word}") } else { part.to_owned() };
-            let place = 1e3 * unit::quantity(&whole, "m").map_err(|error| error.to_string())?;
-            if place.abs() > FARTHEST {
-                return Err(format!("{whole} is farther than any machine reaches"));
-            }
+        for (slot, place) in places.iter_mut().zip(position(text)?) {
             *slot = Some(place);
         }
         self.start = places;
         Ok(())
+    }
+
+    /// Origin of a work offset in the coordinates of G54, mm, by the number of its code. `None` where it is not known.
+    pub fn origin(&self, code: u32) -> Option<[f64; 3]> {
+        let (first, own) = (self.given_origin(54)?, self.given_origin(code)?);
+        Some(std::array::from_fn(|axis| own[axis] - first[axis]))
+    }
+
+    /// Origin of a work offset as it is given; that of G54 is 0 where another one is given. `None` where it is not known.
+    pub(crate) fn given_origin(&self, code: u32) -> Option<[f64; 3]> {
+        let zero = (code == 54 && !self.origins.is_empty()).then_some([0.0; 3]);
+        self.origins.get(&code).copied().or(zero)
     }
 
     /// Takes the diameter of a tool such as `D1=10 mm`, from 0 to 1000 mm.
@@ -182,10 +193,10 @@ impl Control {
 
     /// Keys of [`Control::set`].
     pub const KEYS: &'static str =
-        "units, decimal, peck_clearance, pecks, rotary_feed, feed_at, turns, startup, m.NUMBER, g.NUMBER";
+        "units, decimal, peck_clearance, pecks, rotary_feed, feed_at, turns, startup, offset.CODE, m.NUMBER, g.NUMBER";
 
     /// Sets a value by its key, one of [`Control::KEYS`]: a word, or a number with its unit, a length for the clearance and a
-    /// time for `m.NUMBER` and `g.NUMBER`, from 0 to 1e6 m or s.
+    /// time for `m.NUMBER` and `g.NUMBER`, from 0 to 1e6 m or s; a position of X, Y and Z for `offset.G54` to `offset.G59`.
     ///
     /// # Errors
     /// What is wrong with key or value.
@@ -194,7 +205,9 @@ impl Control {
     /// let mut control = toolroom_program::Control::default();
     /// control.set("m.29", "0.3 s").unwrap();
     /// control.set("units", "inch").unwrap();
+    /// control.set("offset.G55", "100,0,-5 mm").unwrap();
     /// assert_eq!(control.m[&29], 0.3);
+    /// assert_eq!(control.origin(55), Some([100.0, 0.0, -5.0]));
     /// assert!(control.set("decimal", "comma").is_err());
     /// ```
     pub fn set(&mut self, key: &str, value: &str) -> Result<(), String> {
@@ -223,6 +236,13 @@ impl Control {
             "peck_clearance" => self.peck_clearance = Some(1e3 * quantity("m")?),
             _ => {
                 let (table, number) = key.split_once('.').unwrap_or((key, ""));
+                if let ("offset", Some(number)) = (table, number.strip_prefix(['G', 'g'])) {
+                    let code = number.parse().ok().filter(|code| (54..=59).contains(code));
+                    let code = code.ok_or_else(|| format!("control.{key}: there are G54 to G59"))?;
+                    let origin = position(value).map_err(|error| format!("control.{key}: {error}"))?;
+                    self.origins.insert(code, origin);
+                    return Ok(());
+                }
                 let code: Option<f64> = number.parse().ok().filter(|code| (0.0..=9999.0).contains(code));
                 match (table, code) {
                     ("m", Some(code)) => self.m.insert(code as u32, quantity("s")?),
@@ -233,4 +253,23 @@ impl Control {
         }
         Ok(())
     }
+}
+
+/// X, Y and Z of a text such as `0,0,100 mm`, mm.
+fn position(text: &str) -> Result<[f64; 3], String> {
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    let [x, y, z] = parts[..] else { return Err("three coordinates are needed".to_owned()) };
+    let letter = z.find(|sign: char| sign.is_alphabetic() && !matches!(sign, 'e' | 'E'));
+    let word = letter.and_then(|at| z.get(at..)).ok_or("the unit is missing, as in \"0,0,100 mm\"")?;
+    let mut places = [0.0; 3];
+    for (slot, part) in places.iter_mut().zip([x, y, z]) {
+        let bare = part.parse::<f64>().is_ok();
+        let whole = if bare { format!("{part} {word}") } else { part.to_owned() };
+        let place = 1e3 * unit::quantity(&whole, "m").map_err(|error| error.to_string())?;
+        if place.is_nan() || place.abs() > FARTHEST {
+            return Err(format!("{whole} is farther than any machine reaches"));
+        }
+        *slot = place;
+    }
+    Ok(places)
 }

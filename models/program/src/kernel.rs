@@ -112,6 +112,12 @@ pub(crate) struct Kernel {
     pub blind_step: Option<usize>,
     /// Pitch of the last thread, mm, where its cycle names one.
     pub pitch: Option<f64>,
+    /// Number of the work offset in which places count, as of [`Offset::Work`]: 0 for all of which it is known how they lie to G54.
+    work: u32,
+    /// That of the first motion at feed.
+    fed: Option<u32>,
+    /// Line of a change to a work offset of which only some axes are known to the one before.
+    pub partly_known: Option<usize>,
 }
 
 impl Kernel {
@@ -151,6 +157,9 @@ impl Kernel {
             loop_line: 0,
             blind_step: None,
             pitch: None,
+            work: 0,
+            fed: None,
+            partly_known: None,
         };
         // X of a lathe is a diameter in the program and a radius here.
         if lathe {
@@ -240,8 +249,11 @@ impl Kernel {
     pub fn straight(&mut self, target: &Target, rapid: bool) -> Result<(), Fault> {
         let (from, to) = self.ends(target)?;
         let feed_needed = !rapid && !target.is_empty();
-        if feed_needed && self.feed.is_none() {
-            return Err(self.no_feed());
+        if feed_needed {
+            if self.feed.is_none() {
+                return Err(self.no_feed());
+            }
+            self.feeds()?;
         }
         let (mut start, end, unknown) = self.arrive(target, from, to);
         // A block that names the end of the contour beside which the cutter stands leads it there.
@@ -304,6 +316,7 @@ impl Kernel {
         if self.feed.is_none() {
             return Err(self.no_feed());
         }
+        self.feeds()?;
         if !(0.0..=TURNS).contains(&turns) || turns.fract() != 0.0 {
             return Err(Fault::new(format!("{turns} turns: write a whole number up to {TURNS}")));
         }
@@ -357,6 +370,19 @@ impl Kernel {
         let time = self.time(length, false, &from, &to, Some(&arc))?;
         let purpose = self.purpose.unwrap_or(Purpose::Cut);
         self.emit(Motion { rapid: false, path: Path::Arc(arc), start: from, end: to, time, length, unknown, purpose })
+    }
+
+    /// A motion at feed begins: what is cut lies in one place, so that all work offsets in which something is cut have to be known.
+    fn feeds(&mut self) -> Result<(), Fault> {
+        let first = *self.fed.get_or_insert(self.work);
+        if self.control.one_place && first != self.work {
+            return Err(Fault::new(
+                "this is another work offset than that of the first motion at feed, and how they lie to each other is not known: give \
+                 [offsets] in the setup, such as G55 = [\"100 mm\", \"0 mm\", \"0 mm\"], or --set control.offset.G55=\"100,0,0 mm\"; where the \
+                 offset is a datum of Klartext or one beyond G59, divide the program there",
+            ));
+        }
+        Ok(())
     }
 
     pub fn no_feed(&self) -> Fault {
@@ -484,6 +510,29 @@ impl Kernel {
         (self.feed, self.feed_scale) = (Some(value * scale), scale);
         self.vacant_feed = None;
         Ok(())
+    }
+
+    /// Places count in another work offset by its number, as of [`Offset::Work`]: `known` tells of X, Y and Z whether it is known how it
+    /// lies to the first one. Where that is known of all, places are worked out in the first one, and nothing happens to the program.
+    pub fn work_offset(&mut self, number: u32, known: [bool; 3]) {
+        if known != [true; 3] && known != [false; 3] {
+            self.partly_known.get_or_insert(self.line);
+        }
+        let number = if known == [true; 3] { 0 } else { number };
+        if number != self.work {
+            self.work = number;
+            self.work_offset_again();
+        }
+    }
+
+    /// Whether places count in the first work offset, or in one of which it is known how it lies to that.
+    pub fn counts_in_first(&self) -> bool {
+        self.work == 0
+    }
+
+    /// The work offset in force is named again.
+    pub fn work_offset_again(&mut self) {
+        self.offset_by(Offset::Work(self.work));
     }
 
     /// A table of the control adds to programmed positions, which shifts the program as a whole.

@@ -218,7 +218,8 @@ impl Sense {
 /// What a table of the control adds to programmed positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Offset {
-    /// Work offset by its number: 0 is the first, G54.
+    /// Work offset by its number: from 0 on G54 to G59, from 6 on G59.1 to G59.3, from 100 on G54.1 P1 and on, or G505 and on; 99 is none,
+    /// G500. It is told where how it lies to the first one is not known; else motions are in the coordinates of that.
     Work(u32),
     /// Length of the tool by its register; `None` where it is switched off.
     Length(Option<u32>),

@@ -285,7 +285,11 @@ impl Offsetting {
                 // A cutter on the inner side of an arc runs on a smaller one.
                 let radius = if arc.left == self.left { arc.radius - self.radius } else { arc.radius + self.radius };
                 if radius <= SAME {
-                    return Err(self.tight(previous, line));
+                    return Err(Fault::new(format!(
+                        "the inner arc of {} mm in line {line} is no larger than that of the cutter, {} mm, whose centre then has \
+                         no path beside it: it does not fit between lines {previous} and {line}, take a smaller cutter or a larger arc",
+                        arc.radius, self.radius
+                    )));
                 }
                 let mut arc_motion = *motion;
                 let [u, v, _] = self.plane;

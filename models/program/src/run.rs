@@ -140,6 +140,12 @@ impl Run {
         self.kernel.blind_step
     }
 
+    /// Line of the first change to a work offset of which only some axes are known to the one before: places in it are neither those of
+    /// one nor those of the other.
+    pub fn partly_known(&self) -> Option<usize> {
+        self.kernel.partly_known
+    }
+
     /// Pitch of the last thread, mm, where its cycle names one; it may have a spindle speed of its own then (CYCLE84).
     pub fn pitch(&self) -> Option<f64> {
         self.kernel.pitch

@@ -16,6 +16,8 @@ mod polar;
 mod shop_floor;
 #[path = "controls/whole_programs.rs"]
 mod whole_programs;
+#[path = "controls/work_offsets.rs"]
+mod work_offsets;
 
 use toolroom_program::{Control, Dialect, EventKind, ProgramError, Run};
 
@@ -599,7 +601,15 @@ mod fuzz {
         }
     }
 
-    /// A million inputs a language, some minutes: `cargo test -p toolroom-program --test controls -- --ignored million`.
+    /// Greatest memory that this process has had, MB; `None` where the system does not tell.
+    fn peak_memory() -> Option<f64> {
+        let status = std::fs::read_to_string("/proc/self/status").ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+        line.split_whitespace().next()?.parse::<f64>().ok().map(|kilobytes| kilobytes / 1024.0)
+    }
+
+    /// A million inputs a language, some minutes: `cargo test -p toolroom-program --test controls -- --ignored million`. Each ends
+    /// within ten seconds, and none takes more than 64 MB.
     #[test]
     #[ignore = "some minutes"]
     fn a_million_inputs_a_language_end_without_panic() {
@@ -617,8 +627,11 @@ mod fuzz {
                 let text: String = (0..count)
                     .map(|_| format!("{}{}", WORDS[next(WORDS.len())], if next(2) == 0 { "\n" } else { " " }))
                     .collect();
+                let begin = std::time::Instant::now();
                 run(dialect, &text);
+                assert!(begin.elapsed().as_secs() < 10, "{name}: {text}");
             }
+            assert!(peak_memory().is_none_or(|peak| peak < 64.0), "{name}: {:?} MB", peak_memory());
         }
     }
 }

@@ -186,7 +186,7 @@ impl Calls {
             None => Machine::default(),
         };
         let mut control = machine.control.for_file(program, None);
-        control.diameters.extend(setup.tools.iter().map(|(number, tool)| (*number, 2e3 * tool.radius)));
+        setup.tell(&mut control);
         Self::new(&String::from_utf8_lossy(&bytes), &control, &machine.drives, setup)
     }
 

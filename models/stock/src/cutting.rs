@@ -4,7 +4,8 @@ use crate::engaged::{Engaged, Stock};
 use crate::front::{Place, Step};
 use crate::load::{Load, Tool};
 use crate::map::Map;
-use crate::swath::{Index, Swath};
+use crate::swath::{Floors, Index, Swath, by_mean_floors};
+use std::cmp::Ordering;
 use std::f64::consts::{PI, TAU};
 use toolroom_contour::{Point, Section, Track};
 use toolroom_program::{Motion, Path};
@@ -13,6 +14,8 @@ use toolroom_program::{Motion, Path};
 const RAMP: f64 = 0.1;
 /// Rings of the end of a cutter that goes straight down.
 const RINGS: u32 = 40;
+/// Rings of the end of a cutter on a ramp.
+pub(crate) const RAMP_RINGS: u32 = 12;
 /// Pieces of a motion that is neither straight nor an arc in the plane XY.
 const PIECES: u32 = 64;
 /// Greatest number of pieces of a ramp (assumption).
@@ -176,6 +179,35 @@ pub(crate) struct Piece {
     pub to: f64,
 }
 
+impl Piece {
+    /// Height of the cutter's end in its middle, m.
+    pub fn mean(&self) -> f64 {
+        0.5 * (self.from + self.to)
+    }
+
+    /// What a cutter of this radius, m, has cleared behind it.
+    fn swath(&self, radius: f64) -> Swath {
+        Swath { track: Track::new(self.path), radius, floor: self.from.max(self.to), mean: self.mean() }
+    }
+}
+
+/// The lower end of a ramp, where the whole end of the cutter reaches the height of its tip, m: that of the pieces is the mean of
+/// each.
+enum RampEnd {
+    Start(Point, f64),
+    End(Point, f64),
+}
+
+fn ramp_end(motion: &Motion, pieces: &[Piece]) -> Option<RampEnd> {
+    let (first, last) = (pieces.first()?, pieces.last()?);
+    let (from, to) = (1e-3 * motion.start[2], 1e-3 * motion.end[2]);
+    match from.total_cmp(&to) {
+        Ordering::Less => Some(RampEnd::Start(first.path.start, from)),
+        Ordering::Equal => None,
+        Ordering::Greater => Some(RampEnd::End(last.path.at(last.path.length), to)),
+    }
+}
+
 impl Cutting {
     /// Stock of which nothing is gone; `radius` is that of the usual cutter, m, and decides how fast places are found.
     pub fn new(stock: Stock, radius: f64) -> Self {
@@ -238,15 +270,22 @@ impl Cutting {
         let length: f64 = pieces.iter().map(|piece| piece.path.length).sum();
         let feed = if motion.rapid || motion.time <= 0.0 { 0.0 } else { 1e-3 * motion.length / motion.time };
         let mut sums = Sums::default();
+        let ramp_end = ramp_end(motion, &pieces);
+        if let Some(RampEnd::Start(place, height)) = ramp_end {
+            cut.removed += self.clear_disc(place, tool.radius, height);
+        }
         let mut before = 0.0;
         for piece in &pieces {
             let among = look.as_deref_mut().map(|look| (look, before, length));
             self.piece(piece, tool, (feed, speed), (&mut cut, &mut sums), among);
             before += piece.path.length;
-            let floor = piece.from.max(piece.to);
-            if floor < self.stock.top {
-                self.index.push(Swath { track: Track::new(piece.path), radius: tool.radius, floor });
+            let swath = piece.swath(tool.radius);
+            if swath.mean < self.stock.top {
+                self.index.push(swath);
             }
+        }
+        if let Some(RampEnd::End(place, height)) = ramp_end {
+            cut.removed += self.clear_disc(place, tool.radius, height);
         }
         if pieces.is_empty() {
             self.straight_down(motion, tool, &mut cut);
@@ -273,22 +312,51 @@ impl Cutting {
         let centre = Point { x: 1e-3 * motion.end[0], y: 1e-3 * motion.end[1] };
         let path = Section { start: centre, heading: 0.0, length: 0.0, curvature: 0.0, arc_angle: 0.0 };
         let around = self.index.near(centre, tool.radius);
-        let (volume, depth) = self.disc(&around, centre, tool.radius, to, RINGS);
+        let (volume, depth) = self.disc(&around, centre, tool.radius, to, RINGS, Floors::Highest);
         cut.depth = cut.depth.max(depth);
-        cut.removed += volume;
+        cut.removed += self.disc_volume(&around, centre, tool.radius, to, RINGS);
         cut.plunge = volume > 1e-6 * PI * tool.radius.powi(2) * (from.min(self.stock.top) - to);
-        self.index.push(Swath { track: Track::new(path), radius: tool.radius, floor: to });
+        self.index.push(Swath { track: Track::new(path), radius: tool.radius, floor: to, mean: to });
+    }
+
+    /// Takes off what the end of a cutter reaches where it stands at the lower end of a ramp; the volume, m³.
+    fn clear_disc(&mut self, centre: Point, radius: f64, bottom: f64) -> f64 {
+        if bottom >= self.stock.top {
+            return 0.0;
+        }
+        let volume = self.disc_volume(&self.index.near(centre, radius), centre, radius, bottom, RAMP_RINGS);
+        if volume > 0.0 {
+            let path = Section { start: centre, heading: 0.0, length: 0.0, curvature: 0.0, arc_angle: 0.0 };
+            self.index.push(Swath { track: Track::new(path), radius, floor: bottom, mean: bottom });
+        }
+        volume
+    }
+
+    /// Volume, m³, of material above `bottom`, m, under the whole end of a cutter, by the mean floors around it.
+    pub(crate) fn disc_volume(&self, around: &[&Swath], centre: Point, radius: f64, bottom: f64, rings: u32) -> f64 {
+        match by_mean_floors(around, (bottom, self.stock.top)) {
+            Some(swaths) => self.disc(&swaths, centre, radius, bottom, rings, Floors::Mean).0,
+            None => self.disc(around, centre, radius, bottom, rings, Floors::Highest).0,
+        }
     }
 
     /// Volume, m³, and greatest depth, m, of material above `bottom` under the whole end of a cutter: a disc, looked at by
-    /// rings, each as a rim in two halves.
-    pub(crate) fn disc(&self, around: &[&Swath], centre: Point, radius: f64, bottom: f64, rings: u32) -> (f64, f64) {
+    /// rings, each as a rim in two halves; the swaths around it are sorted by `floors`.
+    pub(crate) fn disc(
+        &self,
+        around: &[&Swath],
+        centre: Point,
+        radius: f64,
+        bottom: f64,
+        rings: u32,
+        floors: Floors,
+    ) -> (f64, f64) {
         let (mut volume, mut depth) = (0.0, 0.0f64);
         for ring in 0..rings {
             let reach = radius * (f64::from(ring) + 0.5) / f64::from(rings);
             for heading in [0.0, PI] {
-                let engaged =
-                    self.stock.engaged(around, None, &Step::at(&Place { centre, radius: reach, bottom, heading }, 0.0));
+                let step = Step::at(&Place { centre, radius: reach, bottom, heading }, 0.0);
+                let engaged = self.stock.engaged(around, None, &step, floors);
                 let solid: f64 = engaged
                     .layers
                     .iter()

@@ -2,7 +2,7 @@
 
 use crate::front::{Front, Step};
 use crate::profile::Profile;
-use crate::swath::Swath;
+use crate::swath::{Floors, Swath};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 use toolroom_contour::Point;
@@ -46,6 +46,8 @@ pub(crate) struct Layer {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Engaged {
     pub layers: Vec<Layer>,
+    /// Whether a ramp may have cleared some of it at one place, so that it is another by mean floors.
+    pub sloped: bool,
 }
 
 /// Layers beyond which floors are joined, each to the next higher one: never less material (assumption).
@@ -93,24 +95,25 @@ impl Stock {
         }
     }
 
-    /// What of a cutter is in material that the swaths `around` it, the lowest first, and its own have left: at a place, or anywhere on a
-    /// step.
+    /// What of a cutter is in material that the swaths `around` it, the lowest first by `floors`, and its own have left: at a place, or
+    /// anywhere on a step.
     ///
     /// A swath takes its angles from what is still in material, the lowest swaths first: a layer higher up has nothing in
     /// material that the one below it has not. So each swath is looked at once, and only near what is left.
-    pub(crate) fn engaged(&self, around: &[&Swath], own: Option<&Swath>, step: &Step) -> Engaged {
+    pub(crate) fn engaged(&self, around: &[&Swath], own: Option<&Swath>, step: &Step, floors: Floors) -> Engaged {
+        let floor = |swath: &Swath| floors.of(swath);
         let low = step.bottom.max(self.base);
         if low >= self.top {
             return Engaged::default();
         }
         let mut front = Front::new(step);
         self.clear_outside(&mut front);
-        let own_place = own.map_or(around.len(), |own| around.partition_point(|swath| swath.floor < own.floor));
+        let own_place = own.map_or(around.len(), |own| around.partition_point(|swath| floor(swath) < floor(own)));
         let (lower, higher) = around.split_at(own_place);
         let all = lower.iter().copied().chain(own).chain(higher.iter().copied());
-        let mut rest = all.take_while(|swath| swath.floor < self.top).peekable();
+        let mut rest = all.take_while(|swath| floor(swath) < self.top).peekable();
         while !front.is_clear() {
-            let Some(swath) = rest.next_if(|swath| swath.floor <= low + LEVEL) else { break };
+            let Some(swath) = rest.next_if(|swath| floor(swath) <= low + LEVEL) else { break };
             front.clear(swath);
         }
         let mut angles = front.angles();
@@ -118,20 +121,24 @@ impl Stock {
             // Nor is there anything higher up.
             return Engaged::default();
         }
+        let sloped = step.is_place()
+            && floors == Floors::Highest
+            && (around.iter().copied().chain(own))
+                .any(|swath| swath.slopes_between(low + LEVEL, self.top) && front.meets(swath));
         let mut count = 0;
         let mut last = low;
-        for swath in rest.clone().filter(|swath| swath.floor > low + LEVEL) {
-            count += usize::from(swath.floor - last >= LEVEL);
-            last = swath.floor;
+        for swath in rest.clone().filter(|swath| floor(swath) > low + LEVEL) {
+            count += usize::from(floor(swath) - last >= LEVEL);
+            last = floor(swath);
         }
         let thin = if count > LAYERS { (self.top - low) / LAYERS as f64 } else { 0.0 };
         let mut layers = Vec::new();
         let mut from = low;
         while !front.is_clear() {
             // Floors that are too near to the last one are joined to the next one.
-            let Some(level) = rest.clone().map(|swath| swath.floor).find(|floor| *floor >= from + thin) else { break };
+            let Some(level) = rest.clone().map(floor).find(|floor| *floor >= from + thin) else { break };
             let mut changed = false;
-            while let Some(swath) = rest.next_if(|swath| swath.floor <= level + LEVEL) {
+            while let Some(swath) = rest.next_if(|swath| floor(swath) <= level + LEVEL) {
                 changed |= front.clear(swath);
             }
             // A layer begins only where something has been cleared above it.
@@ -143,12 +150,12 @@ impl Stock {
                     from = level;
                 }
                 if angles.is_empty() {
-                    return Engaged { layers };
+                    return Engaged { layers, sloped };
                 }
             }
         }
         layers.push(Layer { height: self.top - from, radius: step.radius(), slope: 1.0, angles });
-        Engaged { layers }
+        Engaged { layers, sloped }
     }
 }
 

@@ -81,7 +81,8 @@ impl Step {
         self.rims[0].0.radius
     }
 
-    fn is_place(&self) -> bool {
+    /// Whether it is one place.
+    pub fn is_place(&self) -> bool {
         self.half == 0.0
     }
 
@@ -162,6 +163,11 @@ impl<'s> Front<'s> {
             middles: [first, if self.step.is_place() { first } else { on(last, middle) }],
             reach,
         }
+    }
+
+    /// Whether a swath may hold a point of what is in material at one place.
+    pub fn meets(&self, swath: &Swath) -> bool {
+        self.parts.iter().any(|part| swath.track.reaches(part.middles[0], swath.radius + part.reach))
     }
 
     /// Takes what a swath holds all along the step out; whether there was anything.

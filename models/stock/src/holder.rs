@@ -2,6 +2,7 @@
 
 use crate::cutting::{Cutting, Piece};
 use crate::front::{Place, Step};
+use crate::swath::Floors;
 use std::f64::consts::PI;
 use toolroom_contour::Point;
 
@@ -33,7 +34,7 @@ impl Cutting {
     /// Whether the lower face meets material at a place: an island between its middle and its rim.
     fn face_meets(&self, holder: &Holder, centre: Point, tip: f64) -> bool {
         let around = self.index().near(centre, holder.radius);
-        self.disc(&around, centre, holder.radius, tip + holder.overhang, RINGS).0 > 0.0
+        self.disc(&around, centre, holder.radius, tip + holder.overhang, RINGS, Floors::Highest).0 > 0.0
     }
 
     fn rim_meets(&self, holder: &Holder, piece: &Piece) -> bool {
@@ -48,7 +49,7 @@ impl Cutting {
                 let heading = path.heading + path.curvature * way;
                 [heading, heading + PI].into_iter().any(|heading| {
                     let place = Place { centre: path.at(way), radius: holder.radius, bottom, heading };
-                    !self.stock().engaged(&around, None, &Step::at(&place, slack)).layers.is_empty()
+                    !self.stock().engaged(&around, None, &Step::at(&place, slack), Floors::Highest).layers.is_empty()
                 })
             };
             if !meets(middle, half * moves) {

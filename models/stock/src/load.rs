@@ -151,7 +151,7 @@ mod tests {
             (Milling::Up, (FRAC_PI_2 - angle, FRAC_PI_2)),
         ] {
             let layer = Layer { height: depth, radius, slope: 1.0, angles: vec![angles] };
-            let engaged = Engaged { layers: vec![layer] };
+            let engaged = Engaged { layers: vec![layer], sloped: false };
             let load = Load::of(&engaged, &tool, feed, speed).expect("a load");
             let forces = edge.mean(angle, depth, teeth, milling).at(feed_per_tooth);
             assert!((load.power - forces.tangential * speed * radius).abs() < 1e-9 * load.power, "{milling:?}");

@@ -177,7 +177,7 @@ impl Map {
         for i in 0..LAYERS {
             self.layer(&mut layers, &depths, ((f64::from(i) + 0.5) * height, height), (radius, 1.0));
         }
-        Engaged { layers }
+        Engaged { layers, sloped: false }
     }
 
     /// How far material reaches above `bottom` in front of every direction of the front half of a rim, m.

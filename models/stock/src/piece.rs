@@ -1,10 +1,10 @@
 //! A piece of a path through the stock, step by step.
 
-use crate::cutting::{Cut, Cutting, Encounter, Look, MARGIN, Piece, Sums};
+use crate::cutting::{Cut, Cutting, Encounter, Look, MARGIN, Piece, RAMP_RINGS, Sums};
 use crate::engaged::Engaged;
 use crate::front::{Place, Step};
 use crate::load::{Load, Tool, wear_rate};
-use crate::swath::Swath;
+use crate::swath::{Floors, Swath, by_mean_floors};
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::rc::Rc;
@@ -18,8 +18,6 @@ const ALIKE: f64 = 0.1;
 const LONGEST: f64 = 0.25;
 /// Steps are not halved below this share of the cutter's radius.
 const SHORTEST: f64 = 0.02;
-/// Rings of the end of a cutter on a ramp.
-const RAMP_RINGS: u32 = 12;
 
 /// A piece among those of its motion, with who looks: the way before it and the whole way, m.
 type PieceInMotion<'r, 'l> = (&'r mut Look<'l>, f64, f64);
@@ -56,27 +54,30 @@ impl Cutting {
     ) {
         let (path, radius) = (&piece.path, tool.radius);
         let low = piece.from.min(piece.to);
-        let middle_height = 0.5 * (piece.from + piece.to);
+        let middle_height = piece.mean();
         // Greatest way of a rim point for a way of the centre.
         let moves = 1.0 + radius * path.curvature.abs();
         let own_way = |way: f64| self.own_way(piece, radius, way);
         let anywhere = |around: &[&Swath], (from, to): (f64, f64), slack: f64| {
             let step = Step::between(path, (from, to), (radius, low), slack);
-            self.stock().engaged(around, own_way(from).as_ref(), &step)
+            self.stock().engaged(around, own_way(from).as_ref(), &step, Floors::Highest)
         };
         let sample = |around: &[&Swath], way: f64, bottom: f64| {
             let heading = path.heading + path.curvature * way;
             let place = Place { centre: path.at(way), radius, bottom, heading };
-            self.stock().engaged(around, own_way(way).as_ref(), &Step::at(&place, 0.0))
+            self.stock().engaged(around, own_way(way).as_ref(), &Step::at(&place, 0.0), Floors::Highest)
         };
         // On a ramp the end of the cutter takes off what its rim has not: all that stands in its way at the start of a piece.
-        // What is counted as removed is what counts as gone, down to the floor of the piece.
-        let floor = piece.from.max(piece.to);
-        let ramp = piece.from != piece.to;
-        if ramp && floor < self.stock().top {
+        // What is counted as removed is what counts as gone in the mean of each piece: steps whose middles lie on the ramp.
+        if piece.from != piece.to && middle_height < self.stock().top {
             let around = self.index().near(path.start, radius);
-            cut.removed += self.disc(&around, path.start, radius, floor, RAMP_RINGS).0;
+            cut.removed += self.disc_volume(&around, path.start, radius, middle_height, RAMP_RINGS);
         }
+        let section_at_mean = |around: &[&Swath], way: f64| {
+            let heading = path.heading + path.curvature * way;
+            let place = Place { centre: path.at(way), radius, bottom: middle_height, heading };
+            self.stock().engaged(around, own_way(way).as_ref(), &Step::at(&place, 0.0), Floors::Mean).area()
+        };
         let margin = if among.is_some() { MARGIN } else { 0.0 };
         // Where there has never been anything, no swath is asked.
         let never = anywhere(&[], (0.0, path.length), margin).layers.is_empty();
@@ -138,11 +139,14 @@ impl Cutting {
             }
             cut.take(samples, &bound);
             // Simpson's rule over the step.
-            let [first, second, third] = if ramp {
-                [from, middle, to].map(|way| sample(around, way, floor).area())
-            } else {
-                [first, second, third]
+            // Where a ramp may have cleared something volumes are those of mean floors.
+            let sloped = samples.iter().any(|engaged| engaged.sloped);
+            let swaths = by_mean_floors(around, (middle_height, self.stock().top)).filter(|_| sloped);
+            let section = |way: f64, sample: &Engaged| match &swaths {
+                Some(swaths) if sample.sloped => section_at_mean(swaths, way),
+                Some(_) | None => sample.area(),
             };
+            let [first, second, third] = [section(from, &begin), section(middle, &halfway), section(to, &end)];
             cut.removed += (to - from) * (first + 4.0 * second + third) / 6.0;
             sums.take(samples, to - from, |engaged| wear_rate(engaged, tool, feed, speed));
             if let Some(load) = Load::most(&bound, samples, tool, feed, speed) {
@@ -160,6 +164,7 @@ impl Cutting {
         let path = piece.path;
         let narrow = path.curvature.abs() * radius > 1.0;
         let track = || Track::new(Section { length: way, ..path });
-        (narrow && way > 0.0).then(|| Swath { track: track(), radius, floor: piece.from.min(piece.to) })
+        let floor = piece.from.min(piece.to);
+        (narrow && way > 0.0).then(|| Swath { track: track(), radius, floor, mean: piece.mean() })
     }
 }

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_contour::{Cutter, Machine, PARAMETER_SETS, Parameters, Point};
 use toolroom_form::{Fault, Form, FormFile, Key, Kind, ReadError, Section, Value, Walk, parse, read};
+use toolroom_program::Control;
 
 /// Stock and tools of a part program.
 ///
@@ -46,6 +47,8 @@ pub struct Setup {
     pub limits: BTreeMap<u32, FeedLimits>,
     /// Spindle speeds that a plan may choose for each tool, rad/s, by its number: those of the machine of its parameter set.
     pub speeds: BTreeMap<u32, Vec<f64>>,
+    /// Origins of work offsets, X, Y and Z in mm, by the number of their code.
+    pub origins: BTreeMap<u32, [f64; 3]>,
     /// Machine file or preset that the file names.
     pub drives: Option<String>,
     /// Cell of a grid of heights that the file gives, m.
@@ -212,6 +215,26 @@ static TOOL: Form = Form {
     ],
 };
 
+/// Codes of the work offsets, from 54 on.
+const OFFSETS: [&str; 6] = ["G54", "G55", "G56", "G57", "G58", "G59"];
+
+static ORIGINS: Form = Form {
+    title: "[offsets]",
+    doc: "Origins of the work offsets against each other; without them a program may cut in one of them alone",
+    keys: &[
+        Key::optional(
+            OFFSETS[0],
+            CORNER,
+            "Origin, X, Y and Z, 0 if left out; the stock lies in the coordinates of G54",
+        ),
+        Key::optional(OFFSETS[1], CORNER, "Origin, X, Y and Z"),
+        Key::optional(OFFSETS[2], CORNER, "Origin, X, Y and Z"),
+        Key::optional(OFFSETS[3], CORNER, "Origin, X, Y and Z"),
+        Key::optional(OFFSETS[4], CORNER, "Origin, X, Y and Z"),
+        Key::optional(OFFSETS[5], CORNER, "Origin, X, Y and Z"),
+    ],
+};
+
 /// Keys of a setup file of a part program.
 pub static SETUP: Form = Form {
     title: "the setup of a part program",
@@ -220,6 +243,7 @@ pub static SETUP: Form = Form {
         Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
         Key::optional("drives", Kind::Text, "Machine file, from the folder of this file, or a preset"),
         Key::required("stock", Kind::Table(&STOCK), "What is cut"),
+        Key::optional("offsets", Kind::Table(&ORIGINS), "How the work offsets of the program lie to each other"),
         Key::optional("finished_part", Kind::Table(&PART), "The part that should be left"),
         Key::optional("limits", Kind::Table(&LIMITS), "What planned feeds have to keep"),
         Key::optional("tool", Kind::Tables(&TOOL), "Tools of the program"),
@@ -248,6 +272,13 @@ impl Setup {
         let name = self.drives.as_deref()?;
         let beside = file.with_file_name(name);
         Some(if beside.exists() { beside } else { name.into() })
+    }
+
+    /// Tells a control what the setup says: diameters of the tools, how the work offsets lie, and that what is cut lies in one place.
+    pub fn tell(&self, control: &mut Control) {
+        control.diameters.extend(self.tools.iter().map(|(number, tool)| (*number, 2e3 * tool.radius)));
+        control.origins.extend(&self.origins);
+        control.one_place = true;
     }
 
     /// Cell of the grid of heights that the stock has to be, m; `None` where all tools are flat and no cell is given.
@@ -439,8 +470,23 @@ fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
         let Some(end) = end(walk, &section, 0.5 * diameter) else { continue };
         tools.insert(number as u32, Tool { radius: 0.5 * diameter, end, teeth: teeth as f64, force, holder });
     }
+    let mut origins = BTreeMap::new();
+    if let Some(section) = walk.table(root, "offsets") {
+        for (code, key) in (54..).zip(OFFSETS).filter(|(_, key)| section.given(key)) {
+            match section.numbers(key).as_deref() {
+                Some([x, y, z]) => {
+                    origins.insert(code, [x, y, z].map(|place| 1e3 * place));
+                }
+                _ => {
+                    let (read, expected) = ("other values".to_owned(), "X, Y and Z".to_owned());
+                    let example = "[\"100 mm\", \"0 mm\", \"0 mm\"]".to_owned();
+                    walk.fault(section.span_of(key), Fault::WrongType { key: key.to_owned(), read, expected, example });
+                }
+            }
+        }
+    }
     let drives = root.text("drives").map(str::to_owned);
-    Some(Setup { stock: stock?, part, tools, names, hollow, limits, speeds, drives, resolution })
+    Some(Setup { stock: stock?, part, tools, names, hollow, limits, speeds, origins, drives, resolution })
 }
 
 #[cfg(test)]
@@ -477,6 +523,37 @@ mod tests {
         ] {
             let error = read(tool).expect_err("a fault");
             assert!(error.contains(key), "{tool}: {error}");
+        }
+    }
+
+    #[test]
+    fn two_parts_in_two_work_offsets_are_cut_where_they_lie_or_not_at_all() {
+        let text =
+            "G21 G90 T1 M6\nS3000 M3\nG54 G0 X-8. Y10. Z-4.\nG1 X30. F400\nG0 Z5.\nG55 X-8. Y10.\nZ-4.\nG1 X30.\nM30\n";
+        let removed = |setup: &str| {
+            let setup = read(setup).expect("a setup");
+            let mut control = Control::default();
+            setup.tell(&mut control);
+            let mut follower = crate::Follower::new(&setup);
+            for event in toolroom_program::Run::new(text, &control).map_err(|error| error.to_string())? {
+                let kind = event.map_err(|error| error.to_string())?.kind;
+                if let toolroom_program::EventKind::ToolChange(tool) = kind {
+                    follower.change(tool);
+                }
+                if let toolroom_program::EventKind::Motion(motion) = kind {
+                    follower.motion(&motion).map_err(|error| error.to_string())?;
+                }
+            }
+            Ok::<f64, String>(1e9 * follower.cutting().removed())
+        };
+        let slot = 4.0 * (10.0 * 30.0 + 0.5 * std::f64::consts::PI * 25.0);
+        // G55 lies 20 mm behind G54, so that there are two slots.
+        let two = removed("[offsets]\nG55 = [\"0 mm\", \"20 mm\", \"0 mm\"]").expect("two parts");
+        assert!((two - 2.0 * slot).abs() < 1e-3 * slot, "{two} mm3, {slot}");
+        let refused = removed("").expect_err("nobody knows where the second lies");
+        assert!(refused.contains("8:") && refused.contains("[offsets]"), "{refused}");
+        for wrong in ["G55 = [\"0 mm\", \"20 mm\"]", "G60 = [\"0 mm\", \"20 mm\", \"0 mm\"]"] {
+            assert!(read(&format!("[offsets]\n{wrong}")).is_err(), "{wrong}");
         }
     }
 }

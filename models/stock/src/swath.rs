@@ -10,8 +10,45 @@ pub(crate) struct Swath {
     pub track: Track,
     /// m.
     pub radius: f64,
-    /// Height of the lowest place that is cleared everywhere along it, m.
+    /// Height of the lowest place that is cleared everywhere along it, m: on a ramp that of its higher end.
     pub floor: f64,
+    /// Height of its floor in the mean, m, which volumes are counted with: other than `floor` on a ramp alone.
+    pub mean: f64,
+}
+
+/// Which of its two floors counts of a swath.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Floors {
+    /// That of its higher end: no less material than there is.
+    Highest,
+    /// That in its mean, for volumes.
+    Mean,
+}
+
+impl Floors {
+    /// The floor of a swath that counts, m.
+    pub fn of(self, swath: &Swath) -> f64 {
+        match self {
+            Self::Highest => swath.floor,
+            Self::Mean => swath.mean,
+        }
+    }
+}
+
+impl Swath {
+    /// Whether its two floors make a difference to what lies between two heights, m.
+    pub fn slopes_between(&self, low: f64, top: f64) -> bool {
+        self.mean != self.floor && self.mean.max(self.floor) > low && self.mean.min(self.floor) < top
+    }
+}
+
+/// Swaths by their mean floors, the lowest first; `None` where these make no difference between two heights, m.
+pub(crate) fn by_mean_floors<'s>(around: &[&'s Swath], (low, top): (f64, f64)) -> Option<Vec<&'s Swath>> {
+    around.iter().any(|swath| swath.slopes_between(low, top)).then(|| {
+        let mut swaths = around.to_vec();
+        swaths.sort_by(|a, b| a.mean.total_cmp(&b.mean));
+        swaths
+    })
 }
 
 /// Swaths in the squares that they touch.
@@ -72,8 +109,9 @@ impl Index {
         let number = self.swaths.len() as u32;
         match self.paths.entry(key(&swath)) {
             Entry::Occupied(before) => {
-                let floor = &mut self.swaths[*before.get() as usize].floor;
-                *floor = floor.min(swath.floor);
+                let known = &mut self.swaths[*before.get() as usize];
+                known.floor = known.floor.min(swath.floor);
+                known.mean = known.mean.min(swath.mean);
                 return;
             }
             Entry::Vacant(place) => {

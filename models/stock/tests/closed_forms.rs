@@ -148,6 +148,32 @@ fn what_is_engaged_is_what_is_gone() {
     assert!((sum / gone - 1.0).abs() < 5e-3, "{sum} {gone}");
 }
 
+/// A ramp of length L into solid material takes d·(R·L + π·R²): half of the prism under the way of its width, and the whole end of the
+/// cutter at its lower end. The level way back takes the rest of the slot, and the ramp run again takes nothing.
+#[test]
+fn a_ramp_removes_its_closed_form_motion_by_motion() {
+    let (radius, length, depth) = (5.0, 40.0, 4.0);
+    let ramp = depth * (radius * length + PI * radius * radius);
+    let slot = depth * (2.0 * radius * length + PI * radius * radius);
+    for (text, expected) in [
+        ("G0 X10 Y25 Z0\nG1 X50 Z-4 F500\nX10\nX50\n", vec![ramp, slot - ramp, 0.0]),
+        ("G0 X10 Y25 Z0\nG1 X50 Z-4 F500\nX10 Z0\nX50 Z-4\n", vec![ramp, 0.0, 0.0]),
+        // Out of the material again, and from above it.
+        ("G0 X50 Y25 Z5\nG1 Z-4 F500\nX10 Z0\n", vec![PI * radius * radius * depth, depth * radius * length]),
+        ("G0 X5 Y25 Z0.5\nG1 X50 Z-4 F500\n", vec![ramp]),
+        // Half a turn about (30, 25) with the radius 8: the prism of its ring and the end of the cutter.
+        ("G0 X38 Y25 Z0\nG3 X22 Y25 Z-4 I-8 F500\n", vec![depth * (radius * PI * 8.0 + PI * radius * radius)]),
+    ] {
+        let (cuts, cutting) = run(text, block(0.06, 0.05), 1e-3 * radius);
+        let removed: Vec<f64> = cuts.iter().map(|cut| cut.removed * 1e9).collect();
+        for (found, exact) in removed.iter().zip(&expected) {
+            assert!((found - exact).abs() < 3e-3 * ramp, "{text}: {removed:?} {expected:?}");
+        }
+        assert_eq!(removed.len(), expected.len());
+        assert!((cutting.removed() * 1e9 - expected.iter().sum::<f64>()).abs() < 3e-3 * ramp);
+    }
+}
+
 /// Turns that follow the same path deeper and deeper leave as many floors as there are lines in them: what they take off
 /// together is a prism, the region within the radius of their polygon.
 #[test]
@@ -168,7 +194,7 @@ fn a_helix_of_short_lines_removes_its_prism() {
     let polygon = 0.5 * f64::from(sides) * reach * reach * (2.0 * PI / f64::from(sides)).sin();
     let area = polygon + f64::from(sides) * side * radius + PI * radius * radius;
     let share = cutting.removed() * 1e9 / (area * depth);
-    // Floors are those of the higher end of each line.
+    // The ends of the lines are looked at by few rings.
     assert!((share - 1.0).abs() < 0.01, "{share}");
 }
 

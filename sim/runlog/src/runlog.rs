@@ -305,6 +305,8 @@ pub struct JobRow {
     pub finish: f64,
     /// Due, s.
     pub due: f64,
+    /// Time of its operations in process, s, as far as they have ended.
+    pub in_process: f64,
     /// The job from which an inspection divided it.
     pub divided_from: Option<u32>,
     /// How it ended.
@@ -315,7 +317,8 @@ impl JobRow {
     /// A job that comes at `arrival`, s, and is due at `due`, s; of no order.
     pub fn new(part: u32, quantity: u32, arrival: f64, due: f64) -> Self {
         let (start, finish, outcome) = (f64::NAN, f64::NAN, JobOutcome::InProcess);
-        Self { part, order: None, quantity, lot: 1, arrival, start, finish, due, divided_from: None, outcome }
+        let (in_process, divided_from) = (0.0, None);
+        Self { part, order: None, quantity, lot: 1, arrival, start, finish, due, in_process, divided_from, outcome }
     }
 }
 

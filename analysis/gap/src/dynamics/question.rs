@@ -1,7 +1,7 @@
 //! Three hypotheses about a structure over a grid of frequency, damping and depth, and what cuts say of them.
 
-use super::super::NominalModel;
-use super::{DriftExplanation, DynamicsDrift, StructureChange};
+use crate::NominalModel;
+use crate::drift::{DriftExplanation, DynamicsDrift, StructureChange};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

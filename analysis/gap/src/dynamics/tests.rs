@@ -1,5 +1,5 @@
 use super::*;
-use crate::Settings;
+use crate::{Settings, StructureChange};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

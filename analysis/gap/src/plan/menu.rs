@@ -99,7 +99,7 @@ pub(super) fn channels(records: &Records) -> Vec<&'static str> {
 pub(super) fn blocks(records: &Records) -> Vec<Offered> {
     let recipes = match records.kind {
         RecordKind::Grinding => GRINDING,
-        RecordKind::Shop | RecordKind::Program => &[],
+        RecordKind::Shop | RecordKind::Orders | RecordKind::Program => &[],
         RecordKind::Turning | RecordKind::Milling | RecordKind::Empirical => CUTTING,
     };
     recipes.iter().filter_map(|recipe| block(records, recipe)).collect()

@@ -293,13 +293,11 @@ fn text(inputs: &Inputs<'_>, worked: &[Worked<'_>]) -> String {
         let _ = if !analysis.replacement_seen() {
             writeln!(text, "{first}: when to replace is not reached by t = {} min", number(analysis.reach.last, 3))
         } else if best.age.is_finite() {
-            writeln!(
-                text,
-                "{first}: replace at {} min, saves {:.1} % against {}",
-                number(best.age, 3),
-                100.0 * best.saving(),
-                analysis.until_the_end()
-            )
+            let saves = match analysis.reach.reaches_mean() {
+                true => format!(", saves {:.1} % against {}", 100.0 * best.saving(), analysis.until_the_end()),
+                false => String::new(),
+            };
+            writeln!(text, "{first}: replace at {} min{saves}", number(best.age, 3))
         } else {
             let end = if analysis.limit_is_seen { "use every edge up to its limit" } else { "run to failure" };
             writeln!(text, "{first}: {end}, replacing by age does not pay")

@@ -90,7 +90,8 @@ mod tests {
 
     #[test]
     fn a_second_log_comes_whole_weeks_later_with_edges_of_its_own_unless_it_does_by_itself() {
-        let shop = Shop { stations: Vec::new(), programs: BTreeMap::new() };
+        let shop =
+            Shop { stations: Vec::new(), programs: BTreeMap::new(), sources: Vec::new(), other_sources: Vec::new() };
         let log = |times: [f64; 2]| {
             let mut records = Records::new(RecordKind::Shop, 2);
             records.set_numbers("time", times.into());

@@ -40,7 +40,7 @@ pub use constant::Constant;
 pub use kpi::{ShopKpi, mix};
 pub use logs::{LogGroup, after, groups_of};
 pub use model::ShopModel;
-pub use nominal::{EdgeLife, Program, Shop, Station};
+pub use nominal::{EdgeLife, JobSource, Program, Shop, Station};
 pub use state::State;
 pub use stops::Shape;
 pub use visit::{Breakdowns, SHORT_STOP, Visit, Visits, visits};

@@ -6,7 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use toolroom_facts::survival::Life;
 use toolroom_scenario::{
-    Cut, Distribution, FailureMode, Occasion, ProcessModel, Scenario, ShiftCalendar, ShopConstant, Work, calibrated,
+    Arrival, ArrivalPattern, Cut, Distribution, FailureMode, Occasion, ProcessModel, Scenario, ShiftCalendar,
+    ShopConstant, Stock, Work, calibrated,
 };
 use toolroom_shop::RunLog;
 use toolroom_shop::programmed_cutting_times;
@@ -61,6 +62,15 @@ pub struct EdgeLife {
     pub land: f64,
 }
 
+/// A source of jobs that come by chance.
+#[derive(Clone, Debug)]
+pub struct JobSource {
+    /// Its part, which no other source brings.
+    pub part: String,
+    /// Time between two jobs, s; what the file states of it is in it.
+    pub interval: Distribution,
+}
+
 /// The nominal shop.
 #[derive(Clone, Debug)]
 pub struct Shop {
@@ -68,6 +78,10 @@ pub struct Shop {
     pub stations: Vec<Station>,
     /// Programs by `part/operation`.
     pub programs: BTreeMap<String, Program>,
+    /// Sources whose jobs a log tells from all others.
+    pub sources: Vec<JobSource>,
+    /// Parts of the other sources: of fixed times, of several parts, of parts that come from elsewhere as well.
+    pub other_sources: Vec<String>,
 }
 
 impl Shop {
@@ -86,6 +100,7 @@ impl Shop {
 
     fn with_lives(scenario: &Scenario, log: &RunLog) -> Self {
         let failures: Vec<FailureMode> = scenario.failures.iter().map(|mode| stated(scenario, mode)).collect();
+        let (sources, other_sources) = sources(scenario);
         // What the file states of the shop itself is counted from there, not simulated into it.
         let planned = Scenario { deviations: Vec::new(), calibrations: Vec::new(), ..scenario.clone() };
         let scenario = &planned;
@@ -117,7 +132,7 @@ impl Shop {
             }
         }
         let station = |index: usize| station(scenario, &failures, index, log);
-        Self { stations: (0..scenario.machines.len()).map(station).collect(), programs }
+        Self { stations: (0..scenario.machines.len()).map(station).collect(), programs, sources, other_sources }
     }
 
     /// The station of a machine's name.
@@ -155,15 +170,52 @@ fn feed_speed(cut: &Cut, duration: f64, process: &ProcessModel) -> f64 {
     }
 }
 
+/// A law with what the file states of its mean at a place.
+fn moved(scenario: &Scenario, constant: ShopConstant, place: &Occasion, law: &Distribution) -> Distribution {
+    let mean = law.mean();
+    let factor = calibrated(&scenario.calibrations, constant, place, mean) / mean;
+    if factor.is_finite() && factor > 0.0 { law.scaled(factor) } else { law.clone() }
+}
+
+/// Sources of one part each, which nothing else brings, whose jobs come by chance; and the parts of all others.
+fn sources(scenario: &Scenario) -> (Vec<JobSource>, Vec<String>) {
+    let alone = |part: usize| {
+        let bring = scenario.arrivals.iter().filter(|source| source.brings(part)).count();
+        let refilled = |stock: &Stock| stock.reorder.as_ref().is_some_and(|reorder| reorder.lead.is_none());
+        let stocked = scenario.shared.stocks.iter().any(|stock| stock.part == part && refilled(stock));
+        bring == 1 && !stocked && scenario.orders.iter().all(|order| order.part != part)
+    };
+    let source = |own: &Arrival| {
+        let [(part, _)] = own.parts[..] else { return None };
+        let law = match &own.pattern {
+            ArrivalPattern::Poisson { rate } => Distribution::Exponential { mean: 1.0 / rate },
+            ArrivalPattern::Renewal(Distribution::Constant(_))
+            | ArrivalPattern::Schedule(_)
+            | ArrivalPattern::Batch { .. }
+            | ArrivalPattern::ConstantWork { .. } => return None,
+            ArrivalPattern::Renewal(law) => law.clone(),
+        };
+        let name = scenario.parts[part].name.clone();
+        let mut place = Occasion::default();
+        place.set("part", name.as_str());
+        let interval = moved(scenario, ShopConstant::ArrivalInterval, &place, &law);
+        alone(part).then_some(JobSource { part: name, interval })
+    };
+    let (mut tested, mut others) = (Vec::new(), Vec::new());
+    for own in &scenario.arrivals {
+        match source(own) {
+            Some(source) => tested.push(source),
+            None => others.push(own.parts_named(&scenario.parts)),
+        }
+    }
+    (tested, others)
+}
+
 /// A failure mode with what the file states of its times: no block of a log is compared with them.
 fn stated(scenario: &Scenario, mode: &FailureMode) -> FailureMode {
     let mut place = Occasion::default();
     place.set("machine", scenario.machines[mode.machine].name.as_str());
-    let moved = |constant: ShopConstant, law: &Distribution| {
-        let mean = law.mean();
-        let factor = calibrated(&scenario.calibrations, constant, &place, mean) / mean;
-        if factor.is_finite() && factor > 0.0 { law.scaled(factor) } else { law.clone() }
-    };
+    let moved = |constant: ShopConstant, law: &Distribution| moved(scenario, constant, &place, law);
     FailureMode {
         time_between: moved(ShopConstant::TimeBetweenFailures, &mode.time_between),
         time_to_repair: moved(ShopConstant::TimeToRepair, &mode.time_to_repair),

@@ -105,7 +105,8 @@ pub struct Vibration {
     pub greatest_force: [f64; 2],
     /// Greatest resultant of both (N).
     pub greatest_resultant: f64,
-    /// Error of the surface location (m), positive where material is left on the wall; of a forced vibration.
+    /// Error of the surface location (m), positive where material is left on the wall; of the series of a forced vibration, also
+    /// where the rest is simulated because teeth run out.
     pub surface_location_error: Option<f64>,
     /// Roughness of the wall at its foot, of milling.
     pub roughness: Option<Roughness>,

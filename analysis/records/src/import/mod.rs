@@ -126,6 +126,7 @@ impl RecordKind {
             Self::Milling => "milling",
             Self::Grinding => "grinding",
             Self::Shop => "shop",
+            Self::Orders => "orders",
             Self::Empirical => "empirical",
             Self::Program => "program",
         }
@@ -136,6 +137,7 @@ impl RecordKind {
         match self {
             Self::Grinding => ("dressing_cycle", "part_in_cycle"),
             Self::Shop => ("machine", "time"),
+            Self::Orders => ("part_type", "arrival_time"),
             Self::Program => ("operation_id", "sequence"),
             Self::Turning | Self::Milling | Self::Empirical => ("tool_id", "sequence"),
         }
@@ -145,7 +147,7 @@ impl RecordKind {
     pub(super) fn generated(self) -> Option<[&'static str; 2]> {
         let (_, order) = self.sequence();
         match self {
-            Self::Shop => None,
+            Self::Shop | Self::Orders => None,
             Self::Grinding => Some([order, "trial_id"]),
             Self::Turning | Self::Milling | Self::Empirical | Self::Program => Some([order, "operation_id"]),
         }

@@ -231,7 +231,7 @@ impl Decision {
             if tuned_constant { "constant speed, tuned".to_owned() } else { policies[other].role.describe() };
         let line = format!(
             "{} on {}: {} {} against {} {}{unit} ({}), difference {}",
-            verdict(outcome, policies[best].role.word(), tuning.is_some(), &difference),
+            verdict(outcome, policies[best].role.word(), tuning.is_some(), (&difference, study.replications)),
             kpi.definition.title.replace(" / ", " per "),
             policies[best].name,
             plain(mean(best), digits),
@@ -289,7 +289,7 @@ fn leading(
     let difference = difference.scaled(definition.display_scale());
     let digits = decimals(mean(other), difference.half_width);
     let resolved = match judge(&difference.scaled(sign)) {
-        Outcome::NoDifference => match needed(&difference) {
+        Outcome::NoDifference => match needed(&difference, study.replications) {
             Some(replications) => format!("; not resolved (needs about {replications} replications)"),
             None => "; not resolved".to_owned(),
         },
@@ -311,13 +311,13 @@ fn leading(
 const NOT_TUNED: &str = "settings are those of the file: whether adapting pays is decided between tuned rules (--tune)";
 
 /// The outcome in words.
-fn verdict(outcome: Outcome, word: &str, tuned: bool, difference: &Interval) -> String {
+fn verdict(outcome: Outcome, word: &str, tuned: bool, (difference, replications): (&Interval, u32)) -> String {
     match (outcome, tuned) {
         (Outcome::Wins, true) => format!("{word} pays"),
         (Outcome::Loses, true) => format!("{word} loses"),
         (Outcome::Wins, false) => format!("{word} wins as set"),
         (Outcome::Loses, false) => format!("{word} loses as set"),
-        (Outcome::NoDifference, _) => match needed(difference) {
+        (Outcome::NoDifference, _) => match needed(difference, replications) {
             Some(replications) => format!("not resolved (needs about {replications} replications)"),
             None => "not resolved".to_owned(),
         },
@@ -325,11 +325,12 @@ fn verdict(outcome: Outcome, word: &str, tuned: bool, difference: &Interval) -> 
     }
 }
 
-/// Replications after which an interval of this width would exclude zero, two digits; `None` where the difference is nothing
-/// but noise, and beyond a hundred thousand.
-fn needed(difference: &Interval) -> Option<u64> {
+/// Replications, as `--replications` counts them, after which the interval of so many would exclude zero, two digits; `None` where
+/// the difference is nothing but noise, and beyond a hundred thousand. An interval over draws of parameters counts the draws,
+/// each of several replications.
+fn needed(difference: &Interval, replications: u32) -> Option<u64> {
     let ratio = difference.half_width / difference.mean;
-    let count = difference.count as f64 * ratio * ratio;
+    let count = f64::from(replications) * ratio * ratio;
     if !(count.is_finite() && count < 1e5) {
         return None;
     }
@@ -358,12 +359,12 @@ fn bounds(scenario: &Scenario, policies: &[PolicyResult], gain: &dyn Fn(usize) -
         let (most, reached) = (gain(oracle), gain(real));
         let share = 100.0 * reached / most;
         (most > 0.0 && share.is_finite()).then(|| {
+            let reached = if share > 0.0 { format!("{} %", plain(share, 0)) } else { "nothing".to_owned() };
             format!(
-                "{} bounds {}: it gains {} over the rival, of which {} % are reached",
+                "{} bounds {}: it gains {} over the rival, of which {reached} is reached",
                 policies[oracle].name,
                 policies[real].name,
                 plain(most, decimals(most, f64::NAN)),
-                plain(share, 0)
             )
         })
     });

@@ -21,7 +21,16 @@ pub struct Row<'a, R> {
 }
 
 enum Source<R> {
-    Real { value: fn(&R) -> f64, per_display: f64 },
+    Real {
+        value: fn(&R) -> f64,
+        per_display: f64,
+    },
+    /// A number that some rows do not have: empty there.
+    Partial {
+        value: fn(&R) -> f64,
+        per_display: f64,
+        is_defined: fn(&Row<'_, R>) -> bool,
+    },
     Count(fn(&Row<'_, R>) -> Option<u32>),
     Text(for<'a> fn(&Row<'a, R>) -> &'a str),
 }
@@ -42,7 +51,7 @@ impl<R> Column<R> {
     /// Kind of its cells.
     pub fn kind(&self) -> Kind {
         match self.source {
-            Source::Real { .. } => Kind::Real,
+            Source::Real { .. } | Source::Partial { .. } => Kind::Real,
             Source::Count(_) => Kind::Count,
             Source::Text(_) => Kind::Text,
         }
@@ -50,9 +59,11 @@ impl<R> Column<R> {
 
     /// Cell of a row.
     pub fn value<'a>(&self, row: &Row<'a, R>) -> Value<'a> {
+        let real = |value: f64| Some(value).filter(|value| value.is_finite());
         match self.source {
-            Source::Real { value, per_display } => {
-                Value::Real(Some(value(row.row) / per_display).filter(|value| value.is_finite()))
+            Source::Real { value, per_display } => Value::Real(real(value(row.row) / per_display)),
+            Source::Partial { value, per_display, is_defined } => {
+                Value::Real(is_defined(row).then(|| value(row.row) / per_display).and_then(real))
             }
             Source::Count(value) => Value::Count(value(row)),
             Source::Text(value) => Value::Text(value(row)),
@@ -63,6 +74,26 @@ impl<R> Column<R> {
 /// A number kept in `si` and shown in `display`.
 fn real<R>(name: &'static str, si: &str, display: &'static str, value: fn(&R) -> f64) -> Column<R> {
     Column { name, unit: display, source: Source::Real { value, per_display: unit::convert(1.0, display, si) } }
+}
+
+/// A number of passes that cut with edges, which wheels do not have.
+fn of_edges(name: &'static str, si: &str, display: &'static str, value: fn(&PassRow) -> f64) -> Column<PassRow> {
+    partial((name, si, display), value, |row| !row.names.is_ground(row.row.part, row.row.operation))
+}
+
+/// A number of passes of wheels alone.
+fn of_wheels(name: &'static str, si: &str, display: &'static str, value: fn(&PassRow) -> f64) -> Column<PassRow> {
+    partial((name, si, display), value, |row| row.names.is_ground(row.row.part, row.row.operation))
+}
+
+/// A number, by name, SI unit and unit of the table, that some rows do not have.
+fn partial<R>(
+    (name, si, display): (&'static str, &str, &'static str),
+    value: fn(&R) -> f64,
+    is_defined: fn(&Row<'_, R>) -> bool,
+) -> Column<R> {
+    let per_display = unit::convert(1.0, display, si);
+    Column { name, unit: display, source: Source::Partial { value, per_display, is_defined } }
 }
 
 fn count<R>(name: &'static str, value: fn(&Row<'_, R>) -> Option<u32>) -> Column<R> {
@@ -78,7 +109,8 @@ fn run<R>() -> [Column<R>; 2] {
     [text("policy", |r| r.names.policy(r.policy)), count("replication", |r| Some(r.replication))]
 }
 
-/// Passes: what was cut, how, and what came of it.
+/// Passes: what was cut or ground, how, and what came of it. What a wheel does not have is empty: speeds, depth and path of an edge,
+/// chatter and roughness; its force is the normal one.
 pub fn operations() -> Vec<Column<PassRow>> {
     let columns = [
         count("job", |r: &Row<'_, PassRow>| Some(r.row.job)),
@@ -90,27 +122,29 @@ pub fn operations() -> Vec<Column<PassRow>> {
         real("start", "s", "min", |row| row.start),
         real("end", "s", "min", |row| row.end),
         real("cutting_time", "s", "min", |row| row.cutting_time),
-        real("cutting_speed_start", "m/s", "m/min", |row| row.speed_start),
-        real("cutting_speed_end", "m/s", "m/min", |row| row.speed_end),
+        of_edges("cutting_speed_start", "m/s", "m/min", |row| row.speed_start),
+        of_edges("cutting_speed_end", "m/s", "m/min", |row| row.speed_end),
         real("feed", "m", "mm", |row| row.feed),
-        real("depth_of_cut", "m", "mm", |row| row.depth_of_cut),
-        real("path", "m", "m", |row| row.path),
+        of_edges("depth_of_cut", "m", "mm", |row| row.depth_of_cut),
+        of_edges("path", "m", "m", |row| row.path),
         real("edge_time", "s", "min", |row| row.edge_time),
         real("flank_wear_start", "m", "mm", |row| row.flank_wear_start),
         real("flank_wear_end", "m", "mm", |row| row.flank_wear_end),
         real("flank_wear_estimate", "m", "mm", |row| row.flank_wear_estimate),
-        real("cutting_force", "N", "N", |row| row.cutting_force),
+        of_edges("cutting_force", "N", "N", |row| row.cutting_force),
         real("spindle_power", "W", "kW", |row| row.spindle_power),
         real("temperature", "K", "K", |row| row.temperature),
         real("energy", "J", "kJ", |row| row.energy),
         real("size_error", "m", "um", |row| row.size_error),
-        real("chatter_time", "s", "min", |row| row.chatter_time),
+        of_edges("chatter_time", "s", "min", |row| row.chatter_time),
         real("stability_margin", "1", "1", |row| row.stability_margin),
-        real("chatter_frequency", "1/s", "Hz", |row| row.chatter_frequency),
-        real("vibration_amplitude", "m", "um", |row| row.vibration_amplitude),
-        real("roughness_ra", "m", "um", |row| row.roughness),
-        real("engaged_time", "s", "min", |row| row.engaged_time),
-        real("cutting_length", "m", "m", |row| row.cutting_length),
+        of_edges("chatter_frequency", "1/s", "Hz", |row| row.chatter_frequency),
+        of_edges("vibration_amplitude", "m", "um", |row| row.vibration_amplitude),
+        of_edges("roughness_ra", "m", "um", |row| row.roughness),
+        of_edges("engaged_time", "s", "min", |row| row.engaged_time),
+        of_edges("cutting_length", "m", "m", |row| row.cutting_length),
+        // What a wheel presses with is no cutting force.
+        of_wheels("normal_force", "N", "N", |row| row.cutting_force),
     ];
     run().into_iter().chain(columns).collect()
 }

@@ -194,7 +194,7 @@ fn independent(description: &ModelDescription, findings: &mut Findings) {
     if times.len() > 1 {
         findings.line(Rule::Description, Severity::Error, times[1].line, "there is more than one independent variable");
     } else if times.is_empty() && description.major == 3 {
-        findings.whole(Rule::Description, Severity::Error, "FMI 3.0 asks for an independent variable, usually time");
+        findings.whole(Rule::Description, Severity::Error, "FMI 3 asks for an independent variable, usually time");
     }
     if description.major == 2 && !times.is_empty() {
         let message = "importers based on FMI Library ask for a start value of the independent variable; it may be left out in FMI 2.0";

@@ -1,7 +1,8 @@
 //! From XML to [`ModelDescription`], fault by fault.
 
 use super::{
-    BaseUnit, Dimension, Experiment, Fault, Interface, ModelDescription, Reading, Unit, Unknown, ValueType, Variable,
+    BaseUnit, DeclaredType, Dimension, Experiment, Fault, Interface, ModelDescription, Reading, Unit, Unknown,
+    ValueType, Variable,
 };
 use crate::xml;
 use roxmltree::Node;
@@ -91,11 +92,12 @@ impl Reader {
             return None;
         }
         let fmi_version = self.required(root, "fmiVersion")?.to_owned();
-        let major = match fmi_version.split('.').next() {
-            Some("2") => 2,
-            Some("3") => 3,
+        // Releases of FMI 3 differ in what an importer may pass over; there is no other FMI 2 than 2.0.
+        let major = match fmi_version.split_once('.') {
+            Some(("2", "0")) => 2,
+            Some(("3", _)) => 3,
             _ => {
-                self.fault(root, format!("fmiVersion = \"{fmi_version}\" is not read; 2.0 and 3.0 are"));
+                self.fault(root, format!("fmiVersion = \"{fmi_version}\" is not read; 2.0 and 3.0 are, and later 3.x"));
                 return None;
             }
         };
@@ -186,15 +188,21 @@ impl Reader {
         units
     }
 
-    /// Types with the unit that they carry; FMI 2.0 has it on a child element.
-    fn types(&mut self, node: Node<'_, '_>) -> BTreeMap<String, Option<String>> {
+    /// Types with what variables take from them; FMI 2.0 has it on a child element.
+    fn types(&mut self, node: Node<'_, '_>) -> BTreeMap<String, DeclaredType> {
         let mut types = BTreeMap::new();
-        for unit_node in elements(node) {
-            let Some(name) = self.required(unit_node, "name") else { continue };
-            let unit =
-                unit_node.attribute("unit").or_else(|| elements(unit_node).find_map(|child| child.attribute("unit")));
-            if types.insert(name.to_owned(), unit.map(str::to_owned)).is_some() {
-                self.fault(unit_node, format!("two types are called {name}"));
+        for type_node in elements(node) {
+            let Some(name) = self.required(type_node, "name") else { continue };
+            let said = |attribute| {
+                let own = type_node.attribute(attribute);
+                own.or_else(|| elements(type_node).find_map(|child| child.attribute(attribute)))
+            };
+            let declared = DeclaredType {
+                unit: said("unit").map(str::to_owned),
+                relative: said("relativeQuantity").is_some_and(is_true),
+            };
+            if types.insert(name.to_owned(), declared).is_some() {
+                self.fault(type_node, format!("two types are called {name}"));
             }
         }
         types
@@ -250,7 +258,10 @@ impl Reader {
                 standard.to_owned()
             });
             let declared_type = typed.attribute("declaredType").map(str::to_owned);
-            let type_unit = || declared_type.as_ref().and_then(|name| description.types.get(name)).cloned().flatten();
+            let from_type = declared_type.as_ref().and_then(|name| description.types.get(name));
+            let type_unit = || from_type.and_then(|declared| declared.unit.clone());
+            let type_relative = from_type.is_some_and(|declared| declared.relative);
+            let relative = typed.attribute("relativeQuantity").map_or(type_relative, is_true);
             let start = typed.attribute("start").map(str::to_owned).or_else(|| {
                 let starts: Vec<&str> = elements(element)
                     .filter(|c| c.tag_name().name() == "Start")
@@ -288,6 +299,7 @@ impl Reader {
                 initial,
                 start,
                 unit,
+                relative,
                 declared_type,
                 min: self.number(typed, "min"),
                 max: self.number(typed, "max"),
@@ -422,4 +434,9 @@ fn default_initial(causality: &str, variability: &str) -> Option<String> {
         _ => "calculated",
     };
     Some(initial.to_owned())
+}
+
+/// An `xs:boolean` that is true.
+pub(super) fn is_true(value: &str) -> bool {
+    matches!(value, "true" | "1")
 }

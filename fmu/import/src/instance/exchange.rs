@@ -66,6 +66,13 @@ pub(super) struct Exchange<E> {
     saved: BTreeMap<Place, Option<f64>>,
     indicators: usize,
     states: Vec<f64>,
+    /// Names of the derivatives, one for each state where none is an array.
+    names: Vec<String>,
+}
+
+/// The first of some numbers that is not finite, with its index.
+fn not_finite(numbers: &[f64]) -> Option<(usize, f64)> {
+    numbers.iter().copied().enumerate().find(|(_, number)| !number.is_finite())
 }
 
 /// Why an integration stopped.
@@ -76,8 +83,10 @@ enum Stop {
 }
 
 impl<E: Equations> Exchange<E> {
-    pub fn new(unit: E) -> Self {
-        Self { unit, next: None, saved: BTreeMap::new(), indicators: 0, states: Vec::new() }
+    /// A driver of `unit`, whose derivatives have these names.
+    pub fn new(unit: E, names: &[String]) -> Self {
+        let names = names.to_vec();
+        Self { unit, next: None, saved: BTreeMap::new(), indicators: 0, states: Vec::new(), names }
     }
 
     /// Settles the discrete states in Event Mode; true where the unit ends the simulation.
@@ -94,7 +103,13 @@ impl<E: Equations> Exchange<E> {
 
     /// Integrates from `time` to `goal` or the first event before it, and says where it is then.
     fn integrate(&mut self, time: &mut f64, goal: f64) -> Result<Stop, CallError> {
-        let Self { unit, states: x, indicators, .. } = self;
+        let Self { unit, states: x, indicators, names, .. } = self;
+        let count = x.len();
+        let told = |time: f64, (i, value): (usize, f64)| {
+            let number = format!("derivative {} of {count}", i + 1);
+            let name = names.get(i).filter(|_| names.len() == count).unwrap_or(&number);
+            format!("at {time} s {name} = {value}, which is no finite number")
+        };
         let (mut before, mut after) = (vec![0.0; *indicators], vec![0.0; *indicators]);
         let mut stages = Stages::new(x.len());
         let mut nominals = vec![1.0; x.len()];
@@ -102,27 +117,39 @@ impl<E: Equations> Exchange<E> {
             unit.states(x)?;
             unit.nominals(&mut nominals)?;
             unit.derivatives(stages.first())?;
+            if let Some(wrong) = not_finite(stages.first()) {
+                return Err(unit.stuck(told(*time, wrong)));
+            }
         }
         let tolerance: Vec<f64> = nominals.iter().map(|nominal| TOLERANCE * nominal.abs()).collect();
         unit.indicators(&mut before)?;
+        if let Some((i, value)) = not_finite(&before) {
+            let wrong = format!("at {time} s event indicator {} = {value}, which is no finite number", i + 1);
+            return Err(unit.stuck(wrong));
+        }
         let mut h = first_step(x, stages.first(), &tolerance, TOLERANCE, goal - *time);
         let least = f64::EPSILON * time.abs().max(goal - *time);
+        let mut wrong = None;
         for _ in 0..MOST_STEPS {
             let last = x.is_empty() || *time + 1.01 * h >= goal;
             let length = if last { goal - *time } else { h };
             let from = *time;
-            let slope = |share: f64, x: &[f64], k: &mut [f64]| match unit
-                .set_point(from + share * length, x)
-                .and_then(|()| unit.derivatives(k))
-            {
-                Err(error) if error.status != "discard" => Err(error),
-                discarded => Ok(discarded.is_ok()),
+            let slope = |share: f64, x: &[f64], k: &mut [f64]| {
+                let time = from + share * length;
+                match unit.set_point(time, x).and_then(|()| unit.derivatives(k)) {
+                    Err(error) if error.status != "discard" => Err(error),
+                    given => {
+                        wrong = given.is_ok().then(|| not_finite(k)).flatten().map(|wrong| (time, wrong));
+                        Ok(given.is_ok() && wrong.is_none())
+                    }
+                }
             };
             let error = stages.step(x, length, &tolerance, TOLERANCE, slope)?;
             if error.is_nan() || error > 1.0 {
                 h = length * if error.is_nan() { 0.1 } else { (0.9 * error.powf(-0.2)).max(0.2) };
                 if h <= least {
-                    return Err(unit.stuck(format!("at {time} s its equations cannot be integrated any further")));
+                    let why = wrong.map_or(String::new(), |(time, wrong)| format!(": {}", told(time, wrong)));
+                    return Err(unit.stuck(format!("at {time} s its equations cannot be integrated any further{why}")));
                 }
                 continue;
             }

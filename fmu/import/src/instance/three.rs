@@ -3,7 +3,7 @@
 #![allow(unsafe_code)] // calls into a C library
 
 use super::exchange::{Equations, Update};
-use super::{CallError, Calls, DISCARD, FATAL, Messages, Place, Port, StepResult, owned};
+use super::{CallError, Calls, DISCARD, FATAL, Messages, Place, Port, ROUNDING, StepResult, owned};
 use crate::description::ValueType;
 use crate::unit::{Functions, Library};
 use fmi::fmi3::binding::{Fmi3Binding, fmi3FMUState, fmi3Instance, fmi3InstanceEnvironment, fmi3Status, fmi3String};
@@ -240,7 +240,8 @@ impl Calls for Three {
     }
 
     fn step(&mut self, time: f64, duration: f64) -> Result<StepResult, CallError> {
-        let (mut event, mut terminate, mut early, mut reached) = (false, false, false, 0.0);
+        // A unit that does not tell how far it came is taken at its word that it is at the end.
+        let (mut event, mut terminate, mut early, mut reached) = (false, false, false, time + duration);
         let status = unsafe {
             self.binding().fmi3DoStep(
                 self.instance,
@@ -266,6 +267,11 @@ impl Calls for Three {
         }
         if early {
             return Err(self.messages.error("fmi3DoStep", "an early return, which was not allowed"));
+        }
+        // Units of fixed steps may be behind the importer's clock by one of theirs, and say so. None is ahead of it.
+        let rounding = ROUNDING * time.abs().max((time + duration).abs());
+        if !reached.is_finite() || reached > time + duration + rounding {
+            return Err(self.messages.error("fmi3DoStep", format!("ok, and {reached} s as the time it reached")));
         }
         Ok(StepResult::Whole)
     }
@@ -400,7 +406,7 @@ impl Equations for Three {
     }
 
     fn completed(&mut self) -> Result<(bool, bool), CallError> {
-        if !self.library.equations.is_some_and(|equations| equations.completed) {
+        if !self.library.equations.as_ref().is_some_and(|equations| equations.completed) {
             return Ok((false, false));
         }
         let (mut event, mut end) = (false, false);

@@ -3,7 +3,7 @@
 #![allow(unsafe_code)] // calls into a C library
 
 use super::exchange::{Equations, Update};
-use super::{CallError, Calls, DISCARD, FATAL, Messages, Place, Port, StepResult, owned};
+use super::{CallError, Calls, DISCARD, FATAL, Messages, Place, Port, ROUNDING, StepResult, owned};
 use crate::description::ValueType;
 use crate::unit::{Functions, Library};
 use fmi::fmi2::binding::{
@@ -36,23 +36,24 @@ impl std::fmt::Debug for Two {
     }
 }
 
-/// The logger has a variable list of arguments in C. Only the named ones are read, which every
-/// calling convention puts where a function without the list expects them; the text is shown
-/// as it came, `%` and all.
-unsafe extern "C" fn logger(
-    environment: *mut c_void,
-    _instance: *const c_char,
-    _status: u32,
-    _category: *const c_char,
-    message: *const c_char,
-) {
+unsafe extern "C" {
+    /// In logger.c: puts the text together from its variable list of arguments.
+    fn toolroom_fmi2_logger(
+        environment: *mut c_void,
+        instance: *const c_char,
+        status: u32,
+        category: *const c_char,
+        message: *const c_char,
+        ...
+    );
+}
+
+/// A text of the unit, from logger.c.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn toolroom_fmi2_message(environment: *mut c_void, message: *const c_char) {
     // SAFETY: the environment is the one that was handed to the unit.
     unsafe { Messages::take(environment, message) }
 }
-
-/// Relative difference of two times that is rounding: 2048 steps of a sum that are rounded (assumption: no unit adds up more
-/// between two communication points whose times it is given).
-const ROUNDING: f64 = 2048.0 * f64::EPSILON;
 
 /// `fmi2LastSuccessfulTime` of `fmi2StatusKind`.
 const LAST_SUCCESSFUL_TIME: u32 = 2;
@@ -64,15 +65,11 @@ unsafe extern "C" {
     fn free(memory: *mut c_void);
 }
 
-type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, u32, *const c_char, *const c_char);
-type VariadicLogger = unsafe extern "C" fn(*mut c_void, *const c_char, u32, *const c_char, *const c_char, ...);
-
 impl Two {
     pub fn new(library: &Arc<Library>) -> Result<Self, CallError> {
         let messages = Box::<Messages>::default();
         let callbacks = Box::new(fmi2CallbackFunctions {
-            // SAFETY: see `logger`.
-            logger: Some(unsafe { std::mem::transmute::<Logger, VariadicLogger>(logger) }),
+            logger: Some(toolroom_fmi2_logger),
             allocateMemory: Some(calloc),
             freeMemory: Some(free),
             stepFinished: None,
@@ -298,7 +295,7 @@ impl Calls for Two {
 
 impl Equations for Two {
     fn sizes(&mut self) -> Result<(usize, usize), CallError> {
-        Ok(self.library.equations.map_or((0, 0), |sizes| (sizes.states as usize, sizes.indicators as usize)))
+        Ok(self.library.equations.as_ref().map_or((0, 0), |sizes| (sizes.states as usize, sizes.indicators as usize)))
     }
 
     fn enter_event_mode(&mut self) -> Result<(), CallError> {
@@ -369,7 +366,7 @@ impl Equations for Two {
     }
 
     fn completed(&mut self) -> Result<(bool, bool), CallError> {
-        if !self.library.equations.is_some_and(|equations| equations.completed) {
+        if !self.library.equations.as_ref().is_some_and(|equations| equations.completed) {
             return Ok((false, false));
         }
         let (mut event, mut end) = (0, 0);

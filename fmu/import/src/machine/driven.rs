@@ -1,8 +1,8 @@
 //! The unit as the shop drives it.
 
-use super::UnitProcess;
+use super::{UnitProcess, refused};
 use crate::instance::Answer;
-use crate::keeping::Turn;
+use crate::keeping::{KeepingError, Turn};
 use toolroom_process::{Advance, Field, MachineProcess, ModelError, ProcessEvent};
 
 impl MachineProcess for UnitProcess {
@@ -70,8 +70,12 @@ impl MachineProcess for UnitProcess {
         if !(dt.is_finite() && dt >= 0.0) {
             return Err(ModelError::Step { seconds: dt });
         }
-        for (field, value) in self.inputs.fields.iter().zip(&*u) {
+        for ((field, wire), value) in self.inputs.fields.iter().zip(&self.inputs.wires).zip(&*u) {
             field.check(*value)?;
+            if let Some((value, [min, max])) = wire.as_ref().and_then(|wire| wire.beyond(*value)) {
+                let reason = format!("{} = {value} is outside {min} to {max} of its description", field.name);
+                return Err(self.refusal(&KeepingError::Impossible(reason)));
+            }
         }
         if dt == 0.0 {
             return Ok(Advance { elapsed: 0.0, event: None });
@@ -79,13 +83,23 @@ impl MachineProcess for UnitProcess {
         let mut input = u.to_vec();
         let (kept, rest) = x.split_at_mut(self.keeping.length());
         let (watched, counted) = rest.split_at_mut(1 + self.events.len() + usize::from(self.grid.is_some()));
+        let step = |kept: &[f64], watched: &[f64]| refused::step(&self.keeping.moment(kept), watched, u, dt);
+        if !self.refused.is_empty()
+            && let Some(reason) = self.refused.tell(&step(kept, watched))
+        {
+            return Err(self.refusal(&KeepingError::Impossible(reason)));
+        }
         let (mut state, mut seen, mut answer) = (kept.to_vec(), watched.to_vec(), Answer::default());
         let work = |turn: &mut Turn<'_>, answer: &mut Answer| {
             let way = self.steps(turn, answer, &mut input, dt, &mut seen)?;
             Ok((way.advance, Some(way.time)))
         };
-        let advance =
-            self.keeping.with(&self.maker(), &mut state, &mut answer, work).map_err(|error| self.refusal(&error))?;
+        let advance = self.keeping.with(&self.maker(), &mut state, &mut answer, work).map_err(|error| {
+            if matches!(error, KeepingError::Call(_)) {
+                self.refused.keep(step(kept, watched), &error.to_string());
+            }
+            self.refusal(&error)
+        })?;
         // The energy is what was read last.
         if let (Some(slot), Some(wire), Some(energy)) = (counted.first_mut(), self.energy, answer.values.last()) {
             *slot = wire.inward(*energy);

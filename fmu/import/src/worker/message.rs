@@ -32,20 +32,41 @@ pub(super) fn send(stream: &mut impl Write, content: &Bytes) -> io::Result<()> {
     stream.write_all(&content.0)
 }
 
-/// Reads a message into `content`; false at the end of the stream.
-pub(super) fn receive(stream: &mut impl Read, content: &mut Vec<u8>) -> io::Result<bool> {
+/// Reads a message into `content`; false at the end of the stream. A stream with a time limit may run into it before the
+/// first byte only: what has begun to come is waited for up to `patience` limits without a byte.
+pub(super) fn receive(stream: &mut impl Read, content: &mut Vec<u8>, patience: u32) -> io::Result<bool> {
     let mut length = [0; 4];
     if stream.read(&mut length[..1])? == 0 {
         return Ok(false);
     }
-    stream.read_exact(&mut length[1..])?;
+    fill(stream, &mut length[1..], patience)?;
     let length = u32::from_le_bytes(length);
     if length > LONGEST {
         return Err(broken());
     }
     content.resize(length as usize, 0);
-    stream.read_exact(content)?;
+    fill(stream, content, patience)?;
     Ok(true)
+}
+
+/// Reads as many bytes as `rest` holds, over pauses of the stream.
+fn fill(stream: &mut impl Read, mut rest: &mut [u8], patience: u32) -> io::Result<()> {
+    let mut pauses = 0;
+    while !rest.is_empty() {
+        match stream.read(rest) {
+            Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
+            Ok(count) => (rest, pauses) = (&mut rest[count..], 0),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) if waits(&error) && pauses < patience => pauses += 1,
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
+}
+
+/// Whether a time limit of a stream was met.
+pub(super) fn waits(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut)
 }
 
 fn broken() -> io::Error {
@@ -246,11 +267,13 @@ impl<'a> Request<'a> {
                 bytes.byte(u8::from(plan.resources.is_some()));
                 bytes.bytes(plan.resources.as_deref().unwrap_or_default().as_bytes());
                 bytes.byte(u8::from(plan.equations.is_some()));
-                let none = Equations { states: 0, indicators: 0, completed: false };
-                let Equations { states, indicators, completed } = plan.equations.unwrap_or(none);
-                bytes.whole(states);
-                bytes.whole(indicators);
-                bytes.byte(u8::from(completed));
+                let none = Equations::default();
+                let Equations { states, indicators, completed, names } = plan.equations.as_ref().unwrap_or(&none);
+                bytes.whole(*states);
+                bytes.whole(*indicators);
+                bytes.byte(u8::from(*completed));
+                bytes.whole(names.len() as u32);
+                names.iter().for_each(|name| bytes.bytes(name.as_bytes()));
             }
             Self::New { number, start_values, start } => {
                 bytes = Bytes::new(1);
@@ -305,7 +328,8 @@ impl<'a> Request<'a> {
                 let resources = has.then_some(resources);
                 let exchange = content.byte()? > 0;
                 let (states, indicators, completed) = (content.whole()?, content.whole()?, content.byte()? > 0);
-                let equations = exchange.then_some(Equations { states, indicators, completed });
+                let names = content.list(Content::text)?;
+                let equations = exchange.then_some(Equations { states, indicators, completed, names });
                 let plan = Plan { major, file, name, token, resources, equations };
                 Self::Load { plan, folder, progress }
             }
@@ -387,15 +411,17 @@ mod tests {
 
     fn content(bytes: &Bytes) -> Vec<u8> {
         let mut content = Vec::new();
-        assert!(receive(&mut bytes.0.as_slice(), &mut content).expect("whole"));
+        assert!(receive(&mut bytes.0.as_slice(), &mut content, 0).expect("whole"));
         content
     }
 
     #[test]
     fn a_plan_is_read_as_it_was_written() {
-        for (resources, equations) in
-            [(None, None), (Some("r/".to_owned()), Some(Equations { states: 2, indicators: 3, completed: true }))]
-        {
+        let names = vec!["der(x)".to_owned(), "der(y)".to_owned()];
+        for (resources, equations) in [
+            (None, None),
+            (Some("r/".to_owned()), Some(Equations { states: 2, indicators: 3, completed: true, names })),
+        ] {
             let [file, name, token] = ["a.so", "a", "{a}"].map(str::to_owned);
             let plan = Plan { major: 3, file, name, token, resources, equations };
             let request = Request::Load { plan, folder: "f".to_owned(), progress: "p".to_owned() };

@@ -13,7 +13,7 @@ pub use serve::serve;
 use crate::description::ValueType;
 use crate::instance::{Action, Answer, Body, CallError, Port, StartValue};
 use crate::unit::{Plan, WorkerProgram};
-use message::{Bytes, Request, read_reply, receive, send};
+use message::{Bytes, Request, read_reply, receive, send, waits};
 use progress::Progress;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader};
@@ -28,6 +28,12 @@ use std::time::{Duration, Instant};
 
 /// Time that a worker has to end by itself (assumption).
 const PATIENCE: Duration = Duration::from_millis(200);
+
+/// Looks at a worker within its time limit: one is noticed to be late by so small a part of it.
+const LOOKS: u32 = 16;
+
+/// Shortest time between two looks (assumption: what the clock of a socket resolves).
+const LEAST_LOOK: Duration = Duration::from_millis(1);
 
 /// Function of FMI that an action calls, for messages.
 fn function(action: &Action<'_>, major: u32, exchange: bool) -> String {
@@ -187,7 +193,7 @@ impl Worker {
             .stdout(Stdio::from(OwnedFd::from(other)))
             .process_group(0) // Ctrl-C is for the program
             .spawn()?;
-        stream.set_read_timeout(Some(program.call_limit))?;
+        stream.set_read_timeout(Some((program.call_limit / LOOKS).max(LEAST_LOOK)))?;
         Ok(Self {
             child,
             reader: BufReader::new(stream.try_clone()?),
@@ -207,17 +213,22 @@ impl Worker {
         if let Some(reason) = &self.dead {
             return Err(failed("the worker".to_owned(), format!("no more: {reason}")));
         }
-        let mut seen = self.progress.look();
+        let (mut seen, mut since) = (self.progress.look(), Instant::now());
         let mut result = send(&mut self.stream, request);
         while result.is_ok() {
-            match receive(&mut self.reader, &mut self.content) {
+            match receive(&mut self.reader, &mut self.content, LOOKS) {
                 Ok(true) => match read_reply(&self.content) {
                     Ok(reply) => return reply,
                     Err(error) => result = Err(error),
                 },
                 Ok(false) => result = Err(io::ErrorKind::UnexpectedEof.into()),
                 // A call that began since the last look has its own time.
-                Err(error) if waits(&error) && self.progress.look() != seen => seen = self.progress.look(),
+                Err(error) if waits(&error) && (self.progress.look() != seen || since.elapsed() < self.limit) => {
+                    let now = self.progress.look();
+                    if now != seen {
+                        (seen, since) = (now, Instant::now());
+                    }
+                }
                 Err(error) => result = Err(error),
             }
         }
@@ -256,10 +267,6 @@ impl Drop for Worker {
         }
         let _ = std::fs::remove_file(&self.file);
     }
-}
-
-fn waits(error: &io::Error) -> bool {
-    matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut)
 }
 
 fn ended(status: ExitStatus) -> String {

@@ -36,7 +36,7 @@ pub fn serve() -> io::Result<()> {
     let mut worker = Worker { folder, library: None, progress: None, instances: BTreeMap::new() };
     let (mut reader, mut writer) = (BufReader::new(stream.try_clone()?), stream);
     let mut content = Vec::new();
-    while receive(&mut reader, &mut content)? {
+    while receive(&mut reader, &mut content, 0)? {
         let reply = worker.handle(Request::read(&content)?);
         send(&mut writer, &write_reply(&reply))?;
     }

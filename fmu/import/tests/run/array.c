@@ -2,7 +2,9 @@
    Its text tells how many steps it took, and what it is called by its string input; it takes steps of one length only.
    Compiled by the tests with -D switches:
    DISCARD  it takes steps of any length up to so many seconds, and discards longer ones. Its speed (m/s) wears 1 um
-            for each metre then. */
+            for each metre then.
+   REACHED  an expression for the time that it says it reached, of `time` and `step` */
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -82,6 +84,9 @@ E int fmi3DoStep(void *u, double time, double step, bool no, bool *event, bool *
     if (step < 0.25 - 1e-9 || step > 0.25 + 1e-9) return 3;
 #endif
     unit->time = *last = time + step;
+#ifdef REACHED
+    *last = REACHED;
+#endif
     unit->steps++;
     return 0;
 }

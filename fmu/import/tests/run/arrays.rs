@@ -18,7 +18,7 @@ const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
   <DefaultExperiment startTime="0" stopTime="2" stepSize="0.5"/>
   <ModelVariables>
     <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
-    <UInt64 name="n" valueReference="1" causality="structuralParameter" variability="fixed" start="2"/>
+    <UInt64 name="n" valueReference="1" causality="structuralParameter" variability="fixed" min="1" max="8" start="2"/>
     <Float64 name="u" valueReference="2" causality="input" start="0 0"><Dimension valueReference="1"/></Float64>
     <Float64 name="y" valueReference="3" causality="output"><Dimension valueReference="1"/></Float64>
     <String name="text" valueReference="4" causality="output"/>
@@ -102,6 +102,49 @@ fn a_unit_that_discards_a_step_is_where_it_was_and_takes_it_in_parts() {
 }
 
 #[test]
+fn a_step_that_ends_at_no_time_is_refused() {
+    let folder = TempDir::new().expect("a folder");
+    let reached = |time: &str| {
+        let switch = format!("REACHED={time}");
+        let path = compiled(folder.path(), "array", include_str!("array.c"), DESCRIPTION, &[&switch], 3);
+        run(&path, None, &Experiment::default())
+    };
+    for (time, told) in [("NAN", "NaN"), ("INFINITY", "inf"), ("time+2*step", "0.5")] {
+        let refused = reached(time).expect_err("no time").to_string();
+        assert!(refused.contains(&format!("fmi3DoStep answered ok, and {told} s as the time it reached")), "{refused}");
+    }
+    // A unit of steps of its own may be behind, and one that adds up its own time a little ahead.
+    reached("time").expect("to the end");
+    reached("(time+step)*(1+1e-14)").expect("to the end");
+}
+
+#[test]
+fn a_difference_of_temperatures_has_no_offset() {
+    let folder = TempDir::new().expect("a folder");
+    let first = |of_variable: &str, of_type: &str| {
+        let kinds = format!(
+            "</UnitDefinitions><TypeDefinitions><Float64Type name=\"Rise\" unit=\"K\"{of_type}/></TypeDefinitions>"
+        );
+        let description = DESCRIPTION
+            .replace("<UnitDefinitions>", "<UnitDefinitions><Unit name=\"K\"><BaseUnit K=\"1\"/></Unit>")
+            .replace("</UnitDefinitions>", &kinds)
+            .replace(
+                "causality=\"input\" start=\"0 0\"",
+                &format!("causality=\"input\" declaredType=\"Rise\"{of_variable} start=\"0 0\""),
+            );
+        let path = compiled(folder.path(), "array", include_str!("array.c"), &description, &[], 3);
+        let table = "time,u[1] [degC],u[2] [K]\n0,10,1\n2,10,1\n";
+        let (_, rows) = run(&path, Some(table), &Experiment::default()).expect("to the end");
+        // The unit doubles its inputs.
+        rows[1].split(',').nth(1).and_then(|cell| cell.parse::<f64>().ok()).expect("a number") / 2.0
+    };
+    assert_eq!(first("", ""), 283.15);
+    assert_eq!(first(" relativeQuantity=\"true\"", ""), 10.0);
+    assert_eq!(first("", " relativeQuantity=\"true\""), 10.0);
+    assert_eq!(first(" relativeQuantity=\"false\"", " relativeQuantity=\"true\""), 283.15);
+}
+
+#[test]
 fn a_clock_that_has_to_be_ticked_is_refused_and_what_belongs_to_one_is_left_out() {
     let folder = TempDir::new().expect("a folder");
     let clocked = |description: &str, interval: &str| {
@@ -138,6 +181,8 @@ fn a_structural_parameter_sets_the_size_of_arrays() {
     assert_eq!(rows[1], "0,2,4,8,\"0 steps, \"\"many\"\"\"");
     let refused = run(&path, None, &start(&[("u", "1 2 4")])).expect_err("two elements").to_string();
     assert!(refused.contains("start value \"1 2 4\" of \"u\""), "{refused}");
+    let wide = run(&path, None, &start(&[("n", "9"), ("u", "1 2 4 8 1 2 4 8 1")])).expect_err("too wide").to_string();
+    assert!(wide.contains("start value 9 of \"n\" is outside 1 to 8 of its description"), "{wide}");
     let table = |table| run(&path, Some(table), &Experiment::default()).expect_err("refused").to_string();
     assert!(table("time,u[1]\n0,1\n").contains("a column \"u[2]\" is missing: an array is set as a whole"));
     assert!(table("time,u\n0,1\n").contains("the unit has no input \"u\"; it has: u[1], u[2]"));

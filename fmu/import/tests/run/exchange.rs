@@ -93,8 +93,12 @@ fn a_unit_ends_a_simulation_or_cannot_be_integrated_and_says_so() {
     let folder = TempDir::new().expect("a folder");
     let ended = rows(&exchange(folder.path(), &["TERMINATE=55"]), 100.0, 10.0).expect("an end of its own");
     assert_eq!(ended.last().map(|row| row[0]), Some(55.0));
-    for (switch, expected) in [("REFUSES=42", "cannot be integrated any further"), ("STIFF", "its equations are stiff")]
-    {
+    for (switch, expected) in [
+        ("REFUSES=42", "cannot be integrated any further"),
+        ("STIFF", "its equations are stiff"),
+        ("UNDEFINED=40", "at 40 s der(wear) = NaN, which is no finite number"),
+        ("UNDEFINED=42", "cannot be integrated any further: at 42"),
+    ] {
         let error = rows(&exchange(folder.path(), &[switch]), 100.0, 10.0).expect_err(switch).to_string();
         assert!(error.contains(expected), "{error}");
     }

@@ -308,11 +308,64 @@ fn a_simulation_writes_a_row_for_each_communication_point() {
         ("time,cut.engaged\n1,1\n0,1\n", "line 3: time goes back"),
         ("time,cut.engaged\n0,1,2\n", "line 2"),
         ("time,cut.engaged\n", "no rows"),
+        ("time [m],cut.engaged\n0,1\n", "the column \"time\" is in m, which is no unit of s"),
+        ("time,cut.cutting_speed [K]\n0,1\n", "\"cut.cutting_speed\" is in K, which is no unit of m/min"),
+        ("time,cut.engaged,cut.engaged\n0,1,1\n", "the column \"cut.engaged\" stands twice"),
+        ("time,cut.engaged\n0,0.5\n", "line 2: 0.5 is no value of \"cut.engaged\", which is of type boolean"),
     ] {
         let refused =
             Inputs::read(unit.description(), &BTreeMap::new(), table.as_bytes()).expect_err(expected).to_string();
         assert!(refused.contains(expected), "{refused}");
     }
+}
+
+#[test]
+fn a_table_in_other_units_than_those_of_the_unit_is_converted() {
+    let folder = TempDir::new().expect("a folder");
+    let unit = Arc::new(Unit::load(&unit(folder.path(), &[], ("", "")), &Isolation::None).expect("it loads"));
+    let wear = |table: &str| {
+        let inputs = Inputs::read(unit.description(), &BTreeMap::new(), table.as_bytes()).expect("a table");
+        let mut rows = Vec::new();
+        let done = simulate(&unit, &Experiment::default(), Some(&inputs), &mut rows).expect("to the end");
+        let text = String::from_utf8(rows).expect("UTF-8");
+        let wear = text.lines().last().and_then(|row| row.split(',').nth(1)?.parse::<f64>().ok());
+        (done.stop, wear.expect("a number"))
+    };
+    let (stop, own) = wear("time,cut.cutting_speed\n0,40\n60,40\n");
+    let (minute, other) = wear("time [min],cut.cutting_speed [m/s]\n0,0.66666666666666667\n1,0.66666666666666667\n");
+    assert_eq!((stop, minute), (60.0, 60.0));
+    assert!(own > 0.0 && (own - other).abs() < 1e-12 * own, "{own} {other}");
+}
+
+#[test]
+fn a_wiring_that_contradicts_the_description_is_refused() {
+    let folder = TempDir::new().expect("a folder");
+    let path = unit(folder.path(), &[], ("", ""));
+    let refused = |change: &dyn Fn(&mut Wiring)| {
+        let mut wiring = wiring();
+        change(&mut wiring);
+        machine(&path, &wiring).expect_err("a contradiction").to_string()
+    };
+    let told = refused(&|wiring| drop(wiring.outputs.insert("flank_wear".to_owned(), "tool.VB [um]".to_owned())));
+    assert!(told.starts_with("\"tool.VB\" is in mm by its description"), "{told}");
+    let told = refused(&|wiring| drop(wiring.events.insert("wear_limit".to_owned(), "tool.VB".to_owned())));
+    assert_eq!(told, "\"tool.VB\" is of type real: the event wear_limit is told by a Boolean output");
+    let told = refused(&|wiring| drop(wiring.start.insert("cut.engaged".to_owned(), "2".to_owned())));
+    assert_eq!(told, "start value \"2\" of \"cut.engaged\" is no boolean");
+    let told = refused(&|wiring| drop(wiring.start.insert("rate".to_owned(), "1 2".to_owned())));
+    assert_eq!(told, "start value \"1 2\" of \"rate\": it takes 1 numbers, with blanks between them");
+}
+
+#[test]
+fn an_input_beyond_the_bounds_of_its_description_is_refused() {
+    let folder = TempDir::new().expect("a folder");
+    let bound = ("unit=\"m/min\" start=\"30\"", "unit=\"m/min\" start=\"30\" max=\"45\"");
+    let process = machine(&unit(folder.path(), &[], bound), &wiring()).expect("it fits");
+    let (mut x, mut u) = (process.initial(), input(&process, &[("cutting_speed", 0.75)]));
+    process.advance(&mut x, &mut u, 1.0).expect("at the bound");
+    let mut u = input(&process, &[("cutting_speed", 1.0)]);
+    let told = process.advance(&mut x, &mut u, 1.0).expect_err("beyond").to_string();
+    assert!(told.contains("cutting_speed = 60 is outside -inf to 45 of its description"), "{told}");
 }
 
 #[test]
@@ -382,6 +435,7 @@ fn a_wear_that_cannot_be_is_refused_with_variable_value_and_time() {
         ("NAN", "at 200 s of its time tool.VB = NaN mm, which is no finite number"),
         ("INFINITY", "tool.VB = inf mm, which is no finite number"),
         ("-5.0", "tool.VB = -5 mm, which cannot be: flank_wear = -5 mm is outside 0 to 1000 mm"),
+        ("500.0", "no land of a cutting edge is wider than 10 mm"),
         ("1e300", "outside 0 to 1000 mm"),
         ("0.001", "is less than before"),
     ] {

@@ -14,7 +14,8 @@
    MARKER  a path: where such a file is, it is removed and the reading of a value fails
    EXCHANGE  Model Exchange in place of Co-Simulation: wear is a state, its limit a state event; TICK  from this time on,
    s, a time event, the unit wears twice as fast; CALLS  a step event after so many steps of the integrator;
-   REFUSES  no derivatives after this time, s; STIFF  equations for an implicit integrator */
+   REFUSES  no derivatives after this time, s; UNDEFINED  derivatives that are no numbers from this time on, s;
+   STIFF  equations for an implicit integrator */
 #include <math.h>
 #include <unistd.h>
 #include <stddef.h>
@@ -47,7 +48,7 @@ static double last, ended;
 static int refuse(Unit *unit, const char *text) {
     const Callbacks *c = unit->callbacks;
 #ifdef LOUD
-    c->log(c->environment, "wear", 3, NULL, text);
+    c->log(c->environment, "wear", 3, NULL, "%s", text);
 #else
     c->log(c->environment, "wear", 3, "logAll", text);
 #endif
@@ -122,7 +123,7 @@ E int fmi2SetReal(void *u, const unsigned *r, size_t n, const double *v) {
     for (size_t i = 0; i < n; i++) {
         if (r[i] == 1) s->speed = v[i] / 60;
         else if (r[i] == 3) s->rate = v[i];
-        else return refuse(u, "no such input: %s");
+        else return refuse(u, "no such input");
     }
     return 0;
 }
@@ -240,6 +241,9 @@ E int fmi2GetDerivatives(void *u, double *d, size_t n) {
     return 0;
 #endif
     d[0] = s->engaged ? s->rate * s->speed : 0;
+#ifdef UNDEFINED
+    if (s->time >= UNDEFINED) d[0] = NAN;
+#endif
     return 0;
 }
 E int fmi2GetEventIndicators(void *u, double *z, size_t n) {

@@ -7,6 +7,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use toolroom_effects::{Context, Terms};
 use toolroom_process::Number;
 
+/// Least radial width of cut, m: the least of [`MillingInput::width_of_cut`] (a test compares them).
+const LEAST_WIDTH: f64 = 1e-6;
+
 /// Life at which a cut is said not to wear the cutter, s.
 const LONGEST_LIFE: f64 = 1e9;
 
@@ -100,9 +103,11 @@ impl<N: Number> Milling<N> {
         u.feed_per_tooth * self.cutter.teeth * rotation / TAU * u.engaged
     }
 
-    /// Radial width of cut that the cutter meets, at most its diameter.
+    /// Radial width of cut that the cutter meets: at most its diameter, and where there is less stock than planned no less
+    /// than the least that an input can be.
     pub(super) fn width(&self, u: &MillingInput<N>, terms: &Terms<N>) -> N {
-        least(u.width_of_cut + terms.width_of_cut, self.cutter.diameter)
+        let met = least(u.width_of_cut + terms.width_of_cut, self.cutter.diameter);
+        if met.re() < LEAST_WIDTH { N::from(LEAST_WIDTH) } else { met }
     }
 
     /// Engagement angle `ψ = acos(1 − 2 a_e/D)`.
@@ -386,5 +391,18 @@ impl Engagement {
             damage_rate: self.damage_rate * factor * (terms.mechanical_wear / held_terms.mechanical_wear),
             ..*self
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use toolroom_process::Record;
+
+    #[test]
+    fn the_least_width_is_that_of_an_input() {
+        let fields = MillingInput::<f64>::FIELDS;
+        let width = fields.iter().find(|field| field.name == "width_of_cut").expect("the width");
+        assert_eq!(width.min, LEAST_WIDTH);
     }
 }

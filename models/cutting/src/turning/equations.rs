@@ -3,7 +3,7 @@
 use super::{Turning, TurningInput, TurningOutput, TurningState};
 use toolroom_effects::{Context, Terms};
 use toolroom_process::Number;
-use toolroom_wear::{Coefficients, Contact, Cut, Load, Pair, WearLaw};
+use toolroom_wear::{Coefficients, Contact, Cut, Load, Pair, Wear, WearLaw};
 
 /// The contact and the forces of one instant: everything that does not depend on the state of
 /// the edge but through effects.
@@ -59,6 +59,26 @@ pub(crate) struct Angles<N> {
     clearance: N,
 }
 
+/// Outputs that the motion decides by itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion<N> {
+    /// Of the spindle, rad/s.
+    pub spindle_speed: N,
+    /// m3/s.
+    pub material_removal_rate: N,
+    /// Roughness Ra of the ideal profile, m.
+    pub marks: N,
+}
+
+/// Outputs of the force that presses tool and workpiece apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pressed<N> {
+    /// N.
+    pub passive_force: N,
+    /// m.
+    pub size_error: N,
+}
+
 impl Turning {
     /// The engagement of which something was kept.
     #[inline]
@@ -107,6 +127,12 @@ impl<N: Number> Engagement<'_, N> {
         [cutting, load.feed(flank_wear) * engaged * self.terms.feed_force]
     }
 
+    /// Rates of wear at the present contact temperature.
+    #[inline]
+    pub(super) fn wear(&self, x: &TurningState<N>) -> Wear<N> {
+        self.contact.wear(x.flank_wear, self.contact.temperature_at(&x.wear()), x.thermal_damage)
+    }
+
     /// Readings at a contact temperature with the forces that it leaves.
     #[inline]
     fn readings(&self, temperature: N, [cutting_force, feed_force]: [N; 2], cutting_speed: N) -> Sensed<N> {
@@ -117,6 +143,12 @@ impl<N: Number> Engagement<'_, N> {
             spindle_power: cutting_force * cutting_speed + terms.spindle_loss,
             temperature: temperature + terms.temperature_offset,
         }
+    }
+
+    /// Cutting and feed force before the reading, N.
+    #[inline]
+    pub(super) fn true_forces(&self, x: &TurningState<N>) -> [N; 2] {
+        self.forces(x.flank_wear, self.softened(self.contact.temperature_at(&x.wear())))
     }
 
     /// What sensors of force, power and temperature show; the rest of [`Turning::observe`] costs more.
@@ -276,7 +308,41 @@ impl<N: Number> Turning<N> {
         }
     }
 
+    /// The land against the wear limit.
+    #[inline]
+    pub(super) fn wear_ratio(&self, x: &TurningState<N>) -> N {
+        x.flank_wear / self.pair.limits.wear_limit
+    }
+
+    /// What the motion decides.
+    #[inline]
+    pub(super) fn motion(&self, u: &TurningInput<N>) -> Motion<N> {
+        Motion {
+            spindle_speed: u.cutting_speed / u.workpiece_diameter * 2.0,
+            material_removal_rate: u.cutting_speed * u.feed_per_rev * u.depth_of_cut * u.engaged,
+            marks: u.feed_per_rev * u.feed_per_rev / self.finish.corner_radius / 32.0,
+        }
+    }
+
+    /// What the feed force makes by the cutting edge angle.
+    #[inline]
+    pub(super) fn pressed(
+        &self,
+        engagement: &Engagement<'_, N>,
+        angles: &Angles<N>,
+        flank_wear: N,
+        feed_force: N,
+    ) -> Pressed<N> {
+        let new_feed_force = engagement.load.feed(N::from(0.0)) * engagement.contact.cut().engaged;
+        let deflection = (feed_force - new_feed_force) / angles.cutting_edge / self.finish.static_stiffness;
+        Pressed {
+            passive_force: feed_force / angles.cutting_edge,
+            size_error: flank_wear * angles.clearance + deflection,
+        }
+    }
+
     /// The same with its angles, which are known as well.
+    #[inline]
     pub(super) fn observe_at(
         &self,
         engagement: &Engagement<'_, N>,
@@ -292,17 +358,15 @@ impl<N: Number> Turning<N> {
         let forces = engagement.forces(x.flank_wear, warm);
         let sensed = engagement.readings(point.temperature, forces, u.cutting_speed);
         let [_, feed_force] = forces;
-        let new_feed_force = load.feed(N::from(0.0)) * cut.engaged;
-        let deflection = (feed_force - new_feed_force) / angles.cutting_edge / self.finish.static_stiffness;
+        let Pressed { passive_force, size_error } = self.pressed(engagement, angles, x.flank_wear, feed_force);
         let runs_true = N::NDERIV == 0 && terms.runout.re() == 0.0;
         let eccentric = Cut { depth_of_cut: cut.depth_of_cut + terms.runout, ..*cut };
         let peak = if runs_true { *load } else { self.pair.force.load(&eccentric) };
-        let passive_force = feed_force / angles.cutting_edge;
         let shaken = self.shaken(x, u, terms, passive_force);
-        let marks = u.feed_per_rev * u.feed_per_rev / self.finish.corner_radius / 32.0;
+        let Motion { spindle_speed, material_removal_rate, marks } = self.motion(u);
         TurningOutput {
             flank_wear: x.flank_wear,
-            wear_ratio: x.flank_wear / self.pair.limits.wear_limit,
+            wear_ratio: self.wear_ratio(x),
             temperature: sensed.temperature,
             mechanical_wear_per_path: point.mechanical_wear_per_path,
             thermal_wear_rate: point.thermal_wear_rate,
@@ -314,10 +378,10 @@ impl<N: Number> Turning<N> {
             peak_cutting_force: peak.times(warm).cutting(x.flank_wear) * terms.cutting_force * cut.engaged,
             spindle_power: sensed.spindle_power,
             thermo_emf: point.thermo_emf,
-            spindle_speed: u.cutting_speed / u.workpiece_diameter * 2.0,
-            material_removal_rate: u.cutting_speed * u.feed_per_rev * u.depth_of_cut * u.engaged,
+            spindle_speed,
+            material_removal_rate,
             roughness_ra: if shaken.roughness > 0.0 { hypotenuse(marks, shaken.roughness) } else { marks },
-            size_error: x.flank_wear * angles.clearance + deflection,
+            size_error,
             stable: N::from(f64::from(u8::from(shaken.verdict.stable()))),
             stability_margin: N::from(shaken.verdict.margin),
             vibration_amplitude: shaken.amplitude,

@@ -15,9 +15,58 @@ pub struct TurningMemory {
     known: Option<LastEngagement>,
 }
 
+/// An input as numbers, in the order of its fields; the cutting speed is the first.
+type Numbers = [f64; TurningInput::<f64>::LEN];
+
+/// The numbers of an input.
+#[inline]
+fn numbers(u: &TurningInput) -> Numbers {
+    let mut input = [0.0; TurningInput::<f64>::LEN];
+    u.write_to(&mut input);
+    input
+}
+
+/// Whether all numbers are equal: compared side by side, without a branch for each.
+#[inline]
+fn same(one: &[f64], other: &[f64]) -> bool {
+    one.iter().zip(other).fold(true, |equal, (one, other)| equal & (one == other))
+}
+
+/// Place of an output, worked out when this is compiled.
+const fn place(name: &str) -> usize {
+    let (fields, name) = (TurningOutput::<f64>::FIELDS, name.as_bytes());
+    let mut output = 0;
+    while output < fields.len() {
+        let field = fields[output].name.as_bytes();
+        let mut equal = 0;
+        while equal < name.len() && equal < field.len() && field[equal] == name[equal] {
+            equal += 1;
+        }
+        if equal == name.len() && equal == field.len() {
+            return output;
+        }
+        output += 1;
+    }
+    panic!("no output has this name")
+}
+
+const FLANK_WEAR: usize = place("flank_wear");
+const WEAR_RATIO: usize = place("wear_ratio");
+const TEMPERATURE: usize = place("temperature");
+const MECHANICAL_WEAR: usize = place("mechanical_wear_per_path");
+const THERMAL_WEAR: usize = place("thermal_wear_rate");
+const CUTTING_FORCE: usize = place("cutting_force");
+const FEED_FORCE: usize = place("feed_force");
+const PASSIVE_FORCE: usize = place("passive_force");
+const SPINDLE_POWER: usize = place("spindle_power");
+const SPINDLE_SPEED: usize = place("spindle_speed");
+const REMOVAL_RATE: usize = place("material_removal_rate");
+const ROUGHNESS: usize = place("roughness_ra");
+const SIZE_ERROR: usize = place("size_error");
+
 #[derive(Clone, Debug)]
 struct LastEngagement {
-    input: TurningInput,
+    input: Numbers,
     engagement: Kept,
     /// Worked out with the first outputs.
     angles: OnceCell<Angles<f64>>,
@@ -28,10 +77,9 @@ struct LastEngagement {
 impl LastEngagement {
     /// Whether an input differs in nothing but the cutting speed, or not at all. Speeds on either side of 0 have nothing in
     /// common.
-    fn differs_in_speed_at_most(&self, u: &TurningInput) -> bool {
-        let at_speed = TurningInput { cutting_speed: u.cutting_speed, ..self.input };
-        let (kept_speed, speed) = (self.input.cutting_speed, u.cutting_speed);
-        (kept_speed == speed || kept_speed > 0.0 && speed > 0.0) && at_speed == *u
+    fn differs_in_speed_at_most(&self, input: &Numbers) -> bool {
+        let ([kept_speed, kept @ ..], [speed, others @ ..]) = (&self.input, input);
+        (kept_speed == speed || *kept_speed > 0.0 && *speed > 0.0) && same(kept, others)
     }
 }
 
@@ -86,13 +134,14 @@ impl Turning {
         if !(self.keeps_still(u) && dt >= 0.0 && dt.is_finite()) {
             return self.integrate(x, u, dt, &[], &mut |_, _, _| ());
         }
+        let input = numbers(u);
         let known = match &mut memory.known {
-            Some(known) if known.differs_in_speed_at_most(u) => {
+            Some(known) if known.differs_in_speed_at_most(&input) => {
                 // A policy that commands another speed changes nothing else.
-                if known.input.cutting_speed != u.cutting_speed {
+                if known.input[0] != input[0] {
                     TurningInput::FIELDS[0].check(u.cutting_speed)?;
                     known.engagement.change_speed(&self.pair, u.cutting_speed);
-                    known.input.cutting_speed = u.cutting_speed;
+                    known.input = input;
                     known.last = None;
                 }
                 known
@@ -101,7 +150,7 @@ impl Turning {
                 u.check()?;
                 let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
                 let engagement = self.engagement(x, u).keep();
-                known.insert(LastEngagement { input: *u, engagement, angles: OnceCell::new(), tolerance, last: None })
+                known.insert(LastEngagement { input, engagement, angles: OnceCell::new(), tolerance, last: None })
             }
         };
         let engagement = self.engagement_of(&known.engagement);
@@ -143,9 +192,10 @@ impl Turning {
     /// turning.step(&mut x, &u, 0.1, &mut memory).unwrap();
     /// assert_eq!(turning.output_after(&x, &u, &memory), turning.output(&x, &u));
     /// ```
+    #[inline]
     pub fn output_after(&self, x: &TurningState, u: &TurningInput, memory: &TurningMemory) -> TurningOutput {
         match &memory.known {
-            Some(known) if known.input == *u => {
+            Some(known) if same(&known.input, &numbers(u)) => {
                 let engagement = self.engagement_of(&known.engagement);
                 let angles = known.angles.get_or_init(|| self.angles(&engagement));
                 self.observe_at(&engagement, angles, x, u)
@@ -154,40 +204,59 @@ impl Turning {
         }
     }
 
-    /// One of the outputs that cost little by themselves, by its name: flank wear, forces, power and temperature, the same to
-    /// the bit as [`Turning::output_after`] has them. `None` for the others, and for all but flank wear where the memory is
-    /// not of this input.
+    /// One of the outputs that cost little by themselves, by its place among the fields: what the motion decides, forces with
+    /// what they press, power, temperature and the rates of wear, the same to the bit as [`Turning::output_after`] has them.
+    /// `None` for the others, for what effects or a structure change, and for forces and rates where the memory is not of this
+    /// input.
     ///
     /// # Examples
     /// ```
-    /// use toolroom_cutting::{Turning, TurningInput, TurningMemory};
-    /// use toolroom_process::Process;
+    /// use toolroom_cutting::{Turning, TurningInput, TurningMemory, TurningOutput};
+    /// use toolroom_process::{Process, Record};
     /// let (turning, u) = (Turning::default(), TurningInput::default());
     /// let (mut x, mut memory) = (turning.initial(), TurningMemory::default());
     /// turning.step(&mut x, &u, 0.1, &mut memory).unwrap();
-    /// assert_eq!(turning.one_output_after("feed_force", &x, &u, &memory), Some(turning.output(&x, &u).feed_force));
-    /// assert_eq!(turning.one_output_after("roughness_ra", &x, &u, &memory), None);
+    /// let alone = |name| turning.one_output_after(TurningOutput::<f64>::index_of(name)?, &x, &u, &memory);
+    /// assert_eq!(alone("feed_force"), Some(turning.output(&x, &u).feed_force));
+    /// assert_eq!(alone("wear_balance"), None);
     /// ```
+    #[inline]
     pub fn one_output_after(
         &self,
-        name: &str,
+        output: usize,
         x: &TurningState,
         u: &TurningInput,
         memory: &TurningMemory,
     ) -> Option<f64> {
-        if name == "flank_wear" {
-            return Some(x.flank_wear);
-        }
-        if !matches!(name, "cutting_force" | "feed_force" | "spindle_power" | "temperature") {
-            return None;
-        }
-        let known = memory.known.as_ref().filter(|known| known.input == *u)?;
-        let sensed = self.engagement_of(&known.engagement).sensed(x, u);
-        match name {
-            "cutting_force" => Some(sensed.cutting_force),
-            "feed_force" => Some(sensed.feed_force),
-            "spindle_power" => Some(sensed.spindle_power),
-            "temperature" => Some(sensed.temperature),
+        // Nothing is kept of a cut that vibrates or of one under effects, see `keeps_still`.
+        let calm = || (self.structure.is_none() && self.effects.is_empty()).then_some(self);
+        let engaged = || {
+            let known = memory.known.as_ref().filter(|known| same(&known.input, &numbers(u)))?;
+            Some((known, self.engagement_of(&known.engagement)))
+        };
+        let sensed = || engaged().map(|(_, engagement)| engagement.sensed(x, u));
+        let wear = || engaged().map(|(_, engagement)| engagement.wear(x));
+        let motion = || calm().map(|turning| turning.motion(u));
+        let pressed = || {
+            let (known, engagement) = engaged()?;
+            let angles = known.angles.get_or_init(|| self.angles(&engagement));
+            let [_, feed_force] = engagement.true_forces(x);
+            Some(self.pressed(&engagement, angles, x.flank_wear, feed_force))
+        };
+        match output {
+            FLANK_WEAR => Some(x.flank_wear),
+            WEAR_RATIO => Some(self.wear_ratio(x)),
+            SPINDLE_SPEED => Some(motion()?.spindle_speed),
+            REMOVAL_RATE => Some(motion()?.material_removal_rate),
+            ROUGHNESS => Some(motion()?.marks),
+            CUTTING_FORCE => Some(sensed()?.cutting_force),
+            FEED_FORCE => Some(sensed()?.feed_force),
+            SPINDLE_POWER => Some(sensed()?.spindle_power),
+            TEMPERATURE => Some(sensed()?.temperature),
+            PASSIVE_FORCE => Some(pressed()?.passive_force),
+            SIZE_ERROR => Some(pressed()?.size_error),
+            MECHANICAL_WEAR => Some(wear()?.mechanical_per_path),
+            THERMAL_WEAR => Some(wear()?.thermal_rate),
             _ => None,
         }
     }
@@ -206,7 +275,6 @@ impl Turning {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use toolroom_process::Field;
 
     #[test]
     fn steps_after_a_change_of_speed_are_those_without_memory_to_the_bit() {
@@ -219,12 +287,11 @@ mod tests {
             assert_eq!(x, y);
             let output = turning.output(&y, &u);
             assert_eq!(turning.output_after(&x, &u, &memory), output);
-            let alone = |field: &Field| Some((field.name, turning.one_output_after(field.name, &x, &u, &memory)?));
-            let alone: Vec<(&str, f64)> = TurningOutput::<f64>::FIELDS.iter().filter_map(alone).collect();
-            assert_eq!(alone.len(), 5, "{alone:?}");
-            for (name, value) in alone {
-                let index = TurningOutput::<f64>::index_of(name).expect("a field");
-                assert_eq!(Some(value), output.get(index), "{name}");
+            let alone = |i: usize| Some((i, turning.one_output_after(i, &x, &u, &memory)?));
+            let alone: Vec<(usize, f64)> = (0..TurningOutput::<f64>::LEN).filter_map(alone).collect();
+            assert_eq!(alone.len(), 13, "{alone:?}");
+            for (i, value) in alone {
+                assert_eq!(Some(value), output.get(i), "{}", TurningOutput::<f64>::FIELDS[i].name);
             }
         }
     }

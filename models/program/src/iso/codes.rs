@@ -182,7 +182,6 @@ impl Iso {
             }
             540 | 550 | 560 | 570 | 580 | 590 => {
                 self.system(code / 10 - 53, kernel);
-                kernel.offset_by(Offset::Work(code / 10 - 54));
                 Modal
             }
             591..=593 if linuxcnc => {

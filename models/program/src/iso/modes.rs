@@ -1,6 +1,7 @@
 //! Modal state of a program beside the kernel's.
 
 use super::polar::Polar;
+use crate::control::Control;
 use crate::frame::Frame;
 use crate::kernel::{FeedMode, Kernel};
 use crate::motion::{Axes, PLANES, plane_code};
@@ -110,6 +111,14 @@ impl Modes {
     /// Turn of the work offset in force, degrees.
     pub fn turn(&self) -> f64 {
         self.turns.get(&self.system).copied().unwrap_or(0.0)
+    }
+
+    /// What a work offset adds to each axis, mm and degrees: as the program has set it, else as the control knows it.
+    pub fn offset(&self, system: u32, control: &Control) -> [Option<f64>; 9] {
+        self.offsets.get(&system).copied().unwrap_or_else(|| {
+            let origin = if system <= 6 { control.given_origin(53 + system) } else { None };
+            std::array::from_fn(|axis| origin.map(|origin| origin.get(axis).copied().unwrap_or(0.0)))
+        })
     }
 
     /// Program coordinates against those of the workpiece.

@@ -239,6 +239,8 @@ impl Iso {
             return Err(Fault::new("G10 L20 within a turned work offset is not followed; write L2").refusing());
         }
         let position = kernel.program_at();
+        let table = self.modes.offset(system, &kernel.control);
+        self.modes.offsets.entry(system).or_insert(table);
         for axis in 0..9 {
             let letter = AXES[axis] as u8;
             let Some(value) = words.take(letter) else { continue };
@@ -275,16 +277,27 @@ impl Iso {
     /// Another work offset: its axes are where only the machine knows, but for those that the program has set.
     pub(super) fn system(&mut self, system: u32, kernel: &mut Kernel) {
         if system == self.modes.system {
+            kernel.work_offset_again();
             return;
         }
-        let offset_of = |system: u32| self.modes.offsets.get(&system).copied().unwrap_or_default();
-        let (before, now) = (offset_of(self.modes.system), offset_of(system));
+        let offset_of = |system: u32| self.modes.offset(system, &kernel.control);
+        let (first, before, now) = (offset_of(1), offset_of(self.modes.system), offset_of(system));
         for axis in 0..9 {
             match (before[axis], now[axis]) {
                 (Some(before), Some(now)) => self.modes.work[axis] += now - before,
-                _ if axis < 3 || kernel.referenced[axis] => kernel.forget(std::iter::once(axis)),
+                _ if axis < 3 || kernel.referenced[axis] => {
+                    kernel.forget(std::iter::once(axis));
+                    self.modes.work[axis] = first[axis].zip(now[axis]).map_or(0.0, |(first, now)| now - first);
+                }
                 _ => {}
             }
+        }
+        let known: [bool; 3] =
+            std::array::from_fn(|axis| system == 1 || (first[axis].is_some() && now[axis].is_some()));
+        // Where it is known how the two lie to each other, but not how they lie to the first, places go on counting in the one before.
+        let related = (0..3).all(|axis| before[axis].is_some() && now[axis].is_some());
+        if !related || known == [true; 3] {
+            kernel.work_offset(system - 1, known);
         }
         self.modes.system = system;
         kernel.frame = self.modes.frame(kernel.plane);

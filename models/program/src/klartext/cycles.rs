@@ -8,7 +8,7 @@ use super::{Klartext, Statement};
 use crate::error::Fault;
 use crate::hole::{Clearance, Exit, Hole, Pecks, stops};
 use crate::kernel::{FeedMode, Kernel, Round, Target};
-use crate::motion::{AXES, Offset};
+use crate::motion::AXES;
 
 /// A cycle that a call runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,8 +123,13 @@ impl Klartext {
         if self.datum.is_some_and(|before| before != number) {
             kernel.forget(0..9);
         }
+        let work = number.saturating_sub(1);
+        if self.datum == Some(number) {
+            kernel.work_offset_again();
+        } else {
+            kernel.work_offset(work, [work == 0; 3]);
+        }
         self.datum = Some(number);
-        kernel.offset_by(Offset::Work(number.saturating_sub(1)));
         Ok(())
     }
 

@@ -72,6 +72,16 @@ impl Siemens {
                 }
                 Item::Keyword(word, column) => keywords.push((word, *column)),
                 Item::Call(word, arguments, column) => calls.push((word, arguments, *column)),
+                Item::Word { address, column, .. } if self.is_ambiguous(address) => {
+                    return Err(Fault::at(
+                        *column,
+                        format!(
+                            "{address} is a variable here, by its DEF or PROC, and an address of the control: it might move an \
+                             axis or take a value; give the variable a name whose first two characters are letters"
+                        ),
+                    )
+                    .refusing());
+                }
                 // A variable may have the name of an axis with a number.
                 Item::Word { address, value, .. } if self.is_defined(address) => {
                     let value = self.value(value)?;

@@ -9,7 +9,6 @@ mod polar;
 
 use crate::Dialect;
 use crate::error::Fault;
-use crate::frame::Frame;
 use crate::kernel::Kernel;
 use crate::library::Library;
 use crate::motion::EventKind;
@@ -57,7 +56,6 @@ struct Saved {
     plane: [usize; 3],
     exact: bool,
     modes: Modes,
-    frame: Frame,
 }
 
 /// A call or a repeated part that has not ended.
@@ -170,6 +168,18 @@ impl Siemens {
         name.len() > 1 && self.store.named.contains_key(name)
     }
 
+    /// Whether a word with this one letter may mean a variable of the running program or subprogram. The control asks for names whose first
+    /// two characters are letters or underscores (840D, fundamentals, "identifiers"); where such a variable is only read, what is
+    /// meant is clear.
+    fn is_ambiguous(&self, address: &str) -> bool {
+        let call = self.calls.iter().rev().find(|call| call.end.is_none());
+        address.len() == 1
+            && match call {
+                Some(call) => call.hidden.iter().any(|(known, _)| known == address),
+                None => self.store.named.contains_key(address),
+            }
+    }
+
     fn assign(&mut self, target: &Expression, value: f64) -> Result<(), Fault> {
         match target {
             Expression::Named(name) if name.starts_with('$') => {
@@ -247,8 +257,8 @@ impl Siemens {
             self.define(name, value);
         }
         if saves && let Some(call) = self.calls.last_mut().filter(|call| call.saved.is_none()) {
-            let Kernel { absolute, plane, exact, frame, .. } = *kernel;
-            call.saved = Some(Box::new(Saved { absolute, plane, exact, frame, modes: self.modes.clone() }));
+            let Kernel { absolute, plane, exact, .. } = *kernel;
+            call.saved = Some(Box::new(Saved { absolute, plane, exact, modes: self.modes.clone() }));
         }
         Ok(())
     }
@@ -330,7 +340,7 @@ impl Siemens {
             (kernel.absolute, kernel.plane, kernel.exact) = (saved.absolute, saved.plane, saved.exact);
             // Tools and offsets are no modes.
             self.modes = saved.modes.with_tools_of(&self.modes);
-            kernel.frame = saved.frame;
+            kernel.frame = self.modes.whole_frame();
         }
         true
     }

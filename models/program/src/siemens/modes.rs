@@ -6,7 +6,7 @@ use crate::control::Units;
 use crate::error::{Fault, unknown};
 use crate::frame::Frame;
 use crate::kernel::{FeedMode, Kernel};
-use crate::motion::{AXES, EventKind, Offset, PLANES, Sense};
+use crate::motion::{AXES, Axes, EventKind, Offset, PLANES, Sense};
 use crate::offset::{Corner, Offsetting};
 
 /// The motion that coordinates make.
@@ -31,6 +31,8 @@ pub(super) struct Modes {
     frame: Frame,
     /// Number of the code of the work offset.
     work: u32,
+    /// Its origin in the coordinates of the first one, mm, where that is known.
+    origin: Axes,
     corner: Corner,
     pub next_tool: Option<u32>,
     /// Edge of the tool, D.
@@ -50,6 +52,7 @@ impl Default for Modes {
             motion: Move::Rapid,
             frame: Frame::IDENTITY,
             work: 500,
+            origin: [0.0; 9],
             corner: Corner::Round,
             next_tool: None,
             edge: 1,
@@ -62,10 +65,15 @@ impl Default for Modes {
 }
 
 impl Modes {
+    /// Program coordinates against those of the first work offset.
+    pub fn whole_frame(&self) -> Frame {
+        Frame::shifted(self.origin).after(&self.frame)
+    }
+
     /// These modes with the tools and offsets of others.
     pub fn with_tools_of(self, other: &Self) -> Self {
-        let Self { work, next_tool, edge, direction, pole, .. } = *other;
-        Self { work, next_tool, edge, direction, pole, ..self }
+        let Self { work, origin, next_tool, edge, direction, pole, .. } = *other;
+        Self { work, origin, next_tool, edge, direction, pole, ..self }
     }
 }
 
@@ -119,18 +127,7 @@ impl Siemens {
                     "constant surface speed is one of lathes; SINUMERIK programs are followed for mills",
                 ));
             }
-            54..=57 | 500 | 505..=599 => {
-                if code < 500 {
-                    kernel.offset_by(Offset::Work(code - 54));
-                }
-                if self.modes.work != code {
-                    // The first offset is the one in which the program counts.
-                    if self.modes.work != 500 || kernel.referenced.iter().take(3).all(|known| *known) && code == 500 {
-                        kernel.forget(0..3);
-                    }
-                    self.modes.work = code;
-                }
-            }
+            54..=57 | 500 | 505..=599 => self.work_offset(code, kernel),
             _ => {
                 let Some(time) = kernel.control.g.get(&(10 * code)).copied() else {
                     return Err(Fault::new(unknown(&format!("G{code}"), "g", &code.to_string())).refusing());
@@ -275,7 +272,34 @@ impl Siemens {
             }
         };
         self.modes.frame = base.after(&frame);
-        kernel.frame = self.modes.frame;
+        kernel.frame = self.modes.whole_frame();
         Ok(())
+    }
+
+    /// Another work offset: G54 to G57, G505 and on, or G500, which is none.
+    fn work_offset(&mut self, code: u32, kernel: &mut Kernel) {
+        if self.modes.work == code {
+            kernel.work_offset_again();
+            return;
+        }
+        // The first offset is the one in which the program counts.
+        let first = self.modes.work == 500 && kernel.counts_in_first();
+        let origin = kernel.control.origin(code);
+        let before = if first { origin.and(Some([0.0; 3])) } else { kernel.control.origin(self.modes.work) };
+        if before.zip(origin).is_none() && !first {
+            kernel.forget(0..3);
+        }
+        self.modes.work = code;
+        self.modes.origin = [0.0; 9];
+        if let Some(origin) = origin {
+            self.modes.origin[..3].copy_from_slice(&origin);
+        }
+        kernel.frame = self.modes.whole_frame();
+        let number = match code {
+            500 => 99,
+            505.. => code - 405,
+            _ => code - 54,
+        };
+        kernel.work_offset(number, [origin.is_some(); 3]);
     }
 }

@@ -464,3 +464,27 @@ fn lathe_programs_of_the_shop_floor() {
         ],
     );
 }
+
+#[test]
+fn a_siemens_variable_named_like_an_address_is_refused_where_it_may_move_an_axis() {
+    let control = control(Dialect::Siemens);
+    let message = |text: &str| sums(text, &control).expect_err("it might move the axis or take a value").to_string();
+    let assigned = message("G71 G90\nDEF REAL X=5\nG0 X=10 Y0 Z0\nG1 Y=X F100\nM30");
+    assert!(assigned.starts_with("3:") && assigned.contains("X is a variable here"), "{assigned}");
+    let centre = message("G17 G71 G90\nDEF INT I\nG0 X0 Y0 Z0\nG2 X10 I5 F100\nM30");
+    assert!(centre.starts_with("4:") && centre.contains("I is a variable here"), "{centre}");
+    // Where it is only read, or counts a loop, and in a subprogram that has none of its own, what is meant is clear.
+    let clear = "%_N_A_MPF\nG71 G90 G17\nDEF INT I\nG0 X0 Y0 Z0\nFOR I=1 TO 2\nARC\nENDFOR\nG1 Y=I*0 F600\nM30\n\
+                 %_N_ARC_SPF\nG2 X0 Y0 I5 J0 F600\nM17";
+    assert!((sums(clear, &control).expect("two circles").feed - 2.0 * 10.0 * PI / 10.0).abs() < 1e-4);
+}
+
+#[test]
+fn an_inner_arc_of_the_radius_of_the_cutter_is_refused_with_its_radius() {
+    let mut control = control(Dialect::Fanuc);
+    control.diameters.insert(1, 10.0);
+    let text = "G21 G90 G17\nG0 X30 Y20 Z0\nG41 D1 G1 X30 Y0 F500\nG1 X55\nG3 X60 Y5 R5\nG1 Y40\nX30\nG40 Y20\nM30";
+    let error = sums(text, &control).expect_err("it has no path").to_string();
+    assert!(error.starts_with("5:") && error.contains("the inner arc of 5 mm in line 5"), "{error}");
+    assert!(sums(&text.replace("X55", "X54.9").replace("Y5 R5", "Y5.1 R5.1"), &control).is_ok());
+}
