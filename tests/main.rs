@@ -29,6 +29,7 @@ mod programs;
 mod replacement;
 mod report;
 mod run_predicted;
+mod scrap;
 mod self_null;
 mod ssp_cell;
 mod tap_tests;

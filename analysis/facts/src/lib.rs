@@ -16,6 +16,7 @@
 //! | [`spread`] | do times scatter as the file says, whatever their middle? |
 //! | [`arrivals`] | do as many jobs come, and as evenly? |
 //! | [`agreement`] | which machines of a pool share a constant? |
+//! | [`scrap`] | are as many pieces scrapped as in the simulated shop (two shares; exact, mid-p)? |
 //! | [`survival`] | do edges live as long as simulated ones (log-rank, censored)? |
 //! | [`waits`] | do queues wait as replicated ones do (days are blocks)? |
 //!
@@ -23,7 +24,7 @@
 //!
 //! # Source
 //! Mid-p: Lancaster 1961; interval of a rate: Garwood 1936; combination of tests: Fisher 1932;
-//! log-rank: Mantel 1966; dispersion of counts: Cox and Lewis 1966.
+//! two shares: Fisher 1935; log-rank: Mantel 1966; dispersion of counts: Cox and Lewis 1966.
 //!
 //! # Not modelled
 //! Intervals that depend on each other, failure modes that share a clock, calendars within which a rate
@@ -40,6 +41,7 @@ pub mod failures;
 pub mod law;
 pub mod middle;
 pub mod renewal;
+pub mod scrap;
 pub mod spread;
 pub mod survival;
 pub mod times;

@@ -10,28 +10,34 @@ use toolroom_scenario::{Deviation, Scenario, Scope, ShopEffect};
 /// Half the width of a 90 % interval in standard errors. Derivation: normal quantile.
 const NINETY: f64 = 1.645;
 
+/// Constants that facts find off, and whose they are.
+const OWNED: [(Quantity, &str); 6] = [
+    (Quantity::TimeBetweenFailures, "machine"),
+    (Quantity::TimeToRepair, "machine"),
+    (Quantity::HandlingTime, "machine"),
+    (Quantity::ToolChangeTime, "machine"),
+    (Quantity::ArrivalInterval, "source"),
+    (Quantity::Scrap, "part"),
+];
+
 /// Entries of `applied.calibration` for times between failures, repairs, changes of edges and handling that were found off,
-/// machine by machine, and of times between arrivals, source by source. A pool speaks for its machines; a machine speaks for
+/// machine by machine, of times between arrivals, source by source, and of scrap, operation by operation. A pool speaks for its machines; a machine speaks for
 /// itself where its pool was not found off. What was never seen has no factor, what is off in its scatter alone none that
 /// matters, and what a cause adds is an effect. `known` are the constants that the records of the process move by themselves.
 pub fn constants_of_facts(process: &str, diagnosis: &Diagnosis, known: &[Value]) -> Vec<Value> {
     let mut entries = Vec::new();
-    for quantity in [
-        Quantity::TimeBetweenFailures,
-        Quantity::TimeToRepair,
-        Quantity::HandlingTime,
-        Quantity::ToolChangeTime,
-        Quantity::ArrivalInterval,
-    ] {
-        let owner = if quantity == Quantity::ArrivalInterval { "source" } else { "machine" };
+    for (quantity, owner) in OWNED {
         let found = found(diagnosis).filter(|fact| fact.quantity == quantity && !fact.is_cause());
-        let mut found: Vec<&Fact> = found.filter(|fact| fact.estimate.is_finite() && fact.is_far()).collect();
+        let known_size = |fact: &&Fact| fact.estimate.is_finite() && fact.factor().is_finite() && fact.is_far();
+        // Pieces that several operations scrap, or none by its file, are scrapped by no constant.
+        let has_owner = |fact: &&Fact| quantity != Quantity::Scrap || fact.place.contains('/');
+        let mut found: Vec<&Fact> = found.filter(known_size).filter(has_owner).collect();
         found.sort_by_key(|fact| !fact.pooled);
         let mut told = BTreeSet::new();
         for fact in found.into_iter().filter(|fact| !is_moved(fact, process, known)) {
             // The name of a part may hold a comma.
             let places: Vec<&str> =
-                if owner == "source" { vec![&fact.place] } else { fact.place.split(", ").collect() };
+                if owner == "machine" { fact.place.split(", ").collect() } else { vec![&fact.place] };
             for place in places.into_iter().filter(|place| told.insert((*place).to_owned())) {
                 let error = (fact.ci90[1] / fact.ci90[0]).ln() / (2.0 * NINETY);
                 entries.push(json!({

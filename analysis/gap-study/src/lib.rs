@@ -28,6 +28,7 @@ mod closed;
 mod constants;
 mod error;
 mod figures;
+mod jobs;
 mod known;
 mod machines;
 mod parts;

@@ -2,7 +2,7 @@
 
 use crate::tables::reads_events;
 use crate::{GapRequest, GapStudyError, Reading};
-use toolroom_gap::{Diagnosis, GapVerdict, ModelFileError, NominalModel, ShiftLabels, add_machine_facts};
+use toolroom_gap::{Diagnosis, GapVerdict, Jobs, ModelFileError, NominalModel, ShiftLabels, add_machine_facts};
 use toolroom_records::{RecordError, RecordKind, Records, read, tables};
 use toolroom_scenario::Scenario;
 
@@ -43,10 +43,15 @@ impl Machines {
         Ok(Some(Self { scenario, events, labels: ShiftLabels::from_records(records) }))
     }
 
+    /// Whether they have recorded anything.
+    pub fn has_events(&self) -> bool {
+        self.events.is_some()
+    }
+
     /// What the machines have recorded, beside what was found in the records of the process.
-    pub fn add_to(&self, diagnosis: &mut Diagnosis, seed: u64) {
+    pub fn add_to(&self, jobs: Option<&Jobs>, diagnosis: &mut Diagnosis, seed: u64) {
         match &self.events {
-            Some(events) => add_machine_facts(&self.scenario, events, &self.labels, diagnosis, seed),
+            Some(events) => add_machine_facts(&self.scenario, events, &self.labels, jobs, diagnosis, seed),
             None if diagnosis.verdict == GapVerdict::NoGap => diagnosis.notes.push(NOT_ASKED.to_owned()),
             None => {}
         }

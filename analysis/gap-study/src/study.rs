@@ -1,6 +1,7 @@
 //! The diagnosis of a data set, with its documents.
 
 use crate::constants::{causes_of_facts, complete, constants_of_facts, drop_said_twice};
+use crate::jobs::jobs;
 use crate::known::{self, RecordedModel};
 use crate::machines::Machines;
 use crate::parts::{finds_a_part, fitted, split};
@@ -14,12 +15,12 @@ use toolroom_chart::page::Provenance;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{LogGroup, add_facts, visits};
 use toolroom_gap::{
-    Answers, DiagnosisWithBasis, EffectRefusal, Forward, GapVerdict, NextExperiment, NominalModel, NominalProcess,
-    Point, ProcessData, add_dynamics, diagnosed_processes, joined,
+    Answers, DiagnosisWithBasis, EffectRefusal, Forward, GapVerdict, Jobs, NextExperiment, NominalModel,
+    NominalProcess, Point, ProcessData, add_dynamics, diagnosed_processes, joined,
 };
 use toolroom_gap_proposals::{DescriptionRequest, NOTHING, Proposed, is_open, proposed};
 use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
-use toolroom_records::{ColumnKind, RecordError, RecordKind, Records, has_table, read};
+use toolroom_records::{ColumnKind, Records};
 
 /// The files of a diagnosis.
 pub const NAMES: &[&str] = &["diagnosis.json", "report.html", "report.md", "report.json", "predictions.csv"];
@@ -84,9 +85,8 @@ impl GapStudy {
         let with_records = stated.iter().zip(&points).filter_map(|(known, own)| Some((known.records.as_ref()?, own)));
         let predictions = with_records.flat_map(|(records, points)| predictions_of(records, points)).collect();
         let machines = Machines::from_gap_request(request, &rest, reading)?;
-        let orders = orders(request, &rest, reading)?;
-        let beside = Beside { machines: machines.as_ref(), orders: orders.as_ref() };
-        let pages = completed(request, &mut answers, rest, &asked, beside);
+        let jobs = jobs(request, &rest, machines.as_ref(), reading)?;
+        let pages = completed(request, &mut answers, rest, &asked, (machines.as_ref(), jobs.as_ref()));
         let processes: Vec<Process<'_>> = stated.iter().zip(&points).map(|(known, own)| known.process(own)).collect();
         let mut document = document(answers.json(), &processes, known::data(&stated));
         add_facts_of(&mut document, &answers, machines.as_ref());
@@ -265,45 +265,13 @@ fn points(stated: &[RecordedModel], asked: &[ProcessData], diagnosed: &[Vec<Diag
     all.map(|((known, own), diagnosed)| known.applied(own, diagnosed)).collect()
 }
 
-/// What the data hold beside the tables of the models.
-#[derive(Clone, Copy)]
-struct Beside<'a> {
-    /// Machines of a process, with their events.
-    machines: Option<&'a Machines>,
-    /// Jobs that came to a shop.
-    orders: Option<&'a Records>,
-}
-
-/// The jobs that came to the shop of a model, where the data hold them.
-fn orders(
-    request: &GapRequest<'_>,
-    tables: &[Option<(NominalModel, Records)>],
-    reading: &Reading<'_>,
-) -> Result<Option<Records>, GapStudyError> {
-    let shop = |(model, _): &(NominalModel, Records)| matches!(model.process, NominalProcess::Shop(_));
-    // Of a log that is held out nobody knows when it began: its orders are not read.
-    let alone = request.holdout_data.is_none() && request.data.is_dir();
-    if !alone || !tables.iter().flatten().any(shop) || !has_table(request.data, RecordKind::Orders) {
-        return Ok(None);
-    }
-    match read(request.data, RecordKind::Orders, reading.parquet) {
-        Err(RecordError::NoRows { wrong: false, .. }) => Ok(None),
-        // A planner's table of orders has the same name.
-        Err(error @ RecordError::MissingColumn { .. }) => {
-            (reading.say)(&format!("{error}: it is no table of jobs that came, and arrivals are not tested"));
-            Ok(None)
-        }
-        read => reading.said(read).map(Some),
-    }
-}
-
 /// The pages of the report, after each diagnosis has learned its next experiment and the facts of its log.
 fn completed(
     request: &GapRequest<'_>,
     answers: &mut Answers,
     tables: Vec<Option<(NominalModel, Records)>>,
     asked: &[ProcessData],
-    beside: Beside<'_>,
+    (machines, jobs): (Option<&Machines>, Option<&Jobs>),
 ) -> Vec<Page> {
     let mut pages: Vec<Page> = Vec::new();
     for (((process, diagnosis), table), asked) in answers.processes.iter_mut().zip(tables).zip(asked) {
@@ -322,9 +290,9 @@ fn completed(
             own.operation_id = ids.and_then(|ids| ids.get(own.row)).cloned().unwrap_or_default();
         }
         if let NominalProcess::Shop(shop) = &model.process {
-            add_facts(shop, &records, beside.orders, &model.stated, diagnosis, request.seed);
-        } else if let Some(machines) = beside.machines {
-            machines.add_to(diagnosis, request.seed);
+            add_facts(shop, &records, jobs, &model.stated, diagnosis, request.seed);
+        } else if let Some(machines) = machines {
+            machines.add_to(jobs, diagnosis, request.seed);
         }
         add_dynamics(&model, &records, diagnosis, request.seed);
         if request.pages {

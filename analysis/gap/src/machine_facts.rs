@@ -9,6 +9,7 @@
 //! where jobs have several pieces, or machines take several jobs at a time.
 
 use super::constants::{NINETY, PROBABLE};
+use super::job_facts::Jobs;
 use super::queue::occasion;
 use super::shift_labels::ShiftLabels;
 use super::shop_facts::{of_failures, take_back};
@@ -24,11 +25,12 @@ use toolroom_scenario::{Deviation, Distribution, MachineType, Scenario, Scope, S
 
 /// Tests what the `events` of machines count against the `scenario` that they run by, adds it to what the records of a
 /// process say, and takes back that there is no gap where the log contradicts a constant of the file. `labels` are the shifts as
-/// those records name them, `seed` is that of replicated histories of breakdowns.
+/// those records name them, `jobs` those that came to the shop, `seed` is that of replicated histories of breakdowns.
 pub fn add_machine_facts(
     scenario: &Scenario,
     events: &Records,
     labels: &ShiftLabels,
+    jobs: Option<&Jobs>,
     diagnosis: &mut Diagnosis,
     seed: u64,
 ) {
@@ -39,6 +41,9 @@ pub fn add_machine_facts(
     let asked = [(HANDLING, EffectId::OPERATOR_DELAY), (CHANGE, EffectId::TOOL_CHANGE_DELAY)];
     for (timed, _) in asked.into_iter().filter(|(_, id)| !named(*id)) {
         facts.extend(timed.facts(&log));
+    }
+    if let Some(jobs) = jobs {
+        facts.extend(jobs.facts(&log.shop, events, diagnosis, seed));
     }
     if diagnosis.verdict == GapVerdict::CannotTell {
         return;

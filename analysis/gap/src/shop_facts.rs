@@ -4,11 +4,11 @@
 //! for the scatter of handling.
 
 use super::constants::UNEXPLAINED_QUEUE;
+use super::job_facts::{Jobs, WITHOUT_JOBS};
 use super::queue::{QueueScore, occasion, queues};
 use super::{Diagnosis, EffectId, Fitness, GapVerdict, Part};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use toolroom_facts::agreement::{agreeing, same_middle, same_rate};
-use toolroom_facts::arrivals::arrivals_of;
 use toolroom_facts::failures::{History, shape, time_between};
 use toolroom_facts::spread::spread;
 use toolroom_facts::survival::{Life, lives};
@@ -23,16 +23,14 @@ use toolroom_scenario::{Distribution, FailureClock, FailureMode, ShopEffect};
 /// Prior standard deviation of the logarithm of the life of edges on one machine: that of the wear rate and that of a
 /// machine, as in the calibration of the channel `edge_life`.
 const LIFE: f64 = 0.18;
-/// Unknown parts that a note names (assumption: more are not read).
-const STRANGERS: usize = 5;
 
 /// Tests the facts of a log, adds them to what is said of it, and takes back what they contradict: a constant of
-/// the file that the log rejects, or a queue that nothing explains, leaves no `no_gap`. `orders` are the jobs that came, where
+/// the file that the log rejects, or a queue that nothing explains, leaves no `no_gap`. `jobs` are those that came, where
 /// the data hold them; `stated` is what the file says beside the plan.
 pub fn add_facts(
     shop: &Shop,
     records: &Records,
-    orders: Option<&Records>,
+    jobs: Option<&Jobs>,
     stated: &Declarations,
     diagnosis: &mut Diagnosis,
     seed: u64,
@@ -51,24 +49,10 @@ pub fn add_facts(
     }
     facts.extend(scores.iter().filter_map(|score| of_queue(score, explained)));
     diagnosis.notes.extend(scores.iter().map(|score| score.words(explained)));
-    match orders {
-        Some(orders) => {
-            let strangers = strangers(shop, orders);
-            facts
-                .extend(of_arrivals(shop, records, orders, seed).filter(|fact| fact.count > 0 || strangers.is_empty()));
-            if !strangers.is_empty() {
-                let names: Vec<&str> = strangers.into_iter().take(STRANGERS).collect();
-                let note = format!("jobs of parts that the model has not are of no source: {}", names.join(", "));
-                diagnosis.notes.push(note);
-            }
-        }
-        None => diagnosis.notes.push(
-            "not tested: arrivals, for which --data is the folder that holds orders.csv beside the events, and no other log is held out"
-                .to_owned(),
-        ),
+    match jobs {
+        Some(jobs) => facts.extend(jobs.facts(shop, records, diagnosis, seed)),
+        None => diagnosis.notes.push(WITHOUT_JOBS.to_owned()),
     }
-    let others = shop.other_sources.iter().filter(|_| orders.is_some()).map(|parts| format!(", arrivals of {parts}"));
-    diagnosis.notes.push(format!("not tested: scrap, lead times{}", others.collect::<String>()));
     let queues = scores.iter().filter_map(|score| {
         let (fit, fact) = (score.fit(explained), of_queue(score, explained)?);
         (fit.score.abs() > UNEXPLAINED_QUEUE).then(|| (fact.words(), fact.is_far()))
@@ -232,36 +216,6 @@ fn of_edges(shop: &Shop, visits: &Visits) -> Vec<Fact> {
         lives(name, &recorded, &shop.station(name)?.lives, LIFE)
     };
     visits.machines.iter().enumerate().filter_map(lives_of).collect()
-}
-
-/// Part types of orders that no operation of the model has.
-fn strangers<'a>(shop: &Shop, orders: &'a Records) -> BTreeSet<&'a str> {
-    let known = |part: &str| {
-        shop.programs.keys().any(|program| program.strip_prefix(part).is_some_and(|rest| rest.starts_with('/')))
-    };
-    let parts = orders.texts("part_type").unwrap_or_default().iter().map(String::as_str);
-    parts.filter(|part| !known(part)).collect()
-}
-
-/// Jobs of every source that comes by chance, between the first and the last event of the log.
-fn of_arrivals<'a>(
-    shop: &'a Shop,
-    events: &Records,
-    orders: &'a Records,
-    seed: u64,
-) -> impl Iterator<Item = Fact> + use<'a> {
-    let events = events.numbers("time").unwrap_or_default();
-    let span = [
-        events.iter().copied().fold(f64::INFINITY, f64::min),
-        events.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-    ];
-    let parts = orders.texts("part_type").unwrap_or_default();
-    let times = orders.numbers("arrival_time").unwrap_or_default();
-    shop.sources.iter().filter_map(move |source| {
-        let own = parts.iter().zip(times).filter(|(part, _)| **part == source.part);
-        let own: Vec<f64> = own.map(|(_, time)| *time).collect();
-        arrivals_of(&source.part, &own, span, &source.interval, seed)
-    })
 }
 
 /// How loading and unloading scatters at every machine, among operations of one program in one shift. Delays of operators

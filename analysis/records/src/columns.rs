@@ -274,6 +274,7 @@ const ORDERS: &[RecordColumn] = &[
     condition("start_time", "s", "s", 1e10),
     condition("finish_time", "s", "s", 1e10),
     condition("quantity", "1", "1", 1e9).from(0.0),
+    condition("scrapped_quantity", "1", "1", 1e9).from(0.0),
 ];
 
 /// Columns that every table of an empirical model may have.

@@ -115,7 +115,7 @@ vocabulary! {
         TimeToRepair = "time_to_repair",
         /// Time between two jobs of a source, s.
         ArrivalInterval = "arrival_interval",
-        /// Share of lost edges that spoil the part, 1.
+        /// Share of lost edges that spoil the part, and of inspected pieces that are scrapped, 1.
         Scrap = "scrap",
         /// Rate of wear, 1.
         WearRate = "wear_rate",

@@ -11,7 +11,7 @@ use super::recorder::Recorder;
 use crate::runlog::{JobOutcome, LogEvent, OperationResult};
 use rand::RngExt;
 use toolroom_kernel::Purpose;
-use toolroom_scenario::{InspectedTo, InspectedUnit, Work};
+use toolroom_scenario::{InspectedTo, InspectedUnit, InspectionOutcome, ShopConstant, Work};
 
 /// Owner of the jobs that were divided from another, part of that one's name.
 const DIVIDED: u64 = 1 << 42;
@@ -39,12 +39,14 @@ impl Verdict {
 }
 
 impl<R: Recorder> Shop<'_, R> {
-    /// Jobs into which one divides when its operation is done, each with what becomes of it.
-    pub(super) fn inspect(&mut self, slot: u32) -> Vec<(u32, Verdict)> {
+    /// Jobs into which one divides when its operation on a machine is done, each with what becomes of it.
+    pub(super) fn inspect(&mut self, machine: usize, slot: u32) -> Vec<(u32, Verdict)> {
         let scenario = self.scenario;
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation);
         let inspection = &scenario.parts[part].operations[index as usize].inspection;
+        let shares: Vec<f64> =
+            inspection.outcomes.iter().map(|outcome| self.share_of(machine, slot, outcome)).collect();
         let (quantity, visits, first) = (job.row.quantity, job.visits, job.first_piece);
         let owner = job.entity.part(u64::from(index));
         let mut stream = self.streams.at(owner, Purpose::Quality, u64::from(visits));
@@ -60,8 +62,8 @@ impl<R: Recorder> Shop<'_, R> {
             }
             let rank: f64 = stream.random();
             let mut below = 0.0;
-            let found = inspection.outcomes.iter().position(|outcome| {
-                below += outcome.share;
+            let found = shares.iter().position(|share| {
+                below += share;
                 rank < below
             });
             counts[found.map_or(0, |found| found + 1)] += if apart { 1 } else { quantity };
@@ -89,6 +91,15 @@ impl<R: Recorder> Shop<'_, R> {
             divided.push((group, verdict));
         }
         divided
+    }
+
+    /// Share of an outcome; that of scrap as calibration has moved it.
+    fn share_of(&self, machine: usize, slot: u32, outcome: &InspectionOutcome) -> f64 {
+        if outcome.to != InspectedTo::Scrap || self.scenario.calibrations.is_empty() {
+            return outcome.share;
+        }
+        let operation = self.scoped_operation(machine, slot);
+        operation.calibrated(self.scenario, ShopConstant::Scrap, outcome.share).clamp(0.0, 1.0)
     }
 
     /// Takes pieces out of a job, as a job of their own at the same operation.

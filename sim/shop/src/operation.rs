@@ -373,7 +373,7 @@ impl<R: Recorder> Shop<'_, R> {
         if !self.layout.operations[part][index].inspected {
             return self.end_as(machine, task, (slot, Verdict::Good), whole);
         }
-        self.inspect(slot).into_iter().try_for_each(|own| self.end_as(machine, task, own, whole))
+        self.inspect(machine, slot).into_iter().try_for_each(|own| self.end_as(machine, task, own, whole))
     }
 
     /// A job goes on, goes back or leaves; it was one of `whole` pieces when the operation began.

@@ -80,15 +80,9 @@ impl Figures {
     /// What is in the shop after all events of an instant.
     pub(super) fn add_wip(&self, scenario: &Scenario, log: &RunLog, values: &mut [f64]) {
         // What belongs together is one: the jobs of an order, and what inspections divided from a job.
-        let root = |mut number: usize| {
-            while let Some(parent) = log.jobs[number].divided_from {
-                number = parent as usize;
-            }
-            number
-        };
         let mut stays: BTreeMap<(bool, usize), (f64, f64)> = BTreeMap::new();
         for (number, job) in log.jobs.iter().enumerate() {
-            let own = job.order.map_or((false, root(number)), |order| (true, order as usize));
+            let own = job.order.map_or((false, log.root(number)), |order| (true, order as usize));
             let finish = if job.finish.is_nan() { f64::INFINITY } else { job.finish };
             let stay = stays.entry(own).or_insert((job.arrival, finish));
             *stay = (stay.0.min(job.arrival), stay.1.max(finish));
