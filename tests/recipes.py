@@ -27,7 +27,7 @@ import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # Crates that compute while the recipes run: without optimisation they would take longer than their compilation saves.
-COMPUTING = {f"toolroom-{name}" for name in ("effects", "cutting", "scenario", "shop", "recording", "nominal", "gap")}
+COMPUTING = {f"toolroom-{name}" for name in ("effects", "cutting", "scenario", "cuts", "shop", "recording", "nominal", "facts", "gap")}
 STEP = re.compile(r"^(?:New file `(?P<new>[^`]+)`|In `(?P<path>[^`]+)`, (?P<how>after|before|replacing) `(?P<line>.+)`):$")
 
 

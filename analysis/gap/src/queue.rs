@@ -82,6 +82,11 @@ pub fn queues(
     let calls = calls(visits);
     let model = Occupation::new(shop, visits, stated, diagnosis);
     let one = |pool: &Vec<usize>| {
+        let replicated =
+            |machine: &usize| shop.station(&visits.machines[*machine]).is_none_or(|station| station.queueing.is_none());
+        if !pool.iter().all(replicated) {
+            return None;
+        }
         let mut in_pool: Vec<&Call<'_>> = calls.iter().filter(|call| pool.contains(&call.visit.machine)).collect();
         in_pool.sort_by(|a, b| a.ready.total_cmp(&b.ready));
         let scored: Vec<usize> = (0..in_pool.len()).filter(|at| in_pool[*at].known).collect();
@@ -253,7 +258,8 @@ impl<'a> Occupation<'a> {
         };
         let place = occasion(self.shop, self.seen, visit);
         let stated = |constant, value: f64| calibrated(&self.file.calibrations, constant, &place, value);
-        let time = stated(ShopConstant::ProgrammedTime, nominal.time);
+        let planned = nominal.law.as_ref().map_or(nominal.time, |law| law.quantile(random.random()));
+        let time = stated(ShopConstant::ProgrammedTime, planned);
         let time = time * self.factor(&[ProgrammedTimes, ProgrammedTime(program), MachineGain(machine)]);
         let handling = station.handling[(u * station.handling.len() as f64) as usize];
         let handling = stated(ShopConstant::HandlingTime, handling);

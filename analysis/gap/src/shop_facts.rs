@@ -49,6 +49,7 @@ pub fn add_facts(
     }
     facts.extend(scores.iter().filter_map(|score| of_queue(score, explained)));
     diagnosis.notes.extend(scores.iter().map(|score| score.words(explained)));
+    diagnosis.notes.extend(unreplicated(shop, &seen));
     match jobs {
         Some(jobs) => facts.extend(jobs.facts(shop, records, diagnosis, seed)),
         None => diagnosis.notes.push(WITHOUT_JOBS.to_owned()),
@@ -216,6 +217,17 @@ fn of_edges(shop: &Shop, visits: &Visits) -> Vec<Fact> {
         lives(name, &recorded, &shop.station(name)?.lives, LIFE)
     };
     visits.machines.iter().enumerate().filter_map(lives_of).collect()
+}
+
+/// Says before which machines of a log waits are not tested, and why.
+fn unreplicated(shop: &Shop, seen: &Visits) -> impl Iterator<Item = String> {
+    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for name in &seen.machines {
+        if let Some(reason) = shop.station(name).and_then(|station| station.queueing) {
+            reasons.entry(reason).or_default().push(name);
+        }
+    }
+    reasons.into_iter().map(|(reason, names)| format!("not tested: waits before {}: {reason}", names.join(", ")))
 }
 
 /// How loading and unloading scatters at every machine, among operations of one program in one shift. Delays of operators

@@ -10,3 +10,4 @@
 mod log_event;
 pub mod recorder;
 pub mod runlog;
+mod whole_job;

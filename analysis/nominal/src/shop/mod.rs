@@ -26,6 +26,7 @@ mod kpi;
 mod logs;
 mod model;
 mod nominal;
+mod queueing;
 mod scopes;
 mod scrap;
 mod shapes;

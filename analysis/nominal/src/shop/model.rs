@@ -486,6 +486,7 @@ fn unit_slip(shop: &Shop, visits: &Visits) -> Option<String> {
     let slip =
         SLIPS.iter().find(|(factor, _)| near(*factor)).map_or_else(String::new, |(_, what)| format!(" ({what}?)"));
     Some(format!(
-        "times in cut are {ratio:.3} times the programmed ones: nothing is compared, check the unit of `time`{slip}"
+        "times in cut are {ratio:.3} times the programmed ones: nothing is compared, check the unit of `time`{slip}; programs are \
+         those of one piece, and jobs of several are not compared"
     ))
 }

@@ -1,5 +1,6 @@
 //! What the planner believes of the shop: a scenario seen by machines and programs.
 
+use super::queueing::queueing;
 use super::stops::{Shape, lower_deviation};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -20,12 +21,14 @@ const REPLICATIONS: usize = 1000;
 const STRETCH: f64 = 5.0 * 86400.0;
 
 /// A program of the nominal shop.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Program {
     /// Programmed time in cut, of plain work the median of its distribution, s.
     pub time: f64,
     /// How its times lie about that by the file alone: plain work may be skewed; times in cut are not.
     pub planned: Shape,
+    /// The distribution of its times by the file, s; `None` of times in cut, which have none.
+    pub law: Option<Distribution>,
     /// Sum of feed speeds over its passes, m/s: what the inverse of an acceleration costs.
     pub feed_speeds: f64,
 }
@@ -41,6 +44,9 @@ pub struct Station {
     pub handling: Vec<f64>,
     /// Changing an edge, s.
     pub tool_change: f64,
+    /// Why waits before it are not replicated, where they do not follow from ready jobs that are taken one by one in the order in
+    /// which they came.
+    pub queueing: Option<&'static str>,
     /// Its working time, where that has shifts.
     pub calendar: Option<ShiftCalendar>,
     /// How it breaks down.
@@ -121,13 +127,13 @@ impl Shop {
                         0.0
                     }
                 };
-                let (time, planned) = match &operation.work {
-                    Work::Plain(times) => (times.quantile(0.5), plain_shape(times)),
+                let (time, planned, law) = match &operation.work {
+                    Work::Plain(times) => (times.quantile(0.5), plain_shape(times), Some(times.clone())),
                     Work::Cutting(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) | Work::Program(_) => {
-                        (*time, Shape::SYMMETRIC)
+                        (*time, Shape::SYMMETRIC, None)
                     }
                 };
-                let program = Program { time, planned, feed_speeds };
+                let program = Program { time, planned, law, feed_speeds };
                 programs.insert(format!("{}/{}", part.name, operation.name), program);
             }
         }
@@ -236,6 +242,7 @@ fn station(scenario: &Scenario, failures: &[FailureMode], index: usize, log: &Ru
         process: machine.process.clone(),
         handling,
         tool_change: machine.tool_change_time,
+        queueing: queueing(scenario, index),
         calendar: machine.calendar.map(|at| scenario.calendars[at].clone()),
         failures: failures.iter().filter(|mode| mode.machine == index).cloned().collect(),
         lives: edges.map(life).filter(|life| life.time > 0.0).collect(),

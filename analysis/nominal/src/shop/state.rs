@@ -17,7 +17,7 @@ pub enum State {
     Stopped,
     /// Nothing to do, or waiting for somebody.
     Idle,
-    /// Out of shift.
+    /// Out of shift, or maintained as planned.
     OffShift,
     /// Nobody knows.
     Unknown,
@@ -45,10 +45,9 @@ impl State {
             "feed_hold" | "hold" | "interrupted" | "program_hold" => Self::Hold,
             "stopped" | "stop" | "micro_stop" | "program_stopped" | "optional_stop" | "down" | "breakdown"
             | "failure" | "fault" | "alarm" | "error" | "repair" | "wait" | "waiting" => Self::Stopped,
-            "idle" | "waiting_operator" | "ready" | "program_completed" | "starved" | "blocked" | "standby" => {
-                Self::Idle
-            }
-            "off_shift" | "off" | "offline" | "break" | "closed" => Self::OffShift,
+            "idle" | "waiting_operator" | "waiting_fixture" | "waiting_tool" | "ready" | "program_completed"
+            | "starved" | "blocked" | "standby" => Self::Idle,
+            "off_shift" | "off" | "offline" | "break" | "closed" | "maintenance" => Self::OffShift,
             _ => Self::Unknown,
         }
     }
