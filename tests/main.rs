@@ -22,6 +22,7 @@ mod lobes;
 mod machine_facts;
 mod own_effects;
 mod parameter_sets;
+mod plain_nulls;
 mod planned;
 mod planning;
 mod program_files;

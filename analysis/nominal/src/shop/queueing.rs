@@ -1,6 +1,8 @@
 //! Which machines take ready jobs one by one, in the order in which they came.
 
-use toolroom_scenario::{Assignment, DispatchRule, Distribution, Operation, Preemption, Scenario};
+use toolroom_scenario::{
+    ArrivalPattern, Assignment, DispatchRule, Distribution, Operation, Preemption, ReleaseRule, Scenario,
+};
 
 /// Why waits before a machine are not replicated from the times at which jobs were ready; `None` where they are.
 pub fn queueing(scenario: &Scenario, machine: usize) -> Option<&'static str> {
@@ -26,10 +28,14 @@ pub fn queueing(scenario: &Scenario, machine: usize) -> Option<&'static str> {
     let needs_crib = |own: &&Operation| own.tool.is_some_and(|tool| scenario.shared.crib_of(tool).is_some());
     let moved =
         !scenario.transports.is_empty() || !matches!(scenario.move_time, Distribution::Constant(time) if time <= 0.0);
+    let held_back = !scenario.control.loops.is_empty()
+        || scenario.control.release != ReleaseRule::Immediate
+        || scenario.arrivals.iter().any(|own| matches!(own.pattern, ArrivalPattern::ConstantWork { .. }));
     let reasons = [
         (rules.first() != Some(&DispatchRule::Fifo), "it does not take the first that came"),
         (scenario.preemption != Preemption::None, "urgent jobs interrupt others"),
         (scenario.control.assign == Assignment::AtArrival, "jobs join its queue before it is free"),
+        (held_back, "jobs come when others have left"),
         (kind.batch.is_some(), "it takes several jobs at a time"),
         (!scenario.buffers.is_empty(), "places are limited"),
         (moved, "jobs are on their way to it"),

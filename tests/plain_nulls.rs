@@ -1,0 +1,60 @@
+//! Shops of plain machines that hide nothing are blamed for nothing, whatever their times and queues are like.
+
+use crate::command_line::toolroom;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// The answer to the records that the shop `run` leaves, by the model `planned`, with `set` in both.
+fn answer(planned: &str, run: &str, set: &[&str]) -> Value {
+    let dir = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| Path::join(dir.path(), name).display().to_string();
+    fs::write(at("model.toml"), planned).expect("a writable folder");
+    fs::write(at("shop.toml"), run).expect("a writable folder");
+    let set: Vec<&str> = set.iter().flat_map(|own| ["--set", own]).collect();
+    let done = |arguments: &[&str]| {
+        let output = toolroom(&[arguments, &set].concat());
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    };
+    done(&["run", &at("shop.toml"), "--seed", "5", "--replications", "1", "--records", &at("r"), "--out", &at("o")]);
+    done(&["gap", "diagnose", "--model", &at("model.toml"), "--data", &at("r"), "--out", &at("d")]);
+    serde_json::from_str(&fs::read_to_string(at("d/diagnosis.json")).expect("a diagnosis")).expect("JSON")
+}
+
+fn shipped(name: &str) -> String {
+    let path = format!("{}/scenarios/shop/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    fs::read_to_string(path).expect("a shipped shop") + "\n[gap]\nprocess = \"shop\"\n"
+}
+
+/// Exponential times, parts that go back, batches, limited places, shifts: what is as its file says is told so.
+#[test]
+fn shops_of_wide_times_and_of_queues_that_are_no_queues_are_told_to_be_right() {
+    let spt: &[&str] = &["dispatch.rule=spt", "shop.horizon=400 h"];
+    let shops: [(&str, &[&str], &str); 5] = [
+        ("rework", &["shop.horizon=400 h"], ""),
+        ("rework", spt, "does not take the first that came"),
+        ("furnace", &[], "several jobs at a time"),
+        ("line", &["shop.horizon=400 h"], "places are limited"),
+        ("cell", &[], ""),
+    ];
+    for (name, set, untested) in shops {
+        let model = shipped(name);
+        let found = answer(&model, &model, set);
+        let notes = found["notes"].to_string();
+        assert_eq!(found["verdict"], "no_gap", "{name} {set:?}: {} {notes}", found["facts"]);
+        assert!(notes.contains(untested), "{name} {set:?}: {notes}");
+    }
+}
+
+/// The same shop with its programs slowed is named for it.
+#[test]
+fn an_override_of_exponential_times_is_named() {
+    let model = shipped("rework");
+    let slowed = model.clone() + "\n[[deviation]]\nid = \"feed_override\"\nsize = \"0.6\"\n";
+    let found = answer(&model, &slowed, &["shop.horizon=400 h"]);
+    let names: Vec<&str> =
+        found["effects"].as_array().expect("effects").iter().filter_map(|own| own["id"].as_str()).collect();
+    assert_eq!((found["verdict"].as_str(), &names[..]), (Some("effect"), &["feed_override"][..]), "{}", found["notes"]);
+    let size = found["effects"][0]["size"]["value"].as_f64().expect("a size");
+    assert!((0.4..0.8).contains(&size), "{size}");
+}
