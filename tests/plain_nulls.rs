@@ -46,7 +46,36 @@ fn shops_of_wide_times_and_of_queues_that_are_no_queues_are_told_to_be_right() {
     }
 }
 
-/// The same shop with its programs slowed is named for it.
+/// A machine on which an operation takes longer by its file is not blamed for that.
+#[test]
+fn a_machine_that_is_slower_by_its_file_is_told_to_be_right() {
+    let plain = "work = { distribution = \"lognormal\", mean = \"8 min\", cv = 0.1 }";
+    let shop = format!(
+        r#"schema = 1
+[shop]
+name = "pair"
+horizon = "400 h"
+replications = 1
+[[machine]]
+name = "W"
+count = 2
+process = "plain"
+[[part]]
+name = "ring"
+operation = [{{ name = "weld", machines = "W", {plain}, time_on = {{ W2 = 1.4 }} }}]
+[[arrivals]]
+part = "ring"
+pattern = "poisson"
+rate = "8 1/h"
+[gap]
+process = "shop"
+"#
+    );
+    let found = answer(&shop, &shop, &[]);
+    assert_eq!(found["verdict"], "no_gap", "{} {}", found["effects"], found["notes"]);
+}
+
+/// A shop of exponential times with its programs slowed is named for it.
 #[test]
 fn an_override_of_exponential_times_is_named() {
     let model = shipped("rework");

@@ -432,7 +432,8 @@ fn nominal(shop: &Shop, visits: &Visits, blocks: &Blocks, block: &Block) -> Figu
     let known = block.program.and_then(|program| shop.programs.get(&visits.programs[program]));
     let planned = known.map_or(Shape::SYMMETRIC, |program| program.planned);
     let mut figures = Figures::all(f64::NAN);
-    figures[Figure::CuttingTime] = block.program.map_or(f64::NAN, |program| blocks.times[program]);
+    let pace = known.map_or(1.0, |program| program.pace_on(&visits.machines[block.machine]));
+    figures[Figure::CuttingTime] = block.program.map_or(f64::NAN, |program| pace * blocks.times[program]);
     figures[Figure::CuttingTail] = TAIL + planned.tail;
     figures[Figure::CuttingExcess] = planned.excess.exp();
     figures[Figure::CuttingSpread] = planned.spread;
@@ -475,7 +476,7 @@ const SLIPS: [(f64, &str); 3] =
 fn unit_slip(shop: &Shop, visits: &Visits) -> Option<String> {
     let ratio = |visit: &super::Visit| {
         let program = shop.programs.get(&visits.programs[visit.program])?;
-        Some(visit.cutting / program.time)
+        Some(visit.cutting / (program.pace_on(&visits.machines[visit.machine]) * program.time))
     };
     let mut ratios: Vec<f64> = visits.list.iter().filter_map(ratio).collect();
     let ratio = median(&mut ratios);

@@ -7,8 +7,8 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use toolroom_facts::survival::Life;
 use toolroom_scenario::{
-    Arrival, ArrivalPattern, Cut, Distribution, FailureMode, Occasion, ProcessModel, Scenario, ShiftCalendar,
-    ShopConstant, Stock, Work, calibrated,
+    Arrival, ArrivalPattern, Cut, Distribution, FailureMode, MachineTime, Occasion, ProcessModel, Scenario,
+    ShiftCalendar, ShopConstant, Stock, Work, calibrated,
 };
 use toolroom_shop::RunLog;
 use toolroom_shop::programmed_cutting_times;
@@ -29,6 +29,8 @@ pub struct Program {
     pub planned: Shape,
     /// The distribution of its times by the file, s; `None` of times in cut, which have none.
     pub law: Option<Distribution>,
+    /// How much longer plain work takes on some machines than that (1), by their names.
+    pub paces: BTreeMap<String, f64>,
     /// Sum of feed speeds over its passes, m/s: what the inverse of an acceleration costs.
     pub feed_speeds: f64,
 }
@@ -90,6 +92,13 @@ pub struct Shop {
     pub other_sources: Vec<String>,
 }
 
+impl Program {
+    /// How much longer it takes on a machine than elsewhere, 1.
+    pub fn pace_on(&self, machine: &str) -> f64 {
+        self.paces.get(machine).copied().unwrap_or(1.0)
+    }
+}
+
 impl Shop {
     /// The shop of a scenario. The lives of edges come from a simulation of its first policy.
     pub fn of(scenario: &Scenario) -> Self {
@@ -133,7 +142,12 @@ impl Shop {
                         (*time, Shape::SYMMETRIC, None)
                     }
                 };
-                let program = Program { time, planned, law, feed_speeds };
+                let on_machine = |(machine, _): &(usize, MachineTime)| {
+                    let own = operation.own_time_on(*machine).map(|own| own.quantile(0.5) / time);
+                    (scenario.machines[*machine].name.clone(), own.unwrap_or_else(|| operation.pace_on(*machine)))
+                };
+                let paces = operation.time_on.iter().map(on_machine).collect();
+                let program = Program { time, planned, law, paces, feed_speeds };
                 programs.insert(format!("{}/{}", part.name, operation.name), program);
             }
         }
