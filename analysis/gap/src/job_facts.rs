@@ -1,6 +1,7 @@
 //! What the jobs that came to a shop count, against what its file says: how many came, and what was scrapped.
 
 use super::Diagnosis;
+use super::queue::Came;
 use std::collections::{BTreeMap, BTreeSet};
 use toolroom_facts::Fact;
 use toolroom_facts::arrivals::arrivals_of;
@@ -45,6 +46,14 @@ impl Jobs {
             diagnosis.notes.push(note);
         }
         facts
+    }
+
+    /// When each came and when its first operation began.
+    pub(super) fn came(&self) -> Came<'_> {
+        let of = |name: &str| self.records.numbers(name).unwrap_or_default();
+        let names = self.records.texts("order").unwrap_or_default();
+        let times = of("arrival_time").iter().zip(of("start_time"));
+        names.iter().map(String::as_str).zip(times).map(|(name, (came, start))| (name, (*came, *start))).collect()
     }
 
     fn parts(&self) -> &[String] {

@@ -130,7 +130,7 @@ pub use trial::Trial;
 
 /// Logs of shops as nominal models, and what their queues tell of a diagnosis.
 pub mod shop {
-    pub use super::queue::{QueueFit, QueueScore, pools_of, queues, recorded_waits};
+    pub use super::queue::{Came, QueueFit, QueueScore, pools_of, queues, recorded_waits};
     pub use super::shop_facts::add_facts;
     pub use toolroom_nominal::shop::*;
 }

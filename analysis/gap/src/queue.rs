@@ -1,4 +1,4 @@
-//! Waiting times of jobs between two operations, scored by trace-driven replications.
+//! Waiting times of jobs before their operations, scored by trace-driven replications.
 //!
 //! A queue follows from everything else and names no cause; it shows whether what was named is
 //! enough. Jobs come to a pool of machines when the log says, breakdowns and nights are those of the
@@ -70,16 +70,20 @@ struct Call<'a> {
     known: bool,
 }
 
-/// Scores the waits before every pool of machines whose jobs come from another machine. What the file states of the shop,
-/// effects and calibration, acts with and without the named effects.
+/// When jobs came to the shop and when their first operation began, s, by their names.
+pub type Came<'a> = BTreeMap<&'a str, (f64, f64)>;
+
+/// Scores the waits before every pool of machines of jobs that come from another machine, or of which the data say when they
+/// `came` to the shop. What the file states of the shop, effects and calibration, acts with and without the named effects.
 pub fn queues(
     shop: &Shop,
     visits: &Visits,
     stated: &Declarations,
     diagnosis: &Diagnosis,
+    came: &Came<'_>,
     seed: u64,
 ) -> Vec<QueueScore> {
-    let calls = calls(visits);
+    let calls = calls(visits, came);
     let model = Occupation::new(shop, visits, stated, diagnosis);
     let one = |pool: &Vec<usize>| {
         let replicated =
@@ -130,7 +134,7 @@ impl QueueScore {
 /// Waits between two operations of a job before the machines that `of_pool` holds for: when the job was ready, and for how
 /// long it waited, s.
 pub fn recorded_waits(visits: &Visits, of_pool: impl Fn(&str) -> bool) -> Vec<(f64, f64)> {
-    let calls = calls(visits);
+    let calls = calls(visits, &Came::new());
     let known = calls.iter().filter(|call| call.known && of_pool(&visits.machines[call.visit.machine]));
     known.map(|call| (call.ready, (call.visit.start - call.ready).max(0.0))).collect()
 }
@@ -159,8 +163,8 @@ fn pools(visits: &Visits) -> Vec<Vec<usize>> {
     pools.into_iter().map(|(machines, _)| machines.into_iter().collect()).collect()
 }
 
-/// Operations with the time at which their job was ready: the end of the one before.
-fn calls(seen: &Visits) -> Vec<Call<'_>> {
+/// Operations with the time at which their job was ready: the end of the one before, or when it came.
+fn calls<'a>(seen: &'a Visits, came: &Came<'_>) -> Vec<Call<'a>> {
     let mut jobs: BTreeMap<&str, Vec<&Visit>> = BTreeMap::new();
     seen.list.iter().for_each(|visit| jobs.entry(&visit.job).or_default().push(visit));
     let mut calls = Vec::with_capacity(seen.list.len());
@@ -169,8 +173,12 @@ fn calls(seen: &Visits) -> Vec<Call<'_>> {
         for (index, visit) in visits.iter().enumerate() {
             let before =
                 index.checked_sub(1).map(|before| visits[before]).filter(|before| before.program != visit.program);
-            let ready = before.map_or(visit.start, |before| before.end.min(visit.start));
-            calls.push(Call { visit, ready, known: before.is_some() });
+            // A log may have begun in the middle of a job: that came long before what is seen of it first.
+            let first =
+                || came.get(visit.job.as_str()).filter(|(_, start)| index == 0 && (visit.start - start).abs() <= CLOCK);
+            let ready = before.map(|before| before.end).or_else(|| first().map(|(arrival, _)| *arrival));
+            let since = ready.unwrap_or(visit.start).min(visit.start);
+            calls.push(Call { visit, ready: since, known: ready.is_some() });
         }
     }
     calls

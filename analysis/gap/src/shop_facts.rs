@@ -36,7 +36,7 @@ pub fn add_facts(
     seed: u64,
 ) {
     let seen = visits(records);
-    let scores = queues(shop, &seen, stated, diagnosis, seed);
+    let scores = queues(shop, &seen, stated, diagnosis, &jobs.map(Jobs::came).unwrap_or_default(), seed);
     let named = |id: EffectId| diagnosis.effects.iter().any(|effect| effect.id == id);
     let explained = !diagnosis.effects.is_empty();
     let mut facts = of_failures(shop, &seen, named(EffectId::BREAKDOWN_SHAPE), seed);

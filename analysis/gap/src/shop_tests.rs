@@ -164,7 +164,7 @@ fn an_effect_of_one_machine_or_part_is_named_there_with_its_size_and_its_queue()
         assert!((found / size - 1.0).abs() < 0.05, "{found} instead of {size}");
         // The replay of the queues slows the operations of the scope alone.
         let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
-        for queue in queues(shop, &visits(&records), &Declarations::default(), &diagnosis, 1) {
+        for queue in queues(shop, &visits(&records), &Declarations::default(), &diagnosis, &Came::new(), 1) {
             assert!(queue.with.score.abs() < 4.0, "{id}: {}", queue.words(true));
         }
     }
@@ -288,7 +288,7 @@ fn queues_of_the_true_shop_fit_and_slow_machines_show_in_them() {
         let mut diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
         // As if calibration knew nothing of what makes the shop slow.
         diagnosis.calibration.clear();
-        queues(shop, &visits(records), &Declarations::default(), &diagnosis, 1)
+        queues(shop, &visits(records), &Declarations::default(), &diagnosis, &Came::new(), 1)
     };
     let scores = scored(&recorded(7, &[]));
     let mills = scores.iter().find(|score| score.machines == ["M1", "M2"]).expect("a pool of mills");
