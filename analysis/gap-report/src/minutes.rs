@@ -22,7 +22,7 @@ pub struct Rates {
 /// A step of the waterfall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// `nominal model`, `calibration`, an effect, `unexplained`, `recorded`.
+    /// `nominal model`, `calibration`, an effect (with its scope, where several have its id), `unexplained`, `recorded`.
     pub label: String,
     /// Machine time a week, min; of the first and the last the total, else the change.
     pub minutes: f64,

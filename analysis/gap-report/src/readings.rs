@@ -1,5 +1,6 @@
 //! Measured values beside what the model says of them.
 
+use crate::sentence::label;
 use toolroom_gap::{Diagnosis, Forward, Point, Transform};
 use toolroom_process::unit::convert;
 
@@ -98,7 +99,7 @@ impl Readings {
             let is_effect =
                 |candidate: &toolroom_gap::Candidate| candidate.id == effect.id && candidate.shape == effect.shape;
             if let Some(index) = frame.candidates.iter().position(is_effect) {
-                effects.push((index, effect.size / effect.id.report_units().0, effect.id.to_string()));
+                effects.push((index, effect.size / effect.id.report_units().0, label(effect, &diagnosis.effects)));
             }
         }
         let mut point = Point::nominal(part);

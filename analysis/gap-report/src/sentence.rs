@@ -47,6 +47,12 @@ fn being(channel: &str) -> String {
     format!("{} {}", words(channel), if channel.ends_with("revolutions") { "are" } else { "is" })
 }
 
+/// The id of an effect, with its scope or shape where `all` have that id more than once.
+pub(crate) fn label(effect: &NamedEffect, all: &[NamedEffect]) -> String {
+    let alike = all.iter().filter(|other| other.id == effect.id).count();
+    if alike > 1 { format!("{} ({})", effect.id, effect.shape) } else { effect.id.to_string() }
+}
+
 fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>) -> Vec<String> {
     let one = |(index, effect): (usize, &NamedEffect)| {
         let shape = if effect.shape.is_empty() { String::new() } else { format!(", {}", effect.shape) };
@@ -57,7 +63,7 @@ fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>
                 format!(" The data do not distinguish it from this: {}.", others.join("; "))
             }
         };
-        let cost = minutes.and_then(|minutes| minutes.effect(effect.id.word()));
+        let cost = minutes.and_then(|minutes| minutes.effect(&label(effect, &diagnosis.effects)));
         let cost = cost.map_or_else(String::new, |cost| format!(" {cost}"));
         format!(
             "{}{}: {}{} ({}{shape}; {} {}, 90 %: {} … {}; probability {:.2}).{others}{cost}",

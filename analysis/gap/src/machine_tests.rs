@@ -15,7 +15,7 @@ fn told(seed: u64, changed: &dyn Fn(&mut Scenario)) -> Diagnosis {
     };
     let events = of_shop(seed, &short);
     let mut diagnosis = Diagnosis { verdict: GapVerdict::NoGap, ..Diagnosis::cannot_tell(String::new()) };
-    add_machine_facts(&shipped_shop(), &events, &ShiftLabels::default(), &mut diagnosis, 1);
+    add_machine_facts(&shipped_shop(), &events, &ShiftLabels::default(), None, &mut diagnosis, 1);
     diagnosis
 }
 
@@ -91,7 +91,7 @@ fn a_delay_of_one_shift_is_no_constant() {
         scenario.deviations = stated.deviations.clone();
     });
     let mut known = Diagnosis { verdict: GapVerdict::NoGap, ..Diagnosis::cannot_tell(String::new()) };
-    add_machine_facts(&stated, &events, &ShiftLabels::default(), &mut known, 1);
+    add_machine_facts(&stated, &events, &ShiftLabels::default(), None, &mut known, 1);
     assert!(known.findings.is_empty(), "{}", known.terminal());
 }
 
@@ -113,13 +113,13 @@ fn a_shift_is_called_as_the_records_of_the_process_call_it() {
     let mut turning = shipped_shop();
     turning.calendars.clear();
     turning.machines.iter_mut().for_each(|machine| machine.calendar = None);
-    add_machine_facts(&turning, of(RecordKind::Shop), &ShiftLabels::from_records(&records), &mut diagnosis, 1);
+    add_machine_facts(&turning, of(RecordKind::Shop), &ShiftLabels::from_records(&records), None, &mut diagnosis, 1);
     let late = |fact: &Fact| fact.place == "L1, L2" || fact.told.shifts == ["late"];
     let told: Vec<&Fact> = found(&diagnosis).into_iter().filter(|fact| fact.is_cause()).collect();
     assert!(!told.is_empty() && told.iter().all(|fact| late(fact)), "{}", diagnosis.terminal());
     assert!(told.iter().all(|fact| fact.told.shifts == ["late"]), "{}", diagnosis.terminal());
     // Without them nobody names a shift, and none is told.
     let mut unnamed = Diagnosis { verdict: GapVerdict::NoGap, ..Diagnosis::cannot_tell(String::new()) };
-    add_machine_facts(&turning, of(RecordKind::Shop), &ShiftLabels::default(), &mut unnamed, 1);
+    add_machine_facts(&turning, of(RecordKind::Shop), &ShiftLabels::default(), None, &mut unnamed, 1);
     assert!(unnamed.facts.iter().all(|fact| fact.told.shifts.is_empty()), "{}", unnamed.terminal());
 }
