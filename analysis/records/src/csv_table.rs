@@ -115,8 +115,13 @@ fn decode(bytes: &[u8]) -> (String, Option<&'static str>) {
     }
 }
 
+/// Whether a cell is a number with a decimal comma, `1,5`, or with points between its thousands, too: `1.113,04`.
 fn is_comma_number(cell: &str) -> bool {
-    cell.matches(',').count() == 1 && cell.replacen(',', ".", 1).parse::<f64>().is_ok()
+    let Some((whole, fraction)) = cell.split_once(',') else { return false };
+    let mut groups = whole.trim_start_matches(['+', '-']).split('.');
+    let first = groups.next().is_some_and(|group| group.len() <= 3 || !whole.contains('.'));
+    let grouped = first && groups.all(|group| group.len() == 3);
+    grouped && !fraction.contains(['.', ',']) && format!("{}.{fraction}", whole.replace('.', "")).parse::<f64>().is_ok()
 }
 
 /// Whether the comma of a number may stand between thousands: up to three digits before it, no zero first, three after it.
@@ -152,7 +157,7 @@ fn read_decimal_commas(table: &mut RawTable) {
     table.notes.push(note);
     for (_, cells) in &mut table.rows {
         for cell in cells.iter_mut().filter(|cell| is_comma_number(cell)) {
-            *cell = cell.replacen(',', ".", 1);
+            *cell = cell.replace('.', "").replacen(',', ".", 1);
         }
     }
 }

@@ -313,6 +313,7 @@ fn rows(table: &RawTable, used: &[UsedColumn], kind: RecordKind, report: &mut Re
         }
         kept.push(UsedRow { at: row, numbers });
     }
+    report.notes.extend(ids_told_apart(table, used, &kept));
     for (column, (places, line, reason)) in beyond {
         // A few slips are no values; a whole channel in another unit is for the diagnosis to say.
         let few = 2 * places.len() < kept.len();
@@ -323,6 +324,27 @@ fn rows(table: &RawTable, used: &[UsedColumn], kind: RecordKind, report: &mut Re
         }
     }
     (kept, wrong)
+}
+
+/// Says where one id stands for several records of one edge, which only their sequence tells apart. Two edges may share a pass.
+fn ids_told_apart(table: &RawTable, used: &[UsedColumn], kept: &[UsedRow]) -> Option<String> {
+    let [id, edge] = ["operation_id", "tool_id"].map(|name| used.iter().find(|each| each.name == name));
+    let (id, edge) = id.zip(edge)?;
+    let mut lines: BTreeMap<[&str; 2], Vec<usize>> = BTreeMap::new();
+    for row in kept {
+        let (line, cells) = &table.rows[row.at];
+        let key = [id, edge].map(|column| cells.get(column.at).map_or("", String::as_str));
+        lines.entry(key).or_default().push(*line);
+    }
+    lines.retain(|[id, _], lines| !id.is_empty() && lines.len() > 1);
+    let ([id, _], several) = lines.into_iter().max_by_key(|own| own.1.len())?;
+    Some(format!(
+        "operation_id `{id}` stands in {} lines of one edge, {} and {} among them: their sequence tells them apart, and predictions cannot be \
+         joined by the id alone",
+        several.len(),
+        several[0],
+        several[1]
+    ))
 }
 
 /// A finite number.
