@@ -1,9 +1,9 @@
 //! What the gap is made of: shares of its sum of squares that each stage of explanation takes away.
 //!
 //! The gap is the sum of squares as the fit sees it: noise and scatter between groups weigh readings, and what went far from
-//! its prior is paid for. Stages follow each other from the nominal constants on: calibration by the values that it has beside
-//! the named effects (alone it might go as far as to imitate them), these effects, the form of the equations, and what nothing
-//! explains. Each counts only what it explains beyond the squares that so many
+//! its prior is paid for. Stages follow each other from the nominal constants on: the named effects by the sizes that they have
+//! beside the calibration, the calibration (before them it might go as far as to imitate them, and an effect that is named has
+//! been told from it), the form of the equations, and what nothing explains. Each counts only what it explains beyond the squares that so many
 //! numbers take of noise alone, so that a model that is right has nothing but noise.
 
 use super::decision::Decision;
@@ -58,19 +58,19 @@ pub(super) fn budget(model: &dyn Forward, decision: &Decision) -> Budget {
     let calibration: Vec<usize> = (0..allowance.len()).filter(|i| !allowance[*i]).collect();
     let everything: Vec<usize> = (0..allowance.len()).collect();
     let beside = |columns: &[usize]| -> Vec<usize> {
-        columns.iter().copied().chain(chosen.fit.active.iter().map(|index| chosen.shared + index)).collect()
+        chosen.fit.active.iter().map(|index| chosen.shared + index).chain(columns.iter().copied()).collect()
     };
     let squares = base.gram.total[(base.gram.last(), base.gram.last())];
     let nominal = Stage { left: squares, chance: 0.0 };
     let known = beside(&calibration);
-    let calibrated = Stage::of_first(&chosen.gram, &known, calibration.len(), chosen.shared).after(nominal);
-    let with_effects = Stage::of(&chosen.gram, &known, chosen.shared).after(calibrated);
-    let with_form = Stage::of(&chosen.gram, &beside(&everything), chosen.shared).after(with_effects);
+    let with_effects = Stage::of_first(&chosen.gram, &known, chosen.fit.active.len(), chosen.shared).after(nominal);
+    let calibrated = Stage::of(&chosen.gram, &known, chosen.shared).after(with_effects);
+    let with_form = Stage::of(&chosen.gram, &beside(&everything), chosen.shared).after(calibrated);
     let measured = &frame.measured;
     let readings: usize = measured.fitted_groups().map(|group| measured.spans[group].len()).sum();
     let unexplained = (with_form.left - (readings as f64 - with_form.chance)).max(0.0);
     let explained =
-        [calibrated.beyond(nominal), with_effects.beyond(calibrated), with_form.beyond(with_effects), unexplained];
+        [calibrated.beyond(with_effects), with_effects.beyond(nominal), with_form.beyond(calibrated), unexplained];
     let share = |value: f64| if nominal.left > 0.0 { value / nominal.left } else { f64::NAN };
     let [calibration, effects, form_allowance, unexplained] = explained.map(share);
     let noise_floor = share(nominal.left) - calibration - effects - form_allowance - unexplained;
@@ -112,9 +112,9 @@ mod tests {
         let gram = Gram { folds: Vec::new(), log_determinants: Vec::new(), total, log_determinant: 0.0, lengths };
         let nominal = Stage { left: 10_000.0, chance: 0.0 };
         let alone = Stage::of(&gram, &[0], 1).after(nominal).beyond(nominal);
-        let calibrated = Stage::of_first(&gram, &[0, 1], 1, 1).after(nominal);
-        let effects = Stage::of(&gram, &[0, 1], 1).after(calibrated).beyond(calibrated);
+        let effects = Stage::of_first(&gram, &[1, 0], 1, 1).after(nominal);
+        let calibration = Stage::of(&gram, &[1, 0], 1).after(effects).beyond(effects);
         assert!(alone > 9_990.0, "{alone}");
-        assert!(effects > 9.0 * calibrated.beyond(nominal), "{effects} beside {}", calibrated.beyond(nominal));
+        assert!(effects.beyond(nominal) > 9.0 * calibration, "{} beside {calibration}", effects.beyond(nominal));
     }
 }
