@@ -7,7 +7,6 @@ use crate::progress::Bar;
 use crate::speak::Voice;
 use crate::study::statistics;
 use crate::warm_up::settle;
-use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,7 +18,7 @@ use toolroom_study::compare::Comparison;
 use toolroom_study::request::policies_named;
 use toolroom_study::study::{StudyOptions, run_study};
 use toolroom_study::summary::summary;
-use toolroom_study::sweep::Sweep;
+use toolroom_study::sweep::{Sweep, SweepResult};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     let [key, low, high, step] = args.sweep.as_slice() else {
@@ -33,7 +32,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     let began = Instant::now();
     let stop = Arc::new(AtomicBool::new(false));
     let _gentle = stop::gently(&stop);
-    let mut summaries: Vec<Value> = Vec::new();
+    let mut result = SweepResult::default();
     let mut interrupted = None;
     for value in values {
         let mut overrides = args.scenario.changes.overrides();
@@ -47,6 +46,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
             Some(wanted) => tuned(args, overrides, &file, (&policies, &wanted), voice, &stop, None)?,
             None => (file, None),
         };
+        result.retuned = tuning.is_some();
         let scenario = &file.scenario;
         let options = StudyOptions {
             policies,
@@ -66,7 +66,8 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
             break;
         }
         let comparison = Comparison::new(scenario, &study);
-        summaries.push(summary(scenario, &study, &comparison));
+        result.summaries.push(summary(scenario, &study, &comparison));
+        result.pairs.push(comparison.decision.pairs(&study));
         if stop.load(Ordering::SeqCst) {
             interrupted = Some(study.replications);
             break;
@@ -85,22 +86,22 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
             words.chain(changes).map(str::to_owned),
             None,
         );
-        output_dir.put_json("sweep.json", &sweep.json(&summaries))?;
-        output_dir.put("report.html", &sweep.report(&summaries).provenance(origin.clone()).html())?;
+        output_dir.put_json("sweep.json", &sweep.json(&result))?;
+        output_dir.put("report.html", &sweep.report(&result).provenance(origin.clone()).html())?;
         output_dir.record(&origin, began.elapsed())?;
         let target = output_dir.publish()?;
         voice.say(format_args!("wrote {}", target.join("report.html").display()));
     }
     if voice.json {
-        voice.json(&sweep.json(&summaries))?;
+        voice.json(&sweep.json(&result))?;
     } else {
-        voice.data(sweep.text(&summaries))?;
+        voice.data(sweep.text(&result))?;
     }
     match interrupted {
         None => Ok(()),
         Some(_) => Err(Failure::Interrupted {
-            message: format!("interrupted: {} of {} points are complete", summaries.len(), values.len()),
-            help: format!("go on with LO at {}", values[summaries.len().min(values.len() - 1)]),
+            message: format!("interrupted: {} of {} points are complete", result.summaries.len(), values.len()),
+            help: format!("go on with LO at {}", values[result.summaries.len().min(values.len() - 1)]),
         }),
     }
 }

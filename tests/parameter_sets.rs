@@ -126,3 +126,109 @@ fn one_known_life_makes_a_first_set() {
     assert_eq!(wrong.status.code(), Some(2));
     assert!(text(&wrong.stderr).contains("--life"), "{}", text(&wrong.stderr));
 }
+
+/// Taylor's constants of a handbook, as a tool and as a set hold them.
+const CONSTANTS: &str = "taylor = { form = \"v T^n f^a ap^b = C\", C = \"300 m/min\", n = 0.25, a = 0.3, b = 0.1, source = \"our handbook\" }";
+
+/// The same shop with more keys for its tool.
+fn shop_with(folder: &Path, name: &str, set: &str, keys: &str) -> String {
+    let text = fs::read_to_string(shop(folder, set)).expect("the shop");
+    let named = format!("parameter_set = \"{set}\"\n");
+    assert!(text.contains(&named));
+    let path = folder.join(name);
+    fs::write(&path, text.replace(&named, &format!("{named}{keys}\n"))).expect("a scenario");
+    path.display().to_string()
+}
+
+fn key_figures(folder: &Path, scenario: &str, changes: &[&str]) -> Vec<u8> {
+    let out = folder.join("out").display().to_string();
+    let run = ["run", scenario, "--policy", "programmed", "--replications", "2", "--out", &out, "--quiet", "--force"];
+    let output = toolroom(&[&run[..], changes].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    fs::read(Path::new(&out).join("kpi.csv")).expect("key figures")
+}
+
+#[test]
+fn a_tool_with_constants_in_place_is_that_of_a_file_with_them() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    let head = "schema = 1\nname = \"own\"\ntitle = \"own\"\nbased_on = \"c45_t15k6\"\n";
+    fs::write(folder.join("own.toml"), format!("{head}[handbook]\n{CONSTANTS}\n")).expect("a set");
+    let by_file = key_figures(folder, &shop(folder, "./own.toml"), &[]);
+    let plain = key_figures(folder, &shop(folder, "c45_t15k6"), &[]);
+    assert_ne!(by_file, plain, "the constants tell");
+    let in_place = shop_with(folder, "inline.toml", "c45_t15k6", &format!("handbook = {{ {CONSTANTS} }}"));
+    assert_eq!(key_figures(folder, &in_place, &[]), by_file);
+    // A change of one constant on the command line is one of the file.
+    let other = CONSTANTS.replace("300 m/min", "280 m/min");
+    let other = shop_with(folder, "other.toml", "c45_t15k6", &format!("handbook = {{ {other} }}"));
+    assert_eq!(
+        key_figures(folder, &in_place, &["--set", "tool.insert.handbook.taylor.C=280 m/min"]),
+        key_figures(folder, &other, &[])
+    );
+    // `check` says what the constants amount to.
+    let checked = toolroom(&["check", &in_place, "--json"]);
+    let checked: Value = serde_json::from_slice(&checked.stdout).expect("JSON");
+    let told = checked.to_string();
+    assert!(
+        told.contains("extended_taylor.speed_exponent") && told.contains("extended_taylor.reference_life"),
+        "{told}"
+    );
+    // The set of that tool, written down.
+    let baked = folder.join("baked.toml").display().to_string();
+    let output = toolroom(&["calibrate", "--bake", &in_place, "--tool", "insert", "--out", &baked]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("extended_taylor.speed_exponent: is 4"), "{}", text(&output.stdout));
+    assert_eq!(key_figures(folder, &shop(folder, "./baked.toml"), &[]), by_file);
+}
+
+#[test]
+fn the_group_of_another_wear_law_makes_that_the_law_of_a_tool() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    let values = "reference_life = \"30 min\", speed_exponent = 4.0, feed_exponent = 1.2, depth_exponent = 0.4, \
+                  wear_limit = \"0.8 mm\", reference_speed = \"200 m/min\", reference_feed = \"0.3 mm/rev\", \
+                  reference_depth = \"1.5 mm\"";
+    let keys = format!("parameters = {{ extended_taylor = {{ {values} }} }}");
+    let own = shop_with(folder, "own.toml", "c45_t15k6", &keys);
+    let figures = key_figures(folder, &own, &[]);
+    assert_ne!(figures, key_figures(folder, &shop(folder, "c45_t15k6"), &[]));
+    let longer = key_figures(folder, &own, &["--set", "tool.insert.parameters.extended_taylor.reference_life=60 min"]);
+    assert_ne!(figures, longer, "the value on the command line tells");
+    let refused = |keys: &str, changes: &[&str]| {
+        let path = shop_with(folder, "refused.toml", "c45_t15k6", keys);
+        let output = toolroom(&[&["check", &path][..], changes].concat());
+        assert_eq!(output.status.code(), Some(2), "{keys}: {}", text(&output.stdout));
+        text(&output.stderr)
+    };
+    let without = keys.replace("feed_exponent = 1.2, ", "");
+    let message = refused(&without, &[]);
+    assert!(message.contains("[parameters.extended_taylor] lacks feed_exponent"), "{message}");
+    assert!(message.contains("refused.toml:") && message.contains("parameter_set"), "{message}");
+    let message = refused("parameters = { extended_taylor = { C = \"300 m/min\", n = 0.25 } }", &[]);
+    assert!(message.contains("`handbook`"), "{message}");
+    let two = keys.replace("parameters = { ", "parameters = { usui = { wear_at_reference = \"0.02 um/m\" }, ");
+    assert!(refused(&two, &[]).contains("several wear laws"), "{}", refused(&two, &[]));
+    let both = format!("{keys}\nhandbook = {{ {} }}", CONSTANTS.replace("300 m/min", "3 m/min"));
+    assert!(refused(&both, &[]).contains("no plausible life"), "{}", refused(&both, &[]));
+    let message = refused(&keys, &["--set", "tool.insert.parameters.extended_taylor.speed_exponent=40"]);
+    assert!(message.contains("speed_exponent"), "{message}");
+    let draws = format!("handbook = {{ {CONSTANTS} }}\nparameters_from = \"none.parquet\"");
+    assert!(refused(&draws, &[]).contains("none.parquet"), "{}", refused(&draws, &[]));
+}
+
+#[test]
+fn a_study_of_lives_takes_the_constants_of_a_handbook_in_place() {
+    let folder = TempDir::new().expect("a folder");
+    let study = |name: &str, keys: &str| {
+        let path = folder.path().join(name);
+        let text =
+            format!("schema = 1\nname = \"own\"\nlives = 200\nseed = 1\nparameter_set = \"c45_t15k6\"\n{keys}\n");
+        fs::write(&path, text).expect("a study");
+        json(&["life", &path.display().to_string(), "--json", "--out", &format!("{}.out", path.display())])
+    };
+    let without_name = |result: &Value| result["cells"].clone();
+    let (plain, own) = (study("plain.toml", ""), study("own.toml", &format!("handbook = {{ {CONSTANTS} }}")));
+    assert_ne!(without_name(&plain), without_name(&own));
+    assert!(!own["cells"].is_null(), "{own}");
+}

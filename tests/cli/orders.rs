@@ -130,3 +130,36 @@ fn figures_stand_by_part_and_station_where_nothing_is_logged() {
     assert_eq!(table.lines().count(), 1 + 6 * groups("station").len());
     assert!(folder.join("out/parts.csv").is_file() && !folder.join("out/customers.csv").exists());
 }
+
+/// Components that are scrapped are a share of all components, though good ones do not leave the shop.
+#[test]
+fn scrap_of_components_is_a_share_of_components() {
+    let folder = directory("cli", "components");
+    let text = "schema = 1\n[shop]\nname = \"box\"\nhorizon = \"200 h\"\nreplications = 1\n\
+        [[machine]]\nname = \"gears\"\nprocess = \"plain\"\n[[machine]]\nname = \"bench\"\nprocess = \"plain\"\n\
+        [[part]]\nname = \"gear\"\noperation = [{ name = \"make\", machines = \"gears\", work = \"5 min\", \
+        outcomes = [{ share = 0.2, scrap = true }] }]\n\
+        [[part]]\nname = \"box\"\ncomponents = [{ part = \"gear\", quantity = 2 }]\n\
+        operation = [{ name = \"join\", machines = \"bench\", work = \"8 min\", assemble = true }]\n\
+        [[arrivals]]\npart = \"gear\"\npattern = \"poisson\"\nrate = \"10 1/h\"\n\
+        [[arrivals]]\npart = \"box\"\npattern = \"poisson\"\nrate = \"4 1/h\"\n";
+    let scenario = folder.join("box.toml");
+    fs::write(&scenario, text).expect("a scenario");
+    let out = folder.join("out");
+    let (file, to) = (scenario.display().to_string(), out.display().to_string());
+    let ran = toolroom(&["run", &file, "--logged", "1", "--format", "csv", "--out", &to, "--json"]);
+    let summary = json(&ran);
+    let jobs = fs::read_to_string(out.join("jobs.csv")).expect("jobs");
+    let count = |part: &str, outcome: &str| {
+        let of = |line: &&str| line.split(',').nth(3) == Some(part) && line.ends_with(outcome);
+        jobs.lines().filter(of).count() as f64
+    };
+    let (good, scrapped, boxes) = (count("gear", "good"), count("gear", "rejected"), count("box", "good"));
+    assert!(good > 1000.0 && scrapped > 200.0 && boxes > 500.0);
+    let rate = |figures: &Value| figures["scrap_rate"]["mean"].as_f64().expect("a share");
+    let groups = summary["by_part"][0]["groups"].as_array().expect("parts");
+    let gear = groups.iter().find(|group| group["name"] == "gear").expect("the gear");
+    assert!((rate(&gear["kpi"]) - scrapped / (good + scrapped)).abs() < 1e-12, "{gear}");
+    let shop = rate(&summary["policies"][0]["kpi"]);
+    assert!((shop - scrapped / (good + scrapped + boxes)).abs() < 1e-12, "{shop}");
+}

@@ -71,6 +71,9 @@ pub fn bake(scenario: &Scenario, tool: &str, place: &str, folder: &Path) -> Resu
         ProcessModel::Infeed(_) | ProcessModel::Other(_) => return Err(BakeError::Process(tool.to_owned())),
     };
     let mut set = ParameterSet::load(&named.parameter_set, folder, catalogue)?;
+    if let ProcessModel::Turning(turning) = named.bare() {
+        set = set.under_law(turning.pair.law.group(), catalogue);
+    }
     let mut moved = stated(&mut set, named, place);
     let mut left_out = Vec::new();
     let mut rates: Vec<Calibration> = Vec::new();
@@ -142,7 +145,7 @@ fn rate(set: &mut ParameterSet, rates: Vec<Calibration>, place: &str, left_out: 
     Some(format!("{}: times {factor:.5}, in {}", word.word(), keys.join(" and ")))
 }
 
-/// Values of the tool that the scenario states beside the set (`parameters`).
+/// Values of the tool that the scenario states beside the set (`parameters`, `handbook`).
 fn stated(set: &mut ParameterSet, tool: &ToolType, place: &str) -> Vec<String> {
     let mut bare = tool.bare().clone();
     let groups: Vec<(&str, &mut dyn AnyRecord)> = match &mut bare {
@@ -156,10 +159,10 @@ fn stated(set: &mut ParameterSet, tool: &ToolType, place: &str) -> Vec<String> {
             let Some(now) = record.value(index) else { continue };
             let matching = set.values.iter_mut().find(|value| value.group == group && value.field.name == field.name);
             let Some(value) = matching.filter(|value| value.value != now) else { continue };
-            let before = value.shown();
+            let before = if value.value.is_nan() { String::new() } else { format!("{} ", value.shown()) };
             (value.value, value.origin) = (now, Origin::Given);
             value.source = format!("stated in {place}");
-            statements.push(format!("{}: {before} is {}", value.key(), value.shown()));
+            statements.push(format!("{}: {before}is {}", value.key(), value.shown()));
         }
     }
     statements

@@ -87,8 +87,8 @@ type JobFigure = (Definition, fn(f64, &JobGroup) -> f64);
 /// Figures of part types and customers.
 const OF_JOBS: [JobFigure; 10] = [
     (define("good", "good parts", "1", "1", More, "Good parts."), |_, own| f64::from(own.good)),
-    (define("scrap_rate", "scrap", "1", "%", Less, "Scrapped over finished parts."), |_, own| {
-        f64::from(own.scrapped) / f64::from(own.good + own.scrapped)
+    (define("scrap_rate", "scrap", "1", "%", Less, "Scrapped over finished parts, components included."), |_, own| {
+        f64::from(own.scrapped) / f64::from(own.finished)
     }),
     (define("lead_time", "lead time", "s", "min", Less, "Mean time from arrival to finish of good jobs."), |_, own| {
         own.lead_time / f64::from(own.jobs)

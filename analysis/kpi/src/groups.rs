@@ -39,6 +39,8 @@ pub(super) struct JobGroup {
     pub jobs: u32,
     pub tardy: u32,
     pub good: u32,
+    /// Pieces that are finished: good ones, components that go into other parts, scrapped ones.
+    pub finished: u32,
     pub scrapped: u32,
     pub lead_time: f64,
     pub lead_times: Histogram,
@@ -86,13 +88,15 @@ impl Groups {
         }
     }
 
-    /// A job was in the shop in the window for this time, s, and left it, good with `left`, or is in it still.
-    pub fn add(&mut self, job: &JobRow, time: f64, (good, scrapped): (Option<&GoodJob>, u32)) {
+    /// A job was in the shop in the window for this time, s; it left it `good`, or with so many pieces finished and scrapped, or
+    /// is in it still.
+    pub fn add(&mut self, job: &JobRow, time: f64, (good, [finished, scrapped]): (Option<&GoodJob>, [u32; 2])) {
         let customer = job.order.and_then(|order| self.customer_of[order as usize]);
         let part = self.part_of[job.part as usize].map(|group| &mut self.parts[group as usize]);
         let customer = customer.map(|group| &mut self.customers[group as usize]);
         for group in part.into_iter().chain(customer) {
             group.job_time += time;
+            group.finished += finished;
             group.scrapped += scrapped;
             if let Some(good) = good {
                 group.add_good(job, good);

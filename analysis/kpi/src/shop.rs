@@ -85,7 +85,7 @@ pub(super) const SHOP: &[ShopFigure] = &[
         ),
         |_, t| 100.0 * t.dressings / f64::from(t.good),
     ),
-    (define("scrap_rate", "scrap", "1", "%", Less, "Scrapped over finished parts."), |_, t| {
+    (define("scrap_rate", "scrap", "1", "%", Less, "Scrapped over finished parts, components included."), |_, t| {
         f64::from(t.scrapped) / t.finished()
     }),
     (

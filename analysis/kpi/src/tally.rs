@@ -53,6 +53,8 @@ pub(super) struct Tally {
     pub delivery: Delivery,
     /// Sums by part, customer and station.
     pub groups: Groups,
+    /// Finished pieces that go into other parts.
+    pub built: u32,
     pub scrapped: u32,
     pub scrapped_by_tool: u32,
     pub out_of_tolerance: u32,
@@ -213,7 +215,7 @@ impl Tally {
 
     /// Good and scrapped parts.
     pub fn finished(&self) -> f64 {
-        f64::from(self.good + self.scrapped)
+        f64::from(self.good + self.built + self.scrapped)
     }
 
     pub fn sum(&self, of: fn(&MachineTally) -> f64) -> f64 {
@@ -384,15 +386,18 @@ impl Tally {
         self.delivery.see(job);
         match job.outcome {
             // What goes into other parts does not leave the shop.
-            JobOutcome::Good if component => self.groups.add(job, inside, (None, 0)),
+            JobOutcome::Good if component => {
+                self.built += job.quantity;
+                self.groups.add(job, inside, (None, [job.quantity, 0]));
+            }
             JobOutcome::Good => {
                 self.good += job.quantity;
                 let raw_time = self.raw_time(job);
                 self.delivery.add(scenario, job, raw_time);
                 let weight = self.delivery.weight(scenario, job);
-                self.groups.add(job, inside, (Some(&GoodJob { raw_time, weight }), 0));
+                self.groups.add(job, inside, (Some(&GoodJob { raw_time, weight }), [job.quantity, 0]));
             }
-            JobOutcome::InProcess => self.groups.add(job, inside, (None, 0)),
+            JobOutcome::InProcess => self.groups.add(job, inside, (None, [0, 0])),
             outcome @ (JobOutcome::ToolFailure
             | JobOutcome::OutOfTolerance
             | JobOutcome::Burnt
@@ -402,7 +407,7 @@ impl Tally {
             | JobOutcome::Breakdown
             | JobOutcome::ShiftEnd) => {
                 let lost = job.quantity;
-                self.groups.add(job, inside, (None, lost));
+                self.groups.add(job, inside, (None, [lost, lost]));
                 self.scrapped += lost;
                 self.scrapped_by_tool += lost * u32::from(outcome == JobOutcome::ToolFailure);
                 self.out_of_tolerance += lost * u32::from(outcome == JobOutcome::OutOfTolerance);

@@ -169,10 +169,17 @@ fn pair(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<(Pair, 
     let reference = root.text("parameter_set")?;
     let span = root.span_of("parameter_set");
     let loaded = ParameterSet::load(reference, directory, &TURNING_SETS);
-    match loaded.and_then(|set| Ok((Pair::of_set(&set)?, set))) {
-        Ok((pair, set)) => {
-            set.files.into_iter().for_each(|file| walk.named(file));
-            Some((pair, set.scatter))
+    match loaded {
+        Ok(set) => {
+            set.files.iter().for_each(|file| walk.named(file.clone()));
+            let set = set.of_tool(walk, root, &TURNING_SETS)?;
+            match Pair::of_set(&set) {
+                Ok(pair) => Some((pair, set.scatter)),
+                Err(reason) => {
+                    walk.fault(span, Fault::Table { reason: format!("parameter set \"{reference}\": {reason}") });
+                    None
+                }
+            }
         }
         Err(SetError::Unknown { name, known, .. }) if process_of(&name).is_some() => {
             let other = process_of(&name).unwrap_or_default();

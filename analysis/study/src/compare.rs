@@ -107,7 +107,7 @@ impl Comparison {
         let adaptive = decision.adaptive.and_then(|policy| policy.checked_sub(1));
         let headline = adaptive.or((!differences.is_empty()).then_some(0));
         let break_even = match (decision.adaptive, decision.rival, &decision.difference) {
-            (Some(adaptive), Some(rival), Some(_)) => BreakEven::all(study, adaptive, rival),
+            (Some(adaptive), Some(rival), Some(_)) => BreakEven::all(scenario, study, adaptive, rival),
             (Some(_) | None, _, _) => Vec::new(),
         };
         Self { policies, differences, stations, bottleneck, headline, decision, break_even }
@@ -150,7 +150,7 @@ fn difference(scenario: &Scenario, study: &Study, stations: &[Station], policy: 
         shop_gain,
         amdahl_limit,
         cell_gain,
-        break_even: BreakEven::all(study, policy, 0),
+        break_even: BreakEven::all(scenario, study, policy, 0),
     }
 }
 

@@ -144,7 +144,7 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
     report.provenance(provenance)
 }
 
-fn sentence(text: &str) -> String {
+pub(crate) fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
     format!("{first}{}.", letters.as_str())

@@ -120,13 +120,18 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
     summary
 }
 
-/// Prices are reported as factors on the present ones, settings held.
+/// Prices are reported as factors on the present ones, settings held, and where there is one such price as itself.
 fn break_even_json(price: &BreakEven) -> Value {
+    let interval = price.factor.interval.filter(|_| price.flips());
+    let at = |now: f64| price.flips().then_some(price.factor.at * now);
     json!({
         "key": price.key,
         "now": 1.0,
         "flips_at": price.flips().then_some(price.factor.at),
-        "ci90": price.factor.interval.filter(|_| price.flips()).map(|(low, high)| [low, high]),
+        "ci90": interval.map(|(low, high)| [low, high]),
+        "price": price.now.as_ref().map(|(now, unit)| json!({
+            "unit": unit, "now": now, "flips_at": at(*now), "ci90": interval.map(|(low, high)| [low * now, high * now]),
+        })),
         "retuned": false,
     })
 }

@@ -1,5 +1,6 @@
 //! The comparison at several values of one key.
 
+use crate::compare::Crossing;
 use crate::figure::{decimals, plain};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -20,6 +21,20 @@ pub struct Sweep {
     /// Its values as text, such as `1.5 min`.
     pub values: Vec<String>,
 }
+
+/// The comparison at the first values of a sweep.
+#[derive(Clone, Debug, Default)]
+pub struct SweepResult {
+    /// The [`summary`](crate::summary::summary) of each.
+    pub summaries: Vec<Value>,
+    /// The [`pairs`](crate::compare::Decision::pairs) of the decision of each. All values have the same random numbers.
+    pub pairs: Vec<Vec<f64>>,
+    /// Whether each value has settings of its own.
+    pub retuned: bool,
+}
+
+/// Confidence of the value at which a decision turns.
+const CONFIDENCE: f64 = 0.90;
 
 /// Why there is no sweep.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -85,18 +100,30 @@ impl Sweep {
         Ok(Self { key: key.to_owned(), values: (0..=count as usize).map(value).collect() })
     }
 
-    /// The results for programs: the [`summary`](crate::summary::summary) at each of the first values.
-    pub fn json(&self, summaries: &[Value]) -> Value {
+    /// The results for programs.
+    pub fn json(&self, result: &SweepResult) -> Value {
+        let summaries = &result.summaries;
         let point = |(value, summary): (&String, &Value)| json!({ "value": value, "summary": summary });
         let points: Vec<Value> = self.values.iter().zip(summaries).map(point).collect();
         let map =
             |(price, rows): (String, Vec<Vec<f64>>)| json!({ "price": price, "factors": PRICES, "difference": rows });
         let maps: Vec<Value> = maps(summaries).into_iter().map(map).collect();
-        json!({ "schema": 1, "key": self.key, "points": points, "turns_at": self.turns_at(summaries), "maps": maps })
+        let unit = self.unit();
+        let inside = self.turn(result).filter(|turn| self.holds(turn.at));
+        let turns_at = inside.map(|turn| format!("{:.2} {unit}", turn.at).trim_end().to_owned());
+        let break_even = json!([{
+            "key": self.key,
+            "unit": unit,
+            "flips_at": inside.map(|turn| turn.at),
+            "ci90": inside.and_then(|turn| turn.interval).map(|(low, high)| [low, high]),
+            "retuned": result.retuned,
+        }]);
+        json!({ "schema": 1, "key": self.key, "points": points, "turns_at": turns_at, "break_even": break_even, "maps": maps })
     }
 
     /// The results for a terminal.
-    pub fn text(&self, summaries: &[Value]) -> String {
+    pub fn text(&self, result: &SweepResult) -> String {
+        let summaries = &result.summaries;
         let mut text = String::new();
         for (value, summary) in self.values.iter().zip(summaries) {
             let _ = writeln!(text, "{} = {value}", self.key);
@@ -115,8 +142,8 @@ impl Sweep {
                 let _ = writeln!(text, "  {line}");
             }
         }
-        if let Some(value) = self.turns_at(summaries) {
-            let _ = writeln!(text, "a line through the differences is zero at {} = {value}", self.key);
+        if let Some(line) = self.turning(result) {
+            let _ = writeln!(text, "{line}");
         }
         for (price, rows) in maps(&summaries[..summaries.len().min(self.values.len())]) {
             let _ = writeln!(
@@ -162,13 +189,13 @@ impl Sweep {
     }
 
     /// The results as a page: the difference of the decision at each value, and its maps over prices.
-    pub fn report(&self, summaries: &[Value]) -> Report {
-        let unit = self.values.first().and_then(|value| split(value).ok()).map_or("", |(_, unit)| unit);
+    pub fn report(&self, result: &SweepResult) -> Report {
+        let (summaries, unit) = (&result.summaries, self.unit());
         let key = || Axis::linear(self.key.as_str(), unit);
         let numbers = || self.values.iter().zip(summaries).filter_map(|(value, _)| Some(split(value).ok()?.0));
         let mut report = Report::new(format!("Comparison over {}", self.key));
-        if let Some(value) = self.turns_at(summaries) {
-            report = report.lead(format!("A line through the differences is zero at {} = {value}.", self.key));
+        if let Some(line) = self.turning(result) {
+            report = report.lead(crate::report::sentence(&line));
         }
         let end = |summary: &Value, place: usize| summary["decision"]["difference"]["ci95"][place].as_f64();
         let ends: Vec<(f64, f64, f64)> = numbers()
@@ -248,27 +275,60 @@ impl Sweep {
         report.section(section)
     }
 
-    /// The value at which a line through the differences of the decision is zero, with its unit; `None` where it lies beyond
-    /// the values that were looked at, and with fewer than three of them.
-    fn turns_at(&self, summaries: &[Value]) -> Option<String> {
-        let points: Vec<(f64, f64)> = self
-            .values
-            .iter()
-            .zip(summaries)
-            .filter_map(|(value, summary)| {
-                Some((split(value).ok()?.0, summary["decision"]["difference"]["mean"].as_f64()?))
-            })
-            .collect();
-        let count = points.len() as f64;
-        let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
-        let (x, y) = (mean(|point| point.0), mean(|point| point.1));
-        let slope = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>()
-            / points.iter().map(|point| (point.0 - x).powi(2)).sum::<f64>();
-        let zero = x - y / slope;
-        let (first, last) = (points.first()?.0, points.last()?.0);
-        let unit = split(self.values.first()?).ok()?.1;
-        let inside = points.len() >= 3 && zero >= first && zero <= last;
-        inside.then(|| format!("{zero:.2} {unit}").trim_end().to_owned())
+    /// The unit of the values.
+    fn unit(&self) -> &str {
+        self.values.first().and_then(|value| split(value).ok()).map_or("", |(_, unit)| unit)
+    }
+
+    /// Numbers of the values.
+    fn numbers(&self) -> Vec<f64> {
+        self.values.iter().filter_map(|value| Some(split(value).ok()?.0)).collect()
+    }
+
+    /// Whether a number lies within the values.
+    fn holds(&self, number: f64) -> bool {
+        let numbers = self.numbers();
+        numbers.first().is_some_and(|first| number >= *first) && numbers.last().is_some_and(|last| number <= *last)
+    }
+
+    /// Where a line through the differences of the decision is zero: a line through those of each replication, as all values see
+    /// the same random numbers, and of these lines the ratio of means with its interval. `None` with fewer than three values.
+    fn turn(&self, result: &SweepResult) -> Option<Crossing> {
+        let numbers: Vec<f64> = self.numbers().into_iter().take(result.pairs.len()).collect();
+        let replications = result.pairs.iter().map(Vec::len).min().filter(|_| numbers.len() >= 3)?;
+        let count = numbers.len() as f64;
+        let mean = numbers.iter().sum::<f64>() / count;
+        let spread = numbers.iter().map(|number| (number - mean).powi(2)).sum::<f64>();
+        let line = |replication: usize| {
+            let differences = || result.pairs.iter().map(|pairs| pairs[replication]);
+            let slope = numbers.iter().zip(differences()).map(|(x, y)| (x - mean) * y).sum::<f64>() / spread;
+            (differences().sum::<f64>() / count - slope * mean, slope)
+        };
+        let (a, b): (Vec<f64>, Vec<f64>) = (0..replications).map(line).unzip();
+        (replications > 0).then(|| Crossing::of(&a, &b, CONFIDENCE))
+    }
+
+    /// The same in words.
+    fn turning(&self, result: &SweepResult) -> Option<String> {
+        let (turn, unit) = (self.turn(result)?, self.unit());
+        let settings = if result.retuned { "tuned anew at each value" } else { "held" };
+        if !self.holds(turn.at) {
+            let (first, last) = (self.values.first()?, self.values.last()?);
+            return Some(format!(
+                "no {} from {first} to {last} turns the decision by a line through its differences (settings {settings})",
+                self.key
+            ));
+        }
+        let interval = match turn.interval {
+            Some((low, high)) => format!("90 % {} … {}", plain(low, 2), plain(high, 2)),
+            None => "90 % unbounded".to_owned(),
+        };
+        let at = format!("{} {unit}", plain(turn.at, 2));
+        Some(format!(
+            "a line through the differences is zero at {} = {} ({interval}; settings {settings})",
+            self.key,
+            at.trim_end()
+        ))
     }
 }
 
@@ -324,16 +384,29 @@ fn split(text: &str) -> Result<(f64, &str), SweepError> {
 
 #[cfg(test)]
 mod tests {
-    use super::Sweep;
+    use super::{Sweep, SweepResult};
 
     #[test]
     fn a_line_through_the_differences_says_where_the_decision_turns() {
         assert_eq!(Sweep::new("key", "1e0 mm", "3e0 mm", "1").unwrap_err().fix(), "write all three in the same unit");
         assert_eq!(Sweep::new("key", "1e0", "5", "2").unwrap().values, ["1", "3", "5"]);
         let sweep = Sweep::new("key", "1 min", "3 min", "1 min").unwrap();
-        let summary = |mean: f64| serde_json::json!({ "decision": { "difference": { "mean": mean } } });
-        assert_eq!(sweep.turns_at(&[-1.0, 0.0, 1.0].map(summary)).as_deref(), Some("2.00 min"));
-        assert_eq!(sweep.turns_at(&[1.0, 2.0, 3.0].map(summary)), None, "beyond what was looked at");
+        // Three replications whose lines have slopes of 1, 0.8 and 1.2 and meet zero at 2, 2.1 and 1.9 min.
+        let lines = [(1.0, 2.0), (0.8, 2.1), (1.2, 1.9)];
+        let pairs = |x: f64| lines.map(|(slope, zero)| slope * (x - zero)).to_vec();
+        let result =
+            SweepResult { pairs: [1.0, 2.0, 3.0].map(pairs).to_vec(), retuned: true, ..SweepResult::default() };
+        let json = sweep.json(&result);
+        let turn = &json["break_even"][0];
+        // The ratio of the means of intercepts and slopes: 5.96 over 3.
+        assert!((turn["flips_at"].as_f64().expect("a number") - 5.96 / 3.0).abs() < 1e-12, "{json}");
+        assert!(turn["ci90"][0].as_f64() < Some(1.95) && turn["ci90"][1].as_f64() > Some(2.05), "{json}");
+        assert_eq!((turn["retuned"].as_bool(), json["turns_at"].as_str()), (Some(true), Some("1.99 min")));
+        let far = SweepResult { pairs: [1.0, 2.0, 3.0].map(|x| pairs(x + 5.0)).to_vec(), ..SweepResult::default() };
+        assert!(sweep.json(&far)["break_even"][0]["flips_at"].is_null(), "beyond what was looked at");
+        assert!(sweep.text(&far).contains("no key from 1 min to 3 min turns"), "{}", sweep.text(&far));
+        let few = SweepResult { pairs: vec![pairs(1.0), pairs(3.0)], ..SweepResult::default() };
+        assert!(!sweep.text(&few).contains("turns"), "two values are no line");
     }
 
     #[test]
@@ -345,15 +418,16 @@ mod tests {
                 [0.5, 2.0].map(|factor| serde_json::json!({ "factor": factor, "difference": 3.0 - slope * factor }));
             serde_json::json!({ "tornado": [{ "key": "edge_cost", "at": at }] })
         };
-        let summaries = [2.0, 1.0].map(summary);
+        let summaries = [2.0, 1.0].map(summary).to_vec();
         let maps = super::maps(&summaries);
         assert_eq!((maps[0].0.as_str(), maps[0].1.len()), ("edge_cost", 5));
         assert!(maps[0].1[2] == [1.0, 2.0] && maps[0].1[4] == [-1.0, 1.0], "{maps:?}");
-        let text = sweep.text(&summaries);
+        let result = SweepResult { summaries: summaries.clone(), ..SweepResult::default() };
+        let text = sweep.text(&result);
         assert!(text.contains("over edge_cost") && text.contains("  2.00     -1.0000      1.0000"), "{text}");
-        assert_eq!(sweep.json(&summaries)["maps"][0]["price"], "edge_cost");
+        assert_eq!(sweep.json(&result)["maps"][0]["price"], "edge_cost");
         // At the second value the decision turns at three times the price, beyond the map; at the first at 1.5 times.
-        let page = sweep.report(&summaries).html();
+        let page = sweep.report(&result).html();
         assert!(page.contains("Difference over edge_cost") && page.contains("both cost the same"), "{page}");
         assert!(super::maps(&summaries[..1]).is_empty(), "one value is no map");
         let silent = [summary(1.0), serde_json::json!({ "tornado": [] })];

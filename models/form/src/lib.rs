@@ -121,7 +121,8 @@ pub fn parse<T>(
 ) -> Result<FormFile<T>, ReadError> {
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     let folder = Path::new(file).parent().map(Path::to_path_buf).unwrap_or_default();
-    let mut walk = Walk { folder, ..Walk::default() };
+    let ends = text.match_indices('\n').map(|(end, _)| end).collect();
+    let mut walk = Walk { folder, ends, ..Walk::default() };
     let (mut root, errors) = syntax::tree(text);
     walk.problems = errors;
     let broken = !walk.problems.is_empty();

@@ -42,12 +42,19 @@ pub struct Walk {
     pub folder: PathBuf,
     /// Files that it names.
     pub files: Vec<PathBuf>,
+    /// Bytes at which lines of the text end.
+    pub(crate) ends: Vec<usize>,
 }
 
 impl Walk {
     /// Notes a problem about the text at `span`, as [`Section::span_of`] tells it.
     pub fn fault(&mut self, span: Range<usize>, fault: impl Into<Fault>) {
         self.problems.push(Problem { fault: fault.into(), span });
+    }
+
+    /// Line on which `span` starts, from 1; what `--set` gives stands past the last one.
+    pub fn line(&self, span: &Range<usize>) -> usize {
+        self.ends.partition_point(|end| *end < span.start) + 1
     }
 
     /// Notes a file that was read because the file names it.

@@ -114,10 +114,10 @@ pub use scatter::{EdgeScatter, PairScatter, Scatter};
 pub use schedule::SpeedSchedule;
 pub use set::{
     ABOUT, ASSUMED_DEVIATIONS, ASSUMED_EXPONENTS, Band, Catalogue, EDGE_SCATTER, EDGE_SCATTER_DEVIATION,
-    EDGE_SCATTER_NAME, FORCE_DEVIATION, FirstSet, FittedLives, Group, HandbookTaylor, ISO_513, Kienzle, KnownLife,
-    KnownLifeError, MATERIAL_GROUPS, MaterialGroup, OneLife, Origin, PARAMETER_SET, ParameterSet, ParameterValue,
-    READING_NOISE_NAME, ReferenceLife, SPEED_EXPONENT_DEVIATION, ScatterWord, SetError, Spread, TestedLife,
-    ToolMaterial, is_path, read_priors,
+    EDGE_SCATTER_NAME, FORCE_DEVIATION, FirstSet, FittedLives, Group, HANDBOOK, HandbookTaylor, ISO_513, Kienzle,
+    KnownLife, KnownLifeError, MATERIAL_GROUPS, MaterialGroup, OneLife, Origin, PARAMETER_SET, ParameterSet,
+    ParameterValue, READING_NOISE_NAME, ReferenceLife, SPEED_EXPONENT_DEVIATION, ScatterWord, SetError, Spread,
+    TestedLife, ToolMaterial, is_path, read_priors,
 };
 pub use speed::{RateOptimum, SetSpeed};
 pub use speed_table::SpeedTable;

@@ -85,7 +85,7 @@ pub const CODES: &[(&str, &str)] = &[
     ),
     (
         "missing-pair",
-        "A machine with a setup matrix takes every setup time from it, so that every setup group of its operations, and of `setup_at_start`, needs a row and a column. A machine that stands ready for nothing at the start needs the row in front.",
+        "A machine with a setup matrix takes every setup time from it, so that every setup group of its operations, and of `setup_at_start`, needs a row and a column. A machine that stands ready for nothing at the start (`setup_at_start = \"\"`) needs the row in front; one whose `setup_at_start` is left out stands ready for whatever comes first, so that its first setup costs nothing.",
     ),
     (
         "table-cell",

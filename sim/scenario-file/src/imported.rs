@@ -9,7 +9,7 @@ use toolroom_scenario::{ProcessModel, UnitRefusal, UnitRequest, import_unit};
 
 /// The unit in `file` as the process of a tool; `None` where a problem was noted.
 pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, process: ProcessKind, file: &str) -> Option<ProcessModel> {
-    for key in ["parameter_set", "parameters", "effects", "structure", "structure_scatter"] {
+    for key in ["parameter_set", "parameters", "handbook", "effects", "structure", "structure_scatter"] {
         if tool.given(key) {
             let rule = "a unit brings its own parameters and effects; set them in wiring.start";
             walk.fault(tool.span_of(key), Fault::Beside { key, beside: "fmu", rule });

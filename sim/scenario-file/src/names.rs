@@ -117,6 +117,25 @@ pub(super) fn named<'d>(
     named
 }
 
+/// What the members of a section are called, one or with `count` so many, each with a number behind the name. `taken` are the names
+/// of all sections and of the members before; one that is among them is noted: L with `count = 12` has a member L11, and so has L1
+/// with `count = 2`.
+pub(super) fn members(
+    walk: &mut Walk,
+    kind: &'static str,
+    (name, section): (&str, &Section<'_>),
+    taken: &mut HashSet<String>,
+) -> Vec<String> {
+    let Some(count) = section.count("count") else { return vec![name.to_owned()] };
+    let members: Vec<String> = (1..=count).map(|number| format!("{name}{number}")).collect();
+    for member in &members {
+        if !taken.insert(member.clone()) {
+            walk.fault(section.span_of("name"), Fault::DuplicateName { kind, name: member.clone() });
+        }
+    }
+    members
+}
+
 /// Index of the name that `got` holds.
 pub(super) fn reference<'a>(
     walk: &mut Walk,

@@ -35,10 +35,11 @@ pub(super) fn check_edges(walk: &mut Walk, root: &Section<'_>, tools: &[NamedToo
     }
 }
 
-/// The process of a tool with its structure around it; `None` where a problem was noted.
+/// The process of a tool with its structure around it; `set` is what [`set_of_tool`] found. `None` where a problem was noted.
 pub(super) fn process(
     walk: &mut Walk,
     tool: &Section<'_>,
+    set: Option<&ParameterSet>,
     scatter: &Scatter,
     effects: &[SwitchedEffect],
     structure: Option<LobesCut>,
@@ -49,7 +50,7 @@ pub(super) fn process(
     if let Some(file) = tool.text("fmu") {
         return imported::process(walk, tool, process, file);
     }
-    let Some(set) = tool.text("parameter_set") else {
+    let Some(name) = tool.text("parameter_set") else {
         if !tool.given("parameter_set") {
             let example = "\"ni_vk6om\"".to_owned();
             let fault = Fault::MissingKey { section: tool.path.clone(), key: "parameter_set", example };
@@ -59,8 +60,7 @@ pub(super) fn process(
     };
     match process {
         ProcessKind::Turning => {
-            let set = self::set(walk, tool, "parameter_set", &TURNING_SETS)?;
-            let pair = Pair::of_set(&set).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()?;
+            let pair = Pair::of_set(set?).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()?;
             let mut turning = Turning { pair, effects, ..Turning::default() };
             stability::around_turning(walk, tool, structure, &mut turning);
             set_parameters(walk, tool, turning.parameters_mut());
@@ -75,8 +75,7 @@ pub(super) fn process(
             Some(ProcessModel::Turning(Arc::new(turning)))
         }
         ProcessKind::Milling => {
-            let set = self::set(walk, tool, "parameter_set", &MILLING_CATALOGUE)?;
-            let milling = Milling::of_set(&set).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()?;
+            let milling = Milling::of_set(set?).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()?;
             let mut milling = Milling { effects, ..milling };
             let drawn = stability::around_milling(walk, tool, structure, &mut milling);
             set_parameters(walk, tool, milling.parameters_mut());
@@ -93,7 +92,7 @@ pub(super) fn process(
             Some(ProcessModel::Milling(Arc::new(milling)))
         }
         ProcessKind::Infeed => {
-            let parameters = loaded(walk, tool, set, toolroom_infeed::PARAMETER_SETS, Parameters::named)?;
+            let parameters = loaded(walk, tool, name, toolroom_infeed::PARAMETER_SETS, Parameters::named)?;
             let mut infeed =
                 Infeed::new(parameters, effects).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()?;
             set_parameters(walk, tool, infeed.parameters_mut());
@@ -238,29 +237,27 @@ pub(super) fn refuse(walk: &mut Walk, section: &Section<'_>, key: &str, reason: 
 }
 
 /// The key `scatter` of a tool; left out, the scatter of its parameter set where that states one, else the shop's.
-pub(super) fn tool_scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
-    if let Some(stated) = Scatter::of_section(walk, tool, &format!("{}, scatter", tool.path)) {
-        return stated;
-    }
-    named_set(walk, tool).and_then(|set| set.scatter).unwrap_or_else(Scatter::shop)
+pub(super) fn tool_scatter(walk: &mut Walk, tool: &Section<'_>, set: Option<&ParameterSet>) -> Scatter {
+    let stated = Scatter::of_section(walk, tool, &format!("{}, scatter", tool.path));
+    stated.or(set.and_then(|set| set.scatter)).unwrap_or_else(Scatter::shop)
 }
 
-/// The parameter set that a cutting tool names; `None` without one, and where it cannot be loaded: that is noted with the
-/// process of the tool.
-fn named_set(walk: &Walk, tool: &Section<'_>) -> Option<ParameterSet> {
-    let process = tool.chosen("process", ProcessKind::from_word);
-    let catalogues = [(ProcessKind::Turning, &TURNING_SETS), (ProcessKind::Milling, &MILLING_CATALOGUE)];
-    let (_, catalogue) = catalogues.into_iter().find(|(kind, _)| process == Some(*kind))?;
-    ParameterSet::load(tool.text("parameter_set")?, &walk.folder, catalogue).ok()
+/// The parameter set of a cutting tool with the constants and the wear law that its section states; `None` for other tools, and
+/// where a problem was noted.
+pub(super) fn set_of_tool(walk: &mut Walk, tool: &Section<'_>) -> Option<ParameterSet> {
+    if tool.given("fmu") {
+        return None;
+    }
+    let catalogue = match tool.chosen("process", ProcessKind::from_word)? {
+        ProcessKind::Turning => &TURNING_SETS,
+        ProcessKind::Milling => &MILLING_CATALOGUE,
+        ProcessKind::Infeed => return None,
+    };
+    set(walk, tool, "parameter_set", catalogue)?.of_tool(walk, tool, catalogue)
 }
 
 /// How well the parameters of a tool are known before records of its own: by its draws, else by `[prior]` of its set.
-pub(super) fn spreads(
-    walk: &Walk,
-    tool: &Section<'_>,
-    process: &ProcessModel,
-    posterior: Option<&Posterior>,
-) -> Spreads {
-    let of_set = named_set(walk, tool).map_or_else(Spreads::default, |set| Spreads::of_set(&set, process));
+pub(super) fn spreads(set: Option<&ParameterSet>, process: &ProcessModel, posterior: Option<&Posterior>) -> Spreads {
+    let of_set = set.map_or_else(Spreads::default, |set| Spreads::of_set(set, process));
     posterior.map_or_else(Spreads::default, |posterior| Spreads::of_draws(posterior, process)).or(of_set)
 }

@@ -3,7 +3,7 @@
 use super::calendars::{calendars, end_of_run, start};
 use super::choices::{LIFE_ONLY, ProcessKind};
 use super::fault::ScenarioFault;
-use super::names::{NamedTool, Names, named, reference};
+use super::names::{NamedTool, Names, members, named, reference};
 use super::queue_rules::queue_rules;
 use super::random::distribution;
 use super::variants::{ShopVariant, variants};
@@ -187,7 +187,9 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<ScenarioCo
 fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<MachineType>, Vec<Buffer>) {
     let (mut machines, mut buffers): (Vec<MachineType>, Vec<Buffer>) = (Vec::new(), Vec::new());
     let example = "[[machine]] with name, process, rate, load_time, unload_time";
-    for (name, section) in named(walk, root, "machine", Some(example)) {
+    let sections = named(walk, root, "machine", Some(example));
+    let mut taken = sections.iter().map(|(name, _)| name.clone()).collect();
+    for (name, section) in sections {
         let calendar = reference(walk, "calendar", section.got("calendar"), names.calendars.iter().map(String::as_str));
         let matrices = names.setup_matrices.iter().map(String::as_str);
         let setup_matrix = reference(walk, "setup_matrix", section.got("setup_matrix"), matrices);
@@ -196,25 +198,16 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<Mach
         let speed_range = speed_range(walk, &section);
         let own_rules = queue_rules(walk, &section);
         let batch = jobs::batch(walk, &section);
-        let sections = walk.sections(&section, "edge_at_start", None);
+        let worn = walk.sections(&section, "edge_at_start", None);
         let known = || names.all.tools.iter().map(String::as_str);
         let mut edge =
             |own: &Section<'_>| Some((reference(walk, "tool", own.got("tool"), known())?, own.required("flank_wear")));
-        let edges_at_start: Vec<(usize, f64)> = sections.iter().filter_map(&mut edge).collect();
-        let count = section.count("count");
+        let edges_at_start: Vec<(usize, f64)> = worn.iter().filter_map(&mut edge).collect();
         let mut indices = Vec::new();
-        for i in 1..=count.unwrap_or(1) {
-            let machine_name = if count.is_some() { format!("{name}{i}") } else { name.clone() };
-            // L with count = 2 and another machine called L1.
-            if count.is_some() && machines.iter().any(|machine| machine.name == machine_name) {
-                walk.fault(
-                    section.span_of("name"),
-                    Fault::DuplicateName { kind: "machine", name: machine_name.clone() },
-                );
-            }
+        for machine_name in members(walk, "machine", (name.as_str(), &section), &mut taken) {
             indices.push(machines.len());
             names.each_machine.push(machine_name.clone());
-            if count.is_some() {
+            if section.given("count") {
                 names.machines.push((machine_name.clone(), vec![machines.len()]));
             }
             machines.push(MachineType {
@@ -289,15 +282,17 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
             tools.push(NamedTool { process: None, span: section.span_of("name"), life_only: true, tool });
             continue;
         }
-        let scatter = processes::tool_scatter(walk, &section);
+        let set = processes::set_of_tool(walk, &section);
+        let set = set.as_ref();
+        let scatter = processes::tool_scatter(walk, &section, set);
         let kind = section.chosen("process", ProcessKind::from_word);
         let effects = kind.map_or_else(Vec::new, |kind| measured::effects(walk, &section, kind.word(), names));
         let structure = stability::structure(walk, &section);
         let structure_scatter = stability::scatter(walk, &section, structure.as_ref());
         let cut = structure.map(|structure| structure.cut);
-        let process = processes::process(walk, &section, &scatter, &effects, cut);
+        let process = processes::process(walk, &section, set, &scatter, &effects, cut);
         let posterior = process.as_ref().and_then(|process| processes::posterior(walk, &section, process));
-        let spreads = process.as_ref().map(|process| processes::spreads(walk, &section, process, posterior.as_ref()));
+        let spreads = process.as_ref().map(|process| processes::spreads(set, process, posterior.as_ref()));
         let tool = process.map(|process| ToolType {
             name,
             process,

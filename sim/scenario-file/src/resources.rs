@@ -2,7 +2,7 @@
 
 use super::fault::ScenarioFault;
 use super::matrix::{Matrix, matrix};
-use super::names::{Names, named, reference};
+use super::names::{Names, members, named, reference};
 use toolroom_form::{Fault, Section, Walk, nearest};
 use toolroom_scenario::{Attendance, MachineType, Operator, Part, Presence, SetupMatrix, Ways};
 
@@ -13,7 +13,9 @@ pub(super) fn operators(
     (names, machines): (&Names, &[MachineType]),
 ) -> (Vec<Operator>, Vec<String>) {
     let (mut operators, mut all): (Vec<Operator>, Vec<String>) = (Vec::new(), Vec::new());
-    for (name, section) in named(walk, root, "operator", None) {
+    let sections = named(walk, root, "operator", None);
+    let mut taken = sections.iter().map(|(name, _)| name.clone()).collect();
+    for (name, section) in sections {
         let calendar = reference(walk, "calendar", section.got("calendar"), names.calendars.iter().map(String::as_str));
         let mut skills = Vec::new();
         for skill in section.texts("skills") {
@@ -26,15 +28,7 @@ pub(super) fn operators(
             }
         }
         let ways = ways(walk, &section, &name, machines);
-        let count = section.count("count");
-        for number in 1..=count.unwrap_or(1) {
-            let operator_name = if count.is_some() { format!("{name}{number}") } else { name.clone() };
-            if count.is_some() && operators.iter().any(|operator| operator.name == operator_name) {
-                walk.fault(
-                    section.span_of("name"),
-                    Fault::DuplicateName { kind: "operator", name: operator_name.clone() },
-                );
-            }
+        for operator_name in members(walk, "operator", (name.as_str(), &section), &mut taken) {
             let walk = ways.clone();
             let rate = section.required("rate");
             operators.push(Operator { name: operator_name, skills: skills.clone(), calendar, rate, walk });

@@ -48,7 +48,7 @@ fn read_draws(path: &Path) -> Result<DrawTable, String> {
     reader(path)
 }
 
-/// The draws of a file for a process whose section of a scenario or study also has the keys `scatter` and `parameters`:
+/// The draws of a file for a process whose section of a scenario or study also has the keys `scatter`, `parameters` and `handbook`:
 /// what is stated there stays, or is refused where the draws hold it as well.
 ///
 /// # Errors
@@ -62,6 +62,9 @@ pub fn read_posterior(path: &Path, section: &Section<'_>, process: &ProcessModel
             raw.get(group).is_some_and(|group| group.get_ref().get(field).is_some())
         })
     };
+    if section.given("handbook") {
+        return Err("`handbook` states constants, which the draws are of as well: leave one of the two out".to_owned());
+    }
     match posterior.names().iter().find(stated) {
         Some(name) => {
             Err(format!("`parameters` states {name}, which the draws hold as well: leave one of the two out"))

@@ -5,7 +5,7 @@ use toolroom_form::{Form, Key, KeyCondition, Kind, Need, joined};
 use toolroom_process::{Field, Record};
 use toolroom_scenario::SpeedRule;
 use toolroom_scenario_file::SENSORS;
-use toolroom_wear::{Cut, Scatter, ScatterWord};
+use toolroom_wear::{Cut, HANDBOOK, Scatter, ScatterWord};
 
 const TIME: Kind = Kind::positive("s", "min", 1e9, "15 min");
 const PATH: Kind = Kind::positive("m", "m", 1e9, "600 m");
@@ -54,7 +54,16 @@ pub static STUDY: Form = Form {
             Kind::Text,
             "Draws of a calibration, a Parquet table beside this file: each edge takes one; policies know the set",
         ),
-        Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
+        Key::optional(
+            "parameters",
+            Kind::Parameters,
+            "Deviations from the parameter set, group by group; the group of another wear law makes that the law",
+        ),
+        Key::optional(
+            "handbook",
+            Kind::Table(&HANDBOOK),
+            "Constants of a handbook or of tests, which go before those of the parameter set and after `parameters`",
+        ),
         Key::default(
             "scatter",
             Scatter::<f64>::KIND,

@@ -9,6 +9,8 @@
 
 use crate::figure::plain;
 use crate::study::Study;
+use toolroom_process::unit::convert;
+use toolroom_scenario::Scenario;
 use toolroom_statistics::{Interval, student, t_interval};
 
 /// Confidence of the interval of a price at which a decision turns.
@@ -81,11 +83,13 @@ pub struct BreakEven {
     pub factor: Crossing,
     /// Difference of the cost of a part at half and at twice these prices, settings held, with its 90 % interval.
     pub swing: [Interval; 2],
+    /// The price itself, where the scenario has one of this kind: what it is and the unit in which it is told.
+    pub now: Option<(f64, String)>,
 }
 
 impl BreakEven {
     /// For two policies of a study, by position.
-    pub fn all(study: &Study, one: usize, other: usize) -> Vec<Self> {
+    pub fn all(scenario: &Scenario, study: &Study, one: usize, other: usize) -> Vec<Self> {
         let difference = |id: &str| -> Option<Vec<f64>> {
             let kpi = study.index(id)?;
             Some(study.samples(one, kpi).iter().zip(study.samples(other, kpi)).map(|(a, b)| a - b).collect())
@@ -98,7 +102,8 @@ impl BreakEven {
                 let whole: Vec<f64> = rest.iter().zip(&part).map(|(rest, part)| rest + factor * part).collect();
                 t_interval(&whole, CONFIDENCE)
             };
-            Some(Self { key, title, factor: Crossing::of(&rest, &part, CONFIDENCE), swing: SWING.map(at) })
+            let now = now(scenario, key);
+            Some(Self { key, title, factor: Crossing::of(&rest, &part, CONFIDENCE), swing: SWING.map(at), now })
         };
         if study.replications < 2 { Vec::new() } else { PRICES.iter().filter_map(price).collect() }
     }
@@ -112,14 +117,40 @@ impl BreakEven {
     pub fn describe(&self) -> String {
         let title = self.title;
         if !self.flips() {
-            return format!("no price of {title} up to {GREATEST} times the present one turns the difference");
+            let up_to = self
+                .now
+                .as_ref()
+                .map_or_else(String::new, |(now, unit)| format!(" ({} {unit})", plain(GREATEST * now, 2)));
+            return format!("no price of {title} up to {GREATEST} times the present one{up_to} turns the difference");
         }
         let interval = match self.factor.interval {
             Some((low, high)) => format!("90 % {} … {}", plain(low, 2), plain(high, 2)),
             None => "90 % unbounded".to_owned(),
         };
-        format!("the difference turns where {title} cost {} times as much ({interval})", plain(self.factor.at, 2))
+        let price = self.now.as_ref().map_or_else(String::new, |(now, unit)| {
+            format!(", {} {unit} in place of {}", plain(self.factor.at * now, 2), plain(*now, 2))
+        });
+        format!(
+            "the difference turns where {title} cost {} times as much{price} ({interval})",
+            plain(self.factor.at, 2)
+        )
     }
+}
+
+/// The price under `key` in the unit of files, where it is the same wherever something is paid.
+fn now(scenario: &Scenario, key: &str) -> Option<(f64, String)> {
+    let currency = &scenario.currency;
+    let (prices, unit): (Vec<f64>, String) = match key {
+        "edge_cost" => (scenario.tools.iter().map(|tool| tool.edge_cost).collect(), currency.clone()),
+        "rate" => {
+            let hourly = |rate: f64| convert(rate, "1/s", "1/h");
+            (scenario.machines.iter().map(|machine| hourly(machine.rate)).collect(), format!("{currency}/h"))
+        }
+        _ => (scenario.parts.iter().map(|part| part.material_cost).collect(), currency.clone()),
+    };
+    let mut paid = prices.into_iter().filter(|price| *price > 0.0);
+    let first = paid.next()?;
+    paid.all(|price| price == first).then_some((first, unit))
 }
 
 #[cfg(test)]
@@ -136,7 +167,8 @@ mod tests {
     fn a_price_that_always_favours_the_same_policy_turns_nothing() {
         let factor = Crossing::of(&[1.0, 1.1, 0.9], &[0.5, 0.6, 0.4], 0.90);
         let swing = SWING.map(|factor| t_interval(&[1.0 + 0.5 * factor, 1.1 + 0.6 * factor], CONFIDENCE));
-        let price = BreakEven { key: "edge_cost", title: "edges", factor, swing };
+        let price = BreakEven { key: "edge_cost", title: "edges", factor, swing, now: Some((8.0, "EUR".to_owned())) };
         assert!(!price.flips() && price.describe().starts_with("no price of edges"));
+        assert!(price.describe().contains("(160.00 EUR)"), "{}", price.describe());
     }
 }

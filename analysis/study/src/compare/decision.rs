@@ -252,6 +252,18 @@ impl Decision {
         Self { outcome, adaptive, rival, difference: Some(difference), confidence, line, notes }
     }
 
+    /// Differences of the decision replication by replication, adaptive − rival, in the unit of `difference`; empty without one.
+    pub fn pairs(&self, study: &Study) -> Vec<f64> {
+        let (Some(adaptive), Some(rival), Some(_)) = (self.adaptive, self.rival, &self.difference) else {
+            return Vec::new();
+        };
+        let objective = study.tuning.as_deref().map_or("cost_per_part", |tuning| tuning.objective.as_str());
+        let Some(index) = study.index(objective) else { return Vec::new() };
+        let scale = study.kpis[index].definition.display_scale();
+        let [one, other] = [adaptive, rival].map(|policy| study.samples(policy, index));
+        one.iter().zip(other).map(|(one, other)| scale * (one - other)).collect()
+    }
+
     /// The difference with its interval of 95 %, whatever the decision was made by.
     pub fn plain_difference(&self) -> Option<Interval> {
         self.difference.map(|difference| {

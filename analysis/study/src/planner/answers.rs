@@ -47,7 +47,8 @@ pub struct OrderAnswer {
     pub longest: Option<LongestWait>,
 }
 
-/// The station at which an order waits longest: that of most replications, of equally many the first.
+/// The station at which an order waits longest: that of most replications, of equally many the one with the longer
+/// wait, then the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LongestWait {
     /// Station, by index into [`Answers::queues`].
@@ -241,9 +242,15 @@ fn longest_wait(figures: &Figures, runs: &[&[f64]], order: usize) -> Option<Long
             *own = (own.0 + 1, own.1 + run[figures.longest_wait(order)]);
         }
     }
-    let most = by_station.iter().map(|(count, _)| *count).max().filter(|most| *most > 0)?;
-    let station = by_station.iter().position(|(count, _)| *count == most)?;
-    Some(LongestWait { station, replications: most, wait: by_station[station].1 / most as f64 })
+    // The last of equals is taken: from behind it is the first of the file.
+    let places = (0..by_station.len()).rev().filter(|station| by_station[*station].0 > 0);
+    let order = |station: &usize| by_station[*station];
+    let station = places.max_by(|a, b| {
+        let ((count_a, wait_a), (count_b, wait_b)) = (order(a), order(b));
+        count_a.cmp(&count_b).then(wait_a.total_cmp(&wait_b))
+    })?;
+    let (replications, wait) = by_station[station];
+    Some(LongestWait { station, replications, wait: wait / replications as f64 })
 }
 
 fn load_answer(figures: &Figures, runs: &[&[f64]], resource: usize, week: usize) -> LoadAnswer {

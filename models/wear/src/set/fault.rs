@@ -61,7 +61,8 @@ impl ContentFault for SetFault {
                 "a life belongs to one wear limit: state the same one, or the life at the other".to_owned()
             }
             Self::Missing { .. } => {
-                "state the values with their sources, or add `based_on` with a set that has them".to_owned()
+                "state them, or name a set that has them: `based_on` of a set with sources, `parameter_set` of a tool"
+                    .to_owned()
             }
             Self::Prior { .. } => "write for example \"extended_taylor.speed_exponent\" = { factor = 1.35 }".to_owned(),
             Self::Process { due, .. } => format!("name a set with process = \"{due}\""),

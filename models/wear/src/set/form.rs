@@ -45,7 +45,8 @@ static MATERIAL: Form = Form {
     ],
 };
 
-static HANDBOOK: Form = Form {
+/// Constants of handbooks and tests, in the set of a file or of a tool.
+pub static HANDBOOK: Form = Form {
     title: "[handbook]",
     doc: "Constants as handbooks and tests give them; converted when the set is read",
     keys: &[

@@ -16,6 +16,7 @@ mod first;
 mod form;
 mod handbook;
 mod material;
+mod of_tool;
 mod one_life;
 mod prior;
 mod rate;
@@ -27,7 +28,7 @@ mod write;
 
 pub use catalogue::{Catalogue, Group};
 pub use first::{FirstSet, KnownLife, KnownLifeError};
-pub use form::PARAMETER_SET;
+pub use form::{HANDBOOK, PARAMETER_SET};
 pub use handbook::{
     ASSUMED_DEVIATIONS, ASSUMED_EXPONENTS, FittedLives, HandbookTaylor, Kienzle, ReferenceLife, TestedLife,
 };
@@ -233,6 +234,13 @@ fn neighbours(folder: &Path, wanted: &str) -> Vec<String> {
 }
 
 impl ParameterSet {
+    /// A set without values.
+    fn empty(process: &'static str) -> Self {
+        let (name, title, law) = (String::new(), String::new(), None);
+        let (values, unused, notes, files) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { name, title, process, law, values, unused, prior: BTreeMap::new(), scatter: None, notes, files }
+    }
+
     /// The set of a shipped name, or of a path that counts from `folder`.
     ///
     /// # Errors

@@ -6,13 +6,11 @@ use super::prior::priors;
 use super::values::{Placed, Values};
 use super::{Catalogue, Group, Origin, ParameterSet, ParameterValue, collapse, diffusion, sources};
 use crate::Scatter;
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 use toolroom_form::{Fault, Quantity, ReadError, Section, Value, Walk, display, nearest, parse};
 use toolroom_process::Field;
-use toolroom_process::parameters::place;
 
 pub(super) fn file(
     path: &Path,
@@ -36,14 +34,13 @@ pub(super) fn text(
     catalogues: &[&'static Catalogue],
     chain: &[PathBuf],
 ) -> Result<ParameterSet, ReadError> {
-    let resolve = |walk: &mut Walk, root: &Section<'_>| set(walk, root, content, catalogues, chain);
+    let resolve = |walk: &mut Walk, root: &Section<'_>| set(walk, root, catalogues, chain);
     Ok(parse(name, content, overrides, &PARAMETER_SET, resolve)?.content)
 }
 
 fn set(
     walk: &mut Walk,
     root: &Section<'_>,
-    content: &str,
     catalogues: &[&'static Catalogue],
     chain: &[PathBuf],
 ) -> Option<ParameterSet> {
@@ -52,40 +49,47 @@ fn set(
         Some(reference) => Some(base(walk, root, reference, catalogue, chain)?),
         None => None,
     };
-    let mut values = given(walk, root, catalogue);
+    if let Some(key) = ["handbook", "material"].into_iter().find(|key| root.given(key))
+        && catalogue.laws().next().is_none()
+    {
+        let applicable = "parameters, prior, scatter".to_owned();
+        let case = format!("process = \"{}\"", catalogue.process);
+        walk.fault(root.span_of(key), Fault::NotApplicable { key, case, applicable });
+    }
+    let faults = walk.problems.len();
+    let values = given(walk, root, catalogue);
+    let mut set = merged(walk, root, catalogue, (values, faults), base)?;
+    set.prior.extend(priors(walk, root, catalogue));
+    set.scatter = Scatter::of_section(walk, root, "[scatter]").or(set.scatter);
+    Some(ParameterSet { name: root.text("name")?.to_owned(), title: root.text("title")?.to_owned(), ..set })
+}
+
+/// The values of a section over those of the set that it is based on: stated ones, what its constants give (keys `handbook` and
+/// `material`), and the law that follows from both. Values that are missing are told where there are no more than `faults` so far.
+pub(super) fn merged(
+    walk: &mut Walk,
+    section: &Section<'_>,
+    catalogue: &'static Catalogue,
+    (mut values, faults): (Values, usize),
+    base: Option<ParameterSet>,
+) -> Option<ParameterSet> {
     let named: Vec<&'static str> =
         catalogue.laws().filter(|law| values.keys().any(|(group, _)| group == law)).collect();
     let inherited = |group: &str, name: &str| {
         let base = base.as_ref()?;
         base.values.iter().chain(&base.unused).find(|value| value.group == group && value.field.name == name)
     };
-    // What the conversions refer to: the reference cut of this file or of its base.
+    // What the conversions refer to: the reference cut of this section or of its base.
     let reference = |group: &str, name: &str| {
         let entry = values.iter().find(|((entry, key), _)| *entry == group && *key == name);
         entry.map(|(_, placed)| placed.value).or(inherited(group, name).map(|value| value.value))
     };
-    let line = |span: &Range<usize>| place(content, span.start).0;
-    let mut converted = if catalogue.process == "turning" {
-        sources::convert(walk, root, &reference, &line)
-    } else {
-        if let Some(key) = ["handbook", "material"].into_iter().find(|key| root.given(key)) {
-            let applicable = "parameters, prior, scatter".to_owned();
-            walk.fault(
-                root.span_of(key),
-                Fault::NotApplicable {
-                    key: if key == "handbook" { "handbook" } else { "material" },
-                    case: "process = \"milling\"".to_owned(),
-                    applicable,
-                },
-            );
-        }
-        sources::Converted::default()
-    };
-    let law = law(walk, root, catalogue, &named, &converted, base.as_ref())?;
+    let mut converted = sources::convert(walk, section, &reference);
+    let law = law(walk, section, catalogue, &named, &converted, base.as_ref())?;
     if let Some(law) = law {
-        diffusion::at_reference(walk, law, root, &mut values, base.as_ref());
+        diffusion::at_reference(walk, law, section, &mut values, base.as_ref());
     }
-    wear_limits(walk, &values, &converted, &line);
+    wear_limits(walk, &values, &converted);
     // The force of a material group stands where nothing else gives a force.
     let (force, material) = (("force", "specific_force"), converted.material.take());
     if let Some(of_material) = material
@@ -133,36 +137,22 @@ fn set(
         }
         let missing: Vec<&str> =
             group.fields.iter().zip(&here).filter(|(_, value)| value.is_none()).map(|(field, _)| field.name).collect();
-        if !missing.is_empty() && walk.problems.is_empty() {
-            walk.fault(root.span_of("parameters"), SetFault::Missing { group: group.name, names: missing.join(", ") });
+        if !missing.is_empty() && walk.problems.len() == faults {
+            let fault = SetFault::Missing { group: group.name, names: missing.join(", ") };
+            walk.fault(section.span_of("parameters"), fault);
         }
         all.extend(here.into_iter().flatten());
     }
     if let Some(base) = &base {
         collapse::of_another_law(&mut all, law, base.law);
     }
-    converted.notes.extend(passed_over(catalogue, &values, &converted.values, &line));
-    let inherited_prior = base.as_ref().map_or_else(BTreeMap::new, |base| base.prior.clone());
-    let mut prior = inherited_prior;
+    let passed_over = passed_over(walk, catalogue, &values, &converted.values);
+    let base = base.unwrap_or_else(|| ParameterSet::empty(catalogue.process));
+    let mut prior = base.prior;
     prior.extend(converted.prior);
-    prior.extend(priors(walk, root, catalogue));
-    let scatter = Scatter::of_section(walk, root, "[scatter]")
-        .or(converted.scatter)
-        .or(base.as_ref().and_then(|base| base.scatter));
-    let mut notes = converted.notes;
-    notes.extend(base.iter().flat_map(|base| base.notes.clone()));
-    Some(ParameterSet {
-        name: root.text("name")?.to_owned(),
-        title: root.text("title")?.to_owned(),
-        process: catalogue.process,
-        law,
-        values: all,
-        unused,
-        prior,
-        scatter,
-        notes,
-        files: base.map_or_else(Vec::new, |base| base.files),
-    })
+    let notes = converted.notes.into_iter().chain(passed_over).chain(base.notes).collect();
+    let scatter = converted.scatter.or(base.scatter);
+    Some(ParameterSet { law, values: all, unused, prior, scatter, notes, ..base })
 }
 
 /// The catalogue of the process: as stated, or the one that has all groups of the file.
@@ -354,18 +344,13 @@ fn law(
 }
 
 /// Handbook values that another value of the file goes before.
-fn passed_over(
-    catalogue: &Catalogue,
-    values: &Values,
-    converted: &Values,
-    line: &dyn Fn(&Range<usize>) -> usize,
-) -> Vec<String> {
+fn passed_over(walk: &Walk, catalogue: &Catalogue, values: &Values, converted: &Values) -> Vec<String> {
     let statement = |((group, name), stated): (&(&'static str, &'static str), &Placed)| {
         let entry = converted.get(&(*group, *name)).filter(|entry| entry.origin == Origin::Handbook)?;
         let field = catalogue.group(group)?.fields.iter().find(|field| field.name == *name)?;
         let shown = |value| display(&Quantity::of(field), value);
         (entry.value != stated.value).then(|| {
-            let (stated_line, handbook_line) = (line(&stated.span), line(&entry.span));
+            let (stated_line, handbook_line) = (walk.line(&stated.span), walk.line(&entry.span));
             format!(
                 "{group}.{name} is {}, as line {stated_line} states; the constants of line {handbook_line} would give {}",
                 shown(stated.value),
@@ -377,12 +362,7 @@ fn passed_over(
 }
 
 /// A stated wear limit must be the one for which the handbook's lives hold.
-fn wear_limits(
-    walk: &mut Walk,
-    values: &Values,
-    converted: &sources::Converted,
-    line: &dyn Fn(&Range<usize>) -> usize,
-) {
+fn wear_limits(walk: &mut Walk, values: &Values, converted: &sources::Converted) {
     let key = ("limits", "wear_limit");
     let (Some(stated), Some(tested)) = (values.get(&key), converted.values.get(&key)) else { return };
     if (stated.value / tested.value - 1.0).abs() > 1e-9 {
@@ -390,10 +370,10 @@ fn wear_limits(
         let fault = SetFault::WearLimits {
             first: "limits.wear_limit".to_owned(),
             first_value: shown(stated.value),
-            first_line: line(&stated.span),
+            first_line: walk.line(&stated.span),
             second: "the wear limit of the handbook's lives".to_owned(),
             second_value: shown(tested.value),
-            second_line: line(&tested.span),
+            second_line: walk.line(&tested.span),
         };
         walk.fault(stated.span.clone(), fault);
     }

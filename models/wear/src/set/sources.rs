@@ -33,15 +33,10 @@ pub(super) struct Converted {
 /// The value of a parameter of the file or of its base, by group and name.
 type Reference<'a> = &'a dyn Fn(&str, &str) -> Option<f64>;
 
-pub(super) fn convert(
-    walk: &mut Walk,
-    root: &Section<'_>,
-    reference: Reference<'_>,
-    line: &dyn Fn(&Range<usize>) -> usize,
-) -> Converted {
+pub(super) fn convert(walk: &mut Walk, root: &Section<'_>, reference: Reference<'_>) -> Converted {
     let mut converted = Converted::default();
     if let Some(handbook) = walk.table(root, "handbook") {
-        one_law(walk, &handbook, line);
+        one_law(walk, &handbook);
         if let Some(taylor) = walk.table(&handbook, "taylor") {
             self::taylor(walk, &taylor, reference, &mut converted);
         } else if handbook.given("lives") {
@@ -60,12 +55,12 @@ pub(super) fn convert(
 }
 
 /// Taylor's constants, tested lives and one life all give the same values.
-fn one_law(walk: &mut Walk, handbook: &Section<'_>, line: &dyn Fn(&Range<usize>) -> usize) {
+fn one_law(walk: &mut Walk, handbook: &Section<'_>) {
     let given: Vec<&str> = ["taylor", "lives", "one_life"].into_iter().filter(|key| handbook.given(key)).collect();
     if let [first, second, ..] = given[..] {
         let (a, b) = (handbook.span_of(first), handbook.span_of(second));
         let key = format!("the tool life ({first} and {second})");
-        walk.fault(b.clone(), SetFault::TwoSources { key, first: line(&a), second: line(&b) });
+        walk.fault(b.clone(), SetFault::TwoSources { key, first: walk.line(&a), second: walk.line(&b) });
     }
 }
 

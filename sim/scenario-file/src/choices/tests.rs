@@ -199,7 +199,10 @@ fn every_process_reads_as_itself() {
             ProcessKind::Infeed => toolroom_infeed::PARAMETER_SETS[0].0,
         };
         let text = format!("name = \"t\", process = \"{word}\", parameter_set = \"{set}\", edge_cost = \"1 EUR\"");
-        let process = read(tool, &text, |walk, section| processes::process(walk, section, &Scatter::none(), &[], None));
+        let process = read(tool, &text, |walk, section| {
+            let set = processes::set_of_tool(walk, section);
+            processes::process(walk, section, set.as_ref(), &Scatter::none(), &[], None)
+        });
         assert_eq!(process.as_ref().and_then(kind_of_process), Some(kind));
     }
 }

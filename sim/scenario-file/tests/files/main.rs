@@ -277,6 +277,24 @@ fn references_and_names_are_checked() {
     }
 }
 
+/// Two sections and their members: the second name may be that of a member of the first, whichever stands first.
+#[test]
+fn a_number_makes_no_name_twice() {
+    let machine = |name: &str, count: &str| format!("[[machine]]\nname = \"{name}\"\nprocess = \"plain\"\n{count}\n");
+    let rest = "[[part]]\nname = \"p\"\noperation = [{ name = \"o\", machines = \"L1\", work = \"1 min\" }]\n\
+                [[arrivals]]\npart = \"p\"\npattern = \"poisson\"\nrate = \"1 1/h\"\n";
+    let faults = |machines: &[String]| {
+        faults_of(&format!("schema = 1\n[shop]\nname = \"x\"\nhorizon = \"8 h\"\n{}{rest}", machines.concat()), &[])
+    };
+    let (two, one, three) = (machine("L", "count = 2"), machine("L1", ""), machine("L1", "count = 3"));
+    let eleven = machine("L", "count = 11");
+    for machines in [[&two, &one], [&one, &two], [&two, &three], [&three, &two], [&eleven, &three]] {
+        let found = faults(&machines.map(String::clone));
+        assert!(found.iter().any(|fault| fault.0 == "duplicate-name"), "{machines:?}: {found:#?}");
+    }
+    assert!(faults(&[two, machine("L3", "count = 3")]).is_empty());
+}
+
 #[test]
 fn empty_shops_are_refused() {
     let found = faults_of("schema = 1\n[shop]\nname = \"x\"\nhorizon = \"8 h\"\n", &[]);
