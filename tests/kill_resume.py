@@ -22,6 +22,7 @@ CASES = {
     "compare": ["compare", HERE / "constant-vs-adaptive.toml", "--replications", "12"],
     "tune": ["compare", HERE / "constant-vs-adaptive.toml", "--replications", "8", "--tune",
              "--policy", "constant", "--policy", "productivity", "--set", "tune.budget=100"],
+    "variants": ["compare", HERE / "shop/crib.toml", "--replications", "12"],
     "run": ["run", HERE / "template.toml", "--replications", "6"],
     "life": ["life", HERE / "life/policies.toml", "--lives", "4000"],
     "contour": ["contour", HERE / "contour/rk3.toml", "--draws", "60"],
