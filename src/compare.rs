@@ -1,6 +1,6 @@
 //! `toolroom compare FILE`: every policy on common random numbers.
 
-use crate::args::{Axis, Changes, CompareArgs, StudyArgs};
+use crate::args::{Changes, CompareArgs, StudyArgs};
 use crate::failure::Failure;
 use crate::plan::leave;
 use crate::progress::Bar;
@@ -17,11 +17,11 @@ use toolroom_scenario::TuneRequest;
 use toolroom_scenario_file::{ScenarioFile, read};
 use toolroom_shards::{Journal, Plan};
 use toolroom_snapshot::Snapshot;
-use toolroom_study::planned::{self, PlannedError};
-use toolroom_study::request::{StudyRequest, policies_named};
+use toolroom_study::planned::{self, Axis, PlannedComparison, PlannedError};
+use toolroom_study::request::StudyRequest;
 use toolroom_study::study::StudyOptions;
 use toolroom_study::tune::{GuardlessVerdict, TriedRun, TuneError, Tuning, guardless, tune_from, tuning_head};
-use toolroom_study::variants::{self, Wanted};
+use toolroom_study::variants::{self, VariantError, Wanted};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if let Some(from) = &args.scenario.from {
@@ -34,15 +34,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
 /// Compares policies and variants; from the instant of a snapshot on, where there is one.
 fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> Result<(), Failure> {
     let mut file = read(args.scenario.path(), &args.scenario.changes.overrides())?;
-    let mut policies = policies_named(&file.scenario, &args.study.policy)?;
-    if policies.len() == 1 && policies[0] != 0 {
-        policies.insert(0, 0); // one policy by name is compared with the scenario's baseline
-    }
-    let wants = |axis: Axis| args.axis.is_none_or(|wanted| wanted == axis || wanted == Axis::Both);
-    if args.axis == Some(Axis::Variant) {
-        policies.truncate(1);
-    }
-    let mut variants = if wants(Axis::Variant) { file.variants.clone() } else { Vec::new() };
+    let (policies, mut variants) = planned::compared(&file, &args.study.policy, args.axis)?;
     if let Some(Snapshot { at, .. }) = snapshot {
         // What is to change later than that still does.
         variants.iter_mut().for_each(|variant| variant.from = Some(variant.from.map_or(*at, |from| from.max(*at))));
@@ -54,10 +46,6 @@ fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> R
     let input = args.scenario.path().display().to_string();
     let wanted = tuning_wanted(args, &file);
     if let Some(target) = &args.plan {
-        if policies.len() < 2 {
-            let help = "take out --plan: a variant runs beside the shop as it is";
-            return Err(Failure::argument("variants of the shop are not planned in shards", help));
-        }
         if wanted.is_some() {
             let help =
                 "tune first with --tune, then plan with the settings that it prints given by --set, and --no-tune";
@@ -67,11 +55,10 @@ fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> R
             let help = "find it with toolroom run, then plan with the time that it prints: --set shop.warm_up=…";
             return Err(Failure::argument("a plan does not find its warm-up", help));
         }
-        return plan(args, &file, &policies, target, voice);
+        return plan(args, &file, target, voice);
     }
     let out = default_out(&file.scenario.name);
-    let mut variants = variants::shops(args.scenario.path(), &args.scenario.changes.overrides(), &variants)
-        .map_err(|error| Failure::argument(&error, error.fix()))?;
+    let mut variants = variants::shops(&input, &file.text, &args.scenario.changes.overrides(), &variants)?;
     if let Some(snapshot) = snapshot {
         // The shop as it was; who comes in the very instant of a branch is no part of it.
         snapshot.verify(&file.scenario, &policies)?;
@@ -94,7 +81,6 @@ fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> R
         Some(wanted) => tuned_in_place((args, changes), &input, file, (&policies, &wanted), &out, voice)?,
         None => ((file, None), None),
     };
-    let axis = args.axis.map_or("", Axis::typed);
     let chosen = select
         .as_ref()
         .filter(|_| typed_select)
@@ -104,7 +90,7 @@ fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> R
         None => (input.clone(), args.scenario.changes.overrides()),
     };
     let request = Request {
-        command: format!("compare {start}{axis}{chosen}"),
+        command: format!("compare {start}{}{chosen}", typed_axis(args.axis)),
         input,
         changes: &args.scenario.changes,
         typed,
@@ -122,6 +108,18 @@ fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> R
         warm_up,
     };
     perform(&request, place, voice)
+}
+
+/// The option that says what is compared, where it was given.
+fn typed_axis(axis: Option<Axis>) -> String {
+    axis.map_or_else(String::new, |axis| format!(" --axis {}", axis.word()))
+}
+
+impl From<VariantError> for Failure {
+    fn from(error: VariantError) -> Self {
+        let help = error.fix();
+        Self::argument(error, help)
+    }
 }
 
 /// A scenario with its policies at their best settings, and how these were found.
@@ -228,13 +226,7 @@ impl From<TuneError> for Failure {
 }
 
 /// `--plan FILE`: the replications cut into shards.
-fn plan(
-    args: &CompareArgs,
-    file: &ScenarioFile,
-    policies: &[usize],
-    target: &Path,
-    voice: &Voice,
-) -> Result<(), Failure> {
+fn plan(args: &CompareArgs, file: &ScenarioFile, target: &Path, voice: &Voice) -> Result<(), Failure> {
     if !args.study.until.is_empty() || !file.statistics.until.is_empty() {
         let help = "give the number with --replications; a precision needs all replications at hand";
         return Err(Failure::argument("--until cannot be planned in shards", help));
@@ -242,7 +234,7 @@ fn plan(
     let name = args.scenario.path().display().to_string();
     let changes = args.scenario.changes.overrides();
     let version = env!("CARGO_PKG_VERSION");
-    let plan = planned::plan(version, &name, file, changes, policies, args.shards)?;
+    let plan = planned::plan(version, (&name, file), changes, (&args.study.policy, args.axis), args.shards)?;
     let inputs = file.files.iter().map(AsRef::as_ref).chain([args.scenario.path()]);
     leave(&plan, target, &Files::new(inputs, voice.force))?;
     let shown = target.display();
@@ -255,6 +247,7 @@ impl From<PlannedError> for Failure {
         match error {
             PlannedError::Scenario(error) => error.into(),
             PlannedError::Policy(error) => error.into(),
+            PlannedError::Variant(error) => error.into(),
             PlannedError::Shard(error) => error.into(),
             PlannedError::Study(error) => Self::work_error(&error),
         }
@@ -263,13 +256,14 @@ impl From<PlannedError> for Failure {
 
 /// Merges the parts of a planned comparison: the same files and digest as without a plan.
 pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Result<(), Failure> {
-    let (file, policies) = planned::scenario(plan)?;
-    let known = planned::known_runs(plan, parts, &file, &policies)?;
+    let comparison = PlannedComparison::read(plan)?;
+    let known = comparison.known_runs(plan, parts)?;
+    let PlannedComparison { file, policies, variants } = comparison;
     let changes = Changes { set: plan.overrides.clone(), ..Changes::default() };
     let args = StudyArgs { policy: plan.policies.clone(), out: out.map(Path::to_owned), ..StudyArgs::default() };
-    let primary = statistics(&file, &args)?.primary;
+    let statistics = statistics(&file, &args)?;
     let request = Request {
-        command: format!("compare {}", plan.file),
+        command: format!("compare {}{}", plan.file, typed_axis(plan.axis)),
         input: plan.file.clone(),
         typed: changes.overrides(),
         changes: &changes,
@@ -280,10 +274,10 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
         file,
         known: Arc::new(known),
         tuning: None,
-        variants: Vec::new(),
-        select: None,
+        select: statistics.select.filter(|_| !variants.is_empty()),
+        variants,
         until: Vec::new(),
-        primary,
+        primary: statistics.primary,
         warm_up: None,
     };
     perform(&request, None, voice)

@@ -12,6 +12,7 @@ use toolroom_gap_study::{GapStudyError, RECORDED, recorded};
 use toolroom_output::signals as stop;
 use toolroom_output::{Files, OutputDir, quoted};
 use toolroom_records::{RecordKind, write_csv};
+use toolroom_scenario::Scenario;
 use toolroom_scenario_file::ScenarioFile;
 use toolroom_shards::Journal;
 use toolroom_shop::RunLog;
@@ -160,7 +161,9 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
     let (journal, finished) = Journal::open(&runs, &requested.head().map_err(Failure::Json)?)?;
     if !finished.is_empty() {
         voice.say(format_args!("going on after {} runs in {}", finished.len(), runs.display()));
-        let mut known = known_of(scenario, &options.policies, finished);
+        let shops: Vec<&Scenario> =
+            std::iter::once(scenario).chain(options.variants.iter().map(|own| own.scenario.as_ref())).collect();
+        let mut known = known_of(&shops, &options.policies, finished);
         known.extend(request.known.iter().map(|(run, known)| (*run, known.clone())));
         options.known = Arc::new(known);
     }

@@ -11,6 +11,7 @@ mod orders;
 mod planner;
 mod point;
 mod resumed;
+mod shards;
 mod snapshots;
 mod study;
 

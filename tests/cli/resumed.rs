@@ -11,7 +11,7 @@ fn bytes(dir: &Path) -> Vec<(String, Vec<u8>)> {
     kept.map(|name| (name.clone(), fs::read(dir.join(name)).expect("a file"))).collect()
 }
 
-fn assert_same(one: &Path, two: &Path) {
+pub fn assert_same(one: &Path, two: &Path) {
     let (one, two) = (bytes(one), bytes(two));
     assert_eq!(
         one.iter().map(|(name, _)| name).collect::<Vec<_>>(),

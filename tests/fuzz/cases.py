@@ -242,6 +242,7 @@ SHIPPED = [
     case("tune", ["compare", "s.toml", "--out", "out", *SHORT, "--tune", "--set", "tune.budget=100"], ("s.toml", "template.toml")),
     case("plan", ["compare", "s.toml", *SHORT, "--plan", "out/p.json", "--shards", "2"], ("s.toml", "template.toml")),
     case("variants", ["compare", "o.toml", "--out", "out", "--replications", "2"], ("o.toml", "shop/lots.toml")),
+    case("plan-variants", ["compare", "o.toml", "--replications", "2", "--plan", "out/p.json", "--shards", "2"], ("o.toml", "shop/lots.toml")),
     case("run-cell", ["run", "s.toml", "--out", "out", "--replications", "1"], ("s.toml", "shop/flexible-cell.toml")),
     case("run-job-shop", ["run", "s.toml", "--out", "out", "--replications", "1"], ("s.toml", "shop/ft06.toml")),
     case("run-furnace", ["run", "s.toml", "--out", "out", *SHORT], ("s.toml", "shop/furnace.toml")),

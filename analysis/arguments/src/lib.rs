@@ -34,7 +34,7 @@ pub use planning::{ContourArgs, GrindArgs, IdentifyArgs};
 pub use point::{PointArgs, PointLife, PointProcess};
 pub use program::ProgramArgs;
 pub use study::{
-    Axis, Changes, CompareArgs, DemoArgs, DiffArgs, LogFormat, ReportArgs, RunArgs, ScenarioArgs, StartArgs, StudyArgs,
+    Changes, CompareArgs, DemoArgs, DiffArgs, LogFormat, ReportArgs, RunArgs, ScenarioArgs, StartArgs, StudyArgs,
 };
 pub use unit::{
     FmuCommand, FmuExportArgs, FmuFileArgs, FmuInterface, FmuIsolation, FmuSimArgs, SspCommand, SspExportArgs,

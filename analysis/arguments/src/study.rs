@@ -1,7 +1,9 @@
 //! Studies of a scenario and their results.
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::path::{Path, PathBuf};
+use toolroom_study::planned::Axis;
 
 /// A scenario and changes to it.
 #[derive(Args, Clone, Debug)]
@@ -166,7 +168,7 @@ pub struct CompareArgs {
     pub no_tune: bool,
     /// What is compared: policies of the shop as it is, variants of the shop under its first policy, or variants under
     /// every policy; left out: all that the scenario has
-    #[arg(long, value_enum, conflicts_with = "sweep")]
+    #[arg(long, value_parser = axis(), conflicts_with = "sweep")]
     pub axis: Option<Axis>,
     /// Select the best of the shop and its variants under the first policy, by a figure and the least difference that
     /// matters, such as "lead_time 5 min" or "late_orders 1"; runs as often as that needs
@@ -174,26 +176,11 @@ pub struct CompareArgs {
     pub select: Option<String>,
 }
 
-/// What `compare` compares.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// Policies of the shop as it is
-    Policy,
-    /// Variants of the shop under the first policy
-    Variant,
-    /// Variants under every policy
-    Both,
-}
-
-impl Axis {
-    /// As it was typed, with a space before it.
-    pub fn typed(self) -> &'static str {
-        match self {
-            Self::Policy => " --axis policy",
-            Self::Variant => " --axis variant",
-            Self::Both => " --axis both",
-        }
-    }
+/// Reads what `compare` compares.
+fn axis() -> impl TypedValueParser<Value = Axis> {
+    let words = Axis::ALL.map(|axis| PossibleValue::new(axis.word()).help(axis.meaning()));
+    let of_word = |word: String| Axis::ALL.into_iter().find(|axis| axis.word() == word).ok_or("no such axis");
+    PossibleValuesParser::new(words).try_map(of_word)
 }
 
 #[derive(Args, Debug)]

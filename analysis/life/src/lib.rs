@@ -40,7 +40,7 @@ pub mod goodness;
 pub mod law;
 pub mod maximise;
 pub mod measured;
-mod measured_location;
+mod measured_error;
 pub mod measured_study;
 mod normal;
 pub mod page;

@@ -1,117 +1,11 @@
 //! Measured lives and wear readings from CSV files.
 
+use super::measured_error::{GREATEST, LEAST};
 use super::sample::Observation;
 use std::collections::BTreeMap;
-use toolroom_process::table::{BrokenQuote, Lines, broken_quote};
+use toolroom_process::table::{Lines, broken_quote};
 
-/// Why a file of measured lives was not read.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MeasuredError {
-    /// Bytes that are no UTF-8.
-    #[error("{file}: byte {byte} is no UTF-8; save the table as UTF-8")]
-    Encoding {
-        /// File.
-        file: String,
-        /// Position of the byte.
-        byte: usize,
-    },
-    /// A quote that cannot be read.
-    #[error("{file}:{}: {fault}", .fault.line())]
-    Quote {
-        /// File.
-        file: String,
-        /// The quote.
-        fault: BrokenQuote,
-    },
-    /// No header or no rows under it.
-    #[error("{file}: no rows; expected a header such as `life [min],censored,group` and one life a line")]
-    NoRows {
-        /// File.
-        file: String,
-    },
-    /// A column that must be there.
-    #[error("{file}:1: there is no column `{column}`; there are {known}")]
-    MissingColumn {
-        /// File.
-        file: String,
-        /// Column.
-        column: String,
-        /// Columns of the file.
-        known: String,
-    },
-    /// A row of another length than the header.
-    #[error("{file}:{line}: {found} cells where the header has {expected}")]
-    CellCount {
-        /// File.
-        file: String,
-        /// Line.
-        line: usize,
-        /// Cells in the row.
-        found: usize,
-        /// Cells in the header.
-        expected: usize,
-    },
-    /// A cell that should be a number.
-    #[error("{file}:{line}: `{column}` is `{read}`, but {expected} is due")]
-    Cell {
-        /// File.
-        file: String,
-        /// Line.
-        line: usize,
-        /// Column.
-        column: String,
-        /// What was read.
-        read: String,
-        /// What was expected.
-        expected: &'static str,
-    },
-    /// Points and commas as decimal signs in one file.
-    #[error("{file}:{line}: `{read}` has a decimal comma, other numbers have a point; use one of them")]
-    DecimalSign {
-        /// File.
-        file: String,
-        /// Line.
-        line: usize,
-        /// What was read.
-        read: String,
-    },
-    /// An age that no edge has.
-    #[error(
-        "{file}:{line}: `{column}` is {read}, but a life from {LEAST:e} to {GREATEST:e} is due; take the row out, or \
-         check its unit"
-    )]
-    Age {
-        /// File.
-        file: String,
-        /// Line.
-        line: usize,
-        /// Column.
-        column: String,
-        /// What was read or found.
-        read: String,
-    },
-    /// Readings of an edge out of order.
-    #[error("{file}:{line}: edge `{edge}` was read at {age} after a reading at {before}: ages rise from row to row")]
-    Backwards {
-        /// File.
-        file: String,
-        /// Line.
-        line: usize,
-        /// Edge.
-        edge: String,
-        /// Age read.
-        age: f64,
-        /// Age before.
-        before: f64,
-    },
-}
-
-/// Lives that occur, in the unit of their column: from less than a microsecond in hours to thirty thousand
-/// years in seconds (assumption). Squares and quotients of such numbers are far from the ends of what a
-/// number can be.
-const LEAST: f64 = 1e-9;
-const GREATEST: f64 = 1e12;
+pub use super::measured_error::MeasuredError;
 
 /// One edge as measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -185,8 +79,7 @@ pub fn read(file: &str, bytes: &[u8], layout: &Layout, covariates: &[String]) ->
         Layout::Lives => {
             let life = table.column("life")?;
             let [censored, inspected, group] = ["censored", "inspected", "group"].map(|name| table.find(name));
-            let mut lives = Vec::new();
-            for row in &table.rows {
+            let of_row = |row: &Row| {
                 let age = table.life(row, life)?;
                 let observed = match (censored, inspected) {
                     (Some(column), _) if table.flag(row, column)? => Observation::Censored(age),
@@ -202,8 +95,9 @@ pub fn read(file: &str, bytes: &[u8], layout: &Layout, covariates: &[String]) ->
                 let covariates =
                     columns.iter().map(|column| table.covariate_of(row, column)).collect::<Result<_, _>>()?;
                 let group = group.map_or(String::new(), |column| row.cells[column].clone());
-                lives.push(MeasuredLife { edge: String::new(), group, life: observed, covariates });
-            }
+                Ok(MeasuredLife { edge: String::new(), group, life: observed, covariates })
+            };
+            let lives = table.every(of_row)?;
             Ok(Measured { lives, unit: table.units[life].clone(), notes })
         }
         Layout::Readings { edge, age, wear, limit, group, interpolate } => {
@@ -212,7 +106,7 @@ pub fn read(file: &str, bytes: &[u8], layout: &Layout, covariates: &[String]) ->
             let group = group.as_ref().map(|name| table.column(name)).transpose()?;
             let mut order: Vec<String> = Vec::new();
             let mut edges: BTreeMap<String, Vec<Reading<'_>>> = BTreeMap::new();
-            for row in &table.rows {
+            table.every(|row| {
                 let name = names.iter().map(|column| row.cells[*column].as_str()).collect::<Vec<_>>().join(" ");
                 let age_read = table.number(row, age)?;
                 let worn = if row.cells[wear].is_empty() { None } else { Some(table.number(row, wear)?) };
@@ -225,7 +119,8 @@ pub fn read(file: &str, bytes: &[u8], layout: &Layout, covariates: &[String]) ->
                     return Err(MeasuredError::Backwards { file, line, edge: name, age: age_read, before });
                 }
                 readings.push((row, age_read, worn));
-            }
+                Ok(())
+            })?;
             let mut lives = Vec::new();
             for name in order {
                 let readings = &edges[&name];
@@ -260,7 +155,7 @@ type Reading<'a> = (&'a Row, f64, Option<f64>);
 pub fn numbers(file: &str, bytes: &[u8], column: &str) -> Result<Vec<f64>, MeasuredError> {
     let table = Table::read(file, bytes)?;
     let column = table.column(column)?;
-    table.rows.iter().map(|row| table.finite(row, column)).collect()
+    table.every(|row| table.finite(row, column))
 }
 
 /// The age at which readings (age, wear) first reach a limit. Before the first reading an edge is
@@ -296,6 +191,8 @@ struct Table {
     names: Vec<String>,
     units: Vec<String>,
     rows: Vec<Row>,
+    /// Rows of another length than the header.
+    uneven: Vec<MeasuredError>,
     decimal_comma: bool,
 }
 
@@ -317,7 +214,7 @@ impl Table {
             .trim(csv::Trim::All)
             .from_reader(text.as_bytes());
         let mut header: Option<Vec<String>> = None;
-        let mut rows = Vec::new();
+        let (mut rows, mut uneven) = (Vec::new(), Vec::new());
         let mut lines = Lines::new(text);
         for record in reader.records().filter_map(Result::ok) {
             let line = record.position().map_or(0, |position| lines.at(position.byte()));
@@ -327,10 +224,13 @@ impl Table {
                 None => header = Some(cells),
                 Some(header) if header.len() != cells.len() => {
                     let (file, found, expected) = (file.to_owned(), cells.len(), header.len());
-                    return Err(MeasuredError::CellCount { file, line, found, expected });
+                    uneven.push(MeasuredError::CellCount { file, line, found, expected });
                 }
                 Some(_) => rows.push(Row { line, cells }),
             }
+        }
+        if rows.is_empty() {
+            MeasuredError::of(std::mem::take(&mut uneven))?;
         }
         let header = header.filter(|_| !rows.is_empty());
         let header = header.ok_or_else(|| MeasuredError::NoRows { file: file.to_owned() })?;
@@ -340,7 +240,24 @@ impl Table {
         };
         let (names, units) = header.iter().map(split).unzip();
         let decimal_comma = decimal_comma(file, &rows, delimiter)?;
-        Ok(Self { file: file.to_owned(), names, units, rows, decimal_comma })
+        Ok(Self { file: file.to_owned(), names, units, rows, uneven, decimal_comma })
+    }
+
+    /// What every row is, or everything that is wrong with the rows.
+    fn every<'a, T>(
+        &'a self,
+        mut of: impl FnMut(&'a Row) -> Result<T, MeasuredError>,
+    ) -> Result<Vec<T>, MeasuredError> {
+        let mut faults = self.uneven.clone();
+        let mut good = Vec::with_capacity(self.rows.len());
+        for row in &self.rows {
+            match of(row) {
+                Ok(value) => good.push(value),
+                Err(fault) => faults.push(fault),
+            }
+        }
+        MeasuredError::of(faults)?;
+        Ok(good)
     }
 
     fn find(&self, name: &str) -> Option<usize> {
@@ -473,6 +390,9 @@ mod tests {
         assert_eq!(kinds(&lives_by(true)), [Failed(3.0), Censored(5.0), Between(0.0, 2.0)]);
         assert_eq!(kinds(&lives_by(false)), [Between(2.0, 4.0), Censored(5.0), Between(0.0, 2.0)]);
         assert!(lives_by(true).notes[0].contains("edge 4"));
+        let twice = "tool,t,VB\n1,4,0.1\n1,2,0.2\n1,5,x\n";
+        let error = read("f.csv", twice.as_bytes(), &layout(true), &[]).unwrap_err();
+        assert!(matches!(&error, MeasuredError::Several { faults } if faults.len() == 2), "{error}");
         let back = "tool,t,VB\n1,4,0.1\n1,2,0.2\n";
         let error = read("f.csv", back.as_bytes(), &layout(true), &[]).unwrap_err();
         assert!(matches!(error, MeasuredError::Backwards { line: 3, .. }), "{error}");
@@ -490,6 +410,15 @@ mod tests {
         assert!(said("life\nNaN\n").contains("a finite number is due"));
         assert!(said("life,censored\n3,maybe\n").contains("yes or no"));
         assert!(said("life,censored\n3\n").contains("1 cells where the header has 2"));
+        let every = "life,censored\n3,maybe\n4\n5,0\n-1,0\nx,1\n";
+        assert_eq!(
+            said(every),
+            "4 rows cannot be read:\n  f.csv:2: `censored` is `maybe`, but 1 or 0, true or false, yes or no is due\n  \
+             f.csv:3: 1 cells where the header has 2\n  f.csv:5: `life` is -1, but a life from 1e-9 to 1e12 is due; take the \
+             row out, or check its unit\n  f.csv:6: `life` is `x`, but a finite number is due"
+        );
+        let many = format!("life\n{}", "x\n".repeat(60));
+        assert!(said(&many).starts_with("60 rows") && said(&many).ends_with("and 10 more"), "{}", said(&many));
         assert!(said("life;a\n3,5;1\n2.5;1\n").contains("decimal comma"));
         assert!(read("f.csv", b"life\n\xFF\n", &Layout::Lives, &[]).unwrap_err().to_string().contains("UTF-8"));
     }

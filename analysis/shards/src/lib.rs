@@ -24,7 +24,7 @@ pub use error::{ShardError, at};
 pub use fingerprint::{FNV_OFFSET, fingerprint, fnv, hash_of};
 pub use journal::Journal;
 pub use merge::parts;
-pub use plan::{PLAN, Plan, Work, read_plan, write_plan};
+pub use plan::{Axis, PLAN, Plan, Work, read_plan, write_plan};
 pub use run::{Computed, discard, is_done, run};
 pub use sidecar::Sidecar;
 

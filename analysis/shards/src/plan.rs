@@ -29,6 +29,41 @@ impl Work {
     }
 }
 
+/// What a comparison compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// Policies of the shop as it is.
+    Policy,
+    /// Variants of the shop under the first policy.
+    Variant,
+    /// Variants under every policy.
+    Both,
+}
+
+impl Axis {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Policy, Self::Variant, Self::Both];
+
+    /// Its word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Policy => "policy",
+            Self::Variant => "variant",
+            Self::Both => "both",
+        }
+    }
+
+    /// What it is, for help.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Policy => "Policies of the shop as it is",
+            Self::Variant => "Variants of the shop under the first policy",
+            Self::Both => "Variants under every policy",
+        }
+    }
+}
+
 /// Version of the format of plans.
 pub const PLAN: u32 = 1;
 
@@ -57,6 +92,9 @@ pub struct Plan {
     pub seed: u64,
     /// Names of the policies of a comparison, none for all of them.
     pub policies: Vec<String>,
+    /// What a comparison compares; all that the scenario has where it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axis: Option<Axis>,
     /// Pieces of work: lives of each cell, replications of each policy, columns of a chart.
     pub pieces: u64,
     /// Number of shards.
@@ -77,13 +115,15 @@ impl Plan {
             files,
             overrides,
             policies,
+            axis,
             seed,
             pieces,
             shards,
         } = self;
         let contents: Vec<&str> = files.iter().map(|(_, fingerprint)| fingerprint.as_str()).collect();
-        let words =
-            [kind.word(), version, name, text, &contents.join("\n"), &overrides.join("\n"), &policies.join("\n")];
+        let axis = axis.map_or("", Axis::word);
+        let (contents, overrides, policies) = (contents.join("\n"), overrides.join("\n"), policies.join("\n"));
+        let words = [kind.word(), version, name, text, &contents, &overrides, &policies, axis];
         let hash = words.iter().fold(FNV_OFFSET, |hash, word| fnv(fnv(hash, word.as_bytes()), &[0]));
         let numbers = [u64::from(*schema), *seed, *pieces, *shards];
         let hash = numbers.iter().fold(hash, |hash, number| fnv(hash, &number.to_le_bytes()));

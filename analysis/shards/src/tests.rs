@@ -36,6 +36,7 @@ fn plan() -> Plan {
         overrides: Vec::new(),
         seed: 7,
         policies: Vec::new(),
+        axis: None,
         pieces: 5,
         shards: 2,
     }

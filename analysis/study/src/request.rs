@@ -5,8 +5,10 @@ use crate::logs::Format;
 use crate::run_info::RunInfo;
 use crate::study::{Finished, FinishedError, StudyOptions};
 use crate::tune::Tuning;
+use crate::variants::VariantShop;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_form::{ReadError, nearest};
@@ -133,10 +135,11 @@ pub fn policies_named(scenario: &Scenario, names: &[String]) -> Result<Vec<usize
     Ok(indices)
 }
 
-/// The scenario file and the files that it names, with their fingerprints.
-fn inputs(name: &str, file: &ScenarioFile) -> Vec<(String, String)> {
+/// The scenario file and the files that it and its variants name, with their fingerprints.
+fn inputs(name: &str, file: &ScenarioFile, variants: &[VariantShop]) -> Vec<(String, String)> {
     let scenario = (name.to_owned(), fingerprint(file.text.as_bytes()));
-    let named = file.files.iter().map(|path| {
+    let own = variants.iter().flat_map(|variant| &variant.files).filter(|path| !file.files.contains(path));
+    let named = file.files.iter().chain(own.collect::<BTreeSet<_>>()).map(|path| {
         // Gone since it was read: its name at least.
         let bytes = toolroom_form::bytes(path).unwrap_or_default();
         (path.display().to_string(), fingerprint(&bytes))
@@ -162,7 +165,7 @@ impl StudyRequest {
             command,
             file: name.to_owned(),
             text: file.text.clone(),
-            inputs: inputs(name, file),
+            inputs: inputs(name, file, &options.variants),
             changes,
             seed: scenario.seed,
             policies: options.policies.iter().map(|&policy| scenario.policies[policy].name.clone()).collect(),

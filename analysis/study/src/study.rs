@@ -23,7 +23,7 @@ pub use options::StudyOptions;
 pub use precision::{NoPrecision, Precision, Width};
 use rows::Rows;
 pub(crate) use samples::by_draw;
-pub use stored::{KnownRuns, StoredRun, known_of, stored_digest, stored_runs};
+pub use stored::{KnownRuns, StoredRun, known, known_of, stored_digest, stored_runs};
 
 use crate::kpi::{self, Counting, Kpi, unless_stopped};
 use crate::logs::LogWriter;
@@ -314,12 +314,13 @@ where
             return None;
         }
         let with_log = replication < options.logged;
-        let known = options.known.get(&(replication, policy)).filter(|_| !with_log && !options.is_one_run());
+        let known =
+            options.known.get(&(options.shop, replication, policy)).filter(|_| !with_log && !options.is_one_run());
         let run = known.map_or_else(|| evaluated(policy, replication), |known| Some(Ok(known.run())))?;
         match (&run, &options.journal) {
             (Err(_), _) => _ = last_wanted.fetch_min(replication, Ordering::Relaxed),
             (Ok(run), Some(journal)) if known.is_none() && !with_log => {
-                journal.add(&StoredRun::from_policy(policy, replication, run));
+                journal.add(&StoredRun::from_policy(options.shop, policy, replication, run));
             }
             (Ok(_), _) => {}
         }

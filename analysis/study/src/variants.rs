@@ -17,13 +17,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::io;
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use toolroom_form::ReadError;
 use toolroom_process::table::CsvWriter;
 use toolroom_scenario::Scenario;
-use toolroom_scenario_file::{AS_IT_IS, ShopVariant, read};
+use toolroom_scenario_file::{AS_IT_IS, ScenarioFile, ShopVariant, parse};
 use toolroom_statistics::{CONFIDENCE, Interval, paired, t_interval};
 
 /// A shop with some values changed.
@@ -33,6 +33,8 @@ pub struct VariantShop {
     pub name: String,
     /// The shop.
     pub scenario: Arc<Scenario>,
+    /// Files that it names.
+    pub files: Vec<PathBuf>,
 }
 
 /// A variant that cannot be run.
@@ -67,27 +69,28 @@ impl VariantError {
     }
 }
 
-/// The shops of all variants of a file, which was read with `changes`.
+/// The shops of all variants of a file that was read as `name` with `changes` and said `text`.
 ///
 /// # Errors
 /// [`VariantError`] of the first that cannot be run.
-pub fn shops(path: &Path, changes: &[String], variants: &[ShopVariant]) -> Result<Vec<VariantShop>, VariantError> {
-    let read = |changes: &[String]| Ok::<_, Wrong>(read(path, changes).map_err(Box::new)?.scenario);
+pub fn shops(
+    name: &str,
+    text: &str,
+    changes: &[String],
+    variants: &[ShopVariant],
+) -> Result<Vec<VariantShop>, VariantError> {
+    let read = |changes: &[String]| Ok::<_, Wrong>(parse(name, text, changes).map_err(Box::new)?);
     let shop = |variant: &ShopVariant| {
         let all: Vec<String> = changes.iter().chain(&variant.set).cloned().collect();
-        let scenario = read(&all)?;
-        match variant.from {
-            Some(time) => Ok(branched(&read(changes)?, &scenario, time, &variant.set)?),
-            None => Ok(scenario),
-        }
+        let ScenarioFile { scenario, files, .. } = read(&all)?;
+        let scenario = match variant.from {
+            Some(time) => branched(&read(changes)?.scenario, &scenario, time, &variant.set)?,
+            None => scenario,
+        };
+        Ok(VariantShop { name: variant.name.clone(), scenario: Arc::new(scenario), files })
     };
-    let named = |variant: &ShopVariant| {
-        let name = variant.name.clone();
-        match shop(variant) {
-            Ok(scenario) => Ok(VariantShop { name, scenario: Arc::new(scenario) }),
-            Err(source) => Err(VariantError { name, source }),
-        }
-    };
+    let named =
+        |variant: &ShopVariant| shop(variant).map_err(|source| VariantError { name: variant.name.clone(), source });
     variants.iter().map(named).collect()
 }
 
@@ -152,6 +155,9 @@ pub(crate) fn run(
             replications: study.replications,
             threads: options.threads,
             logged: 0,
+            known: Arc::clone(&options.known),
+            journal: options.journal.clone(),
+            shop: place,
             ..StudyOptions::of(&variant.scenario)
         };
         let report = |run: Progress| progress(Progress { done: runs_each.saturating_mul(place) + run.done, total });
@@ -330,7 +336,7 @@ mod tests {
     use super::*;
     use crate::compare::Comparison;
     use crate::fixture;
-    use crate::study::run_study;
+    use crate::study::{known, run_study, stored_runs};
     use crate::summary::summary;
 
     fn varied(threads: usize) -> (Scenario, Study) {
@@ -343,6 +349,7 @@ mod tests {
         let shop = |name: &str, scenario: &Scenario| VariantShop {
             name: name.to_owned(),
             scenario: Arc::new(scenario.clone()),
+            files: Vec::new(),
         };
         let options = StudyOptions {
             replications: 6,
@@ -386,7 +393,11 @@ mod tests {
         faster.machines.iter_mut().for_each(|own| own.load_time = toolroom_scenario::Distribution::Constant(0.0));
         let options = StudyOptions {
             replications: 3,
-            variants: vec![VariantShop { name: "loaded in no time".to_owned(), scenario: Arc::new(faster) }],
+            variants: vec![VariantShop {
+                name: "loaded in no time".to_owned(),
+                scenario: Arc::new(faster),
+                files: Vec::new(),
+            }],
             select: Some(Wanted::parse(&scenario, "lead_time 0.1 min").expect("a selection")),
             ..StudyOptions::of(&scenario)
         };
@@ -403,6 +414,26 @@ mod tests {
             let error = Wanted::parse(&scenario, text).expect_err(word).to_string();
             assert!(error.contains(word), "{error}");
         }
+    }
+
+    #[test]
+    fn known_runs_of_a_variant_are_not_made_again() {
+        let scenario = fixture::scenario();
+        let mut faster = scenario.clone();
+        faster.machines.iter_mut().for_each(|own| own.load_time = toolroom_scenario::Distribution::Constant(0.0));
+        let variant = VariantShop { name: "faster".to_owned(), scenario: Arc::new(faster), files: Vec::new() };
+        let policies: Vec<usize> = (0..scenario.policies.len()).collect();
+        // Runs of the shop as it is in the place of those of the variant: they are taken as they are.
+        let mut runs = stored_runs((0, &scenario), &policies, 0, 3).expect("runs");
+        runs.iter_mut().for_each(|run| run.shop = 1);
+        let options = StudyOptions {
+            replications: 3,
+            variants: vec![variant],
+            known: Arc::new(known(runs)),
+            ..StudyOptions::of(&scenario)
+        };
+        let study = run_study(&scenario, &options, None, &|_| {}, &AtomicBool::new(false)).expect("a study");
+        assert_eq!(study.variants[0].values, VariantRuns::from_name(AS_IT_IS, &scenario, &study).values);
     }
 
     #[test]

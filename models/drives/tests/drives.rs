@@ -220,6 +220,25 @@ fn the_cosine_rule_slows_the_slower_motion_at_a_corner() {
 }
 
 #[test]
+fn a_corner_is_passed_at_the_speed_of_its_deviation() {
+    // Acceleration, m/s²; deviation, um; turn, deg; speed at the corner, mm/s.
+    for (acceleration, deviation, turn, speed) in [(1.0, 10.0, 90.0, 4.9135), (0.64, 1.0, 10.0, 12.944)] {
+        let drives = drives_of(&format!(
+            "[drives]\nfeed_acceleration = \"{acceleration} m/s2\"\ncorner = {{ rule = \"deviation\", value = \
+             \"{deviation} um\" }}\n"
+        ));
+        let (y, x) = f64::to_radians(turn).sin_cos();
+        let path = format!("G21 G90 G0 X0 Y0 Z0\nG1 X100 F6000\nX{:.9} Y{:.9}\nM30\n", 100.0 + 100.0 * x, 100.0 * y);
+        // Both ways of 100 mm at 0.1 m/s rest at one end and slow down to the speed at the other.
+        let (full, slow) = (0.1f64, 1e-3 * speed);
+        let ramps = (2.0 * full - slow) / acceleration;
+        let on_ramps = (2.0 * full * full - slow * slow) / (2.0 * acceleration);
+        let expected = 2.0 * (ramps + (0.1 - on_ramps) / full);
+        assert!((total(&path, &drives) - expected).abs() < 2e-6, "{turn}: {} {expected}", total(&path, &drives));
+    }
+}
+
+#[test]
 fn rapid_motions_blend_where_the_control_lets_them() {
     let machine = |blend: bool| {
         drives_of(&format!(

@@ -219,7 +219,8 @@ impl Sense {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Offset {
     /// Work offset by its number: from 0 on G54 to G59, from 6 on G59.1 to G59.3, from 100 on G54.1 P1 and on, or G505 and on; 99 is none,
-    /// G500. It is told where how it lies to the first one is not known; else motions are in the coordinates of that.
+    /// G500. Datums 1 to 99 of Klartext are one less, those from 100 on their own number, datum 0 is 10 000. It is told where how it lies
+    /// to the first one is not known; else motions are in the coordinates of that.
     Work(u32),
     /// Length of the tool by its register; `None` where it is switched off.
     Length(Option<u32>),

@@ -54,6 +54,7 @@ pub fn plan(
         files: Plan::fingerprints(&file.files)?,
         overrides,
         policies: Vec::new(),
+        axis: None,
         seed: study.seed,
         pieces: study.lives,
         shards: shards.unwrap_or(lives.div_ceil(SHARD)).min(study.lives),

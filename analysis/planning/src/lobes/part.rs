@@ -31,6 +31,7 @@ pub fn plan(
         overrides,
         seed: 0,
         policies: Vec::new(),
+        axis: None,
         pieces: columns,
         shards: shards.unwrap_or(16).min(columns),
     })

@@ -31,6 +31,8 @@ pub struct StudyOptions {
     pub earlier: Option<Finished>,
     /// How the settings of the policies were found.
     pub tuning: Option<Arc<Tuning>>,
+    /// The shop as it is, 0, or its variant, from 1: by it known runs are found and finished ones are kept.
+    pub shop: u32,
     /// Variants of the shop that are run as often.
     pub variants: Vec<VariantShop>,
     /// By what the best of the shop and its variants is selected.
@@ -55,6 +57,7 @@ impl StudyOptions {
             stop_after: None,
             earlier: None,
             tuning: None,
+            shop: 0,
             variants: Vec::new(),
             select: None,
             warm_up: None,

@@ -183,7 +183,7 @@ pub(super) fn select(
                 return Ok(None);
             }
             let from = sample.len() as u32;
-            let runs = pool.install(|| stored_runs(shops[system], &[policy], from, from + AT_ONCE))?;
+            let runs = pool.install(|| stored_runs((system as u32, shops[system]), &[policy], from, from + AT_ONCE))?;
             sample.extend(runs.iter().map(|run| wanted.of(shops[system], &run.figures())));
         }
         Ok(sample.get(replication as usize).copied())

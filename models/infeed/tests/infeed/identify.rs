@@ -190,6 +190,31 @@ fn a_fresh_machine_is_found_again_from_stock_force_or_both() {
 }
 
 #[test]
+fn the_force_of_few_revolutions_is_that_of_an_end_not_come_to() {
+    // Revolutions, lag, how far the force over the infeed is off the stiffness.
+    for (revolutions, lag, off) in [(4.0, 0.553, -0.0935), (3.0, 0.8, -0.512)] {
+        let (infeed, stiffness) = (4.43e-6, 38.3747e6);
+        let force = stiffness * infeed * (1.0 - f64::powf(lag, revolutions));
+        if revolutions == 4.0 {
+            close(force, 154.1017, SIX_DIGITS);
+            close(force / infeed, 34.786e6, 2e-5);
+        }
+        assert!((force / infeed / stiffness - 1.0 - off).abs() < 5e-5, "{revolutions}");
+        let trial = Trial {
+            trial_id: "few".to_owned(),
+            infeed_per_rev: infeed,
+            revolutions,
+            stock_removed: Some(stock_after(infeed, revolutions, lag)),
+            normal_force: Some(force),
+            ..Trial::default()
+        };
+        let found = identify(&[trial], &IdentifyOptions::default()).expect("possible");
+        close(found.lag.mean, lag, 1e-9);
+        close(found.process_stiffness.expect("a force").mean, stiffness, 1e-9);
+    }
+}
+
+#[test]
 fn rise_and_spark_out_alone_give_the_lag() {
     let whole = fresh(40, 6);
     let spark_out = Trial { stock_removed: None, force_trace: Vec::new(), ..whole.clone() };

@@ -21,6 +21,8 @@ pub(super) enum Cycle {
 
 /// Distance above the last depth at which feed begins again in cycle 200, mm (TNC 640, cycle 200, cited from memory: assumption).
 const AGAIN: f64 = 0.2;
+/// Number of the work offset that datum 0 is, behind those of all other datums.
+const BEYOND_TABLES: u32 = 10_000;
 /// A feed that stands for FMAX, mm/min.
 const RAPID: f64 = 99_999.0;
 
@@ -123,7 +125,12 @@ impl Klartext {
         if self.datum.is_some_and(|before| before != number) {
             kernel.forget(0..9);
         }
-        let work = number.saturating_sub(1);
+        // Datum 1 is the first offset; each number has its own, and 99 is none.
+        let work = match number {
+            0 => BEYOND_TABLES,
+            1..=99 => number - 1,
+            _ => number,
+        };
         if self.datum == Some(number) {
             kernel.work_offset_again();
         } else {

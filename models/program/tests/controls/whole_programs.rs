@@ -11,7 +11,7 @@ type Case = (&'static str, Dialect, f64, Option<f64>, f64, f64, [f64; 2]);
 
 const NOWHERE: [f64; 2] = [f64::NAN; 2];
 
-const CASES: [Case; 32] = {
+const CASES: [Case; 38] = {
     use Dialect::{Fanuc, FanucLathe, Haas, Heidenhain, LinuxCnc, Siemens};
     [
         ("fanuc-contour-and-drill.nc", Fanuc, 24.768034, Some(0.422), 0.0, 238.361698, NOWHERE),
@@ -22,6 +22,8 @@ const CASES: [Case; 32] = {
         ("fanuc-arcs.nc", Fanuc, 11.324951, Some(0.2), 0.0, 188.749183, [0.0, 0.0]),
         ("fanuc-calls.nc", Fanuc, 2.2, Some(0.2), 0.0, 22.0, [10.0, 12.0]),
         ("fanuc-corners.nc", Fanuc, 5.668241, Some(0.2), 0.0, 56.682409, [0.0, 20.0]),
+        ("fanuc-shifted-contour.nc", Fanuc, 19.712389, Some(1.086), 0.0, 152.123890, [0.0, 0.0]),
+        ("fanuc-polar-holes.nc", Fanuc, 11.070796, Some(0.746558), 0.0, 47.707963, [0.0, 0.0]),
         ("haas-patterns.nc", Haas, 24.5, None, 0.0, 103.0, NOWHERE),
         ("haas-pockets.nc", Haas, 121.239282, None, 0.0, 1005.327352, [0.0, 0.0]),
         ("haas-inch-mirror.nc", Haas, 73.048668, None, 2.25, 340.989360, [-25.4, 25.4]),
@@ -35,17 +37,21 @@ const CASES: [Case; 32] = {
         ("siemens-polar.mpf", Siemens, 36.006848, None, 3.5, 240.045652, [67.071068, 57.071068]),
         ("siemens-cycles.mpf", Siemens, 92.716564, Some(0.3088), 1.0, 436.011623, [40.0, 0.0]),
         ("siemens-jumps.mpf", Siemens, 12.983480, Some(0.2), 12.0, 52.834776, [10.0, -5.0]),
+        ("siemens-repeat.mpf", Siemens, 18.141593, Some(0.604), 0.0, 115.415927, [95.0, 45.0]),
+        ("siemens-circle-of-holes.mpf", Siemens, 23.283185, Some(0.767205), 8.0, 139.831853, [-34.641016, 20.0]),
         ("klartext-patterns.h", Heidenhain, 84.12, Some(2.5964), 1.75, 381.8, [50.0, 20.0]),
         ("klartext-transforms.h", Heidenhain, 69.903744, Some(0.338), 0.0, 676.754252, [80.0, 20.0]),
         ("klartext-approach.h", Heidenhain, 100.312287, Some(0.378), 1.5, 471.561436, [4.0, 50.0]),
         ("klartext-inch.h", Heidenhain, 41.777953, None, 1.0, 183.68, [50.8, 25.4]),
         ("klartext-polar.h", Heidenhain, 23.506310, Some(0.2), 0.0, 195.885919, [4.5, 0.0]),
         ("klartext-deep-holes.h", Heidenhain, 40.22, None, 1.0, 90.7, [60.0, 0.0]),
+        ("klartext-ring.h", Heidenhain, 12.541593, Some(0.871923), 1.5, 97.415927, [-20.0, 0.0]),
         ("linuxcnc-o-words.ngc", LinuxCnc, 53.474334, Some(0.414), 2.5, 411.743339, [8.0, 45.0]),
         ("linuxcnc-polar.ngc", LinuxCnc, 41.091254, None, 0.0, 122.808271, [40.0, 0.0]),
         ("linuxcnc-inch.ngc", LinuxCnc, 169.441106, None, 0.0, 722.382178, NOWHERE),
         ("linuxcnc-splines.ngc", LinuxCnc, 33.843605, Some(0.21), 0.75, 128.436045, [20.0, 15.0]),
         ("linuxcnc-variables.ngc", LinuxCnc, 9.773386, Some(0.2), 0.0, 97.733860, [0.0, 0.0]),
+        ("linuxcnc-values.ngc", LinuxCnc, 18.966371, Some(0.314284), 0.0, 93.831853, [14.142136, 14.142136]),
     ]
 };
 

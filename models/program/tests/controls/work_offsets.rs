@@ -47,6 +47,26 @@ fn known_offsets_are_worked_out_in_the_coordinates_of_the_first() {
 }
 
 #[test]
+fn every_datum_of_klartext_has_a_number_of_its_own() {
+    let text = |datums: [u32; 2]| {
+        let [one, two] = datums.map(|datum| format!("CYCL DEF 247 DATUM SETTING ~\n Q339=+{datum} ;DATUM NUMBER"));
+        format!(
+            "BEGIN PGM P MM\nTOOL CALL 1 Z S1000\n{one}\nL X+0 Y+0 Z+5 R0 FMAX\nL Z-1 F100\nL Z+5 FMAX\n{two}\nL X+0 Y+0 Z+5 \
+             FMAX\nL Z-1 F100\nEND PGM P MM\n"
+        )
+    };
+    let mut control = Control::of(Dialect::Heidenhain);
+    control.one_place = true;
+    for datums in [[0, 1], [1, 0], [0, 100], [99, 100], [100, 101]] {
+        let refused = ends(&text(datums), &control).expect_err("two places");
+        assert!(refused.contains("another work offset"), "{datums:?}: {refused}");
+    }
+    for datum in [0, 1, 100] {
+        assert!(ends(&text([datum; 2]), &control).is_ok(), "{datum}");
+    }
+}
+
+#[test]
 fn an_offset_that_is_not_known_is_told_and_cuts_in_no_other_place() {
     let mut control = Control::of(Dialect::Fanuc);
     let (_, offsets) = ends(TWO_PARTS, &control).expect("a program");

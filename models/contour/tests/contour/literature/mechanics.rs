@@ -87,6 +87,29 @@ fn m3_mean_forces() {
 }
 
 #[test]
+fn before_a_hollow_arc_the_feed_that_keeps_the_force_falls_to_a_fifth() {
+    // Engagement, deg; greatest feed of a tooth at a mean normal force of 2000 N, mm: a straight wall, then into the arc.
+    let table = [
+        (35.6591, 0.22696),
+        (36.7187, 0.21068),
+        (40.9388, 0.15963),
+        (50.7887, 0.09195),
+        (60.6377, 0.05862),
+        (68.9382, 0.04260),
+    ];
+    let normal = |angle: f64, feed: f64| {
+        EdgeForce::default().mean(angle.to_radians(), 30e-3, 4.0, Milling::Down).at(1e-3 * feed).normal
+    };
+    for (angle, greatest) in table {
+        // The force is a straight line of the feed.
+        let (low, high) = (normal(angle, 0.0), normal(angle, 1.0));
+        decimals("feed", (2000.0 - low) / (high - low), greatest, 4);
+    }
+    decimals("before the arc", normal(35.6591, 0.18), 1645.0, 0);
+    decimals("in the arc", normal(68.9382, 0.18), 6554.0, 0);
+}
+
+#[test]
 fn m4_calibration_to_the_handbook_force() {
     let immersions: Vec<f64> = (1..=8).map(|i| 0.5e-3 * f64::from(i)).collect();
     let feeds: Vec<f64> = (2..=10).map(|i| 0.02e-3 * f64::from(i)).collect();
