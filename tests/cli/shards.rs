@@ -39,7 +39,8 @@ fn policies_and_variants_in_shards_are_those_of_one_piece() {
             assert!(Path::new(&merged).join("variants.csv").is_file());
         }
     }
-    let alone = [&["compare", &scenario, "--axis", "policy", "--plan", &place("none.json")], &changes[..]].concat();
+    let none = place("none.json");
+    let alone = [&["compare", &scenario, "--axis", "policy", "--plan", &none], &changes[..]].concat();
     let refused = toolroom(&alone);
     assert_eq!(refused.status.code(), Some(2));
     assert!(stderr(&refused).contains("nothing to compare"), "{}", stderr(&refused));
