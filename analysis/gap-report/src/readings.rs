@@ -1,7 +1,6 @@
 //! Measured values beside what the model says of them.
 
-use crate::sentence::label;
-use toolroom_gap::{Diagnosis, Forward, Point, Transform};
+use toolroom_gap::{Diagnosis, Forward, NamedEffect, Point, Transform};
 use toolroom_process::unit::convert;
 
 /// Where and when a row of a model belongs.
@@ -185,4 +184,10 @@ fn with_surfaces(part: &dyn Forward, point: &Point) -> Vec<f64> {
         }
     }
     raw
+}
+
+/// The id of an effect, with its scope or shape where `all` have that id more than once.
+pub(crate) fn label(effect: &NamedEffect, all: &[NamedEffect]) -> String {
+    let alike = all.iter().filter(|other| other.id == effect.id).count();
+    if alike > 1 { format!("{} ({})", effect.id, effect.shape) } else { effect.id.to_string() }
 }

@@ -1,7 +1,7 @@
 //! The answer in words.
 
 use crate::minutes::Minutes;
-use crate::readings::Readings;
+use crate::readings::{Readings, label};
 use toolroom_chart::number;
 use toolroom_gap::{Diagnosis, GapVerdict, NamedEffect};
 
@@ -45,12 +45,6 @@ pub(crate) fn words(channel: &str) -> String {
 /// The same with its verb.
 fn being(channel: &str) -> String {
     format!("{} {}", words(channel), if channel.ends_with("revolutions") { "are" } else { "is" })
-}
-
-/// The id of an effect, with its scope or shape where `all` have that id more than once.
-pub(crate) fn label(effect: &NamedEffect, all: &[NamedEffect]) -> String {
-    let alike = all.iter().filter(|other| other.id == effect.id).count();
-    if alike > 1 { format!("{} ({})", effect.id, effect.shape) } else { effect.id.to_string() }
 }
 
 fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>) -> Vec<String> {

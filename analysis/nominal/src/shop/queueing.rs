@@ -35,7 +35,6 @@ pub fn queueing(scenario: &Scenario, machine: usize) -> Option<&'static str> {
         (rules.first() != Some(&DispatchRule::Fifo), "it does not take the first that came"),
         (scenario.preemption != Preemption::None, "urgent jobs interrupt others"),
         (scenario.control.assign == Assignment::AtArrival, "jobs join its queue before it is free"),
-        (held_back, "jobs come when others have left"),
         (kind.batch.is_some(), "it takes several jobs at a time"),
         (!scenario.buffers.is_empty(), "places are limited"),
         (moved, "jobs are on their way to it"),
@@ -43,6 +42,7 @@ pub fn queueing(scenario: &Scenario, machine: usize) -> Option<&'static str> {
         (needs_fixture, "it waits for fixtures"),
         (operations.iter().any(needs_crib), "it waits for tools"),
         (operations.iter().any(|own| own.assembles), "it waits for components"),
+        (held_back, "jobs come when others have left"),
         (
             scenario.arrivals.iter().any(|own| several(&own.quantity))
                 || scenario.orders.iter().any(|own| own.quantity > 1),
