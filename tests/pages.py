@@ -178,10 +178,11 @@ def main():
     parser.add_argument("--only", nargs="+", default=[], metavar="WORD", help="pages whose name has one of these")
     parser.add_argument("--keep", type=pathlib.Path, help="folder for pictures")
     arguments = parser.parse_args()
+    browser()  # without one nothing is made that nobody would look at
     with tempfile.TemporaryDirectory(prefix="toolroom-pages-") as place:
         folder = pathlib.Path(place)
-        pages, count = made(arguments.program.resolve(), folder, arguments.only)
-        count = len(count)
+        pages, unmade = made(arguments.program.resolve(), folder, arguments.only)
+        count = len(unmade)
         for name, page in pages.items():
             text = page.read_text(encoding="utf-8")
             for fault in faults(folder, text, page.name == "schedule.html"):

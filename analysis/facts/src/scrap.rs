@@ -41,7 +41,8 @@ impl Pieces {
 ///
 /// # Source
 /// The number of those in the log among all that were scrapped is hypergeometric where both shares are one: Fisher, Journal of
-/// the Royal Statistical Society 98 (1935) 39. Interval of a share with Jeffreys' prior: Brown, Cai and DasGupta, Statistical
+/// the Royal Statistical Society 98 (1935) 39. Interval of a share with Jeffreys' prior, wider by the error of the
+/// simulated one (delta method): Brown, Cai and DasGupta, Statistical
 /// Science 16 (2001) 101.
 pub fn scrap(place: &str, recorded: Pieces, planned: Pieces, clustering: f64) -> Option<Fact> {
     if recorded.left == 0 || planned.left == 0 {
@@ -55,6 +56,10 @@ pub fn scrap(place: &str, recorded: Pieces, planned: Pieces, clustering: f64) ->
     let high = if own.scrapped == own.left { 1.0 } else { law.inverse_cdf(0.95) };
     let model = planned.share();
     let normal = Normal::standard();
+    // The share by the file is simulated, and has an error of its own, relative to it.
+    let simulated = if model > 0.0 { ((1.0 - model) / (model * other.left as f64)).sqrt() } else { 0.0 };
+    let wider = (normal.inverse_cdf(0.95) * simulated).exp();
+    let (low, high) = (low / wider, (high * wider).min(1.0));
     let reach = normal.inverse_cdf(1.0 - 0.5 * LEVEL) + normal.inverse_cdf(POWER);
     let error = (model * (1.0 - model) * (1.0 / own.left as f64 + 1.0 / other.left as f64)).sqrt();
     let least = if model > 0.0 { reach * error / model } else { f64::INFINITY };

@@ -21,9 +21,10 @@ const OWNED: [(Quantity, &str); 6] = [
 ];
 
 /// Entries of `applied.calibration` for times between failures, repairs, changes of edges and handling that were found off,
-/// machine by machine, of times between arrivals, source by source, and of scrap, operation by operation. A pool
-/// speaks for its machines; a machine speaks for itself where its pool was not found off. What was never seen has no factor, what is off in its scatter alone none that
-/// matters, and what a cause adds is an effect. `known` are the constants that the records of the process move by themselves.
+/// machine by machine, of times between arrivals, source by source, and of scrap, operation by operation. A pool speaks for its
+/// machines; a machine speaks for itself where its pool was not found off. What was never seen has no factor, what is off in its
+/// scatter alone none that matters, and what a cause adds is an effect. `known` are the constants that the records of the process
+/// move by themselves.
 pub fn constants_of_facts(process: &str, diagnosis: &Diagnosis, known: &[Value]) -> Vec<Value> {
     let mut entries = Vec::new();
     for (quantity, owner) in OWNED {

@@ -8,6 +8,7 @@ use crate::parts::{finds_a_part, fitted, split};
 use crate::user_effects::refused_in;
 use crate::{GapRequest, GapStudyError, Reading, Table, tables, usable};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::Path;
 use toolroom_apply::{Applied, Grew, PredictionRow, Process, document, grew, point_json, predictions_of};
 use toolroom_chart::ResultFiles;
@@ -16,11 +17,14 @@ use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{LogGroup, add_facts, visits};
 use toolroom_gap::{
     Answers, DiagnosisWithBasis, EffectRefusal, Forward, GapVerdict, Jobs, NextExperiment, NominalModel,
-    NominalProcess, Point, ProcessData, add_dynamics, diagnosed_processes, joined,
+    NominalProcess, OutlyingReading, Point, ProcessData, add_dynamics, diagnosed_processes, joined,
 };
 use toolroom_gap_proposals::{DescriptionRequest, NOTHING, Proposed, is_open, proposed};
 use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
 use toolroom_records::{ColumnKind, Records};
+
+/// Readings that a note names (assumption: more are not read).
+const NAMED: usize = 5;
 
 /// The files of a diagnosis.
 pub const NAMES: &[&str] = &["diagnosis.json", "report.html", "report.md", "report.json", "predictions.csv"];
@@ -289,6 +293,7 @@ fn completed(
         for own in &mut diagnosis.apart {
             own.operation_id = ids.and_then(|ids| ids.get(own.row)).cloned().unwrap_or_default();
         }
+        diagnosis.notes.extend(standing_apart(&diagnosis.apart));
         if let NominalProcess::Shop(shop) = &model.process {
             add_facts(shop, &records, jobs, &model.stated, diagnosis, request.seed);
         } else if let Some(machines) = machines {
@@ -302,6 +307,27 @@ fn completed(
         }
     }
     pages
+}
+
+/// Says of every channel which readings stand apart.
+fn standing_apart(all: &[OutlyingReading]) -> Vec<String> {
+    let mut of_channel: BTreeMap<&'static str, Vec<&str>> = BTreeMap::new();
+    for own in all {
+        of_channel.entry(own.channel.word()).or_default().push(&own.operation_id);
+    }
+    let words = |(channel, ids): (&str, Vec<&str>)| {
+        let named: Vec<&str> = ids.iter().copied().filter(|id| !id.is_empty()).take(NAMED).collect();
+        let named = if named.is_empty() {
+            String::new()
+        } else {
+            format!(" ({}{})", named.join(", "), if named.len() < ids.len() { " …" } else { "" })
+        };
+        let readings = if ids.len() == 1 { "1 reading stands" } else { &format!("{} readings stand", ids.len()) };
+        format!(
+            "{readings} apart in {channel}{named}: look at what happened there, and at the unit; `apart` in diagnosis.json lists all"
+        )
+    };
+    of_channel.into_iter().map(words).collect()
 }
 
 /// Rates of the machines of a model file, where it is a scenario.

@@ -2,9 +2,9 @@
 //!
 //! The gap is the sum of squares as the fit sees it: noise and scatter between groups weigh readings, and what went far from
 //! its prior is paid for. Stages follow each other from the nominal constants on: the named effects by the sizes that they have
-//! beside the calibration, the calibration (before them it might go as far as to imitate them, and an effect that is named has
-//! been told from it), the form of the equations, and what nothing explains. Each counts only what it explains beyond the squares that so many
-//! numbers take of noise alone, so that a model that is right has nothing but noise.
+//! beside the calibration, the calibration, the form of the equations, and what nothing explains. Before the effects the calibration
+//! might go as far as to imitate them; an effect that is named has been told from it. Each counts only what it explains beyond
+//! the squares that so many numbers take of noise alone, so that a model that is right has nothing but noise.
 
 use super::decision::Decision;
 use super::evidence::{EFFECT_PRIOR, solution};

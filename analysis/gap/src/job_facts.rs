@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use toolroom_facts::Fact;
 use toolroom_facts::arrivals::arrivals_of;
 use toolroom_facts::scrap::{Pieces, scrap};
-use toolroom_nominal::shop::{ExpectedScrap, Shop, expected_scrap};
+use toolroom_nominal::shop::{Shop, expected_scrap, settled};
 use toolroom_records::Records;
 use toolroom_scenario::Scenario;
 
@@ -35,9 +35,9 @@ impl Jobs {
         facts.retain(|fact| fact.count > 0 || strangers.is_empty());
         let mut untested = vec!["lead times".to_owned()];
         untested.extend(shop.other_sources.iter().map(|parts| format!("arrivals of {parts}")));
-        match self.left() {
-            Some(left) => facts.extend(self.scrap(&left, &mut untested)),
-            None => untested.push("scrap, for want of a column `scrapped_quantity` in the orders".to_owned()),
+        match self.left(diagnosis) {
+            Ok(left) => facts.extend(self.scrap(&left, &mut untested)),
+            Err(why) => untested.push(format!("scrap, {why}")),
         }
         diagnosis.notes.push(format!("not tested: {}", untested.join("; ")));
         if !strangers.is_empty() {
@@ -81,38 +81,56 @@ impl Jobs {
         })
     }
 
-    /// Pieces of the jobs that are done, by part type; `None` where nobody counted scrap.
-    fn left(&self) -> Option<BTreeMap<&str, Pieces>> {
-        let scrapped = self.records.numbers("scrapped_quantity")?;
-        let finish = self.records.numbers("finish_time").unwrap_or_default();
-        let quantity = self.records.numbers("quantity").unwrap_or_default();
+    /// Pieces of the jobs that are done, by part type; else why nobody knows.
+    fn left(&self, diagnosis: &mut Diagnosis) -> Result<BTreeMap<&str, Pieces>, &'static str> {
+        let scrapped = self
+            .records
+            .numbers("scrapped_quantity")
+            .ok_or("for want of a column `scrapped_quantity` in the orders")?;
+        let quantity = self.records.numbers("quantity").ok_or("for want of a column `quantity` in the orders")?;
+        let finish = self.records.numbers("finish_time").ok_or("for want of a column `finish_time` in the orders")?;
+        let came = self.records.numbers("arrival_time").unwrap_or_default();
+        let times: Vec<(f64, f64)> = came.iter().copied().zip(finish.iter().copied()).collect();
         let mut left: BTreeMap<&str, Pieces> = BTreeMap::new();
-        for (row, part) in self.parts().iter().enumerate() {
-            // A job without a quantity is one piece.
-            let pieces = quantity.get(row).copied().filter(|pieces| pieces.is_finite()).unwrap_or(1.0).round() as u64;
-            let done = finish.get(row).is_some_and(|time| time.is_finite());
-            if done && scrapped[row].is_finite() {
-                let own = left.entry(part).or_insert(Pieces { left: 0, scrapped: 0 });
-                own.left += pieces;
-                own.scrapped += (scrapped[row].round() as u64).min(pieces);
+        let mut impossible = 0;
+        for (row, _) in settled(&times).into_iter().enumerate().filter(|(_, settled)| *settled) {
+            let (pieces, lost) = (quantity[row].round(), scrapped[row].round());
+            if lost > pieces {
+                impossible += 1;
+            } else if pieces.is_finite() && lost.is_finite() {
+                let own = left.entry(&self.parts()[row]).or_insert(Pieces { left: 0, scrapped: 0 });
+                own.left += pieces as u64;
+                own.scrapped += lost as u64;
             }
         }
-        (!left.is_empty()).then_some(left)
+        if impossible > 0 {
+            diagnosis
+                .notes
+                .push(format!("{impossible} orders of which more was scrapped than came do not count for scrap"));
+        }
+        if left.is_empty() { Err("for want of orders that are done") } else { Ok(left) }
     }
 
     /// Scrap of every part type that inspections alone scrap.
     fn scrap(&self, left: &BTreeMap<&str, Pieces>, untested: &mut Vec<String>) -> Vec<Fact> {
         let most = left.values().map(|pieces| pieces.left).max().unwrap_or(0);
+        let expected = expected_scrap(&self.scenario, most);
         let mut facts = Vec::new();
-        for expected in expected_scrap(&self.scenario, most) {
-            let ExpectedScrap { part, left: planned, scrapped, clustering, operation, otherwise } = expected;
-            let Some(recorded) = left.get(part.as_str()) else { continue };
-            if otherwise {
-                untested.push(format!("scrap of {part}, which follows from wear and breakdowns"));
+        for (part, recorded) in left {
+            let Some(own) = expected.iter().find(|own| own.part == *part) else {
+                untested.push(format!("scrap of {part}, of which nothing left the simulated shop"));
+                continue;
+            };
+            if own.otherwise {
+                untested.push(format!(
+                    "scrap of {part}, some of which follows from wear, breakdowns or the end of a shift"
+                ));
                 continue;
             }
-            let place = operation.map_or_else(|| part.clone(), |operation| format!("{part}/{operation}"));
-            facts.extend(scrap(&place, *recorded, Pieces { left: planned, scrapped }, clustering));
+            let place =
+                own.operation.as_ref().map_or_else(|| own.part.clone(), |operation| format!("{part}/{operation}"));
+            let planned = Pieces { left: own.left, scrapped: own.scrapped };
+            facts.extend(scrap(&place, *recorded, planned, own.clustering));
         }
         facts
     }

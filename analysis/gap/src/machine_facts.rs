@@ -9,7 +9,7 @@
 //! where jobs have several pieces, or machines take several jobs at a time.
 
 use super::constants::{NINETY, PROBABLE};
-use super::job_facts::Jobs;
+use super::job_facts::{Jobs, WITHOUT_JOBS};
 use super::queue::occasion;
 use super::shift_labels::ShiftLabels;
 use super::shop_facts::{of_failures, take_back};
@@ -42,11 +42,12 @@ pub fn add_machine_facts(
     for (timed, _) in asked.into_iter().filter(|(_, id)| !named(*id)) {
         facts.extend(timed.facts(&log));
     }
-    if let Some(jobs) = jobs {
-        facts.extend(jobs.facts(&log.shop, events, diagnosis, seed));
-    }
     if diagnosis.verdict == GapVerdict::CannotTell {
         return;
+    }
+    match jobs {
+        Some(jobs) => facts.extend(jobs.facts(&log.shop, events, diagnosis, seed)),
+        None => diagnosis.notes.push(WITHOUT_JOBS.to_owned()),
     }
     take_back(diagnosis, facts, Vec::new());
     let causes = diagnosis.findings.iter().filter_map(|own| cause(scenario, &diagnosis.facts[own.fact]));

@@ -5,7 +5,7 @@
 
 use super::constants::UNEXPLAINED_QUEUE;
 use super::job_facts::{Jobs, WITHOUT_JOBS};
-use super::queue::{QueueScore, occasion, queues};
+use super::queue::{QueueScore, occasion, pools_of, queues};
 use super::{Diagnosis, EffectId, Fitness, GapVerdict, Part};
 use std::collections::BTreeMap;
 use toolroom_facts::agreement::{agreeing, same_middle, same_rate};
@@ -219,12 +219,13 @@ fn of_edges(shop: &Shop, visits: &Visits) -> Vec<Fact> {
     visits.machines.iter().enumerate().filter_map(lives_of).collect()
 }
 
-/// Says before which machines of a log waits are not tested, and why.
+/// Says before which pools of a log waits are not tested, and why: by the first of its machines that has a reason.
 fn unreplicated(shop: &Shop, seen: &Visits) -> impl Iterator<Item = String> {
-    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    for name in &seen.machines {
-        if let Some(reason) = shop.station(name).and_then(|station| station.queueing) {
-            reasons.entry(reason).or_default().push(name);
+    let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for pool in pools_of(seen) {
+        let reason = pool.iter().find_map(|name| shop.station(name).and_then(|station| station.queueing));
+        if let Some(reason) = reason {
+            reasons.entry(reason).or_default().extend(pool);
         }
     }
     reasons.into_iter().map(|(reason, names)| format!("not tested: waits before {}: {reason}", names.join(", ")))

@@ -119,7 +119,8 @@ fn decode(bytes: &[u8]) -> (String, Option<&'static str>) {
 fn is_comma_number(cell: &str) -> bool {
     let Some((whole, fraction)) = cell.split_once(',') else { return false };
     let mut groups = whole.trim_start_matches(['+', '-']).split('.');
-    let first = groups.next().is_some_and(|group| group.len() <= 3 || !whole.contains('.'));
+    let leading = |group: &str| (1..=3).contains(&group.len()) && !group.starts_with('0');
+    let first = groups.next().is_some_and(|group| !whole.contains('.') || leading(group));
     let grouped = first && groups.all(|group| group.len() == 3);
     grouped && !fraction.contains(['.', ',']) && format!("{}.{fraction}", whole.replace('.', "")).parse::<f64>().is_ok()
 }
@@ -136,6 +137,15 @@ fn read_decimal_commas(table: &mut RawTable) {
     let cells = || table.rows.iter().flat_map(|(line, cells)| cells.iter().map(move |cell| (line, cell)));
     let with_point = cells().find(|(_, cell)| cell.contains('.') && cell.parse::<f64>().is_ok());
     let Some((line, first)) = cells().find(|(_, cell)| is_comma_number(cell)) else { return };
+    let thousands = cells().find(|(_, cell)| is_comma_number(cell) && cell.contains('.'));
+    if let (Some((line, cell)), Some((other, point))) = (thousands, with_point) {
+        let note = format!(
+            "`{cell}` in line {line} has points between thousands, and the point of `{point}` in line {other} may be one or a decimal \
+             sign, so that numbers with a comma are not read: write one sign"
+        );
+        table.notes.push(note);
+        return;
+    }
     let note = match with_point {
         None => "numbers have a decimal comma".to_owned(),
         Some((other, point)) => {

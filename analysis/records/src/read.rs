@@ -313,7 +313,7 @@ fn rows(table: &RawTable, used: &[UsedColumn], kind: RecordKind, report: &mut Re
         }
         kept.push(UsedRow { at: row, numbers });
     }
-    report.notes.extend(ids_told_apart(table, used, &kept));
+    report.notes.extend(ids_told_apart(kind, table, used, &kept));
     for (column, (places, line, reason)) in beyond {
         // A few slips are no values; a whole channel in another unit is for the diagnosis to say.
         let few = 2 * places.len() < kept.len();
@@ -326,24 +326,33 @@ fn rows(table: &RawTable, used: &[UsedColumn], kind: RecordKind, report: &mut Re
     (kept, wrong)
 }
 
-/// Says where one id stands for several records of one edge, which only their sequence tells apart. Two edges may share a pass.
-fn ids_told_apart(table: &RawTable, used: &[UsedColumn], kept: &[UsedRow]) -> Option<String> {
+/// Says where one id stands for several records of one edge, which only their sequence tells apart. Two edges may share a pass;
+/// an operation has several events, and a program several stretches.
+fn ids_told_apart(kind: RecordKind, table: &RawTable, used: &[UsedColumn], kept: &[UsedRow]) -> Option<String> {
+    match kind {
+        RecordKind::Turning | RecordKind::Milling | RecordKind::Empirical => {}
+        RecordKind::Grinding | RecordKind::Program | RecordKind::Shop | RecordKind::Orders => return None,
+    }
     let [id, edge] = ["operation_id", "tool_id"].map(|name| used.iter().find(|each| each.name == name));
     let (id, edge) = id.zip(edge)?;
-    let mut lines: BTreeMap<[&str; 2], Vec<usize>> = BTreeMap::new();
+    let mut first_of: BTreeMap<[&str; 2], usize> = BTreeMap::new();
+    let mut repeated: Vec<(&str, usize, usize)> = Vec::new();
     for row in kept {
         let (line, cells) = &table.rows[row.at];
         let key = [id, edge].map(|column| cells.get(column.at).map_or("", String::as_str));
-        lines.entry(key).or_default().push(*line);
+        match first_of.get(&key) {
+            Some(first) if !key[0].is_empty() => repeated.push((key[0], *first, *line)),
+            Some(_) => {}
+            None => {
+                first_of.insert(key, *line);
+            }
+        }
     }
-    lines.retain(|[id, _], lines| !id.is_empty() && lines.len() > 1);
-    let ([id, _], several) = lines.into_iter().max_by_key(|own| own.1.len())?;
+    let (id, first, line) = repeated.first()?;
     Some(format!(
-        "operation_id `{id}` stands in {} lines of one edge, {} and {} among them: their sequence tells them apart, and predictions cannot be \
-         joined by the id alone",
-        several.len(),
-        several[0],
-        several[1]
+        "{} rows have the operation_id of an earlier one of their edge, first `{id}` in lines {first} and {line}: their sequence tells \
+         them apart, and predictions cannot be joined by the id alone",
+        repeated.len()
     ))
 }
 

@@ -94,24 +94,29 @@ fn decimal_commas_beside_points_are_read_unless_they_may_stand_between_thousands
 #[test]
 fn decimal_commas_are_read_with_points_between_thousands() {
     let semicolons = HEAD.replace(',', ";");
-    let read = |speed: &str| {
-        let (records, report) =
-            turning(&format!("{semicolons}\n1;L;T;1;{speed};0.2;1;2\n2;L;T;2;60,5;0.2;1;2\n")).expect("a fine table");
+    let read = |speed: &str, feed: &str| {
+        let (records, report) = turning(&format!("{semicolons}\n1;L;T;1;{speed};{feed};1;2\n2;L;T;2;60,5;0,2;1;2\n"))
+            .expect("a fine table");
         (records.numbers("cutting_speed").map(|all| 60.0 * all[0]), report)
     };
-    let (speed, report) = read("1.113,25");
+    let (speed, report) = read("1.113,25", "0,2");
     assert!((speed.expect("speeds") - 1113.25).abs() < 1e-9, "{report}");
-    // No groups of three: not a number that anybody writes.
-    assert_eq!(read("11.13,25").1.unreadable.len(), 1);
+    // A point that may be either is not guessed at.
+    let (_, report) = read("1.113,25", "1.113");
+    assert!(report.notes.iter().any(|note| note.contains("has points between thousands")), "{report}");
+    // No groups of three: not numbers that anybody writes.
+    for wrong in ["11.13,25", ".555,5", "0.123,5"] {
+        assert_eq!(read(wrong, "0,2").1.unreadable.len(), 1, "{wrong}");
+    }
 }
 
 #[test]
 fn an_id_that_stands_for_several_records_of_an_edge_is_told() {
     let (_, report) = turning(&format!("{HEAD}\n1,L,T,1,60,0.2,1,2\n1,L,T,2,61,0.2,1,2\n")).expect("a fine table");
-    assert!(report.notes.iter().any(|note| note.contains("`1` stands in 2 lines of one edge, 2 and 3")), "{report}");
+    assert!(report.notes.iter().any(|note| note.contains("first `1` in lines 2 and 3")), "{report}");
     // Two edges share a pass.
     let (_, report) = turning(&format!("{HEAD}\n1,L,T,1,60,0.2,1,2\n1,L,U,1,60,0.2,1,2\n")).expect("a fine table");
-    assert!(report.notes.iter().all(|note| !note.contains("of one edge")), "{report}");
+    assert!(report.notes.iter().all(|note| !note.contains("of their edge")), "{report}");
 }
 
 #[test]

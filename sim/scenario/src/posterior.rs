@@ -54,6 +54,9 @@ fn read_draws(path: &Path) -> Result<DrawTable, String> {
 /// # Errors
 /// In words: a file that is no table of draws, or draws that do not fit the section.
 pub fn read_posterior(path: &Path, section: &Section<'_>, process: &ProcessModel) -> Result<Posterior, String> {
+    if section.given("handbook") {
+        return Err("`handbook` states constants, which the draws are of as well: leave one of the two out".to_owned());
+    }
     let posterior = Posterior::of(&read_draws(path)?, process, section.given("scatter"))?;
     let stated = |name: &&String| {
         let parameter = name.split_once('.').zip(section.got("parameters"));
@@ -62,9 +65,6 @@ pub fn read_posterior(path: &Path, section: &Section<'_>, process: &ProcessModel
             raw.get(group).is_some_and(|group| group.get_ref().get(field).is_some())
         })
     };
-    if section.given("handbook") {
-        return Err("`handbook` states constants, which the draws are of as well: leave one of the two out".to_owned());
-    }
     match posterior.names().iter().find(stated) {
         Some(name) => {
             Err(format!("`parameters` states {name}, which the draws hold as well: leave one of the two out"))

@@ -45,8 +45,7 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at(slot);
         let (part, index) = (job.row.part as usize, job.operation);
         let inspection = &scenario.parts[part].operations[index as usize].inspection;
-        let shares: Vec<f64> =
-            inspection.outcomes.iter().map(|outcome| self.share_of(machine, slot, outcome)).collect();
+        let moved = self.moved_shares(machine, slot, &inspection.outcomes);
         let (quantity, visits, first) = (job.row.quantity, job.visits, job.first_piece);
         let owner = job.entity.part(u64::from(index));
         let mut stream = self.streams.at(owner, Purpose::Quality, u64::from(visits));
@@ -62,8 +61,8 @@ impl<R: Recorder> Shop<'_, R> {
             }
             let rank: f64 = stream.random();
             let mut below = 0.0;
-            let found = shares.iter().position(|share| {
-                below += share;
+            let found = inspection.outcomes.iter().enumerate().position(|(place, outcome)| {
+                below += moved.get(place).copied().unwrap_or(outcome.share);
                 rank < below
             });
             counts[found.map_or(0, |found| found + 1)] += if apart { 1 } else { quantity };
@@ -93,13 +92,20 @@ impl<R: Recorder> Shop<'_, R> {
         divided
     }
 
-    /// Share of an outcome; that of scrap as calibration has moved it.
-    fn share_of(&self, machine: usize, slot: u32, outcome: &InspectionOutcome) -> f64 {
-        if outcome.to != InspectedTo::Scrap || self.scenario.calibrations.is_empty() {
-            return outcome.share;
+    /// Shares of outcomes as calibration has moved those that scrap; none where there is no calibration. Of shares that are more
+    /// than all together the later outcomes lack what is beyond.
+    fn moved_shares(&self, machine: usize, slot: u32, outcomes: &[InspectionOutcome]) -> Vec<f64> {
+        if self.scenario.calibrations.is_empty() {
+            return Vec::new();
         }
         let operation = self.scoped_operation(machine, slot);
-        operation.calibrated(self.scenario, ShopConstant::Scrap, outcome.share).clamp(0.0, 1.0)
+        let moved = |outcome: &InspectionOutcome| match outcome.to {
+            InspectedTo::Scrap => {
+                operation.calibrated(self.scenario, ShopConstant::Scrap, outcome.share).clamp(0.0, 1.0)
+            }
+            InspectedTo::Operation(_) => outcome.share,
+        };
+        outcomes.iter().map(moved).collect()
     }
 
     /// Takes pieces out of a job, as a job of their own at the same operation.

@@ -27,20 +27,24 @@ pub fn mix(visits: &Visits) -> BTreeMap<String, f64> {
 impl ShopKpi {
     /// Of a log; programs of the mix that it or the nominal shop does not know are left out.
     pub fn from_shop(shop: &Shop, seen: &Visits, mix: &BTreeMap<String, f64>) -> Self {
-        let mut occupied: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
+        let mut occupied: BTreeMap<&str, [f64; 3]> = BTreeMap::new();
         for visit in &seen.list {
             let changes: f64 = visit.changes.iter().chain(&visit.holds).chain(&visit.stops).sum();
-            let sums = occupied.entry(seen.programs[visit.program].as_str()).or_default();
-            sums.0 += visit.cutting + visit.handling + visit.setup + changes;
-            sums.1 += 1.0;
+            let name = seen.programs[visit.program].as_str();
+            let pace = shop.programs.get(name).map_or(1.0, |own| own.pace_on(&seen.machines[visit.machine]));
+            let [sum, paces, visits] = occupied.entry(name).or_default();
+            *sum += visit.cutting + visit.handling + visit.setup + changes;
+            *paces += pace;
+            *visits += 1.0;
         }
         let (mut time, mut programmed, mut count) = (0.0, 0.0, 0.0);
         for (name, share) in mix {
-            let (Some((sum, visits)), Some(program)) = (occupied.get(name.as_str()), shop.programs.get(name)) else {
+            let (Some([sum, paces, visits]), Some(program)) = (occupied.get(name.as_str()), shop.programs.get(name))
+            else {
                 continue;
             };
             time += share * sum / visits;
-            programmed += share * program.time;
+            programmed += share * program.time * paces / visits;
             count += share;
         }
         Self { cycle_time: time / count, throughput: count / time, effectiveness: programmed / time }

@@ -43,7 +43,7 @@ pub use kpi::{ShopKpi, mix};
 pub use logs::{LogGroup, after, groups_of};
 pub use model::ShopModel;
 pub use nominal::{EdgeLife, JobSource, Program, Shop, Station};
-pub use scrap::{ExpectedScrap, expected_scrap};
+pub use scrap::{ExpectedScrap, expected_scrap, settled};
 pub use state::State;
 pub use stops::Shape;
 pub use visit::{Breakdowns, SHORT_STOP, Visit, Visits, visits};

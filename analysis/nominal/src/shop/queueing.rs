@@ -49,10 +49,16 @@ pub fn queueing(scenario: &Scenario, machine: usize) -> Option<&'static str> {
             "jobs have several pieces",
         ),
         (
-            operations.windows(2).any(|pair| pair[0].machines != pair[1].machines),
+            operations.windows(2).any(|pair| sorted(&pair[0].machines) != sorted(&pair[1].machines)),
             "its jobs may go to different machines",
         ),
         (operations.iter().any(|own| !own.time_on.is_empty()), "its times differ from those of other machines"),
     ];
     reasons.into_iter().find(|(holds, _)| *holds).map(|(_, reason)| reason)
+}
+
+fn sorted(machines: &[usize]) -> Vec<usize> {
+    let mut machines = machines.to_vec();
+    machines.sort_unstable();
+    machines
 }

@@ -322,6 +322,13 @@ fn law(
         }
         return Some(Some(law));
     }
+    if let ([law], Some(other)) = (named, converted.law)
+        && *law != other
+    {
+        let reason = format!("`handbook` gives values of {other}, and `parameters` those of {law}: keep one of them");
+        walk.fault(root.span_of("handbook"), SetFault::Implausible(reason));
+        return None;
+    }
     match (named, of_handbook, base_law) {
         ([law], ..) => Some(Some(*law)),
         ([], Some(law), _) | ([], None, Some(law)) => Some(Some(law)),
