@@ -10,6 +10,7 @@ exit code 0. A block after a line "File `NAME`:" is saved, and "In `NAME`, repla
 """
 
 import argparse
+import difflib
 import json
 import pathlib
 import re
@@ -79,7 +80,9 @@ def follow(page, program):
                     print(f"{time.monotonic() - start:6.1f} s  {command}", flush=True)
                     printed += [bare(own) for own in (done.stdout + done.stderr).splitlines()]
             elif kind == "text":
-                missing += [(place, own) for own in content.splitlines() if bare(own) != "…" and bare(own) not in printed]
+                promised = [own for own in content.splitlines() if bare(own) not in ("…", *printed)]
+                nearest = lambda own: (difflib.get_close_matches(bare(own), printed, 1, 0) or ["nothing"])[0]
+                missing += [(place, f"{own}\n    printed: {nearest(own)}") for own in promised]
     return missing
 
 

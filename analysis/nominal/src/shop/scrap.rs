@@ -123,7 +123,7 @@ fn clustering(jobs: &[(u32, u32)]) -> f64 {
         .fold([0.0, 0.0], |[pieces, scrapped], job| [pieces + f64::from(job.0), scrapped + f64::from(job.1)]);
     let share = scrapped / pieces;
     let binomial = pieces * share * (1.0 - share);
-    if !(binomial > 0.0) {
+    if binomial.is_nan() || binomial <= 0.0 {
         return 1.0;
     }
     let variance: f64 = jobs.iter().map(|job| (f64::from(job.1) - share * f64::from(job.0)).powi(2)).sum();
