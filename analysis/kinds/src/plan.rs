@@ -49,7 +49,7 @@ mod tests {
     use crate::{FileKind, SchemaSource};
     use serde_json::{Value, json};
     use std::path::PathBuf;
-    use toolroom_shards::{PLAN, Plan, Work};
+    use toolroom_shards::{Axis, PLAN, Plan, Work};
 
     fn plan() -> Plan {
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/life/policies.toml");
@@ -95,8 +95,9 @@ mod tests {
         let schema = kind.schema();
         let fields = |value: &Value| value.as_object().expect("an object").keys().cloned().collect::<Vec<_>>();
         let plan = Plan { schema: PLAN, ..plan() };
-        assert_eq!(fields(&schema["properties"]), fields(&json!(plan)));
         assert_eq!(schema["required"].as_array().map(Vec::len), Some(fields(&json!(plan)).len()));
+        let both = Plan { axis: Some(Axis::Both), ..plan };
+        assert_eq!(fields(&schema["properties"]), fields(&json!(both)));
         assert_eq!(schema["properties"]["kind"]["enum"], json!([Work::Life, Work::Compare, Work::Lobes]));
     }
 }
