@@ -95,8 +95,9 @@ fn decimal_commas_beside_points_are_read_unless_they_may_stand_between_thousands
 fn decimal_commas_are_read_with_points_between_thousands() {
     let semicolons = HEAD.replace(',', ";");
     let read = |speed: &str, feed: &str| {
-        let (records, report) = turning(&format!("{semicolons}\n1;L;T;1;{speed};{feed};1;2\n2;L;T;2;60,5;0,2;1;2\n"))
-            .expect("a fine table");
+        let (records, report) =
+            turning(&format!("{semicolons}\n1;L;T;1;{speed};{feed};1;2\n2;L;T;2;60,5;0,2;1;2\n3;L;T;3;60;1;1;2\n"))
+                .expect("a fine table");
         (records.numbers("cutting_speed").map(|all| 60.0 * all[0]), report)
     };
     let (speed, report) = read("1.113,25", "0,2");
