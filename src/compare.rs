@@ -59,6 +59,7 @@ fn compared(args: &CompareArgs, snapshot: Option<&Snapshot>, voice: &Voice) -> R
     }
     let out = default_out(&file.scenario.name);
     let mut variants = variants::shops(&input, &file.text, &args.scenario.changes.overrides(), &variants)?;
+    file.files.extend(variants.iter().flat_map(|variant| variant.files.iter().cloned()));
     if let Some(snapshot) = snapshot {
         // The shop as it was; who comes in the very instant of a branch is no part of it.
         snapshot.verify(&file.scenario, &policies)?;
@@ -235,7 +236,7 @@ fn plan(args: &CompareArgs, file: &ScenarioFile, target: &Path, voice: &Voice) -
     let changes = args.scenario.changes.overrides();
     let version = env!("CARGO_PKG_VERSION");
     let plan = planned::plan(version, (&name, file), changes, (&args.study.policy, args.axis), args.shards)?;
-    let inputs = file.files.iter().map(AsRef::as_ref).chain([args.scenario.path()]);
+    let inputs = plan.files.iter().map(|(path, _)| Path::new(path)).chain([args.scenario.path()]);
     leave(&plan, target, &Files::new(inputs, voice.force))?;
     let shown = target.display();
     voice.say(format_args!("wrote {shown}: {} shards   next: toolroom shard {shown} 0 --out parts", plan.shards));

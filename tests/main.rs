@@ -14,6 +14,7 @@ mod extension;
 mod fmu_files;
 mod fmu_import;
 mod gap_data;
+mod gap_folder;
 mod gap_processes;
 mod import;
 mod life;

@@ -1,28 +1,20 @@
 //! Shops of plain machines that hide nothing are blamed for nothing, whatever their times and queues are like.
 
-use crate::command_line::toolroom;
+use crate::command_line;
+use crate::gap_folder::GapFolder;
 use serde_json::Value;
 use std::fs;
-use std::path::Path;
 
 /// The answer to the records that the shop `run` leaves, by the model `planned`, with `set` in both.
 fn answer(planned: &str, run: &str, set: &[&str]) -> Value {
-    let dir = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| Path::join(dir.path(), name).display().to_string();
-    fs::write(at("model.toml"), planned).expect("a writable folder");
-    fs::write(at("shop.toml"), run).expect("a writable folder");
-    let set: Vec<&str> = set.iter().flat_map(|own| ["--set", own]).collect();
-    let done = |arguments: &[&str]| {
-        let output = toolroom(&[arguments, &set].concat());
-        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    };
-    done(&["run", &at("shop.toml"), "--seed", "5", "--replications", "1", "--records", &at("r"), "--out", &at("o")]);
-    done(&["gap", "diagnose", "--model", &at("model.toml"), "--data", &at("r"), "--out", &at("d")]);
-    serde_json::from_str(&fs::read_to_string(at("d/diagnosis.json")).expect("a diagnosis")).expect("JSON")
+    let shop =
+        GapFolder::new(&[("model.toml", planned), ("shop.toml", run)]).with(&[set, &["shop.replications=1"]].concat());
+    shop.record("shop.toml", 5, "records");
+    shop.diagnose("model.toml", "records")
 }
 
 fn shipped(name: &str) -> String {
-    let path = format!("{}/scenarios/shop/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let path = command_line::shipped(&format!("shop/{name}"));
     fs::read_to_string(path).expect("a shipped shop") + "\n[gap]\nprocess = \"shop\"\n"
 }
 

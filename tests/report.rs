@@ -1,6 +1,7 @@
 //! The report opens from disk: one file, no request, no console message, every chart drawn.
 #![allow(clippy::print_stdout)] // a test that cannot look says so
 
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -69,47 +70,28 @@ fn a_browser_draws_every_chart_without_a_word() {
     assert!(std::fs::metadata(&picture).expect("a picture").len() > 100_000, "the page is nearly blank");
 }
 
-/// What a browser lays out: the height of the page, and what is wider than its place.
-const MEASURE: &str = "<script>(function(){\
-var over=[];document.querySelectorAll('section,figure,table,.tiles>div,p').forEach(function(e){\
-var box=getComputedStyle(e).overflowX;\
-if(e.clientWidth>0&&e.scrollWidth>e.clientWidth+1&&box!='auto')over.push(e.tagName+' '+e.textContent.trim().slice(0,40))});\
-var marks=[];document.querySelectorAll('svg').forEach(function(s){\
-var t=[...s.querySelectorAll('text')].map(function(x){return[x.textContent,x.getBoundingClientRect()]});\
-t.forEach(function(a,i){t.slice(i+1).forEach(function(b){\
-var w=Math.min(a[1].right,b[1].right)-Math.max(a[1].left,b[1].left),h=Math.min(a[1].bottom,b[1].bottom)-Math.max(a[1].top,b[1].top);\
-if(w>2&&h>3&&a[0]!=b[0])marks.push(a[0]+' on '+b[0])})})});\
-var root=document.documentElement;\
-document.title='MEASURED '+root.scrollHeight+' '+(root.scrollWidth-root.clientWidth)+' ['+over+'] ['+marks+']';})();</script></body>";
+/// What a browser says of a page that it has laid out.
+const MEASURE: &str = concat!("<script>", include_str!("measure.js"), "</script></body>");
 
-/// What cannot be read: texts whose contrast to what lies behind them is below that of large letters by WCAG 2.1 (3 : 1).
-const CONTRAST: &str = "<script>(function(){\
-function rgb(c){var m=c.match(/[0-9.]+/g);return m?m.map(Number):[0,0,0,0]}\
-function light(c){var v=c.slice(0,3).map(function(x){x/=255;return x<=0.03928?x/12.92:Math.pow((x+0.055)/1.055,2.4)});\
-return 0.2126*v[0]+0.7152*v[1]+0.0722*v[2]}\
-function behind(e){for(;e;e=e.parentElement){var c=rgb(getComputedStyle(e).backgroundColor);if(c.length<4||c[3]>0.5)return c}return[255,255,255]}\
-var poor=[],seen=0;document.querySelectorAll('h1,h2,h3,p,td,th,li,a,figcaption,summary,label,svg text').forEach(function(e){\
-if(!e.textContent.trim()||!e.getClientRects().length)return;seen++;var s=getComputedStyle(e);\
-var a=light(rgb(e.closest('svg')?s.fill:s.color)),b=light(behind(e));\
-var ratio=(Math.max(a,b)+0.05)/(Math.min(a,b)+0.05);\
-if(ratio<3&&!e.closest('svg'))poor.push(e.textContent.trim().slice(0,30)+' '+ratio.toFixed(1));\
-if(ratio<3&&e.closest('svg')&&!e.closest('[fill]'))poor.push('in a chart: '+e.textContent.trim().slice(0,30)+' '+ratio.toFixed(1))});\
-document.title='MEASURED '+seen+' ['+poor+']';})();</script></body>";
-
-/// What a script says of a page of this width; the page forbids scripts, the copy that is measured does not.
-fn measured(browser: &str, folder: &Path, html: &str, script: &str, width: u32) -> String {
+/// What it says of a page of this width; the page forbids scripts, the copy that is measured does not.
+fn measured(browser: &str, folder: &Path, html: &str, width: u32) -> Value {
     let copy = folder.join("measured.html");
-    std::fs::write(&copy, html.replace("default-src 'none';", "").replace("</body>", script)).expect("a copy");
+    std::fs::write(&copy, html.replace("default-src 'none';", "").replace("</body>", MEASURE)).expect("a copy");
     let output = Command::new(browser)
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--dump-dom"])
-        .arg(format!("--window-size={width},1000"))
+        .args(["--virtual-time-budget=2000".to_owned(), format!("--window-size={width},1000")])
         .arg(format!("--user-data-dir={}", folder.join("profile").display()))
         .arg(format!("file://{}", copy.display()))
         .output()
         .expect("the browser runs");
     let dom = String::from_utf8_lossy(&output.stdout).into_owned();
     let start = dom.find("<title>MEASURED ").expect("the page was measured") + "<title>MEASURED ".len();
-    dom[start..].split("</title>").next().expect("a title").to_owned()
+    serde_json::from_str(dom[start..].split("</title>").next().expect("a title")).expect("JSON")
+}
+
+/// What does not fit its place, or lies on something else.
+fn misplaced(measured: &Value) -> String {
+    format!("{} {} {}", measured["wide"], measured["over"], measured["labels"])
 }
 
 #[test]
@@ -124,10 +106,10 @@ fn a_report_fits_the_window_and_the_page_and_no_label_lies_on_another() {
         // A4 with its margins of 14 mm is 688 px wide; on paper nothing scrolls, and the height is that of the pages.
         let paper = html.replace("@media print", "@media all");
         for (page, width, most) in [(&html, 1400, 6000), (&html, 700, 11_000), (&paper, 688, 60_000)] {
-            let measured = measured(browser, folder.path(), page, MEASURE, width);
-            let (height, rest) = measured.split_once(' ').expect("a height");
-            assert_eq!(rest, "0 [] []", "{name} at {width} px: something overflows or lies on something else");
-            assert!(height.parse::<u32>().expect("a number") <= most, "{name}: {height} px tall at {width} px");
+            let measured = measured(browser, folder.path(), page, width);
+            assert_eq!(misplaced(&measured), "0 [] []", "{name} at {width} px");
+            let height = measured["height"].as_u64().expect("a height");
+            assert!(height <= most, "{name}: {height} px tall at {width} px");
         }
     }
 }
@@ -152,8 +134,8 @@ fn a_diagnosis_has_no_table_that_is_cut_on_paper() {
         .expect("toolroom runs");
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let html = std::fs::read_to_string(out.join("report.html")).expect("a report");
-    let measured = measured(browser, folder.path(), &html.replace("@media print", "@media all"), MEASURE, 688);
-    assert_eq!(measured.split_once(' ').expect("a height").1, "0 [] []", "something is wider than the page");
+    let measured = measured(browser, folder.path(), &html.replace("@media print", "@media all"), 688);
+    assert_eq!(misplaced(&measured), "0 [] []");
 }
 
 #[test]
@@ -166,9 +148,8 @@ fn every_text_of_a_report_can_be_read_in_light_and_in_the_dark() {
     let html = std::fs::read_to_string(demo(&folder.path().join("demo"))).expect("a report");
     let themed = |theme: &str| html.replacen("<html", &format!("<html data-theme=\"{theme}\""), 1);
     for theme in ["light", "dark"] {
-        let answer = measured(browser, folder.path(), &themed(theme), CONTRAST, 1400);
-        let (seen, poor) = answer.split_once(' ').expect("a count");
-        assert!(seen.parse::<u32>().expect("a number") > 100, "{answer}");
-        assert_eq!(poor, "[]", "{theme}");
+        let answer = measured(browser, folder.path(), &themed(theme), 1400);
+        assert!(answer["seen"].as_u64().expect("a count") > 100, "{answer}");
+        assert_eq!(answer["poor"], Value::Array(Vec::new()), "{theme}");
     }
 }

@@ -1,6 +1,7 @@
 //! A scenario against records of its own runs: no gap is answered by a test, and a wrong noise is seen.
 
 use crate::command_line::toolroom;
+use crate::gap_folder::GapFolder;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -17,15 +18,9 @@ fn shipped(name: &str) -> String {
 
 /// The diagnosis of `model` over records of a run of `shop`.
 fn diagnosis(shop: &str, model: &str, table: &str, seed: u64) -> Value {
-    let dir = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| Path::join(dir.path(), name).display().to_string();
-    fs::write(at("shop.toml"), shop).expect("a writable folder");
-    fs::write(at("model.toml"), model).expect("a writable folder");
-    done(&["run", &at("shop.toml"), "--seed", &seed.to_string(), "--records", &at("r"), "--out", &at("o")]);
-    let data = at(&format!("r/{table}.csv"));
-    done(&["gap", "diagnose", "--model", &at("model.toml"), "--data", &data, "--out", &at("d")]);
-    let text = fs::read_to_string(at("d/diagnosis.json")).expect("a diagnosis");
-    serde_json::from_str(&text).expect("JSON")
+    let folder = GapFolder::new(&[("shop.toml", shop), ("model.toml", model)]);
+    folder.record("shop.toml", seed, "records");
+    folder.diagnose("model.toml", &format!("records/{table}.csv"))
 }
 
 fn lasting(text: &str, hours: u32) -> String {
@@ -160,25 +155,9 @@ fn what_was_applied_has_no_gap_to_fresh_records_of_the_same_shop() {
     let text = lasting(&shipped("turning"), 20);
     let mut passed = 0;
     for seed in [1, 2, 4] {
-        let dir = tempfile::tempdir().expect("a folder");
-        let at = |name: &str| Path::join(dir.path(), name).display().to_string();
-        fs::write(at("shop.toml"), wearing(&text, 0.4)).expect("a writable folder");
-        fs::write(at("model.toml"), &text).expect("a writable folder");
-        for (records, seed) in [("first", seed), ("second", seed + 100)] {
-            let (seed, out) = (seed.to_string(), at(&format!("o{records}")));
-            done(&["run", &at("shop.toml"), "--seed", &seed, "--records", &at(records), "--out", &out]);
-        }
-        let diagnosed = |model: &str, records: &str, out: &str| -> Value {
-            let data = at(&format!("{records}/operations.csv"));
-            done(&["gap", "diagnose", "--model", &at(model), "--data", &data, "--out", &at(out)]);
-            let text = fs::read_to_string(at(&format!("{out}/diagnosis.json"))).expect("a diagnosis");
-            serde_json::from_str(&text).expect("JSON")
-        };
-        let first = diagnosed("model.toml", "first", "d1");
+        let shop = GapFolder::new(&[("shop.toml", &wearing(&text, 0.4)), ("model.toml", &text)]);
+        let [first, second] = shop.twice("operations.csv", [seed, seed + 100]);
         assert_eq!(first["effects"][0]["id"], "wear_force", "seed {seed}: {}", first["notes"]);
-        let diagnosis = at("d1/diagnosis.json");
-        done(&["gap", "apply", "--model", &at("model.toml"), "--diagnosis", &diagnosis, "--out", &at("applied.toml")]);
-        let second = diagnosed("applied.toml", "second", "d2");
         assert_eq!(second["effects"], Value::Array(Vec::new()), "seed {seed}: {}", second["notes"]);
         assert!(second["fit"]["p"].is_number(), "seed {seed}: a calibrated model is tested as any other");
         passed += usize::from(second["verdict"] == "no_gap");
@@ -195,23 +174,9 @@ fn breakdowns_that_were_applied_have_no_gap_to_fresh_records() {
     let often = text
         .replace("distribution = \"exponential\", mean = \"8 h\"", "distribution = \"exponential\", mean = \"3 h\"")
         .replace("mean = \"25 min\"", "mean = \"70 min\"");
-    let dir = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| Path::join(dir.path(), name).display().to_string();
-    fs::write(at("shop.toml"), &often).expect("a writable folder");
-    fs::write(at("model.toml"), &text).expect("a writable folder");
-    for seed in ["1", "2"] {
-        done(&["run", &at("shop.toml"), "--seed", seed, "--records", &at(&format!("r{seed}")), "--out", &at("o")]);
-    }
-    let diagnosed = |model: &str, seed: &str| -> Value {
-        let (data, out) = (at(&format!("r{seed}/events.csv")), at(&format!("d{seed}")));
-        done(&["gap", "diagnose", "--model", &at(model), "--data", &data, "--out", &out]);
-        let text = fs::read_to_string(at(&format!("d{seed}/diagnosis.json"))).expect("a diagnosis");
-        serde_json::from_str(&text).expect("JSON")
-    };
-    let first = diagnosed("model.toml", "1");
+    let shop = GapFolder::new(&[("shop.toml", &often), ("model.toml", &text)]);
+    let [first, second] = shop.twice("events.csv", [1, 2]);
     assert_eq!(first["verdict"], "constant", "{}", first["notes"]);
-    let (diagnosis, applied) = (at("d1/diagnosis.json"), at("applied.toml"));
-    done(&["gap", "apply", "--model", &at("model.toml"), "--diagnosis", &diagnosis, "--out", &applied]);
     let factor = |parameter: &str| {
         let list = first["applied"]["calibration"].as_array().expect("a list");
         let of_machine =
@@ -220,7 +185,6 @@ fn breakdowns_that_were_applied_have_no_gap_to_fresh_records() {
     };
     assert!((factor("time_between_failures") * 8.0 / 3.0 - 1.0).abs() < 0.25);
     assert!((factor("time_to_repair") * 25.0 / 70.0 - 1.0).abs() < 0.1);
-    let second = diagnosed("applied.toml", "2");
     assert_eq!(second["verdict"], "no_gap", "{}", second["facts"]);
 }
 
@@ -267,24 +231,8 @@ fn three_infeeds(hours: u32) -> String {
 
 /// What a run of a shop says, diagnosed and applied, and what further records of the same shop then say.
 fn twice(shop: &str, model: &str, table: &str, seed: u64) -> [Value; 2] {
-    let dir = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| Path::join(dir.path(), name).display().to_string();
-    fs::write(at("shop.toml"), shop).expect("a writable folder");
-    fs::write(at("model.toml"), model).expect("a writable folder");
-    for (records, seed) in [("r1", seed), ("r2", seed + 500)] {
-        let out = at(&format!("o{records}"));
-        done(&["run", &at("shop.toml"), "--seed", &seed.to_string(), "--records", &at(records), "--out", &out]);
-    }
-    let diagnosed = |model: &str, records: &str, out: &str| -> Value {
-        let data = at(&format!("{records}/{table}.csv"));
-        done(&["gap", "diagnose", "--model", &at(model), "--data", &data, "--out", &at(out)]);
-        let text = fs::read_to_string(at(&format!("{out}/diagnosis.json"))).expect("a diagnosis");
-        serde_json::from_str(&text).expect("JSON")
-    };
-    let first = diagnosed("model.toml", "r1", "d1");
-    let document = at("d1/diagnosis.json");
-    done(&["gap", "apply", "--model", &at("model.toml"), "--diagnosis", &document, "--out", &at("applied.toml")]);
-    [first, diagnosed("applied.toml", "r2", "d2")]
+    let folder = GapFolder::new(&[("shop.toml", shop), ("model.toml", model)]);
+    folder.twice(&format!("{table}.csv"), [seed, seed + 500])
 }
 
 #[test]
@@ -429,11 +377,9 @@ fn an_applied_file_explains_its_own_queues_and_handling() {
 #[test]
 fn a_cause_whose_size_would_be_beyond_what_can_be_is_not_named() {
     let text = shipped("shop").replace("horizon = \"240 h\"", "horizon = \"120 h\"");
-    let dir = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| Path::join(dir.path(), name).display().to_string();
-    fs::write(at("shop.toml"), &text).expect("a writable folder");
-    done(&["run", &at("shop.toml"), "--seed", "5", "--records", &at("r"), "--out", &at("o")]);
-    let log = fs::read_to_string(at("r/events.csv")).expect("a log");
+    let shop = GapFolder::new(&[("shop.toml", &text)]);
+    shop.record("shop.toml", 5, "records");
+    let log = fs::read_to_string(shop.at("records/events.csv")).expect("a log");
     let header: Vec<&str> = log.lines().next().expect("a header").split(',').collect();
     let column = |name: &str| header.iter().position(|own| own.starts_with(name)).expect("a column");
     let [time, machine, state, edge] = ["time", "machine", "state", "tool_id"].map(column);
@@ -450,10 +396,8 @@ fn a_cause_whose_size_would_be_beyond_what_can_be_is_not_named() {
     };
     let rows: Vec<String> =
         log.lines().enumerate().map(|(i, line)| if i == 0 { line.to_owned() } else { lasting(line) }).collect();
-    fs::write(at("events.csv"), rows.join("\n")).expect("a writable folder");
-    done(&["gap", "diagnose", "--model", &at("shop.toml"), "--data", &at("events.csv"), "--out", &at("d")]);
-    let found = fs::read_to_string(at("d/diagnosis.json")).expect("a diagnosis");
-    let found: Value = serde_json::from_str(&found).expect("JSON");
+    fs::write(shop.at("events.csv"), rows.join("\n")).expect("a writable folder");
+    let found = shop.diagnose("shop.toml", "events.csv");
     assert_eq!(found["effects"], Value::Array(Vec::new()), "{}", found["notes"]);
     assert_ne!(found["verdict"], "no_gap", "{}", found["notes"]);
 }

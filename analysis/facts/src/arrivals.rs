@@ -128,8 +128,7 @@ pub fn arrivals_of(place: &str, times: &[f64], span: [f64; 2], law: &Distributio
 /// W. Feller, Transactions of the American Mathematical Society 67 (1949) 98 (renewal counts).
 fn many(place: &str, count: u64, exposure: f64, law: &Distribution) -> Option<Fact> {
     let (mean, seen) = (law.mean(), count as f64);
-    let quantiles = (0..QUANTILES).map(|i| law.quantile((i as f64 + 0.5) / QUANTILES as f64));
-    let variation = (quantiles.map(|time| (time / mean - 1.0).powi(2)).sum::<f64>() / QUANTILES as f64).sqrt();
+    let variation = law.variance(QUANTILES).sqrt() / mean;
     let expected = exposure / mean;
     let normal = Normal::standard();
     if !(variation > 0.0 && variation.is_finite()) {

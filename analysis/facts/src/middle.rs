@@ -79,7 +79,7 @@ fn middle(timed: &Timed<'_>, model: f64, (mean, error): (f64, f64), scatter: Opt
     let delay = Delay { effect: timed.effect, size: mean, standard_error: error, told };
     let delay = (mean > 0.0 && !constant).then_some(delay);
     Some(Fact {
-        told: FactDetail { shifts: timed.shifts.to_vec(), delay },
+        told: FactDetail { shifts: timed.shifts.to_vec(), delay, ..FactDetail::default() },
         p,
         tests: vec![("middle", p)],
         model,
@@ -94,7 +94,8 @@ impl Timed<'_> {
     /// A fact of these times of which nothing is said.
     fn untold(&self, quantity: Quantity) -> Fact {
         let count = self.pairs.len();
-        let (place, told) = (self.place.to_owned(), FactDetail { shifts: self.shifts.to_vec(), delay: None });
+        let (place, told) =
+            (self.place.to_owned(), FactDetail { shifts: self.shifts.to_vec(), ..FactDetail::default() });
         let (pooled, expected) = (self.pooled, count as f64);
         let (p, tests, model, estimate) = (1.0, Vec::new(), f64::NAN, f64::NAN);
         let (ci90, least_seen, count) = ([f64::NAN; 2], [f64::NAN; 2], count as u64);

@@ -41,9 +41,8 @@ impl Pieces {
 ///
 /// # Source
 /// The number of those in the log among all that were scrapped is hypergeometric where both shares are one: Fisher, Journal of
-/// the Royal Statistical Society 98 (1935) 39. Interval of a share with Jeffreys' prior, wider by the error of the
-/// simulated one (delta method): Brown, Cai and DasGupta, Statistical
-/// Science 16 (2001) 101.
+/// the Royal Statistical Society 98 (1935) 39. Interval of a share with Jeffreys' prior: Brown, Cai and DasGupta, Statistical
+/// Science 16 (2001) 101; it is wider by the error of the simulated share (delta method).
 pub fn scrap(place: &str, recorded: Pieces, planned: Pieces, clustering: f64) -> Option<Fact> {
     if recorded.left == 0 || planned.left == 0 {
         return None;

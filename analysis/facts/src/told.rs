@@ -15,13 +15,15 @@ pub struct Delay {
     pub told: bool,
 }
 
-/// Where a fact holds, and what else would show it.
+/// Where a fact holds, what else would show it, and whether a file can follow it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FactDetail {
     /// Shifts in which alone it was tested; all, if empty.
     pub shifts: Vec<String>,
     /// The effect that does the same; `None` where there is none, or where the log refuses it.
     pub delay: Option<Delay>,
+    /// Whether the file has no constant that does the same: what several of them bring about together, or none.
+    pub ownerless: bool,
 }
 
 impl FactDetail {

@@ -30,8 +30,7 @@ pub fn constants_of_facts(process: &str, diagnosis: &Diagnosis, known: &[Value])
     for (quantity, owner) in OWNED {
         let found = found(diagnosis).filter(|fact| fact.quantity == quantity && !fact.is_cause());
         let known_size = |fact: &&Fact| fact.factor().is_finite() && fact.factor() > 0.0 && fact.is_far();
-        // Pieces that several operations scrap, or none by its file, are scrapped by no constant.
-        let has_owner = |fact: &&Fact| quantity != Quantity::Scrap || fact.place.contains('/');
+        let has_owner = |fact: &&Fact| !fact.told.ownerless;
         let mut found: Vec<&Fact> = found.filter(known_size).filter(has_owner).collect();
         found.sort_by_key(|fact| !fact.pooled);
         let mut told = BTreeSet::new();

@@ -3,16 +3,16 @@
 use super::Diagnosis;
 use super::queue::Came;
 use std::collections::{BTreeMap, BTreeSet};
-use toolroom_facts::Fact;
 use toolroom_facts::arrivals::arrivals_of;
 use toolroom_facts::scrap::{Pieces, scrap};
+use toolroom_facts::{Fact, FactDetail};
 use toolroom_nominal::shop::{Shop, expected_scrap, settled};
 use toolroom_records::Records;
 use toolroom_scenario::Scenario;
 
 /// Said where the data hold no jobs.
-pub(super) const WITHOUT_JOBS: &str = "not tested: arrivals, scrap and lead times; for the first two --data is the folder that holds orders.csv beside \
-                                       the events, and no other log is held out";
+pub(super) const WITHOUT_JOBS: &str = "not tested: arrivals, scrap and lead times; for the first two --data is the folder that \
+                                       holds orders.csv beside the events, and no other log is held out";
 /// Parts that a note names (assumption: more are not read).
 const NAMED: usize = 5;
 
@@ -130,7 +130,9 @@ impl Jobs {
             let place =
                 own.operation.as_ref().map_or_else(|| own.part.clone(), |operation| format!("{part}/{operation}"));
             let planned = Pieces { left: own.left, scrapped: own.scrapped };
-            facts.extend(scrap(&place, *recorded, planned, own.clustering));
+            let told = FactDetail { ownerless: own.operation.is_none(), ..FactDetail::default() };
+            let fact = scrap(&place, *recorded, planned, own.clustering);
+            facts.extend(fact.map(|fact| Fact { told, ..fact }));
         }
         facts
     }

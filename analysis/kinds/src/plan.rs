@@ -34,7 +34,8 @@ fn check(path: &Path, set: &[String]) -> Result<CheckResult, KindError> {
     Ok(checked("plan", Some(&plan.name), Vec::new(), &summary))
 }
 
-/// The file that a plan holds, read as its shards would read it.
+/// What the work of a plan is, where the file that it holds can be read. Whether each variant of a comparison can be run, its
+/// shards see.
 fn content(plan: &Plan) -> Result<&'static str, ReadError> {
     match plan.kind {
         Work::Life => toolroom_life::study::shard::study(plan).map(|_| "lives of each cell of a study"),

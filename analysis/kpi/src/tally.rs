@@ -213,7 +213,7 @@ impl Tally {
         if longest > 0.0 { longest / scenario.shift_length } else { f64::NAN }
     }
 
-    /// Good and scrapped parts.
+    /// Good and scrapped parts, and components that were built into others.
     pub fn finished(&self) -> f64 {
         f64::from(self.good + self.built + self.scrapped)
     }

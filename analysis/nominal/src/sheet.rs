@@ -4,10 +4,11 @@ use super::Settings;
 use super::model_file_error::ModelFileError;
 use toolroom_process::unit;
 use toolroom_records::{RecordKind, Sensor};
-use toolroom_scenario::{Distribution, GapSection, Scenario, SensorErrors};
+use toolroom_scenario::{GapSection, Scenario, SensorErrors};
 use toolroom_wear::Scatter;
 
-/// Shares of a distribution by which its variance is taken.
+/// Shares of a distribution by which its variance is taken (assumption: of times that scatter by half their mean a hundredth
+/// and a half of it lies beyond them).
 const QUANTILES: usize = 400;
 
 /// What a run of the scenario draws for the tools of a process, their workpieces and the handling of parts.
@@ -18,18 +19,9 @@ pub(super) fn randomness(settings: &mut Settings, scenario: &Scenario, process: 
     settings.structure_scatter = [own.natural_frequency, own.damping_ratio];
     settings.spreads = tool.map(|tool| tool.spreads.clone()).unwrap_or_default();
     settings.lots = scenario.parts.iter().map(|part| (part.name.clone(), part.batch_size)).collect();
-    let variance = |distribution: &Distribution| {
-        if distribution.is_constant() {
-            return 0.0;
-        }
-        // The mean over equal shares of the probability.
-        let mean = |value: &dyn Fn(f64) -> f64| {
-            (0..QUANTILES).map(|i| value((i as f64 + 0.5) / QUANTILES as f64)).sum::<f64>() / QUANTILES as f64
-        };
-        mean(&|u| (distribution.quantile(u) - distribution.mean()).powi(2))
-    };
     let machines = scenario.machines.iter().filter(|machine| machine.process == process);
-    let handling = machines.map(|machine| variance(&machine.load_time) + variance(&machine.unload_time));
+    let handling =
+        machines.map(|machine| machine.load_time.variance(QUANTILES) + machine.unload_time.variance(QUANTILES));
     settings.handling = handling.fold(0.0, f64::max).sqrt();
 }
 

@@ -121,10 +121,10 @@ impl Plan {
             shards,
         } = self;
         let contents: Vec<&str> = files.iter().map(|(_, fingerprint)| fingerprint.as_str()).collect();
-        let axis = axis.map_or("", Axis::word);
         let (contents, overrides, policies) = (contents.join("\n"), overrides.join("\n"), policies.join("\n"));
-        let words = [kind.word(), version, name, text, &contents, &overrides, &policies, axis];
-        let hash = words.iter().fold(FNV_OFFSET, |hash, word| fnv(fnv(hash, word.as_bytes()), &[0]));
+        let words = [kind.word(), version, name, text, &contents, &overrides, &policies];
+        let words = words.into_iter().chain(axis.map(Axis::word));
+        let hash = words.fold(FNV_OFFSET, |hash, word| fnv(fnv(hash, word.as_bytes()), &[0]));
         let numbers = [u64::from(*schema), *seed, *pieces, *shards];
         let hash = numbers.iter().fold(hash, |hash, number| fnv(hash, &number.to_le_bytes()));
         format!("{hash:016x}")

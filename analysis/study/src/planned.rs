@@ -32,7 +32,8 @@ pub enum PlannedError {
 }
 
 /// The policies, by index, and the variants that a comparison of `file` is of; `names` are those of policies, none for all
-/// of them, and without an axis it is of all that the file has. One policy by name is compared with the first of the file.
+/// of them, and without an axis it is of all that the file has. One policy by name is compared with the first of the file; of
+/// the axis of variants there is but the first policy, whatever is named.
 ///
 /// # Errors
 /// [`UnknownPolicy`]

@@ -287,6 +287,21 @@ impl Distribution {
         matches!(self, Self::Constant(_))
     }
 
+    /// Variance, s², summed over `shares` equal shares of the probability (1 and more): of a wide tail, what lies beyond the
+    /// middle of the outermost share is left out.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_distribution::Distribution;
+    /// let repair = Distribution::Uniform { low: 600.0, high: 1200.0 };
+    /// assert!((repair.variance(1000) / (600.0 * 600.0 / 12.0) - 1.0).abs() < 1e-5);
+    /// ```
+    pub fn variance(&self, shares: usize) -> f64 {
+        let mean = self.mean();
+        let times = (0..shares).map(|i| self.quantile((i as f64 + 0.5) / shares as f64));
+        times.map(|time| (time - mean).powi(2)).sum::<f64>() / shares as f64
+    }
+
     /// The time below which a share `u` (0 to below 1) of all times lies.
     ///
     /// # Examples

@@ -2,6 +2,7 @@
 
 use super::state::State;
 use super::stays::{Stay, adopt, in_shift, join_stops};
+use super::stops::lower_deviation;
 use std::collections::{BTreeMap, BTreeSet};
 use toolroom_records::Records;
 use toolroom_statistics::median;
@@ -193,15 +194,12 @@ const ENDED_EARLY: f64 = 0.8;
 /// How many standard deviations of its shorter half below the middle it lies then, too. Assumption: of normal times as many
 /// as three of a hundred thousand do; plain work may scatter by itself, and of exponential times none does.
 const FAR_BELOW: f64 = 4.0;
-/// Distance of the lower quartile of normal values from their middle, in standard deviations. Derivation: normal quantile.
-const QUARTILE: f64 = 0.6745;
 
 /// Time in cut below which a program was broken off, from all `times` of it on one machine.
 fn least_whole(times: &mut [f64]) -> f64 {
     let middle = median(times);
-    let mut shorter: Vec<f64> = times.iter().copied().filter(|time| *time <= middle).collect();
-    let deviation = (middle - median(&mut shorter)) / QUARTILE;
-    (ENDED_EARLY * middle).min(middle - FAR_BELOW * deviation)
+    let mut below: Vec<f64> = times.iter().map(|time| middle - time).filter(|distance| *distance >= 0.0).collect();
+    (ENDED_EARLY * middle).min(middle - FAR_BELOW * lower_deviation(&mut below))
 }
 
 /// Drops operations whose program was broken off; how many. Times at full feed count.

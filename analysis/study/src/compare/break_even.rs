@@ -20,12 +20,52 @@ const GREATEST: f64 = 20.0;
 /// Factors on a price at which the difference is told beside the present one (assumption: a shop knows its prices to a
 /// factor of two).
 pub(crate) const SWING: [f64; 2] = [0.5, 2.0];
-/// Prices and the figure of what is paid at them.
-const PRICES: [(&str, &str, &str); 3] = [
-    ("edge_cost", "edges and dressings", "edge_cost_per_part"),
-    ("rate", "machine time", "machine_cost_per_part"),
-    ("material_cost", "blanks", "scrap_cost_per_part"),
+/// A kind of prices, all of which enter the cost of a part in proportion.
+struct Price {
+    /// Key in files.
+    key: &'static str,
+    /// What is paid for.
+    title: &'static str,
+    /// Figure of what is paid at them.
+    figure: &'static str,
+    /// All prices of the kind in a scenario, in the unit of files.
+    of: fn(&Scenario) -> Vec<f64>,
+    /// That unit without its currency.
+    per: &'static str,
+}
+
+const PRICES: [Price; 3] = [
+    Price {
+        key: "edge_cost",
+        title: "edges and dressings",
+        figure: "edge_cost_per_part",
+        of: |scenario| scenario.tools.iter().map(|tool| tool.edge_cost).collect(),
+        per: "",
+    },
+    Price {
+        key: "rate",
+        title: "machine time",
+        figure: "machine_cost_per_part",
+        of: |scenario| scenario.machines.iter().map(|machine| convert(machine.rate, "1/s", "1/h")).collect(),
+        per: "/h",
+    },
+    Price {
+        key: "material_cost",
+        title: "blanks",
+        figure: "scrap_cost_per_part",
+        of: |scenario| scenario.parts.iter().map(|part| part.material_cost).collect(),
+        per: "",
+    },
 ];
+
+impl Price {
+    /// The price with its unit, where it is the same wherever something is paid.
+    fn now(&self, scenario: &Scenario) -> Option<(f64, String)> {
+        let mut paid = (self.of)(scenario).into_iter().filter(|price| *price > 0.0);
+        let first = paid.next()?;
+        paid.all(|price| price == first).then(|| (first, format!("{}{}", scenario.currency, self.per)))
+    }
+}
 
 /// Where `a + b·p` crosses zero on average.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,15 +135,15 @@ impl BreakEven {
             Some(study.samples(one, kpi).iter().zip(study.samples(other, kpi)).map(|(a, b)| a - b).collect())
         };
         let Some(whole) = difference("cost_per_part") else { return Vec::new() };
-        let price = |&(key, title, id): &(&'static str, &'static str, &str)| {
-            let part = difference(id)?;
+        let price = |price: &Price| {
+            let part = difference(price.figure)?;
             let rest: Vec<f64> = whole.iter().zip(&part).map(|(whole, part)| whole - part).collect();
             let at = |factor: f64| {
                 let whole: Vec<f64> = rest.iter().zip(&part).map(|(rest, part)| rest + factor * part).collect();
                 t_interval(&whole, CONFIDENCE)
             };
-            let now = now(scenario, key);
-            Some(Self { key, title, factor: Crossing::of(&rest, &part, CONFIDENCE), swing: SWING.map(at), now })
+            let (factor, swing) = (Crossing::of(&rest, &part, CONFIDENCE), SWING.map(at));
+            Some(Self { key: price.key, title: price.title, factor, swing, now: price.now(scenario) })
         };
         if study.replications < 2 { Vec::new() } else { PRICES.iter().filter_map(price).collect() }
     }
@@ -135,22 +175,6 @@ impl BreakEven {
             plain(self.factor.at, 2)
         )
     }
-}
-
-/// The price under `key` in the unit of files, where it is the same wherever something is paid.
-fn now(scenario: &Scenario, key: &str) -> Option<(f64, String)> {
-    let currency = &scenario.currency;
-    let (prices, unit): (Vec<f64>, String) = match key {
-        "edge_cost" => (scenario.tools.iter().map(|tool| tool.edge_cost).collect(), currency.clone()),
-        "rate" => {
-            let hourly = |rate: f64| convert(rate, "1/s", "1/h");
-            (scenario.machines.iter().map(|machine| hourly(machine.rate)).collect(), format!("{currency}/h"))
-        }
-        _ => (scenario.parts.iter().map(|part| part.material_cost).collect(), currency.clone()),
-    };
-    let mut paid = prices.into_iter().filter(|price| *price > 0.0);
-    let first = paid.next()?;
-    paid.all(|price| price == first).then_some((first, unit))
 }
 
 #[cfg(test)]
