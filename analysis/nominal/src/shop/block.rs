@@ -3,10 +3,12 @@
 use super::booked::{short_repairs, usual};
 use super::figure::{Figure, Figures};
 use super::nominal::Shop;
-use super::stops::{FAR, Shape, class, lower_deviation};
+use super::normal_scale::NormalScale;
+use super::stops::{FAR, Pool, SIZES, Shape, Timed, class, lower_deviation};
 use super::visit::{Visit, Visits};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use toolroom_statistics::median;
 
 /// Share of outliers to which the difference of both tails is added, so that it has a size to which
@@ -83,6 +85,8 @@ pub struct Blocks {
     pub known: Vec<bool>,
     /// Whether times in cut are exact, as in a simulation without scatter, by program.
     pub exact: Vec<bool>,
+    /// Where times are normal, by program; `None` where they are taken as they are.
+    pub scales: Vec<Option<Arc<NormalScale>>>,
     /// Logarithms of single changes of edges, of a block each.
     changes: Vec<Vec<f64>>,
     /// Logarithms of single lives of edges, of a block each.
@@ -108,6 +112,13 @@ fn single(blocks: &[Vec<f64>], scatter: impl Fn(Vec<f64>) -> f64) -> f64 {
 /// is not the override's.
 fn full_feed(visit: &Visit) -> f64 {
     visit.cutting / (1.0 + visit.override_excess)
+}
+
+/// A time of an operation, s, where the file gives the times of its program a distribution, on the scale on which they are
+/// normal.
+fn on_scale(shop: &Shop, seen: &Visits, visit: &Visit, time: f64) -> f64 {
+    let program = shop.programs.get(&seen.programs[visit.program]);
+    program.map_or(time, |program| program.normal_time(&seen.machines[visit.machine], time))
 }
 
 /// Standard deviation of a median of `count` values over that of one.
@@ -150,6 +161,7 @@ impl Blocks {
             blocks.known.push(nominal.is_some());
             let measured = median(&mut runs().map(|visit| visit.cutting).collect::<Vec<f64>>());
             blocks.times.push(nominal.unwrap_or(measured));
+            blocks.scales.push(shop.programs.get(name).and_then(|nominal| nominal.scale.clone()));
         }
         let mut index: BTreeMap<(usize, i64), usize> = BTreeMap::new();
         for visit in &visits {
@@ -167,8 +179,10 @@ impl Blocks {
         let logarithms = |at: &[usize], time: &dyn Fn(&Visit) -> f64| -> Vec<f64> {
             at.iter().map(|at| time(visits[*at])).filter(|time| *time > 0.0).map(f64::ln).collect()
         };
+        let in_cut = |visit: &Visit| on_scale(shop, seen, visit, visit.cutting);
+        let at_full_feed = |visit: &Visit| on_scale(shop, seen, visit, full_feed(visit));
         for ((machine, _, program, _), at) in &pooled {
-            let cut = logarithms(at, &full_feed);
+            let cut = logarithms(at, &at_full_feed);
             let middle = median(&mut cut.clone());
             if cut.len() >= POOLED {
                 below[*program].extend(cut.iter().map(|y| middle - y).filter(|d| *d > 0.0));
@@ -190,7 +204,7 @@ impl Blocks {
             blocks.exact.push(scatter < 0.1 * least);
             blocks.scatter.push(scatter.max(least));
         }
-        let outliers = outliers(&pooled, &blocks.scatter, &|at| logarithms(at, &full_feed));
+        let outliers = outliers(&pooled, &blocks.scatter, &|at| logarithms(at, &at_full_feed));
         let handling_scatter: BTreeMap<usize, f64> =
             handled.iter_mut().map(|(machine, far)| (*machine, (1.4826 * median(far)).max(0.01))).collect();
         let empty = |machine: usize, program: Option<usize>, shift: String, time: f64, group: usize| Block {
@@ -222,7 +236,7 @@ impl Blocks {
             let mut block = empty(machine, Some(program), shift(pooled_visits[0]), mean(&|v| v.start), group);
             let clock = CLOCK / blocks.times[program];
             block.class = class(pooled_visits.len());
-            let mut cut = logarithms(&at, &|visit| visit.cutting);
+            let mut cut = logarithms(&at, &in_cut);
             block.values[Figure::CuttingTime] = median(&mut cut).exp();
             block.counts[Figure::CuttingTime] = cut.len() as f64;
             block.deviations[Figure::CuttingTime] = of_median(cut.len()) * blocks.scatter[program].hypot(0.3 * clock);
@@ -253,7 +267,7 @@ impl Blocks {
             block.new_edges = pooled_visits.iter().filter(|visit| visit.new_edge).count() as f64 / count;
             if pooled_visits.len() >= SHAPED {
                 let scatter = blocks.scatter[*program];
-                let shape = Shape::of(&mut logarithms(at, &full_feed), scatter);
+                let shape = Shape::of(&mut logarithms(at, &at_full_feed), scatter);
                 block.values[Figure::CuttingTail] = TAIL + shape.tail;
                 block.deviations[Figure::CuttingTail] = (outliers[*program].0 / count).sqrt();
                 block.values[Figure::CuttingExcess] = shape.excess.exp();
@@ -309,6 +323,25 @@ impl Blocks {
             }
         }
         blocks
+    }
+
+    /// Classes of the blocks of a program.
+    pub(super) fn classes(&self, program: usize) -> [bool; SIZES] {
+        let mut classes = [false; SIZES];
+        let of_program = self.list.iter().filter(|block| block.program == Some(program));
+        of_program.for_each(|block| classes[block.class] = true);
+        classes
+    }
+
+    /// A program as its operations were timed, where stops come to its pools like this.
+    pub(super) fn timed<'a>(&'a self, program: usize, pools: &'a [Pool]) -> Timed<'a> {
+        Timed {
+            time: self.times[program],
+            deviation: self.scatter[program],
+            exact: self.exact[program],
+            pools,
+            scale: self.scales[program].as_deref(),
+        }
     }
 
     /// Lives of edges and times between breakdowns, by machine and day of their end.

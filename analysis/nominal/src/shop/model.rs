@@ -11,12 +11,14 @@ use super::constant::{Constant, Label};
 use super::figure::{Figure, Figures};
 use super::logs::groups;
 use super::nominal::Shop;
+use super::normal_scale::NormalScale;
 use super::shapes::{Shapes, Stopped};
-use super::stops::Shape;
+use super::stops::{Pool, Shape, Stops};
 use super::visit::{Visits, visits};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::gamma::gamma;
+use std::sync::Arc;
 use toolroom_innovations::Chain;
 use toolroom_records::{Records, Sensor};
 use toolroom_scenario::Scope;
@@ -50,6 +52,8 @@ pub struct ShopModel {
     pub(super) blocks: Blocks,
     /// Nominal value of each block by channel.
     pub(super) nominal: Vec<Figures>,
+    /// Where the times of each block are normal; `None` where they are taken as they are.
+    scales: Vec<Option<Arc<NormalScale>>>,
     /// Growth of the life of edges with the wear limit, 1/m, by block.
     life_slope: Vec<f64>,
     pub(super) actions: Vec<Action>,
@@ -93,7 +97,8 @@ impl ShopModel {
         let fitted = names.iter().enumerate().map(|(index, name)| !held(index, name)).collect();
         let mut model = Self {
             frame: Frame::new(Measured::new(Vec::new(), Vec::new(), Vec::new(), Vec::new())),
-            nominal: blocks.list.iter().map(|block| nominal(shop, &seen, &blocks, block)).collect(),
+            nominal: expected(shop, &seen, &blocks),
+            scales: scales(shop, &seen, &blocks),
             life_slope: blocks.list.iter().map(|block| life_slope(shop, &seen, block)).collect(),
             blocks,
             actions: Vec::new(),
@@ -327,13 +332,20 @@ impl ShopModel {
                     Action::Stops(_) | Action::Booked | Action::Hold(_) | Action::Policy | Action::Breakdowns => {} // acts on the channel that logs it
                 }
             }
+            // A middle goes where its times go, and with it the shape of those that are skewed by themselves.
+            let longer = |nominal: f64| ((nominal * slower * block.slowed(overridden) + blocks) / nominal).ln();
+            let scale = self.scales[row].as_deref();
+            let moved = || {
+                scale.map_or(Shape::default(), |scale| scale.shifted(longer(self.nominal[row][Figure::CuttingTime])))
+            };
             match figure {
                 Figure::CuttingTime => {
-                    (nominal * slower * block.slowed(overridden) + blocks) * shape.location.exp() * local(0)
+                    let longer = longer(nominal);
+                    nominal * (scale.map_or(longer, |scale| scale.normal(longer)) + shape.location).exp() * local(0)
                 }
-                Figure::CuttingTail => nominal + shape.tail,
-                Figure::CuttingExcess => nominal * shape.excess.exp(),
-                Figure::CuttingSpread => nominal * shape.spread.exp(),
+                Figure::CuttingTail => nominal + shape.tail + moved().tail,
+                Figure::CuttingExcess => nominal * (shape.excess + moved().excess).exp(),
+                Figure::CuttingSpread => nominal * (shape.spread + moved().spread).exp(),
                 Figure::HandlingTime => (nominal + delay) * local(1),
                 Figure::HandlingSpread => nominal,
                 Figure::ToolChangeTime => nominal + change,
@@ -417,8 +429,37 @@ fn families(surfaces: &[Surface], times: &[(Vec<usize>, &'static str)]) -> Vec<F
     times.iter().filter(|(channels, _)| !channels.is_empty()).map(family).collect()
 }
 
-/// What the nominal shop expects of a block; NaN where it has no opinion.
-fn nominal(shop: &Shop, visits: &Visits, blocks: &Blocks, block: &Block) -> Figures {
+/// Where the times of each block are normal.
+fn scales(shop: &Shop, visits: &Visits, blocks: &Blocks) -> Vec<Option<Arc<NormalScale>>> {
+    let of = |block: &Block| {
+        let program = shop.programs.get(&visits.programs[block.program?])?;
+        program.scale_on(&visits.machines[block.machine]).cloned()
+    };
+    blocks.list.iter().map(of).collect()
+}
+
+/// What the nominal shop expects of every block.
+fn expected(shop: &Shop, visits: &Visits, blocks: &Blocks) -> Vec<Figures> {
+    let stops = Stops::default();
+    let pools = |program: usize| -> Vec<Pool> {
+        blocks.pools[program].iter().map(|(_, size)| Pool { size: *size, rate: 0.0 }).collect()
+    };
+    // A few operations whose times scatter widely have another mean over their middle than many.
+    let shapes = |program: usize| {
+        let scaled = blocks.scales[program].is_some();
+        scaled.then(|| stops.unstopped(blocks.timed(program, &pools(program)), &blocks.classes(program)))
+    };
+    let shapes: Vec<Option<Vec<Shape>>> = (0..visits.programs.len()).map(shapes).collect();
+    let of = |block: &Block| {
+        let shape = block.program.and_then(|program| Some(shapes[program].as_ref()?[block.class]));
+        nominal(shop, visits, blocks, block, shape)
+    };
+    blocks.list.iter().map(of).collect()
+}
+
+/// What the nominal shop expects of a block, whose times lie in this `shape` if they are taken where they are normal; NaN where
+/// it has no opinion.
+fn nominal(shop: &Shop, visits: &Visits, blocks: &Blocks, block: &Block, shape: Option<Shape>) -> Figures {
     let station = shop.station(&visits.machines[block.machine]);
     // A machine that the nominal shop does not know is compared with itself.
     let of_machine = |figure: Figure| {
@@ -430,7 +471,7 @@ fn nominal(shop: &Shop, visits: &Visits, blocks: &Blocks, block: &Block) -> Figu
         .map_or_else(|| of_machine(Figure::HandlingTime), |station| station.handling[station.handling.len() / 2]);
     // What the file itself says of the times: plain work may be skewed.
     let known = block.program.and_then(|program| shop.programs.get(&visits.programs[program]));
-    let planned = known.map_or(Shape::SYMMETRIC, |program| program.planned);
+    let planned = shape.or(known.map(|program| program.planned)).unwrap_or(Shape::SYMMETRIC);
     let mut figures = Figures::all(f64::NAN);
     let pace = known.map_or(1.0, |program| program.pace_on(&visits.machines[block.machine]));
     figures[Figure::CuttingTime] = block.program.map_or(f64::NAN, |program| pace * blocks.times[program]);

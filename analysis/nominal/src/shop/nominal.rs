@@ -1,10 +1,12 @@
 //! What the planner believes of the shop: a scenario seen by machines and programs.
 
+use super::normal_scale::NormalScale;
 use super::queueing::queueing;
 use super::stops::{Shape, lower_deviation};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use toolroom_facts::survival::Life;
 use toolroom_scenario::{
     Arrival, ArrivalPattern, Cut, Distribution, FailureMode, MachineTime, Occasion, ProcessModel, Scenario,
@@ -25,14 +27,26 @@ const STRETCH: f64 = 5.0 * 86400.0;
 pub struct Program {
     /// Programmed time in cut, of plain work the median of its distribution, s.
     pub time: f64,
-    /// How its times lie about that by the file alone: plain work may be skewed; times in cut are not.
+    /// How its times lie about that by the file alone: plain work of a few possible times may be skewed; times in cut are not,
+    /// nor are those on a scale where they are normal.
     pub planned: Shape,
     /// The distribution of its times by the file, s; `None` of times in cut, which have none.
     pub law: Option<Distribution>,
-    /// How much longer plain work takes on some machines than that (1), by their names.
-    pub paces: BTreeMap<String, f64>,
+    /// Where its times are normal; `None` where they are taken as they are.
+    pub scale: Option<Arc<NormalScale>>,
+    /// What plain work takes on machines with a time of their own, by their names.
+    pub on_machines: BTreeMap<String, OnMachine>,
     /// Sum of feed speeds over its passes, m/s: what the inverse of an acceleration costs.
     pub feed_speeds: f64,
+}
+
+/// Plain work on a machine that takes a time of its own for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OnMachine {
+    /// How much longer it takes than elsewhere in the middle, 1.
+    pub pace: f64,
+    /// Where its times are normal; `None` where they are taken as they are.
+    pub scale: Option<Arc<NormalScale>>,
 }
 
 /// A machine of the nominal shop.
@@ -95,7 +109,18 @@ pub struct Shop {
 impl Program {
     /// How much longer it takes on a machine than elsewhere, 1.
     pub fn pace_on(&self, machine: &str) -> f64 {
-        self.paces.get(machine).copied().unwrap_or(1.0)
+        self.on_machines.get(machine).map_or(1.0, |own| own.pace)
+    }
+
+    /// Where its times on a machine are normal; `None` where they are taken as they are.
+    pub fn scale_on(&self, machine: &str) -> Option<&Arc<NormalScale>> {
+        self.on_machines.get(machine).map_or(self.scale.as_ref(), |own| own.scale.as_ref())
+    }
+
+    /// A time on a machine, s, as it would be if the logarithms of all were normal.
+    pub fn normal_time(&self, machine: &str, time: f64) -> f64 {
+        let middle = self.pace_on(machine) * self.time;
+        self.scale_on(machine).map_or(time, |scale| middle * scale.normal((time / middle).ln()).exp())
     }
 }
 
@@ -136,18 +161,26 @@ impl Shop {
                         0.0
                     }
                 };
-                let (time, planned, law) = match &operation.work {
-                    Work::Plain(times) => (times.quantile(0.5), plain_shape(times), Some(times.clone())),
+                let law = match &operation.work {
+                    Work::Plain(times) => Some(times.clone()),
                     Work::Cutting(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) | Work::Program(_) => {
-                        (*time, Shape::SYMMETRIC, None)
+                        None
                     }
                 };
-                let on_machine = |(machine, _): &(usize, MachineTime)| {
-                    let own = operation.own_time_on(*machine).map(|own| own.quantile(0.5) / time);
-                    (scenario.machines[*machine].name.clone(), own.unwrap_or_else(|| operation.pace_on(*machine)))
+                let time = law.as_ref().map_or(*time, |law| law.quantile(0.5));
+                let scale = law.as_ref().and_then(NormalScale::of).map(Arc::new);
+                let planned = match (&law, &scale) {
+                    (Some(law), None) => plain_shape(law),
+                    (Some(_), Some(_)) | (None, _) => Shape::SYMMETRIC,
                 };
-                let paces = operation.time_on.iter().map(on_machine).collect();
-                let program = Program { time, planned, law, paces, feed_speeds };
+                let on_machine = |(machine, _): &(usize, MachineTime)| {
+                    let own = operation.own_time_on(*machine);
+                    let pace = own.map_or_else(|| operation.pace_on(*machine), |own| own.quantile(0.5) / time);
+                    let scale = own.map_or_else(|| scale.clone(), |own| NormalScale::of(own).map(Arc::new));
+                    (scenario.machines[*machine].name.clone(), OnMachine { pace, scale })
+                };
+                let on_machines = operation.time_on.iter().map(on_machine).collect();
+                let program = Program { time, planned, law, scale, on_machines, feed_speeds };
                 programs.insert(format!("{}/{}", part.name, operation.name), program);
             }
         }

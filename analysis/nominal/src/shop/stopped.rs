@@ -3,7 +3,7 @@
 use super::action::Action;
 use super::model::ShopModel;
 use super::shapes::{ByRate, Profile, Shapes};
-use super::stops::{Pool, SIZES, Shape, Timed};
+use super::stops::{Pool, Shape};
 use crate::Point;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -85,19 +85,14 @@ impl ShopModel {
 
     /// Shapes of blocks of a program at a rate, where its pools have those of the profile.
     fn shapes_of(&self, (program, of_pools): &Profile, rate: f64) -> Vec<Shape> {
-        let (blocks, program) = (&self.blocks, *program);
-        let mut classes = [false; SIZES];
-        let of_program = blocks.list.iter().filter(|block| block.program == Some(program));
-        of_program.for_each(|block| classes[block.class] = true);
-        let pools = blocks.pools[program].iter().zip(of_pools);
+        let pools = self.blocks.pools[*program].iter().zip(of_pools);
         let pools: Vec<Pool> =
             pools.map(|((_, size), rate)| Pool { size: *size, rate: f64::from_bits(*rate) }).collect();
-        let (time, deviation, exact) = (blocks.times[program], blocks.scatter[program], blocks.exact[program]);
-        let timed = Timed { time, deviation, exact, pools: &pools };
+        let timed = self.blocks.timed(*program, &pools);
         let stops = &self.stopped.stops;
-        let mut shapes = stops.shapes(rate, timed, stops.intrinsic(timed), &classes);
+        let mut shapes = stops.shapes(rate, timed, stops.intrinsic(timed), &self.blocks.classes(*program));
         // The middle of exact times stays where it is until most operations are stopped.
-        shapes.iter_mut().filter(|_| exact).for_each(|shape| shape.location = 0.0);
+        shapes.iter_mut().filter(|_| timed.exact).for_each(|shape| shape.location = 0.0);
         shapes
     }
 }

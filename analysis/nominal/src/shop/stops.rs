@@ -1,5 +1,6 @@
 //! What short stops do to the times of a program, by replication with common random numbers.
 
+use super::normal_scale::NormalScale;
 use crate::constants::{HUBER, MAD};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -82,6 +83,8 @@ pub struct Timed<'a> {
     pub exact: bool,
     /// The pools about whose middles that scatter was measured.
     pub pools: &'a [Pool],
+    /// Where its times are normal, if that is elsewhere.
+    pub scale: Option<&'a NormalScale>,
 }
 
 /// Operations of one program about whose middle scatter was measured.
@@ -141,9 +144,10 @@ impl Default for Stops {
 }
 
 impl Stops {
-    /// Logarithms of the times of operations under `rate` stops per running time, 1/s, of a program
-    /// of `time` s, over that time.
-    fn replicated(&self, rate: f64, time: f64, scatter: f64) -> Vec<f64> {
+    /// Logarithms of the times of operations of a program under `rate` stops per running time, 1/s, over its time, where
+    /// they are normal without stops.
+    fn replicated(&self, rate: f64, program: Timed<'_>, scatter: f64) -> Vec<f64> {
+        let Timed { time, scale, .. } = program;
         let drawn = |i: usize| {
             let (mut programmed, mut stopped) = (0.0, 0.0);
             for (arrivals, durations) in self.arrivals.iter().zip(&self.durations) {
@@ -153,7 +157,13 @@ impl Stops {
                 }
                 stopped += MICRO_STOP * durations[i];
             }
-            ((scatter * self.scores[i]).exp() + stopped / time).ln()
+            let normal = scatter * self.scores[i];
+            match scale {
+                // What is not stopped stays to the bit where it is.
+                Some(_) if stopped == 0.0 => normal,
+                Some(scale) => scale.normal((scale.logarithm(normal).exp() + stopped / time).ln()),
+                None => (normal.exp() + stopped / time).ln(),
+            }
         };
         (0..REPLICATIONS).map(drawn).collect()
     }
@@ -162,16 +172,16 @@ impl Stops {
     /// of some of the pools widen only these: taken for stops of all of them they would leave too little scatter, which
     /// makes the middles of stopped operations move too little.
     pub fn intrinsic(&self, program: Timed<'_>) -> Intrinsic {
-        let Timed { time, deviation, exact, pools } = program;
+        let Timed { deviation, exact, pools, .. } = program;
         if exact {
             return Intrinsic { planned: 0.0, stopped: 0.0 };
         }
         let unstopped: Vec<Pool> = pools.iter().map(|pool| Pool { rate: 0.0, ..*pool }).collect();
         // Of blocks whose own middles are taken the scatter comes out low.
-        let planned = deviation / self.pooled(time, 1.0, &unstopped);
+        let planned = deviation / self.pooled(Timed { scale: None, ..program }, 1.0, &unstopped);
         let mut stopped = planned;
         for _ in 0..2 {
-            stopped *= deviation / self.pooled(time, stopped, pools);
+            stopped *= deviation / self.pooled(program, stopped, pools);
         }
         Intrinsic { planned, stopped }
     }
@@ -180,9 +190,9 @@ impl Stops {
     /// blocks of that size, since the middle of a small block lies elsewhere than that of all. Blocks without stops
     /// change too where others of their program have them: these have a share in the measured scatter.
     pub fn shapes(&self, rate: f64, program: Timed<'_>, scatter: Intrinsic, classes: &[bool]) -> Vec<Shape> {
-        let Timed { time, deviation, .. } = program;
-        let with = self.replicated(rate, time, scatter.stopped);
-        let without = self.replicated(0.0, time, scatter.planned);
+        let deviation = program.deviation;
+        let with = self.replicated(rate, program, scatter.stopped);
+        let without = self.replicated(0.0, program, scatter.planned);
         let added = |size: usize| {
             let (with, without) = (mean_shape(&with, size, deviation), mean_shape(&without, size, deviation));
             Shape {
@@ -196,8 +206,17 @@ impl Stops {
         wanted.map(|(size, wanted)| if *wanted { added(*size) } else { Shape::default() }).collect()
     }
 
+    /// Shapes of blocks of every class of `classes` without any stops.
+    pub fn unstopped(&self, program: Timed<'_>, classes: &[bool]) -> Vec<Shape> {
+        let times = self.replicated(0.0, program, self.intrinsic(program).planned);
+        let of = |(size, wanted): (&usize, &bool)| {
+            if *wanted { mean_shape(&times, *size, program.deviation) } else { Shape::SYMMETRIC }
+        };
+        OPERATIONS.iter().zip(classes).map(of).collect()
+    }
+
     /// Scatter that is measured in pools of operations that scatter by `scatter` themselves.
-    fn pooled(&self, time: f64, scatter: f64, pools: &[Pool]) -> f64 {
+    fn pooled(&self, program: Timed<'_>, scatter: f64, pools: &[Pool]) -> f64 {
         let mut rates: Vec<f64> = pools.iter().map(|pool| pool.rate).collect();
         rates.sort_by(f64::total_cmp);
         rates.dedup();
@@ -207,7 +226,7 @@ impl Stops {
         let mut below: Vec<(f64, f64)> = Vec::with_capacity(REPLICATIONS);
         for rate in &rates {
             let sizes: Vec<usize> = pools.iter().filter(|pool| pool.rate == *rate).map(|pool| pool.size).collect();
-            let distances = below_middles(&self.replicated(*rate, time, scatter), &sizes);
+            let distances = below_middles(&self.replicated(*rate, program, scatter), &sizes);
             // As much of it as there are operations in these pools.
             let weight = sizes.iter().sum::<usize>().max(1) as f64;
             below.extend(distances.into_iter().map(|distance| (distance, weight)));
@@ -281,21 +300,22 @@ mod tests {
         // Operations of 480 s that scatter by 1 %, every second pool with three stops an hour.
         let (stops, rate, scatter) = (Stops::default(), 3.0 / 3600.0, 0.01);
         let pools = [0.0, rate].map(|rate| Pool { size: 20, rate });
-        let deviation = stops.pooled(480.0, scatter, &pools);
-        let of = |pools: &[Pool]| stops.intrinsic(Timed { time: 480.0, deviation, exact: false, pools });
-        let found = of(&pools);
+        let of = |deviation: f64, pools| Timed { time: 480.0, deviation, exact: false, pools, scale: None };
+        let deviation = stops.pooled(of(scatter, &pools), scatter, &pools);
+        let found = stops.intrinsic(of(deviation, &pools));
         assert!((found.stopped / scatter - 1.0).abs() < 0.02, "{found:?}");
         // Without any stops a seventh more would have to stand behind the measured scatter.
         assert!((1.1..1.2).contains(&(found.planned / scatter)), "{found:?}");
         // Taken for stops of all pools they would leave about a tenth less.
-        let everywhere = of(&[Pool { size: 20, rate }]);
+        let everywhere = stops.intrinsic(of(deviation, &[Pool { size: 20, rate }]));
         assert!(everywhere.stopped < 0.95 * scatter, "{everywhere:?}");
     }
 
     #[test]
     fn as_many_operations_are_stopped_as_the_rate_says() {
         let rate = 2.0 / 3600.0;
-        let program = Timed { time: 360.0, deviation: 0.002, exact: true, pools: &[Pool { size: 15, rate }] };
+        let program =
+            Timed { time: 360.0, deviation: 0.002, exact: true, pools: &[Pool { size: 15, rate }], scale: None };
         let shape = shapes(rate, program)[class(120)];
         // All but stops of less than 1.64 scatters, exp(−1.18 s/20 s), and the mean of all.
         let stopped = (1.0 - (-rate * 360.0).exp()) * (-FAR * 0.002 * 360.0 / 20.0_f64).exp();
@@ -308,7 +328,8 @@ mod tests {
         // Of 2400 operations of 150 s half a stop an hour stops 50, three stops an hour 280.
         let stops_at = |hourly: f64| {
             let rate = hourly / 3600.0;
-            let program = Timed { time: 150.0, deviation: 0.005, exact: false, pools: &[Pool { size: 18, rate }] };
+            let program =
+                Timed { time: 150.0, deviation: 0.005, exact: false, pools: &[Pool { size: 18, rate }], scale: None };
             let shape = shapes(rate, program)[class(20)];
             (shape.excess + shape.location).exp_m1() / (hourly * MICRO_STOP / 3600.0)
         };
@@ -319,7 +340,8 @@ mod tests {
 
     #[test]
     fn the_scatter_of_small_pools_is_low_and_that_of_the_pools_that_were_measured() {
-        let normal = Stops::default().replicated(0.0, 100.0, 1e-3);
+        let program = Timed { time: 100.0, deviation: 1e-3, exact: false, pools: &[], scale: None };
+        let normal = Stops::default().replicated(0.0, program, 1e-3);
         let deviation_of = |pools: &[usize]| lower_deviation(&mut below_middles(&normal, pools)) / 1e-3;
         let [small, both, large, whole] =
             [deviation_of(&[4]), deviation_of(&[4, 30]), deviation_of(&[30]), deviation_of(&[])];
@@ -331,7 +353,8 @@ mod tests {
     fn the_middle_of_a_few_operations_moves_hardly_further_than_that_of_many() {
         // One stopped operation of two moves their middle by ten seconds; the fit takes that for an outlier.
         let rate = 1.5 / 3600.0;
-        let program = Timed { time: 480.0, deviation: 0.0048, exact: false, pools: &[Pool { size: 9, rate }] };
+        let program =
+            Timed { time: 480.0, deviation: 0.0048, exact: false, pools: &[Pool { size: 9, rate }], scale: None };
         let shapes = shapes(rate, program);
         let [few, many] = [2, 20].map(|count| shapes[class(count)].location);
         assert!(0.0 < many && many < few && few < 3.5 * many, "{few} {many}");
