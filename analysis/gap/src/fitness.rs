@@ -211,12 +211,17 @@ impl<'a> Test<'a> {
         self.places.iter().map(|place| white[*place] / freedom.sqrt()).collect()
     }
 
-    /// The innovations, those of each channel in another order.
+    /// The innovations, those of each channel in another order. What does not scatter stays among its like.
     fn exchanged(&self, innovations: &[f64], random: &mut ChaCha8Rng) -> DVector<f64> {
+        let exact = &self.model.frame().measured.exact;
         let mut column = DVector::from_column_slice(innovations);
         for (_, places, _) in &self.channels {
-            for last in (1..places.len()).rev() {
-                column.swap_rows(places[last], places[random.random_range(0..=last)]);
+            let (exact, scattering): (Vec<usize>, Vec<usize>) =
+                places.iter().partition(|place| exact[self.places[**place]]);
+            for alike in [exact, scattering] {
+                for last in (1..alike.len()).rev() {
+                    column.swap_rows(alike[last], alike[random.random_range(0..=last)]);
+                }
             }
         }
         column

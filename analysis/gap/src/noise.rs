@@ -129,13 +129,14 @@ impl Noise {
                 .filter(|run| measured.observations[run.start].channel == channel)
                 .collect();
             let standard = |i: usize| standardised[i];
-            let count: usize = runs.iter().map(|run| run.len()).sum();
+            let scatters = |i: &usize| !measured.exact[*i];
+            let count: usize = runs.iter().map(|run| (**run).clone().filter(scatters).count()).sum();
             if count < FEW {
                 continue;
             }
             let (mut product, mut square) = (0.0, 0.0);
             for run in &runs {
-                for i in run.start + 1..run.end {
+                for i in (run.start + 1..run.end).filter(|i| scatters(i) && scatters(&(i - 1))) {
                     let (a, b) = (clipped(standard(i - 1)), clipped(standard(i)));
                     product += a * b;
                     square += 0.5 * (a * a + b * b);
@@ -144,11 +145,12 @@ impl Noise {
             let memory: f64 = if square > 0.0 { (product / square).clamp(0.0, GREATEST_MEMORY) } else { 0.0 };
             let mut whitened: Vec<f64> = Vec::with_capacity(count);
             for run in &runs {
-                whitened.push(standard(run.start).abs());
                 let innovation = (1.0 - memory * memory).sqrt();
-                whitened.extend(
-                    (run.start + 1..run.end).map(|i| ((standard(i) - memory * standard(i - 1)) / innovation).abs()),
-                );
+                let white = |i: usize| match i.checked_sub(1).filter(|before| run.contains(before)) {
+                    Some(before) => ((standard(i) - memory * standard(before)) / innovation).abs(),
+                    None => standard(i).abs(),
+                };
+                whitened.extend((**run).clone().filter(scatters).map(white));
             }
             noise.memory[channel] = memory;
             // Most counts of rare events are alike and say nothing about their scatter.

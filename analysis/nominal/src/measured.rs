@@ -63,6 +63,9 @@ pub struct Measured {
     /// Whether nobody states how much a channel scatters beside its sensor, as loading does where the file gives it
     /// one time: its scatter is read off the records.
     pub unstated: Vec<bool>,
+    /// Whether a value scatters by nothing, by observation: its deviation is what a clock may be off by, and it says nothing
+    /// about the scatter of others.
+    pub exact: Vec<bool>,
 }
 
 impl Measured {
@@ -92,8 +95,9 @@ impl Measured {
             spans.push(start..observations.len());
         }
         let (rare, unstated) = (vec![false; channels.len()], vec![false; channels.len()]);
+        let exact = vec![false; observations.len()];
         let channels = channels.into_iter().map(|(channel, _)| channel).collect();
-        Self { channels, observations, groups, group_of_row, spans, runs, fitted, rare, unstated }
+        Self { channels, observations, groups, group_of_row, spans, runs, fitted, rare, unstated, exact }
     }
 
     /// Number of values.

@@ -137,9 +137,26 @@ impl ShopModel {
             let scatter = blocks[observation.row].deviations[self.figures[observation.channel]];
             observation.deviation = observation.deviation.hypot(scatter);
         }
+        measured.exact = measured.observations.iter().map(|own| self.is_exact(own)).collect();
         let count = |own: &Observation| blocks[own.row].counts[self.figures[own.channel]];
         self.frame.stands_for = measured.observations.iter().map(count).collect();
         self.frame.measured = measured;
+    }
+
+    /// Whether a value is of times in cut that do not scatter.
+    fn is_exact(&self, observation: &Observation) -> bool {
+        match self.figures[observation.channel] {
+            Figure::CuttingTime | Figure::CuttingTail | Figure::CuttingExcess | Figure::CuttingSpread => {
+                self.blocks.list[observation.row].program.is_some_and(|program| self.blocks.exact[program])
+            }
+            Figure::HandlingTime
+            | Figure::HandlingSpread
+            | Figure::ToolChangeTime
+            | Figure::FeedHoldTime
+            | Figure::StopCount
+            | Figure::EdgeLife
+            | Figure::FailureInterval => false,
+        }
     }
 
     /// The channel of a figure, where it was measured.
