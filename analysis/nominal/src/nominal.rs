@@ -15,7 +15,7 @@ use toolroom_effects::Definition;
 use toolroom_form::{Form, Key, Kind, Outline, Section, Walk};
 use toolroom_infeed::Infeed;
 use toolroom_records::{RecordKind, Records};
-use toolroom_scenario::{Calibration, GapSection, ProcessModel, Scenario};
+use toolroom_scenario::{Calibration, GapSection, ProcessModel, Scenario, Tool};
 use toolroom_scenario_file::{self as file, GAP};
 
 /// Stretches of part programs that are reported by name.
@@ -180,8 +180,13 @@ impl NominalModel {
     ) -> Result<Self, ModelFileError> {
         let tools = scenario.map_or(&[][..], |scenario| &scenario.tools);
         let wanted = section.as_ref().and_then(|section| section.process.clone());
-        let wanted = wanted.or_else(|| tools.first().map(|tool| tool.process.name().to_owned()));
-        let wanted = wanted.unwrap_or_else(|| "empirical".to_owned());
+        let simulated = |tool: &&Tool| match tool.bare() {
+            ProcessModel::Turning(_) | ProcessModel::Milling(_) | ProcessModel::Infeed(_) => true,
+            ProcessModel::Other(_) => false,
+        };
+        let wanted = wanted.or_else(|| tools.iter().find(simulated).map(|tool| tool.process.name().to_owned()));
+        // A shop without a process of ours is diagnosed by the log of its machines.
+        let wanted = wanted.unwrap_or_else(|| if scenario.is_some() { "shop" } else { "empirical" }.to_owned());
         let process = if wanted == "empirical" {
             NominalProcess::Empirical
         } else if let ("shop", Some(scenario)) = (wanted.as_str(), scenario) {

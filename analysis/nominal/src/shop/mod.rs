@@ -21,6 +21,7 @@ mod block;
 mod booked;
 mod catalogue;
 mod constant;
+mod expected;
 mod figure;
 mod kpi;
 mod logs;

@@ -14,7 +14,7 @@ pub static GAP: Form = Form {
         Key::optional(
             "process",
             Kind::Choice(&["turning", "milling", "infeed", "empirical", "shop", "program"]),
-            "Process that is diagnosed; that of the first tool, if left out",
+            "Process that is diagnosed; if left out, that of the first tool that is simulated, of a scenario without one its machines by their log (shop)",
         ),
         Key::default("force", SPREAD, "0.08", "Force coefficients"),
         Key::default("temperature", SPREAD, "0.05", "Temperature coefficients"),
