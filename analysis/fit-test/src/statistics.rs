@@ -85,7 +85,7 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// A channel whose scores lie in `groups` and may follow `covariates`, of any length.
+    /// A channel whose scores lie in `groups`, which share none, and may follow `covariates`, of any length.
     pub fn new(groups: Vec<Range<usize>>, mut covariates: Vec<Vec<f64>>) -> Self {
         for covariate in &mut covariates {
             let length = covariate.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -35,19 +35,13 @@ impl Structured {
     /// ```
     pub fn from_scores(scores: &[f64], channel: &Channel) -> Option<Self> {
         let count = scores.len();
-        let directions = directions(count, channel);
-        if 2 * directions.len() > count || count == 0 {
-            return None;
-        }
+        let directions = Directions::new(count, channel)?;
         let mut left = scores.to_vec();
-        for direction in &directions {
-            let share = dot(direction, scores);
-            left.iter_mut().zip(direction).for_each(|(left, own)| *left -= share * own);
-        }
+        directions.take_out(&mut left);
         let total = dot(&left, &left);
         let along = (dot(scores, scores) - total).max(0.0);
-        let memory = memory(&left, &directions, &channel.groups);
-        let lengths: Vec<f64> = directions.iter().map(|own| remembered(own, memory, &channel.groups)).collect();
+        let memory = directions.memory(&left);
+        let lengths = directions.remembered(memory);
         let length: f64 = lengths.iter().sum();
         let noise = total / (count as f64 - length).max(0.5 * count as f64);
         let beyond = along - length * noise;
@@ -62,56 +56,92 @@ impl Structured {
 /// Greatest memory that is believed of noise (1). Assumption: what remembers longer is a drift.
 const GREATEST_MEMORY: f64 = 0.7;
 
-/// Correlation of neighbours in a group of what the directions leave, made up for what the directions themselves do to
-/// it; not below zero.
-fn memory(left: &[f64], directions: &[Vec<f64>], groups: &[Range<usize>]) -> f64 {
-    let neighbours = |of: &[f64]| -> f64 {
-        groups.iter().map(|group| of[group.clone()].windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>()).sum()
-    };
-    let pairs: usize = groups.iter().map(|group| group.len().saturating_sub(1)).sum();
-    let noise = dot(left, left) / (left.len() - directions.len()) as f64;
-    if pairs == 0 || noise <= 0.0 {
-        return 0.0;
-    }
-    let taken: f64 = directions.iter().map(|own| neighbours(own)).sum();
-    ((neighbours(left) / noise + taken) / pairs as f64).clamp(0.0, GREATEST_MEMORY)
+/// Orthonormal directions of the groups, the mean and the covariates. Those of groups, of which a shop has thousands, are one
+/// number each.
+struct Directions<'a> {
+    /// Groups with scores, which share none.
+    groups: Vec<&'a Range<usize>>,
+    /// The others, one after the other.
+    others: Vec<Vec<f64>>,
 }
 
-/// Variance along a direction of unit length of noise of unit variance with this correlation of neighbours in a group.
-fn remembered(direction: &[f64], memory: f64, groups: &[Range<usize>]) -> f64 {
-    let of_group = |group: &Range<usize>| {
-        let (mut sum, mut before) = (0.0, 0.0);
-        for x in &direction[group.clone()] {
-            sum += x * (x + 2.0 * before);
-            before = memory * (before + x);
+impl<'a> Directions<'a> {
+    /// `None` where there are more than half as many as scores, or no scores.
+    fn new(count: usize, channel: &'a Channel) -> Option<Self> {
+        let groups: Vec<&Range<usize>> = channel.groups.iter().filter(|group| !group.is_empty()).collect();
+        let mut directions = Self { groups, others: Vec::new() };
+        if count == 0 || 2 * directions.groups.len() > count {
+            return None;
         }
-        sum
-    };
-    groups.iter().map(of_group).sum()
-}
-
-/// Orthonormal directions of the mean, the groups and the covariates.
-fn directions(count: usize, channel: &Channel) -> Vec<Vec<f64>> {
-    let indicator = |rows: &Range<usize>| (0..count).map(|i| f64::from(u8::from(rows.contains(&i)))).collect();
-    let groups = channel.groups.iter().map(indicator);
-    let mut found: Vec<Vec<f64>> = Vec::new();
-    for mut column in std::iter::once(vec![1.0; count]).chain(groups).chain(channel.covariates.iter().cloned()) {
-        let whole = dot(&column, &column);
-        // Twice, since rounding of the first pass is as large as what is left of a column that is nearly known.
-        for _ in 0..2 {
-            for direction in &found {
-                let share = dot(direction, &column);
-                column.iter_mut().zip(direction).for_each(|(x, own)| *x -= share * own);
+        for mut column in std::iter::once(vec![1.0; count]).chain(channel.covariates.iter().cloned()) {
+            let whole = dot(&column, &column);
+            // Twice, since rounding of the first pass is as large as what is left of a column that is nearly known.
+            directions.take_out(&mut column);
+            directions.take_out(&mut column);
+            let left = dot(&column, &column);
+            if left > NEW * whole && left.is_finite() {
+                let length = left.sqrt();
+                column.iter_mut().for_each(|x| *x /= length);
+                directions.others.push(column);
             }
         }
-        let left = dot(&column, &column);
-        if left > NEW * whole && left.is_finite() {
-            let length = left.sqrt();
-            column.iter_mut().for_each(|x| *x /= length);
-            found.push(column);
+        (2 * directions.len() <= count).then_some(directions)
+    }
+
+    fn len(&self) -> usize {
+        self.groups.len() + self.others.len()
+    }
+
+    /// Takes the directions out of `column`.
+    fn take_out(&self, column: &mut [f64]) {
+        for group in &self.groups {
+            let of_group = &mut column[(*group).clone()];
+            let mean = of_group.iter().sum::<f64>() / of_group.len() as f64;
+            of_group.iter_mut().for_each(|x| *x -= mean);
+        }
+        for own in &self.others {
+            let share = dot(own, column);
+            column.iter_mut().zip(own).for_each(|(x, own)| *x -= share * own);
         }
     }
-    found
+
+    /// Correlation of neighbours in a group of what the directions leave, made up for what the directions themselves do to
+    /// it; not below zero.
+    fn memory(&self, left: &[f64]) -> f64 {
+        let neighbours = |of: &[f64]| -> f64 {
+            let of_group =
+                |group: &&Range<usize>| of[(*group).clone()].windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+            self.groups.iter().map(of_group).sum()
+        };
+        let pairs: usize = self.groups.iter().map(|group| group.len() - 1).sum();
+        let noise = dot(left, left) / (left.len() - self.len()) as f64;
+        if pairs == 0 || noise <= 0.0 {
+            return 0.0;
+        }
+        let by_groups: f64 = self.groups.iter().map(|group| (group.len() - 1) as f64 / group.len() as f64).sum();
+        let taken = by_groups + self.others.iter().map(|own| neighbours(own)).sum::<f64>();
+        ((neighbours(left) / noise + taken) / pairs as f64).clamp(0.0, GREATEST_MEMORY)
+    }
+
+    /// Variance along each direction of noise of unit variance with this correlation of neighbours in a group.
+    fn remembered(&self, memory: f64) -> Vec<f64> {
+        let in_group = |values: &mut dyn Iterator<Item = f64>| {
+            let (mut sum, mut before) = (0.0, 0.0);
+            for x in values {
+                sum += x * (x + 2.0 * before);
+                before = memory * (before + x);
+            }
+            sum
+        };
+        let of_group = |group: &&Range<usize>| {
+            let own = (group.len() as f64).sqrt().recip();
+            in_group(&mut std::iter::repeat_n(own, group.len()))
+        };
+        let along = |own: &Vec<f64>| {
+            self.groups.iter().map(|group| in_group(&mut own[(*group).clone()].iter().copied())).sum::<f64>()
+        };
+        self.groups.iter().map(of_group).chain(self.others.iter().map(along)).collect()
+    }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
