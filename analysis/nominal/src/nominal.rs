@@ -15,7 +15,7 @@ use toolroom_effects::Definition;
 use toolroom_form::{Form, Key, Kind, Outline, Section, Walk};
 use toolroom_infeed::Infeed;
 use toolroom_records::{RecordKind, Records};
-use toolroom_scenario::{Calibration, GapSection, ProcessModel, Scenario, Tool};
+use toolroom_scenario::{Calibration, GapSection, ProcessModel, Scenario, ToolType};
 use toolroom_scenario_file::{self as file, GAP};
 
 /// Stretches of part programs that are reported by name.
@@ -180,7 +180,7 @@ impl NominalModel {
     ) -> Result<Self, ModelFileError> {
         let tools = scenario.map_or(&[][..], |scenario| &scenario.tools);
         let wanted = section.as_ref().and_then(|section| section.process.clone());
-        let simulated = |tool: &&Tool| match tool.bare() {
+        let simulated = |tool: &&ToolType| match tool.bare() {
             ProcessModel::Turning(_) | ProcessModel::Milling(_) | ProcessModel::Infeed(_) => true,
             ProcessModel::Other(_) => false,
         };
